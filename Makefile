@@ -1,0 +1,45 @@
+# `make help` lists the targets. An active environment, or the one given as VENV=, is used instead of making .venv.
+VENV ?= $(or $(VIRTUAL_ENV),.venv)
+PYTHON ?= python3
+BIN := $(VENV)/bin
+# One stamp a checkout: an environment that another checkout has been installed into since is installed into again.
+STAMP := $(VENV)/.lidardraft-$(firstword $(shell echo "$(CURDIR)" | cksum))
+RUST := $(shell find rust -name '*.rs' 2>/dev/null) Cargo.toml Cargo.lock rust/python/Cargo.toml
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test check bench install weights
+
+help: ## list the targets
+	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 10
+
+demo: install ## a sentence becomes a labelled LiDAR scan in out/demo/
+	$(BIN)/python examples/demo.py
+
+test: install ## all tests, Python and Rust
+	$(BIN)/python -m pytest
+	PYO3_PYTHON="$(abspath $(BIN)/python)" cargo test --workspace --quiet
+
+check: install ## formatters, linters, types, and the extension's types against its stub
+	cargo fmt --all --check
+	PYO3_PYTHON="$(abspath $(BIN)/python)" cargo clippy --workspace --all-targets --quiet -- -D warnings
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/python -m mypy.stubtest lidardraft._core --ignore-missing-stub
+
+bench: install ## rays per second of the caster
+	cargo bench
+
+weights: install ## train the default weights anew, from procedural streets to the packaged file
+	$(BIN)/lidardraft-train street
+
+install: $(STAMP)
+
+$(STAMP): pyproject.toml constraints.txt $(RUST)
+	@command -v cargo >/dev/null || { echo "lidardraft needs a Rust toolchain (cargo): see rustup.rs" >&2; exit 1; }
+	@test -x "$(BIN)/python" || command -v $(PYTHON) >/dev/null || { echo "lidardraft needs Python 3.10 or newer: $(PYTHON) not found" >&2; exit 1; }
+	@test -x "$(BIN)/python" || $(PYTHON) -c 'import sys; v = sys.version_info; sys.exit(v < (3, 10) and f"lidardraft needs Python 3.10 or newer: $(PYTHON) is {v[0]}.{v[1]}; say make PYTHON=...")'
+	@test -x "$(BIN)/python" || $(PYTHON) -m venv "$(VENV)"
+	"$(BIN)/python" -m pip install --disable-pip-version-check --quiet --progress-bar on -c constraints.txt -e '.[dev]'
+	@rm -f $(VENV)/.lidardraft-*
+	@touch $@

@@ -1,0 +1,48 @@
+"""Anything a person has becomes a layout of semantic shapes, and the layout a LiDAR scan."""
+
+import importlib
+from typing import Any
+
+from lidardraft.errors import LidarDraftError
+from lidardraft.scene.layout import Box, Layout, Primitive
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.raycast import Raycaster, raycast
+from lidardraft.scene.sensor import Sensor
+from lidardraft.semantics import CLASSES, SemanticClass
+
+# What needs lark, scikit-learn or torch is imported when it is first asked for.
+_LAZY = {
+    "Pipeline": "lidardraft.pipeline",
+    "Scan": "lidardraft.pipeline",
+    "layout_from_text": "lidardraft.drafting.text",
+    "layout_from_cloud": "lidardraft.drafting.cloud",
+    "streets": "lidardraft.streets.street",
+}
+
+__all__ = [
+    "CLASSES",
+    "Box",
+    "Layout",
+    "LidarDraftError",
+    "Pipeline",
+    "Primitive",
+    "RangeImage",
+    "Raycaster",
+    "Scan",
+    "SemanticClass",
+    "Sensor",
+    "layout_from_cloud",
+    "layout_from_text",
+    "raycast",
+    "streets",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _LAZY:
+        return getattr(importlib.import_module(_LAZY[name]), name)
+    raise AttributeError(f"module 'lidardraft' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,170 @@
+"""The `lidardraft` command."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lidardraft.errors import FormatError, LidarDraftError
+from lidardraft.scene.layout import Layout
+from lidardraft.scene.raycast import raycast
+from lidardraft.scene.sensor import PRESETS, Sensor
+
+if TYPE_CHECKING:
+    from lidardraft.pipeline import Pipeline
+
+
+def draft(arguments: argparse.Namespace) -> None:
+    """A sentence or a labelled scan becomes a layout."""
+    layout = _layout(arguments, arguments.seed)
+    layout.save(arguments.output)
+    print(f"{arguments.output}: {len(layout)} primitives")
+
+
+def cast(arguments: argparse.Namespace) -> None:
+    """A layout becomes a drawing: depth, label and instance images."""
+    image = raycast(Layout.load(arguments.layout), Sensor.preset(arguments.sensor))
+    image.save(arguments.output)
+    print(f"{arguments.output}: {image.sensor.name}, {image.valid.mean():.0%} of the rays hit")
+
+
+def generate(arguments: argparse.Namespace) -> None:
+    """A sentence, a layout or a labelled scan becomes labelled scans."""
+    from tqdm import tqdm
+
+    sensor = Sensor.preset(arguments.sensor)
+    first = _layout(arguments, arguments.seed)
+    pipeline = _pipeline(arguments)
+    folder = Path(arguments.output)
+    folder.mkdir(parents=True, exist_ok=True)
+    for number in tqdm(range(arguments.num), unit="scan", disable=arguments.num == 1):
+        seed = arguments.seed + number
+        layout = first if number == 0 or not arguments.text else _layout(arguments, seed)
+        pipeline(layout, sensor=sensor, seed=seed).save(folder / f"{number:06d}")
+    print(f"{folder}: {arguments.num} scan{'s' * (arguments.num > 1)}")
+
+
+def view(arguments: argparse.Namespace) -> None:
+    """A .bin scan (with the .label beside it), an .npz range image or a .json layout becomes a picture."""
+    from lidardraft import view
+
+    path = Path(arguments.path)
+    output = Path(arguments.output) if arguments.output else path.with_suffix(".view.png")
+    view.save_png(view.draw_file(path, Sensor.preset(arguments.sensor)), output)
+    print(output)
+
+
+def evaluate(arguments: argparse.Namespace) -> None:
+    """How well generated scans of unseen streets obey their layouts, beside random weights and the drawing itself."""
+    from lidardraft.evaluation import evaluate
+
+    for row in evaluate(_pipeline(arguments), num=arguments.num, seed=arguments.seed):
+        print(row, flush=True)
+
+
+def _layout(arguments: argparse.Namespace, seed: int) -> Layout:
+    if arguments.text:
+        from lidardraft.drafting.text import layout_from_text
+
+        layout = layout_from_text(arguments.text, seed=seed)
+        if layout.provenance["not_understood"]:
+            print(f"not understood: {', '.join(layout.provenance['not_understood'])}", file=sys.stderr)
+        return layout
+    if arguments.points:
+        from lidardraft.drafting.cloud import layout_from_cloud
+        from lidardraft.formats import kitti, semantickitti
+
+        if not arguments.labels:
+            raise FormatError("--points needs --labels: a layout is made of classes")
+        points, _ = kitti.read_bin(arguments.points)
+        labels, instances = semantickitti.read_label(arguments.labels, num_points=len(points))
+        height = Sensor.preset(arguments.sensor).mount_height
+        return layout_from_cloud(points, labels, instances=instances, sensor_height=height)
+    return Layout.load(arguments.layout)
+
+
+def _pipeline(arguments: argparse.Namespace) -> Pipeline:
+    from lidardraft.pipeline import Pipeline
+
+    return Pipeline.from_pretrained(arguments.weights, device=arguments.device, steps=arguments.steps)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="lidardraft", description="From a sentence, a scan or a layout to LiDAR scans.")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    def command(name: str, run: object) -> argparse.ArgumentParser:
+        text = run.__doc__ or ""
+        added = commands.add_parser(name, help=text, description=text)
+        added.set_defaults(run=run)
+        return added
+
+    def source(added: argparse.ArgumentParser) -> argparse._MutuallyExclusiveGroup:
+        group = added.add_mutually_exclusive_group(required=True)
+        group.add_argument("--text", metavar="SENTENCE", help="what is on the road")
+        group.add_argument("--points", metavar="FILE.bin", help="a scan: KITTI float32 x y z intensity")
+        added.add_argument("--labels", metavar="FILE.label", help="its SemanticKITTI labels")
+        added.add_argument("--seed", type=int, default=0, help="the same seed gives the same result (default 0)")
+        return group
+
+    def sensor(added: argparse.ArgumentParser) -> None:
+        text = f"{', '.join(PRESETS)} or a .json file (default hdl64e)"
+        added.add_argument("--sensor", default="hdl64e", metavar="NAME", help=text)
+
+    def weights(added: argparse.ArgumentParser) -> None:
+        added.add_argument("--weights", default="street", metavar="NAME", help="packaged weights or a file (default street)")
+        added.add_argument("--steps", type=_positive, default=10, help="sampling steps (default 10)")
+        added.add_argument("--device", default="cpu", help="torch device (default cpu)")
+
+    added = command("draft", draft)
+    source(added)
+    sensor(added)
+    added.add_argument("-o", "--output", required=True, metavar="LAYOUT.json")
+
+    added = command("raycast", cast)
+    added.add_argument("layout", metavar="LAYOUT.json")
+    sensor(added)
+    added.add_argument("-o", "--output", required=True, metavar="DRAWING.npz")
+
+    added = command("generate", generate)
+    source(added).add_argument("--layout", metavar="LAYOUT.json", help="a layout")
+    sensor(added)
+    weights(added)
+    added.add_argument("-n", "--num", type=_positive, default=1, help="how many scans, seeds counting up (default 1)")
+    added.add_argument("-o", "--output", required=True, metavar="FOLDER")
+
+    added = command("view", view)
+    added.add_argument("path", metavar="FILE")
+    sensor(added)
+    added.add_argument("-o", "--output", metavar="PICTURE.png", help="default: FILE.view.png")
+
+    added = command("evaluate", evaluate)
+    weights(added)
+    added.add_argument("-n", "--num", type=_positive, default=50, help="how many streets (default 50)")
+    added.add_argument("--seed", type=int, default=1_000_000, help="the first street's seed (default 1000000)")
+    return parser
+
+
+def _positive(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{value} is less than 1")
+    return value
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line; 0 on success, 2 where the input is wrong."""
+    arguments = _parser().parse_args(argv)
+    try:
+        arguments.run(arguments)
+    except (LidarDraftError, OSError) as error:
+        print(f"lidardraft: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

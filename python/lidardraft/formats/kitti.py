@@ -1,0 +1,50 @@
+"""KITTI scans: .bin files of float32 x y z intensity, in the sensor frame (Geiger et al., IJRR 2013)."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from lidardraft.errors import FormatError
+from lidardraft.formats.atomic import replace_file
+
+_POINT_BYTES = 16
+
+
+def read_bin(path: str | os.PathLike[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Points f32 [N, 3] in metres and intensity f32 [N] in [0, 1].
+
+    Raises `FormatError` on a missing or truncated file, a value that is not finite, and an intensity out of range.
+    """
+    name = os.fspath(path)
+    try:
+        data = Path(path).read_bytes()
+    except OSError as error:
+        raise FormatError(f"{name}: {error.strerror}") from None
+    if len(data) % _POINT_BYTES:
+        raise FormatError(f"{name} has {len(data)} bytes; a KITTI scan has {_POINT_BYTES} a point, so it is truncated")
+    scan = np.frombuffer(data, dtype="<f4").reshape(-1, 4).astype(np.float32)
+    _check(name, scan)
+    return scan[:, :3].copy(), scan[:, 3].copy()
+
+
+def write_bin(path: str | os.PathLike[str], points: np.ndarray, intensity: np.ndarray) -> None:
+    """Write points [N, 3] in metres and intensity [N] in [0, 1]; the inverse of `read_bin`, with the same limits."""
+    name = os.fspath(path)
+    if points.ndim != 2 or points.shape[1] != 3 or intensity.shape != points.shape[:1]:
+        raise FormatError(f"{name}: points {points.shape} and intensity {intensity.shape} must be [N, 3] and [N]")
+    scan = np.column_stack([points, intensity]).astype("<f4")
+    _check(name, scan)
+    with replace_file(path) as temporary:
+        temporary.write_bytes(scan.tobytes())
+
+
+def _check(name: str, scan: np.ndarray) -> None:
+    broken = np.flatnonzero(~np.isfinite(scan).all(axis=1))
+    if len(broken):
+        raise FormatError(f"{name}: point {broken[0]} is {scan[broken[0]].tolist()}; every value must be finite")
+    outside = np.flatnonzero((scan[:, 3] < 0) | (scan[:, 3] > 1))
+    if len(outside):
+        raise FormatError(f"{name}: point {outside[0]} has intensity {scan[outside[0], 3]}; KITTI has 0 to 1")

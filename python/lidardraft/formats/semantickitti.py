@@ -1,0 +1,104 @@
+"""SemanticKITTI labels: .label files of one uint32 a point, class in the low 16 bits, instance in the high 16 bits.
+
+The tables follow semantic-kitti.yaml (Behley et al., ICCV 2019). Reading loses: moving or not; parking and lane marking
+(road); other ground (terrain); other vehicle (truck); bicyclist or motorcyclist (rider); other structure and other object
+(other); outlier and unlabelled (none). Writing loses wall (fence) and traffic light (other object), which SemanticKITTI
+does not have.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from lidardraft.errors import FormatError
+from lidardraft.formats.atomic import replace_file
+from lidardraft.semantics import BY_NAME, CLASSES, NUM_CLASSES
+
+CLASS_FROM_RAW: dict[int, str] = {
+    0: "none",  # unlabeled
+    1: "none",  # outlier
+    10: "car",
+    11: "bicycle",
+    13: "bus",
+    15: "motorcycle",
+    16: "train",  # on-rails
+    18: "truck",
+    20: "truck",  # other-vehicle
+    30: "person",
+    31: "rider",  # bicyclist
+    32: "rider",  # motorcyclist
+    40: "road",
+    44: "road",  # parking
+    48: "sidewalk",
+    49: "terrain",  # other-ground
+    50: "building",
+    51: "fence",
+    52: "other",  # other-structure
+    60: "road",  # lane-marking
+    70: "vegetation",
+    71: "trunk",
+    72: "terrain",
+    80: "pole",
+    81: "traffic-sign",
+    99: "other",  # other-object
+    252: "car",  # 252 to 259 are moving
+    253: "rider",
+    254: "person",
+    255: "rider",
+    256: "train",
+    257: "bus",
+    258: "truck",
+    259: "truck",
+}
+
+# The first raw id of a class is the one written; the two classes without one get the nearest.
+RAW_FROM_CLASS: dict[str, int] = {
+    **{name: raw for raw, name in reversed(CLASS_FROM_RAW.items())},
+    "other": 99,
+    "wall": 51,
+    "traffic-light": 99,
+}
+
+_INSTANCE_LIMIT = 2**16 - 1
+
+
+def read_label(path: str | os.PathLike[str], count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Class ids u8 [count] of `semantics.CLASSES` and instances u32 [count], counted by SemanticKITTI for each class.
+
+    Raises `FormatError` where the file is not of `count` labels or has a class that SemanticKITTI does not have.
+    """
+    name = os.fspath(path)
+    try:
+        data = Path(path).read_bytes()
+    except OSError as error:
+        raise FormatError(f"{name}: {error.strerror}") from None
+    if len(data) != 4 * count:
+        raise FormatError(f"{name} has {len(data)} bytes; {count} points need {4 * count}, four a label")
+    words = np.frombuffer(data, dtype="<u4")
+    raw = words & 0xFFFF
+    table = np.full(2**16, NUM_CLASSES, dtype=np.uint8)
+    for raw_id, class_name in CLASS_FROM_RAW.items():
+        table[raw_id] = BY_NAME[class_name].id
+    label = table[raw]
+    unknown = np.flatnonzero(label == NUM_CLASSES)
+    if len(unknown):
+        raise FormatError(f"{name}: point {unknown[0]} has class {raw[unknown[0]]}, which SemanticKITTI does not have")
+    return label, words >> 16
+
+
+def write_label(path: str | os.PathLike[str], label: np.ndarray, instance: np.ndarray) -> None:
+    """Write class ids [N] of `semantics.CLASSES` and instances [N] as SemanticKITTI labels."""
+    name = os.fspath(path)
+    if label.ndim != 1 or instance.shape != label.shape:
+        raise FormatError(f"{name}: label {label.shape} and instance {instance.shape} must both be [N]")
+    for values, what, limit in ((label, "class", NUM_CLASSES - 1), (instance, "instance", _INSTANCE_LIMIT)):
+        outside = np.flatnonzero((values < 0) | (values > limit))
+        if len(outside):
+            raise FormatError(f"{name}: point {outside[0]} has {what} {values[outside[0]]}; it must be 0 to {limit}")
+    table = np.array([RAW_FROM_CLASS[row.name] for row in CLASSES], dtype="<u4")
+    words = table[label] | (instance.astype("<u4") << np.uint32(16))
+    with replace_file(path) as temporary:
+        temporary.write_bytes(words.astype("<u4").tobytes())

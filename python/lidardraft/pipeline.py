@@ -1,0 +1,112 @@
+"""The product in one screen: draft, raycast, generate, label."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from lidardraft import view
+from lidardraft.diffusion import checkpoint
+from lidardraft.diffusion.codec import decode_scan, encode_condition
+from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.diffusion.sampler import sample
+from lidardraft.drafting.text import layout_from_text
+from lidardraft.errors import CheckpointError
+from lidardraft.formats import boxes, kitti, semantickitti
+from lidardraft.scene.labelling import label_from_drawing
+from lidardraft.scene.layout import Box, Layout
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.raycast import raycast
+from lidardraft.scene.sensor import Sensor
+
+WEIGHTS = Path(__file__).parent / "weights"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Scan:
+    """A generated, labelled scan with the drawing and the layout it was generated from."""
+
+    image: RangeImage
+    drawing: RangeImage
+    layout: Layout
+    pose: np.ndarray
+    seed: int
+
+    def points(self) -> np.ndarray:
+        """x, y, z [m, sensor frame] and intensity [0, 1] of the returns, float32 [N, 4]."""
+        assert self.image.intensity is not None
+        return np.concatenate([self.image.points(), self.image.intensity[self.image.valid][:, None]], axis=1)
+
+    def labels(self) -> np.ndarray:
+        """Class ids of `points()`, uint8 [N]; 0 where the scan departs from the layout."""
+        return self.image.label[self.image.valid]
+
+    def instances(self) -> np.ndarray:
+        """Instance numbers of `points()`, uint32 [N]; 0 for stuff."""
+        return self.image.instance[self.image.valid]
+
+    def boxes(self) -> list[Box]:
+        """Boxes of the layout's things in the sensor frame."""
+        return [box.seen_from(self.pose) for box in self.layout.boxes()]
+
+    def picture(self) -> np.ndarray:
+        """Layout, drawing and scan side by side over the drawn and the generated range image, uint8 [H, W, 3]."""
+        views = [
+            view.caption(view.draw_layout(self.layout), "layout"),
+            view.caption(view.draw_scan(self.drawing, self.pose, by_label=True), "drawing"),
+            view.caption(view.draw_scan(self.image, self.pose, by_label=True), "scan"),
+        ]
+        images = [view.caption(view.draw_image(self.drawing), "drawing"), view.caption(view.draw_image(self.image), "scan")]
+        return view.stack([view.stack(views, across=True), view.stack(images, across=True)])
+
+    def save(self, scan: str | os.PathLike[str]) -> None:
+        """Write beside each other `NAME.bin`, `.label`, `.boxes.json`, `.layout.json` and `.png` for `scan` = ".../NAME"."""
+        stem = os.fspath(scan)
+        kitti.write_bin(f"{stem}.bin", self.points())
+        semantickitti.write_label(f"{stem}.label", self.labels(), self.instances())
+        boxes.write_boxes(f"{stem}.boxes.json", self.boxes(), self.instances())
+        self.layout.save(f"{stem}.layout.json")
+        view.save_png(self.picture(), f"{stem}.png")
+
+
+class Pipeline:
+    """A denoiser and the sensor it was trained for, ready to turn sentences and layouts into scans."""
+
+    def __init__(self, denoiser: Denoiser, *, sensor: Sensor | None = None, steps: int = 10) -> None:
+        self.denoiser = denoiser.eval()
+        self.sensor = sensor or Sensor.preset("hdl64e")
+        self.steps = steps
+
+    @classmethod
+    def from_pretrained(cls, name: str | os.PathLike[str] = "street", *, device: str = "cpu", steps: int = 10) -> Pipeline:
+        """The packaged weights of that name, or the weight file at that path; raises `CheckpointError`."""
+        packaged = WEIGHTS / f"{os.fspath(name)}.safetensors"
+        path = packaged if packaged.exists() else Path(name)
+        if not path.exists():
+            names = ", ".join(sorted(file.stem for file in WEIGHTS.glob("*.safetensors")))
+            raise CheckpointError(f"weights are {os.fspath(name)!r}; they must be a file or one of: {names}")
+        return cls(checkpoint.load(path).to(device), steps=steps)
+
+    def __call__(self, source: str | Layout, *, sensor: Sensor | None = None, seed: int = 0) -> Scan:
+        """The scan of a sentence or a layout. Same arguments, same scan; another seed gives another one (of a sentence, with
+        another layout too)."""
+        sensor = sensor or self.sensor
+        layout = layout_from_text(source, seed=seed) if isinstance(source, str) else source
+        pose = sensor.pose()
+        drawing = raycast(layout, sensor, pose)
+        *_, generated = self.denoising(drawing, seed=seed)
+        image = label_from_drawing(generated, drawing, layout, pose)
+        return Scan(image=image, drawing=drawing, layout=layout, pose=pose, seed=seed)
+
+    @torch.inference_mode()
+    def denoising(self, drawing: RangeImage, *, seed: int = 0) -> Iterator[RangeImage]:
+        """The scan while it takes shape, one unlabelled image for each sampling step; the last is the result."""
+        device = next(self.denoiser.parameters()).device
+        condition = torch.from_numpy(encode_condition(drawing))[None].to(device)
+        for state in sample(self.denoiser, condition=condition, seeds=[seed], steps=self.steps):
+            yield decode_scan(state[0].cpu().numpy(), drawing.sensor)

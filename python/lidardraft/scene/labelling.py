@@ -1,0 +1,46 @@
+"""Labels for a generated scan, from the drawing and the layout it was generated from."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.semantics import BY_NAME
+
+RANGE_TOLERANCE = 0.5  # m
+RELATIVE_TOLERANCE = 0.05
+_GROWTH = 0.3  # m; how far outside a drawn shape a point still belongs to it
+
+
+def agrees(depth: np.ndarray, drawn: np.ndarray) -> np.ndarray:
+    """Where two depth images [H, W] both have a return and agree within 0.5 m or 5 % of the drawn range."""
+    tolerance = np.maximum(RANGE_TOLERANCE, RELATIVE_TOLERANCE * drawn)
+    return (depth > 0) & (drawn > 0) & (np.abs(depth - drawn) <= tolerance)
+
+
+def label_from_drawing(scan: RangeImage, drawing: RangeImage, layout: Layout, pose: np.ndarray) -> RangeImage:
+    """`scan` with label and instance: the drawing's where the ranges agree, else those of the smallest shape of the layout
+    around the point (grown by 0.3 m), else none. `pose` is world_from_sensor [4, 4] of both images."""
+    near = agrees(scan.depth, drawing.depth)
+    label = np.where(near, drawing.label, 0).astype(np.uint8)
+    instance = np.where(near, drawing.instance, 0).astype(np.uint32)
+    rest = scan.valid & ~near
+    points = scan.sensor.pattern.points(scan.depth)[rest] @ pose[:3, :3].T + pose[:3, 3]
+    rest_label, rest_instance = label[rest], instance[rest]
+    # From the largest to the smallest, so that of nested shapes the smallest is written last.
+    for primitive in sorted(layout, key=lambda p: -float(np.prod(np.maximum(p.size, _GROWTH)))):
+        inside = _inside(primitive, points)
+        rest_label[inside], rest_instance[inside] = BY_NAME[primitive.label].id, primitive.instance
+    label[rest], instance[rest] = rest_label, rest_instance
+    return dataclasses.replace(scan, label=label, instance=instance)
+
+
+def _inside(primitive: Primitive, points: np.ndarray) -> np.ndarray:
+    offset = points - primitive.center
+    cos, sin = np.cos(primitive.yaw), np.sin(primitive.yaw)
+    x, y = cos * offset[:, 0] + sin * offset[:, 1], cos * offset[:, 1] - sin * offset[:, 0]
+    local = np.stack([x, y, offset[:, 2]], axis=1)
+    return (np.abs(local) <= np.asarray(primitive.size) / 2 + _GROWTH).all(axis=1)

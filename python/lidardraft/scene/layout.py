@@ -1,0 +1,248 @@
+"""The layout: semantic shapes in metres, and its JSON.
+
+Frame: right-handed, x forward, y left, z up; the road under the ego vehicle is z = 0, the ego stands at the origin and
+looks along +x. Every shape is a unit shape scaled by `size`, turned by `yaw` about z and moved to `center`.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lidardraft.errors import LayoutError
+from lidardraft.files import written_whole
+from lidardraft.scene.mesh import TriangleMesh
+from lidardraft.semantics import BY_NAME
+
+SCHEMA = "lidardraft.layout/1"
+SHAPES = ("box", "ellipsoid", "cylinder", "plane", "mesh")
+_INSTANCE_LIMIT = 2**16 - 1  # a SemanticKITTI label file holds 16 bits of instance
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Primitive:
+    """One semantic shape.
+
+    `size` holds full extents [m]; a plane is the rectangle z = 0 of its frame and has size z 0. `instance` is 0 for stuff
+    and the number of the object, shared by its parts, for things. `material` refines the class's surface (a name of
+    `scene.materials`); None is the class's own. `mesh` holds the vertices of shape "mesh" within the unit box.
+    """
+
+    shape: str
+    center: tuple[float, float, float]
+    size: tuple[float, float, float]
+    label: str
+    id: str
+    yaw: float = 0.0
+    instance: int = 0
+    material: str | None = None
+    mesh: TriangleMesh | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "center", _vector(self.id, "center", self.center))
+        object.__setattr__(self, "size", _vector(self.id, "size", self.size))
+        if not isinstance(self.id, str) or not self.id:
+            raise LayoutError(f"id is {self.id!r}; a primitive needs a non-empty string")
+        if self.shape not in SHAPES:
+            raise LayoutError(f"{self.id}: shape is {self.shape!r}; it must be one of {', '.join(SHAPES)}")
+        if self.label not in BY_NAME or self.label == "none":
+            raise LayoutError(f"{self.id}: label is {self.label!r}; it must be one of {', '.join(list(BY_NAME)[1:])}")
+        if isinstance(self.yaw, bool) or not isinstance(self.yaw, int | float) or not math.isfinite(self.yaw):
+            raise LayoutError(f"{self.id}: yaw is {self.yaw!r}; it must be a finite number of radians")
+        object.__setattr__(self, "yaw", float(self.yaw))
+        if not isinstance(self.instance, int) or not 0 <= self.instance <= _INSTANCE_LIMIT:
+            raise LayoutError(f"{self.id}: instance is {self.instance!r}; it must be 0 to {_INSTANCE_LIMIT}")
+        self._check_size()
+
+    def _check_size(self) -> None:
+        if (self.mesh is not None) != (self.shape == "mesh"):
+            raise LayoutError(f"{self.id}: shape is {self.shape!r}; shape 'mesh', and no other, comes with a mesh")
+        x, y, z = self.size
+        if self.shape == "plane":
+            fits, rule = x > 0 and y > 0 and z == 0, "a plane needs x > 0, y > 0 and z = 0"
+        elif self.shape == "mesh":
+            fits, rule = min(self.size) >= 0 and sum(v > 0 for v in self.size) >= 2, "a mesh needs two extents > 0"
+        else:
+            fits, rule = min(self.size) > 0, "every extent must be > 0"
+        if not fits:
+            raise LayoutError(f"{self.id}: size is {list(self.size)}; {rule}")
+
+    @classmethod
+    def from_mesh(cls, vertices: np.ndarray, faces: np.ndarray, *, label: str, id: str, **fields: Any) -> Primitive:
+        """A mesh primitive from vertices [V, 3] in metres in the layout's frame; `center` and `size` are its bounds."""
+        mesh = TriangleMesh(vertices, faces)
+        low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+        center, size = (low + high) / 2, high - low
+        unit = (mesh.vertices - center) / np.where(size > 0, size, 1.0)
+        return cls(
+            shape="mesh",
+            center=tuple(center.tolist()),
+            size=tuple(size.tolist()),
+            label=label,
+            id=id,
+            mesh=TriangleMesh(unit, mesh.faces),
+            **fields,
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The primitive as JSON types; `material`, `vertices` and `faces` only where it has them."""
+        fields: dict[str, Any] = {
+            "shape": self.shape,
+            "center": list(self.center),
+            "size": list(self.size),
+            "yaw": self.yaw,
+            "label": self.label,
+            "id": self.id,
+            "instance": self.instance,
+        }
+        if self.material is not None:
+            fields["material"] = self.material
+        if self.mesh is not None:
+            fields["vertices"], fields["faces"] = self.mesh.vertices.tolist(), self.mesh.faces.tolist()
+        return fields
+
+    @classmethod
+    def from_dict(cls, fields: Mapping[str, Any]) -> Primitive:
+        """The inverse of `to_dict`; raises `LayoutError` on a missing, unknown or wrong field."""
+        fields = dict(fields)
+        name = fields.get("id", "a primitive")
+        missing = {"shape", "center", "size", "label", "id"} - set(fields)
+        if missing:
+            raise LayoutError(f"{name}: {sorted(missing)[0]!r} is missing")
+        vertices, faces = fields.pop("vertices", None), fields.pop("faces", None)
+        unknown = set(fields) - {f for f in cls.__dataclass_fields__ if f != "mesh"}
+        if unknown:
+            raise LayoutError(f"{name}: unknown field {sorted(unknown)[0]!r}")
+        if vertices is not None or faces is not None:
+            try:
+                fields["mesh"] = TriangleMesh(vertices, faces)
+            except (TypeError, ValueError) as error:
+                raise LayoutError(f"{name}: {error}") from None
+        return cls(**fields)
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """An oriented box around one thing: center and size (length, width, height) [m], yaw [rad]."""
+
+    id: str
+    label: str
+    instance: int
+    center: tuple[float, float, float]
+    size: tuple[float, float, float]
+    yaw: float
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """An ordered set of primitives with distinct ids.
+
+    `provenance` says where it came from (sentence, seed, source; JSON types only). `coverage` is the part of the azimuth
+    [rad] that the source saw, (from, to) counter-clockwise, or None for all of it.
+    """
+
+    primitives: tuple[Primitive, ...] = ()
+    provenance: dict[str, Any] = field(default_factory=dict)
+    coverage: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "primitives", tuple(self.primitives))
+        seen: set[str] = set()
+        for primitive in self.primitives:
+            if primitive.id in seen:
+                raise LayoutError(f"{primitive.id}: two primitives have this id; ids must be distinct")
+            seen.add(primitive.id)
+
+    def __iter__(self) -> Iterator[Primitive]:
+        return iter(self.primitives)
+
+    def __len__(self) -> int:
+        return len(self.primitives)
+
+    def __getitem__(self, id: str) -> Primitive:
+        for primitive in self.primitives:
+            if primitive.id == id:
+                return primitive
+        raise KeyError(id)
+
+    def boxes(self) -> list[Box]:
+        """One box around each thing (instance > 0), with the yaw of its largest part, in the order of instances."""
+        parts: dict[int, list[Primitive]] = {}
+        for primitive in self.primitives:
+            if primitive.instance and BY_NAME[primitive.label].is_thing:
+                parts.setdefault(primitive.instance, []).append(primitive)
+        return [_box_around(parts[instance]) for instance in sorted(parts)]
+
+    def to_json(self) -> str:
+        """The layout as JSON text, one primitive a line; `from_json` gives an equal layout."""
+        head = {"schema": SCHEMA, "provenance": self.provenance, "coverage": self.coverage}
+        rows = ",\n  ".join(json.dumps(p.to_dict(), allow_nan=False) for p in self.primitives)
+        return json.dumps(head, allow_nan=False)[:-1] + ', "primitives": [\n  ' + rows + "\n]}\n"
+
+    @classmethod
+    def from_json(cls, text: str) -> Layout:
+        """Raises `LayoutError` naming what is wrong with the text."""
+        try:
+            document = json.loads(text)
+        except json.JSONDecodeError as error:
+            raise LayoutError(f"not JSON: {error}") from None
+        if not isinstance(document, dict) or document.get("schema") != SCHEMA:
+            found = document.get("schema") if isinstance(document, dict) else type(document).__name__
+            raise LayoutError(f"schema is {found!r}; this version reads {SCHEMA!r}")
+        rows = document.get("primitives")
+        if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+            raise LayoutError("'primitives' must be a list of objects")
+        coverage = document.get("coverage")
+        return cls(
+            primitives=tuple(Primitive.from_dict(row) for row in rows),
+            provenance=document.get("provenance") or {},
+            coverage=None if coverage is None else _vector("layout", "coverage", coverage, length=2),
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the JSON of `to_json`."""
+        with written_whole(path) as temporary:
+            temporary.write_text(self.to_json())
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Layout:
+        """Raises `LayoutError` naming the file."""
+        try:
+            return cls.from_json(Path(path).read_text())
+        except (LayoutError, UnicodeDecodeError) as error:
+            raise LayoutError(f"{os.fspath(path)}: {error}") from None
+
+
+def _vector(id: object, name: str, values: Any, length: int = 3) -> Any:
+    try:
+        vector = tuple(float(value) for value in values)
+    except (TypeError, ValueError):
+        vector = ()
+    if len(vector) != length or not all(map(math.isfinite, vector)):
+        raise LayoutError(f"{id}: {name} is {values!r}; it must be {length} finite numbers")
+    return vector
+
+
+def _box_around(parts: list[Primitive]) -> Box:
+    largest = max(parts, key=lambda part: math.prod(part.size))
+    cos, sin = math.cos(largest.yaw), math.sin(largest.yaw)
+    to_box = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for part in parts:
+        turn = part.yaw - largest.yaw
+        c, s = abs(math.cos(turn)), abs(math.sin(turn))
+        length, width, height = part.size
+        half = 0.5 * np.array([c * length + s * width, s * length + c * width, height])
+        center = to_box @ part.center
+        low, high = np.minimum(low, center - half), np.maximum(high, center + half)
+    center = to_box.T @ ((low + high) / 2)
+    return Box(
+        largest.id, largest.label, largest.instance, tuple(center.tolist()), tuple((high - low).tolist()), largest.yaw
+    )

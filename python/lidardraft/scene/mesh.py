@@ -1,0 +1,129 @@
+"""Triangle meshes, and a primitive as one: for preview, export and reference. No rays here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from os import PathLike
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lidardraft import _core
+from lidardraft.errors import LayoutError
+
+if TYPE_CHECKING:
+    from lidardraft.scene.layout import Primitive
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TriangleMesh:
+    """Vertices float64 [V, 3] and triangles uint32 [F, 3]; both read-only, compared by value."""
+
+    vertices: np.ndarray
+    faces: np.ndarray
+
+    def __post_init__(self) -> None:
+        vertices = np.array(self.vertices, dtype=np.float64)
+        faces = np.array(self.faces, dtype=np.int64)
+        if vertices.ndim != 2 or vertices.shape[1] != 3 or faces.ndim != 2 or faces.shape[1] != 3 or not len(faces):
+            raise LayoutError(
+                f"a mesh needs vertices [V, 3] and at least one face [F, 3]; got {vertices.shape} and {faces.shape}"
+            )
+        bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
+        if len(bad):
+            raise LayoutError(f"vertex {bad[0]} of a mesh is {vertices[bad[0]].tolist()}; every coordinate must be finite")
+        outside = np.flatnonzero(((faces < 0) | (faces >= len(vertices))).any(axis=1))
+        if len(outside):
+            face = outside[0]
+            raise LayoutError(f"face {face} is {faces[face].tolist()}; the mesh has {len(vertices)} vertices")
+        faces = faces.astype(np.uint32)
+        vertices.flags.writeable = faces.flags.writeable = False
+        object.__setattr__(self, "vertices", vertices)
+        object.__setattr__(self, "faces", faces)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, TriangleMesh):
+            return NotImplemented
+        return np.array_equal(self.vertices, other.vertices) and np.array_equal(self.faces, other.faces)
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def read_obj(path: str | PathLike[str]) -> list[tuple[str, str, TriangleMesh]]:
+    """Object name, material name and mesh of each object of a Wavefront OBJ file, in the file's own frame and unit.
+
+    Raises `FormatError` where the file is missing, broken or empty.
+    """
+    return [(name, material, TriangleMesh(v, f)) for name, material, v, f in _core.read_obj(path)]
+
+
+def primitive_mesh(primitive: Primitive) -> TriangleMesh:
+    """The primitive as triangles in the layout's frame; round shapes as polyhedra whose vertices lie on the surface."""
+    unit = primitive.mesh if primitive.mesh is not None else _UNIT_MESHES[primitive.shape]
+    vertices = unit.vertices * primitive.size
+    cos, sin = np.cos(primitive.yaw), np.sin(primitive.yaw)
+    x, y = vertices[:, 0].copy(), vertices[:, 1].copy()
+    vertices[:, 0], vertices[:, 1] = cos * x - sin * y, sin * x + cos * y
+    return TriangleMesh(vertices + primitive.center, unit.faces)
+
+
+def _unit_box() -> TriangleMesh:
+    vertices = [(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return TriangleMesh(vertices, [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+
+
+def _unit_plane() -> TriangleMesh:
+    return TriangleMesh(
+        [(-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.5, 0.5, 0.0), (-0.5, 0.5, 0.0)], [(0, 1, 2), (0, 2, 3)]
+    )
+
+
+def _unit_cylinder(sides: int = 32) -> TriangleMesh:
+    angle = 2 * np.pi * np.arange(sides) / sides
+    ring = np.stack([0.5 * np.cos(angle), 0.5 * np.sin(angle), np.full(sides, 0.5)], axis=1)
+    vertices = np.concatenate([ring * [1, 1, -1], ring, [[0, 0, -0.5], [0, 0, 0.5]]])
+    low, high, bottom, top = np.arange(sides), sides + np.arange(sides), 2 * sides, 2 * sides + 1
+    after = np.roll(low, -1)
+    faces = np.concatenate(
+        [
+            np.stack([low, after, after + sides], axis=1),
+            np.stack([low, after + sides, high], axis=1),
+            np.stack([after, low, np.full(sides, bottom)], axis=1),
+            np.stack([high, after + sides, np.full(sides, top)], axis=1),
+        ]
+    )
+    return TriangleMesh(vertices, faces)
+
+
+def _unit_ellipsoid(rings: int = 16, sides: int = 32) -> TriangleMesh:
+    polar = np.pi * np.arange(1, rings) / rings
+    angle = 2 * np.pi * np.arange(sides) / sides
+    body = 0.5 * np.stack(
+        [
+            np.outer(np.sin(polar), np.cos(angle)),
+            np.outer(np.sin(polar), np.sin(angle)),
+            np.outer(np.cos(polar), np.ones(sides)),
+        ],
+        axis=2,
+    ).reshape(-1, 3)
+    vertices = np.concatenate([body, [[0, 0, 0.5], [0, 0, -0.5]]])
+    north, south = len(body), len(body) + 1
+    faces = []
+    for side in range(sides):
+        after = (side + 1) % sides
+        faces.append((north, side, after))
+        for ring in range(rings - 2):
+            a, b = ring * sides + side, ring * sides + after
+            faces += [(a, a + sides, b + sides), (a, b + sides, b)]
+        last = (rings - 2) * sides
+        faces.append((south, last + after, last + side))
+    return TriangleMesh(vertices, faces)
+
+
+_UNIT_MESHES = {
+    "box": _unit_box(),
+    "plane": _unit_plane(),
+    "cylinder": _unit_cylinder(),
+    "ellipsoid": _unit_ellipsoid(),
+}

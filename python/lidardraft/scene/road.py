@@ -1,0 +1,140 @@
+"""A road as a frame (along, across), shared by everything that places things beside one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from lidardraft.errors import LayoutError
+from lidardraft.scene.layout import Primitive
+
+TERRAIN_HEIGHT = -0.05  # below the road, so that the road covers it
+KERB_HEIGHT = 0.12  # usual European kerb face, 10 to 15 cm
+_SEGMENT = 2.0  # m; the chord of a 50 m bend leaves the arc by 1 cm
+_EXTENT = 200.0
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Road:
+    """A two-way road of constant curvature through the ego vehicle, right-hand traffic, with at most one side or cross road.
+
+    `along` runs [m] in the ego's direction with the ego at 0; `across` [m] is positive to the left with the centreline at 0.
+    `lanes` counts one direction. `curvature` [1/m] is positive for a left bend. `junction` is the `along` of the middle of the
+    crossing road, or None; `arms` tells on which sides it leaves ("left", "right").
+    """
+
+    lanes: int = 1
+    lane_width: float = 3.5
+    sidewalk: float = 2.0
+    curvature: float = 0.0
+    junction: float | None = None
+    arms: tuple[str, ...] = ("left", "right")
+    reach: float = 80.0
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.lanes <= 6:
+            raise LayoutError(f"lanes is {self.lanes}; a road has 1 to 6 in each direction")
+        if not 2.0 <= self.lane_width <= 6.0:
+            raise LayoutError(f"lane_width is {self.lane_width} m; it must be 2 to 6 m")
+        if not 0.0 <= self.sidewalk <= 10.0:
+            raise LayoutError(f"sidewalk is {self.sidewalk} m; it must be 0 to 10 m")
+        if abs(self.curvature) * self.reach > 2.0:
+            raise LayoutError(f"curvature {self.curvature} over {self.reach} m turns the road back on itself")
+
+    @property
+    def edge(self) -> float:
+        """Distance from the centreline to the kerb [m]."""
+        return self.lanes * self.lane_width
+
+    @property
+    def verge(self) -> float:
+        """Distance from the centreline to where sidewalks end and gardens begin [m]."""
+        return self.edge + self.sidewalk
+
+    def lane(self, number: int, direction: int = 1) -> float:
+        """`across` of the middle of a lane: number 0 is the outermost, direction 1 the ego's and -1 the opposite."""
+        if not 0 <= number < self.lanes:
+            raise LayoutError(f"lane {number} of a road with {self.lanes} lanes in each direction")
+        return -direction * (self.edge - (number + 0.5) * self.lane_width)
+
+    def at(self, along: float, across: float) -> tuple[float, float, float]:
+        """x, y [m] and heading [rad] of the layout's frame; the ego is in its outermost lane at x = y = 0."""
+        bend, ego = self.curvature, self.lane(0)
+        heading = bend * along
+        if abs(bend) < 1e-9:
+            return along, across - ego, 0.0
+        x = math.sin(heading) / bend - math.sin(heading) * across
+        y = (1.0 - math.cos(heading)) / bend + math.cos(heading) * across - ego
+        return x, y, heading
+
+    def in_junction(self, along: float, margin: float = 0.0) -> bool:
+        """Whether `along` lies where the crossing road (with sidewalks) passes."""
+        return self.junction is not None and abs(along - self.junction) < self.verge + margin
+
+    def surfaces(self) -> list[Primitive]:
+        """Terrain, road, sidewalks and the crossing road as primitives with the ids "terrain", "road", "sidewalk_1" ..."""
+        size = (2 * _EXTENT, 2 * _EXTENT, 0.0)
+        surfaces = [
+            Primitive(shape="plane", center=(0.0, 0.0, TERRAIN_HEIGHT), size=size, label="terrain", id="terrain"),
+            self._strip("road", "road", (-self.reach, self.reach), (-self.edge, self.edge), 0.0),
+        ]
+        if self.sidewalk > 0:
+            surfaces += [
+                self._strip(f"sidewalk_{number}", "sidewalk", span, across, KERB_HEIGHT)
+                for number, (span, across) in enumerate(self._sidewalks(), start=1)
+            ]
+        if self.junction is not None:
+            surfaces += [self._arm(side) for side in self.arms]
+        return surfaces
+
+    def _sidewalks(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+        whole = (-self.reach, self.reach)
+        strips = []
+        for side, across in (("right", (-self.verge, -self.edge)), ("left", (self.edge, self.verge))):
+            if self.junction is None or side not in self.arms:
+                strips.append((whole, across))
+                continue
+            for span in ((whole[0], self.junction - self.edge), (self.junction + self.edge, whole[1])):
+                if span[1] - span[0] > 1.0:
+                    strips.append((span, across))
+        return strips
+
+    def _arm(self, side: str) -> Primitive:
+        assert self.junction is not None
+        sign = 1.0 if side == "left" else -1.0
+        x, y, heading = self.at(self.junction, sign * (self.edge + self.reach) / 2)
+        return Primitive(
+            shape="plane",
+            center=(x, y, 0.0),
+            size=(self.reach - self.edge, 2 * self.edge, 0.0),
+            yaw=heading + math.pi / 2,
+            label="road",
+            id=f"road_{side}",
+        )
+
+    def _strip(
+        self, id: str, label: str, span: tuple[float, float], across: tuple[float, float], top: float
+    ) -> Primitive:
+        """The surface between two distances along and across: a plane or a box where the road is straight, else a mesh."""
+        if self.curvature == 0.0:
+            x, y, _ = self.at((span[0] + span[1]) / 2, (across[0] + across[1]) / 2)
+            size = (span[1] - span[0], across[1] - across[0])
+            if top == 0.0:
+                return Primitive(shape="plane", center=(x, y, 0.0), size=(*size, 0.0), label=label, id=id)
+            height = top - TERRAIN_HEIGHT
+            center = (x, y, top - height / 2)
+            return Primitive(shape="box", center=center, size=(*size, height), label=label, id=id)
+        profile = [(across[0], top), (across[1], top)]
+        if top > 0.0:
+            profile = [(across[0], TERRAIN_HEIGHT), *profile, (across[1], TERRAIN_HEIGHT)]
+        stations = np.linspace(*span, max(2, math.ceil((span[1] - span[0]) / _SEGMENT) + 1))
+        vertices = [(*self.at(s, side)[:2], z) for s in stations for side, z in profile]
+        width = len(profile)
+        faces = []
+        for row in range(len(stations) - 1):
+            for edge in range(width - 1):
+                a, b = row * width + edge, row * width + edge + 1
+                faces += [(a, b, b + width), (a, b + width, a + width)]
+        return Primitive.from_mesh(np.array(vertices), np.array(faces), label=label, id=id)

@@ -1,0 +1,145 @@
+"""Sensors: a table of beams, a ring of columns, and where the sensor stands. The trigonometry is in the core."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lidardraft import _core
+from lidardraft.errors import SensorError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensor:
+    """A spinning LiDAR: H beams, row 0 the highest, by `columns` firings.
+
+    Angles in radians, lengths in metres. `azimuth_offsets` and `origin_heights` hold one value a beam, or nothing for zeros.
+    Column w looks to the azimuth `azimuth_start - (w + 1/2) * azimuth_span / columns` plus the beam's offset: pixel centres,
+    decreasing, the seam behind the car. `mount_height` is the height of the sensor's origin over the road; `range_sigma`
+    the standard deviation of its range noise.
+
+    Raises `SensorError` naming the value that cannot be.
+    """
+
+    name: str
+    elevations: tuple[float, ...]
+    columns: int
+    azimuth_offsets: tuple[float, ...] = ()
+    origin_heights: tuple[float, ...] = ()
+    azimuth_start: float = math.pi
+    azimuth_span: float = 2 * math.pi
+    min_range: float = 0.5
+    max_range: float = 120.0
+    mount_height: float = 1.73
+    range_sigma: float = 0.02
+
+    def __post_init__(self) -> None:
+        for table in ("elevations", "azimuth_offsets", "origin_heights"):
+            try:
+                values = tuple(float(value) for value in getattr(self, table))
+            except (TypeError, ValueError):
+                raise SensorError(f"{self.name}: {table} must be a list of numbers") from None
+            object.__setattr__(self, table, values)
+        for number in ("mount_height", "range_sigma"):
+            if not math.isfinite(getattr(self, number)):
+                raise SensorError(f"{self.name}: {number} is {getattr(self, number)}; it must be finite")
+        _ = self.pattern  # the core checks everything else
+
+    @cached_property
+    def pattern(self) -> _core.SensorPattern:
+        """The sensor's rays."""
+        beams = len(self.elevations)
+        return _core.SensorPattern(
+            elevations=np.array(self.elevations, dtype=np.float64),
+            azimuth_offsets=np.array(self.azimuth_offsets or [0.0] * beams),
+            origin_heights=np.array(self.origin_heights or [0.0] * beams),
+            columns=self.columns,
+            azimuth_start=self.azimuth_start,
+            azimuth_span=self.azimuth_span,
+            min_range=self.min_range,
+            max_range=self.max_range,
+        )
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(H, W) of this sensor's images."""
+        return len(self.elevations), self.columns
+
+    def pose(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> np.ndarray:
+        """`world_from_sensor` [4, 4] of the sensor on its mount, over the point (x, y) of a flat road."""
+        pose = np.eye(4)
+        pose[:2, :2] = [[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]]
+        pose[:3, 3] = x, y, self.mount_height
+        return pose
+
+    def to_json(self) -> str:
+        """All fields as JSON text; `from_json` gives an equal sensor."""
+        return json.dumps(dataclasses.asdict(self))
+
+    @classmethod
+    def from_json(cls, text: str) -> Sensor:
+        """Raises `SensorError` where the text is no sensor."""
+        try:
+            fields: Any = json.loads(text)
+        except json.JSONDecodeError as error:
+            raise SensorError(f"not JSON: {error}") from None
+        if not isinstance(fields, dict):
+            raise SensorError(f"a sensor is a JSON object, not {type(fields).__name__}")
+        unknown = set(fields) - {field.name for field in dataclasses.fields(cls)}
+        missing = {"name", "elevations", "columns"} - set(fields)
+        if unknown or missing:
+            raise SensorError(f"field {sorted(unknown or missing)[0]!r} is {'unknown' if unknown else 'missing'}")
+        try:
+            return cls(**fields)
+        except TypeError as error:
+            raise SensorError(f"{fields['name']}: {error}") from None
+
+    @classmethod
+    def preset(cls, name: str | os.PathLike[str]) -> Sensor:
+        """The preset of that name, or the sensor in the JSON file of that name."""
+        if name in PRESETS:
+            return PRESETS[str(name)]
+        if Path(name).suffix == ".json":
+            try:
+                return cls.from_json(Path(name).read_text())
+            except (OSError, SensorError) as error:
+                raise SensorError(f"{os.fspath(name)}: {error}") from None
+        raise SensorError(f"sensor is {os.fspath(name)!r}; it must be one of {', '.join(PRESETS)} or a .json file")
+
+
+def _beams(high: float, low: float, count: int) -> tuple[float, ...]:
+    return tuple(np.deg2rad(np.linspace(high, low, count)).tolist())
+
+
+PRESETS: dict[str, Sensor] = {
+    sensor.name: sensor
+    for sensor in (
+        # Velodyne HDL-64E S2 manual: 32 upper beams 1/3 degree apart from +2, 32 lower ones 1/2 degree apart to -24.33;
+        # KITTI mounts it 1.73 m over the road (Geiger et al., IJRR 2013). 64 x 1024 is the usual image of a KITTI scan.
+        Sensor(name="hdl64e", elevations=_beams(2.0, -8.333, 32) + _beams(-8.833, -24.333, 32), columns=1024),
+        # The grid that LiDARGen, LiDM and R2DM project KITTI to: +3 to -25 degrees in equal steps, here at pixel centres.
+        Sensor(name="hdl64e-linear", elevations=_beams(3 - 14 / 64, -25 + 14 / 64, 64), columns=1024),
+        # Velodyne HDL-32E manual: +10.67 to -30.67 degrees in steps of 4/3; nuScenes mounts it 1.84 m over the road.
+        Sensor(name="hdl32e", elevations=_beams(10.667, -30.667, 32), columns=1024, max_range=100.0, mount_height=1.84),
+        # Velodyne VLP-16 manual: +-15 degrees in steps of 2; 0.2 degrees of azimuth at 10 Hz.
+        Sensor(name="vlp16", elevations=_beams(15, -15, 16), columns=1800, max_range=100.0, range_sigma=0.03),
+        # Ouster OS1-128 data sheet: 45 degrees of elevation; the four columns of lasers look 2.82 degrees apart.
+        Sensor(
+            name="os1-128",
+            elevations=_beams(22.5, -22.5, 128),
+            azimuth_offsets=tuple(np.deg2rad(np.resize([4.23, 1.41, -1.41, -4.23], 128)).tolist()),
+            columns=1024,
+            max_range=120.0,
+            mount_height=1.8,
+            range_sigma=0.015,
+        ),
+    )
+}

@@ -1,0 +1,52 @@
+"""The class table: what a pixel or a primitive can be.
+
+Ids 1-10 are the Cityscapes / KITTI-360 train ids plus one, 11-18 are the train ids themselves (sky, train id 10, never
+returns a ray), so that image labels, KITTI-360 boxes and layouts share one table. Id 0 is "no return".
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class SemanticClass:
+    """One row of the table.
+
+    `size` is a typical (length, width, height) in metres, None where the class has no typical size. `is_thing` marks what
+    is counted and gets boxes.
+    """
+
+    id: int
+    name: str
+    colour: tuple[int, int, int]
+    is_thing: bool = False
+    size: tuple[float, float, float] | None = None
+
+
+# Colours: Cityscapes palette. Sizes: KITTI object training means (Geiger et al., CVPR 2012) for car, truck, person and
+# bicycle, rounded to 0.1 m; common European vehicle dimensions for bus, train and motorcycle.
+CLASSES: tuple[SemanticClass, ...] = (
+    SemanticClass(0, "none", (0, 0, 0)),
+    SemanticClass(1, "road", (128, 64, 128)),
+    SemanticClass(2, "sidewalk", (244, 35, 232)),
+    SemanticClass(3, "building", (70, 70, 70)),
+    SemanticClass(4, "wall", (102, 102, 156)),
+    SemanticClass(5, "fence", (190, 153, 153)),
+    SemanticClass(6, "pole", (153, 153, 153)),
+    SemanticClass(7, "traffic-light", (250, 170, 30)),
+    SemanticClass(8, "traffic-sign", (220, 220, 0)),
+    SemanticClass(9, "vegetation", (107, 142, 35)),
+    SemanticClass(10, "terrain", (152, 251, 152)),
+    SemanticClass(11, "person", (220, 20, 60), True, (0.8, 0.6, 1.7)),
+    SemanticClass(12, "rider", (255, 0, 0), True, (1.8, 0.6, 1.7)),
+    SemanticClass(13, "car", (0, 0, 142), True, (4.2, 1.8, 1.5)),
+    SemanticClass(14, "truck", (0, 0, 70), True, (9.0, 2.5, 3.3)),
+    SemanticClass(15, "bus", (0, 60, 100), True, (12.0, 2.55, 3.1)),
+    SemanticClass(16, "train", (0, 80, 100), True, (28.0, 2.65, 3.6)),
+    SemanticClass(17, "motorcycle", (0, 0, 230), True, (2.1, 0.8, 1.3)),
+    SemanticClass(18, "bicycle", (119, 11, 32), True, (1.8, 0.6, 1.1)),
+    SemanticClass(19, "trunk", (121, 85, 61)),
+    SemanticClass(20, "other", (200, 200, 200)),
+)
+
+NUM_CLASSES = len(CLASSES)
+BY_NAME: dict[str, SemanticClass] = {row.name: row for row in CLASSES}

@@ -1,0 +1,129 @@
+"""Pictures of layouts, drawings and scans. The camera is a sensor: the caster draws and the projection splats."""
+
+from __future__ import annotations
+
+import math
+import os
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from lidardraft.files import written_whole
+from lidardraft.scene.layout import Layout
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.raycast import raycast
+from lidardraft.scene.sensor import Sensor
+from lidardraft.semantics import CLASSES
+
+PALETTE = np.array([row.colour for row in CLASSES], dtype=np.uint8)
+_BACKGROUND = np.array([24, 26, 32], dtype=np.uint8)
+_RAMP = np.array([[48, 18, 59], [70, 107, 227], [40, 188, 235], [50, 242, 152], [164, 252, 60], [249, 186, 56], [228, 69, 10]])
+_GAP = 6
+
+
+def camera(width: int = 720, height: int = 480, field_of_view: float = math.radians(64)) -> Sensor:
+    """A sensor that sees as a camera does, looking along its x axis."""
+    half = field_of_view / 2 * height / width
+    return Sensor(
+        name="camera",
+        elevations=tuple(np.linspace(half, -half, height).tolist()),
+        columns=width,
+        azimuth_start=field_of_view / 2,
+        azimuth_span=field_of_view,
+        min_range=0.1,
+        max_range=500.0,
+    )
+
+
+def camera_pose(x: float = -16.0, y: float = 0.0, z: float = 11.0, pitch: float = math.radians(24)) -> np.ndarray:
+    """world_from_camera [4, 4]: at (x, y, z) of the layout's frame, looking forward and `pitch` down."""
+    cos, sin = math.cos(pitch), math.sin(pitch)
+    return np.array([[cos, 0, sin, x], [0, 1, 0, y], [-sin, 0, cos, z], [0, 0, 0, 1]], dtype=np.float64)
+
+
+def draw_layout(layout: Layout, sensor: Sensor | None = None, pose: np.ndarray | None = None) -> np.ndarray:
+    """The shapes of a layout, shaded, seen by the camera: uint8 [H, W, 3]."""
+    image = raycast(layout, sensor or camera(), camera_pose() if pose is None else pose)
+    shade = 0.35 + 0.65 * image.incidence[..., None] if image.incidence is not None else 1.0
+    return np.where(image.valid[..., None], PALETTE[image.label] * shade, _BACKGROUND).astype(np.uint8)
+
+
+def draw_points(
+    points: np.ndarray, colours: np.ndarray, sensor: Sensor | None = None, pose: np.ndarray | None = None
+) -> np.ndarray:
+    """Points [N, 3] of the layout's frame in their colours uint8 [N, 3], seen by the camera: uint8 [H, W, 3]."""
+    sensor = sensor or camera()
+    pose = camera_pose() if pose is None else pose
+    image = RangeImage.project((points - pose[:3, 3]) @ pose[:3, :3], sensor, instance=np.arange(1, len(points) + 1))
+    picture = np.broadcast_to(_BACKGROUND, (*sensor.shape, 3)).copy()
+    # A point is two pixels wide: the copies go first, so that no copy hides a point.
+    for down, right in ((1, 1), (0, 1), (1, 0), (0, 0)):
+        rows, columns = np.nonzero(image.valid)
+        target = np.minimum(rows + down, sensor.shape[0] - 1), np.minimum(columns + right, sensor.shape[1] - 1)
+        picture[target] = colours[image.instance[rows, columns] - 1]
+    return picture
+
+
+def colour_by_label(label: np.ndarray) -> np.ndarray:
+    """Class colours uint8 [..., 3]; returns without a class are white."""
+    return np.where((label == 0)[..., None], np.uint8(255), PALETTE[label])
+
+
+def colour_by_depth(depth: np.ndarray, near: float = 2.0, far: float = 80.0) -> np.ndarray:
+    """A ramp over the logarithm of the range, uint8 [..., 3]; black where there is no return."""
+    share = np.log(np.clip(depth, near, far) / near) / math.log(far / near) * (len(_RAMP) - 1)
+    colours = np.stack([np.interp(share, np.arange(len(_RAMP)), _RAMP[:, c]) for c in range(3)], axis=-1)
+    return np.where(depth[..., None] > 0, colours, 0).astype(np.uint8)
+
+
+def colour_by_height(z: np.ndarray, low: float = -0.5, high: float = 7.0) -> np.ndarray:
+    """A ramp over the height over the road [m], uint8 [..., 3]."""
+    share = (np.clip(z, low, high) - low) / (high - low) * (len(_RAMP) - 2) + 1
+    return np.stack([np.interp(share, np.arange(len(_RAMP)), _RAMP[:, c]) for c in range(3)], axis=-1).astype(np.uint8)
+
+
+def draw_image(image: RangeImage) -> np.ndarray:
+    """The range image itself, depth over label (over intensity, where it has one): uint8 [H', W, 3]."""
+    strips = [colour_by_depth(image.depth), PALETTE[image.label]]
+    if image.intensity is not None:
+        grey = (np.sqrt(np.clip(image.intensity, 0, 1)) * 255).astype(np.uint8)
+        strips.append(np.repeat(grey[..., None], 3, axis=2))
+    scale = max(1, round(128 / image.sensor.shape[0]))
+    return stack([np.repeat(strip, scale, axis=0) for strip in strips])
+
+
+def draw_scan(image: RangeImage, pose: np.ndarray, *, by_label: bool = False) -> np.ndarray:
+    """The returns of a scan taken from world_from_sensor `pose`, seen by the camera: uint8 [H, W, 3]."""
+    points = image.points() @ pose[:3, :3].T + pose[:3, 3]
+    colours = colour_by_label(image.label[image.valid]) if by_label else colour_by_height(points[:, 2])
+    return draw_points(points, colours)
+
+
+def stack(pictures: list[np.ndarray], *, across: bool = False) -> np.ndarray:
+    """Pictures below (or beside) each other, padded to one width (height): uint8 [H, W, 3]."""
+    axis, other = (1, 0) if across else (0, 1)
+    extent = max(picture.shape[other] for picture in pictures)
+    rows: list[np.ndarray] = []
+    for picture in pictures:
+        padding = [(0, 0), (0, 0), (0, 0)]
+        padding[other] = (0, extent - picture.shape[other])
+        if rows:
+            padding[axis] = (_GAP, 0)
+        rows.append(np.pad(picture, padding))
+    return np.concatenate(rows, axis=axis)
+
+
+def caption(picture: np.ndarray, text: str) -> np.ndarray:
+    """The picture with a line of text in its upper left corner."""
+    image = Image.fromarray(picture)
+    draw = ImageDraw.Draw(image)
+    left, top, right, bottom = draw.textbbox((8, 6), text, font_size=18)
+    draw.rectangle((left - 4, top - 3, right + 4, bottom + 3), fill=(0, 0, 0))
+    draw.text((8, 6), text, fill=(255, 255, 255), font_size=18)
+    return np.asarray(image)
+
+
+def save_png(picture: np.ndarray, path: str | os.PathLike[str]) -> None:
+    """Write the picture uint8 [H, W, 3]."""
+    with written_whole(path) as temporary:
+        Image.fromarray(picture).save(temporary, format="png", optimize=True)

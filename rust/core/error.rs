@@ -1,0 +1,106 @@
+//! The ways in which what is given to the core can be wrong.
+
+use std::path::PathBuf;
+
+/// The result of everything that checks its input.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// One variant for each way the input can be wrong; its message names the thing, the value and the limit.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "each field is named in the message of its variant")]
+pub enum Error {
+    /// A mesh without surface.
+    #[error("the mesh has {vertices} vertices and {faces} faces; it needs at least one of each")]
+    EmptyMesh { vertices: usize, faces: usize },
+    /// A vertex with a coordinate that is NaN or infinite.
+    #[error("vertex {vertex} is {position:?}; coordinates must be finite")]
+    VertexNotFinite { vertex: usize, position: [f64; 3] },
+    /// A face that names a vertex the mesh does not have.
+    #[error("face {face} refers to vertex {vertex}; the mesh has {vertices} vertices")]
+    FaceIndex { face: usize, vertex: u32, vertices: usize },
+
+    /// An OBJ file that cannot be opened.
+    #[error("{}: {reason}", path.display())]
+    ObjUnreadable { path: PathBuf, reason: String },
+    /// An OBJ file with a line that is not OBJ.
+    #[error("{}, line {line}: {reason}", path.display())]
+    ObjBroken { path: PathBuf, line: usize, reason: String },
+    /// An OBJ file without a face.
+    #[error("{} has no faces; it needs at least one", path.display())]
+    ObjWithoutFaces { path: PathBuf },
+    /// An OBJ file with an object that is not a mesh.
+    #[error("{}, object {object:?}: {source}", path.display())]
+    ObjMesh { path: PathBuf, object: String, source: Box<Error> },
+
+    /// A sensor without beams.
+    #[error("elevations has 0 entries; a sensor needs at least one beam")]
+    NoBeams,
+    /// A table of beams that is longer or shorter than the elevations.
+    #[error("{table} has {entries} entries; the sensor has {beams} beams")]
+    BeamTable { table: &'static str, entries: usize, beams: usize },
+    /// A beam with a value that is NaN or infinite.
+    #[error("{table}[{beam}] is {value}; it must be finite")]
+    BeamNotFinite { table: &'static str, beam: usize, value: f64 },
+    /// A beam that looks straight up or down, or beyond.
+    #[error("elevations[{beam}] is {value} rad; it must be between -pi/2 and pi/2, both excluded")]
+    ElevationLimit { beam: usize, value: f64 },
+    /// A beam that is not below the one before it.
+    #[error("elevations[{beam}] is {value} rad after {previous} rad; elevations must strictly decrease")]
+    ElevationOrder { beam: usize, value: f64, previous: f64 },
+    /// No columns, or more than an image can have.
+    #[error("columns is {columns}; it must be 1 to {limit}")]
+    Columns { columns: i64, limit: usize },
+    /// A start azimuth that is NaN or infinite.
+    #[error("azimuth_start is {value}; it must be finite")]
+    AzimuthStart { value: f64 },
+    /// No span, or more than a turn.
+    #[error("azimuth_span is {value} rad; it must be greater than 0 and at most 2 pi")]
+    AzimuthSpan { value: f64 },
+    /// Range limits that hold nothing.
+    #[error("min_range is {min} m and max_range is {max} m; it must be 0 <= min_range < max_range, both finite")]
+    RangeLimits { min: f64, max: f64 },
+    /// An image of another sensor.
+    #[error("the image has {rows} x {columns} pixels; the sensor has {beams} beams and {pattern_columns} columns")]
+    ImageShape { rows: usize, columns: usize, beams: usize, pattern_columns: usize },
+    /// A distance that is negative, NaN or infinite.
+    #[error("depth[{row}, {column}] is {value}; it must be finite and >= 0")]
+    Depth { row: usize, column: usize, value: f32 },
+
+    /// A table of primitives that is longer or shorter than the others.
+    #[error("{table} has {entries} entries; there are {primitives} primitives")]
+    PrimitiveTable { table: &'static str, entries: usize, primitives: usize },
+    /// A table or an image whose rows have the wrong length.
+    #[error("{table} has the shape {shape:?}; it must be {expected}")]
+    TableShape { table: String, shape: Vec<usize>, expected: &'static str },
+    /// A number that is no shape.
+    #[error("shapes[{primitive}] is {code}; it must be 0 box, 1 ellipsoid, 2 cylinder, 3 plane or 4 mesh")]
+    ShapeCode { primitive: usize, code: u8 },
+    /// More or fewer meshes than primitives of shape mesh.
+    #[error("there are {meshes} meshes; {primitives} primitives have the shape mesh")]
+    MeshCount { meshes: usize, primitives: usize },
+    /// A mesh that is not one.
+    #[error("meshes[{mesh}]: {source}")]
+    Mesh { mesh: usize, source: Box<Error> },
+    /// A primitive that stands nowhere.
+    #[error("centers[{primitive}] is {value:?} m; every coordinate must be finite and at most {limit:e} in size")]
+    Center { primitive: usize, value: [f64; 3], limit: f64 },
+    /// A primitive without extent.
+    #[error("sizes[{primitive}] is {value:?} m; {rule}, and none may exceed {limit:e}")]
+    Size { primitive: usize, value: [f64; 3], rule: &'static str, limit: f64 },
+    /// A turn that is NaN or infinite.
+    #[error("yaws[{primitive}] is {value}; it must be finite")]
+    Yaw { primitive: usize, value: f64 },
+
+    /// A pose with an entry that is NaN or infinite, or too far away.
+    #[error("world_from_sensor[{row}, {column}] is {value}; it must be finite and at most {limit:e} in size")]
+    PoseEntry { row: usize, column: usize, value: f64, limit: f64 },
+    /// A pose that is projective.
+    #[error("the last row of world_from_sensor is {value:?}; it must be [0, 0, 0, 1]")]
+    PoseLastRow { value: [f64; 4] },
+    /// A pose that scales or shears.
+    #[error("the rotation of world_from_sensor is off R^T R = 1 by {deviation:e}; the limit is {limit:e}")]
+    PoseNotRigid { deviation: f64, limit: f64 },
+    /// A pose that turns left into right.
+    #[error("the rotation of world_from_sensor has the determinant {determinant}; a mirrored pose is not rigid")]
+    PoseMirrored { determinant: f64 },
+}

@@ -1,0 +1,55 @@
+//! Ray against triangle.
+
+use glam::DVec3;
+
+use super::{Hit, Ray};
+use crate::Bounds;
+
+/// A triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangle {
+    /// Its corners.
+    pub corners: [DVec3; 3],
+}
+
+impl Triangle {
+    /// Where a ray meets the triangle, corners and edges included.
+    ///
+    /// Watertight: Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Rounding is monotone, so
+    /// an edge function keeps its sign or becomes 0, and 0 counts as inside; and two triangles that share an edge compute
+    /// exactly opposite values for it, because nothing here is fused. So no ray slips between them.
+    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        let [a, b, c] = self.corners.map(|corner| ray.sheared(corner));
+        let u = c.x * b.y - c.y * b.x;
+        let v = a.x * c.y - a.y * c.x;
+        let w = b.x * a.y - b.y * a.x;
+        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+            return None;
+        }
+        let determinant = u + v + w;
+        // Seen edge-on; the triangles beside it cover the ray.
+        if determinant == 0.0 {
+            return None;
+        }
+        let distance = (u * a.z + v * b.z + w * c.z) / determinant;
+        (distance > 0.0).then(|| Hit {
+            distance,
+            normal: self.normal(),
+        })
+    }
+
+    /// The unit normal on the side from which the corners run counter-clockwise; 0 if the triangle has no area.
+    pub fn normal(&self) -> DVec3 {
+        let [a, b, c] = self.corners;
+        (b - a).cross(c - a).normalize_or_zero()
+    }
+
+    /// The bounds of the corners.
+    pub fn bounds(&self) -> Bounds {
+        let [a, b, c] = self.corners;
+        Bounds {
+            min: a.min(b).min(c),
+            max: a.max(b).max(c),
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! Scenes of semantic shapes, cast by LiDAR sensor patterns.
+//!
+//! A [`Scene`] holds boxes, ellipsoids, cylinders, rectangles and triangle meshes, each with a class and an instance. A
+//! [`SensorPattern`] says which ray every pixel of a scan looks along. [`scan`] casts the pattern from a [`Pose`] and
+//! returns [`Images`]: distance, class, instance, primitive and incidence of the closest surface of every pixel.
+//!
+//! Metres and radians, f64 inside; frames are right-handed with x forward, y left and z up.
+//!
+//! ```
+//! use lidardraft_core::{Pose, Primitive, Scene, SensorPattern, SensorSpec, Shape, scan};
+//!
+//! let ground = Primitive {
+//!     shape: Shape::Plane,
+//!     center: [0.0, 0.0, -2.0],
+//!     size: [100.0, 100.0, 0.0],
+//!     yaw: 0.0,
+//!     label: 40,
+//!     instance: 0,
+//! };
+//! let scene = Scene::new(vec![ground])?;
+//! let pattern = SensorPattern::new(SensorSpec {
+//!     elevations: vec![0.1, -std::f64::consts::FRAC_PI_6],
+//!     azimuth_offsets: vec![0.0; 2],
+//!     origin_heights: vec![0.0; 2],
+//!     columns: 360,
+//!     azimuth_start: std::f64::consts::PI,
+//!     azimuth_span: std::f64::consts::TAU,
+//!     min_range: 0.5,
+//!     max_range: 120.0,
+//! })?;
+//! let images = scan(&scene, &pattern, &Pose::IDENTITY);
+//! assert_eq!(images.depth[0], 0.0); // the upper beam sees the sky
+//! assert!((images.depth[360] - 4.0).abs() < 1e-6); // 2 m below, at 30 degrees
+//! assert_eq!(images.label[360], 40);
+//! # Ok::<(), lidardraft_core::Error>(())
+//! ```
+
+mod bounds;
+mod bvh;
+mod error;
+mod image;
+pub mod intersect;
+mod mesh;
+mod obj;
+mod pose;
+mod scan;
+mod scene;
+mod sensor;
+#[cfg(test)]
+mod tests;
+
+pub use bounds::Bounds;
+pub use error::{Error, Result};
+pub use image::{Images, Return};
+pub use mesh::TriangleMesh;
+pub use obj::{ObjMesh, read_obj};
+pub use pose::Pose;
+pub use scan::scan;
+pub use scene::{Primitive, Scene, SceneHit, Shape};
+pub use sensor::{Projection, SensorPattern, SensorSpec};

@@ -1,0 +1,66 @@
+//! Rigid poses.
+
+use glam::{DMat3, DVec3};
+
+use crate::{Error, Result};
+
+/// Where a sensor stands and how it is turned: `p_world = rotation * p_sensor + translation`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// The axes of the sensor in the world, as columns.
+    pub rotation: DMat3,
+    /// The position of the sensor in the world [m].
+    pub translation: DVec3,
+}
+
+/// How far R^T R may be off the identity; enough for matrices that went through float32 text files.
+const RIGIDITY: f64 = 1e-6;
+/// A sensor further away than this [m] would have a position coarser than 0.1 micrometres.
+const FURTHEST: f64 = 1e9;
+
+impl Pose {
+    /// At the origin, not turned.
+    pub const IDENTITY: Pose = Pose {
+        rotation: DMat3::IDENTITY,
+        translation: DVec3::ZERO,
+    };
+
+    /// A pose from the rows of a homogeneous matrix.
+    ///
+    /// # Errors
+    /// [`Error::PoseEntry`], [`Error::PoseLastRow`], [`Error::PoseNotRigid`] or [`Error::PoseMirrored`].
+    pub fn from_rows(rows: [[f64; 4]; 4]) -> Result<Pose> {
+        for (row, entries) in rows.iter().enumerate() {
+            if let Some(column) = entries.iter().position(|x| !(x.abs() <= FURTHEST)) {
+                let value = entries[column];
+                let limit = FURTHEST;
+                return Err(Error::PoseEntry { row, column, value, limit });
+            }
+        }
+        if rows[3] != [0.0, 0.0, 0.0, 1.0] {
+            return Err(Error::PoseLastRow { value: rows[3] });
+        }
+        let axis = |k: usize| DVec3::new(rows[0][k], rows[1][k], rows[2][k]);
+        let rotation = DMat3::from_cols(axis(0), axis(1), axis(2));
+        let gram = rotation.transpose() * rotation - DMat3::IDENTITY;
+        let deviation = gram.to_cols_array().iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        if deviation > RIGIDITY {
+            return Err(Error::PoseNotRigid { deviation, limit: RIGIDITY });
+        }
+        let determinant = rotation.determinant();
+        if determinant < 0.0 {
+            return Err(Error::PoseMirrored { determinant });
+        }
+        Ok(Pose { rotation, translation: axis(3) })
+    }
+
+    /// A point of the sensor in the world.
+    pub fn point(&self, point: DVec3) -> DVec3 {
+        self.rotation * point + self.translation
+    }
+
+    /// A direction of the sensor in the world.
+    pub fn vector(&self, vector: DVec3) -> DVec3 {
+        self.rotation * vector
+    }
+}
