@@ -31,7 +31,7 @@ bench: install ## rays per second of the caster
 	cargo bench
 
 weights: install ## train the default weights anew, from procedural streets to the packaged file
-	$(BIN)/lidardraft-train street
+	$(BIN)/lidardraft-train street -o python/lidardraft/weights/street.safetensors
 
 install: $(STAMP)
 

@@ -27,8 +27,8 @@ class SensorPattern:
         columns: int,
         azimuth_start: float,
         azimuth_span: float,  # rad, (0, 2 pi]
-        min_range: float,  # m, returns nearer than this are not reported
-        max_range: float,  # m
+        min_range: float,  # m, >= 0; a surface nearer than this is not reported, and hides what is behind it
+        max_range: float,  # m, finite
     ) -> SensorPattern: ...
     @property
     def shape(self) -> tuple[int, int]:
@@ -36,15 +36,19 @@ class SensorPattern:
     def directions(self) -> NDArray[np.float64]:
         """Unit ray directions in the sensor frame, [H, W, 3]."""
     def points(self, depth: NDArray[np.float32]) -> NDArray[np.float64]:
-        """Sensor-frame points for the distances [H, W] along the rays, [H, W, 3]; the beam origin where depth is 0."""
+        """Sensor-frame points for the distances [H, W] along the rays, [H, W, 3]; the beam origin where depth is 0.
+
+        `SensorError` if the image has another shape, or a distance is negative or not finite.
+        """
     def project(
         self, points: NDArray[np.float64]
     ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
         """Row, column and distance from the beam's origin of points [N, 3]; row = column = -1, distance 0 outside.
 
         A point belongs to the beam whose elevation is nearest and to the column whose cell it lies in. Outside means
-        out of the azimuth span, further from the highest or lowest beam than half its spacing, or not in
-        [min_range, max_range].
+        out of the azimuth span, further from the highest or lowest beam than half its spacing (that of the columns if
+        there is one beam only), not in [min_range, max_range], or not finite. Distances are compared as float32, so
+        `points` of an image of this sensor project to the pixels they came from, unless two beams cross there.
         """
 
 @final
@@ -76,7 +80,8 @@ class Scene:
         """The closest hit of every ray: depth, label, instance, primitive index, cosine of incidence, each [H, W].
 
         No hit within [min_range, max_range] is depth 0, label 0, instance 0, primitive -1, incidence 0. Both sides of every surface
-        are seen. Of two hits at the same distance the primitive with the lower index wins.
+        are seen. Of two hits at the same float32 distance the primitive with the lower index wins. A pose that is not rigid
+        raises `LayoutError`. The images are the same for any number of threads.
         """
 
 def read_obj(

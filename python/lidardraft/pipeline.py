@@ -17,7 +17,8 @@ from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.sampler import sample
 from lidardraft.drafting.text import layout_from_text
 from lidardraft.errors import CheckpointError
-from lidardraft.formats import boxes, kitti, semantickitti
+from lidardraft.formats import kitti, semantickitti
+from lidardraft.formats.boxes import write_boxes
 from lidardraft.scene.labelling import label_from_drawing
 from lidardraft.scene.layout import Box, Layout
 from lidardraft.scene.range_image import RangeImage
@@ -38,9 +39,13 @@ class Scan:
     seed: int
 
     def points(self) -> np.ndarray:
-        """x, y, z [m, sensor frame] and intensity [0, 1] of the returns, float32 [N, 4]."""
+        """x, y, z of the returns in the sensor frame [m], float32 [N, 3]."""
+        return self.image.points()
+
+    def intensities(self) -> np.ndarray:
+        """Intensities in [0, 1] of `points()`, float32 [N]."""
         assert self.image.intensity is not None
-        return np.concatenate([self.image.points(), self.image.intensity[self.image.valid][:, None]], axis=1)
+        return self.image.intensity[self.image.valid]
 
     def labels(self) -> np.ndarray:
         """Class ids of `points()`, uint8 [N]; 0 where the scan departs from the layout."""
@@ -54,6 +59,10 @@ class Scan:
         """Boxes of the layout's things in the sensor frame."""
         return [box.seen_from(self.pose) for box in self.layout.boxes()]
 
+    def returns_per_box(self) -> list[int]:
+        """How many points are of each of `boxes()`."""
+        return [int(np.count_nonzero(self.image.instance == box.instance)) for box in self.layout.boxes()]
+
     def picture(self) -> np.ndarray:
         """Layout, drawing and scan side by side over the drawn and the generated range image, uint8 [H, W, 3]."""
         views = [
@@ -61,15 +70,18 @@ class Scan:
             view.caption(view.draw_scan(self.drawing, self.pose, by_label=True), "drawing"),
             view.caption(view.draw_scan(self.image, self.pose, by_label=True), "scan"),
         ]
-        images = [view.caption(view.draw_image(self.drawing), "drawing"), view.caption(view.draw_image(self.image), "scan")]
+        images = [
+            view.caption(view.draw_image(self.drawing), "drawing"),
+            view.caption(view.draw_image(self.image), "scan"),
+        ]
         return view.stack([view.stack(views, across=True), view.stack(images, across=True)])
 
-    def save(self, scan: str | os.PathLike[str]) -> None:
-        """Write beside each other `NAME.bin`, `.label`, `.boxes.json`, `.layout.json` and `.png` for `scan` = ".../NAME"."""
-        stem = os.fspath(scan)
-        kitti.write_bin(f"{stem}.bin", self.points())
+    def save(self, name: str | os.PathLike[str]) -> None:
+        """Write `NAME.bin`, `NAME.label`, `NAME.boxes.json`, `NAME.layout.json` and `NAME.png` beside each other."""
+        stem = os.fspath(name)
+        kitti.write_bin(f"{stem}.bin", self.points(), self.intensities())
         semantickitti.write_label(f"{stem}.label", self.labels(), self.instances())
-        boxes.write_boxes(f"{stem}.boxes.json", self.boxes(), self.instances())
+        write_boxes(f"{stem}.boxes.json", self.boxes(), self.returns_per_box())
         self.layout.save(f"{stem}.layout.json")
         view.save_png(self.picture(), f"{stem}.png")
 
@@ -83,7 +95,9 @@ class Pipeline:
         self.steps = steps
 
     @classmethod
-    def from_pretrained(cls, name: str | os.PathLike[str] = "street", *, device: str = "cpu", steps: int = 10) -> Pipeline:
+    def from_pretrained(
+        cls, name: str | os.PathLike[str] = "street", *, device: str = "cpu", steps: int = 10
+    ) -> Pipeline:
         """The packaged weights of that name, or the weight file at that path; raises `CheckpointError`."""
         packaged = WEIGHTS / f"{os.fspath(name)}.safetensors"
         path = packaged if packaged.exists() else Path(name)
@@ -105,8 +119,7 @@ class Pipeline:
 
     @torch.inference_mode()
     def denoising(self, drawing: RangeImage, *, seed: int = 0) -> Iterator[RangeImage]:
-        """The scan while it takes shape, one unlabelled image for each sampling step; the last is the result."""
-        device = next(self.denoiser.parameters()).device
-        condition = torch.from_numpy(encode_condition(drawing))[None].to(device)
-        for state in sample(self.denoiser, condition=condition, seeds=[seed], steps=self.steps):
+        """The scan while it takes shape, one image without labels a sampling step; the last is the result."""
+        condition = torch.from_numpy(encode_condition(drawing))[None]
+        for state in sample(self.denoiser, drawing.sensor, seeds=[seed], condition=condition, steps=self.steps):
             yield decode_scan(state[0].cpu().numpy(), drawing.sensor)

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 import os
+from pathlib import Path
 
 import numpy as np
 from PIL import Image, ImageDraw
 
+from lidardraft.errors import FormatError
 from lidardraft.files import written_whole
+from lidardraft.formats.kitti import read_bin
+from lidardraft.formats.semantickitti import read_label
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
@@ -17,7 +21,9 @@ from lidardraft.semantics import CLASSES
 
 PALETTE = np.array([row.colour for row in CLASSES], dtype=np.uint8)
 _BACKGROUND = np.array([24, 26, 32], dtype=np.uint8)
-_RAMP = np.array([[48, 18, 59], [70, 107, 227], [40, 188, 235], [50, 242, 152], [164, 252, 60], [249, 186, 56], [228, 69, 10]])
+_RAMP = np.array(
+    [[48, 18, 59], [70, 107, 227], [40, 188, 235], [50, 242, 152], [164, 252, 60], [249, 186, 56], [228, 69, 10]]
+)
 _GAP = 6
 
 
@@ -97,6 +103,34 @@ def draw_scan(image: RangeImage, pose: np.ndarray, *, by_label: bool = False) ->
     points = image.points() @ pose[:3, :3].T + pose[:3, 3]
     colours = colour_by_label(image.label[image.valid]) if by_label else colour_by_height(points[:, 2])
     return draw_points(points, colours)
+
+
+def draw_file(path: Path, sensor: Sensor) -> np.ndarray:
+    """A `.json` layout, an `.npz` range image or a `.bin` scan (taken by `sensor`, with the `.label` beside it if there is
+    one): uint8 [H, W, 3]. Raises `FormatError` for any other file."""
+    if path.suffix == ".json":
+        layout = Layout.load(path)
+        drawing = raycast(layout, sensor)
+        return stack(
+            [
+                stack([draw_layout(layout), draw_scan(drawing, sensor.pose(), by_label=True)], across=True),
+                draw_image(drawing),
+            ]
+        )
+    if path.suffix == ".npz":
+        image = RangeImage.load(path)
+    elif path.suffix == ".bin":
+        points, intensity = read_bin(path)
+        labels = path.with_suffix(".label")
+        label, instance = read_label(labels, len(points)) if labels.exists() else (None, None)
+        image = RangeImage.project(points, sensor, label=label, instance=instance, intensity=intensity)
+    else:
+        raise FormatError(
+            f"{path}: cannot draw {path.suffix or 'a file without an ending'}; .bin, .npz and .json can be drawn"
+        )
+    pose = image.sensor.pose()
+    views = [draw_scan(image, pose), draw_scan(image, pose, by_label=True)]
+    return stack([stack(views, across=True), draw_image(image)])
 
 
 def stack(pictures: list[np.ndarray], *, across: bool = False) -> np.ndarray:

@@ -13,44 +13,29 @@ pub struct Bounds {
 
 impl Bounds {
     /// Bounds of nothing: the neutral element of [`Bounds::union`].
-    pub const EMPTY: Bounds = Bounds {
-        min: DVec3::INFINITY,
-        max: DVec3::NEG_INFINITY,
-    };
+    pub const EMPTY: Bounds = Bounds { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
 
     /// Bounds from a centre and half extents.
     pub fn around(center: DVec3, half: DVec3) -> Bounds {
-        Bounds {
-            min: center - half,
-            max: center + half,
-        }
+        Bounds { min: center - half, max: center + half }
     }
 
     /// Bounds of both.
     #[must_use]
     pub fn union(self, other: Bounds) -> Bounds {
-        Bounds {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
-        }
+        Bounds { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
     /// Bounds moved by an offset.
     #[must_use]
     pub fn moved(self, offset: DVec3) -> Bounds {
-        Bounds {
-            min: self.min + offset,
-            max: self.max + offset,
-        }
+        Bounds { min: self.min + offset, max: self.max + offset }
     }
 
     /// Bounds grown to all sides by a margin.
     #[must_use]
     pub fn grown(self, margin: f64) -> Bounds {
-        Bounds {
-            min: self.min - margin,
-            max: self.max + margin,
-        }
+        Bounds { min: self.min - margin, max: self.max + margin }
     }
 
     /// Whether there is nothing inside, not even a point.

@@ -81,6 +81,11 @@ pub enum Error {
     /// A mesh that is not one.
     #[error("meshes[{mesh}]: {source}")]
     Mesh { mesh: usize, source: Box<Error> },
+    /// A mesh that reaches too far once it is scaled.
+    #[error(
+        "vertex {vertex} of the mesh of primitive {primitive} is {value:?} m from its center; the limit is {limit:e}"
+    )]
+    MeshReach { primitive: usize, vertex: usize, value: [f64; 3], limit: f64 },
     /// A primitive that stands nowhere.
     #[error("centers[{primitive}] is {value:?} m; every coordinate must be finite and at most {limit:e} in size")]
     Center { primitive: usize, value: [f64; 3], limit: f64 },

@@ -46,6 +46,7 @@ mod pose;
 mod scan;
 mod scene;
 mod sensor;
+mod tables;
 #[cfg(test)]
 mod tests;
 
@@ -58,3 +59,4 @@ pub use pose::Pose;
 pub use scan::scan;
 pub use scene::{Primitive, Scene, SceneHit, Shape};
 pub use sensor::{Projection, SensorPattern, SensorSpec};
+pub use tables::PrimitiveTables;

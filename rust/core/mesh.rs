@@ -16,24 +16,14 @@ impl TriangleMesh {
     /// [`Error::EmptyMesh`], [`Error::VertexNotFinite`] or [`Error::FaceIndex`].
     pub fn new(vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Result<TriangleMesh> {
         if vertices.is_empty() || faces.is_empty() {
-            return Err(Error::EmptyMesh {
-                vertices: vertices.len(),
-                faces: faces.len(),
-            });
+            return Err(Error::EmptyMesh { vertices: vertices.len(), faces: faces.len() });
         }
         if let Some(vertex) = vertices.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
-            return Err(Error::VertexNotFinite {
-                vertex,
-                position: vertices[vertex],
-            });
+            return Err(Error::VertexNotFinite { vertex, position: vertices[vertex] });
         }
         for (face, corners) in faces.iter().enumerate() {
             if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices.len()) {
-                return Err(Error::FaceIndex {
-                    face,
-                    vertex,
-                    vertices: vertices.len(),
-                });
+                return Err(Error::FaceIndex { face, vertex, vertices: vertices.len() });
             }
         }
         Ok(TriangleMesh { vertices, faces })

@@ -20,10 +20,7 @@ const FURTHEST: f64 = 1e9;
 
 impl Pose {
     /// At the origin, not turned.
-    pub const IDENTITY: Pose = Pose {
-        rotation: DMat3::IDENTITY,
-        translation: DVec3::ZERO,
-    };
+    pub const IDENTITY: Pose = Pose { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
 
     /// A pose from the rows of a homogeneous matrix.
     ///
@@ -31,7 +28,7 @@ impl Pose {
     /// [`Error::PoseEntry`], [`Error::PoseLastRow`], [`Error::PoseNotRigid`] or [`Error::PoseMirrored`].
     pub fn from_rows(rows: [[f64; 4]; 4]) -> Result<Pose> {
         for (row, entries) in rows.iter().enumerate() {
-            if let Some(column) = entries.iter().position(|x| !(x.abs() <= FURTHEST)) {
+            if let Some(column) = entries.iter().position(|x| !(-FURTHEST..=FURTHEST).contains(x)) {
                 let value = entries[column];
                 let limit = FURTHEST;
                 return Err(Error::PoseEntry { row, column, value, limit });

@@ -81,7 +81,7 @@ impl Scene {
     /// A scene; it may be empty.
     ///
     /// # Errors
-    /// [`Error::Center`], [`Error::Size`] or [`Error::Yaw`].
+    /// [`Error::Center`], [`Error::Size`], [`Error::Yaw`] or [`Error::MeshReach`].
     pub fn new(primitives: Vec<Primitive>) -> Result<Scene> {
         for (index, primitive) in primitives.iter().enumerate() {
             primitive.check(index)?;
@@ -104,6 +104,8 @@ impl Scene {
     }
 
     /// The closest surface along a ray; of two whose distances are the same in f32, the one with the lower index.
+    ///
+    /// Origin and direction must be finite, and the direction not 0; it need not have the length 1.
     pub fn closest(&self, origin: DVec3, direction: DVec3) -> Option<SceneHit> {
         let ray = Ray::new(origin - self.origin, direction);
         let (surface, hit) = self.bvh.closest(&ray, |i| self.surfaces[i].intersect(&ray))?;
@@ -124,12 +126,7 @@ impl Scene {
     fn scene_hit(&self, surface: usize, hit: Hit) -> SceneHit {
         let primitive = self.owners[surface] as usize;
         let (label, instance) = self.semantics[primitive];
-        SceneHit {
-            hit,
-            primitive,
-            label,
-            instance,
-        }
+        SceneHit { hit, primitive, label, instance }
     }
 }
 
@@ -142,14 +139,8 @@ impl Primitive {
         }
         let positive = self.size.map(|x| x > 0.0);
         let (fits, rule) = match self.shape {
-            Shape::Plane => (
-                positive == [true, true, false],
-                "a plane has x > 0, y > 0 and z = 0",
-            ),
-            Shape::Mesh(_) => (
-                positive.contains(&true),
-                "extents of a mesh are >= 0 and not all 0",
-            ),
+            Shape::Plane => (positive == [true, true, false], "a plane has x > 0, y > 0 and z = 0"),
+            Shape::Mesh(_) => (positive.contains(&true), "extents of a mesh are >= 0 and not all 0"),
             _ => (positive == [true; 3], "every extent must be > 0"),
         };
         if !fits || !self.size.iter().all(|x| (0.0..=limit).contains(x)) {
@@ -160,7 +151,20 @@ impl Primitive {
             let value = self.yaw;
             return Err(Error::Yaw { primitive, value });
         }
-        Ok(())
+        self.check_reach(primitive)
+    }
+
+    fn check_reach(&self, primitive: usize) -> Result<()> {
+        let Shape::Mesh(mesh) = &self.shape else {
+            return Ok(());
+        };
+        let limit = FURTHEST;
+        let size = DVec3::from(self.size);
+        let scaled = mesh.vertices().iter().map(|&v| (DVec3::from(v) * size).to_array());
+        match scaled.enumerate().find(|(_, v)| !v.iter().all(|x| x.abs() <= limit)) {
+            Some((vertex, value)) => Err(Error::MeshReach { primitive, vertex, value, limit }),
+            None => Ok(()),
+        }
     }
 
     /// Bounds of the primitive; exact only for what is not turned, which is enough to find a middle.
@@ -206,10 +210,7 @@ fn triangles(mesh: &TriangleMesh, center: DVec3, size: DVec3, yaw: f64) -> Vec<S
     };
     let vertices: Vec<DVec3> = mesh.vertices().iter().map(place).collect();
     let corners = |face: &[u32; 3]| face.map(|v| vertices[v as usize]);
-    mesh.faces()
-        .iter()
-        .map(|face| Surface::Triangle(Triangle { corners: corners(face) }))
-        .collect()
+    mesh.faces().iter().map(|face| Surface::Triangle(Triangle { corners: corners(face) })).collect()
 }
 
 impl Surface {

@@ -59,10 +59,14 @@ def view(arguments: argparse.Namespace) -> None:
 
 def evaluate(arguments: argparse.Namespace) -> None:
     """How well generated scans of unseen streets obey their layouts, beside random weights and the drawing itself."""
-    from lidardraft.evaluation import evaluate
+    from lidardraft.evaluation import evaluate, unseen_streets
 
-    for row in evaluate(_pipeline(arguments), num=arguments.num, seed=arguments.seed):
-        print(row, flush=True)
+    pairs = unseen_streets(arguments.num, sensor=Sensor.preset(arguments.sensor), seed=arguments.seed)
+    print(f"{len(pairs)} streets, {arguments.sensor}, {arguments.steps} steps")
+    print(f"{'':16}{'objects':>9}{'all':>9}{'drop':>9}{'BEV JSD':>9}")
+    for row in evaluate(_pipeline(arguments), pairs):
+        print(f"{row.name:16}{row.objects:9.3f}{row.overall:9.3f}{row.drop:9.3f}{row.jsd:9.3f}", flush=True)
+        print(" " * 4 + ", ".join(f"{name} {share:.2f}" for name, share in row.by_class.items()))
 
 
 def _layout(arguments: argparse.Namespace, seed: int) -> Layout:
@@ -80,7 +84,7 @@ def _layout(arguments: argparse.Namespace, seed: int) -> Layout:
         if not arguments.labels:
             raise FormatError("--points needs --labels: a layout is made of classes")
         points, _ = kitti.read_bin(arguments.points)
-        labels, instances = semantickitti.read_label(arguments.labels, num_points=len(points))
+        labels, instances = semantickitti.read_label(arguments.labels, len(points))
         height = Sensor.preset(arguments.sensor).mount_height
         return layout_from_cloud(points, labels, instances=instances, sensor_height=height)
     return Layout.load(arguments.layout)
@@ -93,7 +97,9 @@ def _pipeline(arguments: argparse.Namespace) -> Pipeline:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="lidardraft", description="From a sentence, a scan or a layout to LiDAR scans.")
+    parser = argparse.ArgumentParser(
+        prog="lidardraft", description="From a sentence, a scan or a layout to LiDAR scans."
+    )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     def command(name: str, run: object) -> argparse.ArgumentParser:
@@ -115,7 +121,9 @@ def _parser() -> argparse.ArgumentParser:
         added.add_argument("--sensor", default="hdl64e", metavar="NAME", help=text)
 
     def weights(added: argparse.ArgumentParser) -> None:
-        added.add_argument("--weights", default="street", metavar="NAME", help="packaged weights or a file (default street)")
+        added.add_argument(
+            "--weights", default="street", metavar="NAME", help="packaged weights or a file (default street)"
+        )
         added.add_argument("--steps", type=_positive, default=10, help="sampling steps (default 10)")
         added.add_argument("--device", default="cpu", help="torch device (default cpu)")
 
@@ -142,6 +150,7 @@ def _parser() -> argparse.ArgumentParser:
     added.add_argument("-o", "--output", metavar="PICTURE.png", help="default: FILE.view.png")
 
     added = command("evaluate", evaluate)
+    sensor(added)
     weights(added)
     added.add_argument("-n", "--num", type=_positive, default=50, help="how many streets (default 50)")
     added.add_argument("--seed", type=int, default=1_000_000, help="the first street's seed (default 1000000)")

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from lidardraft.errors import FormatError
-from lidardraft.formats.atomic import replace_file
+from lidardraft.files import written_whole
 from lidardraft.scene.layout import Box
 from lidardraft.semantics import BY_NAME
 
@@ -26,7 +26,7 @@ def write_boxes(path: str | os.PathLike[str], boxes: Sequence[Box], num_points: 
     for index, row in enumerate(rows):
         _check(f"{os.fspath(path)}: box {index}", row)
     text = ",\n  ".join(json.dumps(row) for row in rows)
-    with replace_file(path) as temporary:
+    with written_whole(path) as temporary:
         temporary.write_text('{"frame": "sensor", "boxes": [\n  ' + text + "\n]}\n")
 
 
@@ -46,7 +46,7 @@ def read_boxes(path: str | os.PathLike[str]) -> tuple[list[Box], list[int]]:
     boxes, counts = [], []
     for index, row in enumerate(document["boxes"]):
         _check(f"{name}: box {index}", row)
-        fields = {key: tuple(map(float, value)) if isinstance(value, list) else value for key, value in row.items()}
+        fields: dict[str, Any] = dict(row, center=tuple(row["center"]), size=tuple(row["size"]))
         counts.append(fields.pop("num_points"))
         boxes.append(Box(**fields))
     return boxes, counts

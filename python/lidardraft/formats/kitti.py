@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.formats.atomic import replace_file
+from lidardraft.files import written_whole
 
 _POINT_BYTES = 16
 
@@ -37,7 +37,7 @@ def write_bin(path: str | os.PathLike[str], points: np.ndarray, intensity: np.nd
         raise FormatError(f"{name}: points {points.shape} and intensity {intensity.shape} must be [N, 3] and [N]")
     scan = np.column_stack([points, intensity]).astype("<f4")
     _check(name, scan)
-    with replace_file(path) as temporary:
+    with written_whole(path) as temporary:
         temporary.write_bytes(scan.tobytes())
 
 

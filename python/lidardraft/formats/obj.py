@@ -31,9 +31,14 @@ def read_obj(
         raise LayoutError(f"up is {up!r}; it must be 'y' or 'z'")
     if not (math.isfinite(scale) and scale > 0):
         raise LayoutError(f"scale is {scale}; it must be a finite number of metres > 0")
+    for key, value in (labels or {}).items():
+        if value not in BY_NAME or value == "none":
+            raise LayoutError(f"labels[{key!r}] is {value!r}; it must be one of {', '.join(list(BY_NAME)[1:])}")
     objects = mesh.read_obj(path)
     classes = [_class_of(name, material, labels or {}) for name, material, _ in objects]
-    nameless = sorted({f"{o[0]} ({o[1] or 'no material'})" for o, label in zip(objects, classes, strict=True) if not label})
+    nameless = sorted(
+        {f"{o[0]} ({o[1] or 'no material'})" for o, label in zip(objects, classes, strict=True) if not label}
+    )
     if nameless:
         raise LayoutError(f"{os.fspath(path)}: no class for {', '.join(nameless)}; pass them in `labels`")
     instances: dict[str, int] = {}

@@ -1,9 +1,9 @@
 """SemanticKITTI labels: .label files of one uint32 a point, class in the low 16 bits, instance in the high 16 bits.
 
 The tables follow semantic-kitti.yaml (Behley et al., ICCV 2019). Reading loses: moving or not; parking and lane marking
-(road); other ground (terrain); other vehicle (truck); bicyclist or motorcyclist (rider); other structure and other object
-(other); outlier and unlabelled (none). Writing loses wall (fence) and traffic light (other object), which SemanticKITTI
-does not have.
+(road); other ground (terrain); other vehicle (truck); bicyclist or motorcyclist (rider); other structure and other
+object (other); outlier and unlabelled (none). Writing loses wall (fence) and traffic light (other object), which
+SemanticKITTI does not have.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.formats.atomic import replace_file
+from lidardraft.files import written_whole
 from lidardraft.semantics import BY_NAME, CLASSES, NUM_CLASSES
 
 CLASS_FROM_RAW: dict[int, str] = {
@@ -54,9 +54,10 @@ CLASS_FROM_RAW: dict[int, str] = {
     259: "truck",
 }
 
-# The first raw id of a class is the one written; the two classes without one get the nearest.
+# The lowest raw id of a class is the one written, but for four: two have a better one, two have none.
 RAW_FROM_CLASS: dict[str, int] = {
     **{name: raw for raw, name in reversed(CLASS_FROM_RAW.items())},
+    "terrain": 72,
     "other": 99,
     "wall": 51,
     "traffic-light": 99,
@@ -100,5 +101,5 @@ def write_label(path: str | os.PathLike[str], label: np.ndarray, instance: np.nd
             raise FormatError(f"{name}: point {outside[0]} has {what} {values[outside[0]]}; it must be 0 to {limit}")
     table = np.array([RAW_FROM_CLASS[row.name] for row in CLASSES], dtype="<u4")
     words = table[label] | (instance.astype("<u4") << np.uint32(16))
-    with replace_file(path) as temporary:
+    with written_whole(path) as temporary:
         temporary.write_bytes(words.astype("<u4").tobytes())

@@ -10,7 +10,7 @@ import json
 import math
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -139,6 +139,12 @@ class Box:
     size: tuple[float, float, float]
     yaw: float
 
+    def seen_from(self, pose: np.ndarray) -> Box:
+        """The box in the frame of world_from_sensor `pose` [4, 4]; the tilt of the pose is left out."""
+        center = pose[:3, :3].T @ (np.array(self.center) - pose[:3, 3])
+        yaw = self.yaw - math.atan2(pose[1, 0], pose[0, 0])
+        return replace(self, center=tuple(center.tolist()), yaw=math.remainder(yaw, math.tau))
+
 
 @dataclass(frozen=True, slots=True)
 class Layout:
@@ -216,6 +222,8 @@ class Layout:
         """Raises `LayoutError` naming the file."""
         try:
             return cls.from_json(Path(path).read_text())
+        except OSError as error:
+            raise LayoutError(f"{os.fspath(path)}: {error.strerror}") from None
         except (LayoutError, UnicodeDecodeError) as error:
             raise LayoutError(f"{os.fspath(path)}: {error}") from None
 

@@ -23,15 +23,17 @@ class TriangleMesh:
     faces: np.ndarray
 
     def __post_init__(self) -> None:
-        vertices = np.array(self.vertices, dtype=np.float64)
-        faces = np.array(self.faces, dtype=np.int64)
+        vertices = np.array(self.vertices, dtype=np.float64, order="C")
+        faces = np.array(self.faces, dtype=np.int64, order="C")
         if vertices.ndim != 2 or vertices.shape[1] != 3 or faces.ndim != 2 or faces.shape[1] != 3 or not len(faces):
             raise LayoutError(
                 f"a mesh needs vertices [V, 3] and at least one face [F, 3]; got {vertices.shape} and {faces.shape}"
             )
         bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
         if len(bad):
-            raise LayoutError(f"vertex {bad[0]} of a mesh is {vertices[bad[0]].tolist()}; every coordinate must be finite")
+            raise LayoutError(
+                f"vertex {bad[0]} of a mesh is {vertices[bad[0]].tolist()}; every coordinate must be finite"
+            )
         outside = np.flatnonzero(((faces < 0) | (faces >= len(vertices))).any(axis=1))
         if len(outside):
             face = outside[0]
@@ -70,13 +72,12 @@ def primitive_mesh(primitive: Primitive) -> TriangleMesh:
 def _unit_box() -> TriangleMesh:
     vertices = [(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    return TriangleMesh(vertices, [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+    return TriangleMesh(np.array(vertices), np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]))
 
 
 def _unit_plane() -> TriangleMesh:
-    return TriangleMesh(
-        [(-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.5, 0.5, 0.0), (-0.5, 0.5, 0.0)], [(0, 1, 2), (0, 2, 3)]
-    )
+    square = np.array([(-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.5, 0.5, 0.0), (-0.5, 0.5, 0.0)])
+    return TriangleMesh(square, np.array([(0, 1, 2), (0, 2, 3)]))
 
 
 def _unit_cylinder(sides: int = 32) -> TriangleMesh:
@@ -118,7 +119,7 @@ def _unit_ellipsoid(rings: int = 16, sides: int = 32) -> TriangleMesh:
             faces += [(a, a + sides, b + sides), (a, b + sides, b)]
         last = (rings - 2) * sides
         faces.append((south, last + after, last + side))
-    return TriangleMesh(vertices, faces)
+    return TriangleMesh(vertices, np.array(faces))
 
 
 _UNIT_MESHES = {

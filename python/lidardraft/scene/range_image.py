@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import zipfile
+import zlib
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -20,6 +21,8 @@ _DTYPES = {
     "incidence": np.float32,
     "primitive": np.int32,
 }
+# What numpy raises on a file that is missing, truncated, corrupt or another kind of file.
+_BROKEN = (OSError, EOFError, KeyError, TypeError, ValueError, AttributeError, zipfile.BadZipFile, zlib.error)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -110,8 +113,8 @@ class RangeImage:
         """Raises `FormatError` where the file is no range image."""
         names = [field.name for field in fields(cls)]
         try:
-            with np.load(path, allow_pickle=False) as file:
-                images = {name: file[name] for name in names if name in file}
+            with open(path, "rb") as file, np.load(file, allow_pickle=False) as arrays:
+                images = {name: arrays[name] for name in names if name in arrays}
             return cls(**{**images, "sensor": Sensor.from_json(str(images["sensor"]))})
-        except (OSError, KeyError, TypeError, ValueError, zipfile.BadZipFile, EOFError) as error:
+        except _BROKEN as error:
             raise FormatError(f"{os.fspath(path)} is not a range image: {error}") from None

@@ -18,15 +18,19 @@ _EXTENT = 200.0
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Road:
-    """A two-way road of constant curvature through the ego vehicle, right-hand traffic, with at most one side or cross road.
+    """A two-way road of constant curvature under the ego vehicle, right-hand traffic, with at most one crossing road.
 
-    `along` runs [m] in the ego's direction with the ego at 0; `across` [m] is positive to the left with the centreline at 0.
-    `lanes` counts one direction. `curvature` [1/m] is positive for a left bend. `junction` is the `along` of the middle of the
-    crossing road, or None; `arms` tells on which sides it leaves ("left", "right").
+    `along` [m] runs in the ego's direction with the ego at 0; `across` [m] is positive to the left with the centreline
+    at 0. `lanes` counts one direction; the ego drives in number `ego_lane`, counted from the kerb. `parking` is the
+    width [m] of the strip for parked vehicles (or of the hard shoulder) along each kerb. `curvature` [1/m] is positive
+    for a left bend. `junction` is the `along` of the middle of the crossing road, or None; `arms` are the sides on
+    which it leaves ("left", "right").
     """
 
     lanes: int = 1
+    ego_lane: int = 0
     lane_width: float = 3.5
+    parking: float = 0.0
     sidewalk: float = 2.0
     curvature: float = 0.0
     junction: float | None = None
@@ -38,6 +42,10 @@ class Road:
             raise LayoutError(f"lanes is {self.lanes}; a road has 1 to 6 in each direction")
         if not 2.0 <= self.lane_width <= 6.0:
             raise LayoutError(f"lane_width is {self.lane_width} m; it must be 2 to 6 m")
+        if not 0 <= self.ego_lane < self.lanes:
+            raise LayoutError(f"ego_lane is {self.ego_lane}; the road has {self.lanes} lanes in each direction")
+        if not 0.0 <= self.parking <= 5.0:
+            raise LayoutError(f"parking is {self.parking} m; it must be 0 to 5 m")
         if not 0.0 <= self.sidewalk <= 10.0:
             raise LayoutError(f"sidewalk is {self.sidewalk} m; it must be 0 to 10 m")
         if abs(self.curvature) * self.reach > 2.0:
@@ -46,7 +54,7 @@ class Road:
     @property
     def edge(self) -> float:
         """Distance from the centreline to the kerb [m]."""
-        return self.lanes * self.lane_width
+        return self.lanes * self.lane_width + self.parking
 
     @property
     def verge(self) -> float:
@@ -57,11 +65,11 @@ class Road:
         """`across` of the middle of a lane: number 0 is the outermost, direction 1 the ego's and -1 the opposite."""
         if not 0 <= number < self.lanes:
             raise LayoutError(f"lane {number} of a road with {self.lanes} lanes in each direction")
-        return -direction * (self.edge - (number + 0.5) * self.lane_width)
+        return -direction * (self.lanes - number - 0.5) * self.lane_width
 
     def at(self, along: float, across: float) -> tuple[float, float, float]:
-        """x, y [m] and heading [rad] of the layout's frame; the ego is in its outermost lane at x = y = 0."""
-        bend, ego = self.curvature, self.lane(0)
+        """x, y [m] and heading [rad] of the layout's frame; the ego is in the middle of its lane at x = y = 0."""
+        bend, ego = self.curvature, self.lane(self.ego_lane)
         heading = bend * along
         if abs(bend) < 1e-9:
             return along, across - ego, 0.0
@@ -74,7 +82,7 @@ class Road:
         return self.junction is not None and abs(along - self.junction) < self.verge + margin
 
     def surfaces(self) -> list[Primitive]:
-        """Terrain, road, sidewalks and the crossing road as primitives with the ids "terrain", "road", "sidewalk_1" ..."""
+        """Terrain, road, sidewalks and crossing road as primitives with the ids "terrain", "road", "sidewalk_1" ..."""
         size = (2 * _EXTENT, 2 * _EXTENT, 0.0)
         surfaces = [
             Primitive(shape="plane", center=(0.0, 0.0, TERRAIN_HEIGHT), size=size, label="terrain", id="terrain"),
@@ -96,9 +104,8 @@ class Road:
             if self.junction is None or side not in self.arms:
                 strips.append((whole, across))
                 continue
-            for span in ((whole[0], self.junction - self.edge), (self.junction + self.edge, whole[1])):
-                if span[1] - span[0] > 1.0:
-                    strips.append((span, across))
+            spans = ((whole[0], self.junction - self.edge), (self.junction + self.edge, whole[1]))
+            strips += [(span, across) for span in spans if span[1] - span[0] > 1.0]
         return strips
 
     def _arm(self, side: str) -> Primitive:
@@ -117,7 +124,7 @@ class Road:
     def _strip(
         self, id: str, label: str, span: tuple[float, float], across: tuple[float, float], top: float
     ) -> Primitive:
-        """The surface between two distances along and across: a plane or a box where the road is straight, else a mesh."""
+        """The surface between two distances along and across: a plane or box where it is straight, else a mesh."""
         if self.curvature == 0.0:
             x, y, _ = self.at((span[0] + span[1]) / 2, (across[0] + across[1]) / 2)
             size = (span[1] - span[0], across[1] - across[0])

@@ -27,10 +27,7 @@ impl Cuboid {
         let y = slab(1, origin.y, direction.y, self.half.y)?;
         let z = slab(2, origin.z, direction.z, self.half.z)?;
         let (distance, normal) = first(narrow(narrow(x, y), z))?;
-        Some(Hit {
-            distance,
-            normal: self.place.outward(normal),
-        })
+        Some(Hit { distance, normal: self.place.outward(normal) })
     }
 
     /// Its bounds.

@@ -26,10 +26,7 @@ impl Cylinder {
         let caps = slab(2, origin.z, direction.z, self.half.z)?;
         let side = self.side(origin, direction)?;
         let (distance, normal) = first(narrow(caps, side))?;
-        Some(Hit {
-            distance,
-            normal: self.place.outward(normal).normalize_or_zero(),
-        })
+        Some(Hit { distance, normal: self.place.outward(normal).normalize_or_zero() })
     }
 
     /// The part of a ray inside the endless cylinder.

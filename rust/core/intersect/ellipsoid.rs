@@ -27,10 +27,7 @@ impl Ellipsoid {
         let (near, far) = unit_ball(origin, direction)?;
         let normal = |t: f64| (origin + direction * t) / self.radii;
         let (distance, normal) = first(((near, normal(near)), (far, normal(far))))?;
-        Some(Hit {
-            distance,
-            normal: self.place.outward(normal).normalize_or_zero(),
-        })
+        Some(Hit { distance, normal: self.place.outward(normal).normalize_or_zero() })
     }
 
     /// Its bounds.

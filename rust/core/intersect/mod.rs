@@ -37,7 +37,8 @@ impl Upright {
 
     /// A ray's origin and direction as the shape sees them.
     fn inward(&self, ray: &Ray) -> (DVec3, DVec3) {
-        let back = |v: DVec3| self.turn.conjugate().rotate(v.truncate()).extend(v.z);
+        let inverse = DVec2::new(self.turn.x, -self.turn.y);
+        let back = |v: DVec3| inverse.rotate(v.truncate()).extend(v.z);
         (back(ray.origin - self.center), back(ray.direction))
     }
 
@@ -79,13 +80,9 @@ fn narrow(a: (Crossing, Crossing), b: (Crossing, Crossing)) -> (Crossing, Crossi
 
 /// The first crossing in front of the origin, given where the line enters and leaves a body.
 fn first((enter, exit): (Crossing, Crossing)) -> Option<Crossing> {
-    if !(enter.0 <= exit.0) {
-        None
-    } else if enter.0 > 0.0 {
-        Some(enter)
-    } else {
-        (exit.0 > 0.0).then_some(exit)
-    }
+    let passes = enter.0 <= exit.0;
+    let ahead = if enter.0 > 0.0 { enter } else { exit };
+    (passes && ahead.0 > 0.0).then_some(ahead)
 }
 
 /// The part of a ray between two parallel planes at `-half` and `half` of one axis; `None` if it runs beside them.
@@ -108,7 +105,7 @@ fn unit_ball(origin: DVec3, direction: DVec3) -> Option<(f64, f64)> {
     let a = direction.length_squared();
     let b = -origin.dot(direction);
     let discriminant = 1.0 - (origin + direction * (b / a)).length_squared();
-    if !(discriminant >= 0.0) {
+    if discriminant.is_nan() || discriminant < 0.0 {
         return None;
     }
     let q = b + (a * discriminant).sqrt().copysign(b);

@@ -34,12 +34,7 @@ impl Ray {
         }
         let scale = 1.0 / direction[longest];
         let shear = DVec3::new(direction[x] * scale, direction[y] * scale, scale);
-        Ray {
-            origin,
-            direction,
-            axes: [x, y, longest],
-            shear,
-        }
+        Ray { origin, direction, axes: [x, y, longest], shear }
     }
 
     /// The point at a distance.

@@ -27,10 +27,8 @@ impl Rectangle {
         let (origin, direction) = self.place.inward(ray);
         let distance = -origin.z / direction.z;
         let point = (origin + direction * distance).abs();
-        (distance > 0.0 && point.x <= self.half.x && point.y <= self.half.y).then_some(Hit {
-            distance,
-            normal: DVec3::Z,
-        })
+        (distance > 0.0 && point.x <= self.half.x && point.y <= self.half.y)
+            .then_some(Hit { distance, normal: DVec3::Z })
     }
 
     /// Its bounds.

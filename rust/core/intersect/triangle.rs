@@ -32,10 +32,7 @@ impl Triangle {
             return None;
         }
         let distance = (u * a.z + v * b.z + w * c.z) / determinant;
-        (distance > 0.0).then(|| Hit {
-            distance,
-            normal: self.normal(),
-        })
+        (distance > 0.0).then(|| Hit { distance, normal: self.normal() })
     }
 
     /// The unit normal on the side from which the corners run counter-clockwise; 0 if the triangle has no area.
@@ -47,9 +44,6 @@ impl Triangle {
     /// The bounds of the corners.
     pub fn bounds(&self) -> Bounds {
         let [a, b, c] = self.corners;
-        Bounds {
-            min: a.min(b).min(c),
-            max: a.max(b).max(c),
-        }
+        Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
     }
 }

@@ -18,13 +18,7 @@ pub fn scan(scene: &Scene, pattern: &SensorPattern, world_from_sensor: &Pose) ->
     images
 }
 
-fn cast_row(
-    scene: &Scene,
-    pattern: &SensorPattern,
-    pose: &Pose,
-    row: usize,
-    pixels: &mut RowMut<'_>,
-) {
+fn cast_row(scene: &Scene, pattern: &SensorPattern, pose: &Pose, row: usize, pixels: &mut RowMut<'_>) {
     let origin = pose.point(pattern.origin(row));
     for column in 0..pattern.columns() {
         let direction = pose.vector(pattern.direction(row, column));

@@ -1,0 +1,89 @@
+"""Between metres and the network's [-1, 1]: this file is the only place that knows both.
+
+Depth r becomes 2 log2(r + 1) / log2(MAX_DEPTH + 1) - 1, as in LiDARGen and R2DM, with one MAX_DEPTH for all sensors, so
+that one network can serve them.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from lidardraft.errors import SensorError
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.sensor import Sensor
+from lidardraft.semantics import NUM_CLASSES
+
+MAX_DEPTH = 120.0  # m, becomes 1
+DEPTH, INTENSITY, VALIDITY = range(3)  # channels of the state
+STATE_CHANNELS = 3
+DRAWN_DEPTH, DRAWN_VALIDITY = NUM_CLASSES, NUM_CLASSES + 1  # channels of the condition, after the one-hot label
+CONDITION_CHANNELS = NUM_CLASSES + 2
+
+_SCALE = 2 / math.log2(MAX_DEPTH + 1)
+
+
+def encode_scan(image: RangeImage) -> np.ndarray:
+    """The state of a scan, f32 [3, H, W]: log depth and intensity in [-1, 1], validity +-1.
+
+    A pixel without a return has the depth of the next return to its left around the ring, or 1 in an empty row. A scan
+    without intensities has the intensity 0.
+    """
+    valid = image.valid
+    state = np.empty((STATE_CHANNELS, *image.sensor.shape), dtype=np.float32)
+    state[DEPTH] = _fill_from_left(_encode_depth(image.depth), valid)
+    state[INTENSITY] = -1.0 if image.intensity is None else 2 * image.intensity - 1
+    state[VALIDITY] = 2.0 * valid - 1.0
+    return state
+
+
+def decode_scan(state: np.ndarray, sensor: Sensor) -> RangeImage:
+    """The scan of a state f32 [3, H, W]: a return where validity is positive and depth within the sensor's range.
+
+    The state knows no classes: label and instance are 0. Raises `SensorError` on a state of another sensor.
+    """
+    if state.shape != (STATE_CHANNELS, *sensor.shape):
+        raise SensorError(f"state is {state.shape}; {sensor.name} needs {(STATE_CHANNELS, *sensor.shape)}")
+    depth = np.exp2((np.clip(state[DEPTH], -1, 1) + 1) / _SCALE) - 1
+    valid = (state[VALIDITY] > 0) & (depth >= sensor.min_range) & (depth <= sensor.max_range)
+    intensity = np.clip((state[INTENSITY] + 1) / 2, 0, 1)
+    return RangeImage(
+        sensor=sensor,
+        depth=np.where(valid, depth, 0).astype(np.float32),
+        label=np.zeros(sensor.shape, dtype=np.uint8),
+        instance=np.zeros(sensor.shape, dtype=np.uint32),
+        intensity=np.where(valid, intensity, 0).astype(np.float32),
+    )
+
+
+def encode_condition(drawing: RangeImage) -> np.ndarray:
+    """The condition of a drawing, f32 [K + 2, H, W]: one-hot label with "none", log depth (1 without hit), validity."""
+    valid = drawing.valid
+    condition = np.zeros((CONDITION_CHANNELS, *drawing.sensor.shape), dtype=np.float32)
+    np.put_along_axis(condition, drawing.label[None].astype(np.intp), 1.0, axis=0)
+    condition[DRAWN_DEPTH] = np.where(valid, _encode_depth(drawing.depth), 1.0)
+    condition[DRAWN_VALIDITY] = 2.0 * valid - 1.0
+    return condition
+
+
+def encode_elevations(sensor: Sensor) -> np.ndarray:
+    """What the network is told of the beams, f32 [2, H]: elevation and log spacing, each about [-1, 1]."""
+    elevation = np.array(sensor.elevations)
+    spacing = -np.gradient(elevation) if len(elevation) > 1 else np.ones(1)
+    return np.stack([elevation / math.radians(30), np.log2(spacing / math.radians(0.5))]).astype(np.float32)
+
+
+def _encode_depth(depth: np.ndarray) -> np.ndarray:
+    state: np.ndarray = np.log2(np.minimum(depth, np.float32(MAX_DEPTH)) + 1) * np.float32(_SCALE) - 1
+    return state
+
+
+def _fill_from_left(image: np.ndarray, valid: np.ndarray) -> np.ndarray:
+    """`image` [H, W] with the value of the last valid column to the left, around the ring; 1 in rows without one."""
+    width = image.shape[1]
+    # The last valid column up to each column; before a row's first one it is the row's last, around the ring.
+    source = np.maximum.accumulate(np.where(valid, np.arange(width, dtype=np.int32), -1), axis=1)
+    source = np.where(source < 0, source[:, -1:], source)
+    filled = np.take_along_axis(image, np.maximum(source, 0), axis=1)
+    return np.where(source < 0, np.float32(1), filled)

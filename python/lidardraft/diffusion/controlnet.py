@@ -1,0 +1,77 @@
+"""ControlNet: the drawing enters here (Zhang et al., ICCV 2023; Sec. "Layout-guided Generation" of the paper)."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from lidardraft.diffusion.codec import CONDITION_CHANNELS, DEPTH, DRAWN_DEPTH, DRAWN_VALIDITY
+from lidardraft.diffusion.layers import RingConv, fold, unfold, zero_conv
+from lidardraft.diffusion.score_network import Encoder
+
+_OFFSET = 0.05  # how far the copied depth may leave the drawn one: 12 % of range, in the state's log depth
+
+
+class ControlNet(nn.Module):
+    """A copy of the encoder that also sees the condition and speaks to the decoder through zero convolutions."""
+
+    def __init__(self, encoder: Encoder, *, copy_gate: bool) -> None:
+        super().__init__()
+        width, pixels = encoder.widths[0], encoder.cell[0] * encoder.cell[1]
+        self.embed = nn.Conv2d(CONDITION_CHANNELS * pixels, width, 1)
+        self.hint = RingConv(width, width)
+        self.enter = zero_conv(width, width)
+        self.encoder = copy.deepcopy(encoder)
+        self.leave = nn.ModuleList(zero_conv(width, width) for width in encoder.widths)
+        self.gate = CopyGate(width, encoder.cell) if copy_gate else None
+
+    def forward(self, x: Tensor, level: Tensor, beams: Tensor, condition: Tensor) -> tuple[list[Tensor], Tensor]:
+        """What to add to the decoder's inputs, and the hint [B, width, H / h, W / w] that the drawing gives.
+
+        x [B, 3, H, W], level [B], beams [2, H], condition [B, K + 2, H, W].
+        """
+        hint = functional.silu(self.hint(functional.silu(self.embed(fold(condition, self.encoder.cell)))))
+        outputs = self.encoder(x, level, beams, self.enter(hint))
+        return [leave(h) for leave, h in zip(self.leave, outputs, strict=True)], hint
+
+    def zero_convs(self) -> Iterator[tuple[str, Tensor]]:
+        """Name and weight of every layer that starts at zero."""
+        yield "enter", self.enter.weight
+        for stage, leave in enumerate(self.leave):
+            yield f"leave.{stage}", leave.weight  # type: ignore[misc]
+        if self.gate is not None:
+            yield "gate.head", self.gate.head.weight
+
+
+class CopyGate(nn.Module):
+    """Where to trust the drawing: depth becomes D + m (drawn + offset - D), with m closed exactly at the start.
+
+    Half a metre at 20 m is 0.011 of the state: copying it through folded features is what a small network cannot do.
+    With the gate it only decides where the drawing holds (walls, road) and where it does not (glass, crowns, gaps).
+    """
+
+    def __init__(self, width: int, cell: tuple[int, int]) -> None:
+        super().__init__()
+        pixels = cell[0] * cell[1]
+        self.cell = cell
+        self.mix = RingConv(2 * width + pixels, width // 2)
+        self.head = zero_conv(width // 2, 2 * pixels)
+
+    def forward(
+        self, denoised: Tensor, x: Tensor, sigma: Tensor, condition: Tensor, features: Tensor, hint: Tensor
+    ) -> Tensor:
+        """`denoised` [B, 3, H, W] with its depth drawn towards the condition's; x is noisy, sigma [B, 1, 1, 1]."""
+        drawn = condition[:, DRAWN_DEPTH : DRAWN_DEPTH + 1]
+        hit = condition[:, DRAWN_VALIDITY : DRAWN_VALIDITY + 1] > 0
+        # How many standard deviations of noise lie between pixel and drawing: beyond a few, the drawing is wrong there.
+        distance = torch.tanh((x[:, DEPTH : DEPTH + 1] - drawn) / (2 * sigma + 0.02))
+        h = functional.silu(self.mix(torch.cat([features, hint, fold(distance, self.cell).to(features)], dim=1)))
+        logit, offset = unfold(self.head(h), self.cell).float().chunk(2, dim=1)
+        gate = torch.tanh(logit) * hit
+        depth = denoised[:, DEPTH : DEPTH + 1]
+        depth = depth + gate * (drawn + _OFFSET * torch.tanh(offset / 4) - depth)
+        return torch.cat([depth, denoised[:, DEPTH + 1 :]], dim=1)

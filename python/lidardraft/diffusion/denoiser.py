@@ -1,0 +1,150 @@
+"""The denoiser D(x, sigma, condition): score network and ControlNet under EDM preconditioning, and its loss."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import torch
+from torch import Tensor, nn
+
+from lidardraft.diffusion.codec import STATE_CHANNELS, VALIDITY
+from lidardraft.diffusion.controlnet import ControlNet
+from lidardraft.diffusion.layers import ring_pad
+from lidardraft.diffusion.noise import add_noise
+from lidardraft.diffusion.score_network import ScoreNetwork
+from lidardraft.errors import CheckpointError, LidarDraftError
+
+SIGMA_DATA = 0.5  # standard deviation of a state
+
+
+@dataclass(frozen=True, kw_only=True)
+class DenoiserConfig:
+    """All that decides the shape of the network.
+
+    `cell` is the (rows, columns) of pixels that the stem folds into channels; `widths`, `strides` and `dilations` hold
+    one value a stage; `blocks` residual blocks make a stage; `refine_units` and `pools` are those of a refine block.
+    `controlnet` says whether a condition can be given, `copy_gate` whether the drawn depth is gated in (the paper: no).
+    """
+
+    cell: tuple[int, int]
+    widths: tuple[int, ...]
+    strides: tuple[int, ...]
+    dilations: tuple[int, ...]
+    blocks: int = 2
+    refine_units: int = 1
+    pools: int = 1
+    controlnet: bool = False
+    copy_gate: bool = True
+
+    def __post_init__(self) -> None:
+        for name in ("cell", "widths", "strides", "dilations"):
+            values = getattr(self, name)
+            if not isinstance(values, tuple) or not all(isinstance(v, int) and 1 <= v <= 4096 for v in values):
+                raise LidarDraftError(f"{name} is {values!r}; it must be whole numbers from 1 to 4096")
+        if len(self.cell) != 2:
+            raise LidarDraftError(f"cell is {self.cell}; it must be (rows, columns)")
+        if not self.widths or not len(self.widths) == len(self.strides) == len(self.dilations):
+            raise LidarDraftError(
+                f"widths {self.widths}, strides {self.strides} and dilations {self.dilations} must match"
+            )
+        for name, low in (("blocks", 1), ("refine_units", 0), ("pools", 0)):
+            if not isinstance(getattr(self, name), int) or not low <= getattr(self, name) <= 64:
+                raise LidarDraftError(f"{name} is {getattr(self, name)!r}; it must be {low} to 64")
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields as JSON types."""
+        return {key: list(v) if isinstance(v, tuple) else v for key, v in dataclasses.asdict(self).items()}
+
+    @classmethod
+    def from_dict(cls, fields: Mapping[str, Any]) -> DenoiserConfig:
+        """The inverse of `to_dict`; raises `TypeError` on an unknown or missing field."""
+        values: dict[str, Any] = {key: tuple(v) if isinstance(v, list) else v for key, v in dict(fields).items()}
+        return cls(**values)
+
+
+class Denoiser(nn.Module):
+    """D(x, sigma): the clean state expected behind x = clean + sigma * noise, with or without a condition."""
+
+    def __init__(self, config: DenoiserConfig, network: ScoreNetwork, controlnet: ControlNet | None) -> None:
+        super().__init__()
+        self.config = config
+        self.network = network
+        self.controlnet = controlnet
+
+    @classmethod
+    def from_config(cls, config: DenoiserConfig) -> Denoiser:
+        """The only builder: fresh weights, from torch's global seed."""
+        network = ScoreNetwork(
+            2 * STATE_CHANNELS,
+            STATE_CHANNELS,
+            cell=config.cell,
+            widths=config.widths,
+            strides=config.strides,
+            dilations=config.dilations,
+            blocks=config.blocks,
+            refine_units=config.refine_units,
+            pools=config.pools,
+        )
+        controlnet = ControlNet(network.encoder, copy_gate=config.copy_gate) if config.controlnet else None
+        return cls(config, network, controlnet)
+
+    def with_controlnet(self) -> Denoiser:
+        """The same network, frozen, with a fresh ControlNet that starts as a copy of its encoder."""
+        config = dataclasses.replace(self.config, controlnet=True)
+        controlnet = ControlNet(self.network.encoder, copy_gate=config.copy_gate)
+        self.network.requires_grad_(False)
+        return Denoiser(config, self.network, controlnet)
+
+    def denoise(self, x: Tensor, sigma: Tensor, beams: Tensor, condition: Tensor | None = None) -> Tensor:
+        """D(x, sigma) for x f32 [B, 3, H, W], sigma [B], beams f32 [2, H] (`encode_elevations`).
+
+        `condition` is f32 [B, K + 2, H, W] (`encode_condition`); without it the ControlNet is not called.
+        Preconditioned as in Karras et al., NeurIPS 2022, Table 1. Raises `CheckpointError` on a condition without a
+        ControlNet.
+        """
+        level = sigma.log() / 4
+        sigma = sigma.reshape(-1, 1, 1, 1)
+        variance = sigma**2 + SIGMA_DATA**2
+        # Low noise is a small part of the state; it shows in what sets a pixel off from its neighbours, in sigmas.
+        padded = ring_pad(x, 1)
+        detail = torch.tanh((x - (padded[..., :-2] + padded[..., 2:]) / 2) / (2 * sigma))
+        seen = torch.cat([x / variance.sqrt(), detail], dim=1)
+        control, hint = None, None
+        if condition is not None:
+            if self.controlnet is None:
+                raise CheckpointError("a condition was given, but these weights have no ControlNet")
+            control, hint = self.controlnet(seen, level, beams, condition)
+        features = self.network.features(seen, level, beams, control)
+        output = self.network.output(features, seen).float()
+        denoised = SIGMA_DATA**2 / variance * x + sigma * SIGMA_DATA / variance.sqrt() * output
+        if condition is not None and self.controlnet is not None and self.controlnet.gate is not None:
+            denoised = self.controlnet.gate(denoised, x, sigma, condition, features, hint)
+        return denoised
+
+    def loss(
+        self,
+        clean: Tensor,
+        sigma: Tensor,
+        noise: Tensor,
+        beams: Tensor,
+        condition: Tensor | None = None,
+        margin: int = 0,
+    ) -> Tensor:
+        """The loss of each sample [B]: EDM's weight times the squared error of D, over the pixels that count.
+
+        With D - x = sigma^2 S this is the paper's sigma^2 |S - target|^2, normalised to be about 1 at every noise level
+        for an untrained network. Depth and intensity count only where the scan has a return; `margin` columns at either
+        end, where a crop is no ring, do not count.
+        """
+        denoised = self.denoise(add_noise(clean, sigma, noise), sigma, beams, condition)
+        weight = (sigma**2 + SIGMA_DATA**2) / (sigma * SIGMA_DATA) ** 2
+        counts = (clean[:, VALIDITY : VALIDITY + 1] > 0).expand_as(clean).clone()
+        counts[:, VALIDITY] = True
+        if margin:
+            counts[..., :margin] = False
+            counts[..., -margin:] = False
+        error = ((denoised - clean) ** 2 * counts).sum(dim=(1, 2, 3)) / counts.sum(dim=(1, 2, 3))
+        return weight * error

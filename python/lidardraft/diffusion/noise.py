@@ -1,0 +1,45 @@
+"""Noise: which levels, how it is added, and what a denoised state says about the score."""
+
+from __future__ import annotations
+
+import torch
+from torch import Tensor
+
+
+def karras_levels(steps: int, *, sigma_min: float = 0.002, sigma_max: float = 40.0, rho: float = 7.0) -> list[float]:
+    """The `steps` falling noise levels of a sampler and a last 0 (Karras et al., NeurIPS 2022, Eq. 5)."""
+    high, low = sigma_max ** (1 / rho), sigma_min ** (1 / rho)
+    return [(high + i / max(steps - 1, 1) * (low - high)) ** rho for i in range(steps)] + [0.0]
+
+
+def training_levels(count: int, generator: torch.Generator, *, mean: float, std: float) -> Tensor:
+    """Log-normal noise levels to train on, [count]: `mean` and `std` are those of ln sigma (ibid., Table 1).
+
+    Stratified: each sample comes from its own equal part of the distribution, which lowers the variance of the loss.
+    """
+    uniform = (torch.randperm(count, generator=generator) + torch.rand(count, generator=generator)) / count
+    return torch.exp(mean + std * torch.special.ndtri(uniform.clamp(1e-4, 1 - 1e-4)))
+
+
+def gaussian(shape: tuple[int, ...], seed: int) -> Tensor:
+    """Standard normal noise f32 of one sample: the same for a seed, whatever the batch and the device."""
+    return torch.randn(shape, generator=torch.Generator().manual_seed(seed))
+
+
+def add_noise(x: Tensor, sigma: Tensor, noise: Tensor) -> Tensor:
+    """x + sigma * noise, `sigma` one a sample [B]."""
+    return x + _per_sample(sigma, x) * noise
+
+
+def score_from_denoised(x: Tensor, denoised: Tensor, sigma: Tensor) -> Tensor:
+    """S(x, sigma) = (D - x) / sigma^2: minus the paper's (x~ - x) / sigma_i^2, with D for the unknown x."""
+    return (denoised - x) / _per_sample(sigma, x) ** 2
+
+
+def denoised_from_score(x: Tensor, score: Tensor, sigma: Tensor) -> Tensor:
+    """D = x + sigma^2 S: the inverse of `score_from_denoised`."""
+    return x + _per_sample(sigma, x) ** 2 * score
+
+
+def _per_sample(sigma: Tensor, x: Tensor) -> Tensor:
+    return sigma.to(x).reshape(-1, *[1] * (x.dim() - 1))

@@ -1,0 +1,74 @@
+"""Samplers: noise is removed here. Generators over any `denoise(x, sigma)`, x [B, ...] and sigma [B]."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator, Sequence
+
+import torch
+from torch import Tensor
+
+from lidardraft.diffusion.codec import STATE_CHANNELS, encode_elevations
+from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.diffusion.noise import gaussian, karras_levels
+from lidardraft.errors import SensorError
+from lidardraft.scene.sensor import Sensor
+
+Denoise = Callable[[Tensor, Tensor], Tensor]
+
+
+def sample(
+    denoiser: Denoiser, sensor: Sensor, *, seeds: Sequence[int], condition: Tensor | None = None, steps: int = 10
+) -> Iterator[Tensor]:
+    """The states [B, 3, H, W] after each step of Heun's method, one sample a seed; the last one is the result.
+
+    `condition` [B, K + 2, H, W], or one for all [1, K + 2, H, W]; without it the samples are unconditional. Works on
+    the device of the weights. Raises `SensorError` where the image cannot be cut into the network's cells.
+    """
+    rows, columns = denoiser.config.cell
+    if sensor.shape[0] % rows or sensor.shape[1] % columns:
+        raise SensorError(f"{sensor.name} is {sensor.shape}; these weights need multiples of ({rows}, {columns})")
+    device = next(denoiser.parameters()).device
+    beams = torch.from_numpy(encode_elevations(sensor)).to(device)
+    sigmas = karras_levels(steps)
+    noise = torch.stack([gaussian((STATE_CHANNELS, *sensor.shape), seed) for seed in seeds]).to(device)
+    if condition is not None:
+        condition = condition.to(device).expand(len(seeds), -1, -1, -1)
+    return sample_heun(lambda x, sigma: denoiser.denoise(x, sigma, beams, condition), sigmas[0] * noise, sigmas)
+
+
+def sample_heun(denoise: Denoise, x: Tensor, sigmas: Sequence[float]) -> Iterator[Tensor]:
+    """The state after each step along `sigmas`, from pure noise x = sigmas[0] * gaussian to 0.
+
+    Heun's second-order method for dx/dsigma = (x - D) / sigma: Karras et al., NeurIPS 2022, Algorithm 1. Two calls a
+    step, one in a step to 0.
+    """
+    for sigma, below in itertools.pairwise(sigmas):
+        slope = (x - denoise(x, x.new_full((len(x),), sigma))) / sigma
+        euler = x + (below - sigma) * slope
+        if below > 0:
+            end = (euler - denoise(euler, x.new_full((len(x),), below))) / below
+            x = x + (below - sigma) * (slope + end) / 2
+        else:
+            x = euler
+        yield x
+
+
+def sample_multistep(denoise: Denoise, x: Tensor, sigmas: Sequence[float]) -> Iterator[Tensor]:
+    """As `sample_heun` at half its cost: DPM-Solver++(2M), Lu et al., 2022, Algorithm 2. One call a step.
+
+    The step before gives the second order; the first step and a step to 0 have the first.
+    """
+    before: tuple[Tensor, float] | None = None
+    for sigma, below in itertools.pairwise(sigmas):
+        clean = denoise(x, x.new_full((len(x),), sigma))
+        estimate = clean
+        if before is not None and below > 0:
+            earlier, above = before
+            # r = h_before / h in the half log signal-to-noise ratio -ln(sigma), where the method is a multistep one.
+            r = math.log(above / sigma) / math.log(sigma / below)
+            estimate = clean + (clean - earlier) / (2 * r)
+        x = below / sigma * x + (1 - below / sigma) * estimate
+        before = clean, sigma
+        yield x

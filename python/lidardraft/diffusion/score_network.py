@@ -1,0 +1,114 @@
+"""The score network: four residual stages down, four refine stages up, after the paper's and LiDARGen's NCSNv2."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from lidardraft.diffusion.layers import (
+    NoiseEmbedding,
+    RefineBlock,
+    ResidualBlock,
+    RingConv,
+    fold,
+    group_norm,
+    unfold,
+)
+
+EMBEDDING = 64
+
+
+class Encoder(nn.Module):
+    """The stem, which folds cells of pixels into channels, and the residual stages."""
+
+    def __init__(
+        self,
+        channels: int,
+        *,
+        cell: tuple[int, int],
+        widths: Sequence[int],
+        strides: Sequence[int],
+        dilations: Sequence[int],
+        blocks: int,
+    ) -> None:
+        super().__init__()
+        self.cell = cell
+        self.widths = tuple(widths)
+        self.embedding = NoiseEmbedding(EMBEDDING)
+        self.stem = RingConv((channels + 2) * cell[0] * cell[1], widths[0])
+        self.stages = nn.ModuleList()
+        inputs = widths[0]
+        for width, stride, dilation in zip(widths, strides, dilations, strict=True):
+            stage = [ResidualBlock(inputs, width, EMBEDDING, stride=stride, dilation=dilation)]
+            stage += [ResidualBlock(width, width, EMBEDDING, dilation=dilation) for _ in range(blocks - 1)]
+            self.stages.append(nn.ModuleList(stage))
+            inputs = width
+
+    def forward(self, x: Tensor, level: Tensor, beams: Tensor, hint: Tensor | None = None) -> list[Tensor]:
+        """Each stage's output for x [B, channels, H, W]; `hint` [B, widths[0], H / h, W / w] is added to the stem's."""
+        rows = beams[None, :, :, None].expand(len(x), -1, -1, x.shape[-1])
+        embedding = self.embedding(level)
+        # In bfloat16 the state would lose all noise below about 0.01: the stem sees it in float32, whatever follows.
+        with torch.autocast(x.device.type, enabled=False):
+            h = self.stem(fold(torch.cat([x, rows], dim=1), self.cell))
+        if hint is not None:
+            h = h + hint
+        outputs = []
+        for stage in self.stages:
+            for block in stage:  # type: ignore[attr-defined]
+                h = block(h, embedding)
+            outputs.append(h)
+        return outputs
+
+
+class ScoreNetwork(nn.Module):
+    """What the preconditioned state and its noise level say about the clean state; no condition, no loss."""
+
+    def __init__(
+        self,
+        inputs: int,
+        outputs: int,
+        *,
+        cell: tuple[int, int],
+        widths: Sequence[int],
+        strides: Sequence[int],
+        dilations: Sequence[int],
+        blocks: int,
+        refine_units: int,
+        pools: int,
+    ) -> None:
+        super().__init__()
+        self.encoder = Encoder(inputs, cell=cell, widths=widths, strides=strides, dilations=dilations, blocks=blocks)
+        self.refine = nn.ModuleList()
+        below = None
+        for width in reversed(widths):
+            self.refine.append(RefineBlock(width, below, width, units=refine_units, pools=pools))
+            below = width
+        self.norm = group_norm(widths[0])
+        self.modulation = nn.Linear(EMBEDDING, 2 * widths[0])
+        pixels = cell[0] * cell[1]
+        self.head = RingConv(widths[0] + inputs * pixels, outputs * pixels)
+        nn.init.zeros_(self.head.weight)
+
+    def features(self, x: Tensor, level: Tensor, beams: Tensor, control: Sequence[Tensor] | None = None) -> Tensor:
+        """The decoder's last features [B, widths[0], H / h, W / w]; `control` is added to its skips, stage by stage."""
+        skips = self.encoder(x, level, beams)
+        if control is not None:
+            skips = [skip + residual for skip, residual in zip(skips, control, strict=True)]
+        h = None
+        for refine, skip in zip(self.refine, reversed(skips), strict=True):
+            h = refine(skip, h)
+        scale, shift = self.modulation(self.encoder.embedding(level))[:, :, None, None].chunk(2, dim=1)
+        return functional.silu(self.norm(h) * (1 + scale) + shift)
+
+    def output(self, features: Tensor, x: Tensor) -> Tensor:
+        """The output [B, outputs, H, W] from the last features and, for the finest detail, the input again."""
+        cell = self.encoder.cell
+        return unfold(self.head(torch.cat([features, fold(x, cell).to(features)], dim=1)), cell)
+
+    def forward(self, x: Tensor, level: Tensor, beams: Tensor, control: Sequence[Tensor] | None = None) -> Tensor:
+        """`output` of `features`: x [B, inputs, H, W], level [B], beams [2, H]."""
+        return self.output(self.features(x, level, beams, control), x)

@@ -1,0 +1,199 @@
+"""The solver: a plan and a seed become a layout in which nothing overlaps and everything stands on its ground."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections import Counter
+from collections.abc import Iterator
+
+import numpy as np
+
+from lidardraft.drafting.sites import Site, Spot, lay_road, site_of
+from lidardraft.drafting.spec import ON_ROAD, VEHICLES, Group, SceneSpec
+from lidardraft.drafting.things import STRIPS, Part, thing
+from lidardraft.errors import LayoutError
+from lidardraft.scene.check import EGO, Ground, Solid, penetration
+from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.road import Road
+from lidardraft.semantics import BY_NAME
+
+TRIES = 60
+GAP = 0.25  # m between any two things
+FOLLOWING_GAP = 2.0  # m before and behind whatever drives
+
+_FAMILIES = {
+    "vehicle": (*VEHICLES, "bicycle"),
+    "building": ("house", "building"),
+    "strip": STRIPS,
+    "person": ("person",),
+}
+# How many are meant by few, some and many, at each place.
+_COUNTS = {
+    "vehicle": {"few": (2, 3), "some": (2, 4), "many": (5, 7)},
+    "building": {"few": (2, 3), "some": (3, 5), "many": (5, 7)},
+    "strip": {"few": (1, 2), "some": (2, 3), "many": (3, 4)},
+    "person": {"few": (2, 3), "some": (2, 4), "many": (6, 9)},
+    "": {"few": (2, 3), "some": (4, 6), "many": (8, 11)},
+}
+_MIX = {"car": 0.76, "van": 0.12, "truck": 0.08, "bus": 0.04}
+# What needs most room, or has least choice, goes first.
+_ORDER = (
+    "building",
+    "house",
+    "tram",
+    "bus",
+    "truck",
+    "van",
+    "vehicle",
+    "car",
+    "wall",
+    "fence",
+    "hedge",
+    "garden",
+    "tree",
+)
+
+
+def arrange(spec: SceneSpec, seed: int = 0) -> Layout:
+    """A layout that satisfies the plan and passes every check; the same for the same plan and seed.
+
+    Raises `LayoutError` where a thing that is asked for finds no room, naming how many of how many did.
+    """
+    if type(seed) is not int or seed < 0:
+        raise LayoutError(f"seed is {seed!r}; it must be an integer >= 0")
+    rng = np.random.default_rng(seed)
+    road = lay_road(spec, rng)
+    scene = _Scene(road, rng)
+    for group in sorted(spec.groups, key=_rank):
+        for place in group.places or ("",):
+            _fill(scene, spec, group, place)
+    return Layout(
+        primitives=tuple(scene.primitives), provenance={"source": "spec", "seed": seed, "spec": spec.to_dict()}
+    )
+
+
+def _rank(group: Group) -> tuple[bool, bool, int]:
+    order = _ORDER.index(group.kind) if group.kind in _ORDER else len(_ORDER)
+    return group.distance is None, group.spacing is None, order
+
+
+def _fill(scene: _Scene, spec: SceneSpec, group: Group, place: str) -> None:
+    """Place what a group wants at one place; a number is met exactly, a word by at least one."""
+    wanted = _count(group, place, scene.rng)
+    placed = 0
+    for number in range(wanted):
+        kind = _kind(group, spec, scene.rng)
+        site = site_of(group, kind, place, scene.road)
+        if any(scene.settle(kind, group, spot) for spot in _spots(scene, site, group, number, wanted)):
+            placed += 1
+        elif isinstance(group.count, int):
+            break
+    if placed == 0 or (isinstance(group.count, int) and placed < wanted):
+        where = f" at place {place!r}" if place else ""
+        asked = wanted if isinstance(group.count, int) else f"{group.count!r}"
+        raise LayoutError(f"{group.kind}{where}: {placed} of {asked} found room; ask for fewer or for another place")
+
+
+def _count(group: Group, place: str, rng: np.random.Generator) -> int:
+    if isinstance(group.count, int):
+        return group.count
+    family = next((name for name, kinds in _FAMILIES.items() if group.kind in kinds), "")
+    low, high = _COUNTS[family][group.count]
+    if group.spacing is not None:
+        return max(low, min(40, int(100.0 / group.spacing)))
+    return int(rng.integers(low, high + 1)) * (1 if place else 2)
+
+
+def _kind(group: Group, spec: SceneSpec, rng: np.random.Generator) -> str:
+    if group.kind != "vehicle":
+        return group.kind
+    allowed = [
+        kind for kind in _MIX if kind not in spec.absent and (group.heading != "parked" or kind in ("car", "van"))
+    ]
+    if not allowed:
+        raise LayoutError(f"vehicle: every kind of it is absent: {', '.join(spec.absent)}")
+    weights = np.array([_MIX[kind] for kind in allowed])
+    return str(rng.choice(allowed, p=weights / weights.sum()))
+
+
+def _spots(scene: _Scene, site: Site, group: Group, number: int, wanted: int) -> Iterator[Spot]:
+    """The spots to try in order: the thing's own slot first, then, unless it is bound to it, anywhere."""
+    rng = scene.rng
+    near, far = site.span
+    step = (far - near) / wanted
+    for attempt in range(TRIES):
+        if group.spacing is not None:
+            along = near + math.copysign(group.spacing, far - near) * (number // site.sides)
+        elif near == far:
+            along = near
+        elif attempt < TRIES // 4:
+            along = near + step * (number + float(rng.uniform(0.25, 0.75)))
+        else:
+            along = near + (far - near) * float(rng.random())
+        yield site.pick(rng, along, number, attempt / TRIES)
+
+
+class _Scene:
+    """What stands so far, and where there is still room."""
+
+    def __init__(self, road: Road, rng: np.random.Generator) -> None:
+        self.road, self.rng = road, rng
+        self.primitives = road.surfaces()
+        self.ground = Ground(self.primitives)
+        self.solids: list[Solid] = [Solid.of(EGO)]
+        self.arms = [Solid.of(_raised(p)) for p in self.primitives if p.id in ("road_left", "road_right")]
+        self.numbers: Counter[str] = Counter()
+        self.instances = 0
+
+    def settle(self, kind: str, group: Group, spot: Spot) -> bool:
+        """Place one thing there if there is room for it."""
+        parked = group.heading == "parked"
+        parts = thing(kind, self.rng, parked=parked, bent=self.road.curvature != 0.0)
+        if kind not in ON_ROAD and any(_reaches(part, spot[1], self.road) for part in parts):
+            return False
+        primitives = [self._primitive(kind, part, spot) for part in parts]
+        moving = kind in _FAMILIES["vehicle"] and not parked
+        wide = [Solid.of(_widened(p, FOLLOWING_GAP if moving else GAP, GAP)) for p in primitives]
+        obstacles = self.solids if moving or kind == "person" else self.solids + self.arms
+        if any(penetration(solid, other) > 0 for solid in wide for other in obstacles):
+            return False
+        self.numbers[kind] += 1
+        is_thing = any(BY_NAME[part.label].is_thing for part in parts)
+        self.instances += is_thing
+        name, instance = f"{kind}_{self.numbers[kind]}", self.instances if is_thing else 0
+        for part, primitive in zip(parts, primitives, strict=True):
+            id = f"{name}.{part.name}" if part.name else name
+            self.primitives.append(dataclasses.replace(primitive, id=id, instance=instance))
+        self.solids += map(Solid.of, primitives)
+        return True
+
+    def _primitive(self, kind: str, part: Part, spot: Spot) -> Primitive:
+        along, across, turn = spot
+        length, width, height = part.size
+        dx, dy, dz = part.center
+        if kind in STRIPS:  # each segment follows the bend, as long as the arc is there
+            along, dx, length = along + dx, 0.0, length * (1.0 - self.road.curvature * across)
+        x, y, heading = self.road.at(along, across)
+        z = self.ground.height(x, y)
+        yaw = heading + turn
+        cos, sin = math.cos(yaw), math.sin(yaw)
+        center = (x + cos * dx - sin * dy, y + sin * dx + cos * dy, z + dz)
+        size = (length, width, height)
+        return Primitive(shape=part.shape, center=center, size=size, yaw=yaw, label=part.label, id=kind)
+
+
+def _reaches(part: Part, across: float, road: Road) -> bool:
+    """Whether a part that stands beside the road would stand on it; what hangs over it, as a crown does, may."""
+    low = part.center[2] - part.size[2] / 2 < 0.5
+    return low and abs(across) - part.size[1] / 2 < road.edge
+
+
+def _widened(primitive: Primitive, ahead: float, aside: float) -> Primitive:
+    length, width, height = primitive.size
+    return dataclasses.replace(primitive, size=(length + 2 * ahead, width + 2 * aside, height))
+
+
+def _raised(surface: Primitive) -> Primitive:
+    """An obstacle over a surface that has to stay free."""
+    return dataclasses.replace(surface, shape="box", size=(*surface.size[:2], 20.0), label="other")

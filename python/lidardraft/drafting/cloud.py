@@ -1,0 +1,186 @@
+"""A labelled point cloud becomes a layout: ground, then clusters of each class, then shapes for each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from lidardraft.drafting.clustering import FittedBox, cluster, completions, fit_box, split
+from lidardraft.drafting.ground import GROUND, Ground
+from lidardraft.errors import LayoutError
+from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.semantics import CLASSES, NUM_CLASSES, SemanticClass
+
+_POSTS = ("pole", "trunk", "traffic-light")
+_HANGING = ("vegetation", "traffic-sign", "traffic-light")
+_REACH = {"building": 1.0, "vegetation": 0.8}  # m between neighbours
+_OTHER_REACH = 0.5
+_MIN_POINTS = 6
+_SMALLEST = 1.5  # m; parts no longer than this are not split
+_FRONT = 0.4  # m; points nearer to the front of their box than this are on it
+_STRAY = 10  # points; fewer of the ground within a thing are noise
+_LARGEST_CROWN = 2.0  # m
+_THINNEST_CROWN = 0.3  # m
+_ROUND = math.sqrt(4 / math.pi)  # an ellipse this much larger than the rectangle around it has the rectangle's area
+_SLICE = 0.3  # m of height
+_THINNEST = 0.1  # m
+_HANGS = 2.5  # m; what begins higher over the ground than this does not stand on it
+
+
+def layout_from_cloud(
+    points: np.ndarray,
+    labels: np.ndarray,
+    *,
+    instances: np.ndarray | None = None,
+    sensor_height: float = 1.73,
+    source: str = "point cloud",
+) -> Layout:
+    """The layout of one labelled scan.
+
+    `points` [N, 3] in the sensor frame [m]; `labels` [N] class ids of `semantics.CLASSES`, 0 is left out; `instances`
+    [N] numbers of things, counted for each class, 0 where unknown: those points are clustered. `sensor_height` is that
+    over the road [m]. The ground becomes a mesh for each class; things, buildings, walls, fences and signs boxes;
+    vegetation ellipsoids; poles and trunks cylinders. The same cloud always gives the same layout.
+
+    Raises `LayoutError` on arrays that do not fit together or hold what cannot be.
+    """
+    instances = np.zeros(len(labels), dtype=np.uint32) if instances is None else instances
+    _check(points, labels, instances)
+    if not math.isfinite(sensor_height):
+        raise LayoutError(f"sensor_height is {sensor_height} m; it must be finite")
+    points = points.astype(np.float64) + np.array([0.0, 0.0, sensor_height])
+    ground = Ground(points, labels)
+    primitives = ground.primitives()
+    number = 0
+    for row in CLASSES:
+        mine = labels == row.id
+        if row.name == "none" or row.id in GROUND or not mine.any():
+            continue
+        others = points[~mine & (labels != 0)]
+        for index, (shape, box) in enumerate(_shapes(row, points[mine], instances[mine], others, ground), start=1):
+            number += row.is_thing
+            stands = row.name not in _HANGING
+            primitives.append(_primitive(shape, _grounded(box, ground) if stands else box, row, index, number))
+    return Layout(primitives=tuple(primitives), provenance={"source": source, "sensor_height": sensor_height})
+
+
+def _check(points: np.ndarray, labels: np.ndarray, instances: np.ndarray) -> None:
+    if points.ndim != 2 or points.shape[1] != 3 or not len(points):
+        raise LayoutError(f"points have shape {points.shape}; they must be [N, 3] with N > 0")
+    for name, values in (("labels", labels), ("instances", instances)):
+        if values.shape != points.shape[:1]:
+            raise LayoutError(f"{name} have shape {values.shape}; {len(points)} points need ({len(points)},)")
+    broken = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(broken):
+        raise LayoutError(f"point {broken[0]} is {points[broken[0]].tolist()}; every coordinate must be finite")
+    unknown = np.flatnonzero((labels < 0) | (labels >= NUM_CLASSES))
+    if len(unknown):
+        raise LayoutError(f"point {unknown[0]} has label {labels[unknown[0]]}; it must be 0 to {NUM_CLASSES - 1}")
+    if not labels.any():
+        raise LayoutError(f"none of the {len(points)} points has a label")
+
+
+def _primitive(shape: str, box: FittedBox, row: SemanticClass, index: int, number: int) -> Primitive:
+    center, size = box.center.round(3).tolist(), box.size.round(3).tolist()
+    instance = number if row.is_thing else 0
+    return Primitive(
+        shape=shape, center=center, size=size, yaw=box.yaw, label=row.name, id=f"{row.name}_{index}", instance=instance
+    )
+
+
+def _shapes(
+    row: SemanticClass, points: np.ndarray, instances: np.ndarray, others: np.ndarray, ground: Ground
+) -> Iterator[tuple[str, FittedBox]]:
+    things: list[FittedBox] = []
+    for members in _groups(points, instances, _REACH.get(row.name, _OTHER_REACH)):
+        if row.size is not None:
+            seen = fit_box(members)
+            # A cluster in the middle of a larger thing, such as a seat behind a window, is a part of it.
+            if not any(thing.contains(seen.center[None])[0] for thing in things):
+                things.append(_thing(seen, row.size, ground.points))
+                yield "box", things[-1]
+        elif row.name in _POSTS:
+            yield "cylinder", _post(members)
+        elif row.name == "vegetation":
+            yield from (("ellipsoid", _crown(part)) for part, _ in split(members, _is_crown))
+        elif row.name == "traffic-sign":
+            yield "box", fit_box(members)
+        else:
+            yield from (("box", box) for _, box in split(members, lambda part, box: _is_facade(part, box, others)))
+
+
+def _thing(seen: FittedBox, size: tuple[float, float, float], ground: np.ndarray) -> FittedBox:
+    """The likeliest whole thing that does not stand on ground that was seen, or stands on the least of it."""
+    boxes = completions(seen, size)
+    covered = [np.count_nonzero(box.contains(ground, _FRONT)) for box in boxes]
+    return boxes[int(np.argmin(np.maximum(covered, _STRAY)))]
+
+
+def _groups(points: np.ndarray, instances: np.ndarray, reach: float) -> Iterator[np.ndarray]:
+    """The points of each numbered thing, then the clusters of those without a number."""
+    for number in np.unique(instances[instances > 0]):
+        yield points[instances == number]
+    rest = points[instances == 0]
+    yield from (rest[members] for members in cluster(rest, reach=reach, min_points=_MIN_POINTS))
+
+
+def _is_facade(part: np.ndarray, box: FittedBox, others: np.ndarray) -> bool:
+    """Whether the part lies on the front of its box, which holds neither the sensor nor points of another class."""
+    if box.size.max() <= _SMALLEST:
+        return True
+    if box.contains(np.zeros((1, 3)))[0] or np.mean(box.depth_behind_front(part) > _FRONT) > 0.1:
+        return False
+    return bool(np.count_nonzero(box.contains(others, margin=_FRONT)) <= 0.02 * len(part))
+
+
+def _is_crown(part: np.ndarray, box: FittedBox) -> bool:
+    return bool(box.size.max() <= _LARGEST_CROWN)
+
+
+def _crown(points: np.ndarray) -> FittedBox:
+    """The ellipsoid seen as large as the points, around the middle half of them along the line of sight.
+
+    Rays pass through foliage: its points lie scattered behind the side that faces the sensor.
+    """
+    away, sideways = _line_of_sight(points)
+    local = np.column_stack([points[:, :2] @ away, points[:, :2] @ sideways, points[:, 2]])
+    low, high = (np.percentile(local, end, axis=0) for end in (2, 98))
+    low[0], high[0] = np.percentile(local[:, 0], [25, 75])
+    along, across, up = (low + high) / 2
+    size = np.maximum((high - low) * [1.0, _ROUND, _ROUND], _THINNEST_CROWN)
+    return FittedBox(
+        center=np.array([*(along * away + across * sideways), up]), size=size, yaw=math.atan2(away[1], away[0])
+    )
+
+
+def _post(points: np.ndarray) -> FittedBox:
+    """The upright cylinder whose near side holds the points, as thick as they usually are across the line of sight."""
+    away, sideways = _line_of_sight(points)
+    low, high = points[:, 2].min(), points[:, 2].max()
+    slices = np.floor((points[:, 2] - low) / _SLICE).astype(int)
+    widths = [np.ptp(points[slices == index, :2] @ sideways) for index in np.unique(slices)]
+    width = max(float(np.median(widths)), _THINNEST)
+    along, across = np.median(points[:, :2] @ away) + width / 2, np.median(points[:, :2] @ sideways)
+    size = np.array([width, width, max(high - low, _THINNEST)])
+    return FittedBox(center=np.array([*(along * away + across * sideways), (low + high) / 2]), size=size, yaw=0.0)
+
+
+def _line_of_sight(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Horizontal unit vectors from the sensor to the points, and to the left of that."""
+    middle = points[:, :2].mean(axis=0)
+    x, y = middle / max(float(np.linalg.norm(middle)), 1e-6)
+    return np.array([x, y]), np.array([-y, x])
+
+
+def _grounded(box: FittedBox, ground: Ground) -> FittedBox:
+    """The box let down to the ground where it begins less than 2.5 m over it: its foot was hidden."""
+    bottom, top = box.center[2] - box.size[2] / 2, box.center[2] + box.size[2] / 2
+    height = float(ground.height(box.center[None, :2])[0])
+    if not height < bottom < height + _HANGS:
+        return box
+    center, size = box.center.copy(), box.size.copy()
+    center[2], size[2] = (height + top) / 2, top - height
+    return replace(box, center=center, size=size)

@@ -1,0 +1,101 @@
+"""What a reader has noted of a sentence so far, and the plan that it amounts to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from lidardraft.drafting.spec import ON_SIDEWALK, VEHICLES, Group, RoadSpec, SceneSpec
+from lidardraft.drafting.words import Position
+
+_SIDES = ("left", "right")
+
+
+@dataclass
+class Draft:
+    """A group while its modifiers are being read; count 0 denies it, a `weak` position is overruled by the next one."""
+
+    kind: str
+    count: int | str
+    at: Position = field(default_factory=Position)
+    heading: str | None = None
+    on_road: bool = False
+    placed: bool = False
+    weak: bool = False
+
+    def group(self) -> Group:
+        """As a group of the plan; vehicles along the sides of a road are parked."""
+        heading = self.heading
+        if self.kind in VEHICLES and heading is None and (self.at.beside_road or self.at.both_sides):
+            heading = "parked"
+        surface = "road" if self.on_road and self.kind in ("person", "bicycle") else None
+        return Group(
+            kind=self.kind,
+            count=self.count,
+            places=tuple(dict.fromkeys("-".join(filter(None, place)) for place in self.at.places if any(place))),
+            surface="sidewalk" if self.at.sidewalk and self.kind in ON_SIDEWALK else surface,
+            heading=heading,
+            distance=self.at.distance,
+            spacing=self.at.spacing,
+        )
+
+
+@dataclass
+class Notes:
+    """The road, the drafts, and the setting ("BUSY", "RESIDENTIAL", ...: terminals of the grammar)."""
+
+    drafts: list[Draft] = field(default_factory=list)
+    road: str | None = None
+    lanes: int = 0
+    each_way: bool = False
+    sidewalk: bool | None = None
+    settings: set[str] = field(default_factory=set)
+    not_understood: list[str] = field(default_factory=list)
+
+    @property
+    def empty(self) -> bool:
+        """Whether nothing at all was understood."""
+        return not (self.drafts or self.road or self.lanes or self.settings) and self.sidewalk is None
+
+    def spec(self) -> SceneSpec:
+        """The plan: what is wanted, less what is denied, with what the setting implies."""
+        wanted = [draft for draft in self.drafts if draft.count != 0]
+        denied = [draft for draft in self.drafts if draft.count == 0]
+        for draft in wanted:
+            for no in denied:
+                if no.placed and no.kind == draft.kind:
+                    draft.at = draft.at.without(no.at)
+            if "BUSY" in self.settings and draft.count == "some" and _drives(draft.kind, draft.heading):
+                draft.count = "many"
+        absent = {draft.kind for draft in denied if not draft.placed and draft.heading is None}
+        groups = [draft.group() for draft in wanted]
+        groups += [group for group in self._implied(groups) if group.kind not in absent]
+        return SceneSpec(
+            road=self._road_spec(any(group.surface == "sidewalk" for group in groups)),
+            groups=tuple(groups),
+            absent=tuple(sorted(absent)),
+            not_understood=tuple(self.not_understood),
+        )
+
+    def _road_spec(self, needs_sidewalk: bool) -> RoadSpec:
+        kind = self.road or "straight"
+        lanes = self.lanes if kind == "motorway" or self.each_way else (self.lanes + 1) // 2
+        sidewalk = self.sidewalk if self.sidewalk is not None or "RURAL" not in self.settings else False
+        return RoadSpec(kind=kind, lanes=lanes or None, sidewalk=True if needs_sidewalk else sidewalk)
+
+    def _implied(self, groups: list[Group]) -> list[Group]:
+        """What the setting means where the sentence does not say it itself."""
+        kinds = {group.kind for group in groups}
+        implied = []
+        if "RESIDENTIAL" in self.settings and not kinds & {"house", "building"}:
+            implied.append(Group(kind="house", count="some", places=_SIDES))
+        if "URBAN" in self.settings and not kinds & {"house", "building"}:
+            implied.append(Group(kind="building", count="some", places=_SIDES))
+        if "TREE_LINED" in self.settings and "tree" not in kinds:
+            implied.append(Group(kind="tree", count="many", places=_SIDES))
+        if "BUSY" in self.settings and not any(_drives(group.kind, group.heading) for group in groups):
+            implied.append(Group(kind="vehicle", count="some"))
+        return implied
+
+
+def _drives(kind: str, heading: str | None) -> bool:
+    return kind in VEHICLES and heading != "parked"

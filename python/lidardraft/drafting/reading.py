@@ -1,0 +1,244 @@
+"""What belongs to what in a parsed sentence: numbers to things, positions to the things they follow or introduce."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from lark import Token, Tree
+
+from lidardraft.drafting.notes import Draft, Notes
+from lidardraft.drafting.spec import KINDS, ON_SIDEWALK, VEHICLES
+from lidardraft.drafting.words import Position, count_of, number, read_position
+
+Chunk = Tree[Token] | Token
+
+_KIND_OF = {kind.upper().replace("-", "_"): kind for kind in KINDS}
+_ROAD_OF = {"ROAD": "straight", "MOTORWAY": "motorway", "CROSSROADS": "crossroads", "T_JUNCTION": "t-junction"}
+_SETTINGS = {"BUSY", "QUIET", "URBAN", "RESIDENTIAL", "RURAL", "TREE_LINED"}
+_HEADING_OF = {"PARKED": "parked", "MOVING": "with", "CROSSING": "across", "ONCOMING": "against"}
+_COUNTS = {"NO", "NUMBER", "PAIR", "DOZEN", "FEW", "SOME", "MANY"}
+_LISTED = ("AND", "OR", "COMMA")
+
+
+class Reader:
+    """Reads the chunks of a parsed sentence from left to right."""
+
+    def __init__(self, chunks: list[Chunk]) -> None:
+        self.chunks = chunks
+        self.notes = Notes()
+        self.open: list[Draft] = []  # what the next position or state belongs to
+        self.prefix: Position | None = None  # introduces the things that follow
+        self.prefix_weak = False
+        self.denial = ""  # the word that denies a list of things
+        self.has_ego = False
+
+    def read(self) -> Notes:
+        """The notes on all chunks."""
+        for index, chunk in enumerate(self.chunks):
+            if isinstance(chunk, Token):
+                self._link(chunk)
+            elif chunk.data == "bend":
+                side = "".join(f"{t.type.lower()}-" for t in _tokens(chunk) if t.type != "BEND")
+                self.notes.road = f"{side}bend"
+            elif chunk.data == "position":
+                self._position(index, _tokens(chunk))
+            else:
+                self._phrase(index, _tokens(chunk))
+        return self.notes
+
+    def _link(self, token: Token) -> None:
+        if token.type in ("WITH", "STOP"):
+            self.open, self.prefix, self.denial = [], None, ""
+        elif token.type == "EGO":
+            self.has_ego = True
+        elif token.type == "COMMA":
+            self.prefix_weak, self.denial = True, ""
+        elif token.type == "AND" and self.denial != "without":
+            self.denial = ""
+
+    def _phrase(self, index: int, tokens: list[Token]) -> None:
+        noun = tokens[-1].type
+        if self._is_compound(index, tokens):
+            whole = [*self._tokens_at(index - 1), *tokens]
+            self.notes.drafts.remove(self.open.pop())
+            self.notes.not_understood.append(" ".join(token for token in whole if token.type not in ("A", "THE")))
+            return
+        if noun in _ROAD_OF or noun in _SETTINGS:
+            self.notes.settings |= _SETTINGS & {token.type for token in tokens}
+        strange = {"UNKNOWN"} | (_SETTINGS if noun in _KIND_OF or noun == "UNKNOWN" else set())
+        unknown = " ".join(token for token in tokens if token.type in strange or _is_fraction(token))
+        self.notes.not_understood += [unknown] if unknown else []
+        if noun in _KIND_OF:
+            self._thing(index, tokens)
+        elif noun == "TRAFFIC":
+            self._traffic(index, tokens)
+        elif noun in _ROAD_OF:
+            self._road(index, tokens)
+        elif noun == "LANE":
+            self.notes.lanes = max(
+                self.notes.lanes, *(int(number(token)) for token in tokens if token.type == "NUMBER"), 0
+            )
+        elif noun == "EACH_WAY":
+            self.notes.each_way = True
+        elif noun == "NO_SIDEWALK":
+            self.notes.sidewalk = False
+        else:
+            self._state(tokens)
+
+    def _state(self, tokens: list[Token]) -> None:
+        """Words without a noun: how the things before them stand or move."""
+        heading = _heading(tokens)
+        for draft in self.open:
+            draft.heading = heading or draft.heading
+        idle = _COUNTS if self.open else _COUNTS | {"PARKED", "CROSSING", "ONCOMING"}
+        lone = " ".join(token for token in tokens if token.type in idle)
+        self.notes.not_understood += [lone] if lone else []
+
+    def _thing(self, index: int, tokens: list[Token]) -> None:
+        kind = _KIND_OF[tokens[-1].type]
+        if self._is_reference(index, tokens):
+            return
+        if self._is_ego(index, tokens, kind):
+            self.has_ego = True
+        elif kind in ("bicycle", "motorcycle") and self._is_ridden(index, tokens):
+            self.open[-1].kind = kind
+        else:
+            self._put(index, Draft(kind, count_of(tokens), heading=_heading(tokens)))
+
+    def _traffic(self, index: int, tokens: list[Token]) -> None:
+        types = {token.type for token in tokens}
+        many, few = types & {"BUSY", "MANY"} or tokens[-1] != "traffic", types & {"QUIET", "FEW"}
+        count: int | str = 0 if "NO" in types else "few" if few else "many" if many else "some"
+        self._put(index, Draft("vehicle", count, heading=_heading(tokens)))
+
+    def _put(self, index: int, draft: Draft) -> None:
+        """Open a draft: alone, or beside those that a list has opened and no position has closed."""
+        listed = self._type_before(index) in _LISTED
+        if not listed or any(other.placed for other in self.open):
+            self.open = []
+        if draft.count == 0:
+            self.denial = str(_tokens(self.chunks[index])[0])
+        elif self.denial and listed:
+            draft.count = 0
+        if self.prefix is not None:
+            draft.at, draft.placed, draft.weak = self.prefix, True, self.prefix_weak
+        self.open.append(draft)
+        self.notes.drafts.append(draft)
+
+    def _road(self, index: int, tokens: list[Token]) -> None:
+        kind = _ROAD_OF[tokens[-1].type]
+        if kind != "straight" or self.notes.road is None:
+            self.notes.road = kind
+        if tokens[0].type == "THE" and self._type_before(index) not in _LISTED:
+            for draft in self.open:
+                draft.on_road = not draft.placed
+
+    def _position(self, index: int, tokens: list[Token]) -> None:
+        """Give a position to the things before it, or keep it for those after it."""
+        following = self._tokens_at(index + 1)
+        types = {token.type for token in tokens}
+        before = self._type_before(index)
+        listed = before in _LISTED
+        position = read_position(tokens, beside_road=bool(following) and following[-1].type in _ROAD_OF)
+        if _refers(tokens, following):
+            self.notes.not_understood.append(" ".join([*tokens, *following]))
+        elif types <= {"SIDEWALK", "SIDES", "ALONG"} and position.sidewalk and (listed or not self.open):
+            self.notes.sidewalk = True
+        elif before in (None, "STOP", "WITH", *_LISTED) and self._introduces(index, strongly=not self.open):
+            self.prefix, self.prefix_weak = position, False
+        elif self.open:
+            self._attach(position, listed)
+        elif not (position.beside_road and position.places == (("", ""),)) and types != {"RELATED"}:
+            self.notes.not_understood.append(" ".join(tokens))
+
+    def _attach(self, position: Position, listed: bool) -> None:
+        """To the open drafts: a further place after "and", a closer description of the same place otherwise."""
+        for draft in list(self.open):
+            if position.sidewalk and draft.kind not in ON_SIDEWALK:
+                self.notes.not_understood.append("sidewalk")
+            if not draft.placed or draft.weak:
+                draft.at = position
+            elif listed and (position.distance or draft.at.distance):
+                other = dataclasses.replace(draft, at=position)
+                self.notes.drafts.append(other)
+                self.open[self.open.index(draft)] = other
+            elif listed:
+                draft.at = draft.at.or_at(position)
+            else:
+                draft.at = draft.at.narrowed(position)
+            draft.placed, draft.weak = True, False
+
+    def _introduces(self, index: int, *, strongly: bool) -> bool:
+        """Whether a thing follows a position at once, or, where nothing is open yet, after a comma."""
+        passed = ("EGO", "COMMA") if strongly else ("EGO",)
+        nouns = [_tokens(chunk)[-1].type for chunk in self.chunks[index + 1 : index + 4]]
+        noun = next((noun for noun in nouns if noun not in passed), "")
+        return noun in _KIND_OF or noun == "TRAFFIC"
+
+    def _is_compound(self, index: int, tokens: list[Token]) -> bool:
+        """Whether unknown words make another thing of the thing right before them, as in "bus stop"."""
+        before = self._tokens_at(index - 1)
+        if not self.open or not before or _KIND_OF.get(before[-1].type) != self.open[-1].kind:
+            return False
+        return all(token.type == "UNKNOWN" for token in tokens) and not tokens[0].endswith(("ing", "ed", "ly"))
+
+    def _is_reference(self, index: int, tokens: list[Token]) -> bool:
+        """Whether a thing only tells where another one is, as in "behind the bus"."""
+        before = self._tokens_at(index - 1)
+        return bool(before) and _is_position(self.chunks[index - 1]) and _refers(before, tokens)
+
+    def _is_ego(self, index: int, tokens: list[Token], kind: str) -> bool:
+        """Whether the first thing of a sentence is who looks: a vehicle that drives on a road, and nowhere else."""
+        if self.notes.drafts or self.has_ego or kind not in VEHICLES or count_of(tokens) != 1:
+            return False
+        after = [token.type for chunk in self.chunks[index + 1 :] for token in _tokens(chunk)]
+        rest = [type for type in after if type not in _PASSED_ON_THE_WAY] + ["", ""]
+        return after[:1] == ["MOVING"] and (rest[0] in _ROAD_OF or rest[0] == "BEND") and rest[1] not in _ASIDE
+
+    def _is_ridden(self, index: int, tokens: list[Token]) -> bool:
+        """Whether a two-wheeler is that of a person just named, as in "a man riding a bike"."""
+        said = [token for chunk in self.chunks[max(0, index - 1) : index + 1] for token in _tokens(chunk)]
+        riding = any(token.type == "DOING" and token.startswith("rid") for token in said)
+        return riding and bool(self.open) and self.open[-1].kind == "person"
+
+    def _type_before(self, index: int) -> str | None:
+        """The type of the link before a chunk; None at the start, "" after anything but a link."""
+        if index == 0:
+            return None
+        before = self.chunks[index - 1]
+        return before.type if isinstance(before, Token) and before.type != "EGO" else ""
+
+    def _tokens_at(self, index: int) -> list[Token]:
+        inside = 0 <= index < len(self.chunks) and isinstance(self.chunks[index], Tree)
+        return _tokens(self.chunks[index]) if inside else []
+
+
+_PASSED_ON_THE_WAY = ("MOVING", "ALONG", "A", "THE", "NUMBER", "LANE", "UNKNOWN", *_SETTINGS)
+_ASIDE = ("FRONT", "BEHIND", "BESIDE", "LEFT", "RIGHT", "SIDES", "DISTANCE")
+_REFERRING = ("BEHIND", "BESIDE", "NEAR", "RELATED")
+
+
+def _tokens(chunk: Chunk) -> list[Token]:
+    return [chunk] if isinstance(chunk, Token) else [token for token in chunk.children if isinstance(token, Token)]
+
+
+def _is_position(chunk: Chunk) -> bool:
+    return isinstance(chunk, Tree) and chunk.data == "position"
+
+
+def _is_fraction(token: Token) -> bool:
+    return token.type == "NUMBER" and not number(token).is_integer()
+
+
+def _heading(tokens: list[Token]) -> str | None:
+    return next((_HEADING_OF[token.type] for token in tokens if token.type in _HEADING_OF), None)
+
+
+def _refers(position: list[Token], thing: list[Token]) -> bool:
+    """Whether a position is relative to the thing named after it."""
+    if not thing or thing[-1].type not in _KIND_OF:
+        return False
+    last, definite = position[-1], thing[0].type == "THE"
+    if last.type in ("BESIDE", "RELATED") or (last.type == "FRONT" and last.endswith(" of")):
+        return True
+    return definite and last.type in _REFERRING

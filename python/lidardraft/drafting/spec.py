@@ -1,0 +1,183 @@
+"""The plan of a scene: the road, groups of things with a number and a place, and what was not understood."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from lidardraft.errors import LayoutError
+
+KINDS = (
+    "vehicle",
+    "car",
+    "van",
+    "truck",
+    "bus",
+    "tram",
+    "motorcycle",
+    "bicycle",
+    "person",
+    "house",
+    "building",
+    "tree",
+    "bush",
+    "garden",
+    "hedge",
+    "fence",
+    "wall",
+    "pole",
+    "street-light",
+    "traffic-light",
+    "traffic-sign",
+    "bin",
+    "bench",
+)
+VEHICLES = ("vehicle", "car", "van", "truck", "bus", "tram", "motorcycle")
+ROADS = ("straight", "bend", "left-bend", "right-bend", "crossroads", "t-junction", "motorway")
+COUNTS = ("few", "some", "many")
+PLACES = tuple(
+    "-".join(filter(None, (fore, side)))
+    for fore in ("", "front", "behind", "beside")
+    for side in ("", "left", "right")
+    if fore or side
+)
+ON_ROAD = (*VEHICLES, "bicycle", "person")
+ON_SIDEWALK = (
+    "person",
+    "bicycle",
+    "tree",
+    "bush",
+    "pole",
+    "street-light",
+    "traffic-light",
+    "traffic-sign",
+    "bin",
+    "bench",
+)
+HEADINGS = ("with", "against", "across", "parked")
+MAX_COUNT = 200
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RoadSpec:
+    """The road under the ego vehicle; `lanes` (in one direction) and `sidewalk` are None where its kind decides."""
+
+    kind: str = "straight"
+    lanes: int | None = None
+    sidewalk: bool | None = None
+
+    def __post_init__(self) -> None:
+        _one_of("road: kind", self.kind, ROADS)
+        if self.lanes is not None and (type(self.lanes) is not int or not 1 <= self.lanes <= 6):
+            raise LayoutError(f"road: lanes is {self.lanes!r}; a road has 1 to 6 in each direction")
+        if self.sidewalk not in (None, True, False):
+            raise LayoutError(f"road: sidewalk is {self.sidewalk!r}; it must be true, false or null")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Group:
+    """Things of one kind.
+
+    `count` is a number or one of COUNTS, meant for each of `places`; no places is anywhere on or beside the road.
+    `surface` asks for one other than the usual of the kind; `heading` is relative to the ego's. `distance` is a range
+    from the ego [m]: across the road for what stands beside it at a place that is neither in front nor behind, else
+    along the road. `spacing` is the distance between neighbours [m].
+    """
+
+    kind: str
+    count: int | str = 1
+    places: tuple[str, ...] = ()
+    surface: str | None = None
+    heading: str | None = None
+    distance: tuple[float, float] | None = None
+    spacing: float | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "places", tuple(self.places))
+        _one_of("group: kind", self.kind, KINDS)
+        if isinstance(self.count, str):
+            _one_of(f"{self.kind}: count", self.count, COUNTS)
+        elif type(self.count) is not int or not 1 <= self.count <= MAX_COUNT:
+            raise LayoutError(f"{self.kind}: count is {self.count!r}; it must be 1 to {MAX_COUNT} or a word")
+        for place in self.places:
+            _one_of(f"{self.kind}: place", place, PLACES)
+        if self.surface is not None:
+            fitting = {"road": ON_ROAD, "sidewalk": ON_SIDEWALK}
+            _one_of(f"{self.kind}: surface", self.surface, tuple(s for s in fitting if self.kind in fitting[s]))
+        if self.heading is not None:
+            _one_of(f"{self.kind}: heading", self.heading, HEADINGS)
+        if self.distance is not None:
+            near, far = self.distance
+            if not 0.0 <= near <= far < math.inf:
+                raise LayoutError(f"{self.kind}: distance is {near} to {far} m; it must be 0 <= from <= to")
+            object.__setattr__(self, "distance", (float(near), float(far)))
+        if self.spacing is not None and not 0.0 < self.spacing < math.inf:
+            raise LayoutError(f"{self.kind}: spacing is {self.spacing!r} m; it must be > 0")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SceneSpec:
+    """What a scene holds, in relations and counts; `arrange` turns it into metres.
+
+    `absent` are kinds that nothing in the scene may be; `not_understood` the parts of the source that say nothing here.
+    """
+
+    road: RoadSpec = field(default_factory=RoadSpec)
+    groups: tuple[Group, ...] = ()
+    absent: tuple[str, ...] = ()
+    not_understood: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("groups", "absent", "not_understood"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+        for kind in self.absent:
+            _one_of("absent: kind", kind, KINDS)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The spec as JSON types; fields that say nothing are left out."""
+        fields: dict[str, Any] = _plain(dataclasses.asdict(self))
+        return fields
+
+    @classmethod
+    def from_dict(cls, fields: Mapping[str, Any]) -> SceneSpec:
+        """The inverse of `to_dict`; raises `LayoutError` on an unknown or wrong field."""
+        fields = dict(fields)
+        try:
+            if "road" in fields:
+                fields["road"] = RoadSpec(**fields["road"])
+            fields["groups"] = tuple(Group(**group) for group in fields.get("groups", ()))
+            return cls(**fields)
+        except LayoutError:
+            raise
+        except (TypeError, ValueError) as error:
+            raise LayoutError(f"spec: {error}") from None
+
+    def to_json(self) -> str:
+        """The spec as JSON text; `from_json` gives an equal spec."""
+        return json.dumps(self.to_dict(), allow_nan=False)
+
+    @classmethod
+    def from_json(cls, text: str) -> SceneSpec:
+        """Raises `LayoutError` naming what is wrong with the text."""
+        try:
+            document = json.loads(text)
+        except json.JSONDecodeError as error:
+            raise LayoutError(f"spec: not JSON: {error}") from None
+        if not isinstance(document, dict):
+            raise LayoutError(f"spec: it must be a JSON object, not {type(document).__name__}")
+        return cls.from_dict(document)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items() if item not in (None, ())}
+    return [_plain(item) for item in value] if isinstance(value, tuple | list) else value
+
+
+def _one_of(name: str, value: object, choices: tuple[str, ...]) -> None:
+    if value not in choices:
+        raise LayoutError(f"{name} is {value!r}; it must be one of {', '.join(choices) or 'none'}")

@@ -1,0 +1,56 @@
+"""A sentence of controlled English becomes a plan, and the plan a layout; offline, and nothing it says is swallowed."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from functools import cache
+
+from lark import Lark, Token, Tree
+
+from lidardraft.drafting.arrange import arrange
+from lidardraft.drafting.reading import Reader
+from lidardraft.drafting.spec import SceneSpec
+from lidardraft.errors import TextError
+from lidardraft.scene.layout import Layout
+
+
+def layout_from_text(sentence: str, seed: int = 0, *, strict: bool = False) -> Layout:
+    """A checked layout of what the sentence says; the same for the same sentence and seed.
+
+    `layout.provenance` holds the sentence, the seed, the spec, and as "not_understood" the words that changed nothing.
+    Raises `TextError` where nothing was understood or, with `strict`, anything was not; `LayoutError` where a thing
+    that is asked for finds no room.
+    """
+    spec = parse_text(sentence, strict=strict)
+    layout = arrange(spec, seed)
+    said = {"source": "text", "sentence": sentence, "not_understood": list(spec.not_understood)}
+    return dataclasses.replace(layout, provenance=layout.provenance | said)
+
+
+def parse_text(sentence: str, *, strict: bool = False) -> SceneSpec:
+    """The plan that a sentence describes, with what was not understood of it; raises `TextError` as above."""
+    if not sentence.strip():
+        raise TextError("the sentence is empty")
+    chunks = [chunk for chunk in _parser().parse(_normalised(sentence)).children if not _is_article(chunk)]
+    notes = Reader(chunks).read()
+    if notes.empty:
+        raise TextError(f"nothing of {sentence!r} was understood; name a road, or things and where they are")
+    if strict and notes.not_understood:
+        raise TextError(f"not understood: {', '.join(map(repr, notes.not_understood))}")
+    return notes.spec()
+
+
+@cache
+def _parser() -> Lark:
+    return Lark.open("english.lark", rel_to=__file__, parser="lalr", lexer="basic", maybe_placeholders=False)
+
+
+def _normalised(sentence: str) -> str:
+    """Lower case, single blanks, and words for hyphens, save in ranges of numbers."""
+    text = sentence.lower().replace("\u2019", "'").replace("\u2013", "-")
+    return re.sub(r"\s+", " ", re.sub(r"(?<=[a-z0-9])-(?=[a-z])", " ", text))
+
+
+def _is_article(chunk: Tree[Token] | Token) -> bool:
+    return isinstance(chunk, Tree) and all(isinstance(t, Token) and t.type in ("THE", "A") for t in chunk.children)

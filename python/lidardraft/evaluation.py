@@ -1,0 +1,76 @@
+"""How well generated scans of unseen streets obey their layouts, and how much they look like scans."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+
+from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.metrics.adherence import Adherence, adherence
+from lidardraft.metrics.bev import bev_jsd
+from lidardraft.pipeline import Pipeline
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.sensor import Sensor
+from lidardraft.streets.street import StreetConfig, StreetPair, streets
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One kind of scan of the same streets: adherence to the drawings (means over the streets), and the Jensen-Shannon
+    divergence of the top views from those of the detailed scans."""
+
+    name: str
+    objects: float
+    overall: float
+    drop: float
+    jsd: float
+    by_class: dict[str, float]
+
+
+def unseen_streets(num: int, *, sensor: Sensor, seed: int = 1_000_000) -> list[StreetPair]:
+    """One pair of each of `num` streets; the default seed is far from the training's."""
+    config = StreetConfig(sensor=sensor, poses_per_street=1)
+    return list(itertools.islice(streets(seed, config), num))
+
+
+def evaluate(pipeline: Pipeline, pairs: list[StreetPair]) -> Iterator[Row]:
+    """The detailed scans themselves, the drawings, the pipeline's scans, and those of the same network with random weights."""
+    torch.manual_seed(0)
+    random = Pipeline(Denoiser.from_config(pipeline.denoiser.config), steps=pipeline.steps)
+    yield _row("detailed scan", pairs, (pair.scan for pair in pairs))
+    yield _row("drawing", pairs, (pair.drawing for pair in pairs))
+    for name, generator in (("generated", pipeline), ("random weights", random)):
+        yield _row(name, pairs, (_last(generator.denoising(pair.drawing, seed=pair.index)) for pair in pairs))
+
+
+def _row(name: str, pairs: list[StreetPair], scans: Iterable[RangeImage]) -> Row:
+    images = list(scans)
+    scores = [adherence(image, pair.drawing) for image, pair in zip(images, pairs, strict=True)]
+    return Row(
+        name=name,
+        objects=_mean([score.objects for score in scores]),
+        overall=_mean([score.overall for score in scores]),
+        drop=_mean([score.drop for score in scores]),
+        jsd=bev_jsd((pair.scan.points() for pair in pairs), (image.points() for image in images)),
+        by_class=_by_class(scores),
+    )
+
+
+def _by_class(scores: list[Adherence]) -> dict[str, float]:
+    names = sorted({name for score in scores for name in score.by_class})
+    return {name: _mean([score.by_class[name] for score in scores if name in score.by_class]) for name in names}
+
+
+def _mean(values: list[float]) -> float:
+    """The mean of what is not NaN; NaN of nothing."""
+    known = [value for value in values if not np.isnan(value)]
+    return float(np.mean(known)) if known else float("nan")
+
+
+def _last(images: Iterator[RangeImage]) -> RangeImage:
+    *_, image = images
+    return image

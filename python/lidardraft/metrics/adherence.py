@@ -1,0 +1,63 @@
+"""Layout adherence: how much of a scan stands where the drawing of its layout says.
+
+The definition is our own; no published score compares a scan with the layout it was made from. A return agrees with the
+drawing where the two distances differ by at most 0.5 m or 5 % of the drawn one, whichever is more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lidardraft.errors import SensorError
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.semantics import BY_NAME, CLASSES
+
+ABSOLUTE_TOLERANCE = 0.5  # m
+RELATIVE_TOLERANCE = 0.05
+_GROUND = [BY_NAME[name].id for name in ("none", "road", "sidewalk", "terrain")]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Adherence:
+    """Shares in [0, 1]; NaN where there is no pixel to count.
+
+    `objects`, `overall` and `by_class` are the shares of the scan's returns that agree with the drawing, among those
+    whose ray hits an object of the drawing (not road, sidewalk or terrain), anything drawn, or the class of that name
+    in the drawing. `drop` is the share of drawn pixels without a return.
+    """
+
+    objects: float
+    overall: float
+    by_class: dict[str, float]
+    drop: float
+
+
+def agrees(scan: RangeImage, drawing: RangeImage) -> np.ndarray:
+    """bool [H, W]: where both have a return, and at the same distance within the tolerance."""
+    if scan.sensor.shape != drawing.sensor.shape:
+        raise SensorError(
+            f"the scan is {scan.sensor.shape}, the drawing {drawing.sensor.shape}; they must be of one sensor"
+        )
+    tolerance = np.maximum(ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE * drawing.depth)
+    return np.asarray(scan.valid & drawing.valid & (np.abs(scan.depth - drawing.depth) <= tolerance))
+
+
+def adherence(scan: RangeImage, drawing: RangeImage) -> Adherence:
+    """How well `scan` keeps to `drawing`, the layout as cast by the same sensor."""
+    good = agrees(scan, drawing)
+    both = scan.valid & drawing.valid
+    objects = both & ~np.isin(drawing.label, _GROUND)
+    present = np.unique(drawing.label[both])
+    return Adherence(
+        objects=_share(good, objects),
+        overall=_share(good, both),
+        by_class={CLASSES[label].name: _share(good, both & (drawing.label == label)) for label in present},
+        drop=_share(~scan.valid, drawing.valid),
+    )
+
+
+def _share(part: np.ndarray, whole: np.ndarray) -> float:
+    count = np.count_nonzero(whole)
+    return float(np.count_nonzero(part & whole) / count) if count else float("nan")

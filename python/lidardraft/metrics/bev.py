@@ -1,0 +1,70 @@
+"""Bird's-eye-view scores between two sets of scans, as LiDARGen defines them.
+
+Zyrianov et al., "Learning to Generate Realistic LiDAR Point Clouds", ECCV 2022; constants from the code of the authors
+(vzyrianov/lidargen, metrics/histogram). Both scores are symmetric in the two sets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from lidardraft.errors import LidarDraftError
+
+BINS = 100
+HALF_EXTENT = 80.0  # m; cells of 1.6 m
+MIN_DISTANCE = 3.0  # m from the sensor, exclusive
+MAX_DISTANCE = 70.0  # m from the sensor, exclusive
+KERNEL_WIDTH = 0.5
+
+
+def bev_histogram(points: np.ndarray) -> np.ndarray:
+    """Counts f64 [100, 100] of sensor-frame points [N, 3] by x and y in [-80 m, 80 m], for distances of 3 to 70 m."""
+    distance = np.linalg.norm(points, axis=1)
+    x, y = points[(distance > MIN_DISTANCE) & (distance < MAX_DISTANCE), :2].T
+    span = (-HALF_EXTENT, HALF_EXTENT)
+    return np.histogram2d(x, y, bins=BINS, range=(span, span))[0]
+
+
+def bev_jsd(real: Iterable[np.ndarray], generated: Iterable[np.ndarray]) -> float:
+    """Jensen-Shannon distance (square root of the divergence in nats) of the summed histograms of scans [N, 3]."""
+    p, q = (_normalised(_histograms(scans).sum(axis=0, keepdims=True))[0] for scans in (real, generated))
+    mean = (p + q) / 2
+    divergence = (_kl(p, mean) + _kl(q, mean)) / 2
+    return float(np.sqrt(max(divergence, 0.0)))
+
+
+def bev_mmd(real: Iterable[np.ndarray], generated: Iterable[np.ndarray]) -> float:
+    """Squared maximum mean discrepancy of the histograms of scans [N, 3], each divided by its sum.
+
+    The kernel is Gaussian in the matrix 2-norm (the largest singular value) of the difference of two histograms; the
+    means are over all pairs, those of a scan with itself included.
+    """
+    p, q = _normalised(_histograms(real)), _normalised(_histograms(generated))
+    return _mean_kernel(p, p) + _mean_kernel(q, q) - 2 * _mean_kernel(p, q)
+
+
+def _histograms(scans: Iterable[np.ndarray]) -> np.ndarray:
+    histograms = [bev_histogram(points) for points in scans]
+    if not histograms:
+        raise LidarDraftError("a set of scans is empty; a score needs at least one scan on each side")
+    return np.stack(histograms)
+
+
+def _normalised(histograms: np.ndarray) -> np.ndarray:
+    total = histograms.sum(axis=(1, 2), keepdims=True)
+    empty = np.flatnonzero(total == 0)
+    if len(empty):
+        raise LidarDraftError(f"scan {empty[0]} has no point {MIN_DISTANCE:g} to {MAX_DISTANCE:g} m from the sensor")
+    return histograms / total
+
+
+def _kl(p: np.ndarray, q: np.ndarray) -> float:
+    positive = p > 0
+    return float(np.sum(p[positive] * np.log(p[positive] / q[positive])))
+
+
+def _mean_kernel(first: np.ndarray, second: np.ndarray) -> float:
+    distances = np.array([np.linalg.norm(histogram - second, ord=2, axis=(1, 2)) for histogram in first])
+    return float(np.exp(-(distances**2) / (2 * KERNEL_WIDTH**2)).mean())

@@ -1,0 +1,243 @@
+"""Named checks on any layout: what is wrong, with whom, by how much. A layout that fails them can still be cast."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lidardraft.scene.layout import Box, Layout, Primitive
+from lidardraft.scene.mesh import primitive_mesh
+
+GROUND_LABELS = ("road", "sidewalk", "terrain")
+VEHICLE_LABELS = ("car", "truck", "bus", "train", "motorcycle")
+EGO_SIZE = (4.5, 2.0, 2.0)  # m around the origin, standing on the road
+MAX_RANGE = 120.0  # m, what the sensors of the presets reach
+OVERLAP_TOLERANCE = 0.02  # m
+GROUND_TOLERANCE = 0.15  # m, a kerb
+
+# Smallest and largest (length, width, height) [m] that a thing of the class can plausibly have: from children and
+# microcars up to articulated buses and coupled trams.
+SIZE_RANGES: dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]] = {
+    "person": ((0.2, 0.2, 0.8), (1.6, 1.6, 2.2)),
+    "rider": ((0.3, 0.3, 0.8), (2.8, 1.2, 2.3)),
+    "car": ((2.4, 1.3, 1.1), (6.5, 2.4, 3.0)),
+    "truck": ((4.5, 1.7, 1.8), (20.0, 2.8, 4.5)),
+    "bus": ((5.5, 1.9, 2.3), (25.0, 2.8, 4.6)),
+    "train": ((8.0, 2.0, 2.8), (80.0, 3.5, 5.5)),
+    "motorcycle": ((1.4, 0.4, 0.8), (2.8, 1.3, 2.2)),
+    "bicycle": ((1.0, 0.2, 0.7), (2.6, 1.0, 2.2)),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing that is wrong: the name of the check, the ids of the primitives, and a sentence with the numbers."""
+
+    check: str
+    ids: tuple[str, ...]
+    message: str
+
+
+def check(layout: Layout) -> list[Finding]:
+    """The findings of all checks, in the order of CHECKS; none when all is well."""
+    return [finding for test in CHECKS for finding in test(layout)]
+
+
+def overlap(layout: Layout) -> list[Finding]:
+    """Parts of different objects that run into each other; boxes stand for meshes, ground is left out."""
+    solids = [Solid.of(primitive) for primitive in layout if primitive.label not in GROUND_LABELS]
+    findings = []
+    for i, j in _near_pairs(solids):
+        a, b = solids[i].primitive, solids[j].primitive
+        if object_of(a) == object_of(b) or (a.instance and a.instance == b.instance):
+            continue
+        depth = penetration(solids[i], solids[j])
+        if depth > OVERLAP_TOLERANCE:
+            findings.append(Finding("overlap", (a.id, b.id), f"{a.id} and {b.id} overlap by {depth:.2f} m"))
+    return findings
+
+
+def grounded(layout: Layout) -> list[Finding]:
+    """Objects that float over the ground or are sunk into it, measured at the middle of their lowest part."""
+    ground = Ground(layout)
+    findings = []
+    for name, parts in objects(layout).items():
+        lowest = min(parts, key=_bottom)
+        gap = _bottom(lowest) - ground.height(*lowest.center[:2])
+        if abs(gap) > GROUND_TOLERANCE:
+            state = "floats {:.2f} m over the ground" if gap > 0 else "is sunk {:.2f} m into the ground"
+            findings.append(Finding("grounded", tuple(p.id for p in parts), f"{name} {state.format(abs(gap))}"))
+    return findings
+
+
+def on_road(layout: Layout) -> list[Finding]:
+    """Vehicles whose middle is not over a primitive labelled road; silent about a layout without any."""
+    ground = Ground(layout, labels=("road",))
+    if not ground.primitives:
+        return []
+    findings = []
+    for box in layout.boxes():
+        x, y, _ = box.center
+        if box.label in VEHICLE_LABELS and ground.at(x, y) is None:
+            findings.append(
+                Finding("on_road", (box.id,), f"{box.id} stands off the road at x = {x:.1f}, y = {y:.1f} m")
+            )
+    return findings
+
+
+def size(layout: Layout) -> list[Finding]:
+    """Things smaller or larger than their class can be."""
+    return [finding for box in layout.boxes() for finding in _size_of(box)]
+
+
+def ego_clear(layout: Layout) -> list[Finding]:
+    """Primitives inside the ego vehicle, where the sensor stands."""
+    ego = Solid.of(EGO)
+    solids = [Solid.of(primitive) for primitive in layout if primitive.label not in GROUND_LABELS]
+    return [
+        Finding("ego_clear", (solid.primitive.id,), f"{solid.primitive.id} reaches {depth:.2f} m into the ego vehicle")
+        for solid in solids
+        if (depth := penetration(solid, ego)) > OVERLAP_TOLERANCE
+    ]
+
+
+def in_range(layout: Layout) -> list[Finding]:
+    """Objects that no ray can reach."""
+    findings = []
+    for primitive in layout:
+        distance = math.hypot(*primitive.center[:2])
+        if primitive.label not in GROUND_LABELS and distance > MAX_RANGE:
+            message = f"{primitive.id} is {distance:.0f} m away; sensors reach {MAX_RANGE:.0f} m"
+            findings.append(Finding("in_range", (primitive.id,), message))
+    return findings
+
+
+CHECKS = (overlap, grounded, on_road, size, ego_clear, in_range)
+
+
+def object_of(primitive: Primitive) -> str:
+    """The name of the object that a primitive is a part of: its id up to the first dot."""
+    return primitive.id.split(".", 1)[0]
+
+
+def objects(layout: Layout) -> dict[str, list[Primitive]]:
+    """The parts of each object, ground left out, in the layout's order."""
+    parts: dict[str, list[Primitive]] = {}
+    for primitive in layout:
+        if primitive.label not in GROUND_LABELS:
+            parts.setdefault(object_of(primitive), []).append(primitive)
+    return parts
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solid:
+    """A primitive as an upright prism: a convex outline [V, 2] counter-clockwise and its two heights [m]."""
+
+    primitive: Primitive
+    outline: np.ndarray
+    low: float
+    high: float
+
+    @classmethod
+    def of(cls, primitive: Primitive) -> Solid:
+        """The prism around a primitive; round shapes have twelve corners, meshes those of their bounding box."""
+        x, y, z = primitive.center
+        cos, sin = math.cos(primitive.yaw), math.sin(primitive.yaw)
+        unit = _ROUND if primitive.shape in ("ellipsoid", "cylinder") else _SQUARE
+        outline = unit * primitive.size[:2] @ np.array([[cos, sin], [-sin, cos]]) + (x, y)
+        return cls(primitive, outline, z - primitive.size[2] / 2, z + primitive.size[2] / 2)
+
+    @property
+    def radius(self) -> float:
+        """Of a circle around the outline [m]."""
+        return math.hypot(*self.primitive.size[:2]) / 2
+
+
+def penetration(a: Solid, b: Solid) -> float:
+    """How far two solids must be moved apart to touch no more [m]; 0 where they do not touch.
+
+    Separating axis theorem: two convex outlines are apart exactly when an edge normal of one of them separates them.
+    """
+    depth = min(a.high, b.high) - max(a.low, b.low)
+    if depth <= 0 or math.dist(a.primitive.center[:2], b.primitive.center[:2]) >= a.radius + b.radius:
+        return 0.0
+    edges = np.concatenate([np.roll(a.outline, -1, axis=0) - a.outline, np.roll(b.outline, -1, axis=0) - b.outline])
+    lengths = np.hypot(edges[:, 0], edges[:, 1])
+    normals = np.stack([edges[:, 1], -edges[:, 0]])[:, lengths > 0] / lengths[lengths > 0]  # a flat mesh has none
+    on_a, on_b = a.outline @ normals, b.outline @ normals
+    shared = np.minimum(on_a.max(axis=0), on_b.max(axis=0)) - np.maximum(on_a.min(axis=0), on_b.min(axis=0))
+    return max(0.0, min(depth, float(shared.min())))
+
+
+class Ground:
+    """The surfaces of a layout that things stand on; of several over a point the highest counts."""
+
+    def __init__(self, primitives: Iterable[Primitive], labels: Sequence[str] = GROUND_LABELS) -> None:
+        self.primitives = [primitive for primitive in primitives if primitive.label in labels]
+        self._meshes = {p.id: primitive_mesh(p) for p in self.primitives if p.shape == "mesh"}
+
+    def at(self, x: float, y: float) -> tuple[float, str] | None:
+        """Height [m] and label of the ground at a point, or None where there is none."""
+        surfaces = [(height, p.label) for p in self.primitives if (height := self._height_of(p, x, y)) is not None]
+        return max(surfaces, default=None)
+
+    def height(self, x: float, y: float) -> float:
+        """Height of the ground [m]; 0, the road under the ego, where there is none."""
+        surface = self.at(x, y)
+        return 0.0 if surface is None else surface[0]
+
+    def _height_of(self, primitive: Primitive, x: float, y: float) -> float | None:
+        dx, dy = x - primitive.center[0], y - primitive.center[1]
+        if primitive.shape == "mesh":
+            mesh = self._meshes[primitive.id]
+            return _highest_over(mesh.vertices[mesh.faces], x, y)
+        cos, sin = math.cos(primitive.yaw), math.sin(primitive.yaw)
+        length, width, height = primitive.size
+        inside = abs(cos * dx + sin * dy) <= length / 2 and abs(cos * dy - sin * dx) <= width / 2
+        return primitive.center[2] + height / 2 if inside else None
+
+
+def _highest_over(triangles: np.ndarray, x: float, y: float) -> float | None:
+    """The highest z over (x, y) of triangles [F, 3, 3], by barycentric coordinates; None where there is none."""
+    a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+    u, v, w = (b - a)[:, :2], (c - a)[:, :2], np.array([x, y]) - a[:, :2]
+    area = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    flat = np.abs(area) > 1e-12  # not upright
+    area = np.where(flat, area, 1.0)
+    s = (w[:, 0] * v[:, 1] - w[:, 1] * v[:, 0]) / area
+    t = (u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0]) / area
+    over = flat & (s >= -1e-9) & (t >= -1e-9) & (s + t <= 1 + 1e-9)
+    if not over.any():
+        return None
+    return float((a[:, 2] + s * (b - a)[:, 2] + t * (c - a)[:, 2])[over].max())
+
+
+def _near_pairs(solids: Sequence[Solid]) -> Iterator[tuple[int, int]]:
+    if not solids:
+        return
+    centers = np.array([solid.primitive.center[:2] for solid in solids])
+    radii = np.array([solid.radius for solid in solids])
+    for i in range(len(solids) - 1):
+        gaps = np.hypot(*(centers[i + 1 :] - centers[i]).T) - radii[i + 1 :] - radii[i]
+        for j in np.flatnonzero(gaps < 0):
+            yield i, i + 1 + int(j)
+
+
+def _size_of(box: Box) -> Iterator[Finding]:
+    smallest, largest = SIZE_RANGES[box.label]
+    for name, value, low, high in zip(("length", "width", "height"), box.size, smallest, largest, strict=True):
+        if not low <= value <= high:
+            message = f"{box.id} has {name} {value:.2f} m; a {box.label} has {low:g} to {high:g} m"
+            yield Finding("size", (box.id,), message)
+
+
+def _bottom(primitive: Primitive) -> float:
+    return primitive.center[2] - primitive.size[2] / 2
+
+
+_SQUARE = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
+_ROUND = 0.5 * np.array([[math.cos(a), math.sin(a)] for a in np.arange(12) * math.pi / 6])
+EGO = Primitive(shape="box", center=(0.0, 0.0, EGO_SIZE[2] / 2), size=EGO_SIZE, label="car", id="ego")

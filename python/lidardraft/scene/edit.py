@@ -1,0 +1,93 @@
+"""Edits of a layout; each returns a new one and leaves the old as it is.
+
+A pattern is a glob on ids or on names of objects: "car_*", "*.crown", "tree_3" (all parts of that tree).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from difflib import get_close_matches
+from fnmatch import fnmatchcase
+from typing import Any
+
+from lidardraft.errors import LayoutError
+from lidardraft.scene.check import object_of
+from lidardraft.scene.layout import Layout, Primitive
+
+
+def select(layout: Layout, pattern: str = "*", *, label: str | None = None) -> tuple[Primitive, ...]:
+    """The primitives that match, in the layout's order; none if none does."""
+    return tuple(p for p in layout if _matches(p, pattern) and label in (None, p.label))
+
+
+def add(layout: Layout, *primitives: Primitive) -> Layout:
+    """With more primitives at the end; raises `LayoutError` where an id is taken."""
+    return dataclasses.replace(layout, primitives=layout.primitives + primitives)
+
+
+def remove(layout: Layout, pattern: str) -> Layout:
+    """Without the primitives that match; raises `LayoutError` where none does."""
+    gone = {primitive.id for primitive in _existing(layout, pattern)}
+    return dataclasses.replace(layout, primitives=tuple(p for p in layout if p.id not in gone))
+
+
+def move(
+    layout: Layout, pattern: str, by: tuple[float, float, float] = (0.0, 0.0, 0.0), *, turn: float = 0.0
+) -> Layout:
+    """With the objects that match shifted `by` [m] and each turned about its own middle [rad, counter-clockwise].
+
+    An object moves whole, also when only a part of it matches. Raises `LayoutError` where none does.
+    """
+    names = dict.fromkeys(object_of(primitive) for primitive in _existing(layout, pattern))
+    moved: dict[str, Primitive] = {}
+    for name in names:
+        parts = [primitive for primitive in layout if object_of(primitive) == name]
+        middle = _middle(parts)
+        moved |= {part.id: _moved(part, middle, by, turn) for part in parts}
+    return dataclasses.replace(layout, primitives=tuple(moved.get(p.id, p) for p in layout))
+
+
+def replace(layout: Layout, pattern: str, **fields: Any) -> Layout:
+    """With new values for `fields` of the primitives that match, as in `replace(layout, "car_1", label="truck")`.
+
+    Raises `LayoutError` where none matches, and for a field or a value that cannot be.
+    """
+    names = [field.name for field in dataclasses.fields(Primitive)]
+    unknown = set(fields) - set(names)
+    if unknown:
+        raise LayoutError(f"a primitive has no field {sorted(unknown)[0]!r}; it has {', '.join(names)}")
+    changed = {p.id: dataclasses.replace(p, **fields) for p in _existing(layout, pattern)}
+    return dataclasses.replace(layout, primitives=tuple(changed.get(p.id, p) for p in layout))
+
+
+def _matches(primitive: Primitive, pattern: str) -> bool:
+    return fnmatchcase(primitive.id, pattern) or fnmatchcase(object_of(primitive), pattern)
+
+
+def _existing(layout: Layout, pattern: str) -> tuple[Primitive, ...]:
+    matching = select(layout, pattern)
+    if not matching:
+        names = list(dict.fromkeys(object_of(primitive) for primitive in layout))
+        near = get_close_matches(pattern, [*names, *(p.id for p in layout)])
+        shown = f"close: {', '.join(dict.fromkeys(near))}" if near else f"it has {', '.join(names[:8]) or 'none'}"
+        raise LayoutError(
+            f"no primitive has the id {pattern!r}; {shown}{', ...' if not near and len(names) > 8 else ''}"
+        )
+    return matching
+
+
+def _middle(parts: list[Primitive]) -> tuple[float, float]:
+    """Of the parts' centres, weighted by area seen from above: a small part does not pull the pivot away."""
+    areas = [part.size[0] * part.size[1] or 1e-9 for part in parts]
+    total = sum(areas)
+    x = sum(area * part.center[0] for area, part in zip(areas, parts, strict=True)) / total
+    y = sum(area * part.center[1] for area, part in zip(areas, parts, strict=True)) / total
+    return x, y
+
+
+def _moved(part: Primitive, middle: tuple[float, float], by: tuple[float, float, float], turn: float) -> Primitive:
+    cos, sin = math.cos(turn), math.sin(turn)
+    dx, dy = part.center[0] - middle[0], part.center[1] - middle[1]
+    x, y = middle[0] + cos * dx - sin * dy, middle[1] + sin * dx + cos * dy
+    return dataclasses.replace(part, center=(x + by[0], y + by[1], part.center[2] + by[2]), yaw=part.yaw + turn)

@@ -1,0 +1,288 @@
+"""The training loop: pairs on disk become weights on disk."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import json
+import os
+import time
+import zlib
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from safetensors import SafetensorError, safe_open
+from safetensors.torch import save as serialise
+from torch import Tensor
+
+from lidardraft.diffusion import checkpoint
+from lidardraft.diffusion.codec import encode_condition, encode_elevations, encode_scan
+from lidardraft.diffusion.denoiser import Denoiser, DenoiserConfig
+from lidardraft.diffusion.noise import training_levels
+from lidardraft.errors import TrainingError
+from lidardraft.files import written_whole
+from lidardraft.training.pairs import PairFolder
+
+BANDS = (0.0, 0.05, 0.2, 1.0, float("inf"))  # edges of the noise levels that are reported apart
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainingConfig:
+    """All that decides the result of one stage, beside the pairs and, in the second, the base.
+
+    Batches are crops of `crop` columns at random places of the ring, mirrored half the time; their first and last
+    `margin` columns do not count. The learning rate rises over `warmup` steps, stays, and falls to 0 over the last
+    `decay` of the steps. The first `zero_conv_steps` of the second stage leave the encoder's copy alone. ln sigma is
+    normal with `sigma_mean` and `sigma_std`. `ema` is the decay of the average of weights that is saved.
+    """
+
+    denoiser: DenoiserConfig
+    steps: int
+    batch: int
+    learning_rate: float
+    warmup: int = 100
+    decay: float = 0.3
+    zero_conv_steps: int = 0
+    crop: int = 256
+    margin: int = 16
+    sigma_mean: float = -1.0
+    sigma_std: float = 1.4
+    weight_decay: float = 0.01
+    max_gradient: float = 1.0
+    ema: float = 0.998
+    seed: int = 0
+    save_every: int = 200
+    report_every: int = 20
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields as JSON types."""
+        return {**dataclasses.asdict(self), "denoiser": self.denoiser.to_dict()}
+
+    @classmethod
+    def from_dict(cls, fields: Mapping[str, Any]) -> TrainingConfig:
+        """The inverse of `to_dict`; raises `TypeError` on an unknown or missing field."""
+        return cls(**{**fields, "denoiser": DenoiserConfig.from_dict(fields["denoiser"])})
+
+    def rate(self, step: int) -> float:
+        """The learning rate of a step."""
+        rise = (step + 1) / max(self.warmup, 1)
+        fall = (self.steps - step) / max(self.decay * self.steps, 1)
+        return self.learning_rate * min(1.0, rise, fall)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Report:
+    """Means since the last report; `bands` holds the loss in each band of `BANDS`, None where no sample fell."""
+
+    step: int
+    loss: float
+    bands: tuple[float | None, ...]
+    gradient: float
+    crops_per_second: float
+    minutes: float
+
+
+def train(
+    config: TrainingConfig,
+    pairs: PairFolder,
+    run: str | os.PathLike[str],
+    *,
+    base: Denoiser | None = None,
+    device: str = "cpu",
+    max_minutes: float = float("inf"),
+) -> Iterator[Report]:
+    """Train a denoiser on pairs, or, given a `base`, a ControlNet on it while it stays frozen.
+
+    The folder `run` receives `log.jsonl`, `state.safetensors` to go on from after an interruption or `max_minutes`, and
+    `weights.safetensors`, the average of weights. Batch t depends on the seed and t only, so that a run in slices gives
+    the weights of a run in one. Raises `TrainingError` where the run in the folder is another, the pairs do not fit, or
+    the training has gone wrong.
+    """
+    _check(config, pairs, base)
+    run = Path(run)
+    run.mkdir(parents=True, exist_ok=True)
+    trainer = _Trainer(config, base, torch.device(device), encode_elevations(pairs.sensor))
+    start = trainer.resume(run / "state.safetensors")
+    if start >= config.steps:
+        return
+    began, reported = time.monotonic(), time.monotonic()
+    window: list[tuple[float, list[list[float]]]] = []
+    with ThreadPoolExecutor(1) as loader:
+        upcoming = loader.submit(_batch, config, pairs, start, base is not None)
+        for step in range(start, config.steps):
+            batch, upcoming = upcoming.result(), loader.submit(_batch, config, pairs, step + 1, base is not None)
+            window.append(trainer.step(step, *batch))
+            minutes = (time.monotonic() - began) / 60
+            done = step + 1 == config.steps or minutes > max_minutes
+            if done or (step + 1) % config.report_every == 0:
+                report = _report(step + 1, window, config.batch, time.monotonic() - reported, minutes)
+                with (run / "log.jsonl").open("a") as log:
+                    log.write(json.dumps(dataclasses.asdict(report)) + "\n")
+                trainer.check(report)
+                window, reported = [], time.monotonic()
+                yield report
+            if done or (step + 1) % config.save_every == 0:
+                trainer.save(run, step + 1)
+            if done:
+                return
+
+
+class _Trainer:
+    """Weights, their average and the optimiser: what a step changes and a run keeps."""
+
+    def __init__(self, config: TrainingConfig, base: Denoiser | None, device: torch.device, beams: np.ndarray) -> None:
+        torch.manual_seed(config.seed)
+        denoiser = Denoiser.from_config(config.denoiser) if base is None else base.with_controlnet()
+        self.config, self.device = config, device
+        # On a CPU without bfloat16 instructions the emulated ones are slower than float32.
+        self.bfloat16 = device.type == "cuda" or torch.cpu._is_avx512_bf16_supported()
+        self.denoiser = denoiser.to(device).train()
+        self.beams = torch.from_numpy(beams).to(device)
+        self.weights = {name: p for name, p in denoiser.named_parameters() if p.requires_grad}
+        frozen = [p.numpy().tobytes() for p in denoiser.parameters() if not p.requires_grad]
+        self.identity = json.dumps([zlib.crc32(b"".join(frozen)), dataclasses.replace(config, **_FREE).to_dict()])
+        self.average = {name: p.detach().clone() for name, p in self.weights.items()}
+        self.optimiser = torch.optim.AdamW(
+            self.weights.values(), lr=config.learning_rate, betas=(0.9, 0.99), weight_decay=config.weight_decay
+        )
+
+    def step(
+        self, step: int, clean: Tensor, sigma: Tensor, noise: Tensor, condition: Tensor | None
+    ) -> tuple[float, list[list[float]]]:
+        """One gradient step; the norm of the gradient, and (sigma, loss) of each sample."""
+        for group in self.optimiser.param_groups:
+            group["lr"] = self.config.rate(step)
+        controlnet = self.denoiser.controlnet
+        if controlnet is not None:
+            controlnet.encoder.requires_grad_(step >= self.config.zero_conv_steps)
+        clean, sigma, noise = clean.to(self.device), sigma.to(self.device), noise.to(self.device)
+        condition = None if condition is None else condition.to(self.device)
+        with torch.autocast(self.device.type, dtype=torch.bfloat16, enabled=self.bfloat16):
+            loss = self.denoiser.loss(clean, sigma, noise, self.beams, condition, self.config.margin)
+        self.optimiser.zero_grad(set_to_none=True)
+        loss.mean().backward()  # type: ignore[no-untyped-call]
+        gradient = torch.nn.utils.clip_grad_norm_(self.weights.values(), self.config.max_gradient)
+        self.optimiser.step()
+        # A young average is short, so that it forgets its random start.
+        decay = min(self.config.ema, (1 + step) / (10 + step))
+        torch._foreach_lerp_(list(self.average.values()), [p.detach() for p in self.weights.values()], 1 - decay)
+        return gradient.item(), torch.stack([sigma, loss.detach()], dim=1).tolist()
+
+    def check(self, report: Report) -> None:
+        """Stop a run that has gone wrong, in words, rather than let it go on for days."""
+        if not np.isfinite(report.loss):
+            raise TrainingError(f"the loss is {report.loss} at step {report.step}")
+        controlnet = self.denoiser.controlnet
+        if controlnet is not None and report.step >= 20:
+            for name, weight in controlnet.zero_convs():
+                if not weight.any():
+                    raise TrainingError(f"zero convolution {name!r} is still zero after {report.step} steps")
+
+    def save(self, run: Path, step: int) -> None:
+        """Write the state, then the averaged weights."""
+        tensors = {f"weight.{name}": p.detach() for name, p in self.weights.items()}
+        tensors |= {f"average.{name}": p for name, p in self.average.items()}
+        for name, p in self.weights.items():
+            for key, value in self.optimiser.state.get(p, {}).items():
+                tensors[f"{key}.{name}"] = value
+        metadata = {"step": str(step), "run": self.identity}
+        with written_whole(run / "state.safetensors") as temporary:
+            temporary.write_bytes(serialise({name: t.cpu().contiguous() for name, t in tensors.items()}, metadata))
+        trained = {name: p.detach().clone() for name, p in self.weights.items()}
+        self._put(self.average)
+        card = {"training": self.config.to_dict(), "step": step}
+        checkpoint.save(self.denoiser, run / "weights.safetensors", card)
+        self._put(trained)
+
+    def resume(self, path: Path) -> int:
+        """Take over the state of an earlier slice of the same run, if there is one; the step to go on from."""
+        if not path.exists():
+            return 0
+        try:
+            with safe_open(path, framework="pt") as file:
+                metadata, tensors = file.metadata(), {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+            identity, step = metadata["run"], int(metadata["step"])
+        except (SafetensorError, OSError, KeyError, TypeError, ValueError) as error:
+            raise TrainingError(f"{path} is no state of a run: {error}") from None
+        if identity != self.identity:
+            raise TrainingError(f"{path} is the state of a run with another config or base; use another folder")
+        self._put({name: tensors[f"weight.{name}"] for name in self.weights})
+        for name, p in self.weights.items():
+            self.average[name].copy_(tensors[f"average.{name}"])
+            self.optimiser.state[p] = {
+                key: tensors[f"{key}.{name}"].to(p.device if key != "step" else "cpu")
+                for key in ("step", "exp_avg", "exp_avg_sq")
+                if f"{key}.{name}" in tensors
+            }
+        return step
+
+    @torch.no_grad()
+    def _put(self, values: Mapping[str, Tensor]) -> None:
+        for name, p in self.weights.items():
+            p.copy_(values[name])
+
+
+# What may differ between the slices of one run: how long it is, and how it reports.
+_FREE: dict[str, Any] = {"steps": 0, "save_every": 0, "report_every": 0}
+
+
+def _check(config: TrainingConfig, pairs: PairFolder, base: Denoiser | None) -> None:
+    for name, low in (("steps", 1), ("batch", 1), ("margin", 0), ("save_every", 1), ("report_every", 1)):
+        if getattr(config, name) < low:
+            raise TrainingError(f"{name} is {getattr(config, name)}; it must be at least {low}")
+    height, width = pairs.sensor.shape
+    rows, columns = config.denoiser.cell
+    if height % rows or config.crop % columns:
+        raise TrainingError(
+            f"{height} rows and crops of {config.crop} columns must be whole cells of {rows} x {columns}"
+        )
+    if not 2 * config.margin < config.crop <= width:
+        raise TrainingError(f"crop is {config.crop}; it must exceed two margins of {config.margin} and fit in {width}")
+    if len(pairs) == 0:
+        raise TrainingError("the folder holds no pairs")
+    if base is not None and base.config != config.denoiser:
+        raise TrainingError(f"the base is a {base.config}; this recipe needs a {config.denoiser}")
+
+
+def _batch(
+    config: TrainingConfig, pairs: PairFolder, step: int, conditional: bool
+) -> tuple[Tensor, Tensor, Tensor, Tensor | None]:
+    """Clean crops, noise levels, noise and conditions of a step."""
+    random = np.random.default_rng((config.seed, step))
+    generator = torch.Generator().manual_seed(int(random.integers(2**62)))
+    clean, conditions = [], []
+    for i in random.integers(len(pairs), size=config.batch):
+        scan, drawing = pairs[int(i)]
+        columns = (random.integers(scan.sensor.columns) + np.arange(config.crop)) % scan.sensor.columns
+        if random.random() < 0.5:
+            columns = columns[::-1]
+        clean.append(torch.from_numpy(encode_scan(scan)[:, :, columns]))
+        if conditional:
+            conditions.append(torch.from_numpy(encode_condition(drawing)[:, :, columns]))
+    batch = torch.stack(clean)
+    sigma = training_levels(config.batch, generator, mean=config.sigma_mean, std=config.sigma_std)
+    noise = torch.randn(batch.shape, generator=generator)
+    return batch, sigma, noise, torch.stack(conditions) if conditional else None
+
+
+def _report(
+    step: int, window: list[tuple[float, list[list[float]]]], batch: int, seconds: float, minutes: float
+) -> Report:
+    sigma, loss = np.array([sample for _, samples in window for sample in samples]).T
+    bands: list[float | None] = []
+    for low, high in itertools.pairwise(BANDS):
+        inside = loss[(low <= sigma) & (sigma < high)]
+        bands.append(float(inside.mean()) if len(inside) else None)
+    return Report(
+        step=step,
+        loss=float(loss.mean()),
+        bands=tuple(bands),
+        gradient=float(np.mean([gradient for gradient, _ in window])),
+        crops_per_second=len(window) * batch / seconds,
+        minutes=minutes,
+    )

@@ -1,0 +1,117 @@
+//! Wavefront OBJ files in.
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Cursor, Read};
+use std::path::Path;
+
+use crate::{Error, Result, TriangleMesh};
+
+/// A named part of an OBJ file: the faces of one object (`o` or `g`) with one material (`usemtl`).
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjMesh {
+    /// The name of the object; "unnamed_object" for faces before the first one.
+    pub object: String,
+    /// The name of the material as the file writes it; "" if it uses none.
+    pub material: String,
+    /// Its triangles.
+    pub mesh: TriangleMesh,
+}
+
+/// The objects of a Wavefront OBJ file, those with several materials as several entries.
+///
+/// Polygons become fans of triangles, which is exact for convex ones. Positions shared within an entry stay shared. Points,
+/// lines, normals and texture coordinates are passed over, and material libraries are not opened: the names come from the
+/// OBJ file itself.
+///
+/// # Errors
+/// [`Error::ObjUnreadable`], [`Error::ObjBroken`], [`Error::ObjMesh`] or [`Error::ObjWithoutFaces`]. A face that names a
+/// missing vertex is noticed where its object ends, and that is the line in the message.
+pub fn read_obj(path: &Path) -> Result<Vec<ObjMesh>> {
+    let mut text = Vec::new();
+    File::open(path)
+        .and_then(|mut file| file.read_to_end(&mut text))
+        .map_err(|error| Error::ObjUnreadable { path: path.into(), reason: error.to_string() })?;
+    let materials = material_names(&text);
+    let models = parse(&text, &materials).map_err(|(line, error)| Error::ObjBroken {
+        path: path.into(),
+        line,
+        reason: error.to_string(),
+    })?;
+    let with_faces = models.into_iter().filter(|model| !model.mesh.indices.is_empty());
+    let meshes: Vec<ObjMesh> = with_faces.map(|model| named_mesh(path, model, &materials)).collect::<Result<_>>()?;
+    if meshes.is_empty() {
+        return Err(Error::ObjWithoutFaces { path: path.into() });
+    }
+    Ok(meshes)
+}
+
+/// The material names that the faces use, in order of their first use.
+fn material_names(text: &[u8]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for line in String::from_utf8_lossy(text).lines() {
+        let name = line.trim_start().strip_prefix("usemtl ").unwrap_or_default().trim();
+        if !name.is_empty() && !names.iter().any(|known| known == name) {
+            names.push(name.to_owned());
+        }
+    }
+    names
+}
+
+/// The models of an OBJ text, or the line where it breaks.
+///
+/// `tobj` forgets the name of a material that no library defines. So it is given a first line that names a library, and a
+/// loader that answers with all materials the text uses, and with nothing for the libraries of the text.
+fn parse(text: &[u8], materials: &[String]) -> std::result::Result<Vec<tobj::Model>, (usize, tobj::LoadError)> {
+    const LIBRARY: &str = "lidardraft names";
+    let options =
+        tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
+    let first_line = format!("mtllib {LIBRARY}\n");
+    let mut reader = LineCounter { inner: BufReader::new(Cursor::new(first_line).chain(text)), ended: 0 };
+    let library = |path: &Path| {
+        let known = if path == Path::new(LIBRARY) { materials } else { &[] };
+        let named = |name: &String| tobj::Material { name: name.clone(), ..Default::default() };
+        let index: HashMap<String, usize> = known.iter().cloned().zip(0..).collect();
+        Ok((known.iter().map(named).collect(), index))
+    };
+    match tobj::load_obj_buf(&mut reader, &options, library) {
+        Ok((models, _)) => Ok(models),
+        Err(error) => Err((reader.ended.saturating_sub(1).max(1), error)),
+    }
+}
+
+fn named_mesh(path: &Path, model: tobj::Model, materials: &[String]) -> Result<ObjMesh> {
+    let vertices = model.mesh.positions.as_chunks().0.to_vec();
+    let faces = model.mesh.indices.as_chunks().0.to_vec();
+    let mesh = TriangleMesh::new(vertices, faces).map_err(|source| Error::ObjMesh {
+        path: path.into(),
+        object: model.name.clone(),
+        source: Box::new(source),
+    })?;
+    let material = model.mesh.material_id.and_then(|id| materials.get(id));
+    Ok(ObjMesh { object: model.name, material: material.cloned().unwrap_or_default(), mesh })
+}
+
+/// Counts the lines that were read: the place of an error, which `tobj` does not tell.
+struct LineCounter<R> {
+    inner: R,
+    ended: usize,
+}
+
+impl<R: BufRead> Read for LineCounter<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.inner.read(buffer)
+    }
+}
+
+impl<R: BufRead> BufRead for LineCounter<R> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        self.inner.fill_buf()
+    }
+
+    fn consume(&mut self, amount: usize) {
+        let read = self.inner.fill_buf().unwrap_or_default();
+        self.ended += read.iter().take(amount).filter(|&&byte| byte == b'\n').count();
+        self.inner.consume(amount);
+    }
+}

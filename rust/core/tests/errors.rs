@@ -1,0 +1,157 @@
+//! Each way in which the input can be wrong, and its message.
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::{box_mesh, pattern, primitive, spec};
+use crate::{Pose, Primitive, PrimitiveTables, Scene, SensorPattern, SensorSpec, Shape, TriangleMesh};
+
+fn says<T>(result: crate::Result<T>, message: &str) {
+    match result {
+        Ok(_) => panic!("accepted instead of: {message}"),
+        Err(error) => assert_eq!(error.to_string(), message),
+    }
+}
+
+#[test]
+fn meshes() {
+    let triangle = vec![[0.0; 3]; 3];
+    says(TriangleMesh::new(vec![], vec![]), "the mesh has 0 vertices and 0 faces; it needs at least one of each");
+    says(
+        TriangleMesh::new(vec![[0.0; 3], [0.0, f64::NAN, 1.0]], vec![[0, 0, 0]]),
+        "vertex 1 is [0.0, NaN, 1.0]; coordinates must be finite",
+    );
+    says(
+        TriangleMesh::new(triangle, vec![[0, 1, 2], [2, 1, 40]]),
+        "face 1 refers to vertex 40; the mesh has 3 vertices",
+    );
+}
+
+fn sensor(change: impl Fn(&mut SensorSpec), message: &str) {
+    let mut spec = spec(vec![0.1, 0.0, -0.1], 10);
+    change(&mut spec);
+    says(SensorPattern::new(spec), message);
+}
+
+#[test]
+fn beams() {
+    sensor(|s| s.elevations.clear(), "elevations has 0 entries; a sensor needs at least one beam");
+    sensor(|s| s.azimuth_offsets.truncate(2), "azimuth_offsets has 2 entries; the sensor has 3 beams");
+    sensor(|s| s.origin_heights.push(0.0), "origin_heights has 4 entries; the sensor has 3 beams");
+    sensor(|s| s.elevations[1] = f64::NAN, "elevations[1] is NaN; it must be finite");
+    sensor(|s| s.azimuth_offsets[2] = f64::INFINITY, "azimuth_offsets[2] is inf; it must be finite");
+    sensor(|s| s.origin_heights[0] = f64::NAN, "origin_heights[0] is NaN; it must be finite");
+    sensor(
+        |s| s.elevations[0] = FRAC_PI_2,
+        "elevations[0] is 1.5707963267948966 rad; it must be between -pi/2 and pi/2, both excluded",
+    );
+    sensor(|s| s.elevations[2] = 0.0, "elevations[2] is 0 rad after 0 rad; elevations must strictly decrease");
+}
+
+#[test]
+fn limits() {
+    sensor(|s| s.columns = 0, "columns is 0; it must be 1 to 89478485");
+    sensor(|s| s.columns = usize::MAX, "columns is 9223372036854775807; it must be 1 to 89478485");
+    sensor(|s| s.azimuth_start = f64::NAN, "azimuth_start is NaN; it must be finite");
+    for span in [0.0, -1.0, 6.3, f64::NAN] {
+        let message = format!("azimuth_span is {span} rad; it must be greater than 0 and at most 2 pi");
+        sensor(|s| s.azimuth_span = span, &message);
+    }
+    for (min, max) in [(-1.0, 9.0), (9.0, 9.0), (f64::NAN, 9.0), (1.0, f64::NAN), (0.0, f64::INFINITY)] {
+        let message = format!(
+            "min_range is {min} m and max_range is {max} m; it must be 0 <= min_range < max_range, both finite"
+        );
+        sensor(|s| (s.min_range, s.max_range) = (min, max), &message);
+    }
+}
+
+#[test]
+fn images() {
+    let pattern = pattern(spec(vec![0.1, 0.0], 3));
+    let message = "the image has 3 x 2 pixels; the sensor has 2 beams and 3 columns";
+    says(pattern.points(&[0.0; 6], [3, 2]), message);
+    for bad in [-1.0, f32::NAN, f32::INFINITY] {
+        let message = format!("depth[1, 2] is {bad}; it must be finite and >= 0");
+        says(pattern.points(&[0.0, 0.0, 0.0, 0.0, 0.0, bad], [2, 3]), &message);
+    }
+}
+
+fn scene(change: impl Fn(&mut Primitive), message: &str) {
+    let mut last = primitive(Shape::Box, [0.0; 3], [1.0; 3]);
+    change(&mut last);
+    says(Scene::new(vec![primitive(Shape::Box, [0.0; 3], [1.0; 3]), last]), message);
+}
+
+#[test]
+fn primitives() {
+    let far = "m; every coordinate must be finite and at most 1e9 in size";
+    scene(|p| p.center[1] = f64::NAN, &format!("centers[1] is [0.0, NaN, 0.0] {far}"));
+    scene(|p| p.center[0] = -2e9, &format!("centers[1] is [-2000000000.0, 0.0, 0.0] {far}"));
+    let positive = "every extent must be > 0, and none may exceed 1e9";
+    scene(|p| p.size[2] = 0.0, &format!("sizes[1] is [1.0, 1.0, 0.0] m; {positive}"));
+    scene(|p| p.size[0] = f64::INFINITY, &format!("sizes[1] is [inf, 1.0, 1.0] m; {positive}"));
+    scene(|p| p.size[0] = f64::NAN, &format!("sizes[1] is [NaN, 1.0, 1.0] m; {positive}"));
+    let flat = "a plane has x > 0, y > 0 and z = 0, and none may exceed 1e9";
+    scene(|p| p.shape = Shape::Plane, &format!("sizes[1] is [1.0, 1.0, 1.0] m; {flat}"));
+    let extent = "extents of a mesh are >= 0 and not all 0, and none may exceed 1e9";
+    let mesh = |size| move |p: &mut Primitive| (p.shape, p.size) = (Shape::Mesh(box_mesh()), size);
+    scene(mesh([0.0; 3]), &format!("sizes[1] is [0.0, 0.0, 0.0] m; {extent}"));
+    scene(mesh([1.0, -1.0, 1.0]), &format!("sizes[1] is [1.0, -1.0, 1.0] m; {extent}"));
+    scene(|p| p.yaw = f64::NEG_INFINITY, "yaws[1] is -inf; it must be finite");
+    let huge = TriangleMesh::new(vec![[0.0; 3], [1e12, 0.0, 0.0]], vec![[0, 0, 1]]).unwrap();
+    scene(
+        |p| p.shape = Shape::Mesh(huge.clone()),
+        "vertex 1 of the mesh of primitive 1 is [1000000000000.0, 0.0, 0.0] m from its center; the limit is 1e9",
+    );
+}
+
+#[test]
+fn tables() {
+    let tables = PrimitiveTables {
+        shapes: &[0, 4],
+        centers: &[[0.0; 3]; 2],
+        sizes: &[[1.0; 3]; 2],
+        yaws: &[0.0; 2],
+        labels: &[1; 2],
+        instances: &[0; 2],
+    };
+    assert_eq!(tables.primitives(vec![box_mesh()]).unwrap().len(), 2);
+    says(tables.primitives(vec![]), "there are 0 meshes; 1 primitives have the shape mesh");
+    says(tables.primitives(vec![box_mesh(); 2]), "there are 2 meshes; 1 primitives have the shape mesh");
+    let unknown = PrimitiveTables { shapes: &[0, 7], ..tables };
+    says(unknown.primitives(vec![]), "shapes[1] is 7; it must be 0 box, 1 ellipsoid, 2 cylinder, 3 plane or 4 mesh");
+    let cases = [
+        (PrimitiveTables { centers: &[], ..tables }, "centers has 0"),
+        (PrimitiveTables { sizes: &[[1.0; 3]], ..tables }, "sizes has 1"),
+        (PrimitiveTables { yaws: &[0.0; 3], ..tables }, "yaws has 3"),
+        (PrimitiveTables { labels: &[], ..tables }, "labels has 0"),
+        (PrimitiveTables { instances: &[], ..tables }, "instances has 0"),
+    ];
+    for (tables, start) in cases {
+        says(tables.primitives(vec![]), &format!("{start} entries; there are 2 primitives"));
+    }
+}
+
+#[test]
+fn poses() {
+    let pose = |change: &dyn Fn(&mut [[f64; 4]; 4]), message: &str| {
+        let mut rows = [[1.0, 0.0, 0.0, 5.0], [0.0, 1.0, 0.0, 6.0], [0.0, 0.0, 1.0, 7.0], [0.0, 0.0, 0.0, 1.0]];
+        assert_eq!(Pose::from_rows(rows).unwrap().translation.to_array(), [5.0, 6.0, 7.0]);
+        change(&mut rows);
+        says(Pose::from_rows(rows), message);
+    };
+    let finite = "it must be finite and at most 1e9 in size";
+    pose(&|r| r[1][3] = f64::NAN, &format!("world_from_sensor[1, 3] is NaN; {finite}"));
+    pose(&|r| r[0][3] = 1e10, &format!("world_from_sensor[0, 3] is 10000000000; {finite}"));
+    pose(&|r| r[3][0] = 1.0, "the last row of world_from_sensor is [1.0, 0.0, 0.0, 1.0]; it must be [0, 0, 0, 1]");
+    pose(&|r| r[0][0] = 2.0, "the rotation of world_from_sensor is off R^T R = 1 by 3e0; the limit is 1e-6");
+    pose(&|r| r[2][2] = -1.0, "the rotation of world_from_sensor has the determinant -1; a mirrored pose is not rigid");
+}
+
+#[test]
+fn borders_of_the_border_are_named() {
+    let shape = crate::Error::TableShape { table: "centers".into(), shape: vec![4, 2], expected: "[P, 3]" };
+    assert_eq!(shape.to_string(), "centers has the shape [4, 2]; it must be [P, 3]");
+    let source = TriangleMesh::new(vec![], vec![]).unwrap_err();
+    let mesh = crate::Error::Mesh { mesh: 3, source: Box::new(source) };
+    assert!(mesh.to_string().starts_with("meshes[3]: the mesh has 0 vertices"));
+}

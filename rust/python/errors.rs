@@ -1,0 +1,50 @@
+//! Errors of the core as Python exceptions.
+
+use lidardraft_core::Error;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+
+pyo3::import_exception!(lidardraft.errors, FormatError);
+pyo3::import_exception!(lidardraft.errors, LayoutError);
+pyo3::import_exception!(lidardraft.errors, SensorError);
+
+/// An error of the core on its way to Python.
+pub(crate) struct CoreError(Error);
+
+/// What a function of the module returns.
+pub(crate) type CoreResult<T> = Result<T, CoreError>;
+
+impl From<Error> for CoreError {
+    fn from(error: Error) -> Self {
+        CoreError(error)
+    }
+}
+
+impl From<CoreError> for PyErr {
+    fn from(CoreError(error): CoreError) -> PyErr {
+        let message = error.to_string();
+        match error {
+            Error::NoBeams
+            | Error::BeamTable { .. }
+            | Error::BeamNotFinite { .. }
+            | Error::ElevationLimit { .. }
+            | Error::ElevationOrder { .. }
+            | Error::Columns { .. }
+            | Error::AzimuthStart { .. }
+            | Error::AzimuthSpan { .. }
+            | Error::RangeLimits { .. }
+            | Error::ImageShape { .. }
+            | Error::Depth { .. } => SensorError::new_err(message),
+            Error::ObjUnreadable { .. }
+            | Error::ObjBroken { .. }
+            | Error::ObjWithoutFaces { .. }
+            | Error::ObjMesh { .. } => FormatError::new_err(message),
+            _ => LayoutError::new_err(message),
+        }
+    }
+}
+
+/// The exception for an array of another type or memory order than asked for.
+pub(crate) fn array_type_error(name: &str, expected: &str, given: &str) -> PyErr {
+    PyTypeError::new_err(format!("{name} must be a C-contiguous array of {expected}; it is {given}"))
+}

@@ -1,0 +1,176 @@
+"""Score network, ControlNet and denoiser together."""
+
+import dataclasses
+from typing import Any
+
+import pytest
+import torch
+
+from lidardraft.diffusion.codec import CONDITION_CHANNELS, DEPTH, DRAWN_DEPTH, DRAWN_VALIDITY, INTENSITY, VALIDITY
+from lidardraft.diffusion.denoiser import SIGMA_DATA, Denoiser, DenoiserConfig
+from lidardraft.errors import CheckpointError, LidarDraftError
+
+TINY = DenoiserConfig(cell=(2, 4), widths=(8, 8, 16, 16), strides=(1, 2, 2, 1), dilations=(1, 1, 1, 2), blocks=1)
+BEAMS = torch.linspace(0.1, -0.8, 16).expand(2, -1)
+
+
+@pytest.fixture(autouse=True)
+def seeded() -> None:
+    torch.manual_seed(0)
+
+
+def shaken(denoiser: Denoiser) -> Denoiser:
+    """The denoiser with every weight moved, so that nothing is zero by its start."""
+    with torch.no_grad():
+        for weight in denoiser.parameters():
+            weight += 0.1 * torch.randn_like(weight)
+    return denoiser.eval()
+
+
+def a_condition(batch: int = 2, width: int = 64) -> torch.Tensor:
+    condition = torch.zeros(batch, CONDITION_CHANNELS, 16, width)
+    condition[:, 1] = 1
+    condition[:, DRAWN_DEPTH] = torch.rand(batch, 16, width)
+    condition[:, DRAWN_VALIDITY] = 1
+    return condition
+
+
+@pytest.mark.parametrize("controlled", [False, True])
+@torch.no_grad()
+def test_rolling_the_state_by_whole_cells_rolls_the_denoised(controlled: bool) -> None:
+    denoiser = shaken(Denoiser.from_config(dataclasses.replace(TINY, controlnet=True)))
+    x, sigma = torch.randn(2, 3, 16, 64), torch.tensor([0.1, 2.0])
+    condition = a_condition() if controlled else None
+    rolled = None if condition is None else condition.roll(16, dims=-1)
+    y = denoiser.denoise(x, sigma, BEAMS, condition)
+    torch.testing.assert_close(denoiser.denoise(x.roll(16, dims=-1), sigma, BEAMS, rolled), y.roll(16, dims=-1))
+    assert not torch.allclose(y, y.roll(16, dims=-1), atol=1e-3)
+
+
+@torch.no_grad()
+def test_the_network_knows_its_beams() -> None:
+    denoiser = shaken(Denoiser.from_config(TINY))
+    x, sigma = torch.randn(1, 3, 16, 64), torch.tensor([0.5])
+    assert not torch.allclose(denoiser.denoise(x, sigma, BEAMS), denoiser.denoise(x, sigma, BEAMS.flip(-1)), atol=1e-3)
+
+
+@torch.no_grad()
+def test_a_sample_does_not_depend_on_its_batch() -> None:
+    denoiser = shaken(Denoiser.from_config(dataclasses.replace(TINY, controlnet=True)))
+    x, sigma, condition = torch.randn(3, 3, 16, 64), torch.tensor([0.1, 1.0, 9.0]), a_condition(3)
+    together = denoiser.denoise(x, sigma, BEAMS, condition)
+    alone = denoiser.denoise(x[1:2], sigma[1:2], BEAMS, condition[1:2])
+    torch.testing.assert_close(together[1:2], alone, atol=1e-5, rtol=1e-4)
+
+
+@pytest.mark.parametrize("copy_gate", [False, True])
+@torch.no_grad()
+def test_a_fresh_controlnet_leaves_the_base_bit_identical(copy_gate: bool) -> None:
+    base = shaken(Denoiser.from_config(dataclasses.replace(TINY, copy_gate=copy_gate)))
+    x, sigma = torch.randn(2, 3, 16, 64), torch.tensor([0.1, 2.0])
+    before = base.denoise(x, sigma, BEAMS)
+    controlled = base.with_controlnet()
+    assert torch.equal(controlled.denoise(x, sigma, BEAMS, a_condition()), before)
+    assert torch.equal(controlled.denoise(x, sigma, BEAMS), before)
+    assert controlled.controlnet is not None
+    for copy, original in zip(
+        controlled.controlnet.encoder.parameters(), base.network.encoder.parameters(), strict=True
+    ):
+        assert torch.equal(copy, original)
+        assert copy.data_ptr() != original.data_ptr()
+    assert [name for name, _ in controlled.controlnet.zero_convs()][:2] == ["enter", "leave.0"]
+
+
+@torch.no_grad()
+def test_an_open_gate_copies_the_drawn_depth_where_there_is_a_hit() -> None:
+    denoiser = Denoiser.from_config(dataclasses.replace(TINY, controlnet=True)).eval()
+    assert denoiser.controlnet is not None
+    assert denoiser.controlnet.gate is not None
+    denoiser.controlnet.gate.head.bias[:8] = 20.0  # the gate's logit: tanh is 1
+    condition = a_condition()
+    condition[:, DRAWN_VALIDITY, :, 10:20] = -1
+    x, sigma = torch.randn(2, 3, 16, 64), torch.tensor([0.5, 2.0])
+    without = denoiser.denoise(x, sigma, BEAMS)
+    y = denoiser.denoise(x, sigma, BEAMS, condition)
+    hit = condition[:, DRAWN_VALIDITY] > 0
+    torch.testing.assert_close(y[:, DEPTH][hit], condition[:, DRAWN_DEPTH][hit])
+    torch.testing.assert_close(y[:, DEPTH][~hit], without[:, DEPTH][~hit])
+    torch.testing.assert_close(y[:, INTENSITY:], without[:, INTENSITY:])
+
+
+def test_a_condition_needs_a_controlnet() -> None:
+    with pytest.raises(CheckpointError, match="a condition was given, but these weights have no ControlNet"):
+        Denoiser.from_config(TINY).denoise(torch.zeros(2, 3, 16, 64), torch.ones(2), BEAMS, a_condition())
+
+
+@torch.no_grad()
+def test_an_untrained_network_is_the_best_guess_for_white_data_and_loses_one() -> None:
+    denoiser = Denoiser.from_config(TINY).eval()
+    with torch.no_grad():
+        denoiser.network.head.bias.zero_()
+    clean = SIGMA_DATA * torch.randn(4, 3, 16, 64)
+    clean[:, VALIDITY] = clean[:, VALIDITY].abs() + 1e-3  # every pixel has a return
+    noise, sigma = torch.randn_like(clean), torch.tensor([0.02, 0.2, 1.0, 10.0])
+    torch.testing.assert_close(denoiser.loss(clean, sigma, noise, BEAMS), torch.ones(4), atol=0.1, rtol=0)
+
+
+@torch.no_grad()
+def test_dropped_pixels_and_margins_do_not_count() -> None:
+    denoiser = Denoiser.from_config(TINY).eval()
+    clean = torch.zeros(1, 3, 16, 64)
+    clean[:, VALIDITY] = 1
+    clean[:, VALIDITY, :, 20:30] = -1
+    noise, sigma = torch.randn(1, 3, 16, 64), torch.tensor([0.5])
+    loss = denoiser.loss(clean, sigma, noise, BEAMS, margin=4)
+    # A network that is silent (its head starts at zero, but for the bias) answers for each pixel alone.
+    with torch.no_grad():
+        denoiser.network.head.bias.zero_()
+    loss = denoiser.loss(clean, sigma, noise, BEAMS, margin=4)
+    ignored = noise.clone()
+    ignored[:, [DEPTH, INTENSITY], :, 20:30] += 5
+    ignored[..., :4] += 5
+    ignored[..., -4:] += 5
+    torch.testing.assert_close(denoiser.loss(clean, sigma, ignored, BEAMS, margin=4), loss)
+    counted = noise.clone()
+    counted[:, VALIDITY, :, 20:30] += 5
+    assert denoiser.loss(clean, sigma, counted, BEAMS, margin=4) > loss + 0.1
+
+
+def test_the_loss_of_a_crop_without_any_return_is_finite() -> None:
+    clean = -torch.ones(1, 3, 16, 64)
+    loss = Denoiser.from_config(TINY).loss(clean, torch.ones(1), torch.randn_like(clean), BEAMS, margin=4)
+    assert loss.isfinite().all()
+
+
+def test_the_config_survives_json() -> None:
+    for config in (TINY, dataclasses.replace(TINY, controlnet=True, copy_gate=False, cell=(1, 1))):
+        assert DenoiserConfig.from_dict(config.to_dict()) == config
+    with pytest.raises(TypeError):
+        DenoiserConfig.from_dict({**TINY.to_dict(), "depth": 3})
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"cell": (2, 0)}, r"cell is \(2, 0\); it must be whole numbers from 1 to 4096"),
+        ({"widths": (8, "8")}, r"widths is \(8, '8'\); it must be whole numbers from 1 to 4096"),
+        ({"cell": (2, 4, 1)}, r"cell is \(2, 4, 1\); it must be \(rows, columns\)"),
+        ({"strides": (1, 2)}, r"strides \(1, 2\) and dilations \(1, 1, 1, 2\) must match"),
+        ({"blocks": 0}, "blocks is 0; it must be 1 to 64"),
+        ({"pools": 2.5}, "pools is 2.5; it must be 0 to 64"),
+    ],
+)
+def test_a_config_that_cannot_be_is_refused(fields: dict[str, Any], message: str) -> None:
+    with pytest.raises(LidarDraftError, match=message):
+        dataclasses.replace(TINY, **fields)
+
+
+def test_widths_that_no_group_divides_are_fine() -> None:
+    config = dataclasses.replace(TINY, widths=(6, 10, 7, 9), controlnet=True)
+    y = Denoiser.from_config(config).denoise(torch.zeros(1, 3, 16, 64), torch.ones(1), BEAMS, a_condition(1))
+    assert y.shape == (1, 3, 16, 64)
+
+
+def test_odd_numbers_of_cells_are_fine() -> None:
+    y = Denoiser.from_config(TINY).denoise(torch.zeros(1, 3, 16, 60), torch.ones(1), BEAMS)
+    assert y.shape == (1, 3, 16, 60)

@@ -1,0 +1,104 @@
+"""Samplers against denoisers that are known exactly: no training in these tests."""
+
+from collections.abc import Callable, Iterator, Sequence
+
+import pytest
+import torch
+from torch import Tensor
+
+from lidardraft.diffusion.codec import CONDITION_CHANNELS
+from lidardraft.diffusion.denoiser import Denoiser, DenoiserConfig
+from lidardraft.diffusion.noise import gaussian, karras_levels
+from lidardraft.diffusion.sampler import Denoise, sample, sample_heun, sample_multistep
+from lidardraft.errors import SensorError
+from lidardraft.scene.sensor import Sensor
+
+Sampler = Callable[[Denoise, Tensor, Sequence[float]], Iterator[Tensor]]
+MEAN, STD = 0.3, 0.5
+
+
+def of_a_gaussian(x: Tensor, sigma: Tensor) -> Tensor:
+    """D for clean data N(MEAN, STD^2), closed form."""
+    variance = (sigma**2).reshape(-1, *[1] * (x.dim() - 1))
+    return (STD**2 * x + variance * MEAN) / (STD**2 + variance)
+
+
+def of_points(points: Tensor) -> Denoise:
+    """D for clean data that is one of `points` [N, C]: their mean under the posterior."""
+
+    def denoise(x: Tensor, sigma: Tensor) -> Tensor:
+        distance = ((x[:, None] - points) ** 2).sum(dim=-1)
+        return torch.softmax(-distance / (2 * sigma[:, None] ** 2), dim=1) @ points
+
+    return denoise
+
+
+def error(sampler: Sampler, steps: int) -> float:
+    """Distance between the sampler's end and the ODE's, which scales x - MEAN by the falling spread."""
+    sigmas = karras_levels(steps, sigma_min=1e-4, sigma_max=10.0)
+    x = sigmas[0] * torch.randn(64, 1, dtype=torch.float64, generator=torch.Generator().manual_seed(0))
+    *_, end = sampler(of_a_gaussian, x, sigmas)
+    exact = MEAN + (x - MEAN) * STD / (STD**2 + sigmas[0] ** 2) ** 0.5
+    return (end - exact).abs().max().item()
+
+
+@pytest.mark.parametrize("sampler", [sample_heun, sample_multistep])
+def test_samplers_converge_with_the_second_order(sampler: Sampler) -> None:
+    coarse, middle, fine = error(sampler, 16), error(sampler, 32), error(sampler, 64)
+    assert coarse < 0.1
+    assert 3.0 < coarse / middle < 5.5
+    assert 3.0 < middle / fine < 5.5
+
+
+@pytest.mark.parametrize(("sampler", "calls"), [(sample_heun, 2 * 7 + 1), (sample_multistep, 8)])
+def test_samplers_cost_what_they_say_and_yield_each_step(sampler: Sampler, calls: int) -> None:
+    seen: list[float] = []
+
+    def denoise(x: Tensor, sigma: Tensor) -> Tensor:
+        seen.append(sigma[0].item())
+        return of_a_gaussian(x, sigma)
+
+    assert len(list(sampler(denoise, torch.randn(2, 3), karras_levels(8)))) == 8
+    assert len(seen) == calls
+    assert min(seen) > 0
+
+
+@pytest.mark.parametrize("sampler", [sample_heun, sample_multistep])
+def test_samples_of_a_finite_data_set_are_its_points_in_their_shares(sampler: Sampler) -> None:
+    points = torch.tensor([[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    sigmas = karras_levels(20)
+    x = sigmas[0] * torch.randn(600, 2, generator=torch.Generator().manual_seed(0))
+    *_, end = sampler(of_points(points), x, sigmas)
+    distance, nearest = (end[:, None] - points).norm(dim=-1).min(dim=1)
+    assert distance.max() < 1e-3
+    assert (torch.bincount(nearest, minlength=3) / 600 - 1 / 3).abs().max() < 0.08
+
+
+@torch.no_grad()
+def test_sample_k_does_not_depend_on_the_batch() -> None:
+    torch.manual_seed(0)
+    config = DenoiserConfig(cell=(2, 4), widths=(8, 8), strides=(1, 2), dilations=(1, 1), blocks=1, controlnet=True)
+    denoiser = Denoiser.from_config(config).eval()
+    with torch.no_grad():
+        for weight in denoiser.parameters():
+            weight += 0.05 * torch.randn_like(weight)
+    sensor = Sensor(name="small", elevations=(0.1, 0.0, -0.1, -0.2), columns=16)
+    condition = torch.rand(1, CONDITION_CHANNELS, *sensor.shape)
+    *_, together = sample(denoiser, sensor, seeds=[5, 6, 7], condition=condition, steps=3)
+    *_, alone = sample(denoiser, sensor, seeds=[6], condition=condition, steps=3)
+    assert together.shape == (3, 3, 4, 16)
+    torch.testing.assert_close(together[1:2], alone, atol=2e-3, rtol=0)
+    assert not torch.allclose(together[0], together[1], atol=1e-2)
+    *_, free = sample(denoiser, sensor, seeds=[6], steps=3)
+    assert not torch.allclose(free, alone, atol=1e-2)
+
+
+def test_the_noise_of_a_sample_is_its_seeds() -> None:
+    assert torch.equal(gaussian((2, 4), 3), gaussian((2, 4), 3))
+
+
+def test_a_sensor_that_cannot_be_cut_into_cells_is_refused() -> None:
+    config = DenoiserConfig(cell=(2, 4), widths=(8,), strides=(1,), dilations=(1,), blocks=1)
+    sensor = Sensor(name="odd", elevations=(0.1, 0.0, -0.1), columns=16)
+    with pytest.raises(SensorError, match=r"odd is \(3, 16\); these weights need multiples of \(2, 4\)"):
+        sample(Denoiser.from_config(config), sensor, seeds=[0])

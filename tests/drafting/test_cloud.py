@@ -1,0 +1,199 @@
+import io
+import lzma
+import math
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lidardraft.drafting.cloud import layout_from_cloud
+from lidardraft.errors import LayoutError
+from lidardraft.formats.kitti import read_bin
+from lidardraft.formats.semantickitti import read_label
+from lidardraft.metrics.adherence import agrees
+from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.raycast import raycast
+from lidardraft.scene.sensor import Sensor
+from lidardraft.semantics import BY_NAME, CLASSES
+
+SENSOR = Sensor.preset("hdl64e")
+# SemanticKITTI's training ids 0 to 19 as our classes.
+TRAIN_IDS = ["none", "car", "bicycle", "motorcycle", "truck", "truck", "person", "rider", "rider", "road", "road"]
+TRAIN_IDS += ["sidewalk", "terrain", "building", "fence", "vegetation", "trunk", "terrain", "pole", "traffic-sign"]
+
+
+def primitive(shape, center, size, label, id, **fields):
+    return Primitive(shape=shape, center=center, size=size, label=label, id=id, **fields)
+
+
+STREET = Layout(
+    primitives=(
+        primitive("plane", (0, 0, 0), (160, 10, 0), "road", "road"),
+        primitive("plane", (0, 7, 0.12), (160, 4, 0), "sidewalk", "sidewalk"),
+        primitive("plane", (0, 0, -0.1), (200, 200, 0), "terrain", "terrain"),
+        primitive("box", (12, 3, 0.75), (4.2, 1.8, 1.5), "car", "car_1", yaw=0.1, instance=1),
+        primitive("box", (12, -3, 0.75), (4.2, 1.8, 1.5), "car", "car_2", instance=2),
+        primitive("box", (8, -8, 0.85), (0.6, 0.6, 1.7), "person", "person_1", instance=3),
+        primitive("box", (10, 16, 3), (30, 6, 6), "building", "building"),
+        primitive("cylinder", (6, 6, 2.5), (0.3, 0.3, 5), "pole", "pole"),
+        primitive("ellipsoid", (-10, -10, 1.5), (3, 3, 3), "vegetation", "bush"),
+    )
+)
+
+
+def street_cloud():
+    image = raycast(STREET, SENSOR)
+    return image.points(), image.label[image.valid], image.instance[image.valid]
+
+
+def test_a_drawn_street_is_drawn_again():
+    points, labels, instances = street_cloud()
+    layout = layout_from_cloud(points, labels, instances=instances)
+    scan, drawing = raycast(STREET, SENSOR), raycast(layout, SENSOR)
+    good = agrees(scan, drawing)
+    for name, least in {
+        "road": 0.97,
+        "car": 0.95,
+        "building": 0.95,
+        "pole": 0.6,
+        "person": 0.9,
+        "vegetation": 0.7,
+    }.items():
+        assert good[scan.label == BY_NAME[name].id].mean() > least, name
+
+
+@pytest.mark.parametrize("numbered", [True, False])
+def test_things_become_numbered_boxes_where_they_are(numbered):
+    points, labels, instances = street_cloud()
+    layout = layout_from_cloud(points, labels, instances=instances if numbered else None)
+    boxes = layout.boxes()
+    assert sorted(box.label for box in boxes) == ["car", "car", "person"]
+    assert [box.instance for box in boxes] == [1, 2, 3]
+    cars = sorted((box for box in boxes if box.label == "car"), key=lambda box: box.center[1])
+    for car, y in zip(cars, (-3.0, 3.0), strict=True):
+        np.testing.assert_allclose(car.center, (12.0, y, 0.75), atol=0.3)
+        np.testing.assert_allclose(car.size, (4.2, 1.8, 1.5), atol=0.4)
+
+
+def test_a_thing_does_not_grow_over_ground_that_was_seen():
+    # The side of a car 2.4 m long, the rest hidden: by its length it could be a back, but the road behind it was seen.
+    side = [[x, 6.0, z] for x in np.arange(8, 10.4, 0.1) for z in np.arange(-1.6, -0.3, 0.1)]
+    road = [[x, y, -1.73] for x in np.arange(4, 16, 0.25) for y in np.arange(-2, 12, 0.25) if y < 6 or y > 8.2]
+    labels = np.array([BY_NAME["car"].id] * len(side) + [BY_NAME["road"].id] * len(road))
+    (car,) = layout_from_cloud(np.array(side + road), labels).boxes()
+    assert car.center[1] + (abs(math.sin(car.yaw)) * car.size[0] + abs(math.cos(car.yaw)) * car.size[1]) / 2 < 8.5
+
+
+def test_the_layout_says_where_it_came_from_and_stays_the_same():
+    points, labels, instances = street_cloud()
+    layout = layout_from_cloud(points, labels, instances=instances, source="street.bin")
+    assert layout.provenance == {"source": "street.bin", "sensor_height": 1.73}
+    assert layout == layout_from_cloud(points, labels, instances=instances, source="street.bin")
+    assert layout == Layout.from_json(layout.to_json())
+
+
+def test_the_order_of_numbers_does_not_matter_only_their_equality():
+    points, labels, instances = street_cloud()
+    other = np.where(instances > 0, instances + 500, 0).astype(np.uint32)
+    assert layout_from_cloud(points, labels, instances=instances) == layout_from_cloud(points, labels, instances=other)
+
+
+def test_a_facade_around_the_sensor_does_not_swallow_it():
+    walls = Layout(
+        primitives=(
+            primitive("plane", (0, 0, 0), (60, 60, 0), "road", "road"),
+            *(
+                primitive("box", (x, y, 2), size, "building", f"building_{k}")
+                for k, (x, y, size) in enumerate(
+                    [(0, 10, (22, 1, 4)), (0, -10, (22, 1, 4)), (10.5, 0, (1, 20, 4)), (-10.5, 0, (1, 20, 4))]
+                )
+            ),
+        )
+    )
+    image = raycast(walls, SENSOR)
+    drawing = raycast(layout_from_cloud(image.points(), image.label[image.valid]), SENSOR)
+    assert agrees(image, drawing)[image.valid].mean() > 0.95
+
+
+def test_the_ground_slopes_with_the_points():
+    slope = Primitive.from_mesh(
+        np.array([[-40.0, -40, -2], [40, -40, 2], [40, 40, 2], [-40, 40, -2]]),
+        np.array([[0, 1, 2], [0, 2, 3]]),
+        label="road",
+        id="road",
+    )
+    image = raycast(Layout(primitives=(slope,)), SENSOR)
+    layout = layout_from_cloud(image.points(), image.label[image.valid])
+    assert agrees(image, raycast(layout, SENSOR))[image.valid].mean() > 0.97
+
+
+@pytest.mark.parametrize("name", [row.name for row in CLASSES[1:]])
+def test_one_point_of_any_class_is_enough_not_to_fail(name):
+    labels = np.array([BY_NAME[name].id], dtype=np.uint8)
+    layout = layout_from_cloud(np.array([[5.0, 1.0, -1.0]]), labels, instances=np.array([7], dtype=np.uint32))
+    assert layout["ground"].label == "terrain"
+
+
+def test_sensor_height_lifts_the_points():
+    points = np.array([[x, y, -2.0] for x in np.arange(3, 9, 0.3) for y in np.arange(-3, 3, 0.3)])
+    layout = layout_from_cloud(points, np.full(len(points), BY_NAME["road"].id), sensor_height=2.5)
+    assert layout["road"].center[2] == pytest.approx(0.5)
+
+
+POINTS, LABELS = np.ones((4, 3)), np.ones(4, dtype=np.uint8)
+
+
+@pytest.mark.parametrize(
+    ("points", "labels", "instances", "message"),
+    [
+        (np.zeros((4, 2)), LABELS, None, r"points have shape \(4, 2\); they must be \[N, 3\] with N > 0"),
+        (np.zeros((0, 3)), LABELS[:0], None, r"points have shape \(0, 3\); they must be \[N, 3\] with N > 0"),
+        (POINTS, LABELS[:3], None, r"labels have shape \(3,\); 4 points need \(4,\)"),
+        (POINTS, LABELS, np.zeros(5), r"instances have shape \(5,\); 4 points need \(4,\)"),
+        (np.array([[0, 0, 1.0], [np.nan, 0, 1]]), LABELS[:2], None, r"point 1 is \[nan, 0.0, 1.0\]; every coordinate"),
+        (np.array([[0, 0, -np.inf]]), LABELS[:1], None, r"point 0 is \[0.0, 0.0, -inf\]; every coordinate"),
+        (POINTS, LABELS * 21, None, r"point 0 has label 21; it must be 0 to 20"),
+        (POINTS, LABELS * 0, None, r"none of the 4 points has a label"),
+    ],
+)
+def test_arrays_that_cannot_be_a_cloud(points, labels, instances, message):
+    with pytest.raises(LayoutError, match=message):
+        layout_from_cloud(points, labels, instances=instances)
+
+
+def test_a_sensor_height_that_cannot_be():
+    with pytest.raises(LayoutError, match=r"sensor_height is nan m; it must be finite"):
+        layout_from_cloud(POINTS, LABELS, sensor_height=math.nan)
+
+
+def recordings():
+    folder = os.environ.get("LIDARDRAFT_DATA")
+    if not folder or not (Path(folder) / "kitti").is_dir():
+        pytest.skip("LIDARDRAFT_DATA does not name a folder with kitti/ in it")
+    return Path(folder) / "kitti"
+
+
+def odometry_scan(folder):
+    points, _ = read_bin(folder / "odometry_00/velodyne/000000.bin")
+    return points, *read_label(folder / "odometry_00/labels/000000.label", len(points))
+
+
+def range_image_scan(folder):
+    packed = (folder / "range_images_00/000020.npy.xz").read_bytes()
+    image = np.load(io.BytesIO(lzma.decompress(packed))).reshape(-1, 6)
+    image = image[image[:, 4] > 0]
+    table = np.array([BY_NAME[name].id for name in TRAIN_IDS], dtype=np.uint8)
+    return image[:, :3], table[image[:, 5].astype(int)], None
+
+
+@pytest.mark.parametrize("read", [odometry_scan, range_image_scan])
+def test_a_real_scan_becomes_a_layout_that_agrees_with_it(read):
+    points, labels, instances = read(recordings())
+    layout = layout_from_cloud(points, labels, instances=instances)
+    scan = RangeImage.project(points, SENSOR, label=labels)
+    good = agrees(scan, raycast(layout, SENSOR))
+    for name, least in {"road": 0.9, "building": 0.65, "car": 0.55, "vegetation": 0.5}.items():
+        assert good[scan.label == BY_NAME[name].id].mean() > least, name
+    assert len(layout) < 1000

@@ -1,0 +1,133 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lidardraft.drafting.clustering import FittedBox, cluster, completions, fit_box, split, thin
+
+CAR = (4.2, 1.8, 1.5)
+
+
+def two_sides(center, size, yaw, step=0.1):
+    """Points on the two sides of a box that face the origin, [N, 3]."""
+    box = FittedBox(center=np.array(center), size=np.array(size), yaw=yaw)
+    sensor = np.sign(box.to_local(np.zeros((1, 3)))[0])
+    along = np.arange(-0.5, 0.5, step / size[0]) * size[0]
+    across = np.arange(-0.5, 0.5, step / size[1]) * size[1]
+    walls = [(u, sensor[1] * size[1] / 2) for u in along] + [(sensor[0] * size[0] / 2, v) for v in across]
+    heights = np.linspace(-size[2] / 2, size[2] / 2, 8)
+    local = np.array([(u, v, z) for u, v in walls for z in heights])
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    return local @ np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]]) + center
+
+
+@settings(max_examples=20, deadline=None)
+@given(x=st.floats(6, 30), y=st.floats(-15, 15), degrees=st.integers(-89, 90))
+def test_a_box_is_found_from_its_two_near_sides(x, y, degrees):
+    yaw = math.radians(degrees)
+    box = completions(fit_box(two_sides((x, y, 0.75), CAR, yaw)), CAR)[0]
+    np.testing.assert_allclose(box.center, (x, y, 0.75), atol=0.12)
+    np.testing.assert_allclose(box.size, CAR, atol=0.12)
+    # A heading is known up to half a turn, since front and back look alike.
+    assert abs(math.remainder(box.yaw - yaw, math.pi)) < math.radians(3)
+    assert -math.pi / 2 < box.yaw <= math.pi / 2 + 1e-9
+
+
+def test_a_few_stray_points_do_not_move_the_box():
+    points = two_sides((10.0, 2.0, 0.75), CAR, 0.3)
+    strays = np.array([[10.0, 2.0, 9.0], [18.0, 2.0, 1.0]])
+    np.testing.assert_allclose(fit_box(np.concatenate([points, strays])).size, fit_box(points).size, atol=0.15)
+
+
+def test_a_single_point_becomes_a_small_box():
+    box = fit_box(np.array([[5.0, 1.0, 2.0]]))
+    np.testing.assert_allclose(box.center, (5, 1, 2))
+    np.testing.assert_allclose(box.size, (0.1, 0.1, 0.1))
+
+
+@pytest.mark.parametrize(
+    ("size", "center", "expected_size", "expected_center"),
+    [
+        # Seen from behind: the back is the width, the length grows to the front.
+        ((0.2, 1.7, 1.4), (10.0, 0.0, 0.7), (4.2, 1.7, 1.4), (12.0, 0.0, 0.7)),
+        # Seen from the side, to the left of the sensor: grows to the left.
+        ((4.0, 0.2, 1.4), (0.0, 8.0, 0.7), (4.0, 1.8, 1.4), (0.0, 8.8, 0.7)),
+        # The same behind the sensor and to its right.
+        ((4.0, 0.2, 1.4), (-9.0, -8.0, 0.7), (4.0, 1.8, 1.4), (-9.0, -8.8, 0.7)),
+        # Longer than the class: stays.
+        ((5.0, 2.0, 1.4), (9.0, 0.0, 0.7), (5.0, 2.0, 1.4), (9.0, 0.0, 0.7)),
+    ],
+)
+def test_the_unseen_side_grows_away_from_the_sensor(size, center, expected_size, expected_center):
+    box = completions(FittedBox(center=np.array(center), size=np.array(size), yaw=0.0), CAR)[0]
+    np.testing.assert_allclose(box.size, expected_size)
+    np.testing.assert_allclose(box.center, expected_center)
+
+
+def test_the_length_lies_along_the_yaw():
+    box = completions(FittedBox(center=np.array([10.0, 0.0, 0.7]), size=np.array([1.7, 4.1, 1.4]), yaw=0.2), CAR)[0]
+    np.testing.assert_allclose(box.size, (4.1, 1.7, 1.4))
+    assert box.yaw == pytest.approx(0.2 - math.pi / 2)
+
+
+def test_the_second_choice_is_the_other_way_round_and_the_last_what_was_seen():
+    seen = FittedBox(center=np.array([10.0, 0.0, 0.7]), size=np.array([0.2, 2.2, 1.4]), yaw=0.0)
+    along, across, itself = completions(seen, CAR)
+    np.testing.assert_allclose(along.size, (4.2, 2.2, 1.4))
+    np.testing.assert_allclose(across.size, (4.2, 1.8, 1.4))
+    assert abs(across.yaw) == pytest.approx(math.pi / 2)
+    np.testing.assert_allclose(sorted(itself.size), (0.2, 1.4, 2.2))
+
+
+def test_contains_and_depth_behind_the_front():
+    box = FittedBox(center=np.array([10.0, 0.0, 0.0]), size=np.array([4.0, 2.0, 1.0]), yaw=0.0)
+    points = np.array([[8.1, 0.0, 50.0], [7.9, 0.0, 0.0], [11.0, 0.9, 0.0]])
+    np.testing.assert_array_equal(box.contains(points), [True, False, True])
+    np.testing.assert_array_equal(box.contains(points, margin=0.2), [False, False, False])
+    np.testing.assert_allclose(box.depth_behind_front(points)[:2], (0.1, -0.1), atol=1e-12)
+
+
+def blob(center, random, count=60):
+    return np.array(center) + random.uniform(-0.4, 0.4, (count, 3))
+
+
+def test_clusters_are_what_lies_apart_largest_first():
+    random = np.random.default_rng(0)
+    points = np.concatenate([blob((5, 0, 0), random), blob((5, 3, 0), random, 90), [[20.0, 20.0, 0.0]]])
+    first, second = cluster(points, reach=0.5, min_points=5)
+    assert set(first) == set(range(60, 150))
+    assert set(second) == set(range(60))
+
+
+def test_neighbours_are_further_apart_at_long_range():
+    line = np.column_stack([np.zeros(20), 0.9 * np.arange(20), np.zeros(20)])
+    assert len(cluster(line + np.array([80.0, 0, 0]), reach=0.4, min_points=2)) == 1
+    assert cluster(line + np.array([5.0, -8.0, 0]), reach=0.4, min_points=2) == []
+
+
+def test_no_points_and_equal_points_are_fine():
+    assert cluster(np.zeros((0, 3)), reach=0.5, min_points=2) == []
+    (only,) = cluster(np.ones((7, 3)), reach=0.5, min_points=2)
+    assert len(only) == 7
+
+
+def test_thinning_keeps_one_point_a_cell():
+    points = np.array([[0.0, 0, 0], [0.1, 0, 0], [1.2, 0, 0], [0.2, 0.3, 0.1]])
+    kept, cell, count = thin(points, 1.0)
+    assert len(kept) == 2
+    assert list(cell) == [0, 0, 1, 0]
+    assert list(count) == [3, 1]
+
+
+def test_split_returns_every_point_once():
+    random = np.random.default_rng(1)
+    points = random.uniform(-4, 4, (500, 3))
+    parts = split(points, lambda part, box: box.size.max() <= 3.0)
+    assert sum(len(part) for part, _ in parts) == 500
+    assert all(box.size.max() <= 3.0 for _, box in parts)
+
+
+def test_split_ends_where_points_cannot_be_parted():
+    assert len(split(np.ones((5, 3)), lambda part, box: False)) == 1

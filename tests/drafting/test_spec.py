@@ -1,0 +1,63 @@
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lidardraft.drafting import spec as specs
+from lidardraft.drafting.spec import Group, RoadSpec, SceneSpec
+from lidardraft.errors import LayoutError
+
+kinds_and_surfaces = st.sampled_from(specs.KINDS).map(lambda kind: (kind, None)) | st.sampled_from(
+    [("person", "road"), ("person", "sidewalk"), ("bicycle", "sidewalk"), ("car", "road"), ("bench", "sidewalk")]
+)
+groups = st.builds(
+    lambda on, **fields: Group(kind=on[0], surface=on[1], **fields),
+    on=kinds_and_surfaces,
+    count=st.integers(1, specs.MAX_COUNT) | st.sampled_from(specs.COUNTS),
+    places=st.lists(st.sampled_from(specs.PLACES), max_size=3, unique=True).map(tuple),
+    heading=st.none() | st.sampled_from(specs.HEADINGS),
+    distance=st.none() | st.tuples(st.floats(0, 50), st.floats(50, 100)),
+    spacing=st.none() | st.floats(0.1, 50),
+)
+roads = st.builds(
+    RoadSpec,
+    kind=st.sampled_from(specs.ROADS),
+    lanes=st.none() | st.integers(1, 6),
+    sidewalk=st.none() | st.booleans(),
+)
+
+
+@given(roads, st.lists(groups, max_size=4), st.lists(st.sampled_from(specs.KINDS), max_size=2))
+def test_json_round_trip(road: RoadSpec, wanted: list[Group], absent: list[str]) -> None:
+    spec = SceneSpec(road=road, groups=tuple(wanted), absent=tuple(absent), not_understood=("bus stop",))
+    assert SceneSpec.from_json(spec.to_json()) == spec
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", "spec: not JSON"),
+        ("[]", "spec: it must be a JSON object, not list"),
+        ('{"sky": 1}', "unexpected keyword argument 'sky'"),
+        ('{"groups": [{"kind": "dragon"}]}', "group: kind is 'dragon'; it must be one of vehicle, car"),
+        ('{"groups": [{"kind": "car", "count": 0}]}', "car: count is 0; it must be 1 to 200"),
+        ('{"groups": [{"kind": "car", "count": true}]}', "car: count is True"),
+        ('{"groups": [{"kind": "car", "count": "lots"}]}', "car: count is 'lots'; it must be one of few, some, many"),
+        ('{"groups": [{"kind": "car", "places": ["up"]}]}', "car: place is 'up'; it must be one of left"),
+        ('{"groups": [{"kind": "car", "heading": "up"}]}', "car: heading is 'up'; it must be one of with"),
+        ('{"groups": [{"kind": "car", "surface": "roof"}]}', "car: surface is 'roof'; it must be one of road"),
+        ('{"groups": [{"kind": "car", "surface": "sidewalk"}]}', "car: surface is 'sidewalk'; it must be one of road"),
+        ('{"groups": [{"kind": "wall", "surface": "road"}]}', "wall: surface is 'road'; it must be one of none"),
+        ('{"groups": [{"kind": "tree", "surface": "road"}]}', "tree: surface is 'road'; it must be one of sidewalk"),
+        ('{"groups": [{"kind": "car", "distance": [9, 3]}]}', "car: distance is 9 to 3 m; it must be 0 <= from <= to"),
+        ('{"groups": [{"kind": "car", "distance": [NaN, 3]}]}', "car: distance is nan to 3 m"),
+        ('{"groups": [{"kind": "car", "spacing": 0}]}', "car: spacing is 0 m; it must be > 0"),
+        ('{"road": {"kind": "river"}}', "road: kind is 'river'; it must be one of straight"),
+        ('{"road": {"lanes": 7}}', "road: lanes is 7; a road has 1 to 6 in each direction"),
+        ('{"road": {"sidewalk": "wide"}}', "road: sidewalk is 'wide'; it must be true, false or null"),
+        ('{"absent": ["sky"]}', "absent: kind is 'sky'; it must be one of vehicle"),
+    ],
+)
+def test_wrong_specs_name_what_is_wrong(text: str, message: str) -> None:
+    with pytest.raises(LayoutError) as caught:
+        SceneSpec.from_json(text)
+    assert message in str(caught.value)

@@ -1,0 +1,325 @@
+import contextlib
+import time
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lidardraft.drafting.spec import Group, RoadSpec, SceneSpec
+from lidardraft.drafting.text import layout_from_text, parse_text
+from lidardraft.errors import LayoutError, TextError
+from lidardraft.scene.check import check, objects
+from lidardraft.scene.layout import Layout
+
+PAPER = (
+    "a vehicle driving on a road with vehicles both in front and behind, "
+    "with trees and houses along both sides of the road"
+)
+SIDES = ("left", "right")
+
+
+def group(kind: str, count: int | str = "some", *places: str, **fields: object) -> Group:
+    return Group(kind=kind, count=count, places=places, **fields)  # type: ignore[arg-type]
+
+
+# Sentence, road, groups: understood to the last word.
+UNDERSTOOD: list[tuple[str, RoadSpec, list[Group]]] = [
+    (
+        PAPER,
+        RoadSpec(),
+        [group("vehicle", "some", "front", "behind"), group("tree", "some", *SIDES), group("house", "some", *SIDES)],
+    ),
+    ("a car ahead", RoadSpec(), [group("car", 1, "front")]),
+    (
+        "two parked cars on the left and a bus behind",
+        RoadSpec(),
+        [group("car", 2, "left", heading="parked"), group("bus", 1, "behind")],
+    ),
+    (
+        "a busy crossroads with pedestrians crossing",
+        RoadSpec(kind="crossroads"),
+        [group("person", heading="across"), group("vehicle")],
+    ),
+    (
+        "a quiet residential street with houses, gardens, trees and parked cars on both sides",
+        RoadSpec(),
+        [
+            *(group(kind, "some", *SIDES) for kind in ("house", "garden", "tree")),
+            group("car", "some", *SIDES, heading="parked"),
+        ],
+    ),
+    ("a t-intersection with three cars in front", RoadSpec(kind="t-junction"), [group("car", 3, "front")]),
+    (
+        "a motorway with three lanes and trucks on the right",
+        RoadSpec(kind="motorway", lanes=3),
+        [group("truck", "some", "right")],
+    ),
+    (
+        "four people on the right sidewalk, a cyclist 20 m ahead",
+        RoadSpec(sidewalk=True),
+        [group("person", 4, "right", surface="sidewalk"), group("bicycle", 1, "front", distance=(20, 20))],
+    ),
+    ("heavy traffic", RoadSpec(), [group("vehicle", "many")]),
+    ("an empty road", RoadSpec(), []),
+    ("no traffic", RoadSpec(), []),
+    (
+        "a row of trees on the left, a wall on the right",
+        RoadSpec(),
+        [group("tree", "many", "left"), group("wall", 1, "right")],
+    ),
+    ("12 cars", RoadSpec(), [group("car", 12)]),
+    ("a dozen automobiles and twenty-five people", RoadSpec(), [group("car", 12), group("person", 25)]),
+    ("a car is driving behind me", RoadSpec(), [group("car", 1, "behind", heading="with")]),
+    ("a car is driving on the road behind us", RoadSpec(), [group("car", 1, "behind", heading="with")]),
+    (
+        "On the left, two parked vans; on the right a hedge and a fence.",
+        RoadSpec(),
+        [group("van", 2, "left", heading="parked"), group("hedge", 1, "right"), group("fence", 1, "right")],
+    ),
+    (
+        "trees every 10 metres along both sides of the road",
+        RoadSpec(),
+        [group("tree", "some", *SIDES, spacing=10)],
+    ),
+    (
+        "lamp posts on both sides, a traffic light at the crossroads",
+        RoadSpec(kind="crossroads"),
+        [group("street-light", "some", *SIDES), group("traffic-light", 1)],
+    ),
+    (
+        "a lorry 10 to 30 metres behind and a motorbike beside us",
+        RoadSpec(),
+        [group("truck", 1, "behind", distance=(10, 30)), group("motorcycle", 1, "beside")],
+    ),
+    ("residential street without trees, no parked cars", RoadSpec(), [group("house", "some", *SIDES)]),
+    ("a residential street with no houses", RoadSpec(), []),
+    ("houses on both sides, no houses on the right", RoadSpec(), [group("house", "some", "left")]),
+    ("a man riding a bike on the left", RoadSpec(), [group("bicycle", 1, "left")]),
+    (
+        "we are driving on a highway with oncoming traffic",
+        RoadSpec(kind="motorway"),
+        [group("vehicle", heading="against")],
+    ),
+    (
+        "a left-hand bend with bushes and traffic signs",
+        RoadSpec(kind="left-bend"),
+        [group("bush"), group("traffic-sign")],
+    ),
+    (
+        "In front of us there is a bus, and behind us are three kids.",
+        RoadSpec(),
+        [group("bus", 1, "front"), group("person", 3, "behind")],
+    ),
+    ("cars in front, behind and on the left", RoadSpec(), [group("car", "some", "front", "behind", "left")]),
+    (
+        "a tree-lined city street with pedestrians walking along the road",
+        RoadSpec(),
+        [group("person"), group("building", "some", *SIDES), group("tree", "many", *SIDES)],
+    ),
+    ("children playing on the street", RoadSpec(), [group("person", surface="road")]),
+    (
+        "a car 20 m ahead and a car 30 m behind",
+        RoadSpec(),
+        [group("car", 1, "front", distance=(20, 20)), group("car", 1, "behind", distance=(30, 30))],
+    ),
+    (
+        "a country road that curves to the right with a few trees, no houses or fences",
+        RoadSpec(kind="right-bend", sidewalk=False),
+        [group("tree", "few")],
+    ),
+    (
+        "the ego vehicle on a four-lane road with cars parked along the road",
+        RoadSpec(lanes=2),
+        [group("car", "some", heading="parked")],
+    ),
+    (
+        "bins and benches on the pavement, a couple of pedestrians nearby",
+        RoadSpec(sidewalk=True),
+        [group("bin", surface="sidewalk"), group("bench", surface="sidewalk"), group("person", 2, distance=(8, 18))],
+    ),
+    ("a taxi ahead on the left", RoadSpec(), [group("car", 1, "front-left")]),
+]
+
+
+@pytest.mark.parametrize(("sentence", "road", "groups"), UNDERSTOOD, ids=[row[0] for row in UNDERSTOOD])
+def test_sentence_is_understood_to_the_last_word(sentence: str, road: RoadSpec, groups: list[Group]) -> None:
+    spec = parse_text(sentence, strict=True)
+    assert spec.road == road
+    assert list(spec.groups) == groups
+    assert spec.not_understood == ()
+
+
+@pytest.mark.parametrize(
+    ("sentence", "left", "kinds"),
+    [
+        ("a bus stop on the right and a car ahead", ("bus stop", "the right"), ["car"]),
+        ("a red car in front and a big green truck behind", ("red", "big green"), ["car", "truck"]),
+        ("a wall behind the houses", ("behind the houses",), ["wall"]),
+        ("a car in front of the house", ("in front of the house",), ["car"]),
+        ("trees swaying gently and a car", ("swaying gently",), ["tree", "car"]),
+        ("2.5 cars ahead", ("2.5",), ["car"]),
+        ("a parking lot with cars", ("parking lot",), ["car"]),
+        ("a car parked on the sidewalk", ("sidewalk",), ["car"]),
+        ("an empty road in heavy rain", ("heavy rain",), []),
+        ("heavy trucks ahead", ("heavy",), ["truck"]),
+        ("a city bus behind a truck", ("city",), ["bus", "truck"]),
+    ],
+)
+def test_what_is_not_understood_is_returned(sentence: str, left: tuple[str, ...], kinds: list[str]) -> None:
+    spec = parse_text(sentence)
+    assert spec.not_understood == left
+    assert [found.kind for found in spec.groups] == kinds
+    assert layout_from_text(sentence).provenance["not_understood"] == list(left)
+
+
+def test_strict_refuses_what_is_left() -> None:
+    with pytest.raises(TextError, match="not understood: 'red'"):
+        layout_from_text("a red car ahead", strict=True)
+
+
+@pytest.mark.parametrize("sentence", ["", "   ", "\n"])
+def test_empty_sentence(sentence: str) -> None:
+    with pytest.raises(TextError, match="the sentence is empty"):
+        layout_from_text(sentence)
+
+
+@pytest.mark.parametrize("sentence", ["I want pizza", "xyzzy", "???", "3", "Zwei Hunde"])
+def test_nothing_understood(sentence: str) -> None:
+    with pytest.raises(TextError, match=r"nothing of .* was understood"):
+        layout_from_text(sentence)
+
+
+def test_too_many_lanes_and_things() -> None:
+    with pytest.raises(LayoutError, match="lanes is 20; a road has 1 to 6"):
+        parse_text("a motorway with 20 lanes")
+    with pytest.raises(LayoutError, match="car: count is 1000; it must be 1 to 200"):
+        parse_text("1000 cars")
+
+
+@pytest.mark.parametrize("sentence", [row[0] for row in UNDERSTOOD])
+def test_layouts_pass_every_check_and_survive_json(sentence: str) -> None:
+    for seed in range(20):
+        layout = layout_from_text(sentence, seed)
+        assert check(layout) == []
+    assert Layout.from_json(layout.to_json()) == layout
+    assert layout.provenance["sentence"] == sentence
+    assert SceneSpec.from_dict(layout.provenance["spec"]) == parse_text(sentence)
+
+
+def test_nothing_is_invented() -> None:
+    assert objects(layout_from_text("an empty road")) == {}
+    names = objects(layout_from_text("trees on the left"))
+    assert all(name.startswith("tree_") for name in names)
+    assert min(part.center[1] for parts in names.values() for part in parts) > 0
+
+
+def test_paper_sentence() -> None:
+    layout = layout_from_text(PAPER, seed=0)
+    vehicles = layout.boxes()
+    assert any(box.center[0] > 5 for box in vehicles)
+    assert any(box.center[0] < -5 for box in vehicles)
+    for label in ("building", "trunk", "vegetation"):
+        sides = {part.center[1] > 0 for part in layout if part.label == label}
+        assert sides == {True, False}
+
+
+def test_seed_decides() -> None:
+    assert layout_from_text(PAPER, 3) == layout_from_text(PAPER, 3)
+    first, second = layout_from_text(PAPER, 0), layout_from_text(PAPER, 1)
+    assert [p.center for p in first] != [p.center for p in second]
+
+
+def test_fast_enough_to_type_along() -> None:
+    layout_from_text("a car")
+    start = time.perf_counter()
+    layout_from_text(PAPER)
+    assert time.perf_counter() - start < 0.3
+
+
+PLACES = {"ahead": (1, 0), "behind us": (-1, 0), "on the left": (0, 1), "on the right": (0, -1)}
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    kind=st.sampled_from(["car", "truck", "person", "tree", "house", "hedge", "pole", "bicycle"]),
+    count=st.integers(1, 4),
+    place=st.sampled_from(sorted(PLACES)),
+    seed=st.integers(0, 2**31),
+)
+def test_counts_and_relations_hold(kind: str, count: int, place: str, seed: int) -> None:
+    layout = layout_from_text(f"{count} {kind} {place}", seed, strict=True)
+    things = objects(layout)
+    assert len(things) == count
+    forward, left = PLACES[place]
+    for parts in things.values():
+        x, y, _ = parts[0].center
+        assert x * forward > 0 or not forward
+        assert y * left > 0 or not left
+
+
+WORDS = [
+    "a",
+    "the",
+    "two",
+    "no",
+    "some",
+    "cars",
+    "car",
+    "tree",
+    "houses",
+    "behind",
+    "left",
+    "right sides",
+    "both",
+    "and",
+    ",",
+]
+WORDS += [
+    ".",
+    "with",
+    "front",
+    "of",
+    "in",
+    "us",
+    "driving",
+    "parked",
+    "road",
+    "crossing",
+    "lanes",
+    "20",
+    "m",
+    "every",
+    "on",
+]
+WORDS += [
+    "traffic",
+    "red",
+    "busy",
+    "sidewalk",
+    "bend",
+    "motorway",
+    "without",
+    "or",
+    "10",
+    "to",
+    "apart",
+    "next to",
+    "along",
+]
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.lists(st.sampled_from(WORDS), min_size=1, max_size=14))
+def test_any_run_of_words_is_read_or_refused(words: list[str]) -> None:
+    try:
+        spec = parse_text(" ".join(words))
+    except (TextError, LayoutError):
+        return
+    assert SceneSpec.from_json(spec.to_json()) == spec
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.text(max_size=60))
+def test_any_text_is_read_or_refused(text: str) -> None:
+    with contextlib.suppress(TextError, LayoutError):
+        parse_text(text)

@@ -1,0 +1,83 @@
+import numpy as np
+import pytest
+
+from lidardraft.errors import FormatError, LayoutError
+from lidardraft.formats.obj import read_obj
+
+TRIANGLE = "v 0 0 0\nv 4 0 0\nv 0 0 1\nf -3 -2 -1\n"
+
+
+def write(path, *names):
+    lines = []
+    for name in names:
+        lines.append(f"o {name}\n")
+        lines.append(TRIANGLE)
+    path.write_text("".join(lines))
+    return path
+
+
+def test_names_say_the_class(tmp_path):
+    layout = read_obj(write(tmp_path / "a.obj", "car.001", "Car_left", "road", "traffic-sign.2"))
+    assert [p.label for p in layout] == ["car", "car", "road", "traffic-sign"]
+    assert [p.instance for p in layout] == [1, 2, 0, 0]
+    assert [p.id for p in layout] == ["car.001", "Car_left", "road", "traffic-sign.2"]
+    assert layout.provenance == {"source": "a.obj"}
+
+
+def test_names_that_say_no_class_are_listed(tmp_path):
+    path = write(tmp_path / "a.obj", "Cube.001", "road", "careful")
+    with pytest.raises(
+        LayoutError, match=r"a.obj: no class for Cube.001 \(no material\), careful \(no material\); pass them"
+    ):
+        read_obj(path)
+    assert [p.label for p in read_obj(path, {"Cube.001": "building", "careful": "other"})] == [
+        "building",
+        "road",
+        "other",
+    ]
+
+
+def test_labels_that_are_no_class(tmp_path):
+    with pytest.raises(LayoutError, match=r"labels\['Cube'\] is 'cow'; it must be one of road"):
+        read_obj(write(tmp_path / "a.obj", "Cube"), {"Cube": "cow"})
+
+
+def test_materials_say_the_class_and_are_parts_of_one_thing(tmp_path):
+    (tmp_path / "a.mtl").write_text("newmtl car\nKd 1 0 0\nnewmtl paint\nKd 0 1 0\n")
+    (tmp_path / "a.obj").write_text(
+        "mtllib a.mtl\no Cube\nv 0 0 0\nv 4 0 0\nv 0 0 1\nv 4 0 1\nusemtl car\nf 1 2 3\nusemtl paint\nf 2 4 3\n"
+    )
+    layout = read_obj(tmp_path / "a.obj", {"paint": "car"})
+    assert [p.label for p in layout] == ["car", "car"]
+    assert [p.instance for p in layout] == [1, 1]
+    assert len({p.id for p in layout}) == 2
+
+
+def test_axes_and_unit(tmp_path):
+    path = tmp_path / "a.obj"
+    path.write_text("o car\nv 1 2 3\nv 5 2 3\nv 1 4 3\nf 1 2 3\n")
+    z_up = read_obj(path, scale=0.5).primitives[0]
+    np.testing.assert_allclose(z_up.center, (1.5, 1.5, 1.5))
+    np.testing.assert_allclose(z_up.size, (2, 1, 0))
+    y_up = read_obj(path, up="y").primitives[0]
+    np.testing.assert_allclose(y_up.center, (3, -3, 3))
+    np.testing.assert_allclose(y_up.size, (4, 0, 2))
+
+
+def test_axes_and_unit_that_cannot_be(tmp_path):
+    path = write(tmp_path / "a.obj", "car")
+    with pytest.raises(LayoutError, match=r"up is 'x'; it must be 'y' or 'z'"):
+        read_obj(path, up="x")
+    with pytest.raises(LayoutError, match=r"scale is 0.0; it must be a finite number of metres > 0"):
+        read_obj(path, scale=0.0)
+
+
+def test_a_broken_or_missing_file(tmp_path):
+    with pytest.raises(FormatError, match=r"none.obj"):
+        read_obj(tmp_path / "none.obj")
+    (tmp_path / "a.obj").write_text("o car\nv 0 0 0\nf 1 2 3\n")
+    with pytest.raises((FormatError, LayoutError), match=r"a.obj|vertex|vertices"):
+        read_obj(tmp_path / "a.obj")
+    (tmp_path / "b.obj").write_text("o car\nv 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    with pytest.raises((FormatError, LayoutError), match=r"b.obj|finite"):
+        read_obj(tmp_path / "b.obj")

@@ -1,0 +1,170 @@
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lidardraft.scene.check import (
+    Ground,
+    Solid,
+    check,
+    ego_clear,
+    grounded,
+    in_range,
+    on_road,
+    overlap,
+    penetration,
+    size,
+)
+from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.road import KERB_HEIGHT, TERRAIN_HEIGHT, Road
+
+Vector = tuple[float, float, float]
+
+
+def box(id: str, center: Vector, size: Vector = (4.0, 2.0, 1.5), yaw: float = 0.0, **fields: object) -> Primitive:
+    fields = {"shape": "box", "label": "car", "instance": 1 + sum(map(ord, id)) % 60000} | fields
+    return Primitive(id=id, center=center, size=size, yaw=yaw, **fields)  # type: ignore[arg-type]
+
+
+def test_empty_layout_is_well() -> None:
+    assert check(Layout()) == []
+
+
+def test_overlap_names_both_and_the_depth() -> None:
+    layout = Layout((box("car_1", (10, 0, 0.75)), box("car_2", (13.6, 0, 0.75))))
+    (finding,) = overlap(layout)
+    assert (finding.check, finding.ids) == ("overlap", ("car_1", "car_2"))
+    assert finding.message == "car_1 and car_2 overlap by 0.40 m"
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        box("b", (14.0, 0, 0.75)),  # touches
+        box("b", (10, 0, 2.25)),  # on top
+        box("b", (13.5, 2.5, 0.75), yaw=math.pi / 4),  # diagonal: bounding boxes meet, the boxes do not
+        box("a.wheel", (10, 0, 0.75)),  # a part of the same object, by name
+        box("b", (10, 0, 0.75), instance=7),  # and by number
+        box("b", (10, 0, 0.75), label="road", instance=0),
+    ],
+)
+def test_no_overlap(other: Primitive) -> None:
+    assert overlap(Layout((box("a", (10, 0, 0.75), instance=7), other))) == []
+
+
+def test_round_things_have_no_corners() -> None:
+    pole = Primitive(shape="cylinder", center=(0, 0, 1), size=(2, 2, 2), label="pole", id="pole")
+    assert penetration(Solid.of(pole), Solid.of(box("b", (0.9 + 0.5, 0.9 + 0.5, 1), (1, 1, 1)))) == 0
+    assert penetration(Solid.of(pole), Solid.of(box("b", (1.4, 0, 1), (1, 1, 1)))) == pytest.approx(0.1)
+
+
+poses = st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-math.pi, math.pi))
+
+
+@settings(max_examples=60)
+@given(poses, poses, st.floats(-math.pi, math.pi))
+def test_penetration_is_symmetric_and_turns_with_the_scene(
+    a: tuple[float, float, float], b: tuple[float, float, float], turn: float
+) -> None:
+    def depth(angle: float, swap: bool) -> float:
+        cos, sin = math.cos(angle), math.sin(angle)
+        first, second = (
+            Solid.of(box("x", (cos * x - sin * y, sin * x + cos * y, 1.0), yaw=yaw + angle)) for x, y, yaw in (a, b)
+        )
+        return penetration(second, first) if swap else penetration(first, second)
+
+    assert depth(0.0, True) == pytest.approx(depth(0.0, False), abs=1e-9)
+    assert depth(turn, False) == pytest.approx(depth(0.0, False), abs=1e-6)
+
+
+@settings(max_examples=60)
+@given(poses, poses)
+def test_moving_apart_by_the_penetration_separates(
+    a: tuple[float, float, float], b: tuple[float, float, float]
+) -> None:
+    first, second = (Solid.of(box("x", (x, y, 1.0), yaw=yaw)) for x, y, yaw in (a, b))
+    inside = any(
+        _contains(second, point) for point in [*first.outline.tolist(), list(first.primitive.center[:2])]
+    ) or any(_contains(first, point) for point in [*second.outline.tolist(), list(second.primitive.center[:2])])
+    if inside:
+        assert penetration(first, second) > 0
+
+
+def _contains(solid: Solid, point: list[float]) -> bool:
+    cos, sin = math.cos(solid.primitive.yaw), math.sin(solid.primitive.yaw)
+    dx, dy = point[0] - solid.primitive.center[0], point[1] - solid.primitive.center[1]
+    return abs(cos * dx + sin * dy) < 2.0 - 1e-6 and abs(cos * dy - sin * dx) < 1.0 - 1e-6
+
+
+def test_grounded() -> None:
+    ground = Road().surfaces()
+    y = Road().edge + 1.0 - Road().lane(0)  # on the left sidewalk
+    assert grounded(Layout((*ground, box("a", (10, y, 0.75 + KERB_HEIGHT))))) == []
+    floating = Layout((*ground, box("a", (10, y, 0.75 + KERB_HEIGHT + 0.4))))
+    assert [f.message for f in grounded(floating)] == ["a floats 0.40 m over the ground"]
+    sunk = Layout((*ground, box("a", (10, 0, 0.45))))
+    assert [f.message for f in grounded(sunk)] == ["a is sunk 0.30 m into the ground"]
+    bare = Layout((box("a", (10, 0, 0.75)),))
+    assert grounded(bare) == []
+
+
+def test_only_the_lowest_part_must_stand() -> None:
+    trunk = Primitive(shape="cylinder", center=(9, 9, 1), size=(0.3, 0.3, 2), label="trunk", id="tree_1.trunk")
+    crown = Primitive(shape="ellipsoid", center=(9, 9, 4), size=(3, 3, 4), label="vegetation", id="tree_1.crown")
+    assert grounded(Layout((trunk, crown))) == []
+    assert [f.ids for f in grounded(Layout((crown,)))] == [("tree_1.crown",)]
+
+
+@pytest.mark.parametrize("curvature", [0.0, 0.01, -0.01])
+def test_on_road(curvature: float) -> None:
+    road = Road(curvature=curvature)
+    for across, findings in ((road.lane(0), 0), (-road.lane(0), 0), (road.verge + 2, 1), (-road.verge - 2, 1)):
+        x, y, yaw = road.at(40.0, across)
+        layout = Layout((*road.surfaces(), box("car_1", (x, y, 0.75), yaw=yaw)))
+        assert len(on_road(layout)) == findings
+    assert on_road(Layout((box("car_1", (5, 50, 0.75)),))) == []
+
+
+def test_on_road_message() -> None:
+    layout = Layout((*Road().surfaces(), box("car_1", (12, 20, 0.75)), box("p", (12, 25, 1), label="person")))
+    assert [f.message for f in on_road(layout)] == ["car_1 stands off the road at x = 12.0, y = 20.0 m"]
+
+
+def test_size() -> None:
+    layout = Layout((box("car_1", (10, 0, 2), (9.0, 2.0, 1.5)), box("car_2", (30, 0, 2))))
+    assert [f.message for f in size(layout)] == ["car_1 has length 9.00 m; a car has 2.4 to 6.5 m"]
+
+
+def test_ego_clear() -> None:
+    layout = Layout((box("car_1", (4.0, 0, 0.75)), box("car_2", (9, 0, 0.75)), *Road().surfaces()))
+    assert [f.message for f in ego_clear(layout)] == ["car_1 reaches 0.25 m into the ego vehicle"]
+    bridge = Primitive(shape="box", center=(0, 0, 6), size=(5, 20, 1), label="building", id="bridge")
+    assert ego_clear(Layout((bridge,))) == []
+
+
+def test_in_range() -> None:
+    layout = Layout((box("car_1", (150, 0, 0.75)), box("car_2", (50, 0, 0.75)), *Road().surfaces()))
+    assert [f.message for f in in_range(layout)] == ["car_1 is 150 m away; sensors reach 120 m"]
+
+
+def test_check_runs_all() -> None:
+    bad = Layout((*Road().surfaces(), box("a", (1, 0, 3), (9, 2, 1.5)), box("b", (1, 0, 3)), box("c", (200, 50, 0.75))))
+    names = {finding.check for finding in check(bad)}
+    assert names == {"overlap", "grounded", "on_road", "size", "in_range"}
+
+
+@pytest.mark.parametrize("curvature", [0.0, 0.01])
+def test_ground_heights(curvature: float) -> None:
+    road = Road(curvature=curvature)
+    ground = Ground(road.surfaces())
+    for across, height in (
+        (0.0, 0.0),
+        (road.edge + 1, KERB_HEIGHT),
+        (-road.edge - 1, KERB_HEIGHT),
+        (30, TERRAIN_HEIGHT),
+    ):
+        x, y, _ = road.at(25.0, across)
+        assert ground.height(x, y) == pytest.approx(height)
+    assert ground.at(1000.0, 0.0) is None
+    assert ground.height(1000.0, 0.0) == 0.0

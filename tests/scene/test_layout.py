@@ -1,0 +1,202 @@
+import dataclasses
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lidardraft.errors import LayoutError
+from lidardraft.scene.layout import SCHEMA, Layout, Primitive
+from lidardraft.semantics import BY_NAME, CLASSES
+
+CAR = Primitive(shape="box", center=(10, 2, 0.75), size=(4.2, 1.8, 1.5), label="car", id="car_1", instance=1)
+numbers = st.floats(-1e3, 1e3)
+extents = st.floats(0.01, 1e3)
+primitives = st.builds(
+    Primitive,
+    shape=st.sampled_from(["box", "ellipsoid", "cylinder"]),
+    center=st.tuples(numbers, numbers, numbers),
+    size=st.tuples(extents, extents, extents),
+    label=st.sampled_from([row.name for row in CLASSES[1:]]),
+    id=st.text(min_size=1, max_size=8),
+    yaw=numbers,
+    instance=st.integers(0, 65535),
+    material=st.none() | st.just("glass"),
+)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.lists(primitives, max_size=5, unique_by=lambda p: p.id), st.none() | st.just((-0.5, 1.5)))
+def test_json_gives_the_layout_back(parts, coverage):
+    layout = Layout(primitives=tuple(parts), provenance={"seed": 3, "sentence": "a car"}, coverage=coverage)
+    assert Layout.from_json(layout.to_json()) == layout
+
+
+def test_json_gives_meshes_and_planes_back(tmp_path):
+    mesh = Primitive.from_mesh(
+        np.array([[1.0, 2, 3], [5, 2, 3], [1, 4, 3.5]]), np.array([[0, 1, 2]]), label="road", id="m"
+    )
+    plane = Primitive(shape="plane", center=(0, 0, 0), size=(9, 9, 0), label="terrain", id="p")
+    layout = Layout(primitives=(mesh, plane, CAR))
+    layout.save(tmp_path / "layout.json")
+    assert Layout.load(tmp_path / "layout.json") == layout
+    assert [path.name for path in tmp_path.iterdir()] == ["layout.json"]
+
+
+def test_the_json_names_the_class_and_has_one_primitive_a_line():
+    text = Layout(primitives=(CAR,)).to_json()
+    document = json.loads(text)
+    assert document["schema"] == SCHEMA
+    assert document["primitives"][0] == {
+        "shape": "box",
+        "center": [10, 2, 0.75],
+        "size": [4.2, 1.8, 1.5],
+        "yaw": 0.0,
+        "label": "car",
+        "id": "car_1",
+        "instance": 1,
+    }
+    assert len(text.splitlines()) == 3
+
+
+def test_the_class_table_is_its_own_index():
+    assert [row.id for row in CLASSES] == list(range(len(CLASSES)))
+    assert len(BY_NAME) == len(CLASSES)
+    assert all(row.size is not None for row in CLASSES if row.is_thing)
+
+
+def test_a_layout_is_a_sequence_with_names():
+    layout = Layout(primitives=(CAR,))
+    assert (len(layout), list(layout), layout["car_1"]) == (1, [CAR], CAR)
+    with pytest.raises(KeyError, match="car_2"):
+        layout["car_2"]
+
+
+def test_from_mesh_bounds_its_vertices():
+    mesh = Primitive.from_mesh(
+        np.array([[1.0, 2, 3], [5, 2, 3], [1, 4, 3]]), np.array([[0, 1, 2]]), label="road", id="m"
+    )
+    assert mesh.center == (3, 3, 3)
+    assert mesh.size == (4, 2, 0)
+    assert np.abs(mesh.mesh.vertices).max() <= 0.5
+
+
+def test_a_box_holds_all_parts_of_a_thing_and_has_the_yaw_of_the_largest():
+    body = dataclasses.replace(CAR, center=(0, 0, 0.5), size=(4, 2, 1), yaw=0.5)
+    roof = dataclasses.replace(CAR, id="roof", center=(0, 0, 1.2), size=(2, 2, 0.4), yaw=0.5)
+    tree = Primitive(shape="ellipsoid", center=(9, 9, 2), size=(2, 2, 2), label="vegetation", id="tree")
+    (box,) = Layout(primitives=(tree, roof, body)).boxes()
+    np.testing.assert_allclose(box.center, (0, 0, 0.7), atol=1e-12)
+    np.testing.assert_allclose(box.size, (4, 2, 1.4))
+    assert (box.label, box.instance, box.yaw) == ("car", 1, 0.5)
+
+
+def test_a_box_around_a_turned_part_bounds_it():
+    long = dataclasses.replace(CAR, center=(0, 0, 0.5), size=(4, 2, 1), yaw=0.0)
+    turned = dataclasses.replace(CAR, id="b", center=(0, 0, 0.5), size=(3, 0.2, 1), yaw=math.pi / 2)
+    (box,) = Layout(primitives=(long, turned)).boxes()
+    np.testing.assert_allclose(box.size, (4, 3, 1))
+
+
+def test_boxes_come_in_the_order_of_instances():
+    cars = [dataclasses.replace(CAR, id=f"c{k}", instance=k) for k in (5, 2, 9)]
+    assert [box.instance for box in Layout(primitives=tuple(cars)).boxes()] == [2, 5, 9]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"center": (0, 0, math.nan)}, r"car_1: center is \(0, 0, nan\); it must be 3 finite numbers"),
+        ({"center": (0, math.inf, 0)}, r"car_1: center is \(0, inf, 0\); it must be 3 finite numbers"),
+        ({"center": (0, 0)}, r"car_1: center is \(0, 0\); it must be 3 finite numbers"),
+        ({"center": "abc"}, r"car_1: center is 'abc'; it must be 3 finite numbers"),
+        ({"size": (1, 0, 1)}, r"car_1: size is \[1.0, 0.0, 1.0\]; every extent must be > 0"),
+        ({"size": (1, -2, 1)}, r"car_1: size is \[1.0, -2.0, 1.0\]; every extent must be > 0"),
+        ({"shape": "plane"}, r"car_1: size is .*; a plane needs x > 0, y > 0 and z = 0"),
+        ({"shape": "cone"}, r"car_1: shape is 'cone'; it must be one of box, ellipsoid, cylinder, plane, mesh"),
+        ({"shape": "mesh"}, r"car_1: shape is 'mesh'; shape 'mesh', and no other, comes with a mesh"),
+        ({"label": "cow"}, r"car_1: label is 'cow'; it must be one of road, sidewalk, building"),
+        ({"label": "none"}, r"car_1: label is 'none'; it must be one of road"),
+        ({"yaw": math.nan}, r"car_1: yaw is nan; it must be a finite number of radians"),
+        ({"yaw": "north"}, r"car_1: yaw is 'north'; it must be a finite number of radians"),
+        ({"instance": 65536}, r"car_1: instance is 65536; it must be 0 to 65535"),
+        ({"instance": -1}, r"car_1: instance is -1; it must be 0 to 65535"),
+        ({"id": ""}, r"id is ''; a primitive needs a non-empty string"),
+    ],
+)
+def test_a_primitive_that_cannot_be(change, message):
+    with pytest.raises(LayoutError, match=message):
+        dataclasses.replace(CAR, **change)
+
+
+TRIANGLE = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces", "message"),
+    [
+        (TRIANGLE * [1, np.nan, 1], [[0, 1, 2]], r"vertex 0 of a mesh is \[0.0, nan, 0.0\]; every coordinate"),
+        (
+            TRIANGLE + np.array([0, 0, np.inf]),
+            [[0, 1, 2]],
+            r"vertex 0 of a mesh is \[0.0, 0.0, inf\]; every coordinate",
+        ),
+        (TRIANGLE, [[0, 1, 3]], r"face 0 is \[0, 1, 3\]; the mesh has 3 vertices"),
+        (TRIANGLE, [[0, 1, -1]], r"face 0 is \[0, 1, -1\]; the mesh has 3 vertices"),
+        (TRIANGLE, np.zeros((0, 3)), r"at least one face \[F, 3\]; got \(3, 3\) and \(0, 3\)"),
+        (np.zeros((3, 3)), [[0, 1, 2]], r"m: size is \[0.0, 0.0, 0.0\]; a mesh needs two extents > 0"),
+    ],
+)
+def test_a_mesh_that_cannot_be(vertices, faces, message):
+    with pytest.raises(LayoutError, match=message):
+        Primitive.from_mesh(vertices, np.array(faces), label="road", id="m")
+
+
+def test_ids_must_be_distinct():
+    with pytest.raises(LayoutError, match=r"car_1: two primitives have this id; ids must be distinct"):
+        Layout(primitives=(CAR, CAR))
+
+
+def document(**changes):
+    return json.dumps({"schema": SCHEMA, "provenance": {}, "coverage": None, "primitives": [CAR.to_dict()], **changes})
+
+
+def row(**changes):
+    return [{**CAR.to_dict(), **changes}]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", r"not JSON: "),
+        ("[]", r"schema is 'list'; this version reads 'lidardraft.layout/1'"),
+        (document(schema="lidardraft.layout/9"), r"schema is 'lidardraft.layout/9'; this version reads"),
+        (document(primitives={}), r"'primitives' must be a list of objects"),
+        (document(primitives=[3]), r"'primitives' must be a list of objects"),
+        (document(primitives=[{"id": "a"}]), r"a: 'center' is missing"),
+        (document(primitives=row(colour="red")), r"car_1: unknown field 'colour'"),
+        (document(primitives=row(size=[1, 1])), r"car_1: size is \[1, 1\]; it must be 3 finite numbers"),
+        (document(primitives=row(shape="mesh", vertices=[[0, 0]], faces=[[0, 1, 2]])), r"car_1: a mesh needs vertices"),
+        (document(primitives=row(shape="mesh", vertices="x", faces=[[0, 1, 2]])), r"car_1: "),
+        (document(coverage=[0]), r"layout: coverage is \[0\]; it must be 2 finite numbers"),
+    ],
+)
+def test_text_that_is_no_layout(tmp_path, text, message):
+    with pytest.raises(LayoutError, match=message):
+        Layout.from_json(text)
+    (tmp_path / "a.json").write_text(text)
+    with pytest.raises(LayoutError, match=r"a.json: " + message):
+        Layout.load(tmp_path / "a.json")
+
+
+def test_a_file_of_bytes_is_no_layout(tmp_path):
+    (tmp_path / "a.json").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(LayoutError, match=r"a.json: "):
+        Layout.load(tmp_path / "a.json")
+
+
+def test_a_missing_file_is_no_layout(tmp_path):
+    with pytest.raises(LayoutError, match=r"none.json: No such file or directory"):
+        Layout.load(tmp_path / "none.json")

@@ -1,0 +1,146 @@
+import contextlib
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lidardraft.errors import FormatError, LayoutError, SensorError
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.sensor import PRESETS, Sensor
+
+SMALL = Sensor(name="small", elevations=(0.2, 0.1, 0.0, -0.1), columns=16)
+
+
+def filled(sensor, seed):
+    """A random image in which about one ray in four has no return."""
+    random = np.random.default_rng(seed)
+    hit = random.random(sensor.shape) < 0.75
+    return RangeImage(
+        sensor=sensor,
+        depth=np.where(hit, random.uniform(2, 60, sensor.shape), 0).astype(np.float32),
+        label=np.where(hit, random.integers(1, 21, sensor.shape), 0).astype(np.uint8),
+        instance=np.where(hit, random.integers(0, 9, sensor.shape), 0).astype(np.uint32),
+        intensity=np.where(hit, random.random(sensor.shape), 0).astype(np.float32),
+    )
+
+
+@settings(max_examples=5, deadline=None)
+@given(st.integers(0, 1000))
+@pytest.mark.parametrize("name", [*sorted(PRESETS), "small"])
+def test_projecting_the_points_gives_the_image_back(name, seed):
+    image = filled(PRESETS.get(name, SMALL), seed)
+    valid = image.valid
+    again = RangeImage.project(
+        image.points(),
+        image.sensor,
+        label=image.label[valid],
+        instance=image.instance[valid],
+        intensity=image.intensity[valid],
+    )
+    np.testing.assert_allclose(again.depth, image.depth, rtol=1e-5)
+    np.testing.assert_array_equal(again.label, image.label)
+    np.testing.assert_array_equal(again.instance, image.instance)
+    np.testing.assert_array_equal(again.intensity, image.intensity)
+
+
+def test_points_come_row_by_row_in_the_sensor_frame():
+    depth = np.zeros(SMALL.shape, np.float32)
+    depth[2, 7], depth[0, 8] = 10.0, 5.0
+    image = RangeImage(
+        sensor=SMALL, depth=depth, label=np.zeros(SMALL.shape, np.uint8), instance=np.zeros(SMALL.shape, np.uint32)
+    )
+    step = np.pi / 16
+    expected = [
+        [5 * np.cos(0.2) * np.cos(step), -5 * np.cos(0.2) * np.sin(step), 5 * np.sin(0.2)],
+        [10 * np.cos(step), 10 * np.sin(step), 0.0],
+    ]
+    np.testing.assert_allclose(image.points(), expected, atol=1e-5)
+    assert image.points().dtype == np.float32
+
+
+def test_the_nearest_point_wins_a_pixel_whatever_the_order():
+    near, far = [5.0, 0.1, 0.0], [10.0, 0.2, 0.0]
+    for points, labels in (([near, far], [1, 2]), ([far, near], [2, 1])):
+        image = RangeImage.project(np.array(points), SMALL, label=np.array(labels))
+        assert image.valid.sum() == 1
+        assert image.label[image.valid] == [1]
+
+
+def test_points_outside_the_field_of_view_are_left_out():
+    points = np.array([[10.0, 0, 9], [10, 0, -9], [0.1, 0, 0], [500, 0, 0], [0, 0, 0]])
+    image = RangeImage.project(points, SMALL)
+    assert not image.valid.any()
+    assert image.intensity is None
+
+
+def test_no_points_make_an_empty_image():
+    image = RangeImage.project(np.zeros((0, 3)), SMALL, label=np.zeros(0))
+    assert not image.valid.any()
+    assert image.points().shape == (0, 3)
+
+
+@pytest.mark.parametrize(
+    ("points", "label", "message"),
+    [
+        (np.zeros((3, 2)), None, r"points have shape \(3, 2\); they must be \[N, 3\]"),
+        (np.array([[1.0, 0, 0], [np.nan, 0, 0]]), None, r"point 1 is not finite"),
+        (np.array([[1.0, 0, np.inf]]), None, r"point 0 is not finite"),
+        (np.ones((3, 3)), np.ones(2), r"label has 2 values for 3 points"),
+    ],
+)
+def test_points_that_cannot_be_projected(points, label, message):
+    with pytest.raises(LayoutError, match=message):
+        RangeImage.project(points, SMALL, label=label)
+
+
+def test_saving_and_loading(tmp_path):
+    image = filled(SMALL, 1)
+    image.save(tmp_path / "a.npz")
+    again = RangeImage.load(tmp_path / "a.npz")
+    assert again.sensor == image.sensor
+    for name in ("depth", "label", "instance", "intensity"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(image, name))
+    assert again.incidence is None
+    assert [path.name for path in tmp_path.iterdir()] == ["a.npz"]
+
+
+def test_images_must_fit_the_sensor():
+    image = filled(SMALL, 1)
+    with pytest.raises(SensorError, match=r"depth is float64 \(4, 16\); small needs float32 \(4, 16\)"):
+        dataclasses.replace(image, depth=image.depth.astype(np.float64))
+    with pytest.raises(SensorError, match=r"label is uint8 \(3, 16\); small needs uint8 \(4, 16\)"):
+        dataclasses.replace(image, label=image.label[1:])
+
+
+def test_files_that_are_no_range_image(tmp_path):
+    with pytest.raises(FormatError, match=r"none.npz is not a range image"):
+        RangeImage.load(tmp_path / "none.npz")
+    (tmp_path / "a.npz").write_bytes(b"PK\x03\x04 nonsense")
+    with pytest.raises(FormatError, match=r"a.npz is not a range image"):
+        RangeImage.load(tmp_path / "a.npz")
+    np.savez(tmp_path / "b.npz", depth=np.zeros((4, 16), np.float32))
+    with pytest.raises(FormatError, match=r"b.npz is not a range image: .*sensor"):
+        RangeImage.load(tmp_path / "b.npz")
+    np.save(tmp_path / "c.npy", np.zeros(3))
+    with pytest.raises(FormatError, match=r"c.npy is not a range image"):
+        RangeImage.load(tmp_path / "c.npy")
+
+
+def test_a_corrupt_file_is_no_range_image(tmp_path):
+    filled(SMALL, 1).save(tmp_path / "a.npz")
+    data = bytearray((tmp_path / "a.npz").read_bytes())
+    for start in range(40, len(data) - 60, 61):
+        (tmp_path / "a.npz").write_bytes(data[:start] + bytes(20) + data[start + 20 :])
+        with contextlib.suppress(FormatError):  # some bytes, such as the times in the archive, mean nothing
+            RangeImage.load(tmp_path / "a.npz")
+
+
+def test_a_truncated_file_is_no_range_image(tmp_path):
+    filled(SMALL, 1).save(tmp_path / "a.npz")
+    data = (tmp_path / "a.npz").read_bytes()
+    for part in (0, 10, len(data) // 2, len(data) - 10):
+        (tmp_path / "a.npz").write_bytes(data[:part])
+        with pytest.raises(FormatError, match=r"a.npz is not a range image"):
+            RangeImage.load(tmp_path / "a.npz")

@@ -1,0 +1,97 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lidardraft.errors import LayoutError
+from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.scene.road import KERB_HEIGHT, Road
+
+roads = st.builds(
+    Road,
+    lanes=st.integers(2, 6),
+    ego_lane=st.integers(0, 1),
+    lane_width=st.floats(2, 6),
+    parking=st.floats(0, 3),
+    sidewalk=st.just(0.0) | st.floats(0.5, 5),
+    curvature=st.floats(-0.02, 0.02),
+)
+
+
+@settings(max_examples=50)
+@given(roads)
+def test_the_ego_is_at_the_origin(road: Road) -> None:
+    assert road.at(0.0, road.lane(road.ego_lane)) == pytest.approx((0, 0, 0), abs=1e-9)
+
+
+@settings(max_examples=50)
+@given(roads, st.floats(-60, 60), st.floats(-20, 20))
+def test_the_frame_is_square_and_its_heading_true(road: Road, along: float, across: float) -> None:
+    x, y, heading = road.at(along, across)
+    step = 1e-4
+    aside = np.subtract(road.at(along, across + step)[:2], (x, y)) / step
+    np.testing.assert_allclose(aside, [-math.sin(heading), math.cos(heading)], atol=1e-5)
+    ahead = np.subtract(road.at(along + step, 0.0)[:2], road.at(along, 0.0)[:2]) / step
+    np.testing.assert_allclose(ahead, [math.cos(heading), math.sin(heading)], atol=1e-4)
+
+
+def test_bends_turn_the_right_way() -> None:
+    assert Road(curvature=0.01).at(50, 0)[1] > Road().at(50, 0)[1] > Road(curvature=-0.01).at(50, 0)[1]
+
+
+def test_lanes() -> None:
+    road = Road(lanes=3, lane_width=3.0, parking=2.0, sidewalk=1.5)
+    assert [road.lane(n) for n in range(3)] == [-7.5, -4.5, -1.5]
+    assert [road.lane(n, -1) for n in range(3)] == [7.5, 4.5, 1.5]
+    assert (road.edge, road.verge) == (11.0, 12.5)
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"lanes": 0}, "lanes is 0; a road has 1 to 6"),
+        ({"lanes": 2, "ego_lane": 2}, "ego_lane is 2; the road has 2 lanes"),
+        ({"lane_width": 1.0}, "lane_width is 1.0 m; it must be 2 to 6 m"),
+        ({"lane_width": math.nan}, "lane_width is nan m"),
+        ({"parking": -1.0}, "parking is -1.0 m; it must be 0 to 5 m"),
+        ({"sidewalk": 11.0}, "sidewalk is 11.0 m; it must be 0 to 10 m"),
+        ({"curvature": 0.1}, "curvature 0.1 over 80.0 m turns the road back on itself"),
+    ],
+)
+def test_wrong_roads(fields: dict[str, float], message: str) -> None:
+    with pytest.raises(LayoutError) as caught:
+        Road(**fields)  # type: ignore[arg-type]
+    assert message in str(caught.value)
+
+
+def test_no_such_lane() -> None:
+    with pytest.raises(LayoutError, match="lane 2 of a road with 2 lanes"):
+        Road(lanes=2).lane(2)
+
+
+def test_junctions() -> None:
+    road = Road(junction=30.0, arms=("left",))
+    assert road.in_junction(30.0)
+    assert road.in_junction(30.0 + road.verge + 0.5, margin=1.0)
+    assert not road.in_junction(30.0 + road.verge + 0.5)
+    assert not Road().in_junction(0.0)
+    ids = [p.id for p in road.surfaces()]
+    assert ids == ["terrain", "road", "sidewalk_1", "sidewalk_2", "sidewalk_3", "road_left"]
+    arm = road.surfaces()[-1]
+    assert arm.center[1] - arm.size[0] / 2 == pytest.approx(road.edge - road.lane(0))
+
+
+@settings(max_examples=20)
+@given(roads)
+def test_surfaces_reach_where_the_frame_says(road: Road) -> None:
+    surfaces = {p.id: p for p in road.surfaces()}
+    vertices = primitive_mesh(surfaces["road"]).vertices
+    for along in (-road.reach, road.reach):
+        for across in (-road.edge, road.edge):
+            corner = np.array(road.at(along, across)[:2])
+            assert np.hypot(*(vertices[:, :2] - corner).T).min() < 1e-6
+    assert vertices[:, 2] == pytest.approx(0.0)
+    if "sidewalk_1" in surfaces:
+        assert primitive_mesh(surfaces["sidewalk_1"]).vertices[:, 2].max() == pytest.approx(KERB_HEIGHT)

@@ -1,0 +1,109 @@
+import dataclasses
+import json
+import math
+
+import numpy as np
+import pytest
+
+from lidardraft.errors import SensorError
+from lidardraft.scene.sensor import PRESETS, Sensor
+
+SMALL = Sensor(name="small", elevations=(0.1, 0.0, -0.1), columns=8)
+
+
+@pytest.mark.parametrize("name", sorted(PRESETS))
+def test_presets_have_their_name_and_descending_beams(name):
+    sensor = Sensor.preset(name)
+    assert sensor.name == name
+    assert sensor.shape == (len(sensor.elevations), sensor.columns)
+    assert (np.diff(sensor.elevations) < 0).all()
+    assert Sensor.from_json(sensor.to_json()) == sensor
+
+
+@pytest.mark.parametrize(
+    ("name", "beams", "top", "bottom"),
+    [
+        ("hdl64e", 64, 2.0, -24.333),
+        ("hdl32e", 32, 10.667, -30.667),
+        ("vlp16", 16, 15.0, -15.0),
+        ("os1-128", 128, 22.5, -22.5),
+    ],
+)
+def test_presets_see_what_their_data_sheets_say(name, beams, top, bottom):
+    sensor = Sensor.preset(name)
+    assert len(sensor.elevations) == beams
+    assert math.degrees(sensor.elevations[0]) == pytest.approx(top)
+    assert math.degrees(sensor.elevations[-1]) == pytest.approx(bottom)
+
+
+def test_columns_are_pixel_centres_of_falling_azimuth_with_the_seam_behind():
+    directions = SMALL.pattern.directions()
+    azimuth = np.arctan2(directions[1, :, 1], directions[1, :, 0])
+    np.testing.assert_allclose(azimuth, np.pi - (np.arange(8) + 0.5) * 2 * np.pi / 8)
+    np.testing.assert_allclose(np.arcsin(directions[:, 0, 2]), SMALL.elevations)
+
+
+def test_the_pose_stands_on_the_mount_and_looks_along_the_yaw():
+    pose = SMALL.pose(3.0, 4.0, math.pi / 2)
+    np.testing.assert_allclose(pose @ [1, 0, 0, 1], [3, 5, SMALL.mount_height, 1], atol=1e-12)
+    np.testing.assert_allclose(SMALL.pose()[:3, :3], np.eye(3))
+
+
+def test_a_sensor_of_ones_own_is_a_json_file(tmp_path):
+    (tmp_path / "mine.json").write_text(json.dumps({"name": "mine", "elevations": [0.1, -0.1], "columns": 16}))
+    sensor = Sensor.preset(tmp_path / "mine.json")
+    assert sensor == Sensor(name="mine", elevations=(0.1, -0.1), columns=16)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", r"mine.json: not JSON"),
+        ("[]", r"mine.json: a sensor is a JSON object, not list"),
+        ('{"name": "a", "columns": 4}', r"mine.json: field 'elevations' is missing"),
+        ('{"name": "a", "columns": 4, "elevations": [0], "colour": 1}', r"mine.json: field 'colour' is unknown"),
+        ('{"name": "a", "columns": 4, "elevations": "no"}', r"mine.json: a: elevations must be a list of numbers"),
+        ('{"name": "a", "columns": "many", "elevations": [0]}', r"mine.json: a: "),
+        ('{"name": "a", "columns": 4, "elevations": [0], "range_sigma": "x"}', r"mine.json: a: "),
+    ],
+)
+def test_a_file_that_is_no_sensor(tmp_path, text, message):
+    (tmp_path / "mine.json").write_text(text)
+    with pytest.raises(SensorError, match=message):
+        Sensor.preset(tmp_path / "mine.json")
+
+
+def test_a_missing_file_and_an_unknown_name(tmp_path):
+    with pytest.raises(SensorError, match=r"none.json: "):
+        Sensor.preset(tmp_path / "none.json")
+    with pytest.raises(
+        SensorError, match=r"sensor is 'hdl65e'; it must be one of hdl64e, hdl64e-linear, .* or a .json file"
+    ):
+        Sensor.preset("hdl65e")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"elevations": ()},
+        {"elevations": (0.0, 0.1)},
+        {"elevations": (0.1, math.nan)},
+        {"elevations": (2.0, 0.0)},
+        {"azimuth_offsets": (0.0,)},
+        {"origin_heights": (0.0, 0.0, math.inf)},
+        {"columns": 0},
+        {"azimuth_span": 0.0},
+        {"azimuth_span": 7.0},
+        {"azimuth_start": math.nan},
+        {"min_range": -1.0},
+        {"min_range": 5.0, "max_range": 4.0},
+        {"max_range": math.inf},
+        {"mount_height": math.nan},
+        {"range_sigma": math.inf},
+    ],
+    ids=str,
+)
+def test_a_sensor_that_cannot_be(change):
+    with pytest.raises(SensorError) as caught:
+        dataclasses.replace(SMALL, **change)
+    assert len(str(caught.value).splitlines()) == 1

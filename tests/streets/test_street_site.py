@@ -1,0 +1,133 @@
+"""Nothing through another, everything on the ground, every detail within its thing."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from lidardraft import Layout, Primitive, Raycaster, Sensor
+from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.scene.road import Road
+from lidardraft.streets.ground import Ground, positions
+from lidardraft.streets.site import Site, overlaps, thing_spaces
+from lidardraft.streets.street import Street, make_street
+
+STREETS = [make_street(seed) for seed in range(20)]
+DOWN = Sensor(name="down", elevations=(-math.pi / 2 + 1e-4,), columns=4, min_range=0.01)
+
+
+def corners(space: np.ndarray) -> np.ndarray:
+    x, y, cos, sin, length, width, _, _ = space
+    local = np.array([(length, width), (length, -width), (-length, -width), (-length, width)])
+    return local @ np.array([[cos, sin], [-sin, cos]]) + (x, y)
+
+
+def touch(one: np.ndarray, two: np.ndarray) -> bool:
+    """Whether two upright boxes overlap, by projecting their corners: another way than the site's."""
+    if one[6] >= two[7] or two[6] >= one[7]:
+        return False
+    a, b = corners(one), corners(two)
+    for ring in (a, b):
+        for edge in np.diff(ring, axis=0):
+            normal = np.array([-edge[1], edge[0]])
+            if (a @ normal).max() <= (b @ normal).min() or (b @ normal).max() <= (a @ normal).min():
+                return False
+    return True
+
+
+@pytest.mark.parametrize("street", STREETS, ids=lambda street: f"{street.quarter}-{street.seed}")
+def test_nothing_goes_through_another(street: Street):
+    spaces = [(thing.id, space) for thing in street.site.things for space in thing_spaces(thing)]
+    for (name, one), (other, two) in itertools.combinations(spaces, 2):
+        if name != other and math.hypot(one[0] - two[0], one[1] - two[1]) < 60.0:
+            assert not touch(one, two), (name, other)
+
+
+@pytest.mark.parametrize("street", STREETS[:8], ids=lambda street: f"{street.quarter}-{street.seed}")
+def test_everything_stands_on_the_ground(street: Street):
+    ground = Raycaster(Layout(primitives=tuple(street.site.ground.surfaces())))
+    for thing in street.site.things:
+        pose = np.eye(4)
+        pose[:3, 3] = thing.x, thing.y, 10.0
+        depth = ground.scan(DOWN, pose).depth.max()
+        # houses have a plinth and posts go 0.3 m into the ground
+        assert abs(10.0 - depth - thing.z) < 0.2, thing
+
+
+@pytest.mark.parametrize("street", STREETS[:5], ids=lambda street: f"{street.quarter}-{street.seed}")
+def test_details_keep_within_their_thing(street: Street):
+    things = {thing.id: thing for thing in street.site.things}
+    for primitive in street.scene.primitives:
+        thing = things.get(primitive.id.partition(".")[0])
+        if thing is None:
+            continue
+        spaces = thing_spaces(thing)
+        vertices = primitive_mesh(primitive).vertices - (thing.x, thing.y, thing.z)
+        cos, sin = math.cos(thing.yaw), math.sin(thing.yaw)
+        ahead, left = vertices[:, 0] * cos + vertices[:, 1] * sin, vertices[:, 1] * cos - vertices[:, 0] * sin
+        slack = 0.35 + 0.07 * max(thing.size[:2]) * (thing.kind in ("tree", "bush"))  # tips of leaves
+        assert np.abs(ahead).max() < spaces[:, 4].max() + slack, primitive.id
+        assert np.abs(left).max() < spaces[:, 5].max() + slack, primitive.id
+        assert vertices[:, 2].min() > -1.0, primitive.id
+        assert vertices[:, 2].max() < spaces[:, 7].max() + 0.8, primitive.id
+
+
+def test_a_site_refuses_what_has_no_room():
+    road = Road()
+    site = Site(road, Ground(road, np.random.default_rng(0)))
+    car = (4.0, 1.8, 1.5)
+    assert site.place("suv", 0.0, 1.75, car)
+    assert not site.place("suv", 3.0, 1.75, car)
+    assert site.place("suv", 4.2, 1.75, car)
+    assert not site.place("hedge", 20.0, 0.0, (5.0, 1.0, 1.0), private=True)
+    assert [thing.id for thing in site.things] == ["suv_1", "suv_2"]
+    assert [thing.instance for thing in site.things] == [1, 2]
+
+
+def test_a_car_may_stand_under_a_crown_but_not_in_a_trunk():
+    road = Road()
+    site = Site(road, Ground(road, np.random.default_rng(0)))
+    assert site.place("tree", 0.0, 12.0, (6.0, 6.0, 9.0), stem=2.5)
+    assert not site.place("suv", 0.0, 12.0, (4.0, 1.8, 1.5))
+    assert site.place("suv", 0.0, 14.0, (4.0, 1.8, 1.5))
+    assert not site.place("house", 7.0, 12.0, (9.0, 9.0, 8.0), stem=6.0)
+
+
+def test_overlap_is_symmetric_and_right():
+    rng = np.random.default_rng(1)
+    yaws = rng.uniform(0, 6.3, 60)
+    spaces = np.column_stack(
+        [
+            rng.uniform(-4, 4, (60, 2)),
+            np.cos(yaws),
+            np.sin(yaws),
+            rng.uniform(0.2, 2.0, (60, 2)),
+            np.zeros(60),
+            np.ones(60),
+        ]
+    )
+    found = np.array([overlaps(space, spaces, 0.0) for space in spaces])
+    assert (found == found.T).all()
+    assert (found == [[touch(one, two) for two in spaces] for one in spaces]).all()
+    assert 0.05 < found.mean() < 0.95
+
+
+@pytest.mark.parametrize("curvature", [0.0, 0.008, -0.004])
+def test_positions_are_those_of_the_road(curvature: float):
+    road = Road(curvature=curvature)
+    for along, across in ((0.0, 0.0), (33.0, -4.0), (-71.0, 20.0)):
+        assert positions(road, np.array(along), np.array(across)) == pytest.approx(road.at(along, across)[:2])
+
+
+def test_the_ground_has_kerbs_and_covers_the_street():
+    road = Road(junction=20.0, arms=("left",))
+    ground = Ground(road, np.random.default_rng(2))
+    assert ground.surface(0.0, 0.0) == "road"
+    assert ground.surface(0.0, road.edge + 0.5) == "sidewalk"
+    assert ground.surface(0.0, road.verge + 5.0) == "terrain"
+    assert ground.surface(20.0, road.verge + 5.0) == "road"
+    assert ground.surface(20.0, -road.verge - 5.0) == "terrain"
+    assert ground.height(0.0, road.edge + 0.01) - ground.height(0.0, road.edge - 0.01) == pytest.approx(0.12, abs=0.01)
+    surfaces: dict[str, Primitive] = {p.id: p for p in ground.surfaces()}
+    assert set(surfaces) == {"far", "road", "sidewalk", "terrain"}

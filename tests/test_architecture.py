@@ -1,0 +1,130 @@
+"""The house holds to its plan: who imports whom, how long things are, what they may be called."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "python" / "lidardraft"
+FILES = sorted(PACKAGE.rglob("*.py"))
+
+BASE = {"errors", "semantics", "files"}
+ALLOWED = {
+    "errors": set(),
+    "semantics": set(),
+    "files": set(),
+    "scene": BASE,
+    "formats": BASE | {"scene"},
+    "drafting": BASE | {"scene"},
+    "streets": BASE | {"scene", "drafting"},
+    "diffusion": BASE | {"scene"},
+    "metrics": BASE | {"scene"},
+    "training": BASE | {"scene", "streets", "formats", "drafting", "diffusion", "metrics"},
+    "view": BASE | {"scene", "formats"},
+    "pipeline": BASE | {"scene", "formats", "drafting", "streets", "diffusion", "metrics", "view"},
+    "evaluation": BASE | {"scene", "streets", "diffusion", "metrics", "pipeline"},
+    "cli": BASE | {"scene", "formats", "drafting", "streets", "diffusion", "metrics", "view", "pipeline", "evaluation"},
+}
+TORCH_ROOMS = {"diffusion", "training", "pipeline", "evaluation"}
+FORBIDDEN_NAMES = {"utils", "util", "helpers", "helper", "misc", "common", "tools", "base"}
+LONGEST_FILE, LONGEST_FUNCTION = 320, 60
+
+
+def room_of(path: Path) -> str:
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imported(path: Path) -> set[str]:
+    """Full names of all modules and names a file imports, wherever in it."""
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            names |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return names
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_imports_follow_the_plan(path: Path) -> None:
+    room = room_of(path)
+    if room == "__init__":
+        return
+    ours = {name.split(".")[1] for name in imported(path) if name.startswith("lidardraft.")} - {room}
+    allowed = ALLOWED[room] | ({"_core"} if room == "scene" else set())
+    if path == PACKAGE / "cli" / "train.py":
+        allowed = allowed | {"training"}
+    assert ours <= allowed, f"{room} may not use {sorted(ours - allowed)}"
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_outside_libraries_stay_in_their_rooms(path: Path) -> None:
+    top = {name.split(".")[0] for name in imported(path)}
+    room = room_of(path)
+    if room not in TORCH_ROOMS:
+        assert "torch" not in top
+    if room != "cli":
+        assert not top & {"argparse", "tqdm"}
+        calls = [node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Call)]
+        assert not [c.lineno for c in calls if isinstance(c.func, ast.Name) and c.func.id == "print"]
+    assert not top & {"socket", "http", "urllib", "requests", "pickle", "yaml"}
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_names_and_sizes(path: Path) -> None:
+    stem = path.stem
+    assert stem not in FORBIDDEN_NAMES
+    assert not stem.endswith(("_v2", "_new", "_cond"))
+    text = path.read_text()
+    assert len(text.splitlines()) <= LONGEST_FILE
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.FunctionDef):
+            assert node.end_lineno is not None
+            assert node.end_lineno - node.lineno < LONGEST_FUNCTION, f"{node.name} is too long"
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_public_names_are_documented(path: Path) -> None:
+    tree = ast.parse(path.read_text())
+    if path.stem != "__init__" or path.parent == PACKAGE:
+        assert ast.get_docstring(tree), "the module says nothing about itself"
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_"):
+            assert ast.get_docstring(node), f"{node.name} has no docstring"
+
+
+def test_unsafe_stays_out_of_the_rust_core() -> None:
+    for path in (ROOT / "rust").rglob("*.rs"):
+        lines = path.read_text().splitlines()
+        assert len(lines) <= 400, f"{path.name} has {len(lines)} lines"
+        assert not [line for line in lines if "unsafe " in line and not line.strip().startswith("//")]
+
+
+def test_the_ten_second_table_is_true() -> None:
+    table = (ROOT / "ARCHITECTURE.md").read_text().split("## The ten-second table")[1].split("\n## ")[0]
+    rows = [[cell.strip(" `") for cell in line.split("|")[2:4]] for line in table.splitlines() if line.startswith("| ")]
+    rows = [row for row in rows if row[0] != "file"]
+    assert len(rows) >= 13
+    for file, name in rows:
+        path = ROOT / file if file.startswith("rust/") else PACKAGE / file
+        last = name.split("::")[-1].split(".")[-1].rstrip("*")
+        assert last in path.read_text(), f"{name} is not in {file}"
+
+
+def test_import_is_light() -> None:
+    code = "import sys, lidardraft; print(sorted({'torch', 'sklearn', 'lark', 'scipy', 'PIL'} & set(sys.modules)))"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "[]"
+
+
+def test_every_public_name_is_there() -> None:
+    import lidardraft
+
+    for name in lidardraft.__all__:
+        assert getattr(lidardraft, name) is not None
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = lidardraft.nothing

@@ -1,0 +1,58 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lidardraft import Layout, Primitive, Sensor, raycast, view
+from lidardraft.errors import FormatError
+from PIL import Image
+
+CAR = Primitive(shape="box", center=(10, 0, 0.75), size=(4, 2, 1.5), label="car", id="car_1", instance=1)
+ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(100, 8, 0), label="road", id="road")
+LAYOUT = Layout((CAR, ROAD))
+SENSOR = Sensor.preset("hdl32e")
+
+
+def test_the_camera_sees_the_car_in_its_colour() -> None:
+    picture = view.draw_layout(LAYOUT)
+    blue = picture[..., 2].astype(int) - picture[..., 0] > 40
+    rows, columns = np.nonzero(blue)
+    assert len(rows) > 500
+    assert abs(columns.mean() - picture.shape[1] / 2) < 20  # straight ahead
+
+
+def test_points_are_drawn_where_the_layout_is() -> None:
+    scan = raycast(LAYOUT, SENSOR)
+    drawn = view.draw_scan(scan, SENSOR.pose(), by_label=True)
+    car = (drawn == view.PALETTE[13]).all(axis=2)
+    shape = view.draw_layout(Layout((CAR,)))
+    around = (shape != view.draw_layout(Layout(()))).any(axis=2)
+    assert car.sum() > 50
+    assert (car & around).sum() > 0.8 * car.sum()
+
+
+def test_no_return_is_black_and_no_class_white() -> None:
+    assert view.colour_by_depth(np.array([[0.0, 5.0]]))[0, 0].tolist() == [0, 0, 0]
+    assert view.colour_by_depth(np.array([[0.0, 5.0]]))[0, 1].any()
+    assert view.colour_by_label(np.array([0]))[0].tolist() == [255, 255, 255]
+
+
+def test_pictures_stack_and_are_saved(tmp_path: Path) -> None:
+    first, second = np.zeros((4, 10, 3), np.uint8), np.full((6, 8, 3), 255, np.uint8)
+    assert view.stack([first, second]).shape == (16, 10, 3)
+    assert view.stack([first, second], across=True).shape == (6, 24, 3)
+    view.save_png(view.caption(np.zeros((60, 200, 3), np.uint8), "scan"), tmp_path / "a.png")
+    assert np.asarray(Image.open(tmp_path / "a.png")).max() == 255
+
+
+@pytest.mark.parametrize("name", ["layout.json", "drawing.npz"])
+def test_files_are_drawn(tmp_path: Path, name: str) -> None:
+    LAYOUT.save(tmp_path / "layout.json")
+    raycast(LAYOUT, SENSOR).save(tmp_path / "drawing.npz")
+    picture = view.draw_file(tmp_path / name, SENSOR)
+    assert picture.ndim == 3
+    assert picture.std() > 5
+
+
+def test_other_files_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match=r"cannot draw \.txt"):
+        view.draw_file(tmp_path / "a.txt", SENSOR)

@@ -1,0 +1,152 @@
+import itertools
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import SENSOR, make_pair
+
+from lidardraft.errors import FormatError
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.sensor import Sensor
+from lidardraft.training import pairs as module
+from lidardraft.training.pairs import PairFolder, pairs_on_disk, write_pairs
+
+
+@pytest.fixture(autouse=True)
+def short_shards(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "SHARD", 2)
+
+
+def test_pairs_come_back(tmp_path: Path) -> None:
+    assert list(write_pairs(tmp_path, (make_pair(seed) for seed in range(5)))) == [2, 4, 5]
+    folder = PairFolder(tmp_path)
+    assert len(folder) == 5
+    assert folder.sensor == SENSOR
+    for seed in range(5):
+        scan, drawing = make_pair(seed)
+        found_scan, found_drawing = folder[seed]
+        for found, image in ((found_scan, scan), (found_drawing, drawing)):
+            np.testing.assert_allclose(found.depth, image.depth, atol=0.0011)
+            np.testing.assert_array_equal(found.valid, image.valid)
+            np.testing.assert_array_equal(found.label, image.label)
+        assert found_scan.intensity is not None
+        np.testing.assert_allclose(found_scan.intensity, scan.intensity, atol=1 / 500)
+
+
+def test_an_interrupted_folder_goes_on_where_it_stopped(tmp_path: Path) -> None:
+    assert pairs_on_disk(tmp_path) == 0
+
+    def breaking() -> "itertools.chain[module.Pair]":
+        yield from (make_pair(seed) for seed in range(3))
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        list(write_pairs(tmp_path, breaking()))
+    assert pairs_on_disk(tmp_path) == 2
+    list(write_pairs(tmp_path, (make_pair(seed) for seed in range(pairs_on_disk(tmp_path), 5))))
+    folder = PairFolder(tmp_path)
+    assert len(folder) == 5
+    for seed in range(5):
+        np.testing.assert_array_equal(folder[seed][0].label, make_pair(seed)[0].label)
+    assert not list(tmp_path.glob("*.partial"))
+
+
+def test_a_scan_without_intensities_has_zeros(tmp_path: Path) -> None:
+    scan, drawing = make_pair(0)
+    bare = RangeImage(sensor=SENSOR, depth=scan.depth, label=scan.label, instance=scan.instance)
+    list(write_pairs(tmp_path, [(bare, drawing)]))
+    intensity = PairFolder(tmp_path)[0][0].intensity
+    assert intensity is not None
+    assert not intensity.any()
+
+
+def test_another_sensor_is_refused(tmp_path: Path) -> None:
+    list(write_pairs(tmp_path, [make_pair(0)]))
+    other = Sensor(name="other", elevations=SENSOR.elevations, columns=64)
+    with pytest.raises(FormatError, match="holds pairs of small; this one is of other"):
+        list(write_pairs(tmp_path, [make_pair(1, other)]))
+    assert pairs_on_disk(tmp_path) == 1
+
+
+def test_a_depth_that_does_not_fit_is_refused(tmp_path: Path) -> None:
+    far = Sensor(name="far", elevations=SENSOR.elevations, columns=128, max_range=300.0)
+    scan, drawing = make_pair(0, far)
+    depth = scan.depth.copy()
+    depth[0, 0] = 200.0
+    far_scan = RangeImage(sensor=far, depth=depth, label=scan.label, instance=scan.instance)
+    with pytest.raises(FormatError, match=r"a depth is 200\.0 m; pairs hold up to 131\.1 m"):
+        list(write_pairs(tmp_path, [(far_scan, drawing)]))
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_return_nearer_than_a_step_stays_a_return(tmp_path: Path) -> None:
+    near = Sensor(name="near", elevations=SENSOR.elevations, columns=128, min_range=0.0)
+    scan, drawing = make_pair(0, near)
+    depth = scan.depth.copy()
+    depth[0, 0] = 1e-4
+    list(
+        write_pairs(
+            tmp_path, [(RangeImage(sensor=near, depth=depth, label=scan.label, instance=scan.instance), drawing)]
+        )
+    )
+    assert PairFolder(tmp_path)[0][0].valid[0, 0]
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 0.99])
+def test_a_truncated_shard_is_refused(tmp_path: Path, share: float) -> None:
+    list(write_pairs(tmp_path, [make_pair(0), make_pair(1)]))
+    shard = tmp_path / "00000.npz"
+    shard.write_bytes(shard.read_bytes()[: int(share * shard.stat().st_size)])
+    with pytest.raises(FormatError, match=r"00000.npz is no shard of pairs"):
+        PairFolder(tmp_path)
+
+
+def test_a_corrupt_shard_is_refused(tmp_path: Path) -> None:
+    list(write_pairs(tmp_path, [make_pair(0), make_pair(1)]))
+    shard = tmp_path / "00000.npz"
+    content = bytearray(shard.read_bytes())
+    content[len(content) // 3] ^= 255
+    shard.write_bytes(content)
+    with pytest.raises(FormatError, match=r"00000.npz is no shard of pairs"):
+        PairFolder(tmp_path)
+
+
+def test_a_shard_of_another_shape_is_refused(tmp_path: Path) -> None:
+    list(write_pairs(tmp_path, [make_pair(0), make_pair(1)]))
+    with np.load(tmp_path / "00000.npz") as file:
+        images = dict(file)
+    images["scan_label"] = images["scan_label"][:1]
+    np.savez(tmp_path / "00000.npz", **images)
+    with pytest.raises(FormatError, match=r"scan_label is uint8 \(1, 16, 128\); it must be uint8 \(2, 16, 128\)"):
+        PairFolder(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("index", "message"),
+    [
+        ("{", "is no index of pairs"),
+        ("[]", "is no index of pairs"),
+        ('{"schema": "other"}', "schema is 'other'; this version reads 'lidardraft.pairs/1'"),
+        ('{"schema": "lidardraft.pairs/1", "sensor": {}, "shards": ["a"]}', "'shards' must be counts"),
+        ('{"schema": "lidardraft.pairs/1", "shards": []}', "'shards' must be counts"),
+        ('{"schema": "lidardraft.pairs/1", "shards": [], "sensor": {}}', "is no index of pairs"),
+    ],
+)
+def test_a_broken_index_is_refused(tmp_path: Path, index: str, message: str) -> None:
+    (tmp_path / "index.json").write_text(index)
+    with pytest.raises(FormatError, match=message):
+        PairFolder(tmp_path)
+
+
+def test_a_folder_without_an_index_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match=r"index\.json is no index of pairs"):
+        PairFolder(tmp_path)
+
+
+def test_a_missing_shard_is_refused(tmp_path: Path) -> None:
+    list(write_pairs(tmp_path, [make_pair(seed) for seed in range(3)]))
+    (tmp_path / "00001.npz").unlink()
+    assert json.loads((tmp_path / "index.json").read_text())["shards"] == [2, 1]
+    with pytest.raises(FormatError, match=r"00001.npz is no shard of pairs"):
+        PairFolder(tmp_path)

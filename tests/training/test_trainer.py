@@ -1,0 +1,179 @@
+import dataclasses
+import json
+from pathlib import Path
+
+import pytest
+import torch
+from safetensors.torch import load_file
+
+from lidardraft.diffusion import checkpoint
+from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.errors import TrainingError
+from lidardraft.training import recipes
+from lidardraft.training.pairs import PairFolder
+from lidardraft.training.trainer import TrainingConfig, train
+
+BASE = dataclasses.replace(recipes.tiny().base, crop=64, margin=8, report_every=1, save_every=1000)
+CONTROL = dataclasses.replace(recipes.tiny().control, crop=64, margin=8, report_every=1, save_every=1000)
+
+
+@pytest.fixture(scope="session")
+def base(pairs: PairFolder, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Weights of a short first stage."""
+    run = tmp_path_factory.mktemp("base")
+    list(train(BASE, pairs, run))
+    return run / "weights.safetensors"
+
+
+def test_the_loss_falls(pairs: PairFolder, tmp_path: Path) -> None:
+    config = dataclasses.replace(BASE, steps=60, report_every=15, batch=8)
+    reports = list(train(config, pairs, tmp_path))
+    assert [report.step for report in reports] == [15, 30, 45, 60]
+    assert reports[-1].loss < 0.85 * reports[0].loss
+    assert reports[-1].crops_per_second > 0
+    log = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
+    assert [row["loss"] for row in log] == [report.loss for report in reports]
+    assert checkpoint.read_card(tmp_path / "weights.safetensors") == {"training": config.to_dict(), "step": 60}
+
+
+def test_the_control_learns_and_the_base_stays(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
+    config = dataclasses.replace(CONTROL, steps=40, report_every=10, batch=8)
+    reports = list(train(config, pairs, tmp_path, base=checkpoint.load(base)))
+    assert reports[-1].loss < 0.85 * reports[0].loss
+    before, after = load_file(base), load_file(tmp_path / "weights.safetensors")
+    for name, weight in before.items():
+        assert torch.equal(after[name], weight), name
+    copied = {name: after[f"controlnet.{name.removeprefix('network.')}"] for name in before if "encoder" in name}
+    assert any(not torch.equal(before[name], weight) for name, weight in copied.items())
+
+
+def test_the_control_uses_the_condition(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
+    list(train(dataclasses.replace(CONTROL, steps=20), pairs, tmp_path, base=checkpoint.load(base)))
+    denoiser = checkpoint.load(tmp_path / "weights.safetensors")
+    x, sigma, beams = torch.randn(1, 3, 16, 128), torch.ones(1), torch.zeros(2, 16)
+    condition = torch.rand(1, 23, 16, 128)
+    with torch.no_grad():
+        denoised, mirrored, free = (
+            denoiser.denoise(x, sigma, beams, given) for given in (condition, condition.flip(-1), None)
+        )
+    assert not torch.allclose(denoised, mirrored, atol=1e-4)
+    assert not torch.allclose(denoised, free, atol=1e-4)
+
+
+def test_at_first_only_the_zero_convolutions_learn(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
+    config = dataclasses.replace(CONTROL, steps=4, zero_conv_steps=4)
+    list(train(config, pairs, tmp_path, base=checkpoint.load(base)))
+    before, after = load_file(base), load_file(tmp_path / "weights.safetensors")
+    for name in before:
+        if name.startswith("network.encoder."):
+            assert torch.equal(after[f"controlnet.{name.removeprefix('network.')}"], before[name]), name
+    assert after["controlnet.leave.0.weight"].any()
+
+
+@pytest.mark.parametrize("stage", ["base", "control"])
+def test_a_run_in_slices_is_the_run_in_one(stage: str, pairs: PairFolder, base: Path, tmp_path: Path) -> None:
+    config = dataclasses.replace(BASE if stage == "base" else CONTROL, steps=8, save_every=3)
+
+    def denoiser() -> Denoiser | None:
+        return None if stage == "base" else checkpoint.load(base)
+
+    whole = list(train(config, pairs, tmp_path / "whole", base=denoiser()))
+    first = []
+    for report in train(config, pairs, tmp_path / "sliced", base=denoiser()):
+        first.append(report)
+        if report.step == 5:  # interrupted two steps after the state was saved
+            break
+    rest = list(train(config, pairs, tmp_path / "sliced", base=denoiser()))
+    assert [report.step for report in rest] == [4, 5, 6, 7, 8]
+    assert [report.loss for report in first[:3] + rest] == [report.loss for report in whole]
+    one, other = (load_file(tmp_path / run / "weights.safetensors") for run in ("whole", "sliced"))
+    assert all(torch.equal(one[name], other[name]) for name in one)
+    assert list(train(config, pairs, tmp_path / "sliced", base=denoiser())) == []
+
+
+def test_a_run_stops_when_its_minutes_are_over(pairs: PairFolder, tmp_path: Path) -> None:
+    assert [report.step for report in train(BASE, pairs, tmp_path, max_minutes=0)] == [1]
+    assert [report.step for report in train(BASE, pairs, tmp_path, max_minutes=0)] == [2]
+
+
+def test_another_run_in_the_folder_is_refused(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
+    list(train(dataclasses.replace(BASE, steps=1), pairs, tmp_path))
+    with pytest.raises(TrainingError, match="is the state of a run with another config or base"):
+        list(train(dataclasses.replace(BASE, seed=1), pairs, tmp_path))
+    with pytest.raises(TrainingError, match="is the state of a run with another config or base"):
+        list(train(dataclasses.replace(BASE, seed=1), pairs, tmp_path, base=checkpoint.load(base)))
+    (tmp_path / "state.safetensors").write_bytes(b"half a fi")
+    with pytest.raises(TrainingError, match="is no state of a run"):
+        list(train(BASE, pairs, tmp_path))
+
+
+def test_a_control_does_not_go_on_with_another_base(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
+    list(train(dataclasses.replace(CONTROL, steps=1), pairs, tmp_path, base=checkpoint.load(base)))
+    other = checkpoint.load(base)
+    with torch.no_grad():
+        other.network.head.bias += 0.1
+    with pytest.raises(TrainingError, match="is the state of a run with another config or base"):
+        list(train(CONTROL, pairs, tmp_path, base=other))
+
+
+def test_zero_convolutions_that_stay_zero_are_reported(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
+    # A learning rate of nothing is the simplest way to a ControlNet that never speaks.
+    silent = dataclasses.replace(CONTROL, steps=20, batch=1, learning_rate=0.0)
+    with pytest.raises(TrainingError, match="zero convolution 'enter' is still zero after 20 steps"):
+        list(train(silent, pairs, tmp_path, base=checkpoint.load(base)))
+
+
+def test_a_loss_that_is_not_finite_stops_the_run(pairs: PairFolder, tmp_path: Path) -> None:
+    with pytest.raises(TrainingError, match="the loss is nan at step"):
+        list(train(dataclasses.replace(BASE, learning_rate=1e30, warmup=0), pairs, tmp_path))
+    assert not (tmp_path / "weights.safetensors").exists()
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"steps": 0}, "steps is 0; it must be at least 1"),
+        ({"batch": 0}, "batch is 0; it must be at least 1"),
+        ({"margin": -1}, "margin is -1; it must be at least 0"),
+        ({"crop": 256}, "crop is 256; it must exceed two margins of 8 and fit in 128"),
+        ({"margin": 32}, "crop is 64; it must exceed two margins of 32 and fit in 128"),
+        ({"crop": 66}, "16 rows and crops of 66 columns must be whole cells of 2 x 4"),
+    ],
+)
+def test_a_config_that_cannot_be_trained_is_refused(
+    fields: dict[str, int], message: str, pairs: PairFolder, tmp_path: Path
+) -> None:
+    with pytest.raises(TrainingError, match=message):
+        next(train(dataclasses.replace(BASE, **fields), pairs, tmp_path / "run"))
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_base_of_another_shape_is_refused(pairs: PairFolder, tmp_path: Path) -> None:
+    other = Denoiser.from_config(dataclasses.replace(BASE.denoiser, blocks=2))
+    with pytest.raises(TrainingError, match=r"the base is a DenoiserConfig\(.*blocks=2.*needs a .*blocks=1"):
+        next(train(CONTROL, pairs, tmp_path, base=other))
+
+
+def test_the_rate_rises_stays_and_falls() -> None:
+    config = dataclasses.replace(BASE, steps=100, warmup=10, decay=0.2, learning_rate=1.0)
+    assert [config.rate(step) for step in (0, 9, 50, 80, 90, 99)] == pytest.approx([0.1, 1, 1, 1, 0.5, 0.05])
+
+
+@pytest.mark.parametrize("recipe", [recipes.small, recipes.paper, recipes.tiny])
+def test_recipes_survive_json_and_share_a_network(recipe: "type[recipes.Recipe]") -> None:
+    made = recipe()
+    for config in (made.base, made.control):
+        assert TrainingConfig.from_dict(json.loads(json.dumps(config.to_dict()))) == config
+    assert made.base.denoiser == made.control.denoiser
+
+
+def test_the_recipe_that_ships_fits_in_eight_megabytes() -> None:
+    denoiser = Denoiser.from_config(dataclasses.replace(recipes.small().base.denoiser, controlnet=True))
+    assert 2 * sum(weight.numel() for weight in denoiser.state_dict().values()) < 7.9e6
+
+
+def test_the_papers_recipe_has_the_papers_widths() -> None:
+    config = recipes.paper().base.denoiser
+    assert config.widths == (128, 128, 256, 256)
+    assert not config.copy_gate
+    assert config.cell == (1, 1)
