@@ -40,9 +40,7 @@ class SensorPattern:
 
         `SensorError` if the image has another shape, or a distance is negative or not finite.
         """
-    def project(
-        self, points: NDArray[np.float64]
-    ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
+    def project(self, points: NDArray[np.float64]) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
         """Row, column and distance from the beam's origin of points [N, 3]; row = column = -1, distance 0 outside.
 
         A point belongs to the beam whose elevation is nearest and to the column whose cell it lies in. Outside means
@@ -68,26 +66,27 @@ class Scene:
         yaws: NDArray[np.float64],  # [P], rad
         labels: NDArray[np.uint8],  # [P]
         instances: NDArray[np.uint32],  # [P]
-        meshes: list[tuple[NDArray[np.float64], NDArray[np.uint32]]],  # unit vertices [V, 3], faces [F, 3], in order of the shapes that are 4
+        # Unit vertices [V, 3] and faces [F, 3] of the shapes that are 4, in their order.
+        meshes: list[tuple[NDArray[np.float64], NDArray[np.uint32]]],
     ) -> Scene: ...
     def scan(
         self,
         pattern: SensorPattern,
         world_from_sensor: NDArray[np.float64],  # [4, 4], rigid
-    ) -> tuple[
-        NDArray[np.float32], NDArray[np.uint8], NDArray[np.uint32], NDArray[np.int32], NDArray[np.float32]
-    ]:
+    ) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.uint32], NDArray[np.int32], NDArray[np.float32]]:
         """The closest hit of every ray: depth, label, instance, primitive index, cosine of incidence, each [H, W].
 
-        No hit within [min_range, max_range] is depth 0, label 0, instance 0, primitive -1, incidence 0. Both sides of every surface
-        are seen. Of two hits at the same float32 distance the primitive with the lower index wins. A pose that is not rigid
-        raises `LayoutError`. The images are the same for any number of threads.
+        No hit within [min_range, max_range] is depth 0, label 0, instance 0, primitive -1, incidence 0. Both sides of
+        every surface are seen. Of two hits at the same float32 distance the primitive with the lower index wins. A
+        pose that is not rigid raises `LayoutError`. The images are the same for any number of threads.
         """
 
 def read_obj(
     path: str | PathLike[str],
 ) -> list[tuple[str, str, NDArray[np.float64], NDArray[np.uint32]]]:
-    """Object name, material name ("" if none), vertices [V, 3] and triangles [F, 3] of each object in a Wavefront OBJ file.
+    """Object name, material name ("" if none), vertices [V, 3] and triangles [F, 3] of each object in a Wavefront OBJ
+    file.
 
-    An object with several materials comes as several entries. Polygons become fans of triangles; shared positions stay shared.
+    An object with several materials comes as several entries. Polygons become fans of triangles; shared positions stay
+    shared.
     """

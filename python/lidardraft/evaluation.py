@@ -38,7 +38,8 @@ def unseen_streets(num: int, *, sensor: Sensor, seed: int = 1_000_000) -> list[S
 
 
 def evaluate(pipeline: Pipeline, pairs: list[StreetPair]) -> Iterator[Row]:
-    """The detailed scans themselves, the drawings, the pipeline's scans, and those of the same network with random weights."""
+    """The detailed scans themselves, the drawings, the pipeline's scans, and those of the same network with random
+    weights."""
     torch.manual_seed(0)
     random = Pipeline(Denoiser.from_config(pipeline.denoiser.config), steps=pipeline.steps)
     yield _row("detailed scan", pairs, (pair.scan for pair in pairs))

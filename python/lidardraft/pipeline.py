@@ -16,7 +16,7 @@ from lidardraft.diffusion.codec import decode_scan, encode_condition
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.sampler import sample
 from lidardraft.drafting.text import layout_from_text
-from lidardraft.errors import CheckpointError
+from lidardraft.errors import CheckpointError, SensorError
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
 from lidardraft.scene.labelling import label_from_drawing
@@ -104,11 +104,15 @@ class Pipeline:
         if not path.exists():
             names = ", ".join(sorted(file.stem for file in WEIGHTS.glob("*.safetensors")))
             raise CheckpointError(f"weights are {os.fspath(name)!r}; they must be a file or one of: {names}")
-        return cls(checkpoint.load(path).to(device), steps=steps)
+        denoiser = checkpoint.load(path)
+        try:
+            return cls(denoiser.to(device), steps=steps)
+        except (RuntimeError, AssertionError) as error:  # torch's, for a device it does not have
+            raise CheckpointError(f"device is {device!r}: {str(error).splitlines()[0]}") from None
 
     def __call__(self, source: str | Layout, *, sensor: Sensor | None = None, seed: int = 0) -> Scan:
-        """The scan of a sentence or a layout. Same arguments, same scan; another seed gives another one (of a sentence, with
-        another layout too)."""
+        """The scan of a sentence or a layout. Same arguments, same scan; another seed gives another one (of a
+        sentence, with another layout too)."""
         sensor = sensor or self.sensor
         layout = layout_from_text(source, seed=seed) if isinstance(source, str) else source
         pose = sensor.pose()
@@ -119,7 +123,16 @@ class Pipeline:
 
     @torch.inference_mode()
     def denoising(self, drawing: RangeImage, *, seed: int = 0) -> Iterator[RangeImage]:
-        """The scan while it takes shape, one image without labels a sampling step; the last is the result."""
+        """The scan while it takes shape, one image without labels a sampling step; the last is the result.
+
+        Raises `SensorError` where the sensor's image is not made of whole cells of the network.
+        """
+        cell = self.denoiser.config.cell
+        if any(extent % step for extent, step in zip(drawing.sensor.shape, cell, strict=True)):
+            raise SensorError(
+                f"{drawing.sensor.name} has {drawing.sensor.shape} beams and columns; "
+                f"these weights need multiples of {cell}"
+            )
         condition = torch.from_numpy(encode_condition(drawing))[None]
         for state in sample(self.denoiser, drawing.sensor, seeds=[seed], condition=condition, steps=self.steps):
             yield decode_scan(state[0].cpu().numpy(), drawing.sensor)

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 class SemanticClass:
     """One row of the table.
 
-    `size` is a typical (length, width, height) in metres, None where the class has no typical size. `is_thing` marks what
-    is counted and gets boxes.
+    `size` is a typical (length, width, height) in metres, None where the class has no typical size. `is_thing` marks
+    what is counted and gets boxes.
     """
 
     id: int

@@ -106,8 +106,8 @@ def draw_scan(image: RangeImage, pose: np.ndarray, *, by_label: bool = False) ->
 
 
 def draw_file(path: Path, sensor: Sensor) -> np.ndarray:
-    """A `.json` layout, an `.npz` range image or a `.bin` scan (taken by `sensor`, with the `.label` beside it if there is
-    one): uint8 [H, W, 3]. Raises `FormatError` for any other file."""
+    """A `.json` layout, an `.npz` range image or a `.bin` scan (taken by `sensor`, with the `.label` beside it if
+    there is one): uint8 [H, W, 3]. Raises `FormatError` for any other file."""
     if path.suffix == ".json":
         layout = Layout.load(path)
         drawing = raycast(layout, sensor)

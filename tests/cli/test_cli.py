@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lidardraft import Layout, RangeImage, Sensor
+
+from lidardraft import Layout, RangeImage, Sensor, pipeline
 from lidardraft.cli import main as cli
 from lidardraft.cli import train
 from lidardraft.diffusion import checkpoint
@@ -111,6 +112,55 @@ def test_bad_input_is_one_line(folder: Path, capsys: pytest.CaptureFixture[str])
     strange = refused(capsys, "generate", "--text", "a car ahead", "--weights", "not.safetensors", "-o", "out")
     assert "not.safetensors" in strange
     assert "cannot draw" in refused(capsys, "view", "small.txt")
+    device = ["--text", "a car ahead", "--device", "abacus", "-o", "out"]
+    assert "abacus" in refused(capsys, "generate", *device)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"size": [4, 2, 0]}, "every extent must be > 0"),
+        ({"size": [4, 2]}, "size"),
+        ({"center": [0, 0, float("nan")]}, "center"),
+        ({"yaw": float("inf")}, "yaw"),
+        ({"label": "unicorn"}, "unicorn"),
+        ({"shape": "blob"}, "blob"),
+        ({"colour": "red"}, "colour"),
+        ({"shape": "mesh", "vertices": [[0, 0, float("nan")]] * 3, "faces": [[0, 1, 2]]}, "vertex 0"),
+        ({"shape": "mesh", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 7]]}, "face 0"),
+    ],
+)
+def test_bad_layouts_are_one_line(
+    folder: Path, capsys: pytest.CaptureFixture[str], change: dict[str, object], said: str
+) -> None:
+    car = {
+        "shape": "box",
+        "center": [9, 0, 1],
+        "size": [4, 2, 2],
+        "yaw": 0,
+        "label": "car",
+        "id": "car_1",
+        "instance": 1,
+    }
+    document = {"schema": "lidardraft.layout/1", "primitives": [{**car, **change}]}
+    Path("layout.json").write_text(json.dumps(document))
+    for command in (["raycast", "layout.json", "-o", "a.npz"], ["generate", "--layout", "layout.json", "-o", "out"]):
+        message = refused(capsys, *command)
+        assert "layout.json" in message
+        assert said in message
+
+
+def test_truncated_files_are_one_line(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    cli.main(["generate", "--text", "a car ahead", "-o", "out", *QUICK])
+    points, label = Path("out/000000.bin"), Path("out/000000.label")
+    source = ["--points", str(points), "--labels", str(label), "-o", "again"]
+    label.write_bytes(label.read_bytes()[:-4])
+    assert "000000.label" in refused(capsys, "generate", *source)
+    points.write_bytes(points.read_bytes()[:-3])
+    assert "000000.bin" in refused(capsys, "generate", *source)
+    weights = Path("cut.safetensors")
+    weights.write_bytes((Path(pipeline.__file__).parent / "weights/street.safetensors").read_bytes()[:-100])
+    assert "cut.safetensors" in refused(capsys, "generate", "--text", "a car", "--weights", str(weights), "-o", "b")
 
 
 @pytest.mark.parametrize("argv", [["--help"], ["generate", "--help"]])

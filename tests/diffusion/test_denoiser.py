@@ -93,7 +93,7 @@ def test_an_open_gate_copies_the_drawn_depth_where_there_is_a_hit() -> None:
     without = denoiser.denoise(x, sigma, BEAMS)
     y = denoiser.denoise(x, sigma, BEAMS, condition)
     hit = condition[:, DRAWN_VALIDITY] > 0
-    torch.testing.assert_close(y[:, DEPTH][hit], condition[:, DRAWN_DEPTH][hit])
+    torch.testing.assert_close(y[:, DEPTH][hit], condition[:, DRAWN_DEPTH][hit], atol=2e-3, rtol=0)
     torch.testing.assert_close(y[:, DEPTH][~hit], without[:, DEPTH][~hit])
     torch.testing.assert_close(y[:, INTENSITY:], without[:, INTENSITY:])
 

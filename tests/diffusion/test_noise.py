@@ -11,6 +11,7 @@ from lidardraft.diffusion.noise import (
     score_from_denoised,
     training_levels,
 )
+from lidardraft.errors import LidarDraftError
 
 
 def test_karras_levels_fall_from_sigma_max_to_sigma_min_and_zero() -> None:
@@ -19,7 +20,9 @@ def test_karras_levels_fall_from_sigma_max_to_sigma_min_and_zero() -> None:
     assert levels[-2] == pytest.approx(0.01)
     assert levels[-1] == 0.0
     assert all(high > low for high, low in itertools.pairwise(levels))
-    assert karras_levels(1) == pytest.approx([40.0, 0.0])
+    assert karras_levels(1) == pytest.approx([20.0, 0.0])
+    with pytest.raises(LidarDraftError, match="steps is 0; it must be at least 1"):
+        karras_levels(0)
 
 
 def test_training_levels_are_log_normal_and_stratified() -> None:

@@ -1,6 +1,7 @@
 import dataclasses
 
 import numpy as np
+
 from lidardraft import Layout, Primitive, Sensor, raycast
 from lidardraft.scene.labelling import agrees, label_from_drawing
 from lidardraft.semantics import BY_NAME

@@ -1,41 +1,10 @@
 from pathlib import Path
 
-import numpy as np
 import pytest
 import torch
+from made_pairs import make_pair
 
-from lidardraft.scene.layout import Layout, Primitive
-from lidardraft.scene.range_image import RangeImage
-from lidardraft.scene.raycast import raycast
-from lidardraft.scene.sensor import Sensor
-from lidardraft.training.pairs import Pair, PairFolder, write_pairs
-
-SENSOR = Sensor(name="small", elevations=tuple(np.linspace(0.05, -0.4, 16).tolist()), columns=128)
-
-
-def make_pair(seed: int, sensor: Sensor = SENSOR) -> Pair:
-    """Boxes on a road, drawn, and scanned with range noise and drops."""
-    rng = np.random.default_rng(seed)
-    primitives = [Primitive(shape="plane", center=(0, 0, 0), size=(200, 200, 0), label="road", id="road")]
-    for number in range(12):
-        angle, distance = rng.uniform(0, 2 * np.pi), rng.uniform(6, 30)
-        center = (distance * np.cos(angle), distance * np.sin(angle), 1.5)
-        primitives.append(
-            Primitive(
-                shape="box", center=center, size=(4, 3, 3), label="building", id=f"b{number}", yaw=rng.uniform(0, 3)
-            )
-        )
-    drawing = raycast(Layout(primitives=tuple(primitives)), sensor)
-    kept = drawing.valid & (rng.random(sensor.shape) > 0.1)
-    assert drawing.incidence is not None
-    scan = RangeImage(
-        sensor=sensor,
-        depth=np.where(kept, drawing.depth + rng.normal(0, 0.02, sensor.shape), 0).astype(np.float32),
-        label=np.where(kept, drawing.label, 0).astype(np.uint8),
-        instance=np.zeros(sensor.shape, dtype=np.uint32),
-        intensity=np.where(kept, drawing.incidence, 0).astype(np.float32),
-    )
-    return scan, drawing
+from lidardraft.training.pairs import PairFolder, write_pairs
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -13,7 +13,8 @@ from lidardraft.diffusion.codec import CONDITION_CHANNELS, DEPTH, DRAWN_DEPTH, D
 from lidardraft.diffusion.layers import RingConv, fold, unfold, zero_conv
 from lidardraft.diffusion.score_network import Encoder
 
-_OFFSET = 0.05  # how far the copied depth may leave the drawn one: 12 % of range, in the state's log depth
+_OFFSET = 0.05  # how far the copied depth may leave the drawn one, in the state's log depth: 12 % of the range
+_TRUST = 0.01  # how far a surface lies from its drawing at best, likewise
 
 
 class ControlNet(nn.Module):
@@ -32,7 +33,7 @@ class ControlNet(nn.Module):
     def forward(self, x: Tensor, level: Tensor, beams: Tensor, condition: Tensor) -> tuple[list[Tensor], Tensor]:
         """What to add to the decoder's inputs, and the hint [B, width, H / h, W / w] that the drawing gives.
 
-        x [B, 3, H, W], level [B], beams [2, H], condition [B, K + 2, H, W].
+        x [B, channels, H, W] is what the encoder sees, level [B], beams [2, H], condition [B, K + 2, H, W].
         """
         hint = functional.silu(self.hint(functional.silu(self.embed(fold(condition, self.encoder.cell)))))
         outputs = self.encoder(x, level, beams, self.enter(hint))
@@ -48,7 +49,7 @@ class ControlNet(nn.Module):
 
 
 class CopyGate(nn.Module):
-    """Where to trust the drawing: depth becomes D + m (drawn + offset - D), with m closed exactly at the start.
+    """Where to trust the drawing: depth becomes D + m (drawn + offset - D), the gate m closed exactly at the start.
 
     Half a metre at 20 m is 0.011 of the state: copying it through folded features is what a small network cannot do.
     With the gate it only decides where the drawing holds (walls, road) and where it does not (glass, crowns, gaps).
@@ -71,7 +72,8 @@ class CopyGate(nn.Module):
         distance = torch.tanh((x[:, DEPTH : DEPTH + 1] - drawn) / (2 * sigma + 0.02))
         h = functional.silu(self.mix(torch.cat([features, hint, fold(distance, self.cell).to(features)], dim=1)))
         logit, offset = unfold(self.head(h), self.cell).float().chunk(2, dim=1)
-        gate = torch.tanh(logit) * hit
+        # Once the noise is far below _TRUST the pixel says more than the drawing can: the gate closes on its own.
+        gate = torch.tanh(logit) * hit * sigma**2 / (sigma**2 + _TRUST**2)
         depth = denoised[:, DEPTH : DEPTH + 1]
         depth = depth + gate * (drawn + _OFFSET * torch.tanh(offset / 4) - depth)
         return torch.cat([depth, denoised[:, DEPTH + 1 :]], dim=1)

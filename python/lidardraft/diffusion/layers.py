@@ -58,7 +58,7 @@ class NoiseEmbedding(nn.Module):
     def forward(self, level: Tensor) -> Tensor:
         """Embed c_noise [B]."""
         phase = level[:, None] * self.frequencies
-        return self.net(torch.cat([phase.cos(), phase.sin()], dim=1))  # type: ignore[no-any-return]
+        return self.net(torch.cat([phase.cos(), phase.sin()], dim=1))
 
 
 class ResidualBlock(nn.Module):
@@ -81,7 +81,7 @@ class ResidualBlock(nn.Module):
         h = self.conv_out(functional.silu(self.norm_out(h) * (1 + scale) + shift))
         if self.stride > 1:
             x = functional.avg_pool2d(x, self.stride, ceil_mode=True, count_include_pad=False)
-        return self.shortcut(x) + h  # type: ignore[no-any-return]
+        return self.shortcut(x) + h
 
 
 class ResidualUnit(nn.Module):
@@ -94,7 +94,7 @@ class ResidualUnit(nn.Module):
 
     def forward(self, x: Tensor) -> Tensor:
         """[B, width, H, W] to the same shape."""
-        return x + self.conv_out(functional.silu(self.conv_in(functional.silu(x))))  # type: ignore[no-any-return]
+        return x + self.conv_out(functional.silu(self.conv_in(functional.silu(x))))
 
 
 class ChainedPooling(nn.Module):
@@ -135,7 +135,7 @@ class RefineBlock(nn.Module):
         h = self.fuse_skip(self.adapt(skip))
         if self.fuse_below is not None and below is not None:
             h = h + functional.interpolate(self.fuse_below(below), size=_size(h), mode="nearest")
-        return self.output(self.pool(h))  # type: ignore[no-any-return]
+        return self.output(self.pool(h))
 
 
 def _size(x: Tensor) -> Sequence[int]:

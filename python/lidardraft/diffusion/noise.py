@@ -5,9 +5,13 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
+from lidardraft.errors import LidarDraftError
 
-def karras_levels(steps: int, *, sigma_min: float = 0.002, sigma_max: float = 40.0, rho: float = 7.0) -> list[float]:
+
+def karras_levels(steps: int, *, sigma_min: float = 0.002, sigma_max: float = 20.0, rho: float = 7.0) -> list[float]:
     """The `steps` falling noise levels of a sampler and a last 0 (Karras et al., NeurIPS 2022, Eq. 5)."""
+    if steps < 1:
+        raise LidarDraftError(f"steps is {steps}; it must be at least 1")
     high, low = sigma_max ** (1 / rho), sigma_min ** (1 / rho)
     return [(high + i / max(steps - 1, 1) * (low - high)) ** rho for i in range(steps)] + [0.0]
 

@@ -1,4 +1,4 @@
-"""Samplers: noise is removed here. Generators over any `denoise(x, sigma)`, x [B, ...] and sigma [B]."""
+"""The sampler: noise is removed here. A generator over any `denoise(x, sigma)`, x [B, ...] and sigma [B]."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ Denoise = Callable[[Tensor, Tensor], Tensor]
 
 
 def sample(
-    denoiser: Denoiser, sensor: Sensor, *, seeds: Sequence[int], condition: Tensor | None = None, steps: int = 10
+    denoiser: Denoiser, sensor: Sensor, *, seeds: Sequence[int], condition: Tensor | None = None, steps: int = 20
 ) -> Iterator[Tensor]:
-    """The states [B, 3, H, W] after each step of Heun's method, one sample a seed; the last one is the result.
+    """The states [B, 3, H, W] after each step of `sample_multistep`, one sample a seed; the last one is the result.
 
     `condition` [B, K + 2, H, W], or one for all [1, K + 2, H, W]; without it the samples are unconditional. Works on
     the device of the weights. Raises `SensorError` where the image cannot be cut into the network's cells.
@@ -35,30 +35,14 @@ def sample(
     noise = torch.stack([gaussian((STATE_CHANNELS, *sensor.shape), seed) for seed in seeds]).to(device)
     if condition is not None:
         condition = condition.to(device).expand(len(seeds), -1, -1, -1)
-    return sample_heun(lambda x, sigma: denoiser.denoise(x, sigma, beams, condition), sigmas[0] * noise, sigmas)
-
-
-def sample_heun(denoise: Denoise, x: Tensor, sigmas: Sequence[float]) -> Iterator[Tensor]:
-    """The state after each step along `sigmas`, from pure noise x = sigmas[0] * gaussian to 0.
-
-    Heun's second-order method for dx/dsigma = (x - D) / sigma: Karras et al., NeurIPS 2022, Algorithm 1. Two calls a
-    step, one in a step to 0.
-    """
-    for sigma, below in itertools.pairwise(sigmas):
-        slope = (x - denoise(x, x.new_full((len(x),), sigma))) / sigma
-        euler = x + (below - sigma) * slope
-        if below > 0:
-            end = (euler - denoise(euler, x.new_full((len(x),), below))) / below
-            x = x + (below - sigma) * (slope + end) / 2
-        else:
-            x = euler
-        yield x
+    return sample_multistep(lambda x, sigma: denoiser.denoise(x, sigma, beams, condition), sigmas[0] * noise, sigmas)
 
 
 def sample_multistep(denoise: Denoise, x: Tensor, sigmas: Sequence[float]) -> Iterator[Tensor]:
-    """As `sample_heun` at half its cost: DPM-Solver++(2M), Lu et al., 2022, Algorithm 2. One call a step.
+    """The state after each step along `sigmas`, from pure noise x = sigmas[0] * gaussian to 0; one call a step.
 
-    The step before gives the second order; the first step and a step to 0 have the first.
+    DPM-Solver++(2M), Lu et al., 2022, Algorithm 2: the step before gives the second order; the first step and a step to
+    0 have the first.
     """
     before: tuple[Tensor, float] | None = None
     for sigma, below in itertools.pairwise(sigmas):

@@ -22,8 +22,8 @@ def agrees(depth: np.ndarray, drawn: np.ndarray) -> np.ndarray:
 
 
 def label_from_drawing(scan: RangeImage, drawing: RangeImage, layout: Layout, pose: np.ndarray) -> RangeImage:
-    """`scan` with label and instance: the drawing's where the ranges agree, else those of the smallest shape of the layout
-    around the point (grown by 0.3 m), else none. `pose` is world_from_sensor [4, 4] of both images."""
+    """`scan` with label and instance: the drawing's where the ranges agree, else those of the smallest shape of the
+    layout around the point (grown by 0.3 m), else none. `pose` is world_from_sensor [4, 4] of both images."""
     near = agrees(scan.depth, drawing.depth)
     label = np.where(near, drawing.label, 0).astype(np.uint8)
     instance = np.where(near, drawing.instance, 0).astype(np.uint32)

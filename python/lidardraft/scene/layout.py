@@ -30,9 +30,9 @@ _INSTANCE_LIMIT = 2**16 - 1  # a SemanticKITTI label file holds 16 bits of insta
 class Primitive:
     """One semantic shape.
 
-    `size` holds full extents [m]; a plane is the rectangle z = 0 of its frame and has size z 0. `instance` is 0 for stuff
-    and the number of the object, shared by its parts, for things. `material` refines the class's surface (a name of
-    `scene.materials`); None is the class's own. `mesh` holds the vertices of shape "mesh" within the unit box.
+    `size` holds full extents [m]; a plane is the rectangle z = 0 of its frame and has size z 0. `instance` is 0 for
+    stuff and the number of the object, shared by its parts, for things. `material` refines the class's surface (a name
+    of `scene.materials`); None is the class's own. `mesh` holds the vertices of shape "mesh" within the unit box.
     """
 
     shape: str
@@ -150,8 +150,8 @@ class Box:
 class Layout:
     """An ordered set of primitives with distinct ids.
 
-    `provenance` says where it came from (sentence, seed, source; JSON types only). `coverage` is the part of the azimuth
-    [rad] that the source saw, (from, to) counter-clockwise, or None for all of it.
+    `provenance` says where it came from (sentence, seed, source; JSON types only). `coverage` is the part of the
+    azimuth [rad] that the source saw, (from, to) counter-clockwise, or None for all of it.
     """
 
     primitives: tuple[Primitive, ...] = ()

@@ -29,9 +29,10 @@ _BROKEN = (OSError, EOFError, KeyError, TypeError, ValueError, AttributeError, z
 class RangeImage:
     """Images of shape [H, W] of one scan of `sensor`.
 
-    `depth` f32 is the distance along the ray [m], `label` u8 a class id, `instance` u32 the object. Optional: `intensity` f32
-    in [0, 1]; `incidence` f32, the cosine between ray and surface normal; `primitive` i32, the index of the primitive hit.
-    No return is depth 0, label 0, instance 0, intensity 0, incidence 0, primitive -1, and False in `valid`.
+    `depth` f32 is the distance along the ray [m], `label` u8 a class id, `instance` u32 the object. Optional:
+    `intensity` f32 in [0, 1]; `incidence` f32, the cosine between ray and surface normal; `primitive` i32, the index
+    of the primitive hit. No return is depth 0, label 0, instance 0, intensity 0, incidence 0, primitive -1, and False
+    in `valid`.
     """
 
     sensor: Sensor
@@ -48,9 +49,8 @@ class RangeImage:
             if image is None:
                 continue
             if image.shape != self.sensor.shape or image.dtype != dtype:
-                raise SensorError(
-                    f"{name} is {image.dtype} {image.shape}; {self.sensor.name} needs {np.dtype(dtype)} {self.sensor.shape}"
-                )
+                needed = f"{np.dtype(dtype)} {self.sensor.shape}"
+                raise SensorError(f"{name} is {image.dtype} {image.shape}; {self.sensor.name} needs {needed}")
 
     @property
     def valid(self) -> np.ndarray:
@@ -71,7 +71,7 @@ class RangeImage:
         instance: np.ndarray | None = None,
         intensity: np.ndarray | None = None,
     ) -> RangeImage:
-        """The image of sensor-frame points [N, 3]; the nearest wins a pixel, points outside the field of view are left out.
+        """The image of sensor-frame points [N, 3]; the nearest wins a pixel, points out of view are left out.
 
         The inverse of `points`. `label`, `instance` and `intensity` hold one value a point [N].
         """

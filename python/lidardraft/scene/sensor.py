@@ -21,10 +21,10 @@ from lidardraft.errors import SensorError
 class Sensor:
     """A spinning LiDAR: H beams, row 0 the highest, by `columns` firings.
 
-    Angles in radians, lengths in metres. `azimuth_offsets` and `origin_heights` hold one value a beam, or nothing for zeros.
-    Column w looks to the azimuth `azimuth_start - (w + 1/2) * azimuth_span / columns` plus the beam's offset: pixel centres,
-    decreasing, the seam behind the car. `mount_height` is the height of the sensor's origin over the road; `range_sigma`
-    the standard deviation of its range noise.
+    Angles in radians, lengths in metres. `azimuth_offsets` and `origin_heights` hold one value a beam, or nothing for
+    zeros. Column w looks to the azimuth `azimuth_start - (w + 1/2) * azimuth_span / columns` plus the beam's offset:
+    pixel centres, decreasing, the seam behind the car. `mount_height` is the height of the sensor's origin over the
+    road; `range_sigma` the standard deviation of its range noise.
 
     Raises `SensorError` naming the value that cannot be.
     """
@@ -125,7 +125,7 @@ PRESETS: dict[str, Sensor] = {
         # Velodyne HDL-64E S2 manual: 32 upper beams 1/3 degree apart from +2, 32 lower ones 1/2 degree apart to -24.33;
         # KITTI mounts it 1.73 m over the road (Geiger et al., IJRR 2013). 64 x 1024 is the usual image of a KITTI scan.
         Sensor(name="hdl64e", elevations=_beams(2.0, -8.333, 32) + _beams(-8.833, -24.333, 32), columns=1024),
-        # The grid that LiDARGen, LiDM and R2DM project KITTI to: +3 to -25 degrees in equal steps, here at pixel centres.
+        # The grid that LiDARGen, LiDM and R2DM project KITTI to: +3 to -25 degrees in equal steps, here pixel centres.
         Sensor(name="hdl64e-linear", elevations=_beams(3 - 14 / 64, -25 + 14 / 64, 64), columns=1024),
         # Velodyne HDL-32E manual: +10.67 to -30.67 degrees in steps of 4/3; nuScenes mounts it 1.84 m over the road.
         Sensor(name="hdl32e", elevations=_beams(10.667, -30.667, 32), columns=1024, max_range=100.0, mount_height=1.84),

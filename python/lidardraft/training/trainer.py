@@ -136,15 +136,16 @@ class _Trainer:
     """Weights, their average and the optimiser: what a step changes and a run keeps."""
 
     def __init__(self, config: TrainingConfig, base: Denoiser | None, device: torch.device, beams: np.ndarray) -> None:
-        torch.manual_seed(config.seed)
-        denoiser = Denoiser.from_config(config.denoiser) if base is None else base.with_controlnet()
+        with torch.random.fork_rng(devices=[]):
+            torch.manual_seed(config.seed)
+            denoiser = Denoiser.from_config(config.denoiser) if base is None else base.with_controlnet()
         self.config, self.device = config, device
         # On a CPU without bfloat16 instructions the emulated ones are slower than float32.
         self.bfloat16 = device.type == "cuda" or torch.cpu._is_avx512_bf16_supported()
         self.denoiser = denoiser.to(device).train()
         self.beams = torch.from_numpy(beams).to(device)
         self.weights = {name: p for name, p in denoiser.named_parameters() if p.requires_grad}
-        frozen = [p.numpy().tobytes() for p in denoiser.parameters() if not p.requires_grad]
+        frozen = [p.detach().cpu().numpy().tobytes() for p in denoiser.parameters() if not p.requires_grad]
         self.identity = json.dumps([zlib.crc32(b"".join(frozen)), dataclasses.replace(config, **_FREE).to_dict()])
         self.average = {name: p.detach().clone() for name, p in self.weights.items()}
         self.optimiser = torch.optim.AdamW(
@@ -258,16 +259,21 @@ def _batch(
     clean, conditions = [], []
     for i in random.integers(len(pairs), size=config.batch):
         scan, drawing = pairs[int(i)]
-        columns = (random.integers(scan.sensor.columns) + np.arange(config.crop)) % scan.sensor.columns
-        if random.random() < 0.5:
-            columns = columns[::-1]
-        clean.append(torch.from_numpy(encode_scan(scan)[:, :, columns]))
+        start, mirrored = int(random.integers(scan.sensor.columns)), bool(random.random() < 0.5)
+        clean.append(_crop(encode_scan(scan), start, config.crop, mirrored))
         if conditional:
-            conditions.append(torch.from_numpy(encode_condition(drawing)[:, :, columns]))
+            conditions.append(_crop(encode_condition(drawing), start, config.crop, mirrored))
     batch = torch.stack(clean)
     sigma = training_levels(config.batch, generator, mean=config.sigma_mean, std=config.sigma_std)
     noise = torch.randn(batch.shape, generator=generator)
     return batch, sigma, noise, torch.stack(conditions) if conditional else None
+
+
+def _crop(image: np.ndarray, start: int, width: int, mirrored: bool) -> Tensor:
+    """`width` columns of a ring [C, H, W] from column `start` on; `mirrored` left to right."""
+    rest = max(start + width - image.shape[-1], 0)
+    crop = np.concatenate([image[..., start : start + width], image[..., :rest]], axis=-1)
+    return torch.from_numpy(np.ascontiguousarray(crop[..., ::-1] if mirrored else crop))
 
 
 def _report(

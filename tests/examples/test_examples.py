@@ -1,0 +1,47 @@
+"""The examples, run as a user runs them."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from lidardraft import Layout
+from lidardraft.formats import kitti, semantickitti
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+DATA = os.environ.get("LIDARDRAFT_DATA", "")
+
+
+def run(name: str, *argv: str) -> str:
+    command = [sys.executable, "-W", "error", str(EXAMPLES / name), *argv]
+    result = subprocess.run(command, capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+    return result.stdout
+
+
+def test_demo(tmp_path: Path) -> None:
+    assert "labelled" in run("demo.py", "-o", str(tmp_path))
+    names = {"layout.json", "condition.png", "scan.bin", "scan.label", "boxes.json", "preview.png"}
+    assert {path.name for path in tmp_path.iterdir()} == names
+    points, _ = kitti.read_bin(tmp_path / "scan.bin")
+    label, instance = semantickitti.read_label(tmp_path / "scan.label", len(points))
+    assert len(points) > 30_000
+    assert (label > 0).mean() > 0.7
+    things = {box.instance for box in Layout.load(tmp_path / "layout.json").boxes()}
+    assert set(instance.tolist()) - {0} <= things
+    boxes = json.loads((tmp_path / "boxes.json").read_text())
+    assert boxes["frame"] == "sensor"
+    assert max(box["num_points"] for box in boxes["boxes"]) > 50
+
+
+@pytest.mark.skipif(
+    not Path(DATA, "kitti/odometry_00").is_dir() or not DATA, reason="LIDARDRAFT_DATA has no recordings"
+)
+def test_cloud_to_scan(tmp_path: Path) -> None:
+    scan = Path(DATA, "kitti/odometry_00")
+    argv = [str(scan / "velodyne/000000.bin"), str(scan / "labels/000000.label"), "-o", str(tmp_path)]
+    assert "generated scan" in run("cloud_to_scan.py", *argv)
+    assert (tmp_path / "comparison.png").stat().st_size > 10_000
