@@ -89,14 +89,14 @@ class Scan:
 class Pipeline:
     """A denoiser and the sensor it was trained for, ready to turn sentences and layouts into scans."""
 
-    def __init__(self, denoiser: Denoiser, *, sensor: Sensor | None = None, steps: int = 10) -> None:
+    def __init__(self, denoiser: Denoiser, *, sensor: Sensor | None = None, steps: int = 20) -> None:
         self.denoiser = denoiser.eval()
         self.sensor = sensor or Sensor.preset("hdl64e")
         self.steps = steps
 
     @classmethod
     def from_pretrained(
-        cls, name: str | os.PathLike[str] = "street", *, device: str = "cpu", steps: int = 10
+        cls, name: str | os.PathLike[str] = "street", *, device: str = "cpu", steps: int = 20
     ) -> Pipeline:
         """The packaged weights of that name, or the weight file at that path; raises `CheckpointError`."""
         packaged = WEIGHTS / f"{os.fspath(name)}.safetensors"

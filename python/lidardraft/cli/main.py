@@ -124,7 +124,7 @@ def _parser() -> argparse.ArgumentParser:
         added.add_argument(
             "--weights", default="street", metavar="NAME", help="packaged weights or a file (default street)"
         )
-        added.add_argument("--steps", type=_positive, default=10, help="sampling steps (default 10)")
+        added.add_argument("--steps", type=_positive, default=20, help="sampling steps (default 20)")
         added.add_argument("--device", default="cpu", help="torch device (default cpu)")
 
     added = command("draft", draft)
