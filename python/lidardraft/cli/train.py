@@ -8,9 +8,13 @@ import itertools
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lidardraft.errors import LidarDraftError
 from lidardraft.scene.sensor import PRESETS, Sensor
+
+if TYPE_CHECKING:
+    from lidardraft.training.trainer import TrainingConfig
 
 RECIPES = ("small", "tiny", "paper")
 
@@ -32,31 +36,32 @@ def pairs(arguments: argparse.Namespace) -> None:
 
 def unconditional(arguments: argparse.Namespace) -> None:
     """Stage one: the score network learns what scans look like."""
-    _train(arguments, "base", None)
+    config = _config(arguments.recipe, "base", arguments.steps)
+    _train(config, arguments.pairs, arguments.run, device=arguments.device, minutes=arguments.minutes)
 
 
 def controlnet(arguments: argparse.Namespace) -> None:
     """Stage two: a ControlNet learns to obey the drawing, on the frozen network of stage one."""
-    _train(arguments, "control", Path(arguments.base))
+    config = _config(arguments.recipe, "control", arguments.steps)
+    base = Path(arguments.base)
+    _train(config, arguments.pairs, arguments.run, base=base, device=arguments.device, minutes=arguments.minutes)
 
 
 def street(arguments: argparse.Namespace) -> None:
-    """All of it: pairs, both stages, and the weight file with its card."""
+    """All of it: pairs, both stages, and the weight file with its card; goes on where an interrupted run stopped."""
     from lidardraft.diffusion import checkpoint
 
-    work = Path(arguments.work)
-    arguments.pairs = str(work / "pairs")
+    base = _config(arguments.recipe, "base", arguments.base_steps)
+    control = _config(arguments.recipe, "control", arguments.control_steps)
+    work, arguments.pairs = Path(arguments.work), str(Path(arguments.work) / "pairs")
     pairs(arguments)
-    arguments.run = str(work / "base")
-    arguments.steps = arguments.base_steps
-    unconditional(arguments)
-    arguments.base, arguments.run = str(work / "base" / "weights.safetensors"), str(work / "control")
-    arguments.steps = arguments.control_steps
-    controlnet(arguments)
+    _train(base, arguments.pairs, work / "base", device=arguments.device)
+    trained = work / "base" / "weights.safetensors"
+    _train(control, arguments.pairs, work / "control", base=trained, device=arguments.device)
     weights = work / "control" / "weights.safetensors"
     card = {
         "data": f"{arguments.num} procedural street scans, seed {arguments.seed}, {arguments.sensor}",
-        "base": checkpoint.read_card(arguments.base),
+        "base": checkpoint.read_card(trained),
         "control": checkpoint.read_card(weights),
     }
     Path(arguments.output).parent.mkdir(parents=True, exist_ok=True)
@@ -64,26 +69,38 @@ def street(arguments: argparse.Namespace) -> None:
     print(arguments.output)
 
 
-def _train(arguments: argparse.Namespace, stage: str, base: Path | None) -> None:
+def _config(recipe: str, stage: str, steps: int | None) -> TrainingConfig:
+    from lidardraft.training import recipes
+
+    configs = {"small": recipes.small, "tiny": recipes.tiny, "paper": recipes.paper}[recipe]()
+    config: TrainingConfig = getattr(configs, stage)
+    return config if steps is None else dataclasses.replace(config, steps=steps)
+
+
+def _train(
+    config: TrainingConfig,
+    pairs: str | Path,
+    run: str | Path,
+    *,
+    base: Path | None = None,
+    device: str,
+    minutes: float | None = None,
+) -> None:
     from tqdm import tqdm
 
     from lidardraft.diffusion import checkpoint
-    from lidardraft.training import recipes
     from lidardraft.training.pairs import PairFolder
     from lidardraft.training.trainer import train
 
-    config = getattr({"small": recipes.small, "tiny": recipes.tiny, "paper": recipes.paper}[arguments.recipe](), stage)
-    if arguments.steps is not None:
-        config = dataclasses.replace(config, steps=arguments.steps)
     reports = train(
         config,
-        PairFolder(arguments.pairs),
-        arguments.run,
+        PairFolder(pairs),
+        run,
         base=checkpoint.load(base) if base else None,
-        device=arguments.device,
-        max_minutes=arguments.minutes,
+        device=device,
+        max_minutes=float("inf") if minutes is None else minutes,
     )
-    with tqdm(total=config.steps, unit="step", desc=stage) as bar:
+    with tqdm(total=config.steps, unit="step", desc="control" if base else "base") as bar:
         for report in reports:
             bar.update(report.step - bar.n)
             bar.set_postfix_str(f"loss {report.loss:.3f}, {report.crops_per_second:.1f} crops/s")
@@ -107,9 +124,6 @@ def _parser() -> argparse.ArgumentParser:
     def stage(added: argparse.ArgumentParser) -> None:
         added.add_argument("--recipe", choices=RECIPES, default="small", help="size of the network (default small)")
         added.add_argument("--device", default="cpu", help="torch device (default cpu)")
-        added.add_argument(
-            "--minutes", type=float, default=float("inf"), help="stop after so long; the same call goes on"
-        )
 
     added = command("pairs", pairs)
     data(added)
@@ -119,6 +133,7 @@ def _parser() -> argparse.ArgumentParser:
         added = command(name, run)
         stage(added)
         added.add_argument("--steps", type=int, help="instead of the recipe's")
+        added.add_argument("--minutes", type=float, help="stop after so long; the same call goes on")
         added.add_argument("--pairs", required=True, metavar="FOLDER")
         if run is controlnet:
             added.add_argument("--base", required=True, metavar="WEIGHTS", help="weights.safetensors of stage one")

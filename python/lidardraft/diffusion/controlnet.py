@@ -9,12 +9,13 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from lidardraft.diffusion.codec import CONDITION_CHANNELS, DEPTH, DRAWN_DEPTH, DRAWN_VALIDITY
+from lidardraft.diffusion.codec import CONDITION_CHANNELS, DEPTH, DRAWN_DEPTH, DRAWN_VALIDITY, STATE_CHANNELS
 from lidardraft.diffusion.layers import RingConv, fold, unfold, zero_conv
 from lidardraft.diffusion.score_network import Encoder
 
 _OFFSET = 0.05  # how far the copied depth may leave the drawn one, in the state's log depth: 12 % of the range
-_TRUST = 0.01  # how far a surface lies from its drawing at best, likewise
+_TRUST = 0.01  # how far a surface lies from its drawing where that is right, likewise
+_SPREAD = 0.5  # and where it is wrong: the spread of all depths
 
 
 class ControlNet(nn.Module):
@@ -52,15 +53,16 @@ class CopyGate(nn.Module):
     """Where to trust the drawing: depth becomes D + m (drawn + offset - D), the gate m closed exactly at the start.
 
     Half a metre at 20 m is 0.011 of the state: copying it through folded features is what a small network cannot do.
-    With the gate it only decides where the drawing holds (walls, road) and where it does not (glass, crowns, gaps).
+    With the gate it only decides where the drawing holds (walls, road) and where it does not (glass, crowns, gaps), and
+    starts from what Bayes' rule says of a single pixel.
     """
 
     def __init__(self, width: int, cell: tuple[int, int]) -> None:
         super().__init__()
         pixels = cell[0] * cell[1]
         self.cell = cell
-        self.mix = RingConv(2 * width + pixels, width // 2)
-        self.head = zero_conv(width // 2, 2 * pixels)
+        self.mix = RingConv(2 * width + 2 * pixels, width)
+        self.head = zero_conv(width, (3 + STATE_CHANNELS) * pixels)
 
     def forward(
         self, denoised: Tensor, x: Tensor, sigma: Tensor, condition: Tensor, features: Tensor, hint: Tensor
@@ -68,12 +70,16 @@ class CopyGate(nn.Module):
         """`denoised` [B, 3, H, W] with its depth drawn towards the condition's; x is noisy, sigma [B, 1, 1, 1]."""
         drawn = condition[:, DRAWN_DEPTH : DRAWN_DEPTH + 1]
         hit = condition[:, DRAWN_VALIDITY : DRAWN_VALIDITY + 1] > 0
-        # How many standard deviations of noise lie between pixel and drawing: beyond a few, the drawing is wrong there.
-        distance = torch.tanh((x[:, DEPTH : DEPTH + 1] - drawn) / (2 * sigma + 0.02))
-        h = functional.silu(self.mix(torch.cat([features, hint, fold(distance, self.cell).to(features)], dim=1)))
-        logit, offset = unfold(self.head(h), self.cell).float().chunk(2, dim=1)
-        # Once the noise is far below _TRUST the pixel says more than the drawing can: the gate closes on its own.
-        gate = torch.tanh(logit) * hit * sigma**2 / (sigma**2 + _TRUST**2)
+        distance = x[:, DEPTH : DEPTH + 1] - drawn
+        # ln of N(distance; 0, right) / N(distance; 0, wrong): what the pixel says for and against the drawing.
+        right, wrong = sigma**2 + _TRUST**2, sigma**2 + _SPREAD**2
+        evidence = ((wrong / right).log() - distance**2 * (1 / right - 1 / wrong)) / 2
+        seen = torch.cat([torch.tanh(distance / (2 * right.sqrt())), torch.tanh(evidence / 4)], dim=1)
+        h = functional.silu(self.mix(torch.cat([features, hint, fold(seen, self.cell).to(features)], dim=1)))
+        opening, prior, offset, *correction = unfold(self.head(h), self.cell).float().chunk(3 + STATE_CHANNELS, dim=1)
+        denoised = denoised + sigma * _SPREAD / wrong.sqrt() * torch.cat(correction, dim=1)
+        # Where the drawing is right, the pixel itself is worth _TRUST^2 / right of the mean of both.
+        gate = torch.tanh(opening) * torch.sigmoid(prior + evidence) * hit * sigma**2 / right
         depth = denoised[:, DEPTH : DEPTH + 1]
         depth = depth + gate * (drawn + _OFFSET * torch.tanh(offset / 4) - depth)
         return torch.cat([depth, denoised[:, DEPTH + 1 :]], dim=1)
