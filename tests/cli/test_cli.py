@@ -99,9 +99,7 @@ def test_bad_input_is_one_line(folder: Path, capsys: pytest.CaptureFixture[str])
     assert "nowhere.json" in refused(capsys, "raycast", "nowhere.json", "-o", "a.npz")
     Path("broken.json").write_text('{"schema": ')
     assert "broken.json: not JSON" in refused(capsys, "raycast", "broken.json", "-o", "a.npz")
-    assert "hdl65" in refused(
-        capsys, "draft", "--points", "a.bin", "--labels", "a.label", "--sensor", "hdl65", "-o", "b.json"
-    )
+    assert "hdl65" in refused(capsys, "generate", "--text", "a car ahead", "--sensor", "hdl65", "-o", "out")
     Path("short.bin").write_bytes(b"12345")
     Path("short.label").write_bytes(b"1234")
     short = ["--points", "short.bin", "--labels", "short.label", "-o", "out"]

@@ -169,7 +169,7 @@ def test_recipes_survive_json_and_share_a_network(recipe: "type[recipes.Recipe]"
 
 def test_the_recipe_that_ships_fits_in_eight_megabytes() -> None:
     denoiser = Denoiser.from_config(dataclasses.replace(recipes.small().base.denoiser, controlnet=True))
-    assert 2 * sum(weight.numel() for weight in denoiser.state_dict().values()) < 7.9e6
+    assert 2 * sum(weight.numel() for weight in denoiser.state_dict().values()) < 7.95e6
 
 
 def test_the_papers_recipe_has_the_papers_widths() -> None:

@@ -17,11 +17,11 @@ class Recipe:
 
 
 def small() -> Recipe:
-    """What ships: 3.9 million weights, for two CPU cores."""
+    """What ships: 3.95 million weights, 7.9 MB as float16, for two CPU cores."""
     denoiser = DenoiserConfig(cell=(2, 4), widths=(64, 64, 96, 96), strides=(1, 2, 2, 1), dilations=(1, 1, 1, 2))
     return Recipe(
         base=TrainingConfig(denoiser=denoiser, steps=1_400, batch=16, learning_rate=2e-3),
-        control=TrainingConfig(denoiser=denoiser, steps=2_200, batch=16, learning_rate=2e-3, zero_conv_steps=50),
+        control=TrainingConfig(denoiser=denoiser, steps=1_900, batch=16, learning_rate=2e-3, zero_conv_steps=50),
     )
 
 
