@@ -16,7 +16,6 @@ _LAZY = {
     "Scan": "lidardraft.pipeline",
     "layout_from_text": "lidardraft.drafting.text",
     "layout_from_cloud": "lidardraft.drafting.cloud",
-    "streets": "lidardraft.streets.street",
 }
 
 __all__ = [
@@ -34,7 +33,6 @@ __all__ = [
     "layout_from_cloud",
     "layout_from_text",
     "raycast",
-    "streets",
 ]
 
 

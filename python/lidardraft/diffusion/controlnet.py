@@ -62,7 +62,7 @@ class CopyGate(nn.Module):
         pixels = cell[0] * cell[1]
         self.cell = cell
         self.mix = RingConv(2 * width + 2 * pixels, width)
-        self.head = zero_conv(width, (3 + STATE_CHANNELS) * pixels)
+        self.head = zero_conv(width, (4 + STATE_CHANNELS) * pixels)
 
     def forward(
         self, denoised: Tensor, x: Tensor, sigma: Tensor, condition: Tensor, features: Tensor, hint: Tensor
@@ -71,15 +71,22 @@ class CopyGate(nn.Module):
         drawn = condition[:, DRAWN_DEPTH : DRAWN_DEPTH + 1]
         hit = condition[:, DRAWN_VALIDITY : DRAWN_VALIDITY + 1] > 0
         distance = x[:, DEPTH : DEPTH + 1] - drawn
-        # ln of N(distance; 0, right) / N(distance; 0, wrong): what the pixel says for and against the drawing.
         right, wrong = sigma**2 + _TRUST**2, sigma**2 + _SPREAD**2
-        evidence = ((wrong / right).log() - distance**2 * (1 / right - 1 / wrong)) / 2
-        seen = torch.cat([torch.tanh(distance / (2 * right.sqrt())), torch.tanh(evidence / 4)], dim=1)
-        h = functional.silu(self.mix(torch.cat([features, hint, fold(seen, self.cell).to(features)], dim=1)))
-        opening, prior, offset, *correction = unfold(self.head(h), self.cell).float().chunk(3 + STATE_CHANNELS, dim=1)
+        seen = [torch.tanh(distance / (2 * right.sqrt())), torch.tanh(_evidence(distance, right, wrong) / 4)]
+        folded = fold(torch.cat(seen, dim=1), self.cell).to(features)
+        h = functional.silu(self.mix(torch.cat([features, hint, folded], dim=1)))
+        opening, prior, trust, offset, *correction = (
+            unfold(self.head(h), self.cell).float().chunk(4 + STATE_CHANNELS, dim=1)
+        )
         denoised = denoised + sigma * _SPREAD / wrong.sqrt() * torch.cat(correction, dim=1)
-        # Where the drawing is right, the pixel itself is worth _TRUST^2 / right of the mean of both.
-        gate = torch.tanh(opening) * torch.sigmoid(prior + evidence) * hit * sigma**2 / right
+        right = sigma**2 + (_TRUST * torch.exp(2 * torch.tanh(trust))) ** 2
+        # Where the drawing is right, the mean of drawing and pixel weighs them by the precision of either.
+        gate = torch.tanh(opening) * torch.sigmoid(prior + _evidence(distance, right, wrong)) * hit * sigma**2 / right
         depth = denoised[:, DEPTH : DEPTH + 1]
         depth = depth + gate * (drawn + _OFFSET * torch.tanh(offset / 4) - depth)
         return torch.cat([depth, denoised[:, DEPTH + 1 :]], dim=1)
+
+
+def _evidence(distance: Tensor, right: Tensor, wrong: Tensor) -> Tensor:
+    """ln of N(distance; 0, right) / N(distance; 0, wrong): what a pixel says for and against the drawing."""
+    return ((wrong / right).log() - distance**2 * (1 / right - 1 / wrong)) / 2

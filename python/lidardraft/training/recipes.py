@@ -21,7 +21,7 @@ def small() -> Recipe:
     denoiser = DenoiserConfig(cell=(2, 4), widths=(64, 64, 96, 96), strides=(1, 2, 2, 1), dilations=(1, 1, 1, 2))
     return Recipe(
         base=TrainingConfig(denoiser=denoiser, steps=1_400, batch=16, learning_rate=2e-3),
-        control=TrainingConfig(denoiser=denoiser, steps=1_900, batch=16, learning_rate=2e-3, zero_conv_steps=50),
+        control=TrainingConfig(denoiser=denoiser, steps=1_250, batch=16, learning_rate=2e-3, zero_conv_steps=50),
     )
 
 
