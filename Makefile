@@ -1,5 +1,5 @@
 # `make help` lists the targets. An active environment, or the one given as VENV=, is used instead of making .venv.
-VENV ?= $(or $(VIRTUAL_ENV),.venv)
+VENV ?= $(or $(VIRTUAL_ENV),$(CONDA_PREFIX),.venv)
 PYTHON ?= python3
 BIN := $(VENV)/bin
 # One stamp a checkout: an environment that another checkout has been installed into since is installed into again.
@@ -36,10 +36,12 @@ weights: install ## train the default weights anew, from procedural streets to t
 install: $(STAMP)
 
 $(STAMP): pyproject.toml constraints.txt $(RUST)
-	@command -v cargo >/dev/null || { echo "lidardraft needs a Rust toolchain (cargo): see rustup.rs" >&2; exit 1; }
+	@cargo --version >/dev/null 2>&1 || { echo "lidardraft needs a Rust toolchain (cargo, 1.89 or newer): see rustup.rs" >&2; exit 1; }
+	@cargo --version | awk '{ split($$2, v, "."); exit v[1] == 1 && v[2] < 89 }' || { echo "lidardraft needs Rust 1.89 or newer; this is $$(cargo --version)" >&2; exit 1; }
 	@test -x "$(BIN)/python" || command -v $(PYTHON) >/dev/null || { echo "lidardraft needs Python 3.10 or newer: $(PYTHON) not found" >&2; exit 1; }
-	@test -x "$(BIN)/python" || $(PYTHON) -c 'import sys; v = sys.version_info; sys.exit(v < (3, 10) and f"lidardraft needs Python 3.10 or newer: $(PYTHON) is {v[0]}.{v[1]}; say make PYTHON=...")'
-	@test -x "$(BIN)/python" || $(PYTHON) -m venv "$(VENV)"
-	"$(BIN)/python" -m pip install --disable-pip-version-check --quiet --progress-bar on -c constraints.txt -e '.[dev]'
-	@rm -f $(VENV)/.lidardraft-*
-	@touch $@
+	@test -x "$(BIN)/python" && p="$(BIN)/python" || p=$(PYTHON); "$$p" -c 'import sys; v = sys.version_info; sys.exit(f"lidardraft needs Python 3.10 or newer; this is {v[0]}.{v[1]}: say make PYTHON=python3.x" if v < (3, 10) else 0)'
+	@test -x "$(BIN)/python" || $(PYTHON) -m venv "$(VENV)" || { rm -rf "$(VENV)"; echo "$(PYTHON) cannot make environments: install its venv package" >&2; exit 1; }
+	@"$(BIN)/python" -m pip --version >/dev/null || { echo "$(VENV) has no pip: remove it, or give another environment as VENV=" >&2; exit 1; }
+	"$(BIN)/python" -m pip install --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	@rm -f "$(VENV)"/.lidardraft-*
+	@touch "$@"

@@ -15,7 +15,7 @@ BASE = {"errors", "semantics", "files"}
 ALLOWED = {
     "errors": set(),
     "semantics": set(),
-    "files": set(),
+    "files": {"errors"},
     "scene": BASE,
     "formats": BASE | {"scene"},
     "drafting": BASE | {"scene"},

@@ -21,7 +21,7 @@ from lidardraft.streets.street import StreetConfig, StreetPair, streets
 @dataclass(frozen=True, kw_only=True)
 class Row:
     """One kind of scan of the same streets: adherence to the drawings (means over the streets), and the Jensen-Shannon
-    divergence of the top views from those of the detailed scans."""
+    distance of the top views from those of the detailed scans."""
 
     name: str
     objects: float
@@ -32,20 +32,29 @@ class Row:
 
 
 def unseen_streets(num: int, *, sensor: Sensor, seed: int = 1_000_000) -> list[StreetPair]:
-    """One pair of each of `num` streets; the default seed is far from the training's."""
+    """One pair of each of `num` streets, of a seed that no training used."""
     config = StreetConfig(sensor=sensor, poses_per_street=1)
     return list(itertools.islice(streets(seed, config), num))
 
 
 def evaluate(pipeline: Pipeline, pairs: list[StreetPair]) -> Iterator[Row]:
-    """The detailed scans themselves, the drawings, the pipeline's scans, and those of the same network with random
-    weights."""
-    torch.manual_seed(0)
-    random = Pipeline(Denoiser.from_config(pipeline.denoiser.config), steps=pipeline.steps)
+    """The detailed scans, the drawings, the pipeline's scans, and those of the same network with random weights."""
+    random = Pipeline(_random_weights(pipeline.denoiser), steps=pipeline.steps)
     yield _row("detailed scan", pairs, (pair.scan for pair in pairs))
     yield _row("drawing", pairs, (pair.drawing for pair in pairs))
     for name, generator in (("generated", pipeline), ("random weights", random)):
         yield _row(name, pairs, (_last(generator.denoising(pair.drawing, seed=pair.index)) for pair in pairs))
+
+
+def _random_weights(denoiser: Denoiser) -> Denoiser:
+    """A network of the same shape without any training; what starts at zero is random as well."""
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(0)
+        network = Denoiser.from_config(denoiser.config)
+        for module in network.modules():
+            if isinstance(module, torch.nn.Conv2d | torch.nn.Linear):
+                module.reset_parameters()
+    return network.to(next(denoiser.parameters()).device)
 
 
 def _row(name: str, pairs: list[StreetPair], scans: Iterable[RangeImage]) -> Row:

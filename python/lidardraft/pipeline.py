@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +17,7 @@ from lidardraft.diffusion.codec import decode_scan, encode_condition
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.sampler import sample
 from lidardraft.drafting.text import layout_from_text
-from lidardraft.errors import CheckpointError, SensorError
+from lidardraft.errors import CheckpointError
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
 from lidardraft.scene.labelling import label_from_drawing
@@ -48,7 +49,7 @@ class Scan:
         return self.image.intensity[self.image.valid]
 
     def labels(self) -> np.ndarray:
-        """Class ids of `points()`, uint8 [N]; 0 where the scan departs from the layout."""
+        """Class ids of `points()`, uint8 [N]; 0 where nothing of the layout is near."""
         return self.image.label[self.image.valid]
 
     def instances(self) -> np.ndarray:
@@ -77,17 +78,22 @@ class Scan:
         return view.stack([view.stack(views, across=True), view.stack(images, across=True)])
 
     def save(self, name: str | os.PathLike[str]) -> None:
-        """Write `NAME.bin`, `NAME.label`, `NAME.boxes.json`, `NAME.layout.json` and `NAME.png` beside each other."""
-        stem = os.fspath(name)
-        kitti.write_bin(f"{stem}.bin", self.points(), self.intensities())
-        semantickitti.write_label(f"{stem}.label", self.labels(), self.instances())
-        write_boxes(f"{stem}.boxes.json", self.boxes(), self.returns_per_box())
-        self.layout.save(f"{stem}.layout.json")
-        view.save_png(self.picture(), f"{stem}.png")
+        """Write `NAME.bin`, `NAME.label`, `NAME.boxes.json`, `NAME.layout.json` and `NAME.png` beside each other, or,
+        where one of them cannot be written, none."""
+        target = Path(name)
+        with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as folder:
+            stem = Path(folder) / target.name
+            kitti.write_bin(f"{stem}.bin", self.points(), self.intensities())
+            semantickitti.write_label(f"{stem}.label", self.labels(), self.instances())
+            write_boxes(f"{stem}.boxes.json", self.boxes(), self.returns_per_box())
+            self.layout.save(f"{stem}.layout.json")
+            view.save_png(self.picture(), f"{stem}.png")
+            for file in Path(folder).iterdir():
+                file.replace(target.parent / file.name)
 
 
 class Pipeline:
-    """A denoiser and the sensor it was trained for, ready to turn sentences and layouts into scans."""
+    """A denoiser and the sensor to use where none is given, ready to turn sentences and layouts into scans."""
 
     def __init__(self, denoiser: Denoiser, *, sensor: Sensor | None = None, steps: int = 20) -> None:
         self.denoiser = denoiser.eval()
@@ -123,16 +129,7 @@ class Pipeline:
 
     @torch.inference_mode()
     def denoising(self, drawing: RangeImage, *, seed: int = 0) -> Iterator[RangeImage]:
-        """The scan while it takes shape, one image without labels a sampling step; the last is the result.
-
-        Raises `SensorError` where the sensor's image is not made of whole cells of the network.
-        """
-        cell = self.denoiser.config.cell
-        if any(extent % step for extent, step in zip(drawing.sensor.shape, cell, strict=True)):
-            raise SensorError(
-                f"{drawing.sensor.name} has {drawing.sensor.shape} beams and columns; "
-                f"these weights need multiples of {cell}"
-            )
+        """The scan while it takes shape, one image without labels a sampling step; the last is the result."""
         condition = torch.from_numpy(encode_condition(drawing))[None]
         for state in sample(self.denoiser, drawing.sensor, seeds=[seed], condition=condition, steps=self.steps):
             yield decode_scan(state[0].cpu().numpy(), drawing.sensor)

@@ -22,8 +22,7 @@ class SemanticClass:
     size: tuple[float, float, float] | None = None
 
 
-# Colours: Cityscapes palette. Sizes: KITTI object training means (Geiger et al., CVPR 2012) for car, truck, person and
-# bicycle, rounded to 0.1 m; common European vehicle dimensions for bus, train and motorcycle.
+# Colours: Cityscapes palette. Sizes: common European dimensions, estimates of ours.
 CLASSES: tuple[SemanticClass, ...] = (
     SemanticClass(0, "none", (0, 0, 0)),
     SemanticClass(1, "road", (128, 64, 128)),
@@ -50,3 +49,4 @@ CLASSES: tuple[SemanticClass, ...] = (
 
 NUM_CLASSES = len(CLASSES)
 BY_NAME: dict[str, SemanticClass] = {row.name: row for row in CLASSES}
+GROUND = ("road", "sidewalk", "terrain")  # what everything else stands on

@@ -28,7 +28,7 @@ _GAP = 6
 
 
 def camera(width: int = 720, height: int = 480, field_of_view: float = math.radians(64)) -> Sensor:
-    """A sensor that sees as a camera does, looking along its x axis."""
+    """A sensor that looks along its x axis with rays as dense as a picture's, equal angles apart."""
     half = field_of_view / 2 * height / width
     return Sensor(
         name="camera",

@@ -194,7 +194,10 @@ def test_the_whole_training_in_small(folder: Path, capsys: pytest.CaptureFixture
     assert "crop is 256" in capsys.readouterr().err
     argv[argv.index("small.json")] = "hdl32e"
     argv[argv.index("work")] = "work32"
-    assert train.main([*argv, "--base-steps", "2", "--control-steps", "2"]) == 0
+    assert train.main([*argv, "--base-steps", "2", "--control-steps", "2", "--evaluate", "1"]) == 0
     card = checkpoint.read_card("tiny.safetensors")
     assert card["control"]["step"] == 2
+    assert [row["name"] for row in card["scores"]] == ["detailed scan", "drawing", "generated", "random weights"]
+    assert train.main([*argv, "--seed", "5"]) == 2  # the folder holds pairs of another seed
+    assert "seed 0" in capsys.readouterr().err
     assert cli.main(["generate", "--text", "a car ahead", "--weights", "tiny.safetensors", "-o", "out", *QUICK]) == 0

@@ -122,7 +122,6 @@ def test_dropped_pixels_and_margins_do_not_count() -> None:
     clean[:, VALIDITY] = 1
     clean[:, VALIDITY, :, 20:30] = -1
     noise, sigma = torch.randn(1, 3, 16, 64), torch.tensor([0.5])
-    loss = denoiser.loss(clean, sigma, noise, BEAMS, margin=4)
     # A network that is silent (its head starts at zero, but for the bias) answers for each pixel alone.
     with torch.no_grad():
         denoiser.network.head.bias.zero_()

@@ -67,9 +67,10 @@ def test_ids_and_instances() -> None:
     assert (layout["tree_1.trunk"].label, layout["tree_1.crown"].label) == ("trunk", "vegetation")
 
 
-def test_cyclist_is_one_thing_with_a_rider() -> None:
+def test_a_cyclist_is_a_rider_and_a_bicycle() -> None:
     layout = arrange(one("bicycle", 1, "front"), 0)
-    assert [(p.label, p.instance) for p in layout if p.instance] == [("bicycle", 1), ("rider", 1)]
+    assert [(p.label, p.instance) for p in layout if p.instance] == [("bicycle", 1), ("rider", 2)]
+    assert [box.label for box in layout.boxes()] == ["bicycle", "rider"]
     parked = arrange(one("bicycle", 1, "right", heading="parked"), 0)
     assert [p.label for p in parked if p.instance] == ["bicycle"]
 
@@ -164,3 +165,8 @@ def test_things_stand_on_the_ground_and_differ(kind: str) -> None:
     first, second = thing(kind, np.random.default_rng(0)), thing(kind, np.random.default_rng(1))
     assert min(part.center[2] - part.size[2] / 2 for part in first) == pytest.approx(0)
     assert first != second
+
+
+def test_spacing_that_leaves_the_road_is_refused() -> None:
+    with pytest.raises(LayoutError, match="of 10 found room"):
+        arrange(one("tree", 10, "left", spacing=(30.0)), 0)

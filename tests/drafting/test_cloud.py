@@ -11,7 +11,7 @@ from lidardraft.drafting.cloud import layout_from_cloud
 from lidardraft.errors import LayoutError
 from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.semantickitti import read_label
-from lidardraft.metrics.adherence import agrees
+from lidardraft.scene.labelling import agrees
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast

@@ -35,7 +35,7 @@ def test_no_box_is_a_file_too(tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"size": [4.2, 0.0, 1.5]}, r"box 0: size is \[4.2, 0.0, 1.5\]; every extent must be > 0"),
+        ({"size": [4.2, -1.0, 1.5]}, r"box 0: size is \[4.2, -1.0, 1.5\]; no extent may be negative"),
         ({"center": [0.0, 1.0]}, r"box 0: center is \[0.0, 1.0\]; it must be 3 finite numbers"),
         ({"center": [0.0, 1.0, float("nan")]}, r"box 0: center is \[0.0, 1.0, nan\]; it must be 3 finite numbers"),
         ({"yaw": float("inf")}, r"box 0: yaw is inf; it must be a finite number of radians"),

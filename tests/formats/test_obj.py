@@ -20,7 +20,7 @@ def test_names_say_the_class(tmp_path):
     layout = read_obj(write(tmp_path / "a.obj", "car.001", "Car_left", "road", "traffic-sign.2"))
     assert [p.label for p in layout] == ["car", "car", "road", "traffic-sign"]
     assert [p.instance for p in layout] == [1, 2, 0, 0]
-    assert [p.id for p in layout] == ["car.001", "Car_left", "road", "traffic-sign.2"]
+    assert [p.id for p in layout] == ["car_001", "Car_left", "road", "traffic-sign_2"]
     assert layout.provenance == {"source": "a.obj"}
 
 

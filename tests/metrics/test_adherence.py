@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from lidardraft.errors import SensorError
-from lidardraft.metrics.adherence import adherence, agrees
+from lidardraft.metrics.adherence import adherence
+from lidardraft.scene.labelling import agrees
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
@@ -70,5 +71,5 @@ def test_a_drawing_adheres_to_itself_and_not_to_another_layout():
 def test_images_of_two_sensors_are_refused():
     wide = Sensor(name="wide", elevations=(0.1, 0.0), columns=3)
     empty = raycast(Layout(), wide)
-    with pytest.raises(SensorError, match=r"the scan is \(2, 3\), the drawing \(2, 2\); they must be of one sensor"):
+    with pytest.raises(SensorError, match=r"the scan is \(2, 3\), the drawing \(2, 2\); both need one sensor"):
         adherence(empty, image([[0, 0], [0, 0]]))

@@ -80,7 +80,7 @@ def test_penetration_is_symmetric_and_turns_with_the_scene(
 
 @settings(max_examples=60)
 @given(poses, poses)
-def test_moving_apart_by_the_penetration_separates(
+def test_boxes_with_a_point_of_one_in_the_other_overlap(
     a: tuple[float, float, float], b: tuple[float, float, float]
 ) -> None:
     first, second = (Solid.of(box("x", (x, y, 1.0), yaw=yaw)) for x, y, yaw in (a, b))

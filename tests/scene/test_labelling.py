@@ -2,8 +2,9 @@ import dataclasses
 
 import numpy as np
 
-from lidardraft import Layout, Primitive, Sensor, raycast
+from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
 from lidardraft.scene.labelling import agrees, label_from_drawing
+from lidardraft.scene.road import Road
 from lidardraft.semantics import BY_NAME
 
 SENSOR = Sensor(name="small", elevations=tuple(np.deg2rad([2.0, 0.0, -2.0, -4.0])), columns=360)
@@ -49,7 +50,20 @@ def test_a_return_where_nothing_was_drawn_stays_without_class() -> None:
     assert (labelled.label[~labelled.valid] == 0).all()
 
 
+def test_a_bend_does_not_label_the_gardens_beside_it() -> None:
+    road = Road(curvature=0.02)
+    layout = Layout(tuple(road.surfaces()))
+    drawing = raycast(layout, SENSOR)
+    terrain = drawing.label == BY_NAME["terrain"].id
+    depth = np.where(terrain, drawing.depth * 0.94, drawing.depth).astype(np.float32)
+    labelled = label_from_drawing(dataclasses.replace(drawing, depth=depth), drawing, layout, POSE)
+    assert terrain.sum() > 100
+    assert not np.isin(labelled.label[terrain], [BY_NAME["sidewalk"].id, BY_NAME["road"].id]).any()
+
+
 def test_tolerance_is_half_a_metre_or_five_percent() -> None:
-    drawn = np.array([5.0, 5.0, 40.0, 40.0, 0.0, 5.0])
-    depth = np.array([5.4, 5.6, 41.9, 42.1, 5.0, 0.0])
-    assert agrees(depth, drawn).tolist() == [True, False, True, False, False, False]
+    row = Sensor(name="row", elevations=(0.0,), columns=6)
+    nothing = {"label": np.zeros((1, 6), np.uint8), "instance": np.zeros((1, 6), np.uint32)}
+    drawn = RangeImage(sensor=row, depth=np.array([[5.0, 5.0, 40.0, 40.0, 0.0, 5.0]], np.float32), **nothing)
+    scan = RangeImage(sensor=row, depth=np.array([[5.4, 5.6, 41.9, 42.1, 5.0, 0.0]], np.float32), **nothing)
+    assert agrees(scan, drawn).tolist() == [[True, False, True, False, False, False]]

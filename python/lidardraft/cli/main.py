@@ -39,11 +39,12 @@ def generate(arguments: argparse.Namespace) -> None:
     first = _layout(arguments, arguments.seed)
     pipeline = _pipeline(arguments)
     folder = Path(arguments.output)
-    folder.mkdir(parents=True, exist_ok=True)
     for number in tqdm(range(arguments.num), unit="scan", disable=arguments.num == 1):
         seed = arguments.seed + number
-        layout = first if number == 0 or not arguments.text else _layout(arguments, seed)
-        pipeline(layout, sensor=sensor, seed=seed).save(folder / f"{number:06d}")
+        layout = first if number == 0 or arguments.text is None else _layout(arguments, seed)
+        scan = pipeline(layout, sensor=sensor, seed=seed)
+        folder.mkdir(parents=True, exist_ok=True)
+        scan.save(folder / f"{number:06d}")
     print(f"{folder}: {arguments.num} scan{'s' * (arguments.num > 1)}")
 
 
@@ -52,8 +53,9 @@ def view(arguments: argparse.Namespace) -> None:
     from lidardraft import view
 
     path = Path(arguments.path)
+    picture = view.draw_file(path, Sensor.preset(arguments.sensor))
     output = Path(arguments.output) if arguments.output else path.with_suffix(".view.png")
-    view.save_png(view.draw_file(path, Sensor.preset(arguments.sensor)), output)
+    view.save_png(picture, output)
     print(output)
 
 
@@ -70,14 +72,16 @@ def evaluate(arguments: argparse.Namespace) -> None:
 
 
 def _layout(arguments: argparse.Namespace, seed: int) -> Layout:
-    if arguments.text:
+    if arguments.labels is not None and arguments.points is None:
+        raise FormatError("--labels goes with --points")
+    if arguments.text is not None:
         from lidardraft.drafting.text import layout_from_text
 
         layout = layout_from_text(arguments.text, seed=seed)
         if layout.provenance["not_understood"]:
             print(f"not understood: {', '.join(layout.provenance['not_understood'])}", file=sys.stderr)
         return layout
-    if arguments.points:
+    if arguments.points is not None:
         from lidardraft.drafting.cloud import layout_from_cloud
         from lidardraft.formats import kitti, semantickitti
 
@@ -113,7 +117,7 @@ def _parser() -> argparse.ArgumentParser:
         group.add_argument("--text", metavar="SENTENCE", help="what is on the road")
         group.add_argument("--points", metavar="FILE.bin", help="a scan: KITTI float32 x y z intensity")
         added.add_argument("--labels", metavar="FILE.label", help="its SemanticKITTI labels")
-        added.add_argument("--seed", type=int, default=0, help="the same seed gives the same result (default 0)")
+        added.add_argument("--seed", type=_seed, default=0, help="the same seed gives the same result (default 0)")
         return group
 
     def sensor(added: argparse.ArgumentParser) -> None:
@@ -153,7 +157,7 @@ def _parser() -> argparse.ArgumentParser:
     sensor(added)
     weights(added)
     added.add_argument("-n", "--num", type=_positive, default=50, help="how many streets (default 50)")
-    added.add_argument("--seed", type=int, default=1_000_000, help="the first street's seed (default 1000000)")
+    added.add_argument("--seed", type=_seed, default=1_000_000, help="seed of the streets (default 1000000)")
     return parser
 
 
@@ -161,6 +165,13 @@ def _positive(text: str) -> int:
     value = int(text)
     if value < 1:
         raise argparse.ArgumentTypeError(f"{value} is less than 1")
+    return value
+
+
+def _seed(text: str) -> int:
+    value = int(text)
+    if not 0 <= value < 2**32:
+        raise argparse.ArgumentTypeError(f"{value} is not between 0 and 2^32 - 1")
     return value
 
 

@@ -16,8 +16,6 @@ from lidardraft.scene.sensor import PRESETS, Sensor
 if TYPE_CHECKING:
     from lidardraft.training.trainer import TrainingConfig
 
-RECIPES = ("small", "tiny", "paper")
-
 
 def pairs(arguments: argparse.Namespace) -> None:
     """Scan procedural streets into a folder of training pairs; goes on where an interrupted run stopped."""
@@ -26,11 +24,12 @@ def pairs(arguments: argparse.Namespace) -> None:
     from lidardraft.streets.street import StreetConfig, streets
     from lidardraft.training.pairs import pairs_on_disk, write_pairs
 
-    start = pairs_on_disk(arguments.pairs)
     config = StreetConfig(sensor=Sensor.preset(arguments.sensor))
+    name = f"streets of seed {arguments.seed}, {config.sensor.name}"
+    start = pairs_on_disk(arguments.pairs, source=name)
     source = itertools.islice(streets(arguments.seed, config, start=start), max(arguments.num - start, 0))
     with tqdm(total=arguments.num, initial=start, unit="pair", desc="streets") as bar:
-        for count in write_pairs(arguments.pairs, ((pair.scan, pair.drawing) for pair in source)):
+        for count in write_pairs(arguments.pairs, ((pair.scan, pair.drawing) for pair in source), source=name):
             bar.update(count - bar.n)
 
 
@@ -48,8 +47,11 @@ def controlnet(arguments: argparse.Namespace) -> None:
 
 
 def street(arguments: argparse.Namespace) -> None:
-    """All of it: pairs, both stages, and the weight file with its card; goes on where an interrupted run stopped."""
+    """All of it: pairs, both stages, scores, and the weight file with its card; an interrupted run goes on."""
     from lidardraft.diffusion import checkpoint
+    from lidardraft.evaluation import evaluate, unseen_streets
+    from lidardraft.pipeline import Pipeline
+    from lidardraft.training.pairs import PairFolder
 
     base = _config(arguments.recipe, "base", arguments.base_steps)
     control = _config(arguments.recipe, "control", arguments.control_steps)
@@ -59,10 +61,14 @@ def street(arguments: argparse.Namespace) -> None:
     trained = work / "base" / "weights.safetensors"
     _train(control, arguments.pairs, work / "control", base=trained, device=arguments.device)
     weights = work / "control" / "weights.safetensors"
+    folder = PairFolder(arguments.pairs)
+    unseen = unseen_streets(arguments.evaluate, sensor=folder.sensor)
     card = {
-        "data": f"{arguments.num} procedural street scans, seed {arguments.seed}, {arguments.sensor}",
+        "command": " ".join(["lidardraft-train", *sys.argv[1:]]),
+        "data": f"{len(folder)} scans: {folder.source}",
         "base": checkpoint.read_card(trained),
         "control": checkpoint.read_card(weights),
+        "scores": [dataclasses.asdict(row) for row in evaluate(Pipeline(checkpoint.load(weights)), unseen)],
     }
     Path(arguments.output).parent.mkdir(parents=True, exist_ok=True)
     checkpoint.save(checkpoint.load(weights), arguments.output, card, half=True)
@@ -122,7 +128,7 @@ def _parser() -> argparse.ArgumentParser:
         added.add_argument("--sensor", default="hdl64e", help=f"{', '.join(PRESETS)} or a .json file (default hdl64e)")
 
     def stage(added: argparse.ArgumentParser) -> None:
-        added.add_argument("--recipe", choices=RECIPES, default="small", help="size of the network (default small)")
+        added.add_argument("--recipe", choices=("small", "tiny", "paper"), default="small", help="(default small)")
         added.add_argument("--device", default="cpu", help="torch device (default cpu)")
 
     added = command("pairs", pairs)
@@ -144,6 +150,7 @@ def _parser() -> argparse.ArgumentParser:
     stage(added)
     added.add_argument("--base-steps", type=int, help="steps of stage one, instead of the recipe's")
     added.add_argument("--control-steps", type=int, help="steps of stage two, instead of the recipe's")
+    added.add_argument("--evaluate", type=int, default=50, help="how many unseen streets to score (default 50)")
     added.add_argument("--work", default="out/street", metavar="FOLDER", help="pairs and runs (default out/street)")
     added.add_argument("-o", "--output", default="street.safetensors", metavar="WEIGHTS")
     return parser

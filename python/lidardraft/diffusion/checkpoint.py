@@ -54,7 +54,10 @@ def load(path: str | os.PathLike[str]) -> Denoiser:
 def read_card(path: str | os.PathLike[str]) -> dict[str, Any]:
     """The card of a weight file; raises `CheckpointError`."""
     with _Open(path) as file:
-        card = json.loads(file.metadata.get("card", "{}"))
+        try:
+            card = json.loads(file.metadata.get("card", "{}"))
+        except json.JSONDecodeError as error:
+            raise CheckpointError(f"{os.fspath(path)}: the card is not JSON: {error}") from None
         return card if isinstance(card, dict) else {}
 
 

@@ -94,7 +94,7 @@ class Denoiser(nn.Module):
     def with_controlnet(self) -> Denoiser:
         """The same network, frozen, with a fresh ControlNet that starts as a copy of its encoder."""
         config = dataclasses.replace(self.config, controlnet=True)
-        controlnet = ControlNet(self.network.encoder, copy_gate=config.copy_gate)
+        controlnet = ControlNet(self.network.encoder, copy_gate=config.copy_gate).requires_grad_(True)
         self.network.requires_grad_(False)
         return Denoiser(config, self.network, controlnet)
 

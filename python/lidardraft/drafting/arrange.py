@@ -125,6 +125,8 @@ def _spots(scene: _Scene, site: Site, group: Group, number: int, wanted: int) ->
     for attempt in range(TRIES):
         if group.spacing is not None:
             along = near + math.copysign(group.spacing, far - near) * (number // site.sides)
+            if abs(along) > scene.road.reach:
+                return
         elif near == far:
             along = near
         elif attempt < TRIES // 4:
@@ -159,12 +161,14 @@ class _Scene:
         if any(penetration(solid, other) > 0 for solid in wide for other in obstacles):
             return False
         self.numbers[kind] += 1
-        is_thing = any(BY_NAME[part.label].is_thing for part in parts)
-        self.instances += is_thing
-        name, instance = f"{kind}_{self.numbers[kind]}", self.instances if is_thing else 0
+        name = f"{kind}_{self.numbers[kind]}"
+        numbers: dict[str, int] = {}  # a rider and what he rides are two things of one name
         for part, primitive in zip(parts, primitives, strict=True):
+            if BY_NAME[part.label].is_thing and part.label not in numbers:
+                self.instances += 1
+                numbers[part.label] = self.instances
             id = f"{name}.{part.name}" if part.name else name
-            self.primitives.append(dataclasses.replace(primitive, id=id, instance=instance))
+            self.primitives.append(dataclasses.replace(primitive, id=id, instance=numbers.get(part.label, 0)))
         self.solids += map(Solid.of, primitives)
         return True
 

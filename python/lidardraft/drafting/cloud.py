@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 
 from lidardraft.drafting.clustering import FittedBox, cluster, completions, fit_box, split
-from lidardraft.drafting.ground import GROUND, Ground
+from lidardraft.drafting.ground import Ground
 from lidardraft.errors import LayoutError
 from lidardraft.scene.layout import Layout, Primitive
-from lidardraft.semantics import CLASSES, NUM_CLASSES, SemanticClass
+from lidardraft.semantics import CLASSES, GROUND, NUM_CLASSES, SemanticClass
 
 _POSTS = ("pole", "trunk", "traffic-light")
 _HANGING = ("vegetation", "traffic-sign", "traffic-light")
@@ -28,6 +28,7 @@ _THINNEST_CROWN = 0.3  # m
 _ROUND = math.sqrt(4 / math.pi)  # an ellipse this much larger than the rectangle around it has the rectangle's area
 _SLICE = 0.3  # m of height
 _THINNEST = 0.1  # m
+_FURTHEST = 1000.0  # m; no sensor sees further
 _HANGS = 2.5  # m; what begins higher over the ground than this does not stand on it
 
 
@@ -58,7 +59,7 @@ def layout_from_cloud(
     number = 0
     for row in CLASSES:
         mine = labels == row.id
-        if row.name == "none" or row.id in GROUND or not mine.any():
+        if row.name == "none" or row.name in GROUND or not mine.any():
             continue
         others = points[~mine & (labels != 0)]
         for index, (shape, box) in enumerate(_shapes(row, points[mine], instances[mine], others, ground), start=1):
@@ -77,6 +78,9 @@ def _check(points: np.ndarray, labels: np.ndarray, instances: np.ndarray) -> Non
     broken = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(broken):
         raise LayoutError(f"point {broken[0]} is {points[broken[0]].tolist()}; every coordinate must be finite")
+    far = np.flatnonzero(np.abs(points).max(axis=1) > _FURTHEST)
+    if len(far):
+        raise LayoutError(f"point {far[0]} is {points[far[0]].tolist()}; a scan reaches {_FURTHEST:.0f} m")
     unknown = np.flatnonzero((labels < 0) | (labels >= NUM_CLASSES))
     if len(unknown):
         raise LayoutError(f"point {unknown[0]} has label {labels[unknown[0]]}; it must be 0 to {NUM_CLASSES - 1}")

@@ -6,10 +6,10 @@ import numpy as np
 from sklearn.neighbors import KNeighborsRegressor, NearestNeighbors
 
 from lidardraft.scene.layout import Primitive
-from lidardraft.semantics import BY_NAME, CLASSES
+from lidardraft.semantics import BY_NAME, CLASSES, GROUND
 
 CELL = 1.0  # m
-GROUND = tuple(BY_NAME[name].id for name in ("road", "sidewalk", "terrain"))
+GROUND_IDS = tuple(BY_NAME[name].id for name in GROUND)
 _BRIDGED = 4.0  # m; as far as this from a cell that was seen, the ground goes on
 _BELOW = 0.3  # m from the lowest cell down to the plane that stands for ground never seen
 _EXTENT = 400.0
@@ -22,7 +22,7 @@ class Ground:
     """
 
     def __init__(self, points: np.ndarray, labels: np.ndarray) -> None:
-        is_ground = np.isin(labels, GROUND)
+        is_ground = np.isin(labels, GROUND_IDS)
         self.points, labels = points[is_ground], labels[is_ground]
         if not len(self.points):
             self._places, self._heights, self._labels = np.zeros((1, 2)), np.zeros(1), np.full(1, BY_NAME["terrain"].id)
@@ -73,5 +73,5 @@ def _cells(points: np.ndarray, labels: np.ndarray) -> tuple[np.ndarray, np.ndarr
     order = np.lexsort((points[:, 2], cell))
     first = np.concatenate([[0], np.cumsum(count)[:-1]])
     heights = points[order[first + count // 2], 2]
-    votes = np.stack([np.bincount(cell[labels == label], minlength=len(cells)) for label in GROUND])
-    return places, heights, np.array(GROUND)[votes.argmax(axis=0)]
+    votes = np.stack([np.bincount(cell[labels == label], minlength=len(cells)) for label in GROUND_IDS])
+    return places, heights, np.array(GROUND_IDS)[votes.argmax(axis=0)]

@@ -61,8 +61,8 @@ def _check(name: str, row: Any) -> None:
     for key in ("center", "size"):
         if not isinstance(row[key], list | tuple) or len(row[key]) != 3 or not all(map(_is_finite, row[key])):
             raise FormatError(f"{name}: {key} is {row[key]!r}; it must be 3 finite numbers")
-    if min(row["size"]) <= 0:
-        raise FormatError(f"{name}: size is {list(row['size'])}; every extent must be > 0")
+    if min(row["size"]) < 0:
+        raise FormatError(f"{name}: size is {list(row['size'])}; no extent may be negative")
     if not _is_finite(row["yaw"]):
         raise FormatError(f"{name}: yaw is {row['yaw']!r}; it must be a finite number of radians")
     for key in ("instance", "num_points"):

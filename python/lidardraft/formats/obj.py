@@ -70,6 +70,7 @@ def _class_of(name: str, material: str, labels: Mapping[str, str]) -> str | None
 
 
 def _distinct(name: str, taken: dict[str, int]) -> str:
-    """`name`, or `name#2` and so on where it was given before."""
+    """The id of an object or of one more part of it, `car_001` or `car_001.2`: only parts come after a dot."""
+    name = name.replace(".", "_")
     taken[name] = taken.get(name, 0) + 1
-    return name if taken[name] == 1 else f"{name}#{taken[name]}"
+    return name if taken[name] == 1 else f"{name}.{taken[name]}"

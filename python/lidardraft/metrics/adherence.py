@@ -1,7 +1,7 @@
 """Layout adherence: how much of a scan stands where the drawing of its layout says.
 
 The definition is our own; no published score compares a scan with the layout it was made from. A return agrees with the
-drawing where the two distances differ by at most 0.5 m or 5 % of the drawn one, whichever is more.
+drawing where `scene.labelling.agrees` says so: within 0.5 m or 5 % of the drawn distance, whichever is more.
 """
 
 from __future__ import annotations
@@ -10,13 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.errors import SensorError
+from lidardraft.scene.labelling import agrees
 from lidardraft.scene.range_image import RangeImage
-from lidardraft.semantics import BY_NAME, CLASSES
+from lidardraft.semantics import BY_NAME, CLASSES, GROUND
 
-ABSOLUTE_TOLERANCE = 0.5  # m
-RELATIVE_TOLERANCE = 0.05
-_GROUND = [BY_NAME[name].id for name in ("none", "road", "sidewalk", "terrain")]
+_NO_OBJECT = [BY_NAME[name].id for name in ("none", *GROUND)]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -34,21 +32,11 @@ class Adherence:
     drop: float
 
 
-def agrees(scan: RangeImage, drawing: RangeImage) -> np.ndarray:
-    """bool [H, W]: where both have a return, and at the same distance within the tolerance."""
-    if scan.sensor.shape != drawing.sensor.shape:
-        raise SensorError(
-            f"the scan is {scan.sensor.shape}, the drawing {drawing.sensor.shape}; they must be of one sensor"
-        )
-    tolerance = np.maximum(ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE * drawing.depth)
-    return np.asarray(scan.valid & drawing.valid & (np.abs(scan.depth - drawing.depth) <= tolerance))
-
-
 def adherence(scan: RangeImage, drawing: RangeImage) -> Adherence:
     """How well `scan` keeps to `drawing`, the layout as cast by the same sensor."""
     good = agrees(scan, drawing)
     both = scan.valid & drawing.valid
-    objects = both & ~np.isin(drawing.label, _GROUND)
+    objects = both & ~np.isin(drawing.label, _NO_OBJECT)
     present = np.unique(drawing.label[both])
     return Adherence(
         objects=_share(good, objects),

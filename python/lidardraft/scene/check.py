@@ -10,11 +10,11 @@ import numpy as np
 
 from lidardraft.scene.layout import Box, Layout, Primitive
 from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.semantics import GROUND
 
-GROUND_LABELS = ("road", "sidewalk", "terrain")
 VEHICLE_LABELS = ("car", "truck", "bus", "train", "motorcycle")
 EGO_SIZE = (4.5, 2.0, 2.0)  # m around the origin, standing on the road
-MAX_RANGE = 120.0  # m, what the sensors of the presets reach
+MAX_RANGE = 120.0  # m, what the furthest-seeing presets reach
 OVERLAP_TOLERANCE = 0.02  # m
 GROUND_TOLERANCE = 0.15  # m, a kerb
 
@@ -22,7 +22,7 @@ GROUND_TOLERANCE = 0.15  # m, a kerb
 # microcars up to articulated buses and coupled trams.
 SIZE_RANGES: dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]] = {
     "person": ((0.2, 0.2, 0.8), (1.6, 1.6, 2.2)),
-    "rider": ((0.3, 0.3, 0.8), (2.8, 1.2, 2.3)),
+    "rider": ((0.3, 0.3, 0.5), (2.8, 1.2, 2.3)),  # may be drawn from the saddle up
     "car": ((2.4, 1.3, 1.1), (6.5, 2.4, 3.0)),
     "truck": ((4.5, 1.7, 1.8), (20.0, 2.8, 4.5)),
     "bus": ((5.5, 1.9, 2.3), (25.0, 2.8, 4.6)),
@@ -48,7 +48,7 @@ def check(layout: Layout) -> list[Finding]:
 
 def overlap(layout: Layout) -> list[Finding]:
     """Parts of different objects that run into each other; boxes stand for meshes, ground is left out."""
-    solids = [Solid.of(primitive) for primitive in layout if primitive.label not in GROUND_LABELS]
+    solids = [Solid.of(primitive) for primitive in layout if primitive.label not in GROUND]
     findings = []
     for i, j in _near_pairs(solids):
         a, b = solids[i].primitive, solids[j].primitive
@@ -96,7 +96,7 @@ def size(layout: Layout) -> list[Finding]:
 def ego_clear(layout: Layout) -> list[Finding]:
     """Primitives inside the ego vehicle, where the sensor stands."""
     ego = Solid.of(EGO)
-    solids = [Solid.of(primitive) for primitive in layout if primitive.label not in GROUND_LABELS]
+    solids = [Solid.of(primitive) for primitive in layout if primitive.label not in GROUND]
     return [
         Finding("ego_clear", (solid.primitive.id,), f"{solid.primitive.id} reaches {depth:.2f} m into the ego vehicle")
         for solid in solids
@@ -105,11 +105,11 @@ def ego_clear(layout: Layout) -> list[Finding]:
 
 
 def in_range(layout: Layout) -> list[Finding]:
-    """Objects that no ray can reach."""
+    """Objects whose middle is out of reach."""
     findings = []
     for primitive in layout:
         distance = math.hypot(*primitive.center[:2])
-        if primitive.label not in GROUND_LABELS and distance > MAX_RANGE:
+        if primitive.label not in GROUND and distance > MAX_RANGE:
             message = f"{primitive.id} is {distance:.0f} m away; sensors reach {MAX_RANGE:.0f} m"
             findings.append(Finding("in_range", (primitive.id,), message))
     return findings
@@ -127,7 +127,7 @@ def objects(layout: Layout) -> dict[str, list[Primitive]]:
     """The parts of each object, ground left out, in the layout's order."""
     parts: dict[str, list[Primitive]] = {}
     for primitive in layout:
-        if primitive.label not in GROUND_LABELS:
+        if primitive.label not in GROUND:
             parts.setdefault(object_of(primitive), []).append(primitive)
     return parts
 
@@ -175,7 +175,7 @@ def penetration(a: Solid, b: Solid) -> float:
 class Ground:
     """The surfaces of a layout that things stand on; of several over a point the highest counts."""
 
-    def __init__(self, primitives: Iterable[Primitive], labels: Sequence[str] = GROUND_LABELS) -> None:
+    def __init__(self, primitives: Iterable[Primitive], labels: Sequence[str] = GROUND) -> None:
         self.primitives = [primitive for primitive in primitives if primitive.label in labels]
         self._meshes = {p.id: primitive_mesh(p) for p in self.primitives if p.shape == "mesh"}
 

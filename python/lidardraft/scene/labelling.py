@@ -6,32 +6,39 @@ import dataclasses
 
 import numpy as np
 
+from lidardraft.errors import SensorError
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.semantics import BY_NAME
 
-RANGE_TOLERANCE = 0.5  # m
+ABSOLUTE_TOLERANCE = 0.5  # m
 RELATIVE_TOLERANCE = 0.05
 _GROWTH = 0.3  # m; how far outside a drawn shape a point still belongs to it
 
 
-def agrees(depth: np.ndarray, drawn: np.ndarray) -> np.ndarray:
-    """Where two depth images [H, W] both have a return and agree within 0.5 m or 5 % of the drawn range."""
-    tolerance = np.maximum(RANGE_TOLERANCE, RELATIVE_TOLERANCE * drawn)
-    return (depth > 0) & (drawn > 0) & (np.abs(depth - drawn) <= tolerance)
+def agrees(scan: RangeImage, drawing: RangeImage) -> np.ndarray:
+    """bool [H, W]: where both have a return, and at the same distance within 0.5 m or 5 % of the drawn one."""
+    if scan.sensor.shape != drawing.sensor.shape:
+        raise SensorError(f"the scan is {scan.sensor.shape}, the drawing {drawing.sensor.shape}; both need one sensor")
+    tolerance = np.maximum(ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE * drawing.depth)
+    return scan.valid & drawing.valid & (np.abs(scan.depth - drawing.depth) <= tolerance)
 
 
 def label_from_drawing(scan: RangeImage, drawing: RangeImage, layout: Layout, pose: np.ndarray) -> RangeImage:
     """`scan` with label and instance: the drawing's where the ranges agree, else those of the smallest shape of the
-    layout around the point (grown by 0.3 m), else none. `pose` is world_from_sensor [4, 4] of both images."""
-    near = agrees(scan.depth, drawing.depth)
+    layout around the point (grown by 0.3 m), else none. `pose` is world_from_sensor [4, 4] of both images.
+
+    A mesh is not known to fill the box around it, so it labels only where the ranges agree.
+    """
+    near = agrees(scan, drawing)
     label = np.where(near, drawing.label, 0).astype(np.uint8)
     instance = np.where(near, drawing.instance, 0).astype(np.uint32)
     rest = scan.valid & ~near
     points = scan.sensor.pattern.points(scan.depth)[rest] @ pose[:3, :3].T + pose[:3, 3]
     rest_label, rest_instance = label[rest], instance[rest]
     # From the largest to the smallest, so that of nested shapes the smallest is written last.
-    for primitive in sorted(layout, key=lambda p: -float(np.prod(np.maximum(p.size, _GROWTH)))):
+    solids = [primitive for primitive in layout if primitive.mesh is None]
+    for primitive in sorted(solids, key=lambda p: -float(np.prod(np.maximum(p.size, _GROWTH)))):
         inside = _inside(primitive, points)
         rest_label[inside], rest_instance[inside] = BY_NAME[primitive.label].id, primitive.instance
     label[rest], instance[rest] = rest_label, rest_instance

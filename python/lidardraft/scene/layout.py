@@ -18,6 +18,7 @@ import numpy as np
 
 from lidardraft.errors import LayoutError
 from lidardraft.files import written_whole
+from lidardraft.scene.materials import MATERIAL_BY_NAME
 from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.semantics import BY_NAME
 
@@ -52,16 +53,21 @@ class Primitive:
             raise LayoutError(f"id is {self.id!r}; a primitive needs a non-empty string")
         if self.shape not in SHAPES:
             raise LayoutError(f"{self.id}: shape is {self.shape!r}; it must be one of {', '.join(SHAPES)}")
-        if self.label not in BY_NAME or self.label == "none":
+        if not isinstance(self.label, str) or self.label not in BY_NAME or self.label == "none":
             raise LayoutError(f"{self.id}: label is {self.label!r}; it must be one of {', '.join(list(BY_NAME)[1:])}")
-        if isinstance(self.yaw, bool) or not isinstance(self.yaw, int | float) or not math.isfinite(self.yaw):
+        if not _is_number(self.yaw):
             raise LayoutError(f"{self.id}: yaw is {self.yaw!r}; it must be a finite number of radians")
         object.__setattr__(self, "yaw", float(self.yaw))
-        if not isinstance(self.instance, int) or not 0 <= self.instance <= _INSTANCE_LIMIT:
+        if type(self.instance) is not int or not 0 <= self.instance <= _INSTANCE_LIMIT:
             raise LayoutError(f"{self.id}: instance is {self.instance!r}; it must be 0 to {_INSTANCE_LIMIT}")
+        if self.material is not None and self.material not in MATERIAL_BY_NAME:
+            known = ", ".join(MATERIAL_BY_NAME)
+            raise LayoutError(f"{self.id}: material is {self.material!r}; it must be one of {known}")
         self._check_size()
 
     def _check_size(self) -> None:
+        if self.mesh is not None and np.abs(self.mesh.vertices).max(initial=0.0) > 0.5 + 1e-6:
+            raise LayoutError(f"{self.id}: a vertex of the mesh lies outside the unit box [-1/2, 1/2]^3")
         if (self.mesh is not None) != (self.shape == "mesh"):
             raise LayoutError(f"{self.id}: shape is {self.shape!r}; shape 'mesh', and no other, comes with a mesh")
         x, y, z = self.size
@@ -80,7 +86,8 @@ class Primitive:
         mesh = TriangleMesh(vertices, faces)
         low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
         center, size = (low + high) / 2, high - low
-        unit = (mesh.vertices - center) / np.where(size > 0, size, 1.0)
+        # Clipped by rounding alone: in a mesh that is flat along an axis the size is as small as the rounding.
+        unit = np.clip((mesh.vertices - center) / np.where(size > 0, size, 1.0), -0.5, 0.5)
         return cls(
             shape="mesh",
             center=tuple(center.tolist()),
@@ -160,6 +167,12 @@ class Layout:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "primitives", tuple(self.primitives))
+        if not isinstance(self.provenance, dict):
+            raise LayoutError(f"provenance is {self.provenance!r}; it must be an object of JSON types")
+        try:
+            json.dumps(self.provenance, allow_nan=False)
+        except (TypeError, ValueError) as error:
+            raise LayoutError(f"provenance cannot be written as JSON: {error}") from None
         seen: set[str] = set()
         for primitive in self.primitives:
             if primitive.id in seen:
@@ -199,6 +212,8 @@ class Layout:
             document = json.loads(text)
         except json.JSONDecodeError as error:
             raise LayoutError(f"not JSON: {error}") from None
+        except RecursionError:
+            raise LayoutError("not a layout: nested too deeply") from None
         if not isinstance(document, dict) or document.get("schema") != SCHEMA:
             found = document.get("schema") if isinstance(document, dict) else type(document).__name__
             raise LayoutError(f"schema is {found!r}; this version reads {SCHEMA!r}")
@@ -208,7 +223,7 @@ class Layout:
         coverage = document.get("coverage")
         return cls(
             primitives=tuple(Primitive.from_dict(row) for row in rows),
-            provenance=document.get("provenance") or {},
+            provenance=document.get("provenance", {}),
             coverage=None if coverage is None else _vector("layout", "coverage", coverage, length=2),
         )
 
@@ -229,13 +244,17 @@ class Layout:
 
 
 def _vector(id: object, name: str, values: Any, length: int = 3) -> Any:
+    if isinstance(values, list | tuple | np.ndarray) and len(values) == length and all(map(_is_number, values)):
+        return tuple(map(float, values))
+    raise LayoutError(f"{id}: {name} is {values!r:.200}; it must be {length} finite numbers")
+
+
+def _is_number(value: Any) -> bool:
+    """Whether it is a finite real number that fits in a float."""
     try:
-        vector = tuple(float(value) for value in values)
-    except (TypeError, ValueError):
-        vector = ()
-    if len(vector) != length or not all(map(math.isfinite, vector)):
-        raise LayoutError(f"{id}: {name} is {values!r}; it must be {length} finite numbers")
-    return vector
+        return isinstance(value, int | float | np.number) and not isinstance(value, bool) and math.isfinite(value)
+    except OverflowError:
+        return False
 
 
 def _box_around(parts: list[Primitive]) -> Box:

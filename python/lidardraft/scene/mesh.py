@@ -24,7 +24,10 @@ class TriangleMesh:
 
     def __post_init__(self) -> None:
         vertices = np.array(self.vertices, dtype=np.float64, order="C")
-        faces = np.array(self.faces, dtype=np.int64, order="C")
+        faces = np.array(self.faces, order="C")
+        if faces.size and faces.dtype.kind not in "iu":
+            raise LayoutError(f"faces hold {faces.dtype}; they must be whole numbers, of vertices")
+        faces = faces.astype(np.int64)
         if vertices.ndim != 2 or vertices.shape[1] != 3 or faces.ndim != 2 or faces.shape[1] != 3 or not len(faces):
             raise LayoutError(
                 f"a mesh needs vertices [V, 3] and at least one face [F, 3]; got {vertices.shape} and {faces.shape}"

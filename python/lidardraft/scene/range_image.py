@@ -12,6 +12,7 @@ import numpy as np
 from lidardraft.errors import FormatError, LayoutError, SensorError
 from lidardraft.files import written_whole
 from lidardraft.scene.sensor import Sensor
+from lidardraft.semantics import NUM_CLASSES
 
 _DTYPES = {
     "depth": np.float32,
@@ -51,6 +52,10 @@ class RangeImage:
             if image.shape != self.sensor.shape or image.dtype != dtype:
                 needed = f"{np.dtype(dtype)} {self.sensor.shape}"
                 raise SensorError(f"{name} is {image.dtype} {image.shape}; {self.sensor.name} needs {needed}")
+        if not np.isfinite(self.depth).all() or self.depth.min(initial=0) < 0:
+            raise SensorError("depth holds what is no distance; it must be finite and 0 or more")
+        if self.label.max(initial=0) >= NUM_CLASSES:
+            raise SensorError(f"label holds {self.label.max()}; class ids are 0 to {NUM_CLASSES - 1}")
 
     @property
     def valid(self) -> np.ndarray:
@@ -91,7 +96,12 @@ class RangeImage:
             if values is not None:
                 if len(values) != len(points):
                     raise LayoutError(f"{name} has {len(values)} values for {len(points)} points")
-                picture[pixels] = np.asarray(values)[order]
+                values = np.asarray(values)
+                if name == "label" and len(values) and not 0 <= values.min() <= values.max() < NUM_CLASSES:
+                    raise LayoutError(f"label holds {values.min()} to {values.max()}; ids are 0 to {NUM_CLASSES - 1}")
+                if name == "intensity" and not np.isfinite(values).all():
+                    raise LayoutError("an intensity is not finite")
+                picture[pixels] = values[order]
             return picture
 
         return cls(

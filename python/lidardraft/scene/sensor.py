@@ -48,10 +48,16 @@ class Sensor:
             except (TypeError, ValueError):
                 raise SensorError(f"{self.name}: {table} must be a list of numbers") from None
             object.__setattr__(self, table, values)
-        for number in ("mount_height", "range_sigma"):
-            if not math.isfinite(getattr(self, number)):
-                raise SensorError(f"{self.name}: {number} is {getattr(self, number)}; it must be finite")
-        _ = self.pattern  # the core checks everything else
+        if not isinstance(self.name, str):
+            raise SensorError(f"name is {self.name!r}; it must be a string")
+        if not math.isfinite(self.mount_height):
+            raise SensorError(f"{self.name}: mount_height is {self.mount_height}; it must be finite")
+        if not 0 <= self.range_sigma < math.inf:
+            raise SensorError(f"{self.name}: range_sigma is {self.range_sigma}; it must be finite and 0 or more")
+        try:
+            _ = self.pattern  # the core checks everything else
+        except OverflowError:
+            raise SensorError(f"{self.name}: columns is {self.columns}; that is too many") from None
 
     @cached_property
     def pattern(self) -> _core.SensorPattern:
@@ -110,7 +116,7 @@ class Sensor:
         if Path(name).suffix == ".json":
             try:
                 return cls.from_json(Path(name).read_text())
-            except (OSError, SensorError) as error:
+            except (OSError, UnicodeDecodeError, SensorError) as error:
                 raise SensorError(f"{os.fspath(name)}: {error}") from None
         raise SensorError(f"sensor is {os.fspath(name)!r}; it must be one of {', '.join(PRESETS)} or a .json file")
 

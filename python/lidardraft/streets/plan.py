@@ -121,7 +121,7 @@ def _posts(site: Site, quarter: Quarter, rng: np.random.Generator) -> None:
 
 
 def _tree_size(rng: np.random.Generator) -> tuple[tuple[float, float, float], float]:
-    """Extents and height of the bare stem; crowns of street trees measure 4 to 9 m (McPherson et al., 2016)."""
+    """Extents and height of the bare stem; crowns measure 2 to 9 m, an estimate of ours for street trees."""
     height = rng.uniform(4.5, 13.0)
     crown = height * rng.uniform(0.42, 0.68)
     return (crown * rng.uniform(0.9, 1.1), crown, height), height * rng.uniform(0.12, 0.34)

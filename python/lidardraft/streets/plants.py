@@ -23,7 +23,7 @@ def tree(thing: Thing, rng: np.random.Generator) -> list[Primitive]:
 
 
 def trunk_diameter(thing: Thing) -> float:
-    """About 1/40 of the height, as urban broad-leaved trees have (McPherson et al., Urban Tree Database, 2016)."""
+    """Growing with the height, 20 cm at 4.5 m and 39 cm at 13 m: an estimate of ours for street trees."""
     return 0.10 + thing.size[2] / 45
 
 

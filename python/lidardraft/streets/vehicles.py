@@ -29,8 +29,7 @@ class Body:
     panes: tuple[tuple[float, float], ...] = ((0.06, 0.46), (0.52, 0.92))
 
 
-# Sizes [m] are common European dimensions; their mean, weighted by SHARES, is close to that of KITTI's cars and vans
-# (3.9 x 1.6 x 1.5 and 5.1 x 1.9 x 2.2, Geiger et al., CVPR 2012).
+# Sizes [m] are common European dimensions, estimates of ours.
 BODIES: dict[str, Body] = {
     "hatchback": Body((3.95, 1.72, 1.48), (-0.48, 0.26), (-0.42, 0.08), 0.62, 0.50),
     "saloon": Body((4.60, 1.82, 1.45), (-0.36, 0.20), (-0.22, 0.04), 0.64, 0.52),

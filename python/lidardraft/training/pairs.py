@@ -31,21 +31,26 @@ _IMAGES = {
 Pair = tuple[RangeImage, RangeImage]
 
 
-def pairs_on_disk(directory: str | os.PathLike[str]) -> int:
-    """How many pairs a folder holds: 0 where there is no index. A seeded source goes on from here."""
+def pairs_on_disk(directory: str | os.PathLike[str], *, source: str = "") -> int:
+    """How many pairs a folder holds: 0 where there is no index. A seeded source goes on from here.
+
+    Raises `FormatError` where they came from another `source`.
+    """
     index = Path(directory) / "index.json"
-    return sum(_read_index(index)["shards"]) if index.exists() else 0
+    return sum(_of_source(Path(directory), _read_index(index), source)["shards"]) if index.exists() else 0
 
 
-def write_pairs(directory: str | os.PathLike[str], pairs: Iterable[Pair]) -> Iterator[int]:
+def write_pairs(directory: str | os.PathLike[str], pairs: Iterable[Pair], *, source: str = "") -> Iterator[int]:
     """Add (scan, drawing) pairs of one sensor to a folder, yielding the number of pairs on disk after each shard.
 
+    `source` says in words where the pairs come from; a folder holds those of one source and sensor, else `FormatError`.
     Shards hold `SHARD` pairs, the last one fewer. The index is written last: what is interrupted leaves the folder as
     it was after the shard before.
     """
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
-    index = _read_index(folder / "index.json") if (folder / "index.json").exists() else None
+    there = (folder / "index.json").exists()
+    index = _of_source(folder, _read_index(folder / "index.json"), source) if there else None
     counts: list[int] = index["shards"] if index else []
     sensor = _sensor(folder, index) if index else None
     for shard in _shards(pairs):
@@ -57,7 +62,7 @@ def write_pairs(directory: str | os.PathLike[str], pairs: Iterable[Pair]) -> Ite
         rows = [_compact(*pair) for pair in shard]
         _write(folder / f"{len(counts):05d}.npz", {name: np.stack([row[name] for row in rows]) for name in _IMAGES})
         counts.append(len(rows))
-        _write_index(folder / "index.json", sensor, counts)
+        _write_index(folder / "index.json", sensor, counts, source)
         yield sum(counts)
 
 
@@ -72,6 +77,7 @@ class PairFolder:
         folder = Path(directory)
         index = _read_index(folder / "index.json")
         self.sensor = _sensor(folder, index)
+        self.source: str = index["source"]
         counts = index["shards"]
         self._images = {name: np.empty((sum(counts), *self.sensor.shape), dtype) for name, dtype in _IMAGES.items()}
         start = 0
@@ -132,10 +138,16 @@ def _write(path: Path, images: dict[str, np.ndarray]) -> None:
         np.savez_compressed(file, **images)  # type: ignore[arg-type]
 
 
-def _write_index(path: Path, sensor: Sensor | None, counts: list[int]) -> None:
+def _of_source(folder: Path, index: dict[str, Any], source: str) -> dict[str, Any]:
+    if index["source"] != source:
+        raise FormatError(f"{folder} holds pairs of {index['source']!r}, not of {source!r}; use another folder")
+    return index
+
+
+def _write_index(path: Path, sensor: Sensor | None, counts: list[int], source: str) -> None:
     fields = json.loads(sensor.to_json()) if sensor else None
     with written_whole(path) as temporary:
-        temporary.write_text(json.dumps({"schema": SCHEMA, "sensor": fields, "shards": counts}))
+        temporary.write_text(json.dumps({"schema": SCHEMA, "source": source, "sensor": fields, "shards": counts}))
 
 
 def _read_index(path: Path) -> dict[str, Any]:
@@ -145,6 +157,7 @@ def _read_index(path: Path) -> dict[str, Any]:
             raise FormatError(f"{path}: schema is {index['schema']!r}; this version reads {SCHEMA!r}")
         if not all(isinstance(count, int) and count > 0 for count in index["shards"]) or "sensor" not in index:
             raise FormatError(f"{path}: 'shards' must be counts, beside a 'sensor'")
+        index["source"] = str(index.get("source", ""))
     except (OSError, UnicodeDecodeError, json.JSONDecodeError, KeyError, TypeError) as error:
         raise FormatError(f"{path} is no index of pairs: {error!r}") from None
     return index

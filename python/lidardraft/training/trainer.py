@@ -99,14 +99,17 @@ def train(
     """Train a denoiser on pairs, or, given a `base`, a ControlNet on it while it stays frozen.
 
     The folder `run` receives `log.jsonl`, `state.safetensors` to go on from after an interruption or `max_minutes`, and
-    `weights.safetensors`, the average of weights. Batch t depends on the seed and t only, so that a run in slices gives
-    the weights of a run in one. Raises `TrainingError` where the run in the folder is another, the pairs do not fit, or
-    the training has gone wrong.
+    `weights.safetensors`, the average of weights. Batch t depends on the seed, the pairs and t only, so that a run in
+    slices gives the weights of a run in one. Raises `TrainingError` where the run in the folder is another, the pairs
+    or the device do not fit, or the training has gone wrong.
     """
     _check(config, pairs, base)
     run = Path(run)
     run.mkdir(parents=True, exist_ok=True)
-    trainer = _Trainer(config, base, torch.device(device), encode_elevations(pairs.sensor))
+    try:
+        trainer = _Trainer(config, base, torch.device(device), encode_elevations(pairs.sensor))
+    except (RuntimeError, AssertionError) as error:  # torch's, for a device it does not have
+        raise TrainingError(f"device is {device!r}: {str(error).splitlines()[0]}") from None
     start = trainer.resume(run / "state.safetensors")
     if start >= config.steps:
         return
@@ -141,7 +144,8 @@ class _Trainer:
             denoiser = Denoiser.from_config(config.denoiser) if base is None else base.with_controlnet()
         self.config, self.device = config, device
         # On a CPU without bfloat16 instructions the emulated ones are slower than float32.
-        self.bfloat16 = device.type == "cuda" or torch.cpu._is_avx512_bf16_supported()
+        supported = getattr(torch.cpu, "_is_avx512_bf16_supported", lambda: False)
+        self.bfloat16 = device.type == "cuda" or supported()
         self.denoiser = denoiser.to(device).train()
         self.beams = torch.from_numpy(beams).to(device)
         self.weights = {name: p for name, p in denoiser.named_parameters() if p.requires_grad}
@@ -260,6 +264,9 @@ def _batch(
     for i in random.integers(len(pairs), size=config.batch):
         scan, drawing = pairs[int(i)]
         start, mirrored = int(random.integers(scan.sensor.columns)), bool(random.random() < 0.5)
+        mirrored = mirrored and not any(
+            scan.sensor.azimuth_offsets
+        )  # the mirror image of staggered beams is another sensor
         clean.append(_crop(encode_scan(scan), start, config.crop, mirrored))
         if conditional:
             conditions.append(_crop(encode_condition(drawing), start, config.crop, mirrored))
