@@ -28,6 +28,9 @@ pub struct SensorSpec {
     pub max_range: f64,
 }
 
+/// How far beyond a range limit a projected point may lie, as a share of the maximum range.
+const ROUNDING: f64 = 1e-6;
+
 /// The map from (row, column) to a ray in the sensor frame: H beams by W columns.
 ///
 /// Beam h starts at (0, 0, `origin_heights[h]`), and its column w looks to the azimuth
@@ -169,8 +172,13 @@ impl SensorPattern {
         }
         let row = self.row(point)?;
         let column = self.column(row, point)?;
-        let distance = self.reported((point - self.origin(row)).length())?;
-        Some((row as i32, column as i32, distance))
+        let length = (point - self.origin(row)).length();
+        // A point of a range limit, in f32 coordinates, may lie a rounding beyond it.
+        let within = length.clamp(self.spec.min_range, self.spec.max_range);
+        if (length - within).abs() > ROUNDING * self.spec.max_range {
+            return None;
+        }
+        Some((row as i32, column as i32, self.reported(within)?))
     }
 
     /// The beam nearest in elevation, each seen from its own origin; of two equally near the higher one.

@@ -144,3 +144,15 @@ def test_a_truncated_file_is_no_range_image(tmp_path):
         (tmp_path / "a.npz").write_bytes(data[:part])
         with pytest.raises(FormatError, match=r"a.npz is not a range image"):
             RangeImage.load(tmp_path / "a.npz")
+
+
+@pytest.mark.parametrize("name", ["hdl64e", "os1-128"])
+def test_returns_at_the_range_limits_survive_projection(name: str) -> None:
+    sensor = Sensor.preset(name)
+    for limit in (sensor.min_range, sensor.max_range):
+        depth = np.full(sensor.shape, limit, dtype=np.float32)
+        blank = {"label": np.zeros(sensor.shape, np.uint8), "instance": np.zeros(sensor.shape, np.uint32)}
+        image = RangeImage(sensor=sensor, depth=depth, **blank)
+        again = RangeImage.project(image.points(), sensor)
+        assert again.valid.all()
+        np.testing.assert_allclose(again.depth, depth, rtol=1e-5)
