@@ -27,8 +27,9 @@ _RAMP = np.array(
 _GAP = 6
 
 
-def camera(width: int = 720, height: int = 480, field_of_view: float = math.radians(64)) -> Sensor:
+def _camera() -> Sensor:
     """A sensor that looks along its x axis with rays as dense as a picture's, equal angles apart."""
+    width, height, field_of_view = 720, 480, math.radians(64)
     half = field_of_view / 2 * height / width
     return Sensor(
         name="camera",
@@ -41,25 +42,22 @@ def camera(width: int = 720, height: int = 480, field_of_view: float = math.radi
     )
 
 
-def camera_pose(x: float = -16.0, y: float = 0.0, z: float = 11.0, pitch: float = math.radians(24)) -> np.ndarray:
-    """world_from_camera [4, 4]: at (x, y, z) of the layout's frame, looking forward and `pitch` down."""
-    cos, sin = math.cos(pitch), math.sin(pitch)
-    return np.array([[cos, 0, sin, x], [0, 1, 0, y], [-sin, 0, cos, z], [0, 0, 0, 1]], dtype=np.float64)
+def _camera_pose() -> np.ndarray:
+    """world_from_camera [4, 4]: 16 m behind and 11 m over the ego vehicle, looking 24 degrees down."""
+    cos, sin = math.cos(math.radians(24)), math.sin(math.radians(24))
+    return np.array([[cos, 0, sin, -16.0], [0, 1, 0, 0], [-sin, 0, cos, 11.0], [0, 0, 0, 1]], dtype=np.float64)
 
 
-def draw_layout(layout: Layout, sensor: Sensor | None = None, pose: np.ndarray | None = None) -> np.ndarray:
+def draw_layout(layout: Layout) -> np.ndarray:
     """The shapes of a layout, shaded, seen by the camera: uint8 [H, W, 3]."""
-    image = raycast(layout, sensor or camera(), camera_pose() if pose is None else pose)
+    image = raycast(layout, _camera(), _camera_pose())
     shade = 0.35 + 0.65 * image.incidence[..., None] if image.incidence is not None else 1.0
     return np.where(image.valid[..., None], PALETTE[image.label] * shade, _BACKGROUND).astype(np.uint8)
 
 
-def draw_points(
-    points: np.ndarray, colours: np.ndarray, sensor: Sensor | None = None, pose: np.ndarray | None = None
-) -> np.ndarray:
+def draw_points(points: np.ndarray, colours: np.ndarray) -> np.ndarray:
     """Points [N, 3] of the layout's frame in their colours uint8 [N, 3], seen by the camera: uint8 [H, W, 3]."""
-    sensor = sensor or camera()
-    pose = camera_pose() if pose is None else pose
+    sensor, pose = _camera(), _camera_pose()
     image = RangeImage.project((points - pose[:3, 3]) @ pose[:3, :3], sensor, instance=np.arange(1, len(points) + 1))
     picture = np.broadcast_to(_BACKGROUND, (*sensor.shape, 3)).copy()
     # A point is two pixels wide: the copies go first, so that no copy hides a point.
@@ -75,15 +73,17 @@ def colour_by_label(label: np.ndarray) -> np.ndarray:
     return np.where((label == 0)[..., None], np.uint8(255), PALETTE[label])
 
 
-def colour_by_depth(depth: np.ndarray, near: float = 2.0, far: float = 80.0) -> np.ndarray:
-    """A ramp over the logarithm of the range, uint8 [..., 3]; black where there is no return."""
+def colour_by_depth(depth: np.ndarray) -> np.ndarray:
+    """A ramp over the logarithm of the range from 2 to 80 m, uint8 [..., 3]; black where there is no return."""
+    near, far = 2.0, 80.0
     share = np.log(np.clip(depth, near, far) / near) / math.log(far / near) * (len(_RAMP) - 1)
     colours = np.stack([np.interp(share, np.arange(len(_RAMP)), _RAMP[:, c]) for c in range(3)], axis=-1)
     return np.where(depth[..., None] > 0, colours, 0).astype(np.uint8)
 
 
-def colour_by_height(z: np.ndarray, low: float = -0.5, high: float = 7.0) -> np.ndarray:
-    """A ramp over the height over the road [m], uint8 [..., 3]."""
+def colour_by_height(z: np.ndarray) -> np.ndarray:
+    """A ramp over the height over the road from -0.5 to 7 m, uint8 [..., 3]."""
+    low, high = -0.5, 7.0
     share = (np.clip(z, low, high) - low) / (high - low) * (len(_RAMP) - 2) + 1
     return np.stack([np.interp(share, np.arange(len(_RAMP)), _RAMP[:, c]) for c in range(3)], axis=-1).astype(np.uint8)
 

@@ -1,3 +1,4 @@
+import dataclasses
 import math
 
 import pytest
@@ -11,6 +12,7 @@ from lidardraft.scene.check import (
     ego_clear,
     grounded,
     in_range,
+    numbered,
     on_road,
     overlap,
     penetration,
@@ -168,3 +170,12 @@ def test_ground_heights(curvature: float) -> None:
         assert ground.height(x, y) == pytest.approx(height)
     assert ground.at(1000.0, 0.0) is None
     assert ground.height(1000.0, 0.0) == 0.0
+
+
+def test_things_need_a_number_of_their_own() -> None:
+    car = box("car_1", (10.0, 0.0, 0.75))
+    assert [f.ids for f in numbered(Layout((dataclasses.replace(car, instance=0),)))] == [("car_1",)]
+    person = dataclasses.replace(car, id="person_1", label="person", instance=4)
+    findings = numbered(Layout((dataclasses.replace(car, instance=4), person)))
+    assert [f.ids for f in findings] == [("car_1", "person_1")]
+    assert numbered(Layout((dataclasses.replace(car, instance=4), dataclasses.replace(person, instance=5)))) == []

@@ -10,7 +10,7 @@ import numpy as np
 
 from lidardraft.scene.layout import Box, Layout, Primitive
 from lidardraft.scene.mesh import primitive_mesh
-from lidardraft.semantics import GROUND
+from lidardraft.semantics import BY_NAME, GROUND
 
 VEHICLE_LABELS = ("car", "truck", "bus", "train", "motorcycle")
 EGO_SIZE = (4.5, 2.0, 2.0)  # m around the origin, standing on the road
@@ -115,7 +115,22 @@ def in_range(layout: Layout) -> list[Finding]:
     return findings
 
 
-CHECKS = (overlap, grounded, on_road, size, ego_clear, in_range)
+def numbered(layout: Layout) -> list[Finding]:
+    """Things without a number, which get no box, and numbers of two classes, which get one box for both."""
+    findings = []
+    owners: dict[int, Primitive] = {}
+    for primitive in layout:
+        if BY_NAME[primitive.label].is_thing and primitive.instance == 0:
+            message = f"{primitive.id} is a {primitive.label} with instance 0; things have 1 or more"
+            findings.append(Finding("numbered", (primitive.id,), message))
+        owner = owners.setdefault(primitive.instance, primitive)
+        if primitive.instance and owner.label != primitive.label:
+            message = f"{owner.id}, a {owner.label}, and {primitive.id}, a {primitive.label}, are both {owner.instance}"
+            findings.append(Finding("numbered", (owner.id, primitive.id), message))
+    return findings
+
+
+CHECKS = (overlap, grounded, on_road, size, ego_clear, in_range, numbered)
 
 
 def object_of(primitive: Primitive) -> str:
