@@ -105,12 +105,12 @@ def train(
     """
     _check(config, pairs, base)
     run = Path(run)
-    run.mkdir(parents=True, exist_ok=True)
     try:
         trainer = _Trainer(config, base, torch.device(device), encode_elevations(pairs.sensor))
     except (RuntimeError, AssertionError) as error:  # torch's, for a device it does not have
         raise TrainingError(f"device is {device!r}: {str(error).splitlines()[0]}") from None
     start = trainer.resume(run / "state.safetensors")
+    run.mkdir(parents=True, exist_ok=True)
     if start >= config.steps:
         return
     began, reported = time.monotonic(), time.monotonic()
