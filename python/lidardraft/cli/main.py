@@ -106,10 +106,10 @@ def _parser() -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    def command(name: str, run: object) -> argparse.ArgumentParser:
-        text = run.__doc__ or ""
+    def command(name: str, function: object) -> argparse.ArgumentParser:
+        text = function.__doc__ or ""
         added = commands.add_parser(name, help=text, description=text)
-        added.set_defaults(run=run)
+        added.set_defaults(command=function)
         return added
 
     def source(added: argparse.ArgumentParser) -> argparse._MutuallyExclusiveGroup:
@@ -175,15 +175,20 @@ def _seed(text: str) -> int:
     return value
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command line; 0 on success, 2 where the input is wrong."""
-    arguments = _parser().parse_args(argv)
+def run(parser: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
+    """Run the command that the arguments name; 0 on success, 2 and one line on stderr where the input is wrong."""
+    arguments = parser.parse_args(argv)
     try:
-        arguments.run(arguments)
+        arguments.command(arguments)
     except (LidarDraftError, OSError) as error:
-        print(f"lidardraft: {error}", file=sys.stderr)
+        print(f"{parser.prog}: {error}", file=sys.stderr)
         return 2
     return 0
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line."""
+    return run(_parser(), argv)
 
 
 if __name__ == "__main__":

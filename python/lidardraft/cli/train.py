@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lidardraft.errors import LidarDraftError
+from lidardraft.cli.main import run
 from lidardraft.scene.sensor import PRESETS, Sensor
 
 if TYPE_CHECKING:
@@ -116,10 +116,10 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="lidardraft-train", description="From procedural streets to weights.")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    def command(name: str, run: object) -> argparse.ArgumentParser:
-        text = run.__doc__ or ""
+    def command(name: str, function: object) -> argparse.ArgumentParser:
+        text = function.__doc__ or ""
         added = commands.add_parser(name, help=text, description=text)
-        added.set_defaults(run_command=run)
+        added.set_defaults(command=function)
         return added
 
     def data(added: argparse.ArgumentParser) -> None:
@@ -135,13 +135,13 @@ def _parser() -> argparse.ArgumentParser:
     data(added)
     added.add_argument("-o", "--output", dest="pairs", required=True, metavar="FOLDER")
 
-    for name, run in (("unconditional", unconditional), ("controlnet", controlnet)):
-        added = command(name, run)
+    for name, function in (("unconditional", unconditional), ("controlnet", controlnet)):
+        added = command(name, function)
         stage(added)
         added.add_argument("--steps", type=int, help="instead of the recipe's")
         added.add_argument("--minutes", type=float, help="stop after so long; the same call goes on")
         added.add_argument("--pairs", required=True, metavar="FOLDER")
-        if run is controlnet:
+        if function is controlnet:
             added.add_argument("--base", required=True, metavar="WEIGHTS", help="weights.safetensors of stage one")
         added.add_argument("-o", "--output", dest="run", required=True, metavar="FOLDER")
 
@@ -157,14 +157,8 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command line; 0 on success, 2 where the input is wrong."""
-    arguments = _parser().parse_args(argv)
-    try:
-        arguments.run_command(arguments)
-    except (LidarDraftError, OSError) as error:
-        print(f"lidardraft-train: {error}", file=sys.stderr)
-        return 2
-    return 0
+    """Run the command line."""
+    return run(_parser(), argv)
 
 
 if __name__ == "__main__":
