@@ -93,11 +93,11 @@ class Scan:
 
 
 class Pipeline:
-    """A denoiser and the sensor to use where none is given, ready to turn sentences and layouts into scans."""
+    """A denoiser, ready to turn sentences and layouts into scans, of an hdl64e where no sensor is given."""
 
-    def __init__(self, denoiser: Denoiser, *, sensor: Sensor | None = None, steps: int = 20) -> None:
+    def __init__(self, denoiser: Denoiser, *, steps: int = 20) -> None:
         self.denoiser = denoiser.eval()
-        self.sensor = sensor or Sensor.preset("hdl64e")
+        self.sensor = Sensor.preset("hdl64e")
         self.steps = steps
 
     @classmethod

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -104,13 +104,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="lidardraft", description="From a sentence, a scan or a layout to LiDAR scans."
     )
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-
-    def command(name: str, function: object) -> argparse.ArgumentParser:
-        text = function.__doc__ or ""
-        added = commands.add_parser(name, help=text, description=text)
-        added.set_defaults(command=function)
-        return added
+    command = commands_of(parser)
 
     def source(added: argparse.ArgumentParser) -> argparse._MutuallyExclusiveGroup:
         group = added.add_mutually_exclusive_group(required=True)
@@ -173,6 +167,19 @@ def _seed(text: str) -> int:
     if not 0 <= value < 2**32:
         raise argparse.ArgumentTypeError(f"{value} is not between 0 and 2^32 - 1")
     return value
+
+
+def commands_of(parser: argparse.ArgumentParser) -> Callable[[str, object], argparse.ArgumentParser]:
+    """How to add a command to a parser: its name and the function that runs it, whose docstring is its help."""
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    def command(name: str, function: object) -> argparse.ArgumentParser:
+        text = function.__doc__ or ""
+        added = commands.add_parser(name, help=text, description=text)
+        added.set_defaults(command=function)
+        return added
+
+    return command
 
 
 def run(parser: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lidardraft.cli.main import run
+from lidardraft.cli.main import commands_of, run
 from lidardraft.scene.sensor import PRESETS, Sensor
 
 if TYPE_CHECKING:
@@ -114,13 +114,7 @@ def _train(
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="lidardraft-train", description="From procedural streets to weights.")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-
-    def command(name: str, function: object) -> argparse.ArgumentParser:
-        text = function.__doc__ or ""
-        added = commands.add_parser(name, help=text, description=text)
-        added.set_defaults(command=function)
-        return added
+    command = commands_of(parser)
 
     def data(added: argparse.ArgumentParser) -> None:
         added.add_argument("--num", type=int, default=2400, help="how many pairs (default 2400)")
