@@ -97,11 +97,12 @@ def test_public_names_are_documented(path: Path) -> None:
             assert ast.get_docstring(node), f"{node.name} has no docstring"
 
 
-def test_unsafe_stays_out_of_the_rust_core() -> None:
+def test_rust_files_are_short_and_unsafe_stays_in_its_folder() -> None:
     for path in (ROOT / "rust").rglob("*.rs"):
         lines = path.read_text().splitlines()
         assert len(lines) <= 400, f"{path.name} has {len(lines)} lines"
-        assert not [line for line in lines if "unsafe " in line and not line.strip().startswith("//")]
+        code = [line for line in lines if not line.strip().startswith("//")]
+        assert path.parent.name == "lanes" or not [line for line in code if "unsafe " in line], path
 
 
 def test_the_ten_second_table_is_true() -> None:

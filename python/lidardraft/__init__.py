@@ -1,9 +1,13 @@
 """Anything a person has becomes a layout of semantic shapes, and the layout a LiDAR scan."""
 
 import importlib
+import warnings
 from typing import Any
 
+from lidardraft._core import DEBUG as _DEBUG
 from lidardraft.errors import LidarDraftError
+from lidardraft.scene.batch import RangeImageBatch
+from lidardraft.scene.hits import Hits
 from lidardraft.scene.layout import Box, Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import Raycaster, raycast
@@ -21,11 +25,13 @@ _LAZY = {
 __all__ = [
     "CLASSES",
     "Box",
+    "Hits",
     "Layout",
     "LidarDraftError",
     "Pipeline",
     "Primitive",
     "RangeImage",
+    "RangeImageBatch",
     "Raycaster",
     "Scan",
     "SemanticClass",
@@ -44,3 +50,16 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted(__all__)
+
+
+def _warn_of_debug_build(debug: bool) -> None:
+    """One warning at the line that imports lidardraft, if the core was compiled without optimisation."""
+    if debug:
+        message = (
+            "lidardraft's compiled core is a debug build: right, but many times slower than a release build; "
+            "`make install` or `maturin develop --release` makes that"
+        )
+        warnings.warn(message, RuntimeWarning, stacklevel=3)
+
+
+_warn_of_debug_build(_DEBUG)

@@ -1,21 +1,34 @@
 """The compiled core: numpy arrays in, numpy arrays out, the GIL released while it works.
 
 Metres and radians throughout. Arrays must be C-contiguous and of exactly the dtype given; anything else raises
-`TypeError`. Values that cannot be a sensor or a scene raise `lidardraft.SensorError` or `lidardraft.LayoutError`.
+`TypeError`, and so do arrays to be written that are read-only or share memory. Values that cannot be a sensor or a
+scene raise `lidardraft.SensorError` or `lidardraft.LayoutError`, other ones `lidardraft.LidarDraftError`. Everything is
+checked before anything is written.
+
+`threads` is how many threads a call may use, 0 to 1024; 0 is as many as there are cores (`RAYON_NUM_THREADS`). Results
+are the same bit for bit for any number.
 """
 
+from math import inf
 from os import PathLike
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
+DEBUG: bool  # whether this is a debug build: correct, and some fifty times slower
+
+def backends() -> list[str]:
+    """What this machine can cast scans with, the fastest first: some of "avx512", "avx2", "portable", and always
+    "reference".
+    """
+
 @final
 class SensorPattern:
     """The map from (row, column) to a ray: H beams by W columns, row 0 the highest beam.
 
-    Beam h starts at (0, 0, origin_heights[h]) of the sensor frame; column w looks to the azimuth
-    `azimuth_start - (w + 1/2) * azimuth_span / W + azimuth_offsets[h]`.
+    Column w of beam h looks to the azimuth `azimuth_start - (w + 1/2) * azimuth_span / W + azimuth_offsets[h]`, and
+    starts at `origins[h]` turned about z by that azimuth: the lasers turn with the head.
     """
 
     def __new__(
@@ -23,7 +36,7 @@ class SensorPattern:
         *,
         elevations: NDArray[np.float64],  # [H], rad, strictly decreasing, within (-pi/2, pi/2)
         azimuth_offsets: NDArray[np.float64],  # [H], rad
-        origin_heights: NDArray[np.float64],  # [H], m
+        origins: NDArray[np.float64],  # [H, 3], m: forward, to the left and up, seen along the beam's own azimuth
         columns: int,
         azimuth_start: float,
         azimuth_span: float,  # rad, (0, 2 pi]
@@ -35,6 +48,8 @@ class SensorPattern:
         """(H, W)."""
     def directions(self) -> NDArray[np.float64]:
         """Unit ray directions in the sensor frame, [H, W, 3]."""
+    def origins(self) -> NDArray[np.float64]:
+        """Where each ray starts in the sensor frame, [H, W, 3]."""
     def points(self, depth: NDArray[np.float32]) -> NDArray[np.float64]:
         """Sensor-frame points for the distances [H, W] along the rays, [H, W, 3]; the beam origin where depth is 0.
 
@@ -43,10 +58,11 @@ class SensorPattern:
     def project(self, points: NDArray[np.float64]) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
         """Row, column and distance from the beam's origin of points [N, 3]; row = column = -1, distance 0 outside.
 
-        A point belongs to the beam whose elevation is nearest and to the column whose cell it lies in. Outside means
-        out of the azimuth span, further from the highest or lowest beam than half its spacing (that of the columns if
-        there is one beam only), not in [min_range, max_range], or not finite. Distances are compared as float32, so
-        `points` of an image of this sensor project to the pixels they came from, unless two beams cross there.
+        A point belongs to the beam whose elevation is nearest, each seen from its own origin, and to the column whose
+        cell it lies in. Outside means nearer to the axis than any beam can look, out of the azimuth span, further from
+        the highest or lowest beam than half its spacing (that of the columns if there is one beam only), not in
+        [min_range, max_range], or not finite. Distances are compared as float32, so `points` of an image of this sensor
+        project to the pixels they came from, unless two beams cross there.
         """
 
 @final
@@ -69,16 +85,47 @@ class Scene:
         # Unit vertices [V, 3] and faces [F, 3] of the shapes that are 4, in their order.
         meshes: list[tuple[NDArray[np.float64], NDArray[np.uint32]]],
     ) -> Scene: ...
+    def moved(self, primitives: NDArray[np.uint32], world_from_primitive: NDArray[np.float64]) -> Scene:
+        """The same scene with primitives [M] standing elsewhere: poses [M, 4, 4] of their own frames (middle, axes),
+        rigid, tilted if need be.
+
+        Nothing else is compiled anew: meshes are shared with the old scene, which stays as it is. An index out of
+        range, one given twice, or a pose that is not rigid raises `LayoutError`.
+        """
     def scan(
         self,
         pattern: SensorPattern,
-        world_from_sensor: NDArray[np.float64],  # [4, 4], rigid
-    ) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.uint32], NDArray[np.int32], NDArray[np.float32]]:
-        """The closest hit of every ray: depth, label, instance, primitive index, cosine of incidence, each [H, W].
+        world_from_sensor: NDArray[np.float64],  # [N, K, 4, 4], rigid; K is 1, or W: one for each column
+        *,
+        # Written in place; the last three may be left out.
+        depth: NDArray[np.float32],  # [N, H, W], m along the ray
+        label: NDArray[np.uint8],  # [N, H, W]
+        instance: NDArray[np.uint32],  # [N, H, W]
+        primitive: NDArray[np.int32] | None = None,  # [N, H, W], index in the scene
+        incidence: NDArray[np.float32] | None = None,  # [N, H, W], cosine between ray and normal, 0 to 1
+        normal: NDArray[np.float32] | None = None,  # [N, H, W, 3], unit, in the world, turned towards the sensor
+        threads: int = 0,
+        backend: str | None = None,  # one of `backends()`; None is the fastest
+    ) -> None:
+        """Writes the closest hit of every ray of N scans.
 
-        No hit within [min_range, max_range] is depth 0, label 0, instance 0, primitive -1, incidence 0. Both sides of
-        every surface are seen. Of two hits at the same float32 distance the primitive with the lower index wins. A
-        pose that is not rigid raises `LayoutError`. The images are the same for any number of threads.
+        No hit within [min_range, max_range] is depth 0, label 0, instance 0, primitive -1, incidence 0, normal 0. Both
+        sides of every surface are seen. Of two hits at the same float32 distance the primitive with the lower index
+        wins. A pose that is not rigid raises `LayoutError`, images of another shape `SensorError`.
+        """
+    def cast(
+        self,
+        origins: NDArray[np.float64],  # [R, 3], m
+        directions: NDArray[np.float64],  # [R, 3], of any length but 0
+        *,
+        max_range: float = inf,  # m, greater than 0
+        threads: int = 0,
+    ) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.uint32], NDArray[np.int32], NDArray[np.float32]]:
+        """The closest hit of any rays: distance [m], label, instance, primitive, each [R], and the unit normal turned
+        towards the origin, [R, 3].
+
+        No hit is 0 in all of them and -1 in primitive. Values that are not finite and directions of length 0 raise
+        `LayoutError`.
         """
 
 def read_obj(

@@ -50,8 +50,9 @@ def _camera_pose() -> np.ndarray:
 
 def draw_layout(layout: Layout) -> np.ndarray:
     """The shapes of a layout, shaded, seen by the camera: uint8 [H, W, 3]."""
-    image = raycast(layout, _camera(), _camera_pose())
-    shade = 0.35 + 0.65 * image.incidence[..., None] if image.incidence is not None else 1.0
+    image = raycast(layout, _camera(), _camera_pose(), incidence=True)
+    assert image.incidence is not None
+    shade = 0.35 + 0.65 * image.incidence[..., None]
     return np.where(image.valid[..., None], PALETTE[image.label] * shade, _BACKGROUND).astype(np.uint8)
 
 

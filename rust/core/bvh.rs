@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use glam::Vec3A;
+use glam::{DVec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, DEFAULT_MAX_STACK_DEPTH, builder::build_bvh2};
@@ -13,11 +13,14 @@ use crate::intersect::{Hit, Ray};
 
 /// A binary hierarchy (crate `obvhs`) in f32; the tests of what is in its boxes stay in f64.
 ///
-/// Invariant: no hit is lost to f32. A ray is followed from where it enters the bounds of everything, so its origin, the
-/// box corners and their differences are at most one diagonal long, and each is off by at most half a unit in the last
-/// place of that; a box test makes fewer than 8 such errors, which is what the boxes are grown by.
+/// Invariant: no hit is lost to f32. Everything is relative to the middle of all boxes, and a ray is followed from where it
+/// enters their bounds, so its origin, the box corners and their differences are at most one diagonal long, and each is
+/// off by at most half a unit in the last place of that; a box test makes fewer than 8 such errors, which is what the boxes
+/// are grown by.
 pub(crate) struct Bvh {
     tree: Bvh2,
+    middle: DVec3,
+    /// Of all boxes, grown, relative to the middle.
     bounds: Bounds,
 }
 
@@ -29,11 +32,12 @@ struct Closest {
 }
 
 impl Bvh {
-    /// A hierarchy over boxes that are finite and lie around the origin.
+    /// A hierarchy over finite boxes.
     pub(crate) fn new(boxes: &[Bounds]) -> Bvh {
         let tight = boxes.iter().fold(Bounds::EMPTY, |all, &next| all.union(next));
+        let middle = if tight.is_empty() { DVec3::ZERO } else { tight.center() };
         let margin = 8.0 * f64::from(f32::EPSILON) * tight.diagonal();
-        let padded: Vec<Aabb> = boxes.iter().map(|b| outward(b.grown(margin))).collect();
+        let padded: Vec<Aabb> = boxes.iter().map(|b| outward(b.moved(-middle).grown(margin))).collect();
         let mut spent = Duration::ZERO;
         // Tests in f64 cost about as much as the two box tests that save one; the default expects f32 triangles.
         let settings = BvhBuildParams { collapse_traversal_cost: 1.0, ..BvhBuildParams::medium_build() };
@@ -41,31 +45,41 @@ impl Bvh {
         if !tree.nodes.is_empty() {
             tree.max_depth = (tree.depth(0) + 1).max(DEFAULT_MAX_STACK_DEPTH);
         }
-        let bounds = tight.grown(margin);
-        Bvh { tree, bounds }
+        let bounds = tight.moved(-middle).grown(margin);
+        Bvh { tree, middle, bounds }
     }
 
     /// The closest of the hits that `intersect` finds with the entries along a ray, and its entry.
-    pub(crate) fn closest(&self, ray: &Ray, intersect: impl Fn(usize) -> Option<Hit>) -> Option<(usize, Hit)> {
+    ///
+    /// Hits whose distance, as f32, is greater than `limit` may be left out; `intersect` gets the limit that holds for it.
+    pub(crate) fn closest(
+        &self,
+        ray: &Ray,
+        limit: f32,
+        intersect: impl Fn(usize, f32) -> Option<Hit>,
+    ) -> Option<(usize, Hit)> {
+        let ray = Ray { origin: ray.origin - self.middle, ..*ray };
         let (enter, exit) = self.bounds.crossing(ray.origin, ray.direction)?;
-        if exit < 0.0 || self.bounds.is_empty() {
+        if exit < 0.0 || enter as f32 > limit.next_up() || self.bounds.is_empty() {
             return None;
         }
         let start = enter.max(0.0);
-        let walk = obvhs::ray::Ray::new_inf(Vec3A::from(ray.at(start).as_vec3()), Vec3A::from(ray.direction.as_vec3()));
+        // Boxes that begin within the same f32 may hold a tie.
+        let from_start = |depth: f32| ((f64::from(depth.next_up()) - start) as f32).next_up();
+        let (origin, direction) = (Vec3A::from(ray.at(start).as_vec3()), Vec3A::from(ray.direction.as_vec3()));
+        let walk = obvhs::ray::Ray::new(origin, direction, 0.0, from_start(limit));
         let mut best: Option<Closest> = None;
-        let mut limit = f32::INFINITY;
+        let mut limit = limit;
         self.tree.ray_traverse(walk, &mut RayHit::none(), |_, leaf| {
             let entry = self.tree.primitive_indices[leaf] as usize;
-            if let Some(hit) = intersect(entry) {
+            if let Some(hit) = intersect(entry, limit) {
                 let depth = hit.distance as f32;
                 if best.as_ref().is_none_or(|b| (depth, entry) < (b.depth, b.entry)) {
-                    // Boxes that begin within the same f32 may hold a tie.
-                    limit = ((f64::from(depth.next_up()) - start) as f32).next_up();
+                    limit = limit.min(depth);
                     best = Some(Closest { hit, depth, entry });
                 }
             }
-            limit
+            from_start(limit)
         });
         best.map(|b| (b.entry, b.hit))
     }

@@ -41,6 +41,9 @@ pub enum Error {
     /// A beam with a value that is NaN or infinite.
     #[error("{table}[{beam}] is {value}; it must be finite")]
     BeamNotFinite { table: &'static str, beam: usize, value: f64 },
+    /// A beam that starts nowhere.
+    #[error("origins[{beam}] is {value:?} m; every coordinate must be finite and at most {limit:e} in size")]
+    BeamOrigin { beam: usize, value: [f64; 3], limit: f64 },
     /// A beam that looks straight up or down, or beyond.
     #[error("elevations[{beam}] is {value} rad; it must be between -pi/2 and pi/2, both excluded")]
     ElevationLimit { beam: usize, value: f64 },
@@ -71,7 +74,7 @@ pub enum Error {
     PrimitiveTable { table: &'static str, entries: usize, primitives: usize },
     /// A table or an image whose rows have the wrong length.
     #[error("{table} has the shape {shape:?}; it must be {expected}")]
-    TableShape { table: String, shape: Vec<usize>, expected: &'static str },
+    TableShape { table: String, shape: Vec<usize>, expected: String },
     /// A number that is no shape.
     #[error("shapes[{primitive}] is {code}; it must be 0 box, 1 ellipsoid, 2 cylinder, 3 plane or 4 mesh")]
     ShapeCode { primitive: usize, code: u8 },
@@ -96,16 +99,60 @@ pub enum Error {
     #[error("yaws[{primitive}] is {value}; it must be finite")]
     Yaw { primitive: usize, value: f64 },
 
+    /// As many poses as primitives to move, or not.
+    #[error("primitives has {primitives} entries and world_from_primitive has {poses}; it must be one pose for each")]
+    MovedCount { primitives: usize, poses: usize },
+    /// A primitive to move that the scene does not have.
+    #[error("primitives[{entry}] is {primitive}; the scene has {count} primitives")]
+    MovedIndex { entry: usize, primitive: u32, count: usize },
+    /// A primitive that is to stand at two places.
+    #[error("primitives[{entry}] is {primitive}, as is primitives[{first}]; a primitive can be moved once")]
+    MovedTwice { entry: usize, first: usize, primitive: u32 },
+
     /// A pose with an entry that is NaN or infinite, or too far away.
-    #[error("world_from_sensor[{row}, {column}] is {value}; it must be finite and at most {limit:e} in size")]
+    #[error("entry [{row}, {column}] of the pose is {value}; it must be finite and at most {limit:e} in size")]
     PoseEntry { row: usize, column: usize, value: f64, limit: f64 },
     /// A pose that is projective.
-    #[error("the last row of world_from_sensor is {value:?}; it must be [0, 0, 0, 1]")]
+    #[error("the last row of the pose is {value:?}; it must be [0, 0, 0, 1]")]
     PoseLastRow { value: [f64; 4] },
     /// A pose that scales or shears.
-    #[error("the rotation of world_from_sensor is off R^T R = 1 by {deviation:e}; the limit is {limit:e}")]
+    #[error("the rotation of the pose is off R^T R = 1 by {deviation:e}; the limit is {limit:e}")]
     PoseNotRigid { deviation: f64, limit: f64 },
     /// A pose that turns left into right.
-    #[error("the rotation of world_from_sensor has the determinant {determinant}; a mirrored pose is not rigid")]
+    #[error("the rotation of the pose has the determinant {determinant}; a mirrored pose is not rigid")]
     PoseMirrored { determinant: f64 },
+    /// An entry of a table of poses that is no pose.
+    #[error("{table}{index:?}: {source}")]
+    PoseOfTable { table: &'static str, index: Vec<usize>, source: Box<Error> },
+    /// Neither one pose for a scan nor one for each of its columns.
+    #[error("there are {poses} poses for a scan; it must be 1, or {columns}, one for each column")]
+    PoseCount { poses: usize, columns: usize },
+    /// Lists of poses and images that differ in length.
+    #[error("there are poses for {scans} scans and images for {images}; there must be as many")]
+    ScanCount { scans: usize, images: usize },
+    /// An image that has more or fewer pixels than the pattern.
+    #[error("the {image} image has {pixels} pixels; the sensor has {rows} beams and {columns} columns")]
+    ImageSize { image: &'static str, pixels: usize, rows: usize, columns: usize },
+    /// An array for images that is of other scans or another pattern.
+    #[error("{image} has the shape {shape:?}; it must be {expected:?} for these poses and this sensor")]
+    OutputShape { image: &'static str, shape: Vec<usize>, expected: Vec<usize> },
+    /// A way of casting that this machine does not have.
+    #[error("backend is {given:?}; it must be one of {available}")]
+    Backend { given: String, available: String },
+    /// A number of threads that cannot be.
+    #[error("threads is {threads}; it must be 0 (all cores) to {limit}")]
+    Threads { threads: i64, limit: usize },
+
+    /// Lists of origins and directions that differ in length.
+    #[error("there are {origins} origins and {directions} directions; there must be as many")]
+    RayCount { origins: usize, directions: usize },
+    /// A ray that starts nowhere.
+    #[error("origins[{ray}] is {value:?} m; every coordinate must be finite and at most {limit:e} in size")]
+    RayOrigin { ray: usize, value: [f64; 3], limit: f64 },
+    /// A ray that looks nowhere.
+    #[error("directions[{ray}] is {value:?}; it must be finite and not 0")]
+    RayDirection { ray: usize, value: [f64; 3] },
+    /// A range that holds nothing.
+    #[error("max_range is {value} m; it must be greater than 0")]
+    MaxRange { value: f64 },
 }

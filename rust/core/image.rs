@@ -1,29 +1,48 @@
 //! The images that a scan writes.
 
-use rayon::prelude::*;
+use glam::DVec3;
+
+use crate::{Error, Result, Scene, SceneHit};
 
 /// What one ray brings back.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Return {
+pub(crate) struct Return {
     /// The distance along the ray [m].
-    pub depth: f32,
+    pub(crate) depth: f32,
     /// The class of the primitive.
-    pub label: u8,
+    pub(crate) label: u8,
     /// The instance of the primitive.
-    pub instance: u32,
+    pub(crate) instance: u32,
     /// The index of the primitive in the scene.
-    pub primitive: i32,
+    pub(crate) primitive: usize,
+    /// The triangle of a mesh; 0 for every other shape.
+    pub(crate) part: u32,
     /// The cosine of the angle between the ray and the surface normal, 0 to 1.
-    pub incidence: f32,
+    pub(crate) incidence: f32,
+    /// The unit normal of the surface in the world, on the side that the ray comes from.
+    pub(crate) normal: DVec3,
+}
+
+impl Return {
+    /// What a ray that hit a scene brings back; `depth` is the distance as the image holds it.
+    pub(crate) fn new(scene: &Scene, origin: DVec3, direction: DVec3, hit: &SceneHit, depth: f32) -> Return {
+        let normal = scene.normal(hit.primitive, hit.part, origin + direction * hit.distance);
+        let cosine = normal.dot(direction) / direction.length();
+        Return {
+            depth,
+            label: hit.label,
+            instance: hit.instance,
+            primitive: hit.primitive,
+            part: hit.part,
+            incidence: cosine.abs().min(1.0) as f32,
+            normal: if cosine > 0.0 { -normal } else { normal },
+        }
+    }
 }
 
 /// The images of one scan, row by row; a pixel without return is 0 in all of them and -1 in `primitive`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Images {
-    /// Beams.
-    pub rows: usize,
-    /// Rays of each beam.
-    pub columns: usize,
     /// Distances along the rays [m].
     pub depth: Vec<f32>,
     /// Classes.
@@ -34,15 +53,25 @@ pub struct Images {
     pub primitive: Vec<i32>,
     /// Cosines of incidence.
     pub incidence: Vec<f32>,
+    /// Unit normals in the world, turned towards the sensor.
+    pub normal: Vec<[f32; 3]>,
 }
 
-/// One row of all images, to be written.
-pub(crate) struct RowMut<'a> {
-    depth: &'a mut [f32],
-    label: &'a mut [u8],
-    instance: &'a mut [u32],
-    primitive: &'a mut [i32],
-    incidence: &'a mut [f32],
+/// The images of one scan or several, one after the other, to be written; those that are `None` are not wanted.
+#[derive(Debug)]
+pub struct ImagesMut<'a> {
+    /// Distances along the rays [m].
+    pub depth: &'a mut [f32],
+    /// Classes.
+    pub label: &'a mut [u8],
+    /// Instances.
+    pub instance: &'a mut [u32],
+    /// Indices of the primitives.
+    pub primitive: Option<&'a mut [i32]>,
+    /// Cosines of incidence.
+    pub incidence: Option<&'a mut [f32]>,
+    /// Unit normals in the world, turned towards the sensor.
+    pub normal: Option<&'a mut [[f32; 3]]>,
 }
 
 impl Images {
@@ -50,56 +79,105 @@ impl Images {
     pub fn new(rows: usize, columns: usize) -> Images {
         let pixels = rows * columns;
         Images {
-            rows,
-            columns,
             depth: vec![0.0; pixels],
             label: vec![0; pixels],
             instance: vec![0; pixels],
             primitive: vec![-1; pixels],
             incidence: vec![0.0; pixels],
+            normal: vec![[0.0; 3]; pixels],
         }
     }
 
-    /// The return of one pixel, if it has one.
-    pub fn get(&self, row: usize, column: usize) -> Option<Return> {
-        let pixel = row * self.columns + column;
-        (self.depth[pixel] > 0.0).then(|| Return {
-            depth: self.depth[pixel],
-            label: self.label[pixel],
-            instance: self.instance[pixel],
-            primitive: self.primitive[pixel],
-            incidence: self.incidence[pixel],
-        })
-    }
-
-    /// All rows at once; no two threads get the same one.
-    pub(crate) fn par_rows_mut(&mut self) -> impl IndexedParallelIterator<Item = RowMut<'_>> {
-        let width = self.columns;
-        (
-            self.depth.par_chunks_mut(width),
-            self.label.par_chunks_mut(width),
-            self.instance.par_chunks_mut(width),
-            self.primitive.par_chunks_mut(width),
-            self.incidence.par_chunks_mut(width),
-        )
-            .into_par_iter()
-            .map(|(depth, label, instance, primitive, incidence)| RowMut {
-                depth,
-                label,
-                instance,
-                primitive,
-                incidence,
-            })
+    /// All of them, to be written.
+    pub fn as_mut(&mut self) -> ImagesMut<'_> {
+        ImagesMut {
+            depth: &mut self.depth,
+            label: &mut self.label,
+            instance: &mut self.instance,
+            primitive: Some(&mut self.primitive),
+            incidence: Some(&mut self.incidence),
+            normal: Some(&mut self.normal),
+        }
     }
 }
 
-impl RowMut<'_> {
-    /// Writes the return of one column.
-    pub(crate) fn set(&mut self, column: usize, value: Return) {
-        self.depth[column] = value.depth;
-        self.label[column] = value.label;
-        self.instance[column] = value.instance;
-        self.primitive[column] = value.primitive;
-        self.incidence[column] = value.incidence;
+impl<'a> ImagesMut<'a> {
+    /// The images before a pixel, and those from it on.
+    pub(crate) fn split_at(self, pixel: usize) -> (ImagesMut<'a>, ImagesMut<'a>) {
+        let (depth, label) = (self.depth.split_at_mut(pixel), self.label.split_at_mut(pixel));
+        let instance = self.instance.split_at_mut(pixel);
+        let primitive = self.primitive.map(|image| image.split_at_mut(pixel)).unzip();
+        let incidence = self.incidence.map(|image| image.split_at_mut(pixel)).unzip();
+        let normal = self.normal.map(|image| image.split_at_mut(pixel)).unzip();
+        let images = |depth, label, instance, primitive, incidence, normal| ImagesMut {
+            depth,
+            label,
+            instance,
+            primitive,
+            incidence,
+            normal,
+        };
+        (
+            images(depth.0, label.0, instance.0, primitive.0, incidence.0, normal.0),
+            images(depth.1, label.1, instance.1, primitive.1, incidence.1, normal.1),
+        )
+    }
+}
+
+impl ImagesMut<'_> {
+    /// The images in pieces of so many pixels: scans of a batch, or rows of a scan. What is left at the end is left out.
+    pub fn pieces(&mut self, pixels: usize) -> Vec<ImagesMut<'_>> {
+        let mut label = self.label.chunks_exact_mut(pixels);
+        let mut instance = self.instance.chunks_exact_mut(pixels);
+        let mut primitive = self.primitive.as_deref_mut().map(|image| image.chunks_exact_mut(pixels));
+        let mut incidence = self.incidence.as_deref_mut().map(|image| image.chunks_exact_mut(pixels));
+        let mut normal = self.normal.as_deref_mut().map(|image| image.chunks_exact_mut(pixels));
+        let piece = |depth| {
+            Some(ImagesMut {
+                depth,
+                label: label.next()?,
+                instance: instance.next()?,
+                primitive: primitive.as_mut().and_then(Iterator::next),
+                incidence: incidence.as_mut().and_then(Iterator::next),
+                normal: normal.as_mut().and_then(Iterator::next),
+            })
+        };
+        self.depth.chunks_exact_mut(pixels).map_while(piece).collect()
+    }
+
+    /// Writes one pixel.
+    pub(crate) fn set(&mut self, pixel: usize, value: Option<&Return>) {
+        self.depth[pixel] = value.map_or(0.0, |v| v.depth);
+        self.label[pixel] = value.map_or(0, |v| v.label);
+        self.instance[pixel] = value.map_or(0, |v| v.instance);
+        if let Some(primitive) = &mut self.primitive {
+            primitive[pixel] = value.map_or(-1, |v| v.primitive as i32);
+        }
+        if let Some(incidence) = &mut self.incidence {
+            incidence[pixel] = value.map_or(0.0, |v| v.incidence);
+        }
+        if let Some(normal) = &mut self.normal {
+            normal[pixel] = value.map_or([0.0; 3], |v| v.normal.as_vec3().to_array());
+        }
+    }
+
+    /// Whether every image has as many pixels as a pattern.
+    ///
+    /// # Errors
+    /// [`Error::ImageSize`].
+    pub(crate) fn check(&self, rows: usize, columns: usize) -> Result<()> {
+        let pixels = rows * columns;
+        let sizes = [
+            ("depth", Some(self.depth.len())),
+            ("label", Some(self.label.len())),
+            ("instance", Some(self.instance.len())),
+            ("primitive", self.primitive.as_ref().map(|image| image.len())),
+            ("incidence", self.incidence.as_ref().map(|image| image.len())),
+            ("normal", self.normal.as_ref().map(|image| image.len())),
+        ];
+        match sizes.into_iter().find(|(_, size)| size.is_some_and(|size| size != pixels)) {
+            Some((image, size)) => Err(Error::ImageSize { image, pixels: size.unwrap_or_default(), rows, columns }),
+            None => Ok(()),
+        }
     }
 }

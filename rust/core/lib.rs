@@ -7,7 +7,7 @@
 //! Metres and radians, f64 inside; frames are right-handed with x forward, y left and z up.
 //!
 //! ```
-//! use lidardraft_core::{Pose, Primitive, Scene, SensorPattern, SensorSpec, Shape, scan};
+//! use lidardraft_core::{Images, Pose, Primitive, Scene, SensorPattern, SensorSpec, Shape, scan};
 //!
 //! let ground = Primitive {
 //!     shape: Shape::Plane,
@@ -21,28 +21,33 @@
 //! let pattern = SensorPattern::new(SensorSpec {
 //!     elevations: vec![0.1, -std::f64::consts::FRAC_PI_6],
 //!     azimuth_offsets: vec![0.0; 2],
-//!     origin_heights: vec![0.0; 2],
+//!     origins: vec![[0.0; 3]; 2],
 //!     columns: 360,
 //!     azimuth_start: std::f64::consts::PI,
 //!     azimuth_span: std::f64::consts::TAU,
 //!     min_range: 0.5,
 //!     max_range: 120.0,
 //! })?;
-//! let images = scan(&scene, &pattern, &Pose::IDENTITY);
+//! let mut images = Images::new(pattern.rows(), pattern.columns());
+//! scan(&scene, &pattern, &[Pose::IDENTITY], &mut images.as_mut(), None, 0)?;
 //! assert_eq!(images.depth[0], 0.0); // the upper beam sees the sky
 //! assert!((images.depth[360] - 4.0).abs() < 1e-6); // 2 m below, at 30 degrees
 //! assert_eq!(images.label[360], 40);
 //! # Ok::<(), lidardraft_core::Error>(())
 //! ```
 
+mod body;
 mod bounds;
 mod bvh;
+mod cast;
 mod error;
 mod image;
 pub mod intersect;
 mod mesh;
 mod obj;
 mod pose;
+mod primitive;
+mod projection;
 mod scan;
 mod scene;
 mod sensor;
@@ -51,12 +56,15 @@ mod tables;
 mod tests;
 
 pub use bounds::Bounds;
+pub use cast::{Hits, cast};
 pub use error::{Error, Result};
-pub use image::{Images, Return};
+pub use image::{Images, ImagesMut};
 pub use mesh::TriangleMesh;
 pub use obj::{ObjMesh, read_obj};
 pub use pose::Pose;
-pub use scan::scan;
-pub use scene::{Primitive, Scene, SceneHit, Shape};
-pub use sensor::{Projection, SensorPattern, SensorSpec};
+pub use primitive::{Primitive, Shape};
+pub use projection::Projection;
+pub use scan::{Backend, scan, scan_batch};
+pub use scene::{Scene, SceneHit};
+pub use sensor::{SensorPattern, SensorSpec};
 pub use tables::PrimitiveTables;

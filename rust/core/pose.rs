@@ -4,18 +4,18 @@ use glam::{DMat3, DVec3};
 
 use crate::{Error, Result};
 
-/// Where a sensor stands and how it is turned: `p_world = rotation * p_sensor + translation`.
+/// Where a thing stands and how it is turned: `p_world = rotation * p_thing + translation`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// The axes of the sensor in the world, as columns.
+    /// The axes of the thing in the world, as columns.
     pub rotation: DMat3,
-    /// The position of the sensor in the world [m].
+    /// The position of the thing in the world [m].
     pub translation: DVec3,
 }
 
 /// How far R^T R may be off the identity; enough for matrices that went through float32 text files.
 const RIGIDITY: f64 = 1e-6;
-/// A sensor further away than this [m] would have a position coarser than 0.1 micrometres.
+/// A thing further away than this [m] would have a position coarser than 0.1 micrometres.
 const FURTHEST: f64 = 1e9;
 
 impl Pose {
@@ -51,13 +51,21 @@ impl Pose {
         Ok(Pose { rotation, translation: axis(3) })
     }
 
-    /// A point of the sensor in the world.
+    /// A point of the thing in the world.
     pub fn point(&self, point: DVec3) -> DVec3 {
         self.rotation * point + self.translation
     }
 
-    /// A direction of the sensor in the world.
+    /// A direction of the thing in the world.
     pub fn vector(&self, vector: DVec3) -> DVec3 {
         self.rotation * vector
+    }
+
+    /// The pose with axes of length 1 at right angles (Gram and Schmidt).
+    pub(crate) fn orthonormal(&self) -> Pose {
+        let x = self.rotation.x_axis.normalize();
+        let y = self.rotation.y_axis;
+        let y = (y - x * x.dot(y)).normalize();
+        Pose { rotation: DMat3::from_cols(x, y, x.cross(y)), ..*self }
     }
 }

@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 
 pyo3::import_exception!(lidardraft.errors, FormatError);
 pyo3::import_exception!(lidardraft.errors, LayoutError);
+pyo3::import_exception!(lidardraft.errors, LidarDraftError);
 pyo3::import_exception!(lidardraft.errors, SensorError);
 
 /// An error of the core on its way to Python.
@@ -27,6 +28,7 @@ impl From<CoreError> for PyErr {
             Error::NoBeams
             | Error::BeamTable { .. }
             | Error::BeamNotFinite { .. }
+            | Error::BeamOrigin { .. }
             | Error::ElevationLimit { .. }
             | Error::ElevationOrder { .. }
             | Error::Columns { .. }
@@ -34,14 +36,22 @@ impl From<CoreError> for PyErr {
             | Error::AzimuthSpan { .. }
             | Error::RangeLimits { .. }
             | Error::ImageShape { .. }
+            | Error::ImageSize { .. }
+            | Error::OutputShape { .. }
             | Error::Depth { .. } => SensorError::new_err(message),
             Error::ObjUnreadable { .. }
             | Error::ObjBroken { .. }
             | Error::ObjWithoutFaces { .. }
             | Error::ObjMesh { .. } => FormatError::new_err(message),
+            Error::Backend { .. } | Error::Threads { .. } => LidarDraftError::new_err(message),
             _ => LayoutError::new_err(message),
         }
     }
+}
+
+/// The exception for an array that cannot be read or written where it lies.
+pub(crate) fn memory_error(name: &str, reason: &str) -> PyErr {
+    PyTypeError::new_err(format!("{name} {reason}"))
 }
 
 /// The exception for an array of another type or memory order than asked for.

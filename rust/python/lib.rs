@@ -2,16 +2,20 @@
 
 mod arrays;
 mod errors;
+mod images;
+mod poses;
 
 use std::path::PathBuf;
 
 use lidardraft_core as core;
-use numpy::ndarray::{Ix1, Ix2};
+use numpy::ndarray::Ix1;
 use numpy::{PyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
 use arrays::{Column, Table, array, rows, shaped};
 use errors::{CoreError, CoreResult};
+use images::{Given, Outputs};
+use poses::{primitive_poses, sensor_poses};
 
 /// An array of any shape, on its way out.
 type Out<'py, T> = Bound<'py, PyArrayDyn<T>>;
@@ -23,22 +27,23 @@ struct SensorPattern(core::SensorPattern);
 #[pymethods]
 impl SensorPattern {
     #[new]
-    #[pyo3(signature = (*, elevations, azimuth_offsets, origin_heights, columns, azimuth_start, azimuth_span, min_range, max_range))]
+    #[pyo3(signature = (*, elevations, azimuth_offsets, origins, columns, azimuth_start, azimuth_span, min_range, max_range))]
     #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
     fn new(
         elevations: &Bound<'_, PyAny>,
         azimuth_offsets: &Bound<'_, PyAny>,
-        origin_heights: &Bound<'_, PyAny>,
+        origins: &Bound<'_, PyAny>,
         columns: i64,
         azimuth_start: f64,
         azimuth_span: f64,
         min_range: f64,
         max_range: f64,
     ) -> PyResult<Self> {
+        let origins: Table<'_, f64> = array("origins", origins)?;
         let spec = core::SensorSpec {
             elevations: vector("elevations", elevations)?,
             azimuth_offsets: vector("azimuth_offsets", azimuth_offsets)?,
-            origin_heights: vector("origin_heights", origin_heights)?,
+            origins: rows("origins", &origins, "[H, 3]")?.to_vec(),
             // A negative number is as wrong as 0, and is named in the message.
             columns: usize::try_from(columns).unwrap_or_default(),
             azimuth_start,
@@ -63,6 +68,11 @@ impl SensorPattern {
     fn directions<'py>(&self, py: Python<'py>) -> PyResult<Out<'py, f64>> {
         let directions = py.detach(|| self.0.directions());
         shaped(py, directions.into_flattened(), [self.0.rows(), self.0.columns(), 3])
+    }
+
+    fn origins<'py>(&self, py: Python<'py>) -> PyResult<Out<'py, f64>> {
+        let origins = py.detach(|| self.0.origins());
+        shaped(py, origins.into_flattened(), [self.0.rows(), self.0.columns(), 3])
     }
 
     fn points<'py>(&self, py: Python<'py>, depth: &Bound<'py, PyAny>) -> PyResult<Out<'py, f64>> {
@@ -124,24 +134,80 @@ impl Scene {
         Ok(Scene(scene.map_err(CoreError::from)?))
     }
 
+    fn moved(
+        &self,
+        py: Python<'_>,
+        primitives: &Bound<'_, PyAny>,
+        world_from_primitive: &Bound<'_, PyAny>,
+    ) -> PyResult<Self> {
+        let primitives: Column<'_, u32> = array("primitives", primitives)?;
+        let poses = primitive_poses(world_from_primitive)?;
+        let primitives = primitives.as_slice()?;
+        let scene = py.detach(|| self.0.moved(primitives, &poses));
+        Ok(Scene(scene.map_err(CoreError::from)?))
+    }
+
+    #[pyo3(signature = (pattern, world_from_sensor, *, depth, label, instance, primitive=None, incidence=None, normal=None, threads=0, backend=None))]
+    #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
+    fn scan(
+        &self,
+        py: Python<'_>,
+        pattern: &SensorPattern,
+        world_from_sensor: &Bound<'_, PyAny>,
+        depth: &Bound<'_, PyAny>,
+        label: &Bound<'_, PyAny>,
+        instance: &Bound<'_, PyAny>,
+        primitive: Option<&Bound<'_, PyAny>>,
+        incidence: Option<&Bound<'_, PyAny>>,
+        normal: Option<&Bound<'_, PyAny>>,
+        threads: i64,
+        backend: Option<&str>,
+    ) -> PyResult<()> {
+        let (rows, columns) = (pattern.0.rows(), pattern.0.columns());
+        let threads = thread_count(threads)?;
+        let backend = backend.map(str::parse::<core::Backend>).transpose().map_err(CoreError::from)?;
+        let (poses, scans, each) = sensor_poses(world_from_sensor, columns)?;
+        let given = Given { depth, label, instance, primitive, incidence, normal };
+        let mut outputs = Outputs::new(&given, [scans, rows, columns])?;
+        let mut all = outputs.images()?;
+        let done = py.detach(|| {
+            let poses: Vec<&[core::Pose]> = poses.chunks(each).collect();
+            core::scan_batch(&self.0, &pattern.0, &poses, &mut all.pieces(rows * columns), backend, threads)
+        });
+        Ok(done.map_err(CoreError::from)?)
+    }
+
+    #[pyo3(signature = (origins, directions, *, max_range=f64::INFINITY, threads=0))]
     #[expect(clippy::type_complexity, reason = "the tuple of the stub file")]
-    fn scan<'py>(
+    fn cast<'py>(
         &self,
         py: Python<'py>,
-        pattern: &SensorPattern,
-        world_from_sensor: &Bound<'py, PyAny>,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        max_range: f64,
+        threads: i64,
     ) -> PyResult<(Out<'py, f32>, Out<'py, u8>, Out<'py, u32>, Out<'py, i32>, Out<'py, f32>)> {
-        let pose = pose(world_from_sensor)?;
-        let images = py.detach(|| core::scan(&self.0, &pattern.0, &pose));
-        let shape = [images.rows, images.columns];
+        let threads = thread_count(threads)?;
+        let origins: Table<'_, f64> = array("origins", origins)?;
+        let directions: Table<'_, f64> = array("directions", directions)?;
+        let origins = rows("origins", &origins, "[R, 3]")?;
+        let directions = rows("directions", &directions, "[R, 3]")?;
+        let hits = py.detach(|| core::cast(&self.0, origins, directions, max_range, threads));
+        let hits = hits.map_err(CoreError::from)?;
+        let count = hits.distance.len();
         Ok((
-            shaped(py, images.depth, shape)?,
-            shaped(py, images.label, shape)?,
-            shaped(py, images.instance, shape)?,
-            shaped(py, images.primitive, shape)?,
-            shaped(py, images.incidence, shape)?,
+            shaped(py, hits.distance, [count])?,
+            shaped(py, hits.label, [count])?,
+            shaped(py, hits.instance, [count])?,
+            shaped(py, hits.primitive, [count])?,
+            shaped(py, hits.normal.into_flattened(), [count, 3])?,
         ))
     }
+}
+
+#[pyfunction]
+fn backends() -> Vec<&'static str> {
+    core::Backend::available().into_iter().map(core::Backend::name).collect()
 }
 
 #[pyfunction]
@@ -166,19 +232,12 @@ fn vector(name: &str, argument: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     Ok(values.as_slice()?.to_vec())
 }
 
-fn pose(argument: &Bound<'_, PyAny>) -> PyResult<core::Pose> {
-    let table: Table<'_, f64> = array::<f64, Ix2>("world_from_sensor", argument)?;
-    Ok(pose_from_table(&table)?)
-}
+/// More threads than any machine has cores would only be a slip of the pen.
+const MOST_THREADS: usize = 1024;
 
-fn pose_from_table(table: &Table<'_, f64>) -> CoreResult<core::Pose> {
-    let entries = rows("world_from_sensor", table, "[4, 4]")?;
-    let matrix = <[[f64; 4]; 4]>::try_from(entries).map_err(|_| core::Error::TableShape {
-        table: "world_from_sensor".to_owned(),
-        shape: table.shape().to_vec(),
-        expected: "[4, 4]",
-    })?;
-    Ok(core::Pose::from_rows(matrix)?)
+fn thread_count(threads: i64) -> CoreResult<usize> {
+    let count = usize::try_from(threads).ok().filter(|&count| count <= MOST_THREADS);
+    Ok(count.ok_or(core::Error::Threads { threads, limit: MOST_THREADS })?)
 }
 
 fn triangle_mesh(
@@ -199,5 +258,7 @@ fn triangle_mesh(
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<SensorPattern>()?;
     module.add_class::<Scene>()?;
-    module.add_function(wrap_pyfunction!(read_obj, module)?)
+    module.add_function(wrap_pyfunction!(backends, module)?)?;
+    module.add_function(wrap_pyfunction!(read_obj, module)?)?;
+    module.add("DEBUG", cfg!(debug_assertions))
 }

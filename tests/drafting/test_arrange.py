@@ -11,8 +11,8 @@ from lidardraft.drafting.arrange import arrange
 from lidardraft.drafting.spec import Group, RoadSpec, SceneSpec
 from lidardraft.drafting.things import thing
 from lidardraft.errors import LayoutError
-from lidardraft.scene.check import check, object_of, objects
-from lidardraft.scene.layout import Layout
+from lidardraft.scene.check import check, objects
+from lidardraft.scene.layout import Layout, object_of
 
 
 def one(kind: str, count: int | str = 1, *places: str, road: str = "straight", **fields: object) -> SceneSpec:

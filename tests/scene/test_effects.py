@@ -35,7 +35,7 @@ def wall(distance: float, material: str | None = "plaster") -> tuple[Layout, Ran
         material=material,
     )
     layout = Layout(primitives=(ring,))
-    return layout, raycast(layout, SENSOR)
+    return layout, raycast(layout, SENSOR, primitive=True, incidence=True, normal=True)
 
 
 def surface(incidence: np.ndarray, reflectance: float = 1.0) -> Surface:
@@ -134,6 +134,7 @@ def test_what_is_dropped_is_no_return_in_every_image():
         ("intensity", 0),
         ("incidence", 0),
         ("primitive", -1),
+        ("normal", 0),
     ):
         assert (getattr(left, name)[1] == blank).all()
         assert getattr(left, name).dtype == getattr(lit, name).dtype
@@ -172,7 +173,7 @@ def test_speckle_of_spread_0_changes_nothing():
 
 def test_an_empty_image_stays_empty():
     layout = Layout()
-    image = raycast(layout, SENSOR)
+    image = raycast(layout, SENSOR, primitive=True, incidence=True)
     seen = observe(image, layout, np.random.default_rng(8))
     assert not seen.valid.any()
     assert (seen.intensity == 0).all()
@@ -196,7 +197,7 @@ def test_the_image_given_is_not_changed():
 
 def test_errors():
     layout, image = wall(10.0)
-    with pytest.raises(SensorError, match="the image has no primitive and incidence"):
+    with pytest.raises(SensorError, match="the image lacks primitive or incidence"):
         Surface.of(replace(image, primitive=None), layout)
     with pytest.raises(SensorError, match="the image shows primitive 0; the layout has 0"):
         Surface.of(image, Layout())

@@ -11,6 +11,14 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import PRESETS, Sensor
 
 SMALL = Sensor(name="small", elevations=(0.2, 0.1, 0.0, -0.1), columns=16)
+SPREAD = dataclasses.replace(
+    SMALL,
+    name="spread",
+    azimuth_offsets=(0.05, -0.05, 0.02, 0.0),
+    origin_forwards=(0.05, 0.06, -0.02, 0.0),
+    origin_lefts=(0.0, 0.03, -0.04, 0.01),
+    origin_heights=(0.06, 0.03, 0.0, -0.03),
+)
 
 
 def filled(sensor, seed):
@@ -28,9 +36,9 @@ def filled(sensor, seed):
 
 @settings(max_examples=5, deadline=None)
 @given(st.integers(0, 1000))
-@pytest.mark.parametrize("name", [*sorted(PRESETS), "small"])
-def test_projecting_the_points_gives_the_image_back(name, seed):
-    image = filled(PRESETS.get(name, SMALL), seed)
+@pytest.mark.parametrize("sensor", [*PRESETS.values(), SMALL, SPREAD], ids=lambda sensor: sensor.name)
+def test_projecting_the_points_gives_the_image_back(sensor, seed):
+    image = filled(sensor, seed)
     valid = image.valid
     again = RangeImage.project(
         image.points(),
@@ -106,12 +114,60 @@ def test_saving_and_loading(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["a.npz"]
 
 
+def test_all_images_are_saved_and_loaded(tmp_path):
+    sensor = dataclasses.replace(SMALL, sweep_time=0.05, origin_lefts=(0.1, 0.2, 0.3, 0.4))
+    image = dataclasses.replace(
+        RangeImage.empty(sensor, primitive=True, incidence=True, normal=True),
+        normal=np.random.default_rng(0).random((*sensor.shape, 3), np.float32),
+    )
+    image.save(tmp_path / "a.npz")
+    again = RangeImage.load(tmp_path / "a.npz")
+    assert again.sensor == sensor
+    for name in ("depth", "label", "instance", "primitive", "incidence", "normal"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(image, name))
+    assert again.intensity is None
+
+
+def test_a_file_saved_before_sensors_had_a_sweep_is_loaded(tmp_path):
+    image = filled(SMALL, 2)
+    text = (
+        '{"name": "small", "elevations": [0.2, 0.1, 0.0, -0.1], "columns": 16, "azimuth_offsets": [], '
+        '"origin_heights": [], "azimuth_start": 3.141592653589793, "azimuth_span": 6.283185307179586, '
+        '"min_range": 0.5, "max_range": 120.0, "mount_height": 1.73, "range_sigma": 0.02}'
+    )
+    images = {name: getattr(image, name) for name in ("depth", "label", "instance", "intensity")}
+    np.savez_compressed(tmp_path / "old.npz", sensor=np.array(text), **images)
+    again = RangeImage.load(tmp_path / "old.npz")
+    assert again.sensor == SMALL
+    assert again.normal is None
+    np.testing.assert_array_equal(again.depth, image.depth)
+
+
+def test_times_and_beams_come_in_the_order_of_the_points():
+    image = filled(dataclasses.replace(SMALL, sweep_time=0.4), 3)
+    beams, times = image.beams(), image.times()
+    assert (beams.dtype, times.dtype) == (np.uint16, np.float32)
+    assert beams.shape == times.shape == (len(image.points()),)
+    rows, columns = np.nonzero(image.valid)
+    np.testing.assert_array_equal(beams, rows)
+    np.testing.assert_allclose(times, columns * 0.4 / 16)
+    elevation = np.arcsin(image.points()[:, 2] / np.linalg.norm(image.points(), axis=1))
+    np.testing.assert_allclose(elevation, np.array(SMALL.elevations)[beams], atol=1e-6)
+    assert RangeImage.empty(SMALL).times().shape == (0,)
+
+
 def test_images_must_fit_the_sensor():
     image = filled(SMALL, 1)
     with pytest.raises(SensorError, match=r"depth is float64 \(4, 16\); small needs float32 \(4, 16\)"):
         dataclasses.replace(image, depth=image.depth.astype(np.float64))
     with pytest.raises(SensorError, match=r"label is uint8 \(3, 16\); small needs uint8 \(4, 16\)"):
         dataclasses.replace(image, label=image.label[1:])
+    with pytest.raises(SensorError, match=r"normal is float32 \(4, 16\); small needs float32 \(4, 16, 3\)"):
+        dataclasses.replace(image, normal=image.depth)
+    with pytest.raises(SensorError, match="depth holds what is no distance"):
+        dataclasses.replace(image, depth=-image.depth)
+    with pytest.raises(SensorError, match="label holds 200; class ids are 0 to 20"):
+        dataclasses.replace(image, label=np.full(SMALL.shape, 200, np.uint8))
 
 
 def test_files_that_are_no_range_image(tmp_path):

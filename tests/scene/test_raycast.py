@@ -20,7 +20,7 @@ POST = Primitive(shape="cylinder", center=(-8, 0, 2), size=(2, 2, 4), label="pol
 
 
 def test_an_empty_layout_returns_nothing():
-    image = raycast(Layout(), SENSOR)
+    image = raycast(Layout(), SENSOR, primitive=True)
     assert not image.valid.any()
     assert not image.label.any()
     assert not image.instance.any()
@@ -28,7 +28,7 @@ def test_an_empty_layout_returns_nothing():
 
 
 def test_a_flat_road_is_where_trigonometry_says():
-    image = raycast(Layout(primitives=(ROAD,)), SENSOR)
+    image = raycast(Layout(primitives=(ROAD,)), SENSOR, incidence=True)
     down = np.sin(-np.array(SENSOR.elevations))[:, None].repeat(64, axis=1)
     with np.errstate(divide="ignore"):
         expected = np.where(down > 0, SENSOR.mount_height / down, 0)
@@ -39,7 +39,7 @@ def test_a_flat_road_is_where_trigonometry_says():
 
 def test_each_pixel_says_what_it_hit():
     layout = Layout(primitives=(ROAD, CAR, BUSH, POST))
-    image = raycast(layout, SENSOR)
+    image = raycast(layout, SENSOR, primitive=True)
     for index, primitive in enumerate(layout):
         hit = image.primitive == index
         assert hit.any()
@@ -49,7 +49,7 @@ def test_each_pixel_says_what_it_hit():
 
 def test_points_lie_on_the_surfaces():
     layout = Layout(primitives=(CAR, BUSH, POST))
-    image = raycast(layout, SENSOR)
+    image = raycast(layout, SENSOR, primitive=True)
     points = image.points().astype(np.float64) + np.array([0, 0, SENSOR.mount_height])
     which = image.primitive[image.valid]
     unit = [2 * (points[which == k] - p.center) / p.size for k, p in enumerate(layout)]

@@ -91,6 +91,8 @@ def test_a_missing_file_and_an_unknown_name(tmp_path):
         {"elevations": (2.0, 0.0)},
         {"azimuth_offsets": (0.0,)},
         {"origin_heights": (0.0, 0.0, math.inf)},
+        {"origin_forwards": (0.0, math.nan, 0.0)},
+        {"origin_lefts": ("left", 0.0, 0.0)},
         {"columns": 0},
         {"azimuth_span": 0.0},
         {"azimuth_span": 7.0},
@@ -100,6 +102,8 @@ def test_a_missing_file_and_an_unknown_name(tmp_path):
         {"max_range": math.inf},
         {"mount_height": math.nan},
         {"range_sigma": math.inf},
+        {"sweep_time": math.inf},
+        {"sweep_time": -0.1},
     ],
     ids=str,
 )
@@ -107,3 +111,39 @@ def test_a_sensor_that_cannot_be(change):
     with pytest.raises(SensorError) as caught:
         dataclasses.replace(SMALL, **change)
     assert len(str(caught.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize("table", ["azimuth_offsets", "origin_forwards", "origin_lefts", "origin_heights"])
+def test_a_table_has_a_value_for_each_beam_or_none(table):
+    with pytest.raises(SensorError, match=f"small: {table} has 2 values; it needs one for each of 3 beams"):
+        dataclasses.replace(SMALL, **{table: (0.0, 0.0)})
+    assert dataclasses.replace(SMALL, **{table: (0.0, 0.0, 0.0)}).pattern.shape == SMALL.shape
+
+
+def test_beams_start_ahead_left_and_above_along_their_own_azimuth():
+    sensor = dataclasses.replace(
+        SMALL,
+        azimuth_offsets=(0.3, 0, 0),
+        origin_forwards=(0.1, 0, 0),
+        origin_lefts=(0, 0.2, 0),
+        origin_heights=(0, 0, 1),
+    )
+    azimuth = np.pi - (np.arange(8) + 0.5) * 2 * np.pi / 8
+    origins = sensor.pattern.origins()
+    ahead = 0.1 * np.stack([np.cos(azimuth + 0.3), np.sin(azimuth + 0.3), 0 * azimuth], axis=1)
+    left = 0.2 * np.stack([-np.sin(azimuth), np.cos(azimuth), 0 * azimuth], axis=1)
+    np.testing.assert_allclose(origins, [ahead, left, np.tile([0, 0, 1], (8, 1))], atol=1e-12)
+    depth = np.full(sensor.shape, 5.0, np.float32)
+    np.testing.assert_allclose(sensor.pattern.points(depth), origins + 5 * sensor.pattern.directions(), atol=1e-6)
+    assert Sensor.from_json(sensor.to_json()) == sensor
+
+
+def test_a_sensor_written_before_it_had_a_sweep_is_one_of_10_hz():
+    text = (
+        '{"name": "old", "elevations": [0.1, 0.0], "columns": 8, "azimuth_offsets": [], "origin_heights": [0.0, 0.1], '
+        '"azimuth_start": 3.0, "azimuth_span": 6.0, "min_range": 0.5, "max_range": 90.0, "mount_height": 1.7, '
+        '"range_sigma": 0.02}'
+    )
+    sensor = Sensor.from_json(text)
+    assert (sensor.sweep_time, sensor.origin_forwards, sensor.origin_lefts) == (0.1, (), ())
+    np.testing.assert_array_equal(sensor.pattern.origins()[:, 0], [[0, 0, 0], [0, 0, 0.1]])

@@ -23,7 +23,7 @@ def make_pair(seed: int, sensor: Sensor = SENSOR) -> Pair:
                 shape="box", center=center, size=(4, 3, 3), label="building", id=f"b{number}", yaw=rng.uniform(0, 3)
             )
         )
-    drawing = raycast(Layout(primitives=tuple(primitives)), sensor)
+    drawing = raycast(Layout(primitives=tuple(primitives)), sensor, incidence=True)
     kept = drawing.valid & (rng.random(sensor.shape) > 0.1)
     assert drawing.incidence is not None
     scan = RangeImage(

@@ -46,9 +46,11 @@ def read_obj(
     primitives = []
     for (name, material, shape), label in zip(objects, classes, strict=True):
         assert label is not None
+        with np.errstate(over="ignore", invalid="ignore"):  # the mesh says which vertex is not finite
+            vertices = scale * shape.vertices @ _FRAMES[up].T
         primitives.append(
             Primitive.from_mesh(
-                scale * shape.vertices @ _FRAMES[up].T,
+                vertices,
                 shape.faces,
                 label=label,
                 id=_distinct(name or material, ids),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.scene.layout import Box, Layout, Primitive
+from lidardraft.scene.layout import Box, Layout, Primitive, object_of
 from lidardraft.scene.mesh import primitive_mesh
 from lidardraft.semantics import BY_NAME, GROUND
 
@@ -131,11 +131,6 @@ def numbered(layout: Layout) -> list[Finding]:
 
 
 CHECKS = (overlap, grounded, on_road, size, ego_clear, in_range, numbered)
-
-
-def object_of(primitive: Primitive) -> str:
-    """The name of the object that a primitive is a part of: its id up to the first dot."""
-    return primitive.id.split(".", 1)[0]
 
 
 def objects(layout: Layout) -> dict[str, list[Primitive]]:

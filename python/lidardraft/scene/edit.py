@@ -12,8 +12,7 @@ from fnmatch import fnmatchcase
 from typing import Any
 
 from lidardraft.errors import LayoutError
-from lidardraft.scene.check import object_of
-from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.layout import Layout, Primitive, object_of
 
 
 def select(layout: Layout, pattern: str = "*", *, label: str | None = None) -> tuple[Primitive, ...]:

@@ -35,7 +35,7 @@ class Surface:
         Raises `SensorError` for an image without primitive and incidence, `LayoutError` for a material that is unknown.
         """
         if image.primitive is None or image.incidence is None:
-            raise SensorError("the image has no primitive and incidence; effects need both, as raycast gives them")
+            raise SensorError("the image lacks primitive or incidence; cast it with primitive=True, incidence=True")
         if image.primitive.max() >= len(layout.primitives):
             raise SensorError(
                 f"the image shows primitive {image.primitive.max()}; the layout has {len(layout.primitives)}"
@@ -127,10 +127,10 @@ def drop(image: RangeImage, surface: Surface, rng: np.random.Generator, *, chanc
 
 def keep(image: RangeImage, where: np.ndarray) -> RangeImage:
     """The image with returns only where the mask [H, W] is True."""
-    blanks = {"depth": 0, "label": 0, "instance": 0, "intensity": 0, "incidence": 0, "primitive": -1}
+    blanks = {"depth": 0, "label": 0, "instance": 0, "intensity": 0, "incidence": 0, "primitive": -1, "normal": 0}
     images = {name: getattr(image, name) for name in blanks}
     kept = {
-        name: np.where(where, pixels, pixels.dtype.type(blanks[name]))
+        name: np.where(where if pixels.ndim == 2 else where[..., None], pixels, pixels.dtype.type(blanks[name]))
         for name, pixels in images.items()
         if pixels is not None
     }

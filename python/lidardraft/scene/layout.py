@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -85,7 +85,10 @@ class Primitive:
         """A mesh primitive from vertices [V, 3] in metres in the layout's frame; `center` and `size` are its bounds."""
         mesh = TriangleMesh(vertices, faces)
         low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-        center, size = (low + high) / 2, high - low
+        with np.errstate(over="ignore"):
+            center, size = (low + high) / 2, high - low
+        if not np.isfinite([center, size]).all():
+            raise LayoutError(f"{id}: the mesh reaches from {low.tolist()} to {high.tolist()} m; that is too far")
         # Clipped by rounding alone: in a mesh that is flat along an axis the size is as small as the rounding.
         unit = np.clip((mesh.vertices - center) / np.where(size > 0, size, 1.0), -0.5, 0.5)
         return cls(
@@ -197,7 +200,7 @@ class Layout:
         for primitive in self.primitives:
             if primitive.instance and BY_NAME[primitive.label].is_thing:
                 parts.setdefault(primitive.instance, []).append(primitive)
-        return [_box_around(parts[instance]) for instance in sorted(parts)]
+        return [box_around(parts[instance]) for instance in sorted(parts)]
 
     def to_json(self) -> str:
         """The layout as JSON text, one primitive a line; `from_json` gives an equal layout."""
@@ -257,7 +260,13 @@ def _is_number(value: Any) -> bool:
         return False
 
 
-def _box_around(parts: list[Primitive]) -> Box:
+def object_of(primitive: Primitive) -> str:
+    """The name of the object that a primitive is a part of: its id up to the first dot."""
+    return primitive.id.split(".", 1)[0]
+
+
+def box_around(parts: Sequence[Primitive]) -> Box:
+    """The box around the parts of one object, with the yaw, id, label and instance of the largest."""
     largest = max(parts, key=lambda part: math.prod(part.size))
     cos, sin = math.cos(largest.yaw), math.sin(largest.yaw)
     to_box = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])

@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
+import math
 import os
 import zipfile
 import zlib
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
 from lidardraft.errors import FormatError, LayoutError, SensorError
 from lidardraft.files import written_whole
+from lidardraft.scene.pose import finite_array
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import NUM_CLASSES
 
-_DTYPES = {
-    "depth": np.float32,
-    "label": np.uint8,
-    "instance": np.uint32,
-    "intensity": np.float32,
-    "incidence": np.float32,
-    "primitive": np.int32,
+# The images a scan can have and their types; all are [H, W] but the normal, which is [H, W, 3].
+IMAGES: dict[str, np.dtype[Any]] = {
+    "depth": np.dtype(np.float32),
+    "label": np.dtype(np.uint8),
+    "instance": np.dtype(np.uint32),
+    "intensity": np.dtype(np.float32),
+    "incidence": np.dtype(np.float32),
+    "primitive": np.dtype(np.int32),
+    "normal": np.dtype(np.float32),
 }
 # What numpy raises on a file that is missing, truncated, corrupt or another kind of file.
 _BROKEN = (OSError, EOFError, KeyError, TypeError, ValueError, AttributeError, zipfile.BadZipFile, zlib.error)
@@ -32,8 +38,12 @@ class RangeImage:
 
     `depth` f32 is the distance along the ray [m], `label` u8 a class id, `instance` u32 the object. Optional:
     `intensity` f32 in [0, 1]; `incidence` f32, the cosine between ray and surface normal; `primitive` i32, the index
-    of the primitive hit. No return is depth 0, label 0, instance 0, intensity 0, incidence 0, primitive -1, and False
-    in `valid`.
+    of the primitive hit; `normal` f32 [H, W, 3], the unit normal of the surface in the world frame, turned towards the
+    sensor. No return is depth 0, label 0, instance 0, intensity 0, incidence 0, primitive -1, normal 0, and False in
+    `valid`.
+
+    In an image taken with a pose for each column (rolling shutter), what is in the sensor frame is in that of its own
+    column: `points()` are as skewed as those of a real sensor on the move.
     """
 
     sensor: Sensor
@@ -43,28 +53,54 @@ class RangeImage:
     intensity: np.ndarray | None = None
     incidence: np.ndarray | None = None
     primitive: np.ndarray | None = None
+    normal: np.ndarray | None = None
 
     def __post_init__(self) -> None:
-        for name, dtype in _DTYPES.items():
-            image = getattr(self, name)
-            if image is None:
-                continue
-            if image.shape != self.sensor.shape or image.dtype != dtype:
-                needed = f"{np.dtype(dtype)} {self.sensor.shape}"
-                raise SensorError(f"{name} is {image.dtype} {image.shape}; {self.sensor.name} needs {needed}")
-        if not np.isfinite(self.depth).all() or self.depth.min(initial=0) < 0:
-            raise SensorError("depth holds what is no distance; it must be finite and 0 or more")
-        if self.label.max(initial=0) >= NUM_CLASSES:
-            raise SensorError(f"label holds {self.label.max()}; class ids are 0 to {NUM_CLASSES - 1}")
+        check_images(self.sensor, vars(self))
+
+    @classmethod
+    def unchecked(cls, sensor: Sensor, **images: np.ndarray) -> RangeImage:
+        """The image of arrays that are known to fit `sensor`: a look at every pixel would take longer than the scan."""
+        image = object.__new__(cls)
+        image.__dict__.update(images, sensor=sensor)
+        return image
+
+    @classmethod
+    def empty(
+        cls, sensor: Sensor, *, primitive: bool = False, incidence: bool = False, normal: bool = False
+    ) -> RangeImage:
+        """An image without returns, with these optional images: buffers for `Raycaster.scan(out=...)`."""
+        return cls.unchecked(sensor, **blank_images(sensor.shape, primitive, incidence, normal))
 
     @property
     def valid(self) -> np.ndarray:
         """bool [H, W]: where there is a return."""
         return self.depth > 0
 
-    def points(self) -> np.ndarray:
-        """The returns in the sensor frame, f32 [N, 3], row by row; `image.label[image.valid]` is in the same order."""
-        return self.sensor.pattern.points(self.depth)[self.valid].astype(np.float32)
+    def points(self, poses: np.ndarray | None = None) -> np.ndarray:
+        """The returns in the sensor frame, f32 [N, 3], row by row; `image.label[image.valid]` is in the same order.
+
+        With `poses`, the world_from_sensor [W, 4, 4] that each column was taken from, they come in the world frame,
+        f64 [N, 3], and what moved is the sensor, not the world. Raises `LayoutError` where these have another shape.
+        """
+        valid = self.valid
+        points = self.sensor.pattern.points(self.depth)[valid]
+        if poses is None:
+            return points.astype(np.float32)
+        poses = finite_array("poses", poses, self.sensor.columns, 4, 4)[np.nonzero(valid)[1]]
+        return np.einsum("nij,nj->ni", poses[:, :3, :3], points) + poses[:, :3, 3]
+
+    def times(self) -> np.ndarray:
+        """How long after the first column each return was taken, f32 [N], s, in the order of `points`."""
+        times: np.ndarray = self.sensor.column_times().astype(np.float32)[np.nonzero(self.valid)[1]]
+        return times
+
+    def beams(self) -> np.ndarray:
+        """The beam (ring) of each return, u16 [N], in the order of `points`; beam 0 is the highest, the image's row 0.
+
+        Other software often counts rings from the lowest: theirs is H - 1 - ours.
+        """
+        return np.nonzero(self.valid)[0].astype(np.uint16)
 
     @classmethod
     def project(
@@ -92,7 +128,7 @@ class RangeImage:
         pixels = row[order], column[order]
 
         def image(name: str, values: np.ndarray | None) -> np.ndarray:
-            picture = np.zeros(sensor.shape, dtype=_DTYPES[name])
+            picture = np.zeros(sensor.shape, dtype=IMAGES[name])
             if values is not None:
                 if len(values) != len(points):
                     raise LayoutError(f"{name} has {len(values)} values for {len(points)} points")
@@ -114,7 +150,7 @@ class RangeImage:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write sensor and images to a .npz file."""
-        images = {name: getattr(self, name) for name in _DTYPES if getattr(self, name) is not None}
+        images = {name: getattr(self, name) for name in IMAGES if getattr(self, name) is not None}
         with written_whole(path) as temporary, temporary.open("wb") as file:
             np.savez_compressed(file, sensor=np.array(self.sensor.to_json()), **images)
 
@@ -128,3 +164,51 @@ class RangeImage:
             return cls(**{**images, "sensor": Sensor.from_json(str(images["sensor"]))})
         except _BROKEN as error:
             raise FormatError(f"{os.fspath(path)} is not a range image: {error}") from None
+
+
+def check_images(sensor: Sensor, images: Mapping[str, np.ndarray | None], count: tuple[int, ...] = ()) -> None:
+    """Raises `SensorError` where `images` [*count, H, W] do not fit the sensor or hold what cannot be."""
+    for name, dtype in IMAGES.items():
+        image = images.get(name)
+        if image is None:
+            continue
+        shape = (*count, *sensor.shape, 3) if name == "normal" else (*count, *sensor.shape)
+        if image.shape != shape or image.dtype != dtype:
+            raise SensorError(f"{name} is {image.dtype} {image.shape}; {sensor.name} needs {dtype} {shape}")
+    depth, label = images["depth"], images["label"]
+    assert depth is not None
+    assert label is not None
+    if not np.isfinite(depth).all() or depth.min(initial=0) < 0:
+        raise SensorError("depth holds what is no distance; it must be finite and 0 or more")
+    if label.max(initial=0) >= NUM_CLASSES:
+        raise SensorError(f"label holds {label.max()}; class ids are 0 to {NUM_CLASSES - 1}")
+
+
+def new_images(shape: tuple[int, ...], primitive: bool, incidence: bool, normal: bool) -> dict[str, np.ndarray]:
+    """What a scan writes, not yet written: depth, label, instance and those asked for, each [*shape]."""
+    pixels = math.prod(shape)
+    # One block of memory for all: the allocator hands out one block of this size again and again, and gives several
+    # back to the system, which takes longer to make new pages of zeros than the core to scan.
+    block = np.empty(pixels * (9 + 4 * primitive + 4 * incidence + 12 * normal), np.uint8)
+    images, start = {}, 0
+    # The label comes last: what is one byte wide would leave the others askew.
+    for name, wanted in (
+        ("depth", True),
+        ("instance", True),
+        ("primitive", primitive),
+        ("incidence", incidence),
+        ("normal", normal),
+        ("label", True),
+    ):
+        if wanted:
+            image = np.ndarray((*shape, 3) if name == "normal" else shape, IMAGES[name], block, start)
+            images[name], start = image, start + image.nbytes
+    return images
+
+
+def blank_images(shape: tuple[int, ...], primitive: bool, incidence: bool, normal: bool) -> dict[str, np.ndarray]:
+    """Those of `new_images`, without a return anywhere."""
+    images = new_images(shape, primitive, incidence, normal)
+    for name, image in images.items():
+        image.fill(-1 if name == "primitive" else 0)
+    return images

@@ -2,18 +2,35 @@
 
 from __future__ import annotations
 
+import math
+from functools import cached_property
+
 import numpy as np
 
 from lidardraft import _core
-from lidardraft.errors import LayoutError
-from lidardraft.scene.layout import SHAPES, Layout
-from lidardraft.scene.range_image import RangeImage
+from lidardraft.errors import LayoutError, SensorError
+from lidardraft.scene.batch import RangeImageBatch
+from lidardraft.scene.hits import Hits
+from lidardraft.scene.layout import SHAPES, Layout, Primitive, box_around, object_of
+from lidardraft.scene.pose import as_array, finite_array, inverse, upright
+from lidardraft.scene.range_image import RangeImage, new_images
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME
 
+_OPTIONAL = ("primitive", "incidence", "normal")
+
 
 class Raycaster:
-    """A layout compiled once, to be scanned from many poses."""
+    """A layout compiled once, to be scanned from many poses.
+
+    `layout` is the layout as it was drawn: `move` changes what is cast, not the drawing.
+
+    `threads` is how many threads a call may use, by default as many as there are cores (`RAYON_NUM_THREADS`); results
+    are the same bit for bit for any number. Images are written into `out`, an image or batch of the same sensor made by
+    an earlier call or by `empty`, and `out` is returned; it says which of the optional images are written. Nothing is
+    written before all is checked. Raises `LayoutError` on poses of another shape or not rigid, `SensorError` on an
+    `out` that does not go with the call, and `TypeError` on one whose arrays cannot be written in place.
+    """
 
     def __init__(self, layout: Layout) -> None:
         primitives = layout.primitives
@@ -28,20 +45,190 @@ class Raycaster:
             meshes=[(p.mesh.vertices, p.mesh.faces) for p in primitives if p.mesh is not None],
         )
 
-    def scan(self, sensor: Sensor, pose: np.ndarray | None = None) -> RangeImage:
+    def scan(
+        self,
+        sensor: Sensor,
+        pose: np.ndarray | None = None,
+        *,
+        poses: np.ndarray | None = None,
+        out: RangeImage | None = None,
+        primitive: bool = False,
+        incidence: bool = False,
+        normal: bool = False,
+        threads: int | None = None,
+    ) -> RangeImage:
         """What `sensor` sees from `pose`, world_from_sensor [4, 4]; by default on its mount over the origin.
 
-        The image has depth, label, instance, primitive and incidence. Raises `LayoutError` where the pose is not rigid.
+        `poses` [W, 4, 4] instead are those of each column: a rolling shutter, as of a sensor that moves while it sweeps
+        (`Sensor.poses_in_motion`). The image has depth, label and instance, and what else is asked for; they lie in one
+        block of memory, which each of them keeps alive.
         """
-        pose = sensor.pose() if pose is None else np.ascontiguousarray(pose, dtype=np.float64)
-        if pose.shape != (4, 4):
-            raise LayoutError(f"pose has shape {pose.shape}; it must be [4, 4]")
-        depth, label, instance, primitive, incidence = self._scene.scan(sensor.pattern, pose)
-        return RangeImage(
-            sensor=sensor, depth=depth, label=label, instance=instance, primitive=primitive, incidence=incidence
+        world_from_sensor = _pose_of_scan(sensor, pose, poses)
+        if out is None:
+            out = RangeImage.unchecked(sensor, **new_images(sensor.shape, primitive, incidence, normal))
+        else:
+            _check_out(out, RangeImage, sensor, (primitive, incidence, normal))
+            if out.intensity is not None:
+                raise SensorError("out has an intensity; a scan writes none, and would leave that of another scan")
+        self._scene.scan(
+            sensor.pattern,
+            world_from_sensor,
+            depth=out.depth[None],
+            label=out.label[None],
+            instance=out.instance[None],
+            primitive=None if out.primitive is None else out.primitive[None],
+            incidence=None if out.incidence is None else out.incidence[None],
+            normal=None if out.normal is None else out.normal[None],
+            threads=threads or 0,
+        )
+        return out
+
+    def scan_batch(
+        self,
+        sensor: Sensor,
+        poses: np.ndarray,
+        *,
+        out: RangeImageBatch | None = None,
+        primitive: bool = False,
+        incidence: bool = False,
+        normal: bool = False,
+        threads: int | None = None,
+    ) -> RangeImageBatch:
+        """What `sensor` sees from each of `poses` [N, 4, 4], or [N, W, 4, 4] with one for each column.
+
+        Image i is that of `scan` with pose i, bit for bit; the threads share the scans.
+        """
+        world_from_sensor = _poses_of_batch(sensor, poses)
+        count = len(world_from_sensor)
+        if out is None:
+            shape = (count, *sensor.shape)
+            out = RangeImageBatch.unchecked(sensor, **new_images(shape, primitive, incidence, normal))
+        else:
+            _check_out(out, RangeImageBatch, sensor, (primitive, incidence, normal))
+            if len(out) != count:
+                raise SensorError(f"out holds {len(out)} images; there are {count} poses")
+        if count:  # images without a pixel all lie at one address, which looks like memory that is shared
+            self._scene.scan(
+                sensor.pattern,
+                world_from_sensor,
+                depth=out.depth,
+                label=out.label,
+                instance=out.instance,
+                primitive=out.primitive,
+                incidence=out.incidence,
+                normal=out.normal,
+                threads=threads or 0,
+            )
+        return out
+
+    def cast(
+        self, origins: np.ndarray, directions: np.ndarray, *, max_range: float = math.inf, threads: int | None = None
+    ) -> Hits:
+        """What any rays hit first, up to `max_range` [m]: `origins` and `directions` [R, 3] in the world frame.
+
+        Directions need not have length 1. Raises `LayoutError` on a ray that is not finite or has no direction, and on
+        a `max_range` that is not more than 0.
+        """
+        origins = as_array("origins", origins, "R", 3)
+        directions = as_array("directions", directions, "R", 3)
+        if len(origins) != len(directions):
+            raise LayoutError(
+                f"there are {len(origins)} origins and {len(directions)} directions; a ray has one of each"
+            )
+        distance, label, instance, hit, normal = self._scene.cast(
+            origins, directions, max_range=max_range, threads=threads or 0
+        )
+        return Hits(
+            origins=origins,
+            directions=directions,
+            distance=distance,
+            label=label,
+            instance=instance,
+            primitive=hit,
+            normal=normal,
         )
 
+    def move(self, id: str, pose: np.ndarray) -> None:
+        """Let an object (all parts that share `id` up to the dot), or the one primitive `id`, stand elsewhere.
 
-def raycast(layout: Layout, sensor: Sensor, pose: np.ndarray | None = None) -> RangeImage:
-    """What `sensor` sees of `layout`: `Raycaster(layout).scan(sensor, pose)`."""
-    return Raycaster(layout).scan(sensor, pose)
+        `pose` is where it stands in the world, world_from_object [4, 4], rigid, tilted if need be. The object's frame
+        is that of its box: the centre and yaw of a primitive, and of several parts those of the box around them as
+        drawn, which `Layout.boxes` gives. Nothing else is compiled anew. Raises `LayoutError` on an id that the layout
+        does not have and on a pose that is not rigid.
+        """
+        pose = finite_array("pose", pose, 4, 4)
+        indices = self._indices(id)
+        parts = [self.layout.primitives[i] for i in indices]
+        poses = pose[None] if len(parts) == 1 else pose @ _parts_in_object(parts)
+        self._scene = self._scene.moved(np.array(indices, dtype=np.uint32), poses)
+
+    def _indices(self, id: str) -> list[int]:
+        found = self._parts.get(id) or [i for i, p in enumerate(self.layout) if p.id == id]
+        if not found:
+            names = list(self._parts)
+            some = f"{', '.join(names[:8]) or 'none'}{', ...' if len(names) > 8 else ''}"
+            raise LayoutError(f"no object or primitive has the id {id!r}; the layout has {some}")
+        return found
+
+    @cached_property
+    def _parts(self) -> dict[str, list[int]]:
+        """The indices of each object's parts, by its name."""
+        parts: dict[str, list[int]] = {}
+        for index, primitive in enumerate(self.layout):
+            parts.setdefault(object_of(primitive), []).append(index)
+        return parts
+
+
+def raycast(
+    layout: Layout,
+    sensor: Sensor,
+    pose: np.ndarray | None = None,
+    *,
+    poses: np.ndarray | None = None,
+    out: RangeImage | None = None,
+    primitive: bool = False,
+    incidence: bool = False,
+    normal: bool = False,
+    threads: int | None = None,
+) -> RangeImage:
+    """What `sensor` sees of `layout`: `Raycaster(layout).scan(sensor, pose, ...)`."""
+    return Raycaster(layout).scan(
+        sensor, pose, poses=poses, out=out, primitive=primitive, incidence=incidence, normal=normal, threads=threads
+    )
+
+
+def _pose_of_scan(sensor: Sensor, pose: np.ndarray | None, poses: np.ndarray | None) -> np.ndarray:
+    if poses is None:
+        return as_array("pose", sensor.pose() if pose is None else pose, 4, 4)[None, None]
+    if pose is not None:
+        raise LayoutError("pose and poses are both given; a scan has one pose, or one for each column")
+    return as_array("poses", poses, sensor.columns, 4, 4)[None]
+
+
+def _poses_of_batch(sensor: Sensor, poses: np.ndarray) -> np.ndarray:
+    if np.ndim(poses) == 4:
+        return as_array("poses", poses, "N", sensor.columns, 4, 4)
+    return as_array("poses", poses, "N", 4, 4)[:, None]
+
+
+def _check_out(
+    out: RangeImage | RangeImageBatch,
+    kind: type[RangeImage | RangeImageBatch],
+    sensor: Sensor,
+    asked: tuple[bool, bool, bool],
+) -> None:
+    if not isinstance(out, kind):
+        raise TypeError(f"out is a {type(out).__name__}; it must be a {kind.__name__}")
+    if out.sensor is not sensor and out.sensor != sensor:
+        which = "another sensor of that name" if out.sensor.name == sensor.name else out.sensor.name
+        raise SensorError(f"out is of {which}; the scan is of {sensor.name}")
+    for name, wanted in zip(_OPTIONAL, asked, strict=True):
+        if wanted and getattr(out, name) is None:
+            raise SensorError(f"out has no {name}, and {name}=True asks for it")
+
+
+def _parts_in_object(parts: list[Primitive]) -> np.ndarray:
+    """object_from_part [M, 4, 4] of the parts as drawn."""
+    box = box_around(parts)
+    poses: np.ndarray = inverse(upright(box.center, box.yaw)) @ np.array([upright(p.center, p.yaw) for p in parts])
+    return poses

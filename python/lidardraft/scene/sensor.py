@@ -6,6 +6,7 @@ import dataclasses
 import json
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -15,16 +16,23 @@ import numpy as np
 
 from lidardraft import _core
 from lidardraft.errors import SensorError
+from lidardraft.scene.pose import finite_array, rotations, upright
+
+# Where a beam starts: the columns of the core's `origins` [H, 3].
+_ORIGINS = ("origin_forwards", "origin_lefts", "origin_heights")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Sensor:
     """A spinning LiDAR: H beams, row 0 the highest, by `columns` firings.
 
-    Angles in radians, lengths in metres. `azimuth_offsets` and `origin_heights` hold one value a beam, or nothing for
-    zeros. Column w looks to the azimuth `azimuth_start - (w + 1/2) * azimuth_span / columns` plus the beam's offset:
-    pixel centres, decreasing, the seam behind the car. `mount_height` is the height of the sensor's origin over the
-    road; `range_sigma` the standard deviation of its range noise.
+    Angles in radians, lengths in metres. Column w looks to the azimuth
+    `azimuth_start - (w + 1/2) * azimuth_span / columns` plus the beam's own of `azimuth_offsets`: pixel centres,
+    decreasing, the seam behind the car. A beam starts `origin_forwards` ahead, `origin_lefts` to the left and
+    `origin_heights` over the sensor's origin, seen along its azimuth: the lasers turn with the head. These tables hold
+    one value a beam, or nothing for zeros. A whole sweep of all columns takes `sweep_time` [s]; 0 is a flash.
+    `mount_height` is the height of the sensor's origin over the road; `range_sigma` the standard deviation of its
+    range noise.
 
     Raises `SensorError` naming the value that cannot be.
     """
@@ -33,6 +41,8 @@ class Sensor:
     elevations: tuple[float, ...]
     columns: int
     azimuth_offsets: tuple[float, ...] = ()
+    origin_forwards: tuple[float, ...] = ()
+    origin_lefts: tuple[float, ...] = ()
     origin_heights: tuple[float, ...] = ()
     azimuth_start: float = math.pi
     azimuth_span: float = 2 * math.pi
@@ -40,20 +50,28 @@ class Sensor:
     max_range: float = 120.0
     mount_height: float = 1.73
     range_sigma: float = 0.02
+    sweep_time: float = 0.1
 
     def __post_init__(self) -> None:
-        for table in ("elevations", "azimuth_offsets", "origin_heights"):
+        for table in ("elevations", "azimuth_offsets", *_ORIGINS):
             try:
                 values = tuple(float(value) for value in getattr(self, table))
             except (TypeError, ValueError):
                 raise SensorError(f"{self.name}: {table} must be a list of numbers") from None
             object.__setattr__(self, table, values)
+            if values and len(values) != len(self.elevations):
+                beams = len(self.elevations)
+                raise SensorError(
+                    f"{self.name}: {table} has {len(values)} values; it needs one for each of {beams} beams"
+                )
         if not isinstance(self.name, str):
             raise SensorError(f"name is {self.name!r}; it must be a string")
         if not math.isfinite(self.mount_height):
             raise SensorError(f"{self.name}: mount_height is {self.mount_height}; it must be finite")
-        if not 0 <= self.range_sigma < math.inf:
-            raise SensorError(f"{self.name}: range_sigma is {self.range_sigma}; it must be finite and 0 or more")
+        for quantity in ("range_sigma", "sweep_time"):
+            if not 0 <= getattr(self, quantity) < math.inf:
+                value = getattr(self, quantity)
+                raise SensorError(f"{self.name}: {quantity} is {value}; it must be finite and 0 or more")
         try:
             _ = self.pattern  # the core checks everything else
         except OverflowError:
@@ -66,7 +84,7 @@ class Sensor:
         return _core.SensorPattern(
             elevations=np.array(self.elevations, dtype=np.float64),
             azimuth_offsets=np.array(self.azimuth_offsets or [0.0] * beams),
-            origin_heights=np.array(self.origin_heights or [0.0] * beams),
+            origins=np.array([getattr(self, table) or [0.0] * beams for table in _ORIGINS]).T.copy(),
             columns=self.columns,
             azimuth_start=self.azimuth_start,
             azimuth_span=self.azimuth_span,
@@ -81,10 +99,32 @@ class Sensor:
 
     def pose(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> np.ndarray:
         """`world_from_sensor` [4, 4] of the sensor on its mount, over the point (x, y) of a flat road."""
-        pose = np.eye(4)
-        pose[:2, :2] = [[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]]
-        pose[:3, 3] = x, y, self.mount_height
-        return pose
+        return upright((x, y, self.mount_height), yaw)
+
+    def column_times(self) -> np.ndarray:
+        """How long after the first one each column fires, f64 [W], s: column w at w / W of `sweep_time`."""
+        return np.arange(self.columns) / self.columns * self.sweep_time
+
+    def poses_in_motion(
+        self,
+        pose: np.ndarray | None = None,
+        velocity: Sequence[float] | np.ndarray = (0.0, 0.0, 0.0),
+        angular_velocity: Sequence[float] | np.ndarray = (0.0, 0.0, 0.0),
+    ) -> np.ndarray:
+        """`world_from_sensor` of each column, [W, 4, 4], of a sensor that moves while it sweeps, for `Raycaster.scan`.
+
+        It stands at `pose` (by default on its mount) in the middle of the sweep, after half of `sweep_time`. It moves
+        with `velocity` [m/s, in the world] and turns with `angular_velocity` [rad/s, about its own axes], both
+        constant. Raises `LayoutError` on what is not finite or of another shape.
+        """
+        pose = self.pose() if pose is None else finite_array("pose", pose, 4, 4)
+        velocity = finite_array("velocity", velocity, 3)
+        angular_velocity = finite_array("angular_velocity", angular_velocity, 3)
+        since_middle = (self.column_times() - self.sweep_time / 2)[:, None]
+        poses = np.tile(pose, (self.columns, 1, 1))
+        poses[:, :3, :3] = pose[:3, :3] @ rotations(since_middle * angular_velocity)
+        poses[:, :3, 3] += since_middle * velocity
+        return poses
 
     def to_json(self) -> str:
         """All fields as JSON text; `from_json` gives an equal sensor."""

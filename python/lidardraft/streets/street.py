@@ -136,7 +136,7 @@ def _pair(street: Street, caster: Raycaster, sensor: Sensor, seed: int, index: i
     rng = np.random.default_rng([seed, index, 1])
     x, y, yaw = _ego(street, rng)
     pose = _mount(sensor, rng)
-    raw = caster.scan(sensor, _from_ego(x, y, yaw) @ pose)
+    raw = caster.scan(sensor, _from_ego(x, y, yaw) @ pose, primitive=True, incidence=True)
     scan = observe(raw, street.scene, rng)
     style = draw_style(rng)
     drawn = draw(street.site.road, street.site.things, style, rng, _seen(raw, scan, street.scene))

@@ -2,49 +2,41 @@
 
 use glam::DVec3;
 
-use super::{Crossing, Hit, Ray, Upright, first, narrow, slab, unit_ball};
-use crate::Bounds;
+use super::{Ray, Span, first, narrow, slab, unit_ball};
 
-/// A closed upright cylinder over an ellipse that may be turned about z.
+/// A closed cylinder over an ellipse, with axis z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
-    place: Upright,
-    half: DVec3,
+    /// The radii along x and y, and half of the height [m].
+    pub half: DVec3,
 }
 
 impl Cylinder {
-    /// The cylinder in the box with these full extents around `center`.
-    pub fn new(center: DVec3, size: DVec3, yaw: f64) -> Cylinder {
-        let place = Upright::new(center, yaw);
-        let half = size / 2.0;
-        Cylinder { place, half }
-    }
-
     /// Where a ray enters the cylinder, or leaves it if it starts inside; side and caps.
-    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let (origin, direction) = self.place.inward(ray);
-        let caps = slab(2, origin.z, direction.z, self.half.z)?;
-        let side = self.side(origin, direction)?;
-        let (distance, normal) = first(narrow(caps, side))?;
-        Some(Hit { distance, normal: self.place.outward(normal).normalize_or_zero() })
+    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
+        let caps = slab(ray.origin.z, ray.direction.z, self.half.z)?;
+        first(narrow(caps, self.side(ray)?))
     }
 
     /// The part of a ray inside the endless cylinder.
-    fn side(&self, origin: DVec3, direction: DVec3) -> Option<(Crossing, Crossing)> {
+    fn side(&self, ray: &Ray) -> Option<Span> {
         let radii = self.half.truncate();
-        let (o, d) = (origin.truncate() / radii, direction.truncate() / radii);
+        let (o, d) = (ray.origin.truncate() / radii, ray.direction.truncate() / radii);
         // A vertical ray, or one that rises more than 1e100 times as fast as it moves.
         if d.length_squared() < 1e-200 {
-            let inside = o.length_squared() <= 1.0;
-            return inside.then_some(((f64::NEG_INFINITY, DVec3::Z), (f64::INFINITY, DVec3::Z)));
+            return (o.length_squared() <= 1.0).then_some((f64::NEG_INFINITY, f64::INFINITY));
         }
-        let (near, far) = unit_ball(o.extend(0.0), d.extend(0.0))?;
-        let normal = |t: f64| ((o + d * t) / radii).extend(0.0);
-        Some(((near, normal(near)), (far, normal(far))))
+        unit_ball(o.extend(0.0), d.extend(0.0))
     }
 
-    /// Its bounds.
-    pub fn bounds(&self) -> Bounds {
-        self.place.bounds_of_ellipse(self.half)
+    /// The outward unit normal at a point of the surface: of the cap or the side, whichever it is relatively nearest to.
+    pub fn normal(&self, point: DVec3) -> DVec3 {
+        let relative = point / self.half;
+        let across = relative.truncate();
+        if relative.z.abs() >= across.length() {
+            return DVec3::Z * point.z.signum();
+        }
+        let radii = self.half.truncate();
+        (across * (radii.min_element() / radii)).extend(0.0).normalize_or_zero()
     }
 }

@@ -1,38 +1,32 @@
 //! Ray against rectangle.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
-use super::{Hit, Ray, Upright};
-use crate::Bounds;
+use super::Ray;
 
-/// A level rectangle that may be turned about z.
+/// A rectangle in the plane z = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rectangle {
-    place: Upright,
-    half: DVec3,
+    /// Half of its extents [m].
+    pub half: DVec2,
 }
 
 impl Rectangle {
-    /// A rectangle with the full extents `size.x` and `size.y` around `center`; `size.z` is not looked at.
-    pub fn new(center: DVec3, size: DVec3, yaw: f64) -> Rectangle {
-        let place = Upright::new(center, yaw);
-        let flat = DVec3::new(size.x, size.y, 0.0) / 2.0;
-        let slack = place.slack(flat);
-        let half = flat + DVec3::new(slack, slack, 0.0);
-        Rectangle { place, half }
+    /// The rectangle with every edge moved outwards.
+    #[must_use]
+    pub fn grown(&self, margin: f64) -> Rectangle {
+        Rectangle { half: self.half + margin }
     }
 
     /// Where a ray crosses the rectangle, edges included. A ray in its plane does not see it.
-    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let (origin, direction) = self.place.inward(ray);
-        let distance = -origin.z / direction.z;
-        let point = (origin + direction * distance).abs();
-        (distance > 0.0 && point.x <= self.half.x && point.y <= self.half.y)
-            .then_some(Hit { distance, normal: DVec3::Z })
+    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
+        let distance = -ray.origin.z / ray.direction.z;
+        let point = ray.at(distance).abs();
+        (distance > 0.0 && point.x <= self.half.x && point.y <= self.half.y).then_some(distance)
     }
 
-    /// Its bounds.
-    pub fn bounds(&self) -> Bounds {
-        self.place.bounds_of_box(self.half)
+    /// Its unit normal.
+    pub fn normal(&self) -> DVec3 {
+        DVec3::Z
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Hit, Ray};
+use super::ShearedRay;
 use crate::Bounds;
 
 /// A triangle.
@@ -18,8 +18,8 @@ impl Triangle {
     /// Watertight: Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Rounding is monotone, so
     /// an edge function keeps its sign or becomes 0, and 0 counts as inside; and two triangles that share an edge compute
     /// exactly opposite values for it, because nothing here is fused. So no ray slips between them.
-    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let [a, b, c] = self.corners.map(|corner| ray.sheared(corner));
+    pub fn intersect(&self, ray: &ShearedRay) -> Option<f64> {
+        let [a, b, c] = self.corners.map(|corner| ray.shear(corner));
         let u = c.x * b.y - c.y * b.x;
         let v = a.x * c.y - a.y * c.x;
         let w = b.x * a.y - b.y * a.x;
@@ -32,7 +32,7 @@ impl Triangle {
             return None;
         }
         let distance = (u * a.z + v * b.z + w * c.z) / determinant;
-        (distance > 0.0).then(|| Hit { distance, normal: self.normal() })
+        (distance > 0.0).then_some(distance)
     }
 
     /// The unit normal on the side from which the corners run counter-clockwise; 0 if the triangle has no area.

@@ -1,43 +1,94 @@
-//! A whole scan: every ray of a sensor pattern, cast from one pose.
+//! Whole scans: every ray of a sensor pattern, cast from one pose, or from one pose for each column.
 
-use rayon::prelude::*;
+mod backend;
+mod band;
+mod blocks;
+mod bounds;
+mod draw;
+mod lanes;
+mod paint;
+mod raster;
+pub(crate) mod reference;
+mod resolve;
+mod solids;
+mod stage;
+pub(crate) mod threads;
+mod triangles;
+mod vector;
+mod view;
 
-use crate::image::RowMut;
-use crate::{Images, Pose, Return, Scene, SensorPattern};
+pub use backend::Backend;
+pub(crate) use band::Band;
+pub(crate) use blocks::Blocks;
+pub(crate) use stage::Stage;
 
-/// The closest return of every ray of a pattern, one ray at a time; rows run in parallel.
+use crate::{Error, ImagesMut, Pose, Result, Scene, SensorPattern};
+use threads::spread;
+
+/// Casts a scan: the closest return of every ray of a pattern.
 ///
-/// A surface nearer than the minimum range is not reported, and hides what is behind it. The images are the same for any
-/// number of threads.
-pub fn scan(scene: &Scene, pattern: &SensorPattern, world_from_sensor: &Pose) -> Images {
-    let mut images = Images::new(pattern.rows(), pattern.columns());
-    images
-        .par_rows_mut()
-        .enumerate()
-        .for_each(|(row, mut pixels)| cast_row(scene, pattern, world_from_sensor, row, &mut pixels));
-    images
+/// `poses` are world_from_sensor: one, or one for each column (rolling shutter). A surface nearer than the minimum range is
+/// not reported, and hides what is behind it. `backend` is the fastest if it is not given; `threads` is 0 for as many as
+/// there are cores. The images are the same for any number of threads.
+///
+/// # Errors
+/// [`Error::PoseCount`] or [`Error::ImageSize`], before anything is written.
+pub fn scan(
+    scene: &Scene,
+    pattern: &SensorPattern,
+    poses: &[Pose],
+    images: &mut ImagesMut<'_>,
+    backend: Option<Backend>,
+    threads: usize,
+) -> Result<()> {
+    check(pattern, poses, images)?;
+    cast(scene, pattern, poses, images, backend, threads);
+    Ok(())
 }
 
-fn cast_row(scene: &Scene, pattern: &SensorPattern, pose: &Pose, row: usize, pixels: &mut RowMut<'_>) {
-    let origin = pose.point(pattern.origin(row));
-    for column in 0..pattern.columns() {
-        let direction = pose.vector(pattern.direction(row, column));
-        let Some(found) = scene.closest(origin, direction) else {
-            continue;
-        };
-        let Some(depth) = pattern.reported(found.hit.distance) else {
-            continue;
-        };
-        let cosine = found.hit.normal.dot(direction).abs() / direction.length();
-        pixels.set(
-            column,
-            Return {
-                depth,
-                label: found.label,
-                instance: found.instance,
-                primitive: found.primitive as i32,
-                incidence: cosine.min(1.0) as f32,
-            },
-        );
+/// Casts several scans, one list of poses and one set of images for each; threads take whole scans.
+///
+/// # Errors
+/// [`Error::ScanCount`], [`Error::PoseCount`] or [`Error::ImageSize`], before anything is written.
+pub fn scan_batch(
+    scene: &Scene,
+    pattern: &SensorPattern,
+    poses: &[&[Pose]],
+    images: &mut [ImagesMut<'_>],
+    backend: Option<Backend>,
+    threads: usize,
+) -> Result<()> {
+    if poses.len() != images.len() {
+        return Err(Error::ScanCount { scans: poses.len(), images: images.len() });
+    }
+    for (poses, images) in poses.iter().zip(images.iter()) {
+        check(pattern, poses, images)?;
+    }
+    // A scan by itself is spread by rows.
+    let within = if images.len() == 1 { threads } else { 1 };
+    let scans = poses.iter().zip(images).collect();
+    spread(threads, scans, |(poses, images): (&&[Pose], _)| cast(scene, pattern, poses, images, backend, within));
+    Ok(())
+}
+
+fn check(pattern: &SensorPattern, poses: &[Pose], images: &ImagesMut<'_>) -> Result<()> {
+    let (rows, columns) = (pattern.rows(), pattern.columns());
+    if poses.len() != 1 && poses.len() != columns {
+        return Err(Error::PoseCount { poses: poses.len(), columns });
+    }
+    images.check(rows, columns)
+}
+
+fn cast(
+    scene: &Scene,
+    pattern: &SensorPattern,
+    poses: &[Pose],
+    images: &mut ImagesMut<'_>,
+    backend: Option<Backend>,
+    threads: usize,
+) {
+    match backend.unwrap_or_else(Backend::fastest) {
+        Backend::Reference => reference::scan(scene, pattern, poses, images, threads),
+        backend => raster::scan(scene, pattern, poses, images, backend, threads),
     }
 }

@@ -3,7 +3,10 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::{box_mesh, pattern, primitive, spec};
-use crate::{Pose, Primitive, PrimitiveTables, Scene, SensorPattern, SensorSpec, Shape, TriangleMesh};
+use crate::{
+    Backend, Images, Pose, Primitive, PrimitiveTables, Scene, SensorPattern, SensorSpec, Shape, TriangleMesh, cast,
+    scan, scan_batch,
+};
 
 fn says<T>(result: crate::Result<T>, message: &str) {
     match result {
@@ -36,10 +39,12 @@ fn sensor(change: impl Fn(&mut SensorSpec), message: &str) {
 fn beams() {
     sensor(|s| s.elevations.clear(), "elevations has 0 entries; a sensor needs at least one beam");
     sensor(|s| s.azimuth_offsets.truncate(2), "azimuth_offsets has 2 entries; the sensor has 3 beams");
-    sensor(|s| s.origin_heights.push(0.0), "origin_heights has 4 entries; the sensor has 3 beams");
+    sensor(|s| s.origins.push([0.0; 3]), "origins has 4 entries; the sensor has 3 beams");
     sensor(|s| s.elevations[1] = f64::NAN, "elevations[1] is NaN; it must be finite");
     sensor(|s| s.azimuth_offsets[2] = f64::INFINITY, "azimuth_offsets[2] is inf; it must be finite");
-    sensor(|s| s.origin_heights[0] = f64::NAN, "origin_heights[0] is NaN; it must be finite");
+    let far = "m; every coordinate must be finite and at most 1e9 in size";
+    sensor(|s| s.origins[0][1] = f64::NAN, &format!("origins[0] is [0.0, NaN, 0.0] {far}"));
+    sensor(|s| s.origins[2][2] = -2e9, &format!("origins[2] is [0.0, 0.0, -2000000000.0] {far}"));
     sensor(
         |s| s.elevations[0] = FRAC_PI_2,
         "elevations[0] is 1.5707963267948966 rad; it must be between -pi/2 and pi/2, both excluded",
@@ -140,18 +145,91 @@ fn poses() {
         says(Pose::from_rows(rows), message);
     };
     let finite = "it must be finite and at most 1e9 in size";
-    pose(&|r| r[1][3] = f64::NAN, &format!("world_from_sensor[1, 3] is NaN; {finite}"));
-    pose(&|r| r[0][3] = 1e10, &format!("world_from_sensor[0, 3] is 10000000000; {finite}"));
-    pose(&|r| r[3][0] = 1.0, "the last row of world_from_sensor is [1.0, 0.0, 0.0, 1.0]; it must be [0, 0, 0, 1]");
-    pose(&|r| r[0][0] = 2.0, "the rotation of world_from_sensor is off R^T R = 1 by 3e0; the limit is 1e-6");
-    pose(&|r| r[2][2] = -1.0, "the rotation of world_from_sensor has the determinant -1; a mirrored pose is not rigid");
+    pose(&|r| r[1][3] = f64::NAN, &format!("entry [1, 3] of the pose is NaN; {finite}"));
+    pose(&|r| r[0][3] = 1e10, &format!("entry [0, 3] of the pose is 10000000000; {finite}"));
+    pose(&|r| r[3][0] = 1.0, "the last row of the pose is [1.0, 0.0, 0.0, 1.0]; it must be [0, 0, 0, 1]");
+    pose(&|r| r[0][0] = 2.0, "the rotation of the pose is off R^T R = 1 by 3e0; the limit is 1e-6");
+    pose(&|r| r[2][2] = -1.0, "the rotation of the pose has the determinant -1; a mirrored pose is not rigid");
+}
+
+#[test]
+fn moves() {
+    let scene = Scene::new(vec![primitive(Shape::Box, [0.0; 3], [1.0; 3]); 3]).unwrap();
+    let moved = |primitives: &[u32], message: &str| says(scene.moved(primitives, &[Pose::IDENTITY; 2]), message);
+    moved(&[1], "primitives has 1 entries and world_from_primitive has 2; it must be one pose for each");
+    moved(&[0, 3], "primitives[1] is 3; the scene has 3 primitives");
+    moved(&[2, 2], "primitives[1] is 2, as is primitives[0]; a primitive can be moved once");
+}
+
+#[test]
+fn scans_that_write_nothing() {
+    let scene = Scene::new(vec![primitive(Shape::Box, [0.0; 3], [1.0; 3])]).unwrap();
+    let pattern = pattern(spec(vec![0.1, 0.0], 3));
+    let one = &[Pose::IDENTITY][..];
+    for count in [0, 2, 4] {
+        let mut images = Images::new(2, 3);
+        let message = format!("there are {count} poses for a scan; it must be 1, or 3, one for each column");
+        says(scan(&scene, &pattern, &[Pose::IDENTITY; 4][..count], &mut images.as_mut(), None, 1), &message);
+        says(
+            scan_batch(&scene, &pattern, &[one], &mut [], None, 1),
+            "there are poses for 1 scans and images for 0; there must be as many",
+        );
+        assert_eq!(images, Images::new(2, 3));
+    }
+    let cut = |change: &dyn Fn(&mut Images), image: &str| {
+        let mut images = Images::new(2, 3);
+        change(&mut images);
+        let before = images.clone();
+        let message = format!("the {image} image has 5 pixels; the sensor has 2 beams and 3 columns");
+        says(scan(&scene, &pattern, one, &mut images.as_mut(), None, 1), &message);
+        says(scan_batch(&scene, &pattern, &[one], &mut [images.as_mut()], None, 1), &message);
+        assert_eq!(images, before);
+    };
+    cut(&|images| images.depth.truncate(5), "depth");
+    cut(&|images| images.label.truncate(5), "label");
+    cut(&|images| images.instance.truncate(5), "instance");
+    cut(&|images| images.primitive.truncate(5), "primitive");
+    cut(&|images| images.incidence.truncate(5), "incidence");
+    cut(&|images| images.normal.truncate(5), "normal");
+}
+
+#[test]
+fn backends() {
+    for backend in Backend::available() {
+        assert_eq!(backend.name().parse(), Ok(backend));
+    }
+    let error = "fastest".parse::<Backend>().unwrap_err().to_string();
+    assert!(error.starts_with("backend is \"fastest\"; it must be one of "), "{error}");
+    assert!(error.ends_with("reference"), "{error}");
+}
+
+#[test]
+fn rays() {
+    let scene = Scene::new(vec![]).unwrap();
+    let (zero, x) = ([0.0; 3], [1.0, 0.0, 0.0]);
+    let rays = |origin, direction, message: &str| says(cast(&scene, &[zero, origin], &[x, direction], 9.0, 1), message);
+    says(cast(&scene, &[zero], &[x, x], 9.0, 1), "there are 1 origins and 2 directions; there must be as many");
+    let far = "m; every coordinate must be finite and at most 1e9 in size";
+    rays([f64::NAN, 0.0, 0.0], x, &format!("origins[1] is [NaN, 0.0, 0.0] {far}"));
+    rays([0.0, 2e9, 0.0], x, &format!("origins[1] is [0.0, 2000000000.0, 0.0] {far}"));
+    rays(zero, [0.0, f64::INFINITY, 0.0], "directions[1] is [0.0, inf, 0.0]; it must be finite and not 0");
+    rays(zero, [0.0, -0.0, 0.0], "directions[1] is [0.0, -0.0, 0.0]; it must be finite and not 0");
+    for range in [0.0, -1.0, f64::NAN] {
+        let message = format!("max_range is {range} m; it must be greater than 0");
+        says(cast(&scene, &[zero], &[x], range, 1), &message);
+    }
 }
 
 #[test]
 fn borders_of_the_border_are_named() {
-    let shape = crate::Error::TableShape { table: "centers".into(), shape: vec![4, 2], expected: "[P, 3]" };
+    let shape = crate::Error::TableShape { table: "centers".into(), shape: vec![4, 2], expected: "[P, 3]".into() };
     assert_eq!(shape.to_string(), "centers has the shape [4, 2]; it must be [P, 3]");
     let source = TriangleMesh::new(vec![], vec![]).unwrap_err();
     let mesh = crate::Error::Mesh { mesh: 3, source: Box::new(source) };
     assert!(mesh.to_string().starts_with("meshes[3]: the mesh has 0 vertices"));
+    let source = Box::new(crate::Error::PoseMirrored { determinant: -1.0 });
+    let pose = crate::Error::PoseOfTable { table: "world_from_sensor", index: vec![2, 7], source };
+    assert!(pose.to_string().starts_with("world_from_sensor[2, 7]: the rotation of the pose has"));
+    let threads = crate::Error::Threads { threads: -1, limit: 1024 };
+    assert_eq!(threads.to_string(), "threads is -1; it must be 0 (all cores) to 1024");
 }

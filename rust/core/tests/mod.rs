@@ -1,18 +1,22 @@
 //! Tests of the core, one file for each question.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod cast;
 mod errors;
+mod moved;
 mod obj;
+mod origins;
 mod scans;
 mod sensor;
 mod shapes;
+mod sweep;
 mod watertight;
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
-use crate::{Primitive, SensorPattern, SensorSpec, Shape, TriangleMesh};
+use crate::{Backend, Images, Pose, Primitive, Scene, SensorPattern, SensorSpec, Shape, TriangleMesh, scan};
 
 /// Xorshift64*: Vigna, "An experimental exploration of Marsaglia's xorshift generators, scrambled", 2016.
 struct Random(u64);
@@ -29,6 +33,12 @@ impl Random {
 
     fn vector(&mut self, low: f64, high: f64) -> DVec3 {
         DVec3::from_array(std::array::from_fn(|_| self.between(low, high)))
+    }
+
+    /// A pose turned anywhere, with coordinates in [-reach, reach).
+    fn pose(&mut self, reach: f64) -> Pose {
+        let rotation = DMat3::from_axis_angle(self.direction(), self.between(-PI, PI));
+        Pose { rotation, translation: self.vector(-reach, reach) }
     }
 
     /// A direction, uniform on the sphere.
@@ -50,7 +60,7 @@ fn primitive(shape: Shape, center: [f64; 3], size: [f64; 3]) -> Primitive {
 fn spec(elevations: Vec<f64>, columns: usize) -> SensorSpec {
     SensorSpec {
         azimuth_offsets: vec![0.0; elevations.len()],
-        origin_heights: vec![0.0; elevations.len()],
+        origins: vec![[0.0; 3]; elevations.len()],
         elevations,
         columns,
         azimuth_start: PI,
@@ -68,6 +78,18 @@ fn linear(high: f64, low: f64, beams: usize) -> Vec<f64> {
 
 fn pattern(spec: SensorSpec) -> SensorPattern {
     SensorPattern::new(spec).unwrap()
+}
+
+/// What a sensor sees from one pose.
+fn scanned(scene: &Scene, pattern: &SensorPattern, pose: &Pose) -> Images {
+    swept(scene, pattern, std::slice::from_ref(pose), 0)
+}
+
+/// What a sensor sees from one pose, or from one for each column, on this many threads.
+fn swept(scene: &Scene, pattern: &SensorPattern, poses: &[Pose], threads: usize) -> Images {
+    let mut images = Images::new(pattern.rows(), pattern.columns());
+    scan(scene, pattern, poses, &mut images.as_mut(), Some(Backend::Reference), threads).unwrap();
+    images
 }
 
 /// The square [-1/2, 1/2]^2 as `cells` x `cells` quads of two triangles, at the heights that a function gives.
@@ -95,4 +117,30 @@ fn box_mesh() -> TriangleMesh {
     let quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
     let faces = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
     TriangleMesh::new((0..8).map(corner).collect(), faces.collect()).unwrap()
+}
+
+/// Shapes of every kind within 20 m of a place.
+fn random_scene(random: &mut Random, count: usize, place: DVec3) -> Vec<Primitive> {
+    (0..count)
+        .map(|k| {
+            let shape = match k % 5 {
+                0 => Shape::Box,
+                1 => Shape::Ellipsoid,
+                2 => Shape::Cylinder,
+                3 => Shape::Plane,
+                _ => Shape::Mesh(if k % 2 == 0 { box_mesh() } else { grid(4, |x, y| x * y) }),
+            };
+            let mut size = random.vector(0.05, 6.0);
+            if shape == Shape::Plane {
+                size.z = 0.0;
+            }
+            Primitive {
+                center: (place + random.vector(-20.0, 20.0)).to_array(),
+                yaw: [0.0, FRAC_PI_2, random.between(-9.0, 9.0)][k % 3],
+                label: (k % 200) as u8 + 1,
+                instance: k as u32,
+                ..primitive(shape, [0.0; 3], size.to_array())
+            }
+        })
+        .collect()
 }

@@ -11,7 +11,7 @@ fn depths(pattern: &SensorPattern, random: &mut Random) -> Vec<f32> {
     (0..pixels).map(|_| random.between(1.0, 100.0) as f32).collect()
 }
 
-fn returns_to_its_pixels(spec: SensorSpec) {
+pub(super) fn returns_to_its_pixels(spec: SensorSpec) {
     let pattern = pattern(spec);
     let depth = depths(&pattern, &mut Random(3));
     let points = pattern.points(&depth, [pattern.rows(), pattern.columns()]).unwrap();
@@ -76,7 +76,7 @@ fn points_project_to_their_pixels_with_a_table_of_beams() {
     spec.azimuth_span = 4.0;
     returns_to_its_pixels(spec.clone());
     // Higher beams start higher, so that no two of them cross.
-    spec.origin_heights = (0..40).map(|h| 0.3 - 0.005 * f64::from(h)).collect();
+    spec.origins = (0..40).map(|h| [0.0, 0.0, 0.3 - 0.005 * f64::from(h)]).collect();
     returns_to_its_pixels(spec);
 }
 
@@ -84,7 +84,7 @@ fn points_project_to_their_pixels_with_a_table_of_beams() {
 fn level_origins_and_a_table_of_them_agree() {
     let level = spec(linear(0.2, -0.4, 24), 64);
     let mut uneven = level.clone();
-    uneven.origin_heights[23] = 1e-15;
+    uneven.origins[23][2] = 1e-15;
     let mut random = Random(13);
     let points: Vec<_> = (0..20_000).map(|_| random.vector(-20.0, 20.0).to_array()).collect();
     let (a, b) = (pattern(level).project(&points), pattern(uneven).project(&points));
@@ -154,7 +154,7 @@ fn every_azimuth_of_a_turn_has_a_column() {
 #[test]
 fn no_distance_is_the_origin_of_the_beam() {
     let mut spec = spec(vec![0.1, -0.1], 2);
-    spec.origin_heights = vec![0.25, -0.5];
+    spec.origins = vec![[0.0, 0.0, 0.25], [0.0, 0.0, -0.5]];
     let points = pattern(spec).points(&[0.0; 4], [2, 2]).unwrap();
     assert_eq!(points[0], [0.0, 0.0, 0.25]);
     assert_eq!(points[3], [0.0, 0.0, -0.5]);

@@ -4,11 +4,11 @@ use std::f64::consts::{FRAC_PI_4, PI};
 
 use glam::DVec3;
 
-use super::{Random, box_mesh, grid, linear, pattern, primitive, spec};
-use crate::{Pose, Primitive, Scene, SensorPattern, Shape, scan};
+use super::{Random, box_mesh, grid, linear, pattern, primitive, scanned, spec};
+use crate::{Pose, Primitive, Scene, SensorPattern, Shape};
 
 fn leaks(scene: &Scene, pattern: &SensorPattern, pose: &Pose) -> usize {
-    let images = scan(scene, pattern, pose);
+    let images = scanned(scene, pattern, pose);
     images.depth.iter().filter(|&&depth| depth == 0.0).count()
 }
 

@@ -1,0 +1,138 @@
+"""Our caster beside Open3D, embreex and Embree in packets, in one run: `make compare`, or `python benches/compare.py`.
+
+Every peer casts the same rays into the same scenes (`scenes.py`), in a process of its own. In each round each peer is
+asked once for each quantity, one after the other, so that a noisy machine is noisy for all; the table holds medians.
+A peer that is not installed is left out with a line.
+
+- "Build from arrays" ends with a structure that is ready to cast; "compile a layout" is our way there from a layout.
+- The "bare cast" begins with rays (ours: with a pose) and ends with whatever the peer returns.
+- "End to end" begins with a pose and ends with range, semantic and instance images in numpy, misses marked.
+- "A pose for each column" is a scan with a rolling shutter, "batch" many scans in one call. No rival has such calls:
+  beside them stand their bare cast and their end to end of one scan.
+- "Packet Embree" is Embree's library called from C with packets of coherent rays that are made before the clock starts;
+  only the intersect calls are timed. That time stands beside all that we cast.
+
+"Same" is the share of rays with the same range, within 2 mm + 1e-5 of it, and with the same instance: for the triangles
+as Open3D, for the analytic shapes as our own reference path, which casts one ray at a time.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import sys
+from pathlib import Path
+
+from scenes import SCENES, Pattern, hdl64
+from table import QUANTITIES, Results, agreement, markdown
+from worker import PeerError, Worker
+
+PEERS = ("open3d", "embreex", "packets", "analytic", "triangles")
+EXPECTED = {"analytic": "reference", "triangles": "open3d", "packets": "open3d", "embreex": "open3d"}
+SLOW = {"build": 3, "compile": 3, "batch": 3}  # rounds of what takes seconds in the heavy scene
+
+
+def main() -> None:
+    """Parse, measure, print."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--rounds", type=int, default=15)
+    parser.add_argument("--threads", default=f"1,{os.cpu_count()}", help="numbers of threads, with commas")
+    parser.add_argument("--scenes", default=",".join(SCENES), help=f"some of {', '.join(SCENES)}")
+    parser.add_argument("--peers", default=",".join(PEERS), help=f"some of {', '.join(PEERS)}")
+    parser.add_argument("--batch", type=int, default=1000, help="poses of a batch")
+    parser.add_argument("--json", type=Path, help="write the seconds of all rounds to this file")
+    given = parser.parse_args()
+    threads = sorted({int(number) for number in given.threads.split(",")})
+    names = given.scenes.split(",")
+    if not set(names) <= set(SCENES) or threads[0] < 1:
+        parser.error(f"scenes are {', '.join(SCENES)}, and threads 1 or more")
+    workers = started(given.peers.split(","), threads)
+    results, pattern = Results(), hdl64()
+    print(machine(workers))
+    print(f"{pattern.shape[0]} x {pattern.shape[1]} rays, medians of {given.rounds} rounds, times in ms\n")
+    for name in names:
+        measure(name, workers, pattern, results, given.rounds, given.batch)
+    print(markdown(results, names, threads))
+    print()
+    for name in names:
+        print("\n".join(f"- {line}" for line in notes(results, name, threads)))
+    if given.json:
+        seconds = [[*key, rounds] for key, rounds in results.seconds.items()]
+        shares = [[*key, *both] for key, both in results.agreement.items()]
+        given.json.write_text(json.dumps({"seconds": seconds, "agreement": shares}))
+    for worker in workers:
+        worker.stop()
+
+
+def started(peers: list[str], threads: list[int]) -> list[Worker]:
+    """A worker for each peer and number of threads; a line for each that there is not."""
+    found = [_start(peer, number) for peer in peers for number in threads]
+    return [worker for worker in found if worker is not None]
+
+
+def _start(peer: str, threads: int) -> Worker | None:
+    try:
+        return Worker(f"peer_{peer}", threads)
+    except PeerError as error:
+        print(f"without {peer} on {threads} threads: {error}", file=sys.stderr)
+        return None
+
+
+def measure(scene: str, workers: list[Worker], pattern: Pattern, results: Results, rounds: int, batch: int) -> None:
+    """All rounds of one scene."""
+    images = {}
+    for worker in workers:
+        images[worker.peer] = worker.load(scene, pattern)
+        if worker.peer == "analytic":
+            images["reference"] = worker.reference()
+    for peer, expected in EXPECTED.items():
+        if peer in images and expected in images:
+            results.agreement[scene, peer] = agreement(images[expected], images[peer])
+    most = max((worker.threads for worker in workers), default=1)
+    asked = [(worker, quantity) for worker in workers for quantity in QUANTITIES if wanted(worker, quantity, most)]
+    for step in range(rounds):
+        for worker, quantity in asked:
+            if step < SLOW.get(quantity, rounds):
+                seconds = worker.seconds(quantity, step, batch) / (batch if quantity == "batch" else 1)
+                results.add(scene, worker.peer, worker.threads, quantity, seconds)
+
+
+def wanted(worker: Worker, quantity: str, most: int) -> bool:
+    """One thread for all but a batch, which is for all threads; what a user calls for every number of them."""
+    everywhere = quantity in ("cast", "scan") or most == 1
+    return worker.offers(quantity) and (everywhere or (worker.threads == most) == (quantity == "batch"))
+
+
+def machine(workers: list[Worker]) -> str:
+    """What this ran on."""
+    processor, flags = platform.processor() or platform.machine(), set[str]()
+    if os.path.exists("/proc/cpuinfo"):
+        lines = [line.split(":", 1) for line in Path("/proc/cpuinfo").read_text().splitlines() if ":" in line]
+        facts = {key.strip(): value.strip() for key, value in lines}
+        processor, flags = facts.get("model name", processor), set(facts.get("flags", "").split())
+    simd = ", ".join(name for flag, name in (("avx2", "AVX2"), ("avx512f", "AVX-512")) if flag in flags)
+    versions = ", ".join(sorted({worker.version for worker in workers}))
+    return f"{processor} ({simd or 'no AVX2'}), {os.cpu_count()} cores; Python {platform.python_version()}; {versions}"
+
+
+def notes(results: Results, scene: str, threads: list[int]) -> list[str]:
+    """Lines under the table: scans per second, Embree with single rays called from C, and whether the rivals agree."""
+    lines = []
+    for peer in ("analytic", "triangles"):
+        seconds = results.median(scene, peer, threads[-1], "batch")
+        if seconds is not None:
+            lines.append(f"{scene}, {peer}, batch on {threads[-1]} threads: {1 / seconds:,.0f} scans/s")
+    seconds = results.median(scene, "packets", threads[0], "single")
+    if seconds is not None:
+        lines.append(f"{scene}, Embree called from C with single rays: {1e3 * seconds:.2f} ms")
+    for peer in ("packets", "embreex"):
+        if (scene, peer) in results.agreement:
+            near, same = results.agreement[scene, peer]
+            lines.append(f"{scene}, {peer} as Open3D: same range {near:.3%}, same instance {same:.3%}")
+    return lines
+
+
+if __name__ == "__main__":
+    main()

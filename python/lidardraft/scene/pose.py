@@ -1,0 +1,67 @@
+"""Poses: rigid float64 matrices [4, 4] that take points of one frame to another, p_world = pose @ p_sensor."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from lidardraft.errors import LayoutError
+
+
+def finite_array(name: str, values: Any, *shape: int | str) -> np.ndarray:
+    """`values` as a C-contiguous float64 array of finite numbers; a letter in `shape` stands for any length.
+
+    Raises `LayoutError` naming the shape, or the first row that is not finite.
+    """
+    array = as_array(name, values, *shape)
+    if not np.isfinite(array).all():
+        bad = np.argwhere(~np.isfinite(array))[0].tolist()
+        raise LayoutError(f"{name}{bad} is {array[tuple(bad)]}; it must be finite")
+    return array
+
+
+def as_array(name: str, values: Any, *shape: int | str) -> np.ndarray:
+    """Like `finite_array`, for values that the core looks at."""
+    try:
+        array = np.ascontiguousarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise LayoutError(f"{name} is {values!r:.200}; it must be numbers [{_written(shape)}]") from None
+    fits = array.ndim == len(shape) and all(
+        isinstance(n, str) or n == m for n, m in zip(shape, array.shape, strict=True)
+    )
+    if not fits:
+        raise LayoutError(f"{name} has shape {array.shape}; it must be [{_written(shape)}]")
+    return array
+
+
+def _written(shape: tuple[int | str, ...]) -> str:
+    return ", ".join(map(str, shape))
+
+
+def upright(center: tuple[float, float, float], yaw: float) -> np.ndarray:
+    """The pose [4, 4] of what stands at `center`, turned by `yaw` about z."""
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    x, y, z = center
+    return np.array([(cos, -sin, 0.0, x), (sin, cos, 0.0, y), (0.0, 0.0, 1.0, z), (0.0, 0.0, 0.0, 1.0)])
+
+
+def inverse(pose: np.ndarray) -> np.ndarray:
+    """The inverse of a rigid pose [4, 4]."""
+    back = np.eye(4)
+    back[:3, :3] = pose[:3, :3].T
+    back[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
+    return back
+
+
+def rotations(vectors: np.ndarray) -> np.ndarray:
+    """The rotations [N, 3, 3] about vectors [N, 3] by their lengths [rad]: the formula of Rodrigues."""
+    angle = np.linalg.norm(vectors, axis=1)[:, None, None]
+    x, y, z = vectors.T
+    zero = np.zeros_like(x)
+    cross = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
+    # sin(a) / a and (1 - cos(a)) / a^2, without a division by zero: np.sinc(x) is sin(pi x) / (pi x).
+    first, second = np.sinc(angle / np.pi), np.sinc(angle / (2 * np.pi)) ** 2 / 2
+    turned: np.ndarray = np.eye(3) + first * cross + second * cross @ cross
+    return turned

@@ -1,0 +1,181 @@
+//! Bodies: a solid in its own frame, and where that frame stands in the scene.
+
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3};
+
+use crate::bvh::Bvh;
+use crate::intersect::{Cuboid, Cylinder, Ellipsoid, Hit, Ray, Rectangle, Triangle};
+use crate::scan::Blocks;
+use crate::{Bounds, TriangleMesh};
+
+/// Where a body stands: `p_scene = rotation * p_body + center`. Rigid, so that distances along a ray stay the same.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Place {
+    /// Its middle, relative to the origin of the scene [m].
+    pub(crate) center: DVec3,
+    /// Its axes, as columns.
+    pub(crate) rotation: DMat3,
+}
+
+/// What a body is, in its own frame.
+#[derive(Clone)]
+pub(crate) enum Solid {
+    Cuboid(Cuboid),
+    Ellipsoid(Ellipsoid),
+    Cylinder(Cylinder),
+    Rectangle(Rectangle),
+    /// Shared with the scenes that this one was moved from.
+    Mesh(Arc<MeshBody>),
+}
+
+/// A scaled mesh with a hierarchy over its triangles.
+pub(crate) struct MeshBody {
+    /// Positions in the frame of the body [m]. Each is stored once, which watertightness rests on.
+    pub(crate) vertices: Vec<DVec3>,
+    /// The vertex numbers of each triangle.
+    pub(crate) faces: Vec<[u32; 3]>,
+    bvh: Bvh,
+    /// The triangles as the scan kernel wants them.
+    pub(crate) blocks: Blocks,
+}
+
+/// A solid at its place.
+#[derive(Clone)]
+pub(crate) struct Body {
+    pub(crate) place: Place,
+    pub(crate) solid: Solid,
+    /// By how much flat faces are grown, so that faces which meet on paper leave no gap after rounding [m].
+    slack: f64,
+    bounds: Bounds,
+}
+
+impl Place {
+    /// A point of the scene as the body sees it.
+    pub(crate) fn inward(&self, point: DVec3) -> DVec3 {
+        self.rotation.mul_transpose_vec3(point - self.center)
+    }
+
+    /// A ray of the scene as the body sees it.
+    fn inward_ray(&self, ray: &Ray) -> Ray {
+        Ray { origin: self.inward(ray.origin), direction: self.rotation.mul_transpose_vec3(ray.direction) }
+    }
+
+    /// A point of the body in the scene.
+    pub(crate) fn outward(&self, point: DVec3) -> DVec3 {
+        self.rotation * point + self.center
+    }
+}
+
+impl MeshBody {
+    /// A mesh scaled by `size` along its axes.
+    pub(crate) fn new(mesh: TriangleMesh, size: DVec3) -> MeshBody {
+        let (vertices, faces) = mesh.into_parts();
+        let vertices: Vec<DVec3> = vertices.into_iter().map(|v| DVec3::from(v) * size).collect();
+        let boxes: Vec<Bounds> = faces.iter().map(|&face| triangle(&vertices, face).bounds()).collect();
+        MeshBody { bvh: Bvh::new(&boxes), blocks: Blocks::new(&vertices, &faces), vertices, faces }
+    }
+
+    pub(crate) fn triangle(&self, part: u32) -> Triangle {
+        triangle(&self.vertices, self.faces[part as usize])
+    }
+
+    fn intersect(&self, ray: &Ray, limit: f32) -> Option<Hit> {
+        let sheared = ray.sheared();
+        let hit = |face: usize, _| {
+            let part = face as u32;
+            Some(Hit { distance: self.triangle(part).intersect(&sheared)?, part })
+        };
+        Some(self.bvh.closest(ray, limit, hit)?.1)
+    }
+}
+
+fn triangle(vertices: &[DVec3], face: [u32; 3]) -> Triangle {
+    Triangle { corners: face.map(|v| vertices[v as usize]) }
+}
+
+impl Solid {
+    /// The bounds of the solid at a place.
+    fn bounds(&self, place: &Place) -> Bounds {
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = place.rotation;
+        let half = match self {
+            Solid::Cuboid(Cuboid { half }) => place.rotation.abs() * *half,
+            Solid::Ellipsoid(Ellipsoid { radii }) => root_of_squares(&[x * radii.x, y * radii.y, z * radii.z]),
+            Solid::Cylinder(Cylinder { half }) => root_of_squares(&[x * half.x, y * half.y]) + z.abs() * half.z,
+            Solid::Rectangle(Rectangle { half }) => place.rotation.abs() * half.extend(0.0),
+            Solid::Mesh(mesh) => {
+                let corners = mesh.vertices.iter().map(|&v| place.outward(v));
+                return corners.fold(Bounds::EMPTY, |all, v| all.union(Bounds { min: v, max: v }));
+            }
+        };
+        Bounds::around(place.center, half)
+    }
+
+    /// By how much flat faces are grown at a place.
+    fn slack(&self, place: &Place) -> f64 {
+        let half = match self {
+            Solid::Cuboid(shape) => shape.half,
+            Solid::Rectangle(shape) => shape.half.extend(0.0),
+            Solid::Ellipsoid(_) | Solid::Cylinder(_) | Solid::Mesh(_) => return 0.0,
+        };
+        8.0 * f64::EPSILON * (place.center.abs() + half).element_sum()
+    }
+}
+
+/// The lengths of vectors along each axis, at right angles to each other.
+fn root_of_squares(vectors: &[DVec3]) -> DVec3 {
+    vectors.iter().fold(DVec3::ZERO, |sum, &v| sum + v * v).map(f64::sqrt)
+}
+
+impl Body {
+    pub(crate) fn new(solid: Solid, place: Place) -> Body {
+        let slack = solid.slack(&place);
+        // A turned cube reaches sqrt(3) times as far as an upright one.
+        let bounds = solid.bounds(&place).grown(2.0 * slack);
+        Body { place, solid, slack, bounds }
+    }
+
+    /// The bounds relative to the origin of the scene.
+    pub(crate) fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// The closest hit of a ray of the scene whose distance, as f32, is at most `limit`; there may be a further one instead.
+    pub(crate) fn intersect(&self, ray: &Ray, limit: f32) -> Option<Hit> {
+        let ray = self.place.inward_ray(ray);
+        let distance = match &self.solid {
+            Solid::Cuboid(shape) => shape.grown(self.slack).intersect(&ray),
+            Solid::Ellipsoid(shape) => shape.intersect(&ray),
+            Solid::Cylinder(shape) => shape.intersect(&ray),
+            Solid::Rectangle(shape) => shape.grown(self.slack).intersect(&ray),
+            Solid::Mesh(mesh) => return mesh.intersect(&ray, limit),
+        };
+        Some(Hit { distance: distance?, part: 0 })
+    }
+
+    /// The same by asking every triangle: the definition that the hierarchy is tested against.
+    #[cfg(test)]
+    pub(crate) fn intersect_all(&self, ray: &Ray) -> Option<Hit> {
+        let Solid::Mesh(mesh) = &self.solid else {
+            return self.intersect(ray, f32::INFINITY);
+        };
+        let sheared = self.place.inward_ray(ray).sheared();
+        let hits = (0..mesh.faces.len() as u32)
+            .filter_map(|part| Some(Hit { distance: mesh.triangle(part).intersect(&sheared)?, part }));
+        hits.min_by(|a, b| (a.distance as f32).total_cmp(&(b.distance as f32)))
+    }
+
+    /// The unit normal at a point of the surface, both relative to the origin of the scene; outward for closed shapes, to
+    /// either side for a rectangle or a triangle. 0 where the surface has none.
+    pub(crate) fn normal(&self, point: DVec3, part: u32) -> DVec3 {
+        let point = self.place.inward(point);
+        let normal = match &self.solid {
+            Solid::Cuboid(shape) => shape.normal(point),
+            Solid::Ellipsoid(shape) => shape.normal(point),
+            Solid::Cylinder(shape) => shape.normal(point),
+            Solid::Rectangle(shape) => shape.normal(),
+            Solid::Mesh(mesh) => mesh.triangle(part).normal(),
+        };
+        self.place.rotation * normal
+    }
+}

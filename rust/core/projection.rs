@@ -1,0 +1,136 @@
+//! The inverse of a sensor pattern: the pixel that a point belongs to.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use crate::SensorPattern;
+use crate::sensor::TURN_TOLERANCE;
+
+/// The pixels of a list of points; a point outside the pattern has row and column -1 and distance 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Projection {
+    /// The beam of each point.
+    pub rows: Vec<i32>,
+    /// The column of each point.
+    pub columns: Vec<i32>,
+    /// The distance of each point from the origin of its beam [m].
+    pub distances: Vec<f32>,
+}
+
+/// How far beyond a range limit a projected point may lie, as a share of the maximum range.
+const ROUNDING: f64 = 1e-6;
+
+/// How a beam sees a point that it can be turned to.
+#[derive(Clone, Copy)]
+struct Sight {
+    row: usize,
+    /// How much higher than the beam the point is [rad].
+    off: f64,
+    /// The azimuth at which the beam passes over or under the point [rad].
+    azimuth: f64,
+    /// The distance of the point from the origin of the beam [m].
+    distance: f64,
+}
+
+impl SensorPattern {
+    /// The pixel of each point: the beam whose elevation is nearest, the column whose cell it lies in.
+    ///
+    /// A point is outside if no beam can be turned to it, if it is beyond the azimuth span, further from the highest or
+    /// lowest beam than half the spacing there (of the columns, if there is one beam only), not within the range limits or
+    /// not finite.
+    pub fn project(&self, points: &[[f64; 3]]) -> Projection {
+        let pixels = points.par_iter().map(|&p| self.pixel(DVec3::from(p)));
+        let (rows, (columns, distances)) = pixels
+            .map(|pixel| pixel.unwrap_or((-1, -1, 0.0)))
+            .map(|(row, column, distance)| (row, (column, distance)))
+            .unzip();
+        Projection { rows, columns, distances }
+    }
+
+    fn pixel(&self, point: DVec3) -> Option<(i32, i32, f32)> {
+        if !point.is_finite() {
+            return None;
+        }
+        let Sight { row, azimuth, distance, .. } = self.nearest_beam(point)?;
+        let column = self.column(row, azimuth)?;
+        let (min, max) = (self.spec().min_range, self.spec().max_range);
+        // A point of a range limit, in f32 coordinates, may lie a rounding beyond it.
+        let within = distance.clamp(min, max);
+        if (distance - within).abs() > ROUNDING * max {
+            return None;
+        }
+        Some((row as i32, column as i32, self.reported(within)?))
+    }
+
+    /// The beam nearest in elevation, each seen from its own origin; of two equally near the higher one.
+    fn nearest_beam(&self, point: DVec3) -> Option<Sight> {
+        let elevations = &self.spec().elevations;
+        let last = self.rows() - 1;
+        let sight = if self.one_origin {
+            // Every beam sees the point at the same elevation.
+            let beside = |seen: Sight| {
+                let elevation = elevations[0] + seen.off;
+                let below = elevations.partition_point(|&beam| beam >= elevation);
+                (below.saturating_sub(1)..=below.min(last)).map(move |row| Sight {
+                    row,
+                    off: elevation - elevations[row],
+                    ..seen
+                })
+            };
+            self.sights(0, point).flat_map(beside).reduce(nearer)?
+        } else {
+            (0..=last).flat_map(|row| self.sights(row, point)).reduce(nearer)?
+        };
+        let too_high = sight.row == 0 && sight.off > self.spacing(0, 1) / 2.0;
+        let too_low = sight.row == last && -sight.off > self.spacing(last.saturating_sub(1), last) / 2.0;
+        (!too_high && !too_low).then_some(sight)
+    }
+
+    /// How a beam sees a point: seldom twice, and not at all if it passes beside it at every azimuth.
+    ///
+    /// Seen from above, the beam at azimuth a passes R(a) (forward + t, left) at the distance t. So the point, r from the
+    /// axis, is met where forward + t is a root of r^2 - left^2.
+    fn sights(&self, row: usize, point: DVec3) -> impl Iterator<Item = Sight> {
+        let [forward, left, up] = self.spec().origins[row];
+        let (x, y, rise) = (point.x, point.y, point.z - up);
+        let from_axis = point.truncate().length();
+        let radius = if left == 0.0 { from_axis } else { ((from_axis - left) * (from_axis + left)).sqrt() };
+        let elevation = self.spec().elevations[row];
+        // The negative root is behind the axis: met only by a beam that starts there.
+        [radius, -radius].into_iter().filter(move |&along| along >= forward).map(move |along| {
+            let ground = along - forward;
+            Sight {
+                row,
+                off: rise.atan2(ground) - elevation,
+                azimuth: y.atan2(x) - left.atan2(along),
+                distance: DVec2::new(ground, rise).length(),
+            }
+        })
+    }
+
+    /// The angle between two beams; that of two columns if there is no second beam.
+    fn spacing(&self, upper: usize, lower: usize) -> f64 {
+        match self.spec().elevations.get(upper..=lower) {
+            Some(&[high, low]) => high - low,
+            _ => self.spec().azimuth_span / self.columns() as f64,
+        }
+    }
+
+    /// The column whose cell holds an azimuth, for one beam.
+    fn column(&self, row: usize, azimuth: f64) -> Option<usize> {
+        let spec = self.spec();
+        let turned = (spec.azimuth_start + spec.azimuth_offsets[row] - azimuth).rem_euclid(TAU);
+        let column = (turned / spec.azimuth_span * self.columns() as f64) as usize;
+        if spec.azimuth_span > TAU - TURN_TOLERANCE {
+            return Some(column.min(self.columns() - 1));
+        }
+        (column < self.columns()).then_some(column)
+    }
+}
+
+/// The smaller of two deviations; the first if they are equal.
+fn nearer(a: Sight, b: Sight) -> Sight {
+    if b.off.abs() < a.off.abs() { b } else { a }
+}

@@ -1,0 +1,76 @@
+//! The ways in which a scan can be cast.
+
+use std::str::FromStr;
+
+use crate::Error;
+
+/// A way of casting scans. All of them give the same images, but for rounding in what is not in doubt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Backend {
+    /// Shapes onto pixels, sixteen rays at once.
+    Avx512,
+    /// Shapes onto pixels, eight rays at once.
+    Avx2,
+    /// Shapes onto pixels, in plain Rust.
+    Portable,
+    /// Every ray through the hierarchies of the scene, in f64.
+    Reference,
+}
+
+impl Backend {
+    const ALL: [Backend; 4] = [Backend::Avx512, Backend::Avx2, Backend::Portable, Backend::Reference];
+
+    /// What this machine can do, the fastest first.
+    pub fn available() -> Vec<Backend> {
+        Backend::ALL.into_iter().filter(|backend| backend.is_available()).collect()
+    }
+
+    /// The fastest that this machine can do.
+    pub fn fastest() -> Backend {
+        Backend::ALL.into_iter().find(|backend| backend.is_available()).unwrap_or(Backend::Portable)
+    }
+
+    /// The name it is asked for by.
+    pub fn name(self) -> &'static str {
+        match self {
+            Backend::Avx512 => "avx512",
+            Backend::Avx2 => "avx2",
+            Backend::Portable => "portable",
+            Backend::Reference => "reference",
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    pub(super) fn is_available(self) -> bool {
+        let avx2 = || is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
+        match self {
+            Backend::Avx512 => {
+                avx2()
+                    && is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512bw")
+                    && is_x86_feature_detected!("avx512vl")
+            }
+            Backend::Avx2 => avx2(),
+            Backend::Portable | Backend::Reference => true,
+        }
+    }
+
+    #[cfg(not(target_arch = "x86_64"))]
+    pub(super) fn is_available(self) -> bool {
+        matches!(self, Backend::Portable | Backend::Reference)
+    }
+}
+
+impl FromStr for Backend {
+    type Err = Error;
+
+    /// The backend of that name, if this machine has it.
+    fn from_str(name: &str) -> Result<Backend, Error> {
+        let available = Backend::available();
+        available.iter().copied().find(|backend| backend.name() == name).ok_or_else(|| Error::Backend {
+            given: name.to_owned(),
+            available: available.iter().map(|backend| backend.name()).collect::<Vec<_>>().join(", "),
+        })
+    }
+}

@@ -1,0 +1,129 @@
+//! Meshes for the scan kernel: triangles in blocks that lie close together, sixteen to a block and sixteen blocks to a group.
+
+use glam::DVec3;
+
+use super::lanes::WIDEST;
+use crate::Bounds;
+
+/// Triangles of a block, and blocks of a group: one to a lane.
+pub(super) const SIDE: usize = WIDEST;
+
+/// A mesh in its own frame.
+#[derive(Debug)]
+pub(crate) struct Blocks {
+    pub(super) blocks: Vec<Block>,
+    /// The boxes around the blocks, and around each `SIDE` of them in a row.
+    pub(super) block_boxes: Boxes,
+    pub(super) group_boxes: Boxes,
+}
+
+/// Sixteen triangles or fewer.
+#[derive(Debug)]
+pub(super) struct Block {
+    /// Corner, axis, triangle: relative to the middle of the block's box, which keeps them exact far from the mesh's origin.
+    pub(super) corners: [[[f32; SIDE]; 3]; 3],
+    /// Their numbers in the mesh.
+    pub(super) triangles: [u32; SIDE],
+    pub(super) count: usize,
+}
+
+/// Boxes as columns of numbers, by axis and padded to whole vectors.
+#[derive(Debug)]
+pub(super) struct Boxes {
+    pub(super) center: [Vec<f32>; 3],
+    pub(super) half: [Vec<f32>; 3],
+    /// How large numbers get on the way to a corner: what its exactness in f32 depends on [m].
+    pub(super) reach: Vec<f32>,
+    pub(super) count: usize,
+}
+
+impl Blocks {
+    /// Blocks of the triangles that have an area, along a curve through their middles.
+    pub(crate) fn new(vertices: &[DVec3], faces: &[[u32; 3]]) -> Blocks {
+        let corners = |face: u32| faces[face as usize].map(|v| vertices[v as usize]);
+        let solid = (0..faces.len() as u32).filter(|&face| {
+            let [a, b, c] = corners(face);
+            (b - a).cross(c - a) != DVec3::ZERO
+        });
+        let order = along_curve(solid.map(|face| (face, around(&corners(face)))).collect());
+        let (mut blocks, mut boxes) = (Vec::new(), Vec::new());
+        for chunk in order.chunks(SIDE) {
+            let bounds = chunk.iter().fold(Bounds::EMPTY, |all, face| all.union(face.1));
+            let mut block = Block { corners: [[[0.0; SIDE]; 3]; 3], triangles: [0; SIDE], count: chunk.len() };
+            for (lane, &(face, _)) in chunk.iter().enumerate() {
+                block.triangles[lane] = face;
+                for (k, corner) in corners(face).into_iter().enumerate() {
+                    let local = (corner - f32_center(&bounds)).as_vec3();
+                    (0..3).for_each(|axis| block.corners[k][axis][lane] = local[axis]);
+                }
+            }
+            blocks.push(block);
+            boxes.push(bounds);
+        }
+        let groups = boxes.chunks(SIDE).map(|group| group.iter().fold(Bounds::EMPTY, |all, &next| all.union(next)));
+        Blocks { blocks, group_boxes: Boxes::new(groups.collect()), block_boxes: Boxes::new(boxes) }
+    }
+}
+
+impl Boxes {
+    fn new(boxes: Vec<Bounds>) -> Boxes {
+        let padded = boxes.len().next_multiple_of(WIDEST);
+        let table = |f: &dyn Fn(&Bounds) -> f32| {
+            let mut table: Vec<f32> = boxes.iter().map(f).collect();
+            table.resize(padded, 0.0);
+            table
+        };
+        Boxes {
+            center: [0, 1, 2].map(|k| table(&|b| f32_center(b)[k] as f32)),
+            // The middle was rounded, so the box is measured from there, and upwards.
+            half: [0, 1, 2].map(|k| {
+                table(&|b| {
+                    let center = f32_center(b)[k];
+                    ((b.max[k] - center).max(center - b.min[k]) as f32).next_up()
+                })
+            }),
+            reach: table(&|b| (2.0 * f32_center(b).length() + b.diagonal()) as f32),
+            count: boxes.len(),
+        }
+    }
+}
+
+fn around(corners: &[DVec3; 3]) -> Bounds {
+    let [a, b, c] = *corners;
+    Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
+}
+
+/// The middle as f32 holds it.
+fn f32_center(bounds: &Bounds) -> DVec3 {
+    bounds.center().as_vec3().as_dvec3()
+}
+
+/// Triangles in the order of a Morton curve; the few that are much larger than the others come first, or they would
+/// stretch the boxes of all blocks they fell into.
+fn along_curve(faces: Vec<(u32, Bounds)>) -> Vec<(u32, Bounds)> {
+    let all = faces.iter().fold(Bounds::EMPTY, |all, face| all.union(face.1));
+    let extent = (all.max - all.min).max_element().max(f64::MIN_POSITIVE);
+    let mut sizes: Vec<f64> = faces.iter().map(|face| face.1.diagonal()).collect();
+    let large = match sizes.len() {
+        0 => 0.0,
+        count => 8.0 * *sizes.select_nth_unstable_by(count / 2, f64::total_cmp).1,
+    };
+    let mut keyed: Vec<(u64, (u32, Bounds))> = faces
+        .into_iter()
+        .map(|face| {
+            let place = (face.1.center() - all.min) / extent * f64::from(1_u32 << 20);
+            let key = spread(place.x) | spread(place.y) << 1 | spread(place.z) << 2;
+            // A large triangle shares a block with no other kind, but may with its like.
+            (if face.1.diagonal() > large { key } else { key | 1 << 63 }, face)
+        })
+        .collect();
+    keyed.sort_unstable_by_key(|&(key, (face, _))| (key, face));
+    keyed.into_iter().map(|(_, face)| face).collect()
+}
+
+/// The lowest 21 bits of a whole number, two zeros between each.
+fn spread(value: f64) -> u64 {
+    let steps = [(32, 0x1f_0000_0000_ffff), (16, 0x1f_0000_ff00_00ff), (8, 0x100f_00f0_0f00_f00f)];
+    let steps = steps.into_iter().chain([(4, 0x10c3_0c30_c30c_30c3), (2, 0x1249_2492_4924_9249)]);
+    steps.fold(value as u64 & 0x1f_ffff, |bits, (shift, mask)| (bits | bits << shift) & mask)
+}

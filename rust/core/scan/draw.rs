@@ -1,0 +1,156 @@
+//! Shapes onto pixels: the loop that everything else is there to keep short.
+
+use super::bounds::Area;
+use super::lanes::{Lanes, Mask, WIDEST};
+use super::solids::{Shape, Solid, Tolerance};
+use super::vector::Vector;
+use super::view::View;
+
+/// What is nearest so far at each pixel of a view, by rows.
+///
+/// In whatever order shapes are drawn, a pixel ends with the nearest one, or in doubt if rounding could have hidden another
+/// winner.
+#[derive(Default)]
+pub(super) struct Canvas {
+    /// 1 / horizontal distance; 0 where nothing is.
+    pub(super) near: Vec<f32>,
+    pub(super) id: Vec<u32>,
+    pub(super) stride: usize,
+}
+
+/// The id of a pixel that f32 cannot decide.
+pub(super) const DOUBT: u32 = u32::MAX;
+
+impl Canvas {
+    /// Makes room for a view. What is left of the view before is 0 already: [`resolve`](super::resolve) clears what it reads.
+    pub(super) fn fit(&mut self, view: &View) {
+        // Rows a power of two apart would fall on one place of the cache; an odd number of its lines apart they do not.
+        let lines = (view.width() + WIDEST).div_ceil(WIDEST) | 1;
+        self.stride = lines * WIDEST;
+        let pixels = self.stride * view.band.rows.len();
+        if self.near.len() < pixels {
+            self.near.resize(pixels, 0.0);
+            self.id.resize(pixels, DOUBT);
+        }
+    }
+
+    /// Whether on every pixel of an area something is drawn that surely hides what is no nearer than `near`.
+    #[inline(always)]
+    pub(super) fn hides<L: Lanes>(&self, view: &View, area: &Area, near: f32) -> bool {
+        let nearest = L::splat(near * 1.0001);
+        for (from, to) in view.stretches(area) {
+            for row in area.first..=area.last {
+                for at in (from..=to).step_by(L::N) {
+                    let drawn = L::load(&self.near, row * self.stride + at);
+                    if nearest.gt(drawn - view.tie(drawn)).any() {
+                        return false;
+                    }
+                }
+            }
+        }
+        true
+    }
+}
+
+impl View<'_> {
+    /// How exact a settled range is: 2 mm, and a share of it.
+    #[inline(always)]
+    pub(super) fn tolerance(&self) -> Tolerance {
+        Tolerance { absolute: 2e-3 / self.band.steepest }
+    }
+
+    /// What the nearness of another surface must differ by so that settled ranges tell which is nearer.
+    #[inline(always)]
+    fn tie<L: Lanes>(&self, nearness: L) -> L {
+        self.tolerance().of(nearness) * L::splat(2.0)
+    }
+}
+
+/// Draws a shape on the pixels of an area where it is nearest.
+#[inline(always)]
+pub(super) fn draw<L: Lanes>(shape: &impl Shape, id: u32, area: &Area, view: &View, canvas: &mut Canvas) {
+    let Some(motion) = &view.motion else {
+        let seen = shape.seen_from(Vector::splat([0.0; 3]));
+        return draw_seen::<L>(&seen, id, area, view, canvas);
+    };
+    for (from, to) in view.stretches(area) {
+        for at in (from..=to).step_by(L::N) {
+            let columns = motion.columns::<L>(at);
+            let seen = shape.seen_from(columns.start);
+            let [a, b, c, d] = seen.rows();
+            let h = columns.heading;
+            let along = [a.dot(h), b.dot(h), c.dot(h), d.dot(h)];
+            let up = columns.up;
+            let rise = [a.dot(up), b.dot(up), c.dot(up), d.dot(up)];
+            draw_columns(&seen, [along, rise], id, (at, area), view, canvas);
+        }
+    }
+}
+
+/// Draws a shape as a view sees it that stands still.
+#[inline(always)]
+pub(super) fn draw_seen<L: Lanes>(seen: &impl Solid<L>, id: u32, area: &Area, view: &View, canvas: &mut Canvas) {
+    let [a, b, c, d] = seen.rows();
+    let rise = [a.z, b.z, c.z, d.z];
+    for (from, to) in view.stretches(area) {
+        for at in (from..=to).step_by(L::N) {
+            let (x, y) = view.headings::<L>(at);
+            let along =
+                [a.x.mul_add(x, a.y * y), b.x.mul_add(x, b.y * y), c.x.mul_add(x, c.y * y), d.x.mul_add(x, d.y * y)];
+            draw_columns(seen, [along, rise], id, (at, area), view, canvas);
+        }
+    }
+}
+
+/// Draws the rows of an area in the `L::N` columns from `at` on.
+#[inline(always)]
+fn draw_columns<L: Lanes>(
+    seen: &impl Solid<L>,
+    [along, rise]: [[L; 4]; 2],
+    id: u32,
+    (at, area): (usize, &Area),
+    view: &View,
+    canvas: &mut Canvas,
+) {
+    let (zero, tolerance) = (L::splat(0.0), view.tolerance());
+    let mut pixel = area.first * canvas.stride + at;
+    for &slope in &view.band.slopes[area.first..=area.last] {
+        let slope = L::splat(slope);
+        let direction = [
+            rise[0].mul_add(slope, along[0]),
+            rise[1].mul_add(slope, along[1]),
+            rise[2].mul_add(slope, along[2]),
+            rise[3].mul_add(slope, along[3]),
+        ];
+        let (nearest, margin) = seen.at_most(direction);
+        let drawn = L::load(&canvas.near, pixel);
+        let tie = view.tie(drawn);
+        let maybe = margin.ge(zero) & nearest.gt(drawn - tie);
+        if maybe.any() {
+            let (nearness, settled) = seen.settled(direction, tolerance);
+            let surely = maybe & settled & nearness.gt(drawn + tie);
+            let nearness = L::select(surely, nearness, nearest.max(drawn));
+            L::select(maybe, nearness, drawn).store(&mut canvas.near, pixel);
+            L::put(maybe, DOUBT, &mut canvas.id, pixel);
+            L::put(surely, id, &mut canvas.id, pixel);
+        }
+        pixel += canvas.stride;
+    }
+}
+
+/// Leaves all pixels of an area in doubt, unless something hides them: for what no shape test here can decide.
+#[inline(always)]
+pub(super) fn draw_doubt<L: Lanes>(near: f32, area: &Area, view: &View, canvas: &mut Canvas) {
+    let near = L::splat(near);
+    for (from, to) in view.stretches(area) {
+        for row in area.first..=area.last {
+            for at in (from..=to).step_by(L::N) {
+                let pixel = row * canvas.stride + at;
+                let drawn = L::load(&canvas.near, pixel);
+                let maybe = near.gt(drawn - view.tie(drawn));
+                L::select(maybe, near.max(drawn), drawn).store(&mut canvas.near, pixel);
+                L::put(maybe, DOUBT, &mut canvas.id, pixel);
+            }
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! A small vector of f32 lanes: all that the scan kernel knows about the machine.
+//!
+//! The kernel is written once, generic over [`Lanes`]; one backend a file implements it. This folder holds the only `unsafe`
+//! code of the crate. Three rules make it sound:
+//!
+//! - the types of `avx2` and `avx512` are named in their `run` only, inside a function that has those features enabled,
+//!   and that is called only where the processor has them;
+//! - every method, and everything generic over `Lanes`, is `#[inline(always)]`, so that it is compiled into those functions;
+//! - loads, stores and gathers check their bounds, on every backend.
+
+#[cfg(target_arch = "x86_64")]
+#[expect(unsafe_code, reason = "processor instructions")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+#[expect(unsafe_code, reason = "processor instructions")]
+mod avx512;
+mod portable;
+
+use super::Backend;
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
+
+/// `N` numbers that are worked on at once.
+///
+/// Comparisons with NaN are false. `a.min(b)` and `a.max(b)` are `b` where one of both is NaN.
+pub(super) trait Lanes:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+{
+    /// How many; a divisor of [`WIDEST`].
+    const N: usize;
+    /// One truth value a lane.
+    type Mask: Mask;
+
+    fn splat(value: f32) -> Self;
+    /// `from[at..at + N]`.
+    fn load(from: &[f32], at: usize) -> Self;
+    /// Writes `to[at..at + N]`.
+    fn store(self, to: &mut [f32], at: usize);
+    /// `from[i]` for each lane i of `self` rounded towards 0 and clamped to the slice, which must not be empty.
+    fn gather(self, from: &[f32]) -> Self;
+
+    /// `self * factor + summand`; rounded once where the processor can.
+    fn mul_add(self, factor: Self, summand: Self) -> Self;
+    fn min(self, other: Self) -> Self;
+    fn max(self, other: Self) -> Self;
+    fn abs(self) -> Self;
+    fn sqrt(self) -> Self;
+    /// The next whole number below; `self` must be between -2^31 and 2^31.
+    fn floor(self) -> Self;
+    /// The magnitude of `self` with the sign of `other`.
+    fn copysign(self, other: Self) -> Self;
+
+    /// `self > other`.
+    fn gt(self, other: Self) -> Self::Mask;
+    /// `self >= other`.
+    fn ge(self, other: Self) -> Self::Mask;
+    /// `yes` where the mask is true, else `no`.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+
+    /// Writes `value` to `to[at + i]` for the lanes i where the mask is true.
+    fn put(mask: Self::Mask, value: u32, to: &mut [u32], at: usize);
+    /// Whether `of[at..at + N]` are all the same.
+    fn all_equal(of: &[u32], at: usize) -> bool;
+}
+
+/// One truth value a lane.
+pub(super) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
+    /// Bit i is lane i.
+    fn bits(self) -> u32;
+
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.bits() != 0
+    }
+}
+
+/// The most lanes of any backend; tables are padded to a multiple of it.
+pub(super) const WIDEST: usize = 16;
+
+/// Something to be done with vectors of any width.
+pub(super) trait Kernel {
+    fn run<L: Lanes>(self);
+}
+
+/// Runs a kernel with the vectors of a backend, or with portable ones where this machine has none of that kind.
+pub(super) fn run(backend: Backend, kernel: impl Kernel) {
+    match backend {
+        #[cfg(target_arch = "x86_64")]
+        Backend::Avx512 if backend.is_available() => avx512::run(kernel),
+        #[cfg(target_arch = "x86_64")]
+        Backend::Avx2 if backend.is_available() => avx2::run(kernel),
+        _ => kernel.run::<portable::F32x8>(),
+    }
+}

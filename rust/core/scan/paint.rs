@@ -1,0 +1,153 @@
+//! A scene onto the pixels of a view, near things first.
+
+use glam::{DMat3, DVec3};
+
+use super::bounds::{Area, Outline};
+use super::draw::{Canvas, draw, draw_doubt};
+use super::lanes::Lanes;
+use super::solids::{self, Local};
+use super::stage::{Hulls, Stage};
+use super::triangles::Placed;
+use super::vector::{Matrix, Vector};
+use super::view::View;
+use crate::body::{Body, Place, Solid};
+use crate::intersect::{Cuboid, Cylinder, Ellipsoid, Rectangle};
+
+/// What paints a view: kept from view to view, so that nothing is allocated.
+#[derive(Default)]
+pub(super) struct Painter {
+    pub(super) canvas: Canvas,
+    order: Vec<Seen>,
+    centers: [Vec<f32>; 3],
+}
+
+/// A body, or a group of blocks of a mesh, that may be seen.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    near: f32,
+    area: Area,
+    body: u32,
+    group: u32,
+}
+
+impl Painter {
+    /// Draws all that the view may see; an id is the number of a body or, if asked for, of a surface.
+    #[inline(always)]
+    pub(super) fn paint<L: Lanes>(&mut self, bodies: &[Body], stage: &Stage, view: &View, surfaces: bool) {
+        self.canvas.fit(view);
+        self.order.clear();
+        for hulls in &stage.hulls {
+            self.find_solids::<L>(hulls, view);
+        }
+        for &body in &stage.meshes {
+            self.find_groups::<L>(body, &bodies[body], view);
+        }
+        // Near things hide far ones without their being looked at. Equals go by number: the order of two bodies, and with
+        // it every bit of the images, is the same however a scan is cut into views.
+        self.order.sort_unstable_by_key(|seen| (!seen.near.to_bits(), seen.body, seen.group));
+        for seen in &self.order {
+            if self.canvas.hides::<L>(view, &seen.area, seen.near) {
+                continue;
+            }
+            let body = &bodies[seen.body as usize];
+            let id = if surfaces { stage.surface(seen.body as usize) } else { seen.body };
+            match &body.solid {
+                Solid::Mesh(mesh) => {
+                    let (placed, ids) = (Placed::new(&body.place, view), (id, u32::from(surfaces)));
+                    mesh.blocks.draw_group::<L>(seen.group as usize, &placed, ids, view, &mut self.canvas);
+                }
+                solid => draw_solid::<L>(solid, &body.place, id, seen, view, &mut self.canvas),
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn find_solids<L: Lanes>(&mut self, hulls: &Hulls, view: &View) {
+        for k in 0..3 {
+            // From the view's origin, in f64: what is left is exact however far from the scene's origin both are.
+            self.centers[k].clear();
+            self.centers[k].extend(hulls.center[k].iter().map(|x| (x - view.origin[k]) as f32));
+        }
+        let into_view = Matrix::splat(rows(&view.rotation.transpose()));
+        for at in (0..hulls.bodies.len()).step_by(L::N) {
+            let center = into_view.apply(Vector::<L>::load(&self.centers, at));
+            let [x, y, z] = &hulls.axes;
+            let axes = Matrix {
+                x: into_view.apply(Vector::load(x, at)),
+                y: into_view.apply(Vector::load(y, at)),
+                z: into_view.apply(Vector::load(z, at)),
+            };
+            let bounds = view.bounds(center, &axes, hulls.outline);
+            let bodies = &hulls.bodies[at..];
+            for (lane, near, area) in bounds.listed().seen(bodies.len()) {
+                self.order.push(Seen { near, area, body: bodies[lane], group: 0 });
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn find_groups<L: Lanes>(&mut self, number: usize, body: &Body, view: &View) {
+        let Solid::Mesh(mesh) = &body.solid else { return };
+        let placed = Placed::new(&body.place, view);
+        let boxes = &mesh.blocks.group_boxes;
+        for at in (0..boxes.count).step_by(L::N) {
+            let (center, axes) = placed.boxes::<L>(boxes, at);
+            let bounds = view.bounds(center, &axes, Outline::Box);
+            for (lane, near, area) in bounds.listed().seen(boxes.count - at) {
+                self.order.push(Seen { near, area, body: number as u32, group: (at + lane) as u32 });
+            }
+        }
+    }
+}
+
+/// Draws a body, if f32 can tell what rays from near the view's origin see of it.
+#[inline(always)]
+fn draw_solid<L: Lanes>(solid: &Solid, place: &Place, id: u32, seen: &Seen, view: &View, canvas: &mut Canvas) {
+    let shift = view.motion.as_ref().map_or(0.0, |motion| f64::from(motion.shift));
+    let origin = place.inward(view.origin);
+    let axes = rows(&(place.rotation.transpose() * view.rotation));
+    let local = |half: DVec3| Local {
+        axes,
+        origin: origin.as_vec3().to_array(),
+        half: half.as_vec3().to_array(),
+        rounding: view.rounding,
+    };
+    let area = &seen.area;
+    // Whether rays may start on the surface, or in the plane of a face.
+    let touches = |place: f64, size: f64| (place.abs() - size).abs() <= 1e-6 * (place.abs() + size) + shift;
+    match solid {
+        Solid::Cuboid(Cuboid { half }) if !(0..3).any(|k| touches(origin[k], half[k])) => {
+            if origin.abs().cmplt(*half).all() {
+                draw::<L>(&solids::Cuboid::<true>(local(*half)), id, area, view, canvas);
+            } else {
+                draw::<L>(&solids::Cuboid::<false>(local(*half)), id, area, view, canvas);
+            }
+        }
+        Solid::Ellipsoid(Ellipsoid { radii }) if !touches_unit(origin / *radii, shift / radii.min_element()) => {
+            draw::<L>(&solids::Ellipsoid(local(*radii)), id, area, view, canvas);
+        }
+        Solid::Cylinder(Cylinder { half }) if !touches(origin.z, half.z) => {
+            let across = (origin / *half).with_z(0.0);
+            let inside = across.length() < 1.0 && origin.z.abs() < half.z;
+            if inside || touches_unit(across, shift / half.x.min(half.y)) {
+                draw_doubt::<L>(seen.near, area, view, canvas);
+            } else {
+                draw::<L>(&solids::Cylinder(local(*half)), id, area, view, canvas);
+            }
+        }
+        Solid::Rectangle(Rectangle { half }) if !touches(origin.z, 1e-6 * half.max_element()) => {
+            draw::<L>(&solids::Rectangle(local(half.extend(0.0))), id, area, view, canvas);
+        }
+        _ => draw_doubt::<L>(seen.near, area, view, canvas),
+    }
+}
+
+/// Whether rays may start on the unit ball; near it, roots cancel.
+fn touches_unit(place: DVec3, shift: f64) -> bool {
+    (place.length() - 1.0).abs() <= 1e-3 + shift
+}
+
+/// The rows of a matrix.
+pub(super) fn rows(matrix: &DMat3) -> [[f32; 3]; 3] {
+    [0, 1, 2].map(|k| matrix.row(k).as_vec3().to_array())
+}

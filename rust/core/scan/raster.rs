@@ -1,0 +1,143 @@
+//! The fast path: a scan as views that are painted.
+//!
+//! All rays of a scan start close together and lie on a grid, so it is not a walk through a hierarchy for every ray but a
+//! picture in angles: bodies are bounded, sorted by distance and drawn on the pixels they may cover. What f32 cannot decide,
+//! some pixels in a scan, is cast anew by the [`reference`], so that both agree on every hit.
+
+use std::cell::RefCell;
+use std::ops::Range;
+
+use super::band::Band;
+use super::lanes::{self, Kernel, Lanes, WIDEST};
+use super::paint::Painter;
+use super::resolve::Doubts;
+use super::threads::spread;
+use super::view::View;
+use super::{Backend, reference};
+use crate::image::Return;
+use crate::{ImagesMut, Pose, Scene, SensorPattern};
+
+/// The columns that share bounds when each has a pose of its own: the sensor moves little meanwhile.
+const ROLLING: usize = 32;
+/// A thread is not woken for fewer columns.
+const FEWEST: usize = 128;
+
+/// A view to be painted, and where to.
+struct Job<'a> {
+    band: &'a Band,
+    columns: Range<usize>,
+    /// The rows of the band, in these columns.
+    images: Vec<ImagesMut<'a>>,
+}
+
+/// What all views of a scan share.
+struct Scan<'a> {
+    scene: &'a Scene,
+    pattern: &'a SensorPattern,
+    /// From the world, and from the origin of the scene.
+    poses: &'a [Pose],
+    local: Vec<Pose>,
+    backend: Backend,
+}
+
+/// Casts a scan as views: bands of rows, cut into stretches of columns.
+pub(super) fn scan(
+    scene: &Scene,
+    pattern: &SensorPattern,
+    poses: &[Pose],
+    images: &mut ImagesMut<'_>,
+    backend: Backend,
+    threads: usize,
+) {
+    let local = |pose: &Pose| Pose { translation: pose.translation - scene.origin(), ..*pose };
+    let scan = Scan { scene, pattern, poses, local: poses.iter().map(local).collect(), backend };
+    let width = if poses.len() > 1 { ROLLING } else { stretch(pattern.columns(), threads) };
+    spread(threads, jobs(pattern, images, width), |job| scan.run(job));
+}
+
+/// How many columns each of so many threads gets.
+fn stretch(columns: usize, threads: usize) -> usize {
+    let threads = if threads == 0 { rayon::current_num_threads() } else { threads };
+    columns.div_ceil(threads).next_multiple_of(WIDEST).max(FEWEST)
+}
+
+fn jobs<'a>(pattern: &'a SensorPattern, images: &'a mut ImagesMut<'_>, width: usize) -> Vec<Job<'a>> {
+    let mut rows: Vec<Option<ImagesMut<'a>>> = images.pieces(pattern.columns()).into_iter().map(Some).collect();
+    let mut jobs = Vec::new();
+    for start in (0..pattern.columns()).step_by(width) {
+        let columns = start..pattern.columns().min(start + width);
+        for band in pattern.bands() {
+            // Each row is in one band, and what is right of these columns goes back for the next ones.
+            let cut = |&row: &u32| {
+                let (left, right) = rows[row as usize].take()?.split_at(columns.len());
+                rows[row as usize] = Some(right);
+                Some(left)
+            };
+            jobs.push(Job { band, columns: columns.clone(), images: band.rows.iter().filter_map(cut).collect() });
+        }
+    }
+    jobs
+}
+
+thread_local! {
+    static PAINTER: RefCell<Painter> = RefCell::default();
+}
+
+/// A view on its way to its images, for vectors of any width.
+struct Painting<'s, 'v, 'i> {
+    scan: &'s Scan<'s>,
+    view: &'v View<'v>,
+    painter: &'v mut Painter,
+    images: &'v mut [ImagesMut<'i>],
+    doubts: &'v mut Doubts,
+}
+
+impl Kernel for Painting<'_, '_, '_> {
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Painting { scan, view, painter, images, doubts } = self;
+        let (scene, stage) = (scan.scene, scan.scene.stage());
+        let surfaces = images.first().is_some_and(|image| image.incidence.is_some() || image.normal.is_some());
+        painter.paint::<L>(scene.bodies(), stage, view, surfaces);
+        let body_of = |id| if surfaces { stage.body_of(id).0 } else { id as usize };
+        painter.canvas.resolve::<L>(view, body_of, scene.semantics(), images, doubts);
+        if surfaces {
+            scan.normals(view, painter, images);
+        }
+    }
+}
+
+impl Scan<'_> {
+    fn run(&self, mut job: Job<'_>) {
+        let view = View::new(job.band, job.columns.clone(), &self.local, self.pattern);
+        let (mut doubts, images) = (Vec::new(), &mut job.images);
+        PAINTER.with_borrow_mut(|painter| {
+            let painting = Painting { scan: self, view: &view, painter, images, doubts: &mut doubts };
+            lanes::run(self.backend, painting);
+        });
+        for (row, column) in doubts {
+            let (beam, ray) = (job.band.rows[row] as usize, job.columns.start + column);
+            let found = reference::cast_pixel(self.scene, self.pattern, self.poses, beam, ray);
+            job.images[row].set(column, found.as_ref());
+        }
+    }
+
+    /// Writes the images that need the normal of every surface.
+    fn normals(&self, view: &View, painter: &Painter, images: &mut [ImagesMut<'_>]) {
+        let stage = self.scene.stage();
+        for (row, image) in images.iter_mut().enumerate() {
+            for column in 0..view.width() {
+                let depth = image.depth[column];
+                let found = (depth > 0.0).then(|| {
+                    let (beam, ray) = (view.band.rows[row] as usize, view.columns.start + column);
+                    let (origin, direction) = reference::ray(self.pattern, self.poses, beam, ray);
+                    let (primitive, part) = stage.body_of(painter.canvas.id[row * painter.canvas.stride + column]);
+                    let (label, instance) = self.scene.semantics()[primitive];
+                    let hit = crate::SceneHit { distance: f64::from(depth), primitive, part, label, instance };
+                    Return::new(self.scene, origin, direction, &hit, depth)
+                });
+                image.set(column, found.as_ref());
+            }
+        }
+    }
+}

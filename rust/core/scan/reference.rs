@@ -1,0 +1,37 @@
+//! The reference of any faster way: every ray through the hierarchies of the scene, in f64.
+
+use glam::DVec3;
+
+use super::threads::spread;
+use crate::image::Return;
+use crate::{ImagesMut, Pose, Scene, SensorPattern};
+
+/// The closest return of every ray, one ray at a time; rows are spread over threads.
+pub(super) fn scan(scene: &Scene, pattern: &SensorPattern, poses: &[Pose], images: &mut ImagesMut<'_>, threads: usize) {
+    let rows = images.pieces(pattern.columns()).into_iter().enumerate().collect();
+    spread(threads, rows, |(row, mut pixels): (usize, ImagesMut<'_>)| {
+        for column in 0..pattern.columns() {
+            pixels.set(column, cast_pixel(scene, pattern, poses, row, column).as_ref());
+        }
+    });
+}
+
+/// The return of one pixel. A surface nearer than the minimum range is not reported, and hides what is behind it.
+pub(crate) fn cast_pixel(
+    scene: &Scene,
+    pattern: &SensorPattern,
+    poses: &[Pose],
+    row: usize,
+    column: usize,
+) -> Option<Return> {
+    let (origin, direction) = ray(pattern, poses, row, column);
+    let hit = scene.closest(origin, direction)?;
+    let depth = pattern.reported(hit.distance)?;
+    Some(Return::new(scene, origin, direction, &hit, depth))
+}
+
+/// Where the ray of a pixel starts in the world, and where it looks; `poses` are one, or one for each column.
+pub(super) fn ray(pattern: &SensorPattern, poses: &[Pose], row: usize, column: usize) -> (DVec3, DVec3) {
+    let pose = &poses[if poses.len() == 1 { 0 } else { column }];
+    (pose.point(pattern.origin(row, column)), pose.vector(pattern.direction(row, column)))
+}

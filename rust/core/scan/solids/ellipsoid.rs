@@ -1,0 +1,93 @@
+//! Rays against an ellipsoid.
+
+use super::{Local, Shape, Solid, Tolerance, three};
+use crate::scan::lanes::Lanes;
+use crate::scan::vector::{Matrix, Vector};
+
+/// An ellipsoid, in the frame where it is the unit ball.
+#[derive(Clone, Copy)]
+pub(in crate::scan) struct Ellipsoid(pub(in crate::scan) Local);
+
+/// Rows: along the line to the centre, and twice across it.
+#[derive(Clone, Copy)]
+pub(in crate::scan) struct SeenEllipsoid<L> {
+    rows: [Vector<L>; 4],
+    /// 1 from outside, -1 from inside.
+    side: L,
+    /// Nearness = `along` * first row + `root` * sqrt(discriminant).
+    along: L,
+    root: L,
+    /// The error of the discriminant for a unit of the first row.
+    error: L,
+}
+
+impl Shape for Ellipsoid {
+    type Seen<L: Lanes> = SeenEllipsoid<L>;
+
+    /// Of a ray start + t d, with s the distance of the start from the centre, c the direction to it, a = c . d and b the
+    /// part of d across c: it meets the unit ball where t^2 d^2 - 2 t s a + s^2 - 1 = 0, so
+    /// 1 / t = (s a + sqrt(a^2 - (s^2 - 1) b^2)) / (s^2 - 1). Nothing cancels, however far and small the ball is.
+    #[inline(always)]
+    fn seen_from<L: Lanes>(&self, start: Vector<L>) -> SeenEllipsoid<L> {
+        let (axes, origin) = self.0.place(start);
+        let (_, scale) = self.0.sizes();
+        let axes = Matrix { x: axes.x * scale.x, y: axes.y * scale.y, z: axes.z * scale.z };
+        let from = origin.times(scale);
+        let one = L::splat(1.0);
+        let distance = from.length();
+        let center = from * -(one / distance.max(L::splat(1e-20)));
+        let power = (distance - one) * (distance + one);
+        let stretch = power.abs().sqrt();
+        let [left, up] = across(center);
+        let finest = L::splat(self.0.half.iter().fold(0.0, |all, half| (1.0 / half).max(all)) * self.0.rounding);
+        SeenEllipsoid {
+            rows: three(axes.combine(center), axes.combine(left * stretch), axes.combine(up * stretch)),
+            side: one.copysign(power),
+            along: distance / power,
+            root: one / power.abs(),
+            error: finest * stretch.mul_add(L::splat(12.0), L::splat(12.0)),
+        }
+    }
+}
+
+/// Two unit vectors across a third: Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
+#[inline(always)]
+fn across<L: Lanes>(Vector { x, y, z }: Vector<L>) -> [Vector<L>; 2] {
+    let one = L::splat(1.0);
+    let sign = one.copysign(z);
+    let a = -(one / (sign + z));
+    let b = x * y * a;
+    [Vector::new((sign * x * x).mul_add(a, one), sign * b, -(sign * x)), Vector::new(b, (y * y).mul_add(a, sign), -y)]
+}
+
+impl<L: Lanes> SeenEllipsoid<L> {
+    #[inline(always)]
+    fn discriminant(&self, d: &[L; 4]) -> L {
+        let across = d[1].mul_add(d[1], d[2] * d[2]);
+        d[0].mul_add(d[0], -(self.side * across))
+    }
+}
+
+impl<L: Lanes> Solid<L> for SeenEllipsoid<L> {
+    #[inline(always)]
+    fn rows(&self) -> &[Vector<L>; 4] {
+        &self.rows
+    }
+
+    #[inline(always)]
+    fn at_most(&self, d: [L; 4]) -> (L, L) {
+        let discriminant = d[0].abs().mul_add(self.error, self.discriminant(&d));
+        let root = discriminant.max(L::splat(0.0)).sqrt();
+        (d[0].mul_add(self.along, self.root * root), discriminant)
+    }
+
+    #[inline(always)]
+    fn settled(&self, d: [L; 4], tolerance: Tolerance) -> (L, L::Mask) {
+        let (discriminant, error) = (self.discriminant(&d), d[0].abs() * self.error);
+        let root = discriminant.max(L::splat(0.0)).sqrt();
+        let nearness = d[0].mul_add(self.along, self.root * root);
+        // The root is off by half the error of what is under it, divided by it.
+        let exact = (tolerance.of(nearness) * root).ge(error * self.root);
+        (nearness, discriminant.gt(error) & exact)
+    }
+}

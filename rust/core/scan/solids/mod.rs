@@ -1,0 +1,94 @@
+//! The shapes as a vector of rays sees them: the tests of `intersect`, in f32 and with their errors.
+//!
+//! A ray direction enters as four numbers that are linear in it (the rows of [`Solid`]): its coordinates in the frame of the
+//! shape, or the edge functions of a triangle. The answer is a **nearness**, 1 / t, which is linear in the direction where
+//! a surface is flat. Each test is asked twice: [`Solid::at_most`] never says less than the truth, so what it leaves out
+//! is certainly no hit; [`Solid::settled`] says a hit only where rounding cannot have decided. What lies between is left to
+//! the f64 tests of `intersect`.
+
+mod cuboid;
+mod cylinder;
+mod ellipsoid;
+mod rectangle;
+mod slab;
+mod triangle;
+
+use super::lanes::Lanes;
+use super::vector::{Matrix, Vector};
+
+pub(super) use cuboid::Cuboid;
+pub(super) use cylinder::Cylinder;
+pub(super) use ellipsoid::Ellipsoid;
+pub(super) use rectangle::Rectangle;
+pub(super) use triangle::{SeenTriangle, Triangle};
+
+/// A shape as rays see it that start at one point, or at one point a lane.
+pub(super) trait Solid<L: Lanes>: Copy {
+    /// The vectors whose products with a ray direction the tests want.
+    fn rows(&self) -> &[Vector<L>; 4];
+    /// A nearness and a margin, neither less than the truth; the ray misses where the margin is negative.
+    fn at_most(&self, direction: [L; 4]) -> (L, L);
+    /// The nearness, and where it is a hit beyond doubt and as exact as `tolerance` asks.
+    fn settled(&self, direction: [L; 4], tolerance: Tolerance) -> (L, L::Mask);
+}
+
+/// A shape in the frame of a view, before it is known where rays start.
+pub(super) trait Shape: Copy {
+    type Seen<L: Lanes>: Solid<L>;
+    /// The shape for rays that start at these points.
+    fn seen_from<L: Lanes>(&self, start: Vector<L>) -> Self::Seen<L>;
+}
+
+/// How exact a range must be to count: within `absolute` metres and a share `RELATIVE` of it.
+#[derive(Clone, Copy)]
+pub(super) struct Tolerance {
+    pub(super) absolute: f32,
+}
+
+impl Tolerance {
+    const RELATIVE: f32 = 8e-6;
+
+    /// The largest error of a nearness that is still exact enough.
+    #[inline(always)]
+    pub(super) fn of<L: Lanes>(self, nearness: L) -> L {
+        nearness * nearness.mul_add(L::splat(self.absolute), L::splat(Tolerance::RELATIVE))
+    }
+}
+
+/// Nearer than any hit, and still a number.
+const ENDLESS: f32 = 1e30;
+
+/// The frame of a shape as a view sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Local {
+    /// The axes of the shape, as rows: they take a vector of the view into the shape's frame.
+    pub(super) axes: [[f32; 3]; 3],
+    /// Where the view's origin lies in that frame [m].
+    pub(super) origin: [f32; 3],
+    /// Half extents [m].
+    pub(super) half: [f32; 3],
+    /// How far f32 may be off in the direction of a ray (`View::rounding`).
+    pub(super) rounding: f32,
+}
+
+impl Local {
+    /// The axes, and where rays that start at these points start in the frame of the shape.
+    #[inline(always)]
+    fn place<L: Lanes>(&self, start: Vector<L>) -> (Matrix<L>, Vector<L>) {
+        let axes = Matrix::splat(self.axes);
+        (axes, Vector::splat(self.origin) + axes.apply(start))
+    }
+
+    /// Half extents, and their inverses.
+    #[inline(always)]
+    fn sizes<L: Lanes>(&self) -> (Vector<L>, Vector<L>) {
+        let [x, y, z] = self.half;
+        (Vector::splat(self.half), Vector::splat([1.0 / x, 1.0 / y, 1.0 / z]))
+    }
+}
+
+/// The rows of a shape that has no fourth.
+#[inline(always)]
+fn three<L: Lanes>(x: Vector<L>, y: Vector<L>, z: Vector<L>) -> [Vector<L>; 4] {
+    [x, y, z, Vector::splat([0.0; 3])]
+}

@@ -1,0 +1,48 @@
+//! The space between two parallel planes.
+
+use super::ENDLESS;
+use crate::scan::lanes::Lanes;
+
+/// The part of a ray between two parallel planes, seen from outside or from between them.
+#[derive(Clone, Copy)]
+pub(super) struct Slab<L> {
+    /// Nearness of entering and of leaving through either plane, for a unit of direction along the normal.
+    enter: L,
+    leave: [L; 2],
+    /// Added to the nearness of entering: nothing to enter from between the planes.
+    between: L,
+    /// How far those may be off.
+    enter_error: L,
+    leave_error: L,
+}
+
+impl<L: Lanes> Slab<L> {
+    #[inline(always)]
+    pub(super) fn new(origin: L, half: L, rounding: f32) -> Slab<L> {
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let outside = origin.abs().gt(half);
+        let near = one / (half.copysign(origin) - origin);
+        let far = one / (-half.copysign(origin) - origin);
+        let rounding = L::splat(4.0 * rounding);
+        Slab {
+            enter: L::select(outside, near, zero),
+            leave: [far, L::select(outside, far, near)],
+            between: L::select(outside, zero, L::splat(ENDLESS)),
+            enter_error: L::select(outside, near.abs() * rounding, zero),
+            leave_error: far.abs().max(L::select(outside, zero, near.abs())) * rounding,
+        }
+    }
+
+    /// When a ray enters, at the most (sign 1) or at the least (sign -1).
+    #[inline(always)]
+    pub(super) fn enters(&self, direction: L, sign: f32) -> L {
+        direction.mul_add(self.enter, self.enter_error.mul_add(L::splat(sign), self.between))
+    }
+
+    /// When a ray leaves, at the most or at the least.
+    #[inline(always)]
+    pub(super) fn leaves(&self, direction: L, sign: f32) -> L {
+        let error = self.leave_error * L::splat(sign);
+        direction.mul_add(self.leave[0], error).max(direction.mul_add(self.leave[1], error))
+    }
+}

@@ -1,0 +1,78 @@
+//! Rays against a triangle.
+
+use super::{ENDLESS, Shape, Solid, Tolerance};
+use crate::scan::lanes::Lanes;
+use crate::scan::vector::Vector;
+
+/// A triangle. Its corners are relative to the view.
+#[derive(Clone, Copy)]
+pub(in crate::scan) struct Triangle {
+    pub(in crate::scan) corners: [[f32; 3]; 3],
+    /// No coordinate that its corners were computed from is larger than this [m].
+    pub(in crate::scan) reach: f32,
+    pub(in crate::scan) rounding: f32,
+}
+
+/// Rows: the normals of the three planes through the rays' start and an edge, and the plane of the triangle.
+#[derive(Clone, Copy)]
+pub(in crate::scan) struct SeenTriangle<L> {
+    pub(in crate::scan) rows: [Vector<L>; 4],
+    pub(in crate::scan) edge_error: L,
+    pub(in crate::scan) plane_error: L,
+}
+
+impl Shape for Triangle {
+    type Seen<L: Lanes> = SeenTriangle<L>;
+
+    #[inline(always)]
+    fn seen_from<L: Lanes>(&self, start: Vector<L>) -> SeenTriangle<L> {
+        let [a, b, c] = self.corners;
+        let corners = [Vector::splat(a) - start, Vector::splat(b) - start, Vector::splat(c) - start];
+        SeenTriangle::new(corners, L::splat(self.reach), self.rounding)
+    }
+}
+
+impl<L: Lanes> SeenTriangle<L> {
+    /// A triangle with these corners relative to the start of the rays.
+    ///
+    /// Edges are taken as differences: the product of two far corners would cancel to a short edge.
+    #[inline(always)]
+    pub(in crate::scan) fn new([a, b, c]: [Vector<L>; 3], reach: L, rounding: f32) -> SeenTriangle<L> {
+        let (ab, bc, ca) = (b - a, c - b, a - c);
+        let normal = ab.cross(bc);
+        let height = normal.dot(a);
+        let longest = ab.dot(ab).max(bc.dot(bc)).max(ca.dot(ca)).sqrt();
+        let size = normal.length();
+        let edge_error = reach * longest * L::splat(8.0 * rounding);
+        // Seen edge-on, the side from which it is seen is anybody's guess, and so is where: then its nearness may be anything,
+        // and what is near its edges is in doubt.
+        let known = height.abs().gt(size * reach * L::splat(8.0 * rounding));
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let side = one.copysign(height);
+        let inverse = L::select(known, one / height, zero);
+        let plane_error = L::select(known, size * inverse.abs() * L::splat(4.0 * rounding), L::splat(ENDLESS));
+        SeenTriangle {
+            rows: [a.cross(ab) * side, b.cross(bc) * side, c.cross(ca) * side, normal * inverse],
+            edge_error,
+            plane_error,
+        }
+    }
+}
+
+impl<L: Lanes> Solid<L> for SeenTriangle<L> {
+    #[inline(always)]
+    fn rows(&self) -> &[Vector<L>; 4] {
+        &self.rows
+    }
+
+    #[inline(always)]
+    fn at_most(&self, d: [L; 4]) -> (L, L) {
+        (d[3] + self.plane_error, d[0].min(d[1]).min(d[2]) + self.edge_error)
+    }
+
+    #[inline(always)]
+    fn settled(&self, d: [L; 4], tolerance: Tolerance) -> (L, L::Mask) {
+        let within = d[0].min(d[1]).min(d[2]).gt(self.edge_error);
+        (d[3], within & tolerance.of(d[3]).ge(self.plane_error))
+    }
+}

@@ -1,0 +1,235 @@
+//! Meshes onto pixels: the triangles of a block are bounded and made ready together, one to a lane.
+
+use super::blocks::{Blocks, Boxes, SIDE};
+use super::bounds::{Bounds, Outline, TOUCHING, small_arctangent};
+use super::draw::{Canvas, draw, draw_seen};
+use super::lanes::{Lanes, WIDEST};
+use super::paint::rows;
+use super::solids::{SeenTriangle, Triangle};
+use super::vector::{Matrix, Vector};
+use super::view::View;
+use crate::body::Place;
+
+/// Where a mesh stands in a view.
+pub(super) struct Placed {
+    /// The axes of the view, as rows in the frame of the mesh.
+    rows: [[f32; 3]; 3],
+    offset: [f32; 3],
+}
+
+/// The middle of a block in the view, the direction to it along the horizon, and its column.
+struct Middle {
+    center: [f32; 3],
+    heading: [f32; 2],
+    column: f32,
+    /// No coordinate on the way to its corners is larger [m].
+    reach: f32,
+}
+
+impl Placed {
+    pub(super) fn new(place: &Place, view: &View) -> Placed {
+        let into_view = view.rotation.transpose();
+        let offset = into_view * (place.center - view.origin);
+        Placed { rows: rows(&(into_view * place.rotation)), offset: offset.as_vec3().to_array() }
+    }
+
+    /// Middles and half axes of boxes from `at` on, in the view.
+    #[inline(always)]
+    pub(super) fn boxes<L: Lanes>(&self, boxes: &Boxes, at: usize) -> (Vector<L>, Matrix<L>) {
+        let rows = Matrix::<L>::splat(self.rows);
+        let center = rows.apply(Vector::load(&boxes.center, at)) + Vector::splat(self.offset);
+        let half = Vector::load(&boxes.half, at);
+        let axes = Matrix {
+            x: Vector::new(rows.x.x, rows.y.x, rows.z.x) * half.x,
+            y: Vector::new(rows.x.y, rows.y.y, rows.z.y) * half.y,
+            z: Vector::new(rows.x.z, rows.y.z, rows.z.z) * half.z,
+        };
+        (center, axes)
+    }
+}
+
+impl Blocks {
+    /// Draws the triangles of a group; `first` and `step` make ids from their numbers.
+    #[inline(always)]
+    pub(super) fn draw_group<L: Lanes>(
+        &self,
+        group: usize,
+        placed: &Placed,
+        ids: (u32, u32),
+        view: &View,
+        canvas: &mut Canvas,
+    ) {
+        let end = self.blocks.len().min((group + 1) * SIDE);
+        for at in (group * SIDE..end).step_by(L::N) {
+            let (center, axes) = placed.boxes::<L>(&self.block_boxes, at);
+            let bounds = view.bounds(center, &axes, Outline::Box);
+            let mut centers = [[0.0; WIDEST]; 3];
+            center.store(&mut centers);
+            for (lane, near, area) in bounds.listed().seen(end - at) {
+                if !canvas.hides::<L>(view, &area, near) {
+                    let center = [centers[0][lane], centers[1][lane], centers[2][lane]];
+                    let column = (area.low + area.high) / 2.0;
+                    let middle = Middle::new(center, column, self.block_boxes.reach[at + lane]);
+                    self.draw_block::<L>(at + lane, placed, &middle, ids, view, canvas);
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn draw_block<L: Lanes>(
+        &self,
+        number: usize,
+        placed: &Placed,
+        middle: &Middle,
+        (first, step): (u32, u32),
+        view: &View,
+        canvas: &mut Canvas,
+    ) {
+        let block = &self.blocks[number];
+        let (rows, center) = (Matrix::splat(placed.rows), Vector::<L>::splat(middle.center));
+        for at in (0..block.count).step_by(L::N) {
+            let [a, b, c] = &block.corners;
+            let corners = [
+                rows.apply(Vector::load(a, at)) + center,
+                rows.apply(Vector::load(b, at)) + center,
+                rows.apply(Vector::load(c, at)) + center,
+            ];
+            let bounds = view.triangle_bounds(&corners, middle);
+            let ready = Ready::new(&corners, middle.reach, view);
+            for (lane, _, area) in bounds.listed().seen(block.count - at) {
+                let id = first + step * block.triangles[at + lane];
+                if view.motion.is_none() {
+                    draw_seen::<L>(&ready.seen(lane), id, &area, view, canvas);
+                } else {
+                    draw::<L>(&ready.triangle(lane, middle.reach, view), id, &area, view, canvas);
+                }
+            }
+        }
+    }
+}
+
+impl Middle {
+    fn new(center: [f32; 3], column: f32, reach: f32) -> Middle {
+        let [x, y, z] = center;
+        let ground = (x * x + y * y).sqrt().max(1e-20);
+        Middle { center, heading: [x / ground, y / ground], column, reach: ground + z.abs() + reach }
+    }
+}
+
+/// The tests of the triangles of a block, and their corners, as columns of numbers.
+struct Ready {
+    rows: [[[f32; WIDEST]; 3]; 4],
+    edge_error: [f32; WIDEST],
+    plane_error: [f32; WIDEST],
+    corners: [[[f32; WIDEST]; 3]; 3],
+}
+
+impl Ready {
+    #[inline(always)]
+    fn new<L: Lanes>(corners: &[Vector<L>; 3], reach: f32, view: &View) -> Ready {
+        let seen = SeenTriangle::new(*corners, L::splat(reach), view.rounding);
+        let none = [0.0; WIDEST];
+        let mut ready = Ready { rows: [[none; 3]; 4], edge_error: none, plane_error: none, corners: [[none; 3]; 3] };
+        for (columns, row) in ready.rows.iter_mut().zip(seen.rows) {
+            row.store(columns);
+        }
+        seen.edge_error.store(&mut ready.edge_error, 0);
+        seen.plane_error.store(&mut ready.plane_error, 0);
+        if view.motion.is_some() {
+            for (columns, corner) in ready.corners.iter_mut().zip(corners) {
+                corner.store(columns);
+            }
+        }
+        ready
+    }
+
+    #[inline(always)]
+    fn seen<L: Lanes>(&self, lane: usize) -> SeenTriangle<L> {
+        let [a, b, c, d] = &self.rows;
+        SeenTriangle {
+            rows: [
+                Vector::splat(at(a, lane)),
+                Vector::splat(at(b, lane)),
+                Vector::splat(at(c, lane)),
+                Vector::splat(at(d, lane)),
+            ],
+            edge_error: L::splat(self.edge_error[lane]),
+            plane_error: L::splat(self.plane_error[lane]),
+        }
+    }
+
+    fn triangle(&self, lane: usize, reach: f32, view: &View) -> Triangle {
+        let [a, b, c] = &self.corners;
+        Triangle { corners: [at(a, lane), at(b, lane), at(c, lane)], reach, rounding: view.rounding }
+    }
+}
+
+/// One vector of columns of coordinates.
+#[inline(always)]
+fn at([x, y, z]: &[[f32; WIDEST]; 3], lane: usize) -> [f32; 3] {
+    [x[lane], y[lane], z[lane]]
+}
+
+#[inline(always)]
+fn least<L: Lanes>([a, b, c]: [L; 3]) -> L {
+    a.min(b).min(c)
+}
+
+#[inline(always)]
+fn most<L: Lanes>([a, b, c]: [L; 3]) -> L {
+    a.max(b).max(c)
+}
+
+impl View<'_> {
+    /// Bounds of triangles close to a point.
+    ///
+    /// In the frame that looks at the point, a corner has the tangents v / u and z / u, and so a triangle that lies before
+    /// the observer is bounded by those of its corners. The slope of a point is its z / u times the cosine of its azimuth.
+    #[inline(always)]
+    fn triangle_bounds<L: Lanes>(&self, [a, b, c]: &[Vector<L>; 3], middle: &Middle) -> Bounds<L> {
+        let (zero, one, splat) = (L::splat(0.0), L::splat(1.0), L::splat);
+        let (cos, sin) = (splat(middle.heading[0]), splat(middle.heading[1]));
+        let ahead = [a.x.mul_add(cos, a.y * sin), b.x.mul_add(cos, b.y * sin), c.x.mul_add(cos, c.y * sin)];
+        let aside = [a.y.mul_add(cos, -(a.x * sin)), b.y.mul_add(cos, -(b.x * sin)), c.y.mul_add(cos, -(c.x * sin))];
+        let above = [a.z, b.z, c.z];
+        let slack = self.slack(splat(middle.reach));
+        let nearest = least(ahead) - slack;
+        let before = nearest.gt(splat(1e-6));
+        let inverse = [one / ahead[0], one / ahead[1], one / ahead[2]];
+        let tangent = [aside[0] * inverse[0], aside[1] * inverse[1], aside[2] * inverse[2]];
+        let grade = [above[0] * inverse[0], above[1] * inverse[1], above[2] * inverse[2]];
+        // By how much a point that is moved by the slack can change either.
+        let near = one / nearest;
+        let blur = slack * near;
+        let (left, right) = (most(tangent), least(tangent));
+        let steepest = most(grade).max(-least(grade));
+        let (left, right) = (left + blur * (left.abs() + one), right - blur * (right.abs() + one));
+        let rise = blur * (steepest + one);
+        let (top, bottom) = (most(grade) + rise, least(grade) - rise);
+        // 1 - x^2 / 2 <= cos(atan(x)) <= 1 - x^2 / 2 + 3 x^4 / 8.
+        let widest = left.abs().max(right.abs());
+        let narrowest = right.max(-left).max(zero);
+        let (wide, narrow) = (widest * widest, narrowest * narrowest);
+        let low = wide.mul_add(splat(-0.5), one);
+        let high = narrow.mul_add(narrow.mul_add(splat(0.375), splat(-0.5)), one);
+        let simple = before & one.ge(widest);
+        // What lies beside or behind: by height and distance alone.
+        let distance = [a.x.mul_add(a.x, a.y * a.y), b.x.mul_add(b.x, b.y * b.y), c.x.mul_add(c.x, c.y * c.y)];
+        let furthest = one / (most(distance).sqrt() + slack);
+        let (ceiling, floor) = (most(above) + slack, least(above) - slack);
+        let far_top = ceiling * L::select(ceiling.gt(zero), splat(TOUCHING), furthest);
+        let far_bottom = floor * L::select(floor.gt(zero), furthest, splat(TOUCHING));
+        let top = L::select(simple, top * L::select(top.gt(zero), high, low), far_top);
+        let bottom = L::select(simple, bottom * L::select(bottom.gt(zero), low, high), far_bottom);
+        let (first, last) = self.band.rows_between(bottom, top);
+        let (density, margin) = (splat(-self.band.density), splat(self.margin()));
+        let half_turn = splat(self.band.turn);
+        let column = splat(middle.column);
+        let low = L::select(simple, small_arctangent(left).mul_add(density, column) - margin, -half_turn);
+        let high = L::select(simple, small_arctangent(right).mul_add(density, column) + margin, half_turn);
+        // Far away most triangles lie between two columns, or between two rows.
+        let seen = last.ge(first) & high.floor().ge(low);
+        Bounds { near: zero, low, high, first, last, seen }
+    }
+}

@@ -1,0 +1,117 @@
+//! Vectors of three coordinates, each of them lanes.
+//!
+//! Nothing here or in the kernel is a closure over lanes, and no array of lanes is mapped: the compiler may make a function
+//! of its own of those, without the processor's features.
+
+use std::ops::{Add, Mul, Sub};
+
+use super::lanes::Lanes;
+
+#[derive(Clone, Copy)]
+pub(super) struct Vector<L> {
+    pub(super) x: L,
+    pub(super) y: L,
+    pub(super) z: L,
+}
+
+impl<L: Lanes> Vector<L> {
+    #[inline(always)]
+    pub(super) fn new(x: L, y: L, z: L) -> Vector<L> {
+        Vector { x, y, z }
+    }
+
+    /// The same vector in every lane.
+    #[inline(always)]
+    pub(super) fn splat([x, y, z]: [f32; 3]) -> Vector<L> {
+        Vector::new(L::splat(x), L::splat(y), L::splat(z))
+    }
+
+    /// One vector a lane, from columns of coordinates.
+    #[inline(always)]
+    pub(super) fn load<T: AsRef<[f32]>>([x, y, z]: &[T; 3], at: usize) -> Vector<L> {
+        Vector::new(L::load(x.as_ref(), at), L::load(y.as_ref(), at), L::load(z.as_ref(), at))
+    }
+
+    #[inline(always)]
+    pub(super) fn store<const N: usize>(self, [x, y, z]: &mut [[f32; N]; 3]) {
+        self.x.store(x, 0);
+        self.y.store(y, 0);
+        self.z.store(z, 0);
+    }
+
+    #[inline(always)]
+    pub(super) fn dot(self, other: Vector<L>) -> L {
+        self.x.mul_add(other.x, self.y.mul_add(other.y, self.z * other.z))
+    }
+
+    #[inline(always)]
+    pub(super) fn cross(self, other: Vector<L>) -> Vector<L> {
+        Vector::new(
+            self.y.mul_add(other.z, -(self.z * other.y)),
+            self.z.mul_add(other.x, -(self.x * other.z)),
+            self.x.mul_add(other.y, -(self.y * other.x)),
+        )
+    }
+
+    #[inline(always)]
+    pub(super) fn length(self) -> L {
+        self.dot(self).sqrt()
+    }
+
+    /// Coordinate by coordinate.
+    #[inline(always)]
+    pub(super) fn times(self, other: Vector<L>) -> Vector<L> {
+        Vector::new(self.x * other.x, self.y * other.y, self.z * other.z)
+    }
+}
+
+impl<L: Lanes> Add for Vector<L> {
+    type Output = Vector<L>;
+    #[inline(always)]
+    fn add(self, other: Vector<L>) -> Vector<L> {
+        Vector::new(self.x + other.x, self.y + other.y, self.z + other.z)
+    }
+}
+
+impl<L: Lanes> Sub for Vector<L> {
+    type Output = Vector<L>;
+    #[inline(always)]
+    fn sub(self, other: Vector<L>) -> Vector<L> {
+        Vector::new(self.x - other.x, self.y - other.y, self.z - other.z)
+    }
+}
+
+impl<L: Lanes> Mul<L> for Vector<L> {
+    type Output = Vector<L>;
+    #[inline(always)]
+    fn mul(self, factor: L) -> Vector<L> {
+        Vector::new(self.x * factor, self.y * factor, self.z * factor)
+    }
+}
+
+/// Three rows.
+#[derive(Clone, Copy)]
+pub(super) struct Matrix<L> {
+    pub(super) x: Vector<L>,
+    pub(super) y: Vector<L>,
+    pub(super) z: Vector<L>,
+}
+
+impl<L: Lanes> Matrix<L> {
+    /// The same matrix in every lane.
+    #[inline(always)]
+    pub(super) fn splat([x, y, z]: [[f32; 3]; 3]) -> Matrix<L> {
+        Matrix { x: Vector::splat(x), y: Vector::splat(y), z: Vector::splat(z) }
+    }
+
+    #[inline(always)]
+    pub(super) fn apply(&self, v: Vector<L>) -> Vector<L> {
+        Vector::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
+    }
+
+    /// The row vector `v` times this matrix.
+    #[inline(always)]
+    pub(super) fn combine(&self, v: Vector<L>) -> Vector<L> {
+        self.x * v.x + self.y * v.y + self.z * v.z
+    }
+}

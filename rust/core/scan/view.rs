@@ -1,0 +1,123 @@
+//! One band of rays over some columns of a scan, in a frame of its own.
+
+use std::ops::Range;
+
+use glam::{DMat3, DVec3};
+
+use super::band::Band;
+use super::lanes::{Lanes, WIDEST};
+use super::vector::Vector;
+use crate::{Pose, SensorPattern};
+
+/// The rays of a band in some columns, and where they start.
+///
+/// A ray is `start(column) + t * (heading(column) + slope(row) * up(column))`. In a view that stands still all rays start at
+/// the origin, and up is z.
+pub(super) struct View<'a> {
+    pub(super) band: &'a Band,
+    /// The columns of the pattern.
+    pub(super) columns: Range<usize>,
+    /// The frame: its origin in the scene's coordinates, and its axes there.
+    pub(super) origin: DVec3,
+    pub(super) rotation: DMat3,
+    /// How far f32 may be off in the direction of a ray, as a share of the longest one's length.
+    pub(super) rounding: f32,
+    /// No surface nearer or further than these is reported [m].
+    pub(super) min_range: f32,
+    pub(super) max_range: f32,
+    pub(super) motion: Option<Motion>,
+}
+
+/// How the rays of each column differ from those of a view that stands still.
+pub(super) struct Motion {
+    heading: [Vec<f32>; 3],
+    up: [Vec<f32>; 3],
+    start: [Vec<f32>; 3],
+    /// The furthest that a ray starts from the origin [m].
+    pub(super) shift: f32,
+    /// The furthest that the turn of a column moves a point at distance 1 [m].
+    pub(super) twist: f32,
+}
+
+/// The rays of `L::N` columns.
+pub(super) struct Columns<L> {
+    pub(super) heading: Vector<L>,
+    pub(super) up: Vector<L>,
+    pub(super) start: Vector<L>,
+}
+
+impl<'a> View<'a> {
+    /// The view from one pose, or from one for each of all columns; the poses are relative to the scene's origin.
+    pub(super) fn new(band: &'a Band, columns: Range<usize>, poses: &[Pose], pattern: &SensorPattern) -> View<'a> {
+        let [forward, left, up] = band.origin;
+        let of = |column: usize| if poses.len() == 1 { &poses[0] } else { &poses[column] };
+        let middle = of((columns.start + columns.end) / 2);
+        let (origin, rotation) = (middle.point(DVec3::new(0.0, 0.0, up)), middle.rotation);
+        let still = poses.len() == 1 && forward == 0.0 && left == 0.0;
+        let motion = (!still).then(|| {
+            let frame = Pose { rotation, translation: origin };
+            Motion::new(band, &columns, &frame, of)
+        });
+        let rounding = f32::EPSILON / 2.0 * band.steepest;
+        let (min_range, max_range) = (pattern.spec().min_range as f32, pattern.spec().max_range as f32);
+        View { band, columns, origin, rotation, rounding, min_range, max_range, motion }
+    }
+
+    /// How many columns.
+    pub(super) fn width(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Cosine and sine of the azimuths of the columns from `at` on, counted from the view's first.
+    #[inline(always)]
+    pub(super) fn headings<L: Lanes>(&self, at: usize) -> (L, L) {
+        let [cos, sin] = &self.band.headings;
+        (L::load(cos, self.columns.start + at), L::load(sin, self.columns.start + at))
+    }
+}
+
+impl Motion {
+    /// The rays of the columns from `at` on.
+    #[inline(always)]
+    pub(super) fn columns<L: Lanes>(&self, at: usize) -> Columns<L> {
+        Columns {
+            heading: Vector::load(&self.heading, at),
+            up: Vector::load(&self.up, at),
+            start: Vector::load(&self.start, at),
+        }
+    }
+
+    fn new<'p>(band: &Band, columns: &Range<usize>, frame: &Pose, of: impl Fn(usize) -> &'p Pose) -> Motion {
+        let padded = columns.len().next_multiple_of(WIDEST) + WIDEST;
+        let mut motion = Motion {
+            heading: [(); 3].map(|()| Vec::with_capacity(padded)),
+            up: [(); 3].map(|()| Vec::with_capacity(padded)),
+            start: [(); 3].map(|()| Vec::with_capacity(padded)),
+            shift: 0.0,
+            twist: 0.0,
+        };
+        let [forward, left, up] = band.origin;
+        let into_frame = frame.rotation.transpose();
+        let [cos, sin] = &band.headings;
+        for column in (columns.start..columns.start + padded).map(|column| column.min(columns.end - 1)) {
+            let pose = of(column);
+            let turn = into_frame * pose.rotation;
+            let heading = turn * DVec3::new(f64::from(cos[column]), f64::from(sin[column]), 0.0);
+            let side = turn.z_axis.cross(heading);
+            let center = into_frame * (pose.translation - frame.translation);
+            let start = center + heading * forward + side * left + turn.z_axis * up;
+            for (table, vector) in
+                [(&mut motion.heading, heading), (&mut motion.up, turn.z_axis), (&mut motion.start, start)]
+            {
+                for k in 0..3 {
+                    table[k].push(vector[k] as f32);
+                }
+            }
+            motion.shift = motion.shift.max(start.length() as f32 * 1.001);
+            // A rotation by t moves a point at distance 1 by 2 sin(t / 2), and its trace is 3 - 4 sin(t / 2)^2.
+            let trace = turn.x_axis.x + turn.y_axis.y + turn.z_axis.z;
+            motion.twist = motion.twist.max((3.0 - trace).max(0.0).sqrt() as f32 * 1.001);
+        }
+        motion
+    }
+}

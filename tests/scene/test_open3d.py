@@ -1,0 +1,48 @@
+"""The scenes of the benchmarks, as Open3D's ray caster (Embree, one ray at a time) sees them."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+from lidardraft import Raycaster
+from peer_lidardraft import layout_of, sensor_of
+from scenes import SCENES, hdl64, pose
+from table import agreement
+
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore")  # its own dependencies' warnings are not ours
+    pytest.importorskip("open3d", reason="Open3D is not installed: pip install -e '.[bench]'", exc_type=ImportError)
+    import peer_open3d
+
+
+@pytest.mark.parametrize("name", list(SCENES))
+def test_triangles_agree_on_every_ray(name: str) -> None:
+    scene, pattern = SCENES[name](), hdl64()
+    rival = peer_open3d.bench_peer(1)
+    rival.build(scene)
+    rival.prepare(pattern)
+    caster, sensor = Raycaster(layout_of(scene, triangles=True)), sensor_of(pattern)
+    for step in range(4):
+        expected = rival.scan(pose(step))
+        image = caster.scan(sensor, pose(step), primitive=True)
+        assert image.primitive is not None
+        near, same = agreement(expected, (image.depth, image.label, image.primitive))
+        assert near >= 0.9999
+        assert same >= 0.9999
+        np.testing.assert_array_equal(image.depth > 0, expected[0] > 0)
+        hit = image.primitive == expected[2]
+        np.testing.assert_array_equal(image.label[hit], expected[1][hit])
+
+
+@pytest.mark.parametrize("name", ["small"])
+def test_boxes_agree_as_boxes(name: str) -> None:
+    scene, pattern = SCENES[name](), hdl64()
+    rival = peer_open3d.bench_peer(1)
+    rival.build(scene)
+    rival.prepare(pattern)
+    caster, sensor = Raycaster(layout_of(scene, triangles=False)), sensor_of(pattern)
+    for step in range(4):
+        image = caster.scan(sensor, pose(step), primitive=True)
+        assert image.primitive is not None
+        assert min(agreement(rival.scan(pose(step)), (image.depth, image.label, image.primitive))) >= 0.9999

@@ -1,0 +1,214 @@
+"""Scans into arrays that are there already: the same images, in the same memory, or an error and nothing written."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from lidardraft.errors import LayoutError, LidarDraftError, SensorError
+from lidardraft.scene.batch import RangeImageBatch
+from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.range_image import IMAGES, RangeImage
+from lidardraft.scene.raycast import Raycaster, raycast
+from lidardraft.scene.sensor import Sensor
+
+SENSOR = Sensor(name="small", elevations=tuple(np.linspace(0.2, -0.4, 16)), columns=64, max_range=100.0)
+OTHER = dataclasses.replace(SENSOR, columns=32)
+ALL = {"primitive": True, "incidence": True, "normal": True}
+CASTER = Raycaster(
+    Layout(
+        (
+            Primitive(shape="plane", center=(0, 0, 0), size=(400, 400, 0), label="road", id="road"),
+            Primitive(shape="box", center=(10, 0, 0.75), size=(4, 2, 1.5), label="car", id="car", instance=7),
+        )
+    )
+)
+POSES = np.stack([SENSOR.pose(0.1 * i, 0.2, 0.3 * i) for i in range(3)])
+
+
+def arrays_of(image: RangeImage | RangeImageBatch) -> dict[str, np.ndarray]:
+    return {name: array for name in IMAGES if (array := getattr(image, name, None)) is not None}
+
+
+def assert_same(a: RangeImage | RangeImageBatch, b: RangeImage | RangeImageBatch) -> None:
+    assert arrays_of(a).keys() == arrays_of(b).keys()
+    for name, array in arrays_of(a).items():
+        np.testing.assert_array_equal(array, getattr(b, name), err_msg=name)
+
+
+@pytest.mark.parametrize("options", [{}, {"incidence": True}, ALL], ids=["three", "four", "all"])
+def test_a_scan_into_an_older_image_is_the_scan_in_its_memory(options):
+    out = CASTER.scan(SENSOR, POSES[0], **options)
+    before = arrays_of(out)
+    again = CASTER.scan(SENSOR, POSES[1], out=out)
+    assert again is out
+    for name, array in arrays_of(out).items():
+        assert array is before[name]
+    assert_same(out, CASTER.scan(SENSOR, POSES[1], **options))
+    assert (out.depth != CASTER.scan(SENSOR, POSES[0]).depth).any()
+
+
+def test_images_of_one_scan_share_no_memory():
+    arrays = list(arrays_of(CASTER.scan(SENSOR, **ALL)).values())
+    assert len(arrays) == 6
+    for i, array in enumerate(arrays):
+        assert array.flags.c_contiguous
+        assert array.flags.writeable
+        assert not any(np.shares_memory(array, other) for other in arrays[:i])
+
+
+def test_a_scan_has_what_is_asked_for_and_nothing_else():
+    assert arrays_of(CASTER.scan(SENSOR)).keys() == {"depth", "label", "instance"}
+    for name in ALL:
+        assert arrays_of(CASTER.scan(SENSOR, **{name: True})).keys() == {"depth", "label", "instance", name}
+    assert_same(raycast(CASTER.layout, SENSOR, POSES[1], **ALL), CASTER.scan(SENSOR, POSES[1], **ALL))
+
+
+def test_what_the_caster_makes_passes_the_checks_of_an_image():
+    image = CASTER.scan(SENSOR, **ALL)
+    assert_same(dataclasses.replace(image), image)
+    batch = CASTER.scan_batch(SENSOR, POSES, **ALL)
+    assert_same(dataclasses.replace(batch), batch)
+
+
+def test_normals_are_of_unit_length_and_look_at_the_sensor():
+    image = CASTER.scan(SENSOR, POSES[2], normal=True, incidence=True)
+    assert image.normal is not None
+    assert image.incidence is not None
+    np.testing.assert_allclose(np.linalg.norm(image.normal[image.valid], axis=1), 1, atol=1e-5)
+    assert not image.normal[~image.valid].any()
+    rays = SENSOR.pattern.directions() @ POSES[2][:3, :3].T
+    np.testing.assert_allclose(-(rays * image.normal).sum(axis=2), image.incidence, atol=1e-4)
+
+
+def test_an_empty_image_is_one_without_returns_and_takes_a_scan():
+    out = RangeImage.empty(SENSOR, **ALL)
+    assert not out.valid.any()
+    assert (out.primitive == -1).all()
+    assert not any(array.any() for name, array in arrays_of(out).items() if name != "primitive")
+    assert_same(dataclasses.replace(out), out)
+    assert_same(CASTER.scan(SENSOR, POSES[1], out=out), CASTER.scan(SENSOR, POSES[1], **ALL))
+
+
+def test_a_sensor_that_is_equal_is_the_same_sensor():
+    twin = Sensor.from_json(SENSOR.to_json())
+    assert_same(CASTER.scan(twin, out=RangeImage.empty(SENSOR)), CASTER.scan(SENSOR))
+
+
+def test_a_batch_writes_into_a_batch():
+    out = RangeImageBatch.empty(SENSOR, 3, normal=True)
+    before = arrays_of(out)
+    assert CASTER.scan_batch(SENSOR, POSES, out=out) is out
+    assert all(array is before[name] for name, array in arrays_of(out).items())
+    assert_same(out, CASTER.scan_batch(SENSOR, POSES, normal=True))
+
+
+def test_an_image_of_a_batch_can_be_scanned_anew():
+    batch = CASTER.scan_batch(SENSOR, POSES)
+    CASTER.scan(SENSOR, POSES[0], out=batch[2])
+    np.testing.assert_array_equal(batch.depth[2], batch.depth[0])
+    assert (batch.depth[1] != batch.depth[0]).any()
+
+
+def strided(image: RangeImage, name: str) -> RangeImage:
+    return dataclasses.replace(image, **{name: np.asfortranarray(getattr(image, name))})
+
+
+def locked(image: RangeImage, name: str) -> RangeImage:
+    array = getattr(image, name).copy()
+    array.flags.writeable = False
+    return dataclasses.replace(image, **{name: array})
+
+
+def reshaped(image: RangeImage, name: str) -> RangeImage:
+    return RangeImage.unchecked(SENSOR, **{**arrays_of(image), name: getattr(image, name)[:-1].copy()})
+
+
+def retyped(image: RangeImage, name: str) -> RangeImage:
+    return RangeImage.unchecked(SENSOR, **{**arrays_of(image), name: getattr(image, name).astype(np.float64)})
+
+
+@pytest.mark.parametrize("name", ["depth", "label", "instance", "primitive", "incidence", "normal"])
+@pytest.mark.parametrize("spoiled", [strided, locked, reshaped, retyped])
+def test_arrays_that_cannot_be_written_are_left_alone(spoiled, name):
+    out = spoiled(CASTER.scan(SENSOR, POSES[0], **ALL), name)
+    before = {name: array.copy() for name, array in arrays_of(out).items()}
+    with pytest.raises((TypeError, LidarDraftError), match=name):
+        CASTER.scan(SENSOR, POSES[1], out=out)
+    for name, array in before.items():
+        np.testing.assert_array_equal(getattr(out, name), array)
+
+
+def test_two_images_in_one_memory_are_left_alone():
+    image = CASTER.scan(SENSOR, **ALL)
+    out = dataclasses.replace(image, incidence=image.depth)
+    before = image.depth.copy()
+    with pytest.raises((TypeError, ValueError)):
+        CASTER.scan(SENSOR, POSES[1], out=out)
+    np.testing.assert_array_equal(image.depth, before)
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "message"),
+    [
+        ({"pose": np.eye(3)}, LayoutError, r"pose has shape \(3, 3\); it must be \[4, 4\]"),
+        ({"pose": 2 * np.eye(4)}, LayoutError, "world_from_sensor"),
+        ({"pose": np.full((4, 4), np.nan)}, LayoutError, "world_from_sensor"),
+        ({"pose": np.diag([1.0, -1, 1, 1])}, LayoutError, "world_from_sensor"),
+        ({"pose": "here"}, LayoutError, r"pose is 'here'; it must be numbers \[4, 4\]"),
+        ({"poses": POSES}, LayoutError, r"poses has shape \(3, 4, 4\); it must be \[64, 4, 4\]"),
+        ({"poses": np.tile(2 * np.eye(4), (64, 1, 1))}, LayoutError, "world_from_sensor"),
+        ({"pose": POSES[0], "poses": np.tile(POSES[0], (64, 1, 1))}, LayoutError, "pose and poses are both given"),
+        ({"threads": -2}, LidarDraftError, r"threads is -2; it must be 0 \(all cores\) to 1024"),
+        ({"threads": 5000}, LidarDraftError, "threads is 5000"),
+        ({"threads": "two"}, TypeError, "integer"),
+        ({"threads": 1.5}, TypeError, "integer"),
+        ({"sensor": OTHER}, SensorError, "out is of another sensor of that name; the scan is of small"),
+        ({"sensor": Sensor.preset("vlp16")}, SensorError, "out is of small; the scan is of vlp16"),
+        ({"incidence": True}, SensorError, "out has no incidence, and incidence=True asks for it"),
+        ({"normal": True}, SensorError, "out has no normal, and normal=True asks for it"),
+    ],
+)
+def test_calls_that_cannot_be_leave_out_as_it_is(change, error, message):
+    out = CASTER.scan(SENSOR, POSES[1], primitive=True)
+    before = {name: array.copy() for name, array in arrays_of(out).items()}
+    with pytest.raises(error, match=message):
+        CASTER.scan(**{"sensor": SENSOR, "out": out, **change})
+    for name, array in before.items():
+        np.testing.assert_array_equal(getattr(out, name), array)
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "message"),
+    [
+        ({"poses": POSES[:2]}, SensorError, "out holds 3 images; there are 2 poses"),
+        ({"poses": POSES[0]}, LayoutError, r"poses has shape \(4, 4\); it must be \[N, 4, 4\]"),
+        ({"poses": np.ones((3, 5, 4, 4))}, LayoutError, r"poses has shape \(3, 5, 4, 4\); it must be \[N, 64, 4, 4\]"),
+        ({"poses": POSES * [[[1], [1], [2], [1]]]}, LayoutError, "world_from_sensor"),
+        ({"sensor": OTHER}, SensorError, "out is of another sensor"),
+        ({"incidence": True}, SensorError, "out has no incidence"),
+        ({"threads": -1}, LidarDraftError, "threads is -1"),
+    ],
+)
+def test_batches_that_cannot_be_leave_out_as_it_is(change, error, message):
+    out = CASTER.scan_batch(SENSOR, POSES[::-1])
+    before = {name: array.copy() for name, array in arrays_of(out).items()}
+    with pytest.raises(error, match=message):
+        CASTER.scan_batch(**{"sensor": SENSOR, "poses": POSES, "out": out, **change})
+    for name, array in before.items():
+        np.testing.assert_array_equal(getattr(out, name), array)
+
+
+def test_out_of_another_kind():
+    with pytest.raises(TypeError, match="out is a RangeImageBatch; it must be a RangeImage"):
+        CASTER.scan(SENSOR, out=RangeImageBatch.empty(SENSOR, 1))
+    with pytest.raises(TypeError, match="out is a RangeImage; it must be a RangeImageBatch"):
+        CASTER.scan_batch(SENSOR, POSES, out=RangeImage.empty(SENSOR))
+    with pytest.raises(TypeError, match="out is a ndarray; it must be a RangeImage"):
+        CASTER.scan(SENSOR, out=np.zeros(SENSOR.shape, np.float32))
+
+
+def test_an_intensity_would_be_that_of_another_scan():
+    out = dataclasses.replace(CASTER.scan(SENSOR), intensity=np.zeros(SENSOR.shape, np.float32))
+    with pytest.raises(SensorError, match="out has an intensity"):
+        CASTER.scan(SENSOR, out=out)
