@@ -164,10 +164,14 @@ pub(super) struct Listed {
 }
 
 impl<L: Lanes> Bounds<L> {
+    /// The first `count` of them.
     #[inline(always)]
-    pub(super) fn listed(&self) -> Listed {
+    pub(super) fn listed(&self, count: usize) -> Listed {
         let none = [0.0; WIDEST];
         let mut listed = Listed { near: none, low: none, high: none, first: none, last: none, seen: self.seen.bits() };
+        if count < WIDEST {
+            listed.seen &= (1 << count) - 1;
+        }
         self.near.store(&mut listed.near, 0);
         self.low.store(&mut listed.low, 0);
         self.high.store(&mut listed.high, 0);
@@ -178,10 +182,27 @@ impl<L: Lanes> Bounds<L> {
 }
 
 impl Listed {
-    /// The number, the nearness and the area of each of the first `count` bodies that may be seen.
+    /// Forgets some, one bit each.
     #[inline(always)]
-    pub(super) fn seen(&self, count: usize) -> impl Iterator<Item = (usize, f32, Area)> {
-        let mut left = if count < 32 { self.seen & ((1 << count) - 1) } else { self.seen };
+    pub(super) fn drop(&mut self, bodies: u32) {
+        self.seen &= !bodies;
+    }
+
+    /// Those that may be seen, one bit each.
+    #[inline(always)]
+    pub(super) fn bits(&self) -> u32 {
+        self.seen
+    }
+
+    #[inline(always)]
+    pub(super) fn is_empty(&self) -> bool {
+        self.seen == 0
+    }
+
+    /// The number, the nearness and the area of each body that may be seen.
+    #[inline(always)]
+    pub(super) fn seen(&self) -> impl Iterator<Item = (usize, f32, Area)> {
+        let mut left = self.seen;
         std::iter::from_fn(move || {
             let lane = left.trailing_zeros() as usize;
             left &= left.wrapping_sub(1);

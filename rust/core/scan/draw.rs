@@ -25,7 +25,7 @@ impl Canvas {
     /// Makes room for a view. What is left of the view before is 0 already: [`resolve`](super::resolve) clears what it reads.
     pub(super) fn fit(&mut self, view: &View) {
         // Rows a power of two apart would fall on one place of the cache; an odd number of its lines apart they do not.
-        let lines = (view.width() + WIDEST).div_ceil(WIDEST) | 1;
+        let lines = (view.width() + 2 * WIDEST).div_ceil(WIDEST) | 1;
         self.stride = lines * WIDEST;
         let pixels = self.stride * view.band.rows.len();
         if self.near.len() < pixels {
@@ -52,17 +52,26 @@ impl Canvas {
     }
 }
 
-impl View<'_> {
-    /// How exact a settled range is: 2 mm, and a share of it.
+impl Canvas {
+    /// Draws one pixel, as [`draw_columns`] does many: `nearest` is the most that the nearness may be.
     #[inline(always)]
-    pub(super) fn tolerance(&self) -> Tolerance {
-        Tolerance { absolute: 2e-3 / self.band.steepest }
+    pub(super) fn offer(&mut self, pixel: usize, nearest: f32, settled: Option<f32>, id: u32, view: &View) {
+        let drawn = self.near[pixel];
+        let tie = 2.0 * drawn * (drawn * view.tolerance.absolute + Tolerance::RELATIVE);
+        if nearest > drawn - tie {
+            match settled.filter(|&nearness| nearness > drawn + tie) {
+                Some(nearness) => (self.near[pixel], self.id[pixel]) = (nearness, id),
+                None => (self.near[pixel], self.id[pixel]) = (nearest.max(drawn), DOUBT),
+            }
+        }
     }
+}
 
+impl View<'_> {
     /// What the nearness of another surface must differ by so that settled ranges tell which is nearer.
     #[inline(always)]
     fn tie<L: Lanes>(&self, nearness: L) -> L {
-        self.tolerance().of(nearness) * L::splat(2.0)
+        self.tolerance.of(nearness) * L::splat(2.0)
     }
 }
 
@@ -112,7 +121,7 @@ fn draw_columns<L: Lanes>(
     view: &View,
     canvas: &mut Canvas,
 ) {
-    let (zero, tolerance) = (L::splat(0.0), view.tolerance());
+    let (zero, tolerance) = (L::splat(0.0), view.tolerance);
     let mut pixel = area.first * canvas.stride + at;
     for &slope in &view.band.slopes[area.first..=area.last] {
         let slope = L::splat(slope);

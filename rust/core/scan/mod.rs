@@ -11,6 +11,7 @@ mod raster;
 pub(crate) mod reference;
 mod resolve;
 mod solids;
+mod specks;
 mod stage;
 pub(crate) mod threads;
 mod triangles;

@@ -7,7 +7,7 @@ use super::draw::{Canvas, draw, draw_doubt};
 use super::lanes::Lanes;
 use super::solids::{self, Local};
 use super::stage::{Hulls, Stage};
-use super::triangles::Placed;
+use super::triangles::{Placed, Ready};
 use super::vector::{Matrix, Vector};
 use super::view::View;
 use crate::body::{Body, Place, Solid};
@@ -19,6 +19,7 @@ pub(super) struct Painter {
     pub(super) canvas: Canvas,
     order: Vec<Seen>,
     centers: [Vec<f32>; 3],
+    ready: Ready,
 }
 
 /// A body, or a group of blocks of a mesh, that may be seen.
@@ -54,7 +55,13 @@ impl Painter {
             match &body.solid {
                 Solid::Mesh(mesh) => {
                     let (placed, ids) = (Placed::new(&body.place, view), (id, u32::from(surfaces)));
-                    mesh.blocks.draw_group::<L>(seen.group as usize, &placed, ids, view, &mut self.canvas);
+                    mesh.blocks.draw_group::<L>(
+                        seen.group as usize,
+                        &placed,
+                        ids,
+                        view,
+                        (&mut self.canvas, &mut self.ready),
+                    );
                 }
                 solid => draw_solid::<L>(solid, &body.place, id, seen, view, &mut self.canvas),
             }
@@ -79,7 +86,7 @@ impl Painter {
             };
             let bounds = view.bounds(center, &axes, hulls.outline);
             let bodies = &hulls.bodies[at..];
-            for (lane, near, area) in bounds.listed().seen(bodies.len()) {
+            for (lane, near, area) in bounds.listed(bodies.len()).seen() {
                 self.order.push(Seen { near, area, body: bodies[lane], group: 0 });
             }
         }
@@ -93,7 +100,7 @@ impl Painter {
         for at in (0..boxes.count).step_by(L::N) {
             let (center, axes) = placed.boxes::<L>(boxes, at);
             let bounds = view.bounds(center, &axes, Outline::Box);
-            for (lane, near, area) in bounds.listed().seen(boxes.count - at) {
+            for (lane, near, area) in bounds.listed(boxes.count - at).seen() {
                 self.order.push(Seen { near, area, body: number as u32, group: (at + lane) as u32 });
             }
         }

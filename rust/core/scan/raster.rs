@@ -21,6 +21,8 @@ use crate::{ImagesMut, Pose, Scene, SensorPattern};
 const ROLLING: usize = 32;
 /// A thread is not woken for fewer columns.
 const FEWEST: usize = 128;
+/// More pixels than this, of 8 bytes each, leave the second fastest cache of many processors.
+const MOST: usize = 1 << 16;
 
 /// A view to be painted, and where to.
 struct Job<'a> {
@@ -51,14 +53,15 @@ pub(super) fn scan(
 ) {
     let local = |pose: &Pose| Pose { translation: pose.translation - scene.origin(), ..*pose };
     let scan = Scan { scene, pattern, poses, local: poses.iter().map(local).collect(), backend };
-    let width = if poses.len() > 1 { ROLLING } else { stretch(pattern.columns(), threads) };
+    let width = if poses.len() > 1 { ROLLING } else { stretch(pattern, threads) };
     spread(threads, jobs(pattern, images, width), |job| scan.run(job));
 }
 
-/// How many columns each of so many threads gets.
-fn stretch(columns: usize, threads: usize) -> usize {
+/// How many columns are painted at once: those of a thread, but no more than stay in its cache.
+fn stretch(pattern: &SensorPattern, threads: usize) -> usize {
     let threads = if threads == 0 { rayon::current_num_threads() } else { threads };
-    columns.div_ceil(threads).next_multiple_of(WIDEST).max(FEWEST)
+    let parts = threads.max((pattern.rows() * pattern.columns()).div_ceil(MOST));
+    pattern.columns().div_ceil(parts).next_multiple_of(WIDEST).max(FEWEST)
 }
 
 fn jobs<'a>(pattern: &'a SensorPattern, images: &'a mut ImagesMut<'_>, width: usize) -> Vec<Job<'a>> {

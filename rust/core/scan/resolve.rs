@@ -22,96 +22,95 @@ impl Canvas {
         images: &mut [ImagesMut<'_>],
         doubts: &mut Doubts,
     ) {
+        let (limits, zero) = (Limits::new(view), L::splat(0.0));
+        let whole = view.width() - view.width() % L::N;
         for (row, image) in images.iter_mut().enumerate() {
             let secant = L::splat(view.band.secants[row]);
-            for at in (0..view.width()).step_by(L::N) {
+            for at in (0..whole).step_by(L::N) {
                 let pixel = row * self.stride + at;
                 let depth = secant / L::load(&self.near, pixel);
-                L::splat(0.0).store(&mut self.near, pixel);
-                let seen = InRange::new(depth, view);
-                let count = L::N.min(view.width() - at);
-                write_depth(depth, &seen, &mut image.depth[at..at + count]);
-                if seen.reachable == 0 {
-                    image.clear(at, at + count);
-                } else if seen.surely::<L>()
-                    && count == L::N
-                    && L::all_equal(&self.id, pixel)
-                    && self.id[pixel] != DOUBT
-                {
+                zero.store(&mut self.near, pixel);
+                let id = self.id[pixel];
+                if limits.surely_reported(depth) && id != DOUBT && L::all_equal(&self.id, pixel) {
                     // Most vectors lie within one body.
-                    let body = body_of(self.id[pixel]);
-                    image.fill(at, at + count, body, semantics[body]);
+                    let body = body_of(id);
+                    depth.store(image.depth, at);
+                    image.fill(at, at + L::N, body, semantics[body]);
+                } else if limits.surely_beyond(depth) {
+                    zero.store(image.depth, at);
+                    image.clear(at, at + L::N);
                 } else {
-                    let ids = &self.id[pixel..pixel + count];
-                    scatter(&seen, ids, (row, at), body_of, semantics, image, doubts);
+                    let ids = &self.id[pixel..pixel + L::N];
+                    scatter(depth, ids, &limits, (row, at), body_of, semantics, image, doubts);
                 }
             }
             // The last vector that was drawn may have reached beyond the view.
-            L::splat(0.0).store(&mut self.near, row * self.stride + view.width());
+            let pixel = row * self.stride + whole;
+            let depth = secant / L::load(&self.near, pixel);
+            zero.store(&mut self.near, pixel);
+            zero.store(&mut self.near, pixel + L::N);
+            let ids = &self.id[pixel..pixel + view.width() - whole];
+            scatter(depth, ids, &limits, (row, whole), body_of, semantics, image, doubts);
         }
     }
 }
 
-/// Which of some distances are within the range limits, one bit each.
-struct InRange {
-    reported: u32,
-    /// So close to a limit that rounding may decide.
-    doubtful: u32,
-    /// Not surely beyond the upper one.
-    reachable: u32,
+/// Which distances are reported [m]; within a little of a limit, rounding may decide.
+struct Limits {
+    /// Between these, surely.
+    nearest: f32,
+    furthest: f32,
+    /// Beyond this, surely not.
+    beyond: f32,
 }
 
-impl InRange {
-    #[inline(always)]
-    fn new<L: Lanes>(depth: L, view: &View) -> InRange {
-        let (min, max) = (L::splat(view.min_range), L::splat(view.max_range));
-        let close = depth.mul_add(L::splat(1e-5), L::splat(2e-3));
-        InRange {
-            reported: (depth.ge(min) & max.ge(depth)).bits(),
-            doubtful: (close.ge((depth - max).abs()) | close.ge((depth - min).abs())).bits(),
-            reachable: (max + close).ge(depth).bits(),
-        }
+impl Limits {
+    fn new(view: &View) -> Limits {
+        let (min, max) = (view.min_range, view.max_range);
+        let slack = |distance: f32| 2e-3 + 1e-5 * distance;
+        Limits { nearest: min + slack(min), furthest: max - slack(max), beyond: max + slack(max) }
     }
 
-    /// Whether all are reported, beyond doubt.
     #[inline(always)]
-    fn surely<L: Lanes>(&self) -> bool {
-        self.reported.count_ones() as usize == L::N && self.doubtful == 0
+    fn surely_reported<L: Lanes>(&self, depth: L) -> bool {
+        let within = depth.ge(L::splat(self.nearest)) & L::splat(self.furthest).ge(depth);
+        within.bits() == u32::MAX >> (32 - L::N)
     }
-}
 
-/// Writes what is reported of some distances, and 0 else.
-#[inline(always)]
-fn write_depth<L: Lanes>(depth: L, seen: &InRange, to: &mut [f32]) {
-    if to.len() == L::N && seen.surely::<L>() {
-        return depth.store(to, 0);
-    }
-    let mut depths = [0.0; WIDEST];
-    depth.store(&mut depths, 0);
-    for (lane, (to, depth)) in to.iter_mut().zip(depths).enumerate() {
-        *to = if seen.reported >> lane & 1 == 1 { depth } else { 0.0 };
+    /// Where nothing is drawn, depth is infinite.
+    #[inline(always)]
+    fn surely_beyond<L: Lanes>(&self, depth: L) -> bool {
+        !L::splat(self.beyond).ge(depth).any()
     }
 }
 
 /// Writes pixels that differ, one by one.
 #[inline(always)]
-fn scatter(
-    seen: &InRange,
+#[expect(clippy::too_many_arguments, reason = "the inner part of one loop")]
+fn scatter<L: Lanes>(
+    depths: L,
     ids: &[u32],
+    limits: &Limits,
     (row, at): (usize, usize),
     body_of: impl Fn(u32) -> usize,
     semantics: &[(u8, u32)],
     image: &mut ImagesMut<'_>,
     doubts: &mut Doubts,
 ) {
-    for (lane, &id) in ids.iter().enumerate() {
-        let (column, is) = (at + lane, |bits: u32| bits >> lane & 1 == 1);
+    let mut plain = [0.0; WIDEST];
+    depths.store(&mut plain, 0);
+    for ((column, &id), depth) in (at..).zip(ids).zip(plain) {
+        let doubtful = id == DOUBT || depth < limits.nearest || depth > limits.furthest;
+        image.depth[column] = 0.0;
         image.clear(column, column + 1);
-        if is(seen.reachable) && (id == DOUBT || is(seen.doubtful)) {
-            image.depth[column] = 0.0;
+        if depth > limits.beyond {
+            continue;
+        }
+        if doubtful {
             doubts.push((row, column));
-        } else if is(seen.reported) {
+        } else {
             let body = body_of(id);
+            image.depth[column] = depth;
             image.fill(column, column + 1, body, semantics[body]);
         }
     }

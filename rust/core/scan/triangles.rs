@@ -6,6 +6,7 @@ use super::draw::{Canvas, draw, draw_seen};
 use super::lanes::{Lanes, WIDEST};
 use super::paint::rows;
 use super::solids::{SeenTriangle, Triangle};
+use super::specks::draw_specks;
 use super::vector::{Matrix, Vector};
 use super::view::View;
 use crate::body::Place;
@@ -57,7 +58,7 @@ impl Blocks {
         placed: &Placed,
         ids: (u32, u32),
         view: &View,
-        canvas: &mut Canvas,
+        (canvas, ready): (&mut Canvas, &mut Ready),
     ) {
         let end = self.blocks.len().min((group + 1) * SIDE);
         for at in (group * SIDE..end).step_by(L::N) {
@@ -65,12 +66,12 @@ impl Blocks {
             let bounds = view.bounds(center, &axes, Outline::Box);
             let mut centers = [[0.0; WIDEST]; 3];
             center.store(&mut centers);
-            for (lane, near, area) in bounds.listed().seen(end - at) {
+            for (lane, near, area) in bounds.listed(end - at).seen() {
                 if !canvas.hides::<L>(view, &area, near) {
                     let center = [centers[0][lane], centers[1][lane], centers[2][lane]];
                     let column = (area.low + area.high) / 2.0;
                     let middle = Middle::new(center, column, self.block_boxes.reach[at + lane]);
-                    self.draw_block::<L>(at + lane, placed, &middle, ids, view, canvas);
+                    self.draw_block::<L>(at + lane, placed, &middle, ids, view, (canvas, ready));
                 }
             }
         }
@@ -84,7 +85,7 @@ impl Blocks {
         middle: &Middle,
         (first, step): (u32, u32),
         view: &View,
-        canvas: &mut Canvas,
+        (canvas, ready): (&mut Canvas, &mut Ready),
     ) {
         let block = &self.blocks[number];
         let (rows, center) = (Matrix::splat(placed.rows), Vector::<L>::splat(middle.center));
@@ -96,13 +97,25 @@ impl Blocks {
                 rows.apply(Vector::load(c, at)) + center,
             ];
             let bounds = view.triangle_bounds(&corners, middle);
-            let ready = Ready::new(&corners, middle.reach, view);
-            for (lane, _, area) in bounds.listed().seen(block.count - at) {
-                let id = first + step * block.triangles[at + lane];
-                if view.motion.is_none() {
-                    draw_seen::<L>(&ready.seen(lane), id, &area, view, canvas);
-                } else {
-                    draw::<L>(&ready.triangle(lane, middle.reach, view), id, &area, view, canvas);
+            let mut listed = bounds.listed(block.count - at);
+            if listed.is_empty() {
+                continue;
+            }
+            if view.motion.is_some() {
+                ready.keep_corners(&corners);
+                for (lane, _, area) in listed.seen() {
+                    let triangle = ready.triangle(lane, middle.reach, view);
+                    draw::<L>(&triangle, first + step * block.triangles[at + lane], &area, view, canvas);
+                }
+                continue;
+            }
+            let seen = SeenTriangle::new(corners, L::splat(middle.reach), view.rounding);
+            let ids = &block.triangles[at..at + L::N];
+            listed.drop(draw_specks(&seen, &bounds, &listed, (ids, first, step), view, canvas));
+            if !listed.is_empty() {
+                ready.keep(&seen);
+                for (lane, _, area) in listed.seen() {
+                    draw_seen::<L>(&ready.seen(lane), first + step * ids[lane], &area, view, canvas);
                 }
             }
         }
@@ -118,7 +131,8 @@ impl Middle {
 }
 
 /// The tests of the triangles of a block, and their corners, as columns of numbers.
-struct Ready {
+#[derive(Default)]
+pub(super) struct Ready {
     rows: [[[f32; WIDEST]; 3]; 4],
     edge_error: [f32; WIDEST],
     plane_error: [f32; WIDEST],
@@ -127,21 +141,19 @@ struct Ready {
 
 impl Ready {
     #[inline(always)]
-    fn new<L: Lanes>(corners: &[Vector<L>; 3], reach: f32, view: &View) -> Ready {
-        let seen = SeenTriangle::new(*corners, L::splat(reach), view.rounding);
-        let none = [0.0; WIDEST];
-        let mut ready = Ready { rows: [[none; 3]; 4], edge_error: none, plane_error: none, corners: [[none; 3]; 3] };
-        for (columns, row) in ready.rows.iter_mut().zip(seen.rows) {
+    fn keep<L: Lanes>(&mut self, seen: &SeenTriangle<L>) {
+        for (columns, row) in self.rows.iter_mut().zip(seen.rows) {
             row.store(columns);
         }
-        seen.edge_error.store(&mut ready.edge_error, 0);
-        seen.plane_error.store(&mut ready.plane_error, 0);
-        if view.motion.is_some() {
-            for (columns, corner) in ready.corners.iter_mut().zip(corners) {
-                corner.store(columns);
-            }
+        seen.edge_error.store(&mut self.edge_error, 0);
+        seen.plane_error.store(&mut self.plane_error, 0);
+    }
+
+    #[inline(always)]
+    fn keep_corners<L: Lanes>(&mut self, corners: &[Vector<L>; 3]) {
+        for (columns, corner) in self.corners.iter_mut().zip(corners) {
+            corner.store(columns);
         }
-        ready
     }
 
     #[inline(always)]

@@ -6,6 +6,7 @@ use glam::{DMat3, DVec3};
 
 use super::band::Band;
 use super::lanes::{Lanes, WIDEST};
+use super::solids::Tolerance;
 use super::vector::Vector;
 use crate::{Pose, SensorPattern};
 
@@ -22,6 +23,8 @@ pub(super) struct View<'a> {
     pub(super) rotation: DMat3,
     /// How far f32 may be off in the direction of a ray, as a share of the longest one's length.
     pub(super) rounding: f32,
+    /// How exact a settled range is.
+    pub(super) tolerance: Tolerance,
     /// No surface nearer or further than these is reported [m].
     pub(super) min_range: f32,
     pub(super) max_range: f32,
@@ -59,8 +62,9 @@ impl<'a> View<'a> {
             Motion::new(band, &columns, &frame, of)
         });
         let rounding = f32::EPSILON / 2.0 * band.steepest;
+        let tolerance = Tolerance { absolute: 2e-3 / band.steepest };
         let (min_range, max_range) = (pattern.spec().min_range as f32, pattern.spec().max_range as f32);
-        View { band, columns, origin, rotation, rounding, min_range, max_range, motion }
+        View { band, columns, origin, rotation, rounding, tolerance, min_range, max_range, motion }
     }
 
     /// How many columns.

@@ -46,7 +46,7 @@ pub(super) struct Tolerance {
 }
 
 impl Tolerance {
-    const RELATIVE: f32 = 8e-6;
+    pub(super) const RELATIVE: f32 = 8e-6;
 
     /// The largest error of a nearness that is still exact enough.
     #[inline(always)]

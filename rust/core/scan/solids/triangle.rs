@@ -59,6 +59,20 @@ impl<L: Lanes> SeenTriangle<L> {
     }
 }
 
+impl<L: Lanes> SeenTriangle<L> {
+    /// The products of the rows with (x, y, slope).
+    #[inline(always)]
+    pub(in crate::scan) fn products(&self, x: L, y: L, slope: L) -> [L; 4] {
+        let [a, b, c, d] = &self.rows;
+        [
+            a.z.mul_add(slope, a.x.mul_add(x, a.y * y)),
+            b.z.mul_add(slope, b.x.mul_add(x, b.y * y)),
+            c.z.mul_add(slope, c.x.mul_add(x, c.y * y)),
+            d.z.mul_add(slope, d.x.mul_add(x, d.y * y)),
+        ]
+    }
+}
+
 impl<L: Lanes> Solid<L> for SeenTriangle<L> {
     #[inline(always)]
     fn rows(&self) -> &[Vector<L>; 4] {
