@@ -21,6 +21,9 @@ pub(super) struct Canvas {
 /// The id of a pixel that f32 cannot decide.
 pub(super) const DOUBT: u32 = u32::MAX;
 
+/// Areas of more rows than this are worth a look at which of them a triangle crosses.
+const TALL: usize = 6;
+
 impl Canvas {
     /// Makes room for a view. What is left of the view before is 0 already: [`resolve`](super::resolve) clears what it reads.
     pub(super) fn fit(&mut self, view: &View) {
@@ -39,10 +42,11 @@ impl Canvas {
     pub(super) fn hides<L: Lanes>(&self, view: &View, area: &Area, near: f32) -> bool {
         let nearest = L::splat(near * 1.0001);
         for (from, to) in view.stretches(area) {
-            for row in area.first..=area.last {
-                for at in (from..=to).step_by(L::N) {
-                    let drawn = L::load(&self.near, row * self.stride + at);
-                    if nearest.gt(drawn - view.tie(drawn)).any() {
+            let rows = self.near[area.first * self.stride..].chunks_exact(self.stride);
+            for row in rows.take(area.last + 1 - area.first) {
+                for at in steps::<L>(from, to) {
+                    let drawn = L::load(row, at);
+                    if nearest.gt(drawn.neg_mul_add(view.tie(drawn), drawn)).any() {
                         return false;
                     }
                 }
@@ -68,11 +72,18 @@ impl Canvas {
 }
 
 impl View<'_> {
-    /// What the nearness of another surface must differ by so that settled ranges tell which is nearer.
+    /// The share that the nearness of another surface must differ by so that settled ranges tell which is nearer.
     #[inline(always)]
     fn tie<L: Lanes>(&self, nearness: L) -> L {
-        self.tolerance.of(nearness) * L::splat(2.0)
+        nearness.mul_add(L::splat(2.0 * self.tolerance.absolute), L::splat(2.0 * Tolerance::RELATIVE))
     }
+}
+
+/// The first columns of the vectors that cover a stretch.
+#[inline(always)]
+fn steps<L: Lanes>(from: usize, to: usize) -> impl Iterator<Item = usize> {
+    let count = (to + L::N - from.min(to + L::N)) / L::N;
+    (0..count).map(move |step| from + step * L::N)
 }
 
 /// Draws a shape on the pixels of an area where it is nearest.
@@ -83,7 +94,7 @@ pub(super) fn draw<L: Lanes>(shape: &impl Shape, id: u32, area: &Area, view: &Vi
         return draw_seen::<L>(&seen, id, area, view, canvas);
     };
     for (from, to) in view.stretches(area) {
-        for at in (from..=to).step_by(L::N) {
+        for at in steps::<L>(from, to) {
             let columns = motion.columns::<L>(at);
             let seen = shape.seen_from(columns.start);
             let [a, b, c, d] = seen.rows();
@@ -102,7 +113,7 @@ pub(super) fn draw_seen<L: Lanes>(seen: &impl Solid<L>, id: u32, area: &Area, vi
     let [a, b, c, d] = seen.rows();
     let rise = [a.z, b.z, c.z, d.z];
     for (from, to) in view.stretches(area) {
-        for at in (from..=to).step_by(L::N) {
+        for at in steps::<L>(from, to) {
             let (x, y) = view.headings::<L>(at);
             let along =
                 [a.x.mul_add(x, a.y * y), b.x.mul_add(x, b.y * y), c.x.mul_add(x, c.y * y), d.x.mul_add(x, d.y * y)];
@@ -122,8 +133,26 @@ fn draw_columns<L: Lanes>(
     canvas: &mut Canvas,
 ) {
     let (zero, tolerance) = (L::splat(0.0), view.tolerance);
-    let mut pixel = area.first * canvas.stride + at;
-    for &slope in &view.band.slopes[area.first..=area.last] {
+    let (mut first, mut last) = (area.first, area.last);
+    if last - first >= TALL && let Some((low, high)) = seen.slopes(&along, &rise) {
+        // A triangle fills half its area or less.
+        let (from, to) = view.band.rows_between(low, high);
+        let some = to.ge(from);
+        if !some.any() {
+            return;
+        }
+        let rows = L::splat(last as f32);
+        first = first.max(L::select(some, from, rows).lowest() as usize);
+        last = last.min((-L::select(some, -to, zero).lowest()) as usize);
+        if last < first {
+            return;
+        }
+    }
+    let slopes = &view.band.slopes[first..=last];
+    let begin = first * canvas.stride + at;
+    let near = canvas.near[begin..].chunks_mut(canvas.stride);
+    let ids = canvas.id[begin..].chunks_mut(canvas.stride);
+    for ((&slope, near), ids) in slopes.iter().zip(near).zip(ids) {
         let slope = L::splat(slope);
         let direction = [
             rise[0].mul_add(slope, along[0]),
@@ -132,18 +161,17 @@ fn draw_columns<L: Lanes>(
             rise[3].mul_add(slope, along[3]),
         ];
         let (nearest, margin) = seen.at_most(direction);
-        let drawn = L::load(&canvas.near, pixel);
+        let drawn = L::load(near, 0);
         let tie = view.tie(drawn);
-        let maybe = margin.ge(zero) & nearest.gt(drawn - tie);
+        let maybe = margin.ge(zero) & nearest.gt(drawn.neg_mul_add(tie, drawn));
         if maybe.any() {
             let (nearness, settled) = seen.settled(direction, tolerance);
-            let surely = maybe & settled & nearness.gt(drawn + tie);
+            let surely = maybe & settled & nearness.gt(drawn.mul_add(tie, drawn));
             let nearness = L::select(surely, nearness, nearest.max(drawn));
-            L::select(maybe, nearness, drawn).store(&mut canvas.near, pixel);
-            L::put(maybe, DOUBT, &mut canvas.id, pixel);
-            L::put(surely, id, &mut canvas.id, pixel);
+            L::select(maybe, nearness, drawn).store(near, 0);
+            L::put(maybe, DOUBT, ids, 0);
+            L::put(surely, id, ids, 0);
         }
-        pixel += canvas.stride;
     }
 }
 
@@ -153,10 +181,10 @@ pub(super) fn draw_doubt<L: Lanes>(near: f32, area: &Area, view: &View, canvas: 
     let near = L::splat(near);
     for (from, to) in view.stretches(area) {
         for row in area.first..=area.last {
-            for at in (from..=to).step_by(L::N) {
+            for at in steps::<L>(from, to) {
                 let pixel = row * canvas.stride + at;
                 let drawn = L::load(&canvas.near, pixel);
-                let maybe = near.gt(drawn - view.tie(drawn));
+                let maybe = near.gt(drawn.neg_mul_add(view.tie(drawn), drawn));
                 L::select(maybe, near.max(drawn), drawn).store(&mut canvas.near, pixel);
                 L::put(maybe, DOUBT, &mut canvas.id, pixel);
             }

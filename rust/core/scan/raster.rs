@@ -10,7 +10,7 @@ use std::ops::Range;
 use super::band::Band;
 use super::lanes::{self, Kernel, Lanes, WIDEST};
 use super::paint::Painter;
-use super::resolve::Doubts;
+use super::resolve::{Doubts, Owners};
 use super::threads::spread;
 use super::view::View;
 use super::{Backend, reference};
@@ -102,8 +102,8 @@ impl Kernel for Painting<'_, '_, '_> {
         let (scene, stage) = (scan.scene, scan.scene.stage());
         let surfaces = images.first().is_some_and(|image| image.incidence.is_some() || image.normal.is_some());
         painter.paint::<L>(scene.bodies(), stage, view, surfaces);
-        let body_of = |id| if surfaces { stage.body_of(id).0 } else { id as usize };
-        painter.canvas.resolve::<L>(view, body_of, scene.semantics(), images, doubts);
+        let owners = Owners { surfaces: surfaces.then_some(stage), semantics: scene.semantics() };
+        painter.canvas.resolve::<L>(view, &owners, images, doubts);
         if surfaces {
             scan.normals(view, painter, images);
         }

@@ -2,6 +2,7 @@
 
 use super::draw::{Canvas, DOUBT};
 use super::lanes::{Lanes, Mask, WIDEST};
+use super::stage::Stage;
 use super::view::View;
 use crate::ImagesMut;
 
@@ -11,46 +12,49 @@ pub(super) type Doubts = Vec<(usize, usize)>;
 impl Canvas {
     /// Writes the images of a view, row by row, and leaves the canvas empty.
     ///
-    /// `body_of` says which body an id belongs to, `semantics` the class and instance of each body. Pixels in doubt are listed
-    /// and left without return.
+    /// Pixels in doubt are listed and left without return.
     #[inline(always)]
     pub(super) fn resolve<L: Lanes>(
         &mut self,
         view: &View,
-        body_of: impl Fn(u32) -> usize + Copy,
-        semantics: &[(u8, u32)],
+        owners: &Owners,
         images: &mut [ImagesMut<'_>],
         doubts: &mut Doubts,
     ) {
         let (limits, zero) = (Limits::new(view), L::splat(0.0));
-        let whole = view.width() - view.width() % L::N;
+        let (width, whole) = (view.width(), view.width() - view.width() % L::N);
+        let mut plain = [0.0; WIDEST];
         for (row, image) in images.iter_mut().enumerate() {
+            let start = row * self.stride;
+            // One more vector: the last that was drawn may have reached beyond the view.
+            let (near, beyond) = self.near[start..start + whole + 2 * L::N].split_at_mut(whole);
+            let (ids, rest) = self.id[start..start + width].split_at(whole);
             let secant = L::splat(view.band.secants[row]);
-            for at in (0..whole).step_by(L::N) {
-                let pixel = row * self.stride + at;
-                let depth = secant / L::load(&self.near, pixel);
-                zero.store(&mut self.near, pixel);
-                let id = self.id[pixel];
-                if limits.surely_reported(depth) && id != DOUBT && L::all_equal(&self.id, pixel) {
-                    // Most vectors lie within one body.
-                    let body = body_of(id);
-                    depth.store(image.depth, at);
-                    image.fill(at, at + L::N, body, semantics[body]);
+            let mut left = Row::of(image);
+            for (near, ids) in near.chunks_exact_mut(L::N).zip(ids.chunks_exact(L::N)) {
+                let mut to = left.first(L::N);
+                let depth = secant / L::load(near, 0);
+                zero.store(near, 0);
+                if limits.surely_reported(depth) && ids.iter().fold(true, |all, &id| all & (id != DOUBT)) {
+                    depth.store(to.depth, 0);
+                    if L::all_equal(ids, 0) {
+                        // Most vectors lie within one body.
+                        to.fill(owners.of(ids[0]));
+                    } else {
+                        to.fill_each(ids, owners);
+                    }
                 } else if limits.surely_beyond(depth) {
-                    zero.store(image.depth, at);
-                    image.clear(at, at + L::N);
+                    to.clear();
                 } else {
-                    let ids = &self.id[pixel..pixel + L::N];
-                    scatter(depth, ids, &limits, (row, at), body_of, semantics, image, doubts);
+                    depth.store(&mut plain, 0);
+                    let at = width - left.depth.len() - L::N;
+                    scatter(&plain, ids, &limits, (row, at), owners, to, doubts);
                 }
             }
-            // The last vector that was drawn may have reached beyond the view.
-            let pixel = row * self.stride + whole;
-            let depth = secant / L::load(&self.near, pixel);
-            zero.store(&mut self.near, pixel);
-            zero.store(&mut self.near, pixel + L::N);
-            let ids = &self.id[pixel..pixel + view.width() - whole];
-            scatter(depth, ids, &limits, (row, whole), body_of, semantics, image, doubts);
+            (secant / L::load(beyond, 0)).store(&mut plain, 0);
+            zero.store(beyond, 0);
+            zero.store(beyond, L::N);
+            scatter(&plain, rest, &limits, (row, whole), owners, left, doubts);
         }
     }
 }
@@ -73,8 +77,7 @@ impl Limits {
 
     #[inline(always)]
     fn surely_reported<L: Lanes>(&self, depth: L) -> bool {
-        let within = depth.ge(L::splat(self.nearest)) & L::splat(self.furthest).ge(depth);
-        within.bits() == u32::MAX >> (32 - L::N)
+        (depth.ge(L::splat(self.nearest)) & L::splat(self.furthest).ge(depth)).all()
     }
 
     /// Where nothing is drawn, depth is infinite.
@@ -84,56 +87,120 @@ impl Limits {
     }
 }
 
-/// Writes pixels that differ, one by one.
-#[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "the inner part of one loop")]
-fn scatter<L: Lanes>(
-    depths: L,
+/// Writes pixels that differ, one by one. Not inlined: it would take the registers of the loop that it is in.
+#[inline(never)]
+fn scatter(
+    depths: &[f32],
     ids: &[u32],
     limits: &Limits,
     (row, at): (usize, usize),
-    body_of: impl Fn(u32) -> usize,
-    semantics: &[(u8, u32)],
-    image: &mut ImagesMut<'_>,
+    owners: &Owners,
+    mut to: Row<'_>,
     doubts: &mut Doubts,
 ) {
-    let mut plain = [0.0; WIDEST];
-    depths.store(&mut plain, 0);
-    for ((column, &id), depth) in (at..).zip(ids).zip(plain) {
+    for ((column, &id), &depth) in (at..).zip(ids).zip(depths) {
+        let mut pixel = to.first(1);
         let doubtful = id == DOUBT || depth < limits.nearest || depth > limits.furthest;
-        image.depth[column] = 0.0;
-        image.clear(column, column + 1);
-        if depth > limits.beyond {
-            continue;
-        }
-        if doubtful {
-            doubts.push((row, column));
+        if doubtful || depth > limits.beyond {
+            pixel.clear();
+            // What is surely beyond the limit is no return, whatever it is.
+            if depth <= limits.beyond {
+                doubts.push((row, column));
+            }
         } else {
-            let body = body_of(id);
-            image.depth[column] = depth;
-            image.fill(column, column + 1, body, semantics[body]);
+            pixel.depth[0] = depth;
+            pixel.fill(owners.of(id));
         }
     }
 }
 
-impl ImagesMut<'_> {
-    /// Writes that nothing is in some columns of a row, but for the depth.
+/// Whose an id is.
+pub(super) struct Owners<'a> {
+    /// What numbered the surfaces, if ids are numbers of surfaces and not of bodies.
+    pub(super) surfaces: Option<&'a Stage>,
+    /// Class and instance of each body.
+    pub(super) semantics: &'a [(u8, u32)],
+}
+
+impl Owners<'_> {
+    /// The body of an id, its class and its instance.
     #[inline(always)]
-    fn clear(&mut self, from: usize, to: usize) {
-        self.label[from..to].fill(0);
-        self.instance[from..to].fill(0);
-        if let Some(primitive) = &mut self.primitive {
-            primitive[from..to].fill(-1);
+    fn of(&self, id: u32) -> (usize, u8, u32) {
+        let body = self.surfaces.map_or(id as usize, |stage| stage.body_of(id).0);
+        let (label, instance) = self.semantics[body];
+        (body, label, instance)
+    }
+}
+
+/// What is left to be written of one row of the images.
+struct Row<'a> {
+    depth: &'a mut [f32],
+    label: &'a mut [u8],
+    instance: &'a mut [u32],
+    primitive: Option<&'a mut [i32]>,
+}
+
+impl<'a> Row<'a> {
+    #[inline(always)]
+    fn of(image: &'a mut ImagesMut<'_>) -> Row<'a> {
+        Row {
+            depth: image.depth,
+            label: image.label,
+            instance: image.instance,
+            primitive: image.primitive.as_deref_mut(),
         }
     }
 
-    /// Writes which body is in some columns of a row.
+    /// Takes off the next columns.
     #[inline(always)]
-    fn fill(&mut self, from: usize, to: usize, body: usize, (label, instance): (u8, u32)) {
-        self.label[from..to].fill(label);
-        self.instance[from..to].fill(instance);
-        if let Some(primitive) = &mut self.primitive {
-            primitive[from..to].fill(body as i32);
+    fn first(&mut self, count: usize) -> Row<'a> {
+        Row {
+            depth: first(&mut self.depth, count),
+            label: first(&mut self.label, count),
+            instance: first(&mut self.instance, count),
+            primitive: self.primitive.as_mut().map(|left| first(left, count)),
         }
     }
+
+    /// Writes that nothing is in these columns.
+    #[inline(always)]
+    fn clear(&mut self) {
+        self.depth.fill(0.0);
+        self.label.fill(0);
+        self.instance.fill(0);
+        if let Some(primitive) = &mut self.primitive {
+            primitive.fill(-1);
+        }
+    }
+
+    /// Writes which body is in each of these columns.
+    #[inline(always)]
+    fn fill_each(&mut self, ids: &[u32], owners: &Owners) {
+        for ((&id, to_label), to_instance) in ids.iter().zip(&mut *self.label).zip(&mut *self.instance) {
+            (_, *to_label, *to_instance) = owners.of(id);
+        }
+        if let Some(primitive) = &mut self.primitive {
+            for (&id, to) in ids.iter().zip(&mut **primitive) {
+                *to = owners.of(id).0 as i32;
+            }
+        }
+    }
+
+    /// Writes which body is in all of these columns.
+    #[inline(always)]
+    fn fill(&mut self, (body, label, instance): (usize, u8, u32)) {
+        self.label.fill(label);
+        self.instance.fill(instance);
+        if let Some(primitive) = &mut self.primitive {
+            primitive.fill(body as i32);
+        }
+    }
+}
+
+/// Takes off the first elements of a slice.
+#[inline(always)]
+fn first<'a, T>(left: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+    let (first, rest) = std::mem::take(left).split_at_mut(count);
+    *left = rest;
+    first
 }

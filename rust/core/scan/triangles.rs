@@ -3,7 +3,7 @@
 use super::blocks::{Blocks, Boxes, SIDE};
 use super::bounds::{Bounds, Outline, TOUCHING, small_arctangent};
 use super::draw::{Canvas, draw, draw_seen};
-use super::lanes::{Lanes, WIDEST};
+use super::lanes::{Lanes, Mask, WIDEST};
 use super::paint::rows;
 use super::solids::{SeenTriangle, Triangle};
 use super::specks::draw_specks;
@@ -226,22 +226,33 @@ impl View<'_> {
         let low = wide.mul_add(splat(-0.5), one);
         let high = narrow.mul_add(narrow.mul_add(splat(0.375), splat(-0.5)), one);
         let simple = before & one.ge(widest);
+        let top = top * L::select(top.gt(zero), high, low);
+        let bottom = bottom * L::select(bottom.gt(zero), low, high);
+        let (first, last) = self.band.rows_between(bottom, top);
+        let (density, margin) = (splat(self.band.density), splat(self.margin()));
+        let column = splat(middle.column);
+        let low = small_arctangent(left).neg_mul_add(density, column) - margin;
+        let high = small_arctangent(right).neg_mul_add(density, column) + margin;
+        // Far away most triangles lie between two columns, or between two rows.
+        let seen = last.ge(first) & high.floor().ge(low);
+        if simple.all() {
+            return Bounds { near: zero, low, high, first, last, seen };
+        }
         // What lies beside or behind: by height and distance alone.
         let distance = [a.x.mul_add(a.x, a.y * a.y), b.x.mul_add(b.x, b.y * b.y), c.x.mul_add(c.x, c.y * c.y)];
         let furthest = one / (most(distance).sqrt() + slack);
         let (ceiling, floor) = (most(above) + slack, least(above) - slack);
         let far_top = ceiling * L::select(ceiling.gt(zero), splat(TOUCHING), furthest);
         let far_bottom = floor * L::select(floor.gt(zero), furthest, splat(TOUCHING));
-        let top = L::select(simple, top * L::select(top.gt(zero), high, low), far_top);
-        let bottom = L::select(simple, bottom * L::select(bottom.gt(zero), low, high), far_bottom);
-        let (first, last) = self.band.rows_between(bottom, top);
-        let (density, margin) = (splat(-self.band.density), splat(self.margin()));
-        let half_turn = splat(self.band.turn);
-        let column = splat(middle.column);
-        let low = L::select(simple, small_arctangent(left).mul_add(density, column) - margin, -half_turn);
-        let high = L::select(simple, small_arctangent(right).mul_add(density, column) + margin, half_turn);
-        // Far away most triangles lie between two columns, or between two rows.
-        let seen = last.ge(first) & high.floor().ge(low);
-        Bounds { near: zero, low, high, first, last, seen }
+        let (far_first, far_last) = self.band.rows_between(far_bottom, far_top);
+        let turn = splat(self.band.turn);
+        Bounds {
+            near: zero,
+            low: L::select(simple, low, -turn),
+            high: L::select(simple, high, turn),
+            first: L::select(simple, first, far_first),
+            last: L::select(simple, last, far_last),
+            seen: (seen & simple) | (far_last.ge(far_first) & one.gt(L::select(simple, one, zero))),
+        }
     }
 }

@@ -47,9 +47,9 @@ impl<L: Lanes> Vector<L> {
     #[inline(always)]
     pub(super) fn cross(self, other: Vector<L>) -> Vector<L> {
         Vector::new(
-            self.y.mul_add(other.z, -(self.z * other.y)),
-            self.z.mul_add(other.x, -(self.x * other.z)),
-            self.x.mul_add(other.y, -(self.y * other.x)),
+            self.z.neg_mul_add(other.y, self.y * other.z),
+            self.x.neg_mul_add(other.z, self.z * other.x),
+            self.y.neg_mul_add(other.x, self.x * other.y),
         )
     }
 

@@ -53,6 +53,11 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
+    fn neg_mul_add(self, factor: F32x8, summand: F32x8) -> F32x8 {
+        unsafe { F32x8(_mm256_fnmadd_ps(self.0, factor.0, summand.0)) }
+    }
+
+    #[inline(always)]
     fn min(self, other: F32x8) -> F32x8 {
         unsafe { F32x8(_mm256_min_ps(self.0, other.0)) }
     }
@@ -123,6 +128,8 @@ impl Lanes for F32x8 {
 }
 
 impl Mask for Mask8 {
+    const FULL: u32 = 0xff;
+
     #[inline(always)]
     fn bits(self) -> u32 {
         unsafe { _mm256_movemask_ps(self.0) as u32 }

@@ -53,6 +53,11 @@ impl Lanes for F32x16 {
     }
 
     #[inline(always)]
+    fn neg_mul_add(self, factor: F32x16, summand: F32x16) -> F32x16 {
+        unsafe { F32x16(_mm512_fnmadd_ps(self.0, factor.0, summand.0)) }
+    }
+
+    #[inline(always)]
     fn min(self, other: F32x16) -> F32x16 {
         unsafe { F32x16(_mm512_min_ps(self.0, other.0)) }
     }
@@ -117,6 +122,8 @@ impl Lanes for F32x16 {
 }
 
 impl Mask for Mask16 {
+    const FULL: u32 = 0xffff;
+
     #[inline(always)]
     fn bits(self) -> u32 {
         u32::from(self.0)

@@ -40,6 +40,8 @@ pub(super) trait Lanes:
 
     /// `self * factor + summand`; rounded once where the processor can.
     fn mul_add(self, factor: Self, summand: Self) -> Self;
+    /// `summand - self * factor`, likewise.
+    fn neg_mul_add(self, factor: Self, summand: Self) -> Self;
     fn min(self, other: Self) -> Self;
     fn max(self, other: Self) -> Self;
     fn abs(self) -> Self;
@@ -56,6 +58,14 @@ pub(super) trait Lanes:
     /// `yes` where the mask is true, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
+    /// The least lane.
+    #[inline(always)]
+    fn lowest(self) -> f32 {
+        let mut lanes = [f32::INFINITY; WIDEST];
+        self.store(&mut lanes, 0);
+        lanes.into_iter().fold(f32::INFINITY, f32::min)
+    }
+
     /// Writes `value` to `to[at + i]` for the lanes i where the mask is true.
     fn put(mask: Self::Mask, value: u32, to: &mut [u32], at: usize);
     /// Whether `of[at..at + N]` are all the same.
@@ -67,9 +77,17 @@ pub(super) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
     /// Bit i is lane i.
     fn bits(self) -> u32;
 
+    /// The bits of a mask that is true in every lane.
+    const FULL: u32;
+
     #[inline(always)]
     fn any(self) -> bool {
         self.bits() != 0
+    }
+
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.bits() == Self::FULL
     }
 }
 

@@ -59,6 +59,11 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
+    fn neg_mul_add(self, factor: F32x8, summand: F32x8) -> F32x8 {
+        summand - self * factor
+    }
+
+    #[inline(always)]
     fn min(self, other: F32x8) -> F32x8 {
         self.zip(other, |a, b| if a < b { a } else { b })
     }
@@ -123,6 +128,8 @@ impl Lanes for F32x8 {
 }
 
 impl Mask for Mask8 {
+    const FULL: u32 = 0xff;
+
     #[inline(always)]
     fn bits(self) -> u32 {
         (0..N).fold(0, |bits, i| bits | (self.0[i] & 1) << i)

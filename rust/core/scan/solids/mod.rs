@@ -30,6 +30,12 @@ pub(super) trait Solid<L: Lanes>: Copy {
     fn at_most(&self, direction: [L; 4]) -> (L, L);
     /// The nearness, and where it is a hit beyond doubt and as exact as `tolerance` asks.
     fn settled(&self, direction: [L; 4], tolerance: Tolerance) -> (L, L::Mask);
+
+    /// Between which slopes rays can hit it whose products are `along + slope * rise`; `None` if that is not known.
+    #[inline(always)]
+    fn slopes(&self, _along: &[L; 4], _rise: &[L; 4]) -> Option<(L, L)> {
+        None
+    }
 }
 
 /// A shape in the frame of a view, before it is known where rays start.

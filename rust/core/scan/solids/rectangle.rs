@@ -54,8 +54,9 @@ impl<L: Lanes> Solid<L> for SeenRectangle<L> {
 
     #[inline(always)]
     fn at_most(&self, d: [L; 4]) -> (L, L) {
-        let nearness = d[2].mul_add(self.plane, self.plane_error);
-        (nearness, self.within(&d, nearness) + self.error)
+        // The error of the margin includes that of the nearness, so that both tests ask for the same.
+        let nearness = d[2] * self.plane;
+        (nearness + self.plane_error, self.within(&d, nearness) + self.error)
     }
 
     #[inline(always)]

@@ -89,4 +89,16 @@ impl<L: Lanes> Solid<L> for SeenTriangle<L> {
         let within = d[0].min(d[1]).min(d[2]).gt(self.edge_error);
         (d[3], within & tolerance.of(d[3]).ge(self.plane_error))
     }
+
+    /// Each edge function is linear in the slope: it begins or ceases to be within its error of 0 at one.
+    #[inline(always)]
+    fn slopes(&self, along: &[L; 4], rise: &[L; 4]) -> Option<(L, L)> {
+        let (mut low, mut high) = (L::splat(-ENDLESS), L::splat(ENDLESS));
+        for edge in 0..3 {
+            let slope = -((along[edge] + self.edge_error) / rise[edge]);
+            low = L::select(rise[edge].gt(L::splat(0.0)), low.max(slope), low);
+            high = L::select(L::splat(0.0).gt(rise[edge]), high.min(slope), high);
+        }
+        Some((low, high))
+    }
 }
