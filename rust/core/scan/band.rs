@@ -70,7 +70,7 @@ impl Band {
 
     fn new(spec: &SensorSpec, &Shared { offset, origin, .. }: &Shared, rows: &[usize]) -> Band {
         let width = spec.azimuth_span / spec.columns as f64;
-        let start = spec.azimuth_start + offset;
+        let start = (spec.azimuth_start % TAU + offset % TAU) % TAU;
         let azimuth = |column: usize| start - (column as f64 + 0.5) * width;
         let padded = spec.columns.next_multiple_of(WIDEST) + WIDEST;
         let headings = |f: fn(f64) -> f64| (0..padded).map(|w| f(azimuth(w.min(spec.columns - 1))) as f32).collect();

@@ -15,7 +15,21 @@ pub(crate) struct Blocks {
     /// The boxes around the blocks, and around each `SIDE` of them in a row.
     pub(super) block_boxes: Boxes,
     pub(super) group_boxes: Boxes,
+    /// Triangles that are no part of a block, and the boxes around them.
+    pub(super) large: Vec<Large>,
+    pub(super) large_boxes: Boxes,
 }
+
+/// A triangle so large that its corners may be much further away than its plane is: that takes f64.
+#[derive(Debug)]
+pub(super) struct Large {
+    pub(super) corners: [DVec3; 3],
+    /// Its number in the mesh.
+    pub(super) triangle: u32,
+}
+
+/// Triangles that reach further than this are large [m]: some ten times the height of a sensor.
+const LARGE: f64 = 16.0;
 
 /// Sixteen triangles or fewer.
 #[derive(Debug)]
@@ -32,8 +46,8 @@ pub(super) struct Block {
 pub(super) struct Boxes {
     pub(super) center: [Vec<f32>; 3],
     pub(super) half: [Vec<f32>; 3],
-    /// How large numbers get on the way to a corner: what its exactness in f32 depends on [m].
-    pub(super) reach: Vec<f32>,
+    /// Lengths of the diagonals.
+    pub(super) size: Vec<f32>,
     pub(super) count: usize,
 }
 
@@ -45,7 +59,9 @@ impl Blocks {
             let [a, b, c] = corners(face);
             (b - a).cross(c - a) != DVec3::ZERO
         });
-        let order = along_curve(solid.map(|face| (face, around(&corners(face)))).collect());
+        let bounded = solid.map(|face| (face, around(&corners(face))));
+        let (large, small): (Vec<_>, Vec<_>) = bounded.partition(|face| face.1.diagonal() > LARGE);
+        let order = along_curve(small);
         let (mut blocks, mut boxes) = (Vec::new(), Vec::new());
         for chunk in order.chunks(SIDE) {
             let bounds = chunk.iter().fold(Bounds::EMPTY, |all, face| all.union(face.1));
@@ -61,7 +77,13 @@ impl Blocks {
             boxes.push(bounds);
         }
         let groups = boxes.chunks(SIDE).map(|group| group.iter().fold(Bounds::EMPTY, |all, &next| all.union(next)));
-        Blocks { blocks, group_boxes: Boxes::new(groups.collect()), block_boxes: Boxes::new(boxes) }
+        Blocks {
+            group_boxes: Boxes::new(groups.collect()),
+            block_boxes: Boxes::new(boxes),
+            blocks,
+            large: large.iter().map(|&(triangle, _)| Large { corners: corners(triangle), triangle }).collect(),
+            large_boxes: Boxes::new(large.iter().map(|face| face.1).collect()),
+        }
     }
 }
 
@@ -82,7 +104,7 @@ impl Boxes {
                     ((b.max[k] - center).max(center - b.min[k]) as f32).next_up()
                 })
             }),
-            reach: table(&|b| (2.0 * f32_center(b).length() + b.diagonal()) as f32),
+            size: table(&|b| b.diagonal() as f32),
             count: boxes.len(),
         }
     }

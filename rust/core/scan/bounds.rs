@@ -47,7 +47,9 @@ impl View<'_> {
         let Vector { x, y, z } = center;
         let ground = (x.mul_add(x, y * y)).sqrt();
         let inverse = splat(1.0) / ground.max(splat(1e-20));
-        let (cos, sin) = (x * inverse, y * inverse);
+        // Straight above or below, any direction will do.
+        let away = ground.gt(splat(1e-12));
+        let (cos, sin) = (L::select(away, x * inverse, splat(1.0)), L::select(away, y * inverse, zero));
         let u = reach(axes.apply(Vector::new(cos, sin, zero)), outline);
         let v = reach(axes.apply(Vector::new(-sin, cos, zero)), outline);
         let h = reach(Vector::new(axes.x.z, axes.y.z, axes.z.z), outline);

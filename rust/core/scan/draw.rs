@@ -30,7 +30,8 @@ impl Canvas {
         // Rows a power of two apart would fall on one place of the cache; an odd number of its lines apart they do not.
         let lines = (view.width() + 2 * WIDEST).div_ceil(WIDEST) | 1;
         self.stride = lines * WIDEST;
-        let pixels = self.stride * view.band.rows.len();
+        // One row more, so that a whole stride follows every pixel.
+        let pixels = self.stride * (view.band.rows.len() + 1);
         if self.near.len() < pixels {
             self.near.resize(pixels, 0.0);
             self.id.resize(pixels, DOUBT);
@@ -134,7 +135,9 @@ fn draw_columns<L: Lanes>(
 ) {
     let (zero, tolerance) = (L::splat(0.0), view.tolerance);
     let (mut first, mut last) = (area.first, area.last);
-    if last - first >= TALL && let Some((low, high)) = seen.slopes(&along, &rise) {
+    if last - first >= TALL
+        && let Some((low, high)) = seen.slopes(&along, &rise)
+    {
         // A triangle fills half its area or less.
         let (from, to) = view.band.rows_between(low, high);
         let some = to.ge(from);
@@ -150,8 +153,8 @@ fn draw_columns<L: Lanes>(
     }
     let slopes = &view.band.slopes[first..=last];
     let begin = first * canvas.stride + at;
-    let near = canvas.near[begin..].chunks_mut(canvas.stride);
-    let ids = canvas.id[begin..].chunks_mut(canvas.stride);
+    let near = canvas.near[begin..].chunks_exact_mut(canvas.stride);
+    let ids = canvas.id[begin..].chunks_exact_mut(canvas.stride);
     for ((&slope, near), ids) in slopes.iter().zip(near).zip(ids) {
         let slope = L::splat(slope);
         let direction = [
@@ -161,6 +164,9 @@ fn draw_columns<L: Lanes>(
             rise[3].mul_add(slope, along[3]),
         ];
         let (nearest, margin) = seen.at_most(direction);
+        // What overflowed is in doubt.
+        let known = nearest.ge(nearest) & margin.ge(margin);
+        let (nearest, margin) = (L::select(known, nearest, L::splat(1e30)), L::select(known, margin, zero));
         let drawn = L::load(near, 0);
         let tie = view.tie(drawn);
         let maybe = margin.ge(zero) & nearest.gt(drawn.neg_mul_add(tie, drawn));

@@ -22,13 +22,14 @@ pub(super) struct Painter {
     ready: Ready,
 }
 
-/// A body, or a group of blocks of a mesh, that may be seen.
+/// A body, or a part of a mesh, that may be seen.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     near: f32,
     area: Area,
     body: u32,
-    group: u32,
+    /// Of a mesh: a group of blocks or, counted on from those, a large triangle.
+    part: u32,
 }
 
 impl Painter {
@@ -41,11 +42,11 @@ impl Painter {
             self.find_solids::<L>(hulls, view);
         }
         for &body in &stage.meshes {
-            self.find_groups::<L>(body, &bodies[body], view);
+            self.find_parts::<L>(body, &bodies[body], view);
         }
         // Near things hide far ones without their being looked at. Equals go by number: the order of two bodies, and with
         // it every bit of the images, is the same however a scan is cut into views.
-        self.order.sort_unstable_by_key(|seen| (!seen.near.to_bits(), seen.body, seen.group));
+        self.order.sort_unstable_by_key(|seen| (!seen.near.to_bits(), seen.body, seen.part));
         for seen in &self.order {
             if self.canvas.hides::<L>(view, &seen.area, seen.near) {
                 continue;
@@ -55,13 +56,14 @@ impl Painter {
             match &body.solid {
                 Solid::Mesh(mesh) => {
                     let (placed, ids) = (Placed::new(&body.place, view), (id, u32::from(surfaces)));
-                    mesh.blocks.draw_group::<L>(
-                        seen.group as usize,
-                        &placed,
-                        ids,
-                        view,
-                        (&mut self.canvas, &mut self.ready),
-                    );
+                    let (part, groups) = (seen.part as usize, mesh.blocks.group_boxes.count);
+                    if part < groups {
+                        let to = (&mut self.canvas, &mut self.ready);
+                        mesh.blocks.draw_group::<L>(part, &placed, ids, view, to);
+                    } else {
+                        let large = &mesh.blocks.large[part - groups];
+                        large.draw::<L>(&placed, ids, (seen.near, &seen.area), view, &mut self.canvas);
+                    }
                 }
                 solid => draw_solid::<L>(solid, &body.place, id, seen, view, &mut self.canvas),
             }
@@ -87,22 +89,25 @@ impl Painter {
             let bounds = view.bounds(center, &axes, hulls.outline);
             let bodies = &hulls.bodies[at..];
             for (lane, near, area) in bounds.listed(bodies.len()).seen() {
-                self.order.push(Seen { near, area, body: bodies[lane], group: 0 });
+                self.order.push(Seen { near, area, body: bodies[lane], part: 0 });
             }
         }
     }
 
     #[inline(always)]
-    fn find_groups<L: Lanes>(&mut self, number: usize, body: &Body, view: &View) {
+    fn find_parts<L: Lanes>(&mut self, number: usize, body: &Body, view: &View) {
         let Solid::Mesh(mesh) = &body.solid else { return };
         let placed = Placed::new(&body.place, view);
-        let boxes = &mesh.blocks.group_boxes;
-        for at in (0..boxes.count).step_by(L::N) {
-            let (center, axes) = placed.boxes::<L>(boxes, at);
-            let bounds = view.bounds(center, &axes, Outline::Box);
-            for (lane, near, area) in bounds.listed(boxes.count - at).seen() {
-                self.order.push(Seen { near, area, body: number as u32, group: (at + lane) as u32 });
+        let mut part = 0;
+        for boxes in [&mesh.blocks.group_boxes, &mesh.blocks.large_boxes] {
+            for at in (0..boxes.count).step_by(L::N) {
+                let (center, axes) = placed.boxes::<L>(boxes, at);
+                let bounds = view.bounds(center, &axes, Outline::Box);
+                for (lane, near, area) in bounds.listed(boxes.count - at).seen() {
+                    self.order.push(Seen { near, area, body: number as u32, part: part + (at + lane) as u32 });
+                }
             }
+            part += boxes.count as u32;
         }
     }
 }
@@ -122,7 +127,16 @@ fn draw_solid<L: Lanes>(solid: &Solid, place: &Place, id: u32, seen: &Seen, view
     let area = &seen.area;
     // Whether rays may start on the surface, or in the plane of a face.
     let touches = |place: f64, size: f64| (place.abs() - size).abs() <= 1e-6 * (place.abs() + size) + shift;
+    // What is too thin for f32: its scale overflows, or drowns the direction across it.
+    let slight = |half: DVec3| {
+        let thin = half.min_element();
+        thin < 1e-4 * half.max_element() || thin < 1e-15 * f64::from(view.band.steepest)
+    };
     match solid {
+        Solid::Cuboid(Cuboid { half }) if half.min_element() < 1e-30 => draw_doubt::<L>(seen.near, area, view, canvas),
+        Solid::Ellipsoid(Ellipsoid { radii: half }) | Solid::Cylinder(Cylinder { half }) if slight(*half) => {
+            draw_doubt::<L>(seen.near, area, view, canvas);
+        }
         Solid::Cuboid(Cuboid { half }) if !(0..3).any(|k| touches(origin[k], half[k])) => {
             if origin.abs().cmplt(*half).all() {
                 draw::<L>(&solids::Cuboid::<true>(local(*half)), id, area, view, canvas);

@@ -18,7 +18,7 @@ use crate::image::Return;
 use crate::{ImagesMut, Pose, Scene, SensorPattern};
 
 /// The columns that share bounds when each has a pose of its own: the sensor moves little meanwhile.
-const ROLLING: usize = 32;
+const ROLLING: usize = 64;
 /// A thread is not woken for fewer columns.
 const FEWEST: usize = 128;
 /// More pixels than this, of 8 bytes each, leave the second fastest cache of many processors.

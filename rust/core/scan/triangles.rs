@@ -1,11 +1,13 @@
 //! Meshes onto pixels: the triangles of a block are bounded and made ready together, one to a lane.
 
-use super::blocks::{Blocks, Boxes, SIDE};
-use super::bounds::{Bounds, Outline, TOUCHING, small_arctangent};
-use super::draw::{Canvas, draw, draw_seen};
+use glam::{DMat3, DVec3, Vec2};
+
+use super::blocks::{Blocks, Boxes, Large, SIDE};
+use super::bounds::{Area, Bounds, Outline, TOUCHING, small_arctangent};
+use super::draw::{Canvas, draw, draw_doubt, draw_seen};
 use super::lanes::{Lanes, Mask, WIDEST};
 use super::paint::rows;
-use super::solids::{SeenTriangle, Triangle};
+use super::solids::{Facet, SeenTriangle, Triangle};
 use super::specks::draw_specks;
 use super::vector::{Matrix, Vector};
 use super::view::View;
@@ -16,6 +18,9 @@ pub(super) struct Placed {
     /// The axes of the view, as rows in the frame of the mesh.
     rows: [[f32; 3]; 3],
     offset: [f32; 3],
+    /// Both again, for what must be exact.
+    into_view: DMat3,
+    origin: DVec3,
 }
 
 /// The middle of a block in the view, the direction to it along the horizon, and its column.
@@ -23,7 +28,7 @@ struct Middle {
     center: [f32; 3],
     heading: [f32; 2],
     column: f32,
-    /// No coordinate on the way to its corners is larger [m].
+    /// No coordinate on the way to its corners is larger, but for the middle's own, which comes from f64 [m].
     reach: f32,
 }
 
@@ -31,7 +36,8 @@ impl Placed {
     pub(super) fn new(place: &Place, view: &View) -> Placed {
         let into_view = view.rotation.transpose();
         let offset = into_view * (place.center - view.origin);
-        Placed { rows: rows(&(into_view * place.rotation)), offset: offset.as_vec3().to_array() }
+        let into_view = into_view * place.rotation;
+        Placed { rows: rows(&into_view), offset: offset.as_vec3().to_array(), into_view, origin: offset }
     }
 
     /// Middles and half axes of boxes from `at` on, in the view.
@@ -64,13 +70,9 @@ impl Blocks {
         for at in (group * SIDE..end).step_by(L::N) {
             let (center, axes) = placed.boxes::<L>(&self.block_boxes, at);
             let bounds = view.bounds(center, &axes, Outline::Box);
-            let mut centers = [[0.0; WIDEST]; 3];
-            center.store(&mut centers);
             for (lane, near, area) in bounds.listed(end - at).seen() {
                 if !canvas.hides::<L>(view, &area, near) {
-                    let center = [centers[0][lane], centers[1][lane], centers[2][lane]];
-                    let column = (area.low + area.high) / 2.0;
-                    let middle = Middle::new(center, column, self.block_boxes.reach[at + lane]);
+                    let middle = Middle::new(placed, &self.block_boxes, at + lane, &area);
                     self.draw_block::<L>(at + lane, placed, &middle, ids, view, (canvas, ready));
                 }
             }
@@ -122,11 +124,50 @@ impl Blocks {
     }
 }
 
+impl Large {
+    /// Draws the triangle, if f32 can tell from which side it is seen.
+    #[inline(always)]
+    pub(super) fn draw<L: Lanes>(
+        &self,
+        placed: &Placed,
+        (first, step): (u32, u32),
+        (near, area): (f32, &Area),
+        view: &View,
+        canvas: &mut Canvas,
+    ) {
+        let [a, b, c] = self.corners.map(|corner| placed.into_view * corner + placed.origin);
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let height = normal.dot(a);
+        let reach = a.length().max(b.length()).max(c.length());
+        let shift = view.motion.as_ref().map_or(0.0, |motion| f64::from(motion.shift));
+        if height.abs() <= 1e-6 * reach + shift {
+            return draw_doubt::<L>(near, area, view, canvas);
+        }
+        let facet = Facet {
+            corners: [a, b, c].map(|corner| corner.as_vec3().to_array()),
+            normal: normal.as_vec3().to_array(),
+            height: height as f32,
+            reach: reach as f32,
+            rounding: view.rounding,
+        };
+        draw::<L>(&facet, first + step * self.triangle, area, view, canvas);
+    }
+}
+
 impl Middle {
-    fn new(center: [f32; 3], column: f32, reach: f32) -> Middle {
-        let [x, y, z] = center;
-        let ground = (x * x + y * y).sqrt().max(1e-20);
-        Middle { center, heading: [x / ground, y / ground], column, reach: ground + z.abs() + reach }
+    fn new(placed: &Placed, boxes: &Boxes, block: usize, area: &Area) -> Middle {
+        let [x, y, z] = &boxes.center;
+        let center = DVec3::new(f64::from(x[block]), f64::from(y[block]), f64::from(z[block]));
+        let center = (placed.into_view * center + placed.origin).as_vec3();
+        let ground = center.truncate().length();
+        // Straight above or below, any heading will do.
+        let heading = if ground > 1e-12 { center.truncate() / ground } else { Vec2::X };
+        Middle {
+            center: center.to_array(),
+            heading: heading.to_array(),
+            column: (area.low + area.high) / 2.0,
+            reach: center.length() + boxes.size[block],
+        }
     }
 }
 
@@ -136,6 +177,7 @@ pub(super) struct Ready {
     rows: [[[f32; WIDEST]; 3]; 4],
     edge_error: [f32; WIDEST],
     plane_error: [f32; WIDEST],
+    height_error: [f32; WIDEST],
     corners: [[[f32; WIDEST]; 3]; 3],
 }
 
@@ -147,6 +189,7 @@ impl Ready {
         }
         seen.edge_error.store(&mut self.edge_error, 0);
         seen.plane_error.store(&mut self.plane_error, 0);
+        seen.height_error.store(&mut self.height_error, 0);
     }
 
     #[inline(always)]
@@ -168,6 +211,7 @@ impl Ready {
             ],
             edge_error: L::splat(self.edge_error[lane]),
             plane_error: L::splat(self.plane_error[lane]),
+            height_error: L::splat(self.height_error[lane]),
         }
     }
 
@@ -234,7 +278,7 @@ impl View<'_> {
         let low = small_arctangent(left).neg_mul_add(density, column) - margin;
         let high = small_arctangent(right).neg_mul_add(density, column) + margin;
         // Far away most triangles lie between two columns, or between two rows.
-        let seen = last.ge(first) & high.floor().ge(low);
+        let seen = last.ge(first) & (high.floor().ge(low) | splat(self.band.turn.fract()).gt(zero));
         if simple.all() {
             return Bounds { near: zero, low, high, first, last, seen };
         }

@@ -1,6 +1,7 @@
 //! Tests of the core, one file for each question.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod backends;
 mod cast;
 mod errors;
 mod moved;

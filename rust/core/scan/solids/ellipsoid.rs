@@ -35,7 +35,14 @@ impl Shape for Ellipsoid {
         let from = origin.times(scale);
         let one = L::splat(1.0);
         let distance = from.length();
-        let center = from * -(one / distance.max(L::splat(1e-20)));
+        // From the very middle, any direction will do.
+        let away = distance.gt(L::splat(1e-12));
+        let inverse = -(one / distance.max(L::splat(1e-20)));
+        let center = Vector::new(
+            L::select(away, from.x * inverse, one),
+            L::select(away, from.y * inverse, L::splat(0.0)),
+            L::select(away, from.z * inverse, L::splat(0.0)),
+        );
         let power = (distance - one) * (distance + one);
         let stretch = power.abs().sqrt();
         let [left, up] = across(center);

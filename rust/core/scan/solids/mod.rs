@@ -20,7 +20,7 @@ pub(super) use cuboid::Cuboid;
 pub(super) use cylinder::Cylinder;
 pub(super) use ellipsoid::Ellipsoid;
 pub(super) use rectangle::Rectangle;
-pub(super) use triangle::{SeenTriangle, Triangle};
+pub(super) use triangle::{Facet, SeenTriangle, Triangle};
 
 /// A shape as rays see it that start at one point, or at one point a lane.
 pub(super) trait Solid<L: Lanes>: Copy {

@@ -23,7 +23,9 @@ impl<L: Lanes> Slab<L> {
         let outside = origin.abs().gt(half);
         let near = one / (half.copysign(origin) - origin);
         let far = one / (-half.copysign(origin) - origin);
-        let rounding = L::splat(4.0 * rounding);
+        // Origin and half extent are rounded themselves, which counts where the plane is close.
+        let lost = (origin.abs() + half) * near.abs();
+        let rounding = lost.mul_add(L::splat(2.0 * rounding), L::splat(4.0 * rounding));
         Slab {
             enter: L::select(outside, near, zero),
             leave: [far, L::select(outside, far, near)],

@@ -19,6 +19,8 @@ pub(in crate::scan) struct SeenTriangle<L> {
     pub(in crate::scan) rows: [Vector<L>; 4],
     pub(in crate::scan) edge_error: L,
     pub(in crate::scan) plane_error: L,
+    /// How far the distance of the plane may be off, as a share of it.
+    pub(in crate::scan) height_error: L,
 }
 
 impl Shape for Triangle {
@@ -32,34 +34,72 @@ impl Shape for Triangle {
     }
 }
 
-impl<L: Lanes> SeenTriangle<L> {
-    /// A triangle with these corners relative to the start of the rays.
-    ///
-    /// Edges are taken as differences: the product of two far corners would cancel to a short edge.
+/// A triangle whose plane is known better than f32 corners tell.
+#[derive(Clone, Copy)]
+pub(in crate::scan) struct Facet {
+    pub(in crate::scan) corners: [[f32; 3]; 3],
+    /// The unit normal, and the plane's distance along it [m].
+    pub(in crate::scan) normal: [f32; 3],
+    pub(in crate::scan) height: f32,
+    /// How far away the furthest corner is [m].
+    pub(in crate::scan) reach: f32,
+    pub(in crate::scan) rounding: f32,
+}
+
+impl Shape for Facet {
+    type Seen<L: Lanes> = SeenTriangle<L>;
+
     #[inline(always)]
-    pub(in crate::scan) fn new([a, b, c]: [Vector<L>; 3], reach: L, rounding: f32) -> SeenTriangle<L> {
-        let (ab, bc, ca) = (b - a, c - b, a - c);
-        let normal = ab.cross(bc);
-        let height = normal.dot(a);
-        let longest = ab.dot(ab).max(bc.dot(bc)).max(ca.dot(ca)).sqrt();
-        let size = normal.length();
-        let edge_error = reach * longest * L::splat(8.0 * rounding);
-        // Seen edge-on, the side from which it is seen is anybody's guess, and so is where: then its nearness may be anything,
-        // and what is near its edges is in doubt.
-        let known = height.abs().gt(size * reach * L::splat(8.0 * rounding));
-        let (zero, one) = (L::splat(0.0), L::splat(1.0));
-        let side = one.copysign(height);
-        let inverse = L::select(known, one / height, zero);
-        let plane_error = L::select(known, size * inverse.abs() * L::splat(4.0 * rounding), L::splat(ENDLESS));
+    fn seen_from<L: Lanes>(&self, start: Vector<L>) -> SeenTriangle<L> {
+        let [a, b, c] = self.corners;
+        let corners = [Vector::splat(a) - start, Vector::splat(b) - start, Vector::splat(c) - start];
+        let normal = Vector::splat(self.normal);
+        let height = L::splat(self.height) - normal.dot(start);
+        let inverse = L::splat(1.0) / height;
+        let ([x, y, z], longest) = edges(corners, L::splat(1.0).copysign(height));
         SeenTriangle {
-            rows: [a.cross(ab) * side, b.cross(bc) * side, c.cross(ca) * side, normal * inverse],
-            edge_error,
-            plane_error,
+            rows: [x, y, z, normal * inverse],
+            edge_error: longest * L::splat(8.0 * self.rounding * self.reach),
+            plane_error: inverse.abs() * L::splat(4.0 * self.rounding),
+            height_error: L::splat(4.0 * self.rounding),
         }
     }
 }
 
+/// The edge functions of a triangle, positive within it if it is seen from `side`, and the length of its longest edge.
+///
+/// Edges are taken as differences: the product of two far corners would cancel to a short edge.
+#[inline(always)]
+fn edges<L: Lanes>([a, b, c]: [Vector<L>; 3], side: L) -> ([Vector<L>; 3], L) {
+    let (ab, bc, ca) = (b - a, c - b, a - c);
+    let longest = ab.dot(ab).max(bc.dot(bc)).max(ca.dot(ca)).sqrt();
+    ([a.cross(ab) * side, b.cross(bc) * side, c.cross(ca) * side], longest)
+}
+
 impl<L: Lanes> SeenTriangle<L> {
+    /// A triangle with these corners relative to the start of the rays.
+    #[inline(always)]
+    pub(in crate::scan) fn new(corners: [Vector<L>; 3], reach: L, rounding: f32) -> SeenTriangle<L> {
+        let [a, b, c] = corners;
+        let (ab, bc) = (b - a, c - b);
+        let normal = ab.cross(bc);
+        let height = normal.dot(a);
+        // What is left of the product of two long edges is no more exact than they are.
+        let size = (ab.dot(ab) * bc.dot(bc)).sqrt();
+        // Seen edge-on, the side from which it is seen is anybody's guess: then all around it is in doubt.
+        let known = height.abs().gt(size * reach * L::splat(8.0 * rounding));
+        let (zero, one, endless) = (L::splat(0.0), L::splat(1.0), L::splat(ENDLESS));
+        let inverse = L::select(known, one / height, zero);
+        let ([x, y, z], longest) = edges(corners, one.copysign(height));
+        let scale = size * inverse.abs() * L::splat(4.0 * rounding);
+        SeenTriangle {
+            rows: [x, y, z, normal * inverse],
+            edge_error: L::select(known, reach * longest * L::splat(8.0 * rounding), endless),
+            plane_error: L::select(known, scale, endless),
+            height_error: scale * reach,
+        }
+    }
+
     /// The products of the rows with (x, y, slope).
     #[inline(always)]
     pub(in crate::scan) fn products(&self, x: L, y: L, slope: L) -> [L; 4] {
@@ -81,13 +121,13 @@ impl<L: Lanes> Solid<L> for SeenTriangle<L> {
 
     #[inline(always)]
     fn at_most(&self, d: [L; 4]) -> (L, L) {
-        (d[3] + self.plane_error, d[0].min(d[1]).min(d[2]) + self.edge_error)
+        (d[3].abs().mul_add(self.height_error, d[3] + self.plane_error), d[0].min(d[1]).min(d[2]) + self.edge_error)
     }
 
     #[inline(always)]
     fn settled(&self, d: [L; 4], tolerance: Tolerance) -> (L, L::Mask) {
         let within = d[0].min(d[1]).min(d[2]).gt(self.edge_error);
-        (d[3], within & tolerance.of(d[3]).ge(self.plane_error))
+        (d[3], within & tolerance.of(d[3]).ge(d[3].mul_add(self.height_error, self.plane_error)))
     }
 
     /// Each edge function is linear in the slope: it begins or ceases to be within its error of 0 at one.
