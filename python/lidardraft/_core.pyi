@@ -16,7 +16,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-DEBUG: bool  # whether this is a debug build: correct, and some fifty times slower
+DEBUG: bool  # whether this is a debug build: correct, and many times slower
 
 def backends() -> list[str]:
     """What this machine can cast scans with, the fastest first: some of "avx512", "avx2", "portable", and always
