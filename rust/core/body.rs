@@ -153,6 +153,14 @@ impl Body {
         Some(Hit { distance: distance?, part: 0 })
     }
 
+    /// The distance at which a ray of the scene meets one part, if it does.
+    pub(crate) fn distance(&self, ray: &Ray, part: u32) -> Option<f64> {
+        match &self.solid {
+            Solid::Mesh(mesh) => mesh.triangle(part).intersect(&self.place.inward_ray(ray).sheared()),
+            _ => Some(self.intersect(ray, f32::INFINITY)?.distance),
+        }
+    }
+
     /// The same by asking every triangle: the definition that the hierarchy is tested against.
     #[cfg(test)]
     pub(crate) fn intersect_all(&self, ray: &Ray) -> Option<Hit> {

@@ -60,7 +60,7 @@ pub enum Error {
     #[error("azimuth_span is {value} rad; it must be greater than 0 and at most 2 pi")]
     AzimuthSpan { value: f64 },
     /// Range limits that hold nothing.
-    #[error("min_range is {min} m and max_range is {max} m; it must be 0 <= min_range < max_range, both finite")]
+    #[error("min_range is {min} m and max_range is {max} m; it must be 0 <= min_range < max_range <= 1e9")]
     RangeLimits { min: f64, max: f64 },
     /// An image of another sensor.
     #[error("the image has {rows} x {columns} pixels; the sensor has {beams} beams and {pattern_columns} columns")]

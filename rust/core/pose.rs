@@ -48,7 +48,8 @@ impl Pose {
         if determinant < 0.0 {
             return Err(Error::PoseMirrored { determinant });
         }
-        Ok(Pose { rotation, translation: axis(3) })
+        // What float32 texts lose is made good: rays keep their lengths, and a transpose is an inverse.
+        Ok(Pose { rotation, translation: axis(3) }.orthonormal())
     }
 
     /// A point of the thing in the world.

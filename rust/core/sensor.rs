@@ -49,7 +49,9 @@ pub struct SensorPattern {
 
 /// Rays beyond this do not fit in memory as images.
 const MOST_RAYS: usize = 1 << 28;
-/// A beam does not start further than this from the sensor [m].
+/// Whole numbers up to this are exact in f32, in which the scan kernel counts columns.
+const MOST_COLUMNS: usize = 1 << 23;
+/// No beam starts, and none reaches, further than this from the sensor [m].
 const FURTHEST: f64 = 1e9;
 /// A span within this of a turn is a whole turn [rad].
 pub(crate) const TURN_TOLERANCE: f64 = 1e-9;
@@ -203,7 +205,7 @@ impl SensorSpec {
     }
 
     fn check_limits(&self) -> Result<()> {
-        let limit = MOST_RAYS / self.elevations.len();
+        let limit = MOST_COLUMNS.min(MOST_RAYS / self.elevations.len());
         if !(1..=limit).contains(&self.columns) {
             let columns = i64::try_from(self.columns).unwrap_or(i64::MAX);
             return Err(Error::Columns { columns, limit });
@@ -215,7 +217,7 @@ impl SensorSpec {
             return Err(Error::AzimuthSpan { value: self.azimuth_span });
         }
         let (min, max) = (self.min_range, self.max_range);
-        if !(0.0 <= min && min < max && max.is_finite()) {
+        if !(0.0 <= min && min < max && max <= FURTHEST) {
             return Err(Error::RangeLimits { min, max });
         }
         Ok(())

@@ -206,7 +206,7 @@ def _pose_of_scan(sensor: Sensor, pose: np.ndarray | None, poses: np.ndarray | N
 
 
 def _poses_of_batch(sensor: Sensor, poses: np.ndarray) -> np.ndarray:
-    if np.ndim(poses) == 4:
+    if getattr(poses, "ndim", 3) == 4:
         return as_array("poses", poses, "N", sensor.columns, 4, 4)
     return as_array("poses", poses, "N", 4, 4)[:, None]
 

@@ -65,7 +65,7 @@ impl View<'_> {
         let (first, last) = self.band.rows_between(low_slope, high_slope);
         let width =
             L::select(apart, arctangent(v, nearest), splat(PI)).mul_add(splat(self.band.density), splat(self.margin()));
-        let middle = self.column(arctangent(y, x));
+        let middle = self.column(arctangent(sin, cos));
         let beyond = (z.abs() - h).max(zero);
         let distance = nearest.max(zero);
         let distance = distance.mul_add(distance, beyond * beyond);
@@ -125,6 +125,8 @@ pub(super) fn small_arctangent<L: Lanes>(tangent: L) -> L {
 /// The pixels that a body may cover, as plain numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Area {
+    /// No ray meets it at a larger 1 / horizontal distance [1/m].
+    pub(super) near: f32,
     pub(super) low: f32,
     pub(super) high: f32,
     pub(super) first: usize,
@@ -201,16 +203,17 @@ impl Listed {
         self.seen == 0
     }
 
-    /// The number, the nearness and the area of each body that may be seen.
+    /// The number and the area of each body that may be seen.
     #[inline(always)]
-    pub(super) fn seen(&self) -> impl Iterator<Item = (usize, f32, Area)> {
+    pub(super) fn seen(&self) -> impl Iterator<Item = (usize, Area)> {
         let mut left = self.seen;
         std::iter::from_fn(move || {
             let lane = left.trailing_zeros() as usize;
             left &= left.wrapping_sub(1);
             (lane < WIDEST).then(|| {
                 let (first, last) = (self.first[lane] as usize, self.last[lane] as usize);
-                (lane, self.near[lane], Area { low: self.low[lane], high: self.high[lane], first, last })
+                let (near, low, high) = (self.near[lane] * 1.0001, self.low[lane], self.high[lane]);
+                (lane, Area { near, low, high, first, last })
             })
         })
     }

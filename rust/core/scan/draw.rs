@@ -38,10 +38,10 @@ impl Canvas {
         }
     }
 
-    /// Whether on every pixel of an area something is drawn that surely hides what is no nearer than `near`.
+    /// Whether on every pixel of an area something is drawn that surely hides what is bounded by it.
     #[inline(always)]
-    pub(super) fn hides<L: Lanes>(&self, view: &View, area: &Area, near: f32) -> bool {
-        let nearest = L::splat(near * 1.0001);
+    pub(super) fn hides<L: Lanes>(&self, view: &View, area: &Area) -> bool {
+        let nearest = L::splat(area.near);
         for (from, to) in view.stretches(area) {
             let rows = self.near[area.first * self.stride..].chunks_exact(self.stride);
             for row in rows.take(area.last + 1 - area.first) {
@@ -133,7 +133,7 @@ fn draw_columns<L: Lanes>(
     view: &View,
     canvas: &mut Canvas,
 ) {
-    let (zero, tolerance) = (L::splat(0.0), view.tolerance);
+    let (zero, bound, tolerance) = (L::splat(0.0), L::splat(area.near), view.tolerance);
     let (mut first, mut last) = (area.first, area.last);
     if last - first >= TALL
         && let Some((low, high)) = seen.slopes(&along, &rise)
@@ -166,7 +166,8 @@ fn draw_columns<L: Lanes>(
         let (nearest, margin) = seen.at_most(direction);
         // What overflowed is in doubt.
         let known = nearest.ge(nearest) & margin.ge(margin);
-        let (nearest, margin) = (L::select(known, nearest, L::splat(1e30)), L::select(known, margin, zero));
+        // And nothing is nearer than its bounds: what is drawn here changes no pixel that it is hidden at.
+        let (nearest, margin) = (L::select(known, nearest.min(bound), bound), L::select(known, margin, zero));
         let drawn = L::load(near, 0);
         let tie = view.tie(drawn);
         let maybe = margin.ge(zero) & nearest.gt(drawn.neg_mul_add(tie, drawn));
@@ -183,8 +184,8 @@ fn draw_columns<L: Lanes>(
 
 /// Leaves all pixels of an area in doubt, unless something hides them: for what no shape test here can decide.
 #[inline(always)]
-pub(super) fn draw_doubt<L: Lanes>(near: f32, area: &Area, view: &View, canvas: &mut Canvas) {
-    let near = L::splat(near);
+pub(super) fn draw_doubt<L: Lanes>(area: &Area, view: &View, canvas: &mut Canvas) {
+    let near = L::splat(area.near);
     for (from, to) in view.stretches(area) {
         for row in area.first..=area.last {
             for at in steps::<L>(from, to) {

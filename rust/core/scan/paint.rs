@@ -25,7 +25,6 @@ pub(super) struct Painter {
 /// A body, or a part of a mesh, that may be seen.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
-    near: f32,
     area: Area,
     body: u32,
     /// Of a mesh: a group of blocks or, counted on from those, a large triangle.
@@ -46,9 +45,9 @@ impl Painter {
         }
         // Near things hide far ones without their being looked at. Equals go by number: the order of two bodies, and with
         // it every bit of the images, is the same however a scan is cut into views.
-        self.order.sort_unstable_by_key(|seen| (!seen.near.to_bits(), seen.body, seen.part));
+        self.order.sort_unstable_by_key(|seen| (!seen.area.near.to_bits(), seen.body, seen.part));
         for seen in &self.order {
-            if self.canvas.hides::<L>(view, &seen.area, seen.near) {
+            if self.canvas.hides::<L>(view, &seen.area) {
                 continue;
             }
             let body = &bodies[seen.body as usize];
@@ -62,7 +61,7 @@ impl Painter {
                         mesh.blocks.draw_group::<L>(part, &placed, ids, view, to);
                     } else {
                         let large = &mesh.blocks.large[part - groups];
-                        large.draw::<L>(&placed, ids, (seen.near, &seen.area), view, &mut self.canvas);
+                        large.draw::<L>(&placed, ids, &seen.area, view, &mut self.canvas);
                     }
                 }
                 solid => draw_solid::<L>(solid, &body.place, id, seen, view, &mut self.canvas),
@@ -88,8 +87,8 @@ impl Painter {
             };
             let bounds = view.bounds(center, &axes, hulls.outline);
             let bodies = &hulls.bodies[at..];
-            for (lane, near, area) in bounds.listed(bodies.len()).seen() {
-                self.order.push(Seen { near, area, body: bodies[lane], part: 0 });
+            for (lane, area) in bounds.listed(bodies.len()).seen() {
+                self.order.push(Seen { area, body: bodies[lane], part: 0 });
             }
         }
     }
@@ -103,8 +102,8 @@ impl Painter {
             for at in (0..boxes.count).step_by(L::N) {
                 let (center, axes) = placed.boxes::<L>(boxes, at);
                 let bounds = view.bounds(center, &axes, Outline::Box);
-                for (lane, near, area) in bounds.listed(boxes.count - at).seen() {
-                    self.order.push(Seen { near, area, body: number as u32, part: part + (at + lane) as u32 });
+                for (lane, area) in bounds.listed(boxes.count - at).seen() {
+                    self.order.push(Seen { area, body: number as u32, part: part + (at + lane) as u32 });
                 }
             }
             part += boxes.count as u32;
@@ -126,16 +125,16 @@ fn draw_solid<L: Lanes>(solid: &Solid, place: &Place, id: u32, seen: &Seen, view
     };
     let area = &seen.area;
     // Whether rays may start on the surface, or in the plane of a face.
-    let touches = |place: f64, size: f64| (place.abs() - size).abs() <= 1e-6 * (place.abs() + size) + shift;
+    let touches = |place: f64, size: f64| (place.abs() - size).abs() <= 1e-6 * (place.abs() + size) + 4.0 * shift;
     // What is too thin for f32: its scale overflows, or drowns the direction across it.
     let slight = |half: DVec3| {
         let thin = half.min_element();
         thin < 1e-4 * half.max_element() || thin < 1e-15 * f64::from(view.band.steepest)
     };
     match solid {
-        Solid::Cuboid(Cuboid { half }) if half.min_element() < 1e-30 => draw_doubt::<L>(seen.near, area, view, canvas),
+        Solid::Cuboid(Cuboid { half }) if half.min_element() < 1e-30 => draw_doubt::<L>(area, view, canvas),
         Solid::Ellipsoid(Ellipsoid { radii: half }) | Solid::Cylinder(Cylinder { half }) if slight(*half) => {
-            draw_doubt::<L>(seen.near, area, view, canvas);
+            draw_doubt::<L>(area, view, canvas);
         }
         Solid::Cuboid(Cuboid { half }) if !(0..3).any(|k| touches(origin[k], half[k])) => {
             if origin.abs().cmplt(*half).all() {
@@ -144,22 +143,22 @@ fn draw_solid<L: Lanes>(solid: &Solid, place: &Place, id: u32, seen: &Seen, view
                 draw::<L>(&solids::Cuboid::<false>(local(*half)), id, area, view, canvas);
             }
         }
-        Solid::Ellipsoid(Ellipsoid { radii }) if !touches_unit(origin / *radii, shift / radii.min_element()) => {
+        Solid::Ellipsoid(Ellipsoid { radii }) if !touches_unit(origin / *radii, 4.0 * shift / radii.min_element()) => {
             draw::<L>(&solids::Ellipsoid(local(*radii)), id, area, view, canvas);
         }
         Solid::Cylinder(Cylinder { half }) if !touches(origin.z, half.z) => {
             let across = (origin / *half).with_z(0.0);
             let inside = across.length() < 1.0 && origin.z.abs() < half.z;
-            if inside || touches_unit(across, shift / half.x.min(half.y)) {
-                draw_doubt::<L>(seen.near, area, view, canvas);
+            if inside || touches_unit(across, 4.0 * shift / half.x.min(half.y)) {
+                draw_doubt::<L>(area, view, canvas);
             } else {
                 draw::<L>(&solids::Cylinder(local(*half)), id, area, view, canvas);
             }
         }
-        Solid::Rectangle(Rectangle { half }) if !touches(origin.z, 1e-6 * half.max_element()) => {
+        Solid::Rectangle(Rectangle { half }) if origin.z.abs() > 1e-6 * half.max_element() + 4.0 * shift => {
             draw::<L>(&solids::Rectangle(local(half.extend(0.0))), id, area, view, canvas);
         }
-        _ => draw_doubt::<L>(seen.near, area, view, canvas),
+        _ => draw_doubt::<L>(area, view, canvas),
     }
 }
 

@@ -15,7 +15,8 @@ use super::threads::spread;
 use super::view::View;
 use super::{Backend, reference};
 use crate::image::Return;
-use crate::{ImagesMut, Pose, Scene, SensorPattern};
+use crate::intersect::Ray;
+use crate::{ImagesMut, Pose, Scene, SceneHit, SensorPattern};
 
 /// The columns that share bounds when each has a pose of its own: the sensor moves little meanwhile.
 const ROLLING: usize = 64;
@@ -114,10 +115,11 @@ impl Scan<'_> {
     fn run(&self, mut job: Job<'_>) {
         let view = View::new(job.band, job.columns.clone(), &self.local, self.pattern);
         let (mut doubts, images) = (Vec::new(), &mut job.images);
-        PAINTER.with_borrow_mut(|painter| {
-            let painting = Painting { scan: self, view: &view, painter, images, doubts: &mut doubts };
-            lanes::run(self.backend, painting);
-        });
+        // Taken, so that a panic leaves no half a view behind.
+        let mut painter = PAINTER.take();
+        let painting = Painting { scan: self, view: &view, painter: &mut painter, images, doubts: &mut doubts };
+        lanes::run(self.backend, painting);
+        PAINTER.set(painter);
         for (row, column) in doubts {
             let (beam, ray) = (job.band.rows[row] as usize, job.columns.start + column);
             let found = reference::cast_pixel(self.scene, self.pattern, self.poses, beam, ray);
@@ -136,7 +138,10 @@ impl Scan<'_> {
                     let (origin, direction) = reference::ray(self.pattern, self.poses, beam, ray);
                     let (primitive, part) = stage.body_of(painter.canvas.id[row * painter.canvas.stride + column]);
                     let (label, instance) = self.scene.semantics()[primitive];
-                    let hit = crate::SceneHit { distance: f64::from(depth), primitive, part, label, instance };
+                    // The exact distance: an f32 one may be nearer to another face of a thin body.
+                    let local = Ray { origin: origin - self.scene.origin(), direction };
+                    let distance = self.scene.bodies()[primitive].distance(&local, part).unwrap_or(f64::from(depth));
+                    let hit = SceneHit { distance, primitive, part, label, instance };
                     Return::new(self.scene, origin, direction, &hit, depth)
                 });
                 image.set(column, found.as_ref());

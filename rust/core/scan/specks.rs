@@ -43,6 +43,7 @@ pub(super) fn draw_specks<L: Lanes>(
             let (x, y, slope) = (column.gather(cos), column.gather(sin), row.gather(&view.band.slopes));
             let direction = seen.products(x, y, slope);
             let (nearest, margin) = seen.at_most(direction);
+            let nearest = nearest.min(bounds.near * L::splat(1.0001));
             let mut hits = here & margin.ge(L::splat(0.0)).bits();
             if hits != 0 {
                 let (nearness, settled) = seen.settled(direction, view.tolerance);

@@ -25,6 +25,8 @@ pub(super) struct Placed {
 
 /// The middle of a block in the view, the direction to it along the horizon, and its column.
 struct Middle {
+    /// No corner is nearer than this [1/m].
+    near: f32,
     center: [f32; 3],
     heading: [f32; 2],
     column: f32,
@@ -70,9 +72,12 @@ impl Blocks {
         for at in (group * SIDE..end).step_by(L::N) {
             let (center, axes) = placed.boxes::<L>(&self.block_boxes, at);
             let bounds = view.bounds(center, &axes, Outline::Box);
-            for (lane, near, area) in bounds.listed(end - at).seen() {
-                if !canvas.hides::<L>(view, &area, near) {
-                    let middle = Middle::new(placed, &self.block_boxes, at + lane, &area);
+            let mut centers = [[0.0; WIDEST]; 3];
+            center.store(&mut centers);
+            for (lane, area) in bounds.listed(end - at).seen() {
+                if !canvas.hides::<L>(view, &area) {
+                    let rough = Vec2::new(centers[0][lane], centers[1][lane]);
+                    let middle = Middle::new(placed, &self.block_boxes, at + lane, rough, &area);
                     self.draw_block::<L>(at + lane, placed, &middle, ids, view, (canvas, ready));
                 }
             }
@@ -103,10 +108,10 @@ impl Blocks {
             if listed.is_empty() {
                 continue;
             }
-            if view.motion.is_some() {
+            if let Some(motion) = &view.motion {
                 ready.keep_corners(&corners);
-                for (lane, _, area) in listed.seen() {
-                    let triangle = ready.triangle(lane, middle.reach, view);
+                for (lane, area) in listed.seen() {
+                    let triangle = ready.triangle(lane, middle.reach + 2.0 * motion.shift, view);
                     draw::<L>(&triangle, first + step * block.triangles[at + lane], &area, view, canvas);
                 }
                 continue;
@@ -116,7 +121,7 @@ impl Blocks {
             listed.drop(draw_specks(&seen, &bounds, &listed, (ids, first, step), view, canvas));
             if !listed.is_empty() {
                 ready.keep(&seen);
-                for (lane, _, area) in listed.seen() {
+                for (lane, area) in listed.seen() {
                     draw_seen::<L>(&ready.seen(lane), first + step * ids[lane], &area, view, canvas);
                 }
             }
@@ -131,7 +136,7 @@ impl Large {
         &self,
         placed: &Placed,
         (first, step): (u32, u32),
-        (near, area): (f32, &Area),
+        area: &Area,
         view: &View,
         canvas: &mut Canvas,
     ) {
@@ -140,14 +145,14 @@ impl Large {
         let height = normal.dot(a);
         let reach = a.length().max(b.length()).max(c.length());
         let shift = view.motion.as_ref().map_or(0.0, |motion| f64::from(motion.shift));
-        if height.abs() <= 1e-6 * reach + shift {
-            return draw_doubt::<L>(near, area, view, canvas);
+        if height.abs() <= 1e-6 * reach + 4.0 * shift {
+            return draw_doubt::<L>(area, view, canvas);
         }
         let facet = Facet {
             corners: [a, b, c].map(|corner| corner.as_vec3().to_array()),
             normal: normal.as_vec3().to_array(),
             height: height as f32,
-            reach: reach as f32,
+            reach: (reach + 2.0 * shift) as f32,
             rounding: view.rounding,
         };
         draw::<L>(&facet, first + step * self.triangle, area, view, canvas);
@@ -155,14 +160,16 @@ impl Large {
 }
 
 impl Middle {
-    fn new(placed: &Placed, boxes: &Boxes, block: usize, area: &Area) -> Middle {
+    /// `rough` is where the bounds had the middle, in f32: the column of `area` is that of the heading to there.
+    fn new(placed: &Placed, boxes: &Boxes, block: usize, rough: Vec2, area: &Area) -> Middle {
         let [x, y, z] = &boxes.center;
         let center = DVec3::new(f64::from(x[block]), f64::from(y[block]), f64::from(z[block]));
         let center = (placed.into_view * center + placed.origin).as_vec3();
-        let ground = center.truncate().length();
+        let ground = rough.length();
         // Straight above or below, any heading will do.
-        let heading = if ground > 1e-12 { center.truncate() / ground } else { Vec2::X };
+        let heading = if ground > 1e-12 { rough / ground } else { Vec2::X };
         Middle {
+            near: area.near,
             center: center.to_array(),
             heading: heading.to_array(),
             column: (area.low + area.high) / 2.0,
@@ -280,7 +287,7 @@ impl View<'_> {
         // Far away most triangles lie between two columns, or between two rows.
         let seen = last.ge(first) & (high.floor().ge(low) | splat(self.band.turn.fract()).gt(zero));
         if simple.all() {
-            return Bounds { near: zero, low, high, first, last, seen };
+            return Bounds { near: splat(middle.near), low, high, first, last, seen };
         }
         // What lies beside or behind: by height and distance alone.
         let distance = [a.x.mul_add(a.x, a.y * a.y), b.x.mul_add(b.x, b.y * b.y), c.x.mul_add(c.x, c.y * c.y)];
@@ -291,7 +298,7 @@ impl View<'_> {
         let (far_first, far_last) = self.band.rows_between(far_bottom, far_top);
         let turn = splat(self.band.turn);
         Bounds {
-            near: zero,
+            near: splat(middle.near),
             low: L::select(simple, low, -turn),
             high: L::select(simple, high, turn),
             first: L::select(simple, first, far_first),

@@ -117,10 +117,12 @@ impl Motion {
                     table[k].push(vector[k] as f32);
                 }
             }
-            motion.shift = motion.shift.max(start.length() as f32 * 1.001);
-            // A rotation by t moves a point at distance 1 by 2 sin(t / 2), and its trace is 3 - 4 sin(t / 2)^2.
-            let trace = turn.x_axis.x + turn.y_axis.y + turn.z_axis.z;
-            motion.twist = motion.twist.max((3.0 - trace).max(0.0).sqrt() as f32 * 1.001);
+            // The same for all columns if they differ by their azimuth only, so that it depends on no cut.
+            motion.shift = motion.shift.max((center.length() + forward.hypot(left).hypot(up)) as f32 * 1.001);
+            // By how much a turn moves a point at distance 1: no more than the Frobenius norm of what it adds.
+            let moved = turn - DMat3::IDENTITY;
+            let norm = moved.x_axis.length_squared() + moved.y_axis.length_squared() + moved.z_axis.length_squared();
+            motion.twist = motion.twist.max(norm.sqrt() as f32 * 1.001);
         }
         motion
     }

@@ -38,6 +38,7 @@ impl Lanes for F32x16 {
 
     #[inline(always)]
     fn gather(self, from: &[f32]) -> F32x16 {
+        assert!(!from.is_empty(), "nothing to gather from");
         let last = i32::try_from(from.len() - 1).unwrap_or(i32::MAX);
         unsafe {
             // NaN and what is too large become i32::MIN.

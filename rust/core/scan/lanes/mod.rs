@@ -35,7 +35,7 @@ pub(super) trait Lanes:
     fn load(from: &[f32], at: usize) -> Self;
     /// Writes `to[at..at + N]`.
     fn store(self, to: &mut [f32], at: usize);
-    /// `from[i]` for each lane i of `self` rounded towards 0 and clamped to the slice, which must not be empty.
+    /// `from[i]` for each lane i of `self` rounded towards 0, which should be within the slice: another element else.
     fn gather(self, from: &[f32]) -> Self;
 
     /// `self * factor + summand`; rounded once where the processor can.

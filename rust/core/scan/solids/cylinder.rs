@@ -49,7 +49,7 @@ impl Shape for Cylinder {
             roots: [root, L::select(outside, -root, root)],
             outside: L::select(outside, one, zero),
             between: L::select(outside, zero, L::splat(ENDLESS)),
-            error: finest * stretch.mul_add(L::splat(12.0), L::splat(12.0)),
+            error: finest * L::splat(12.0) * (stretch + one + one / stretch),
             caps: Slab::new(origin.z, half.z, self.0.rounding),
         }
     }
@@ -61,9 +61,14 @@ impl<L: Lanes> SeenCylinder<L> {
         d[0].mul_add(d[0], -(self.side * d[1] * d[1]))
     }
 
-    /// When a ray enters and leaves, given the roots of its discriminant to use for either.
+    /// When a ray enters and leaves: the former at the most and the latter at the least (sign 1), or the other way round.
     #[inline(always)]
-    fn meets(&self, d: &[L; 4], entering: L, leaving: L, sign: f32) -> (L, L) {
+    fn meets(&self, d: &[L; 4], sign: f32) -> (L, L) {
+        let (zero, error) = (L::splat(0.0), d[0].abs() * self.error * L::splat(sign));
+        let discriminant = self.discriminant(d);
+        let entering = (discriminant + error).max(zero).sqrt();
+        // Seen from within the outline, the round side is left at the other root.
+        let leaving = (discriminant + error * self.side).max(zero).sqrt();
         let middle = d[0] * self.along;
         let enter = self.roots[0].mul_add(entering, middle).mul_add(self.outside, self.between);
         let leave = self.roots[1].mul_add(leaving, middle);
@@ -79,20 +84,16 @@ impl<L: Lanes> Solid<L> for SeenCylinder<L> {
 
     #[inline(always)]
     fn at_most(&self, d: [L; 4]) -> (L, L) {
+        let (enter, leave) = self.meets(&d, 1.0);
         let discriminant = d[0].abs().mul_add(self.error, self.discriminant(&d));
-        let root = discriminant.max(L::splat(0.0)).sqrt();
-        let (enter, leave) = self.meets(&d, root, root, 1.0);
         (enter, discriminant.min(enter - leave))
     }
 
     #[inline(always)]
     fn settled(&self, d: [L; 4], tolerance: Tolerance) -> (L, L::Mask) {
-        let (discriminant, error) = (self.discriminant(&d), d[0].abs() * self.error);
-        let zero = L::splat(0.0);
-        let (low, high) = ((discriminant - error).max(zero).sqrt(), (discriminant + error).max(zero).sqrt());
-        let (least, latest) = self.meets(&d, low, low, -1.0);
-        let (most, _) = self.meets(&d, high, high, 1.0);
-        let passes = discriminant.gt(error) & least.gt(latest);
+        let (least, latest) = self.meets(&d, -1.0);
+        let (most, _) = self.meets(&d, 1.0);
+        let passes = self.discriminant(&d).gt(d[0].abs() * self.error) & least.gt(latest);
         (most, passes & tolerance.of(most).ge(most - least))
     }
 }

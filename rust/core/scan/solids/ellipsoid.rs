@@ -52,7 +52,7 @@ impl Shape for Ellipsoid {
             side: one.copysign(power),
             along: distance / power,
             root: one / power.abs(),
-            error: finest * stretch.mul_add(L::splat(12.0), L::splat(12.0)),
+            error: finest * L::splat(12.0) * (stretch + one + one / stretch),
         }
     }
 }
