@@ -134,7 +134,7 @@ fn along_curve(faces: Vec<(u32, Bounds)>) -> Vec<(u32, Bounds)> {
         .into_iter()
         .map(|face| {
             let place = (face.1.center() - all.min) / extent * f64::from(1_u32 << 20);
-            let key = spread(place.x) | spread(place.y) << 1 | spread(place.z) << 2;
+            let key = spaced(place.x) | spaced(place.y) << 1 | spaced(place.z) << 2;
             // A large triangle shares a block with no other kind, but may with its like.
             (if face.1.diagonal() > large { key } else { key | 1 << 63 }, face)
         })
@@ -144,7 +144,7 @@ fn along_curve(faces: Vec<(u32, Bounds)>) -> Vec<(u32, Bounds)> {
 }
 
 /// The lowest 21 bits of a whole number, two zeros between each.
-fn spread(value: f64) -> u64 {
+fn spaced(value: f64) -> u64 {
     let steps = [(32, 0x1f_0000_0000_ffff), (16, 0x1f_0000_ff00_00ff), (8, 0x100f_00f0_0f00_f00f)];
     let steps = steps.into_iter().chain([(4, 0x10c3_0c30_c30c_30c3), (2, 0x1249_2492_4924_9249)]);
     steps.fold(value as u64 & 0x1f_ffff, |bits, (shift, mask)| (bits | bits << shift) & mask)

@@ -1,6 +1,6 @@
 //! A scene onto the pixels of a view, near things first.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use super::bounds::{Area, Outline};
 use super::draw::{Canvas, draw, draw_doubt};
@@ -8,7 +8,7 @@ use super::lanes::Lanes;
 use super::solids::{self, Local};
 use super::stage::{Hulls, Stage};
 use super::triangles::{Placed, Ready};
-use super::vector::{Matrix, Vector};
+use super::vector::{Matrix, Vector, rows};
 use super::view::View;
 use crate::body::{Body, Place, Solid};
 use crate::intersect::{Cuboid, Cylinder, Ellipsoid, Rectangle};
@@ -165,9 +165,4 @@ fn draw_solid<L: Lanes>(solid: &Solid, place: &Place, id: u32, seen: &Seen, view
 /// Whether rays may start on the unit ball; near it, roots cancel.
 fn touches_unit(place: DVec3, shift: f64) -> bool {
     (place.length() - 1.0).abs() <= 1e-3 + shift
-}
-
-/// The rows of a matrix.
-pub(super) fn rows(matrix: &DMat3) -> [[f32; 3]; 3] {
-    [0, 1, 2].map(|k| matrix.row(k).as_vec3().to_array())
 }

@@ -6,10 +6,9 @@ use super::blocks::{Blocks, Boxes, Large, SIDE};
 use super::bounds::{Area, Bounds, Outline, TOUCHING, small_arctangent};
 use super::draw::{Canvas, draw, draw_doubt, draw_seen};
 use super::lanes::{Lanes, Mask, WIDEST};
-use super::paint::rows;
 use super::solids::{Facet, SeenTriangle, Triangle};
 use super::specks::draw_specks;
-use super::vector::{Matrix, Vector};
+use super::vector::{Matrix, Vector, rows};
 use super::view::View;
 use crate::body::Place;
 

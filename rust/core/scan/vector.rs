@@ -5,6 +5,8 @@
 
 use std::ops::{Add, Mul, Sub};
 
+use glam::DMat3;
+
 use super::lanes::Lanes;
 
 #[derive(Clone, Copy)]
@@ -114,4 +116,9 @@ impl<L: Lanes> Matrix<L> {
     pub(super) fn combine(&self, v: Vector<L>) -> Vector<L> {
         self.x * v.x + self.y * v.y + self.z * v.z
     }
+}
+
+/// The rows of a matrix, as [`Matrix::splat`] takes them.
+pub(super) fn rows(matrix: &DMat3) -> [[f32; 3]; 3] {
+    [0, 1, 2].map(|k| matrix.row(k).as_vec3().to_array())
 }

@@ -62,9 +62,8 @@ fn limits() {
         sensor(|s| s.azimuth_span = span, &message);
     }
     for (min, max) in [(-1.0, 9.0), (9.0, 9.0), (f64::NAN, 9.0), (1.0, f64::NAN), (0.0, f64::INFINITY)] {
-        let message = format!(
-            "min_range is {min} m and max_range is {max} m; it must be 0 <= min_range < max_range <= 1e9"
-        );
+        let message =
+            format!("min_range is {min} m and max_range is {max} m; it must be 0 <= min_range < max_range <= 1e9");
         sensor(|s| (s.min_range, s.max_range) = (min, max), &message);
     }
 }
