@@ -31,7 +31,7 @@ impl Stage {
         let mut surfaces = |body: &Body| {
             let first = next;
             next += body.solid.surfaces();
-            // The last number is taken: it says that a pixel is in doubt. Beyond it surfaces are told apart by f64 alone.
+            // Numbers are u32, as many as fit in memory by far; the last one says that a pixel is in doubt.
             u32::try_from(first).unwrap_or(u32::MAX)
         };
         Stage {
