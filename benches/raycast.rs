@@ -1,9 +1,9 @@
 //! Rays per second: `cargo bench`, or `cargo bench -- scan/street` for some of it.
 //!
 //! Four scenes: a ground with 30 boxes; with 200 boxes and 100 ellipsoids, kept as they are or as triangles; a terrain of
-//! 720,000 triangles with 220 ellipsoids of 1,280. Each is compiled (`build`), scanned with a new pose each time by three
-//! sensors (`scan`), from 16 poses in one call (`batch`), with a pose for each column (`rolling`), and asked for rays
-//! without any order (`cast`). All of it on all cores; `RAYON_NUM_THREADS` sets how many.
+//! 720,000 triangles with 220 ellipsoids of 1,280. Each is compiled (`build`), scanned with a new pose each time (`scan`),
+//! from 16 poses in one call (`batch`), with a pose for each column (`rolling`), and asked for as many rays without any
+//! order (`cast`); all but the first for three sensors. On all cores; `RAYON_NUM_THREADS` sets how many.
 
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
@@ -39,9 +39,13 @@ fn pattern(rows: usize, columns: usize, high: f64, low: f64) -> (String, SensorP
     (format!("{rows}x{columns}"), pattern.expect("the pattern is valid"))
 }
 
-/// 64 beams from +3 to -25 degrees.
-fn hdl64() -> SensorPattern {
-    pattern(64, 1024, 3.0, -25.0).1
+/// Three sensors.
+fn patterns() -> [(String, SensorPattern); 3] {
+    [pattern(64, 1024, 3.0, -25.0), pattern(32, 1024, 10.67, -30.67), pattern(128, 2048, 22.5, -22.5)]
+}
+
+fn rays(pattern: &SensorPattern) -> usize {
+    pattern.rows() * pattern.columns()
 }
 
 /// A golden-ratio sequence in [low, high): the same scene on every machine.
@@ -71,13 +75,22 @@ fn bodies(ground: Primitive, boxes: usize, balls: usize, ball: &Shape) -> Vec<Pr
             yaw: angle,
             label: if k < boxes { 2 } else { 3 },
             instance: k as u32 + 1,
+            extinction: None,
         }
     };
     std::iter::once(ground).chain((0..boxes + balls).map(body)).collect()
 }
 
 fn ground() -> Primitive {
-    Primitive { shape: Shape::Plane, center: [0.0; 3], size: [400.0, 400.0, 0.0], yaw: 0.0, label: 1, instance: 0 }
+    Primitive {
+        shape: Shape::Plane,
+        center: [0.0; 3],
+        size: [400.0, 400.0, 0.0],
+        yaw: 0.0,
+        label: 1,
+        instance: 0,
+        extinction: None,
+    }
 }
 
 /// Hills that are flat where the car drives, rough everywhere: [`CELLS`]^2 squares of two triangles in 300 m by 300 m.
@@ -104,7 +117,7 @@ fn terrain() -> Primitive {
     };
     let mesh = TriangleMesh::new((0..side * side).map(vertex).collect(), (0..CELLS * CELLS).flat_map(square).collect());
     let shape = Shape::Mesh(mesh.expect("the terrain is a mesh"));
-    Primitive { shape, center: [0.0; 3], size, yaw: 0.0, label: 1, instance: 0 }
+    Primitive { shape, center: [0.0; 3], size, yaw: 0.0, label: 1, instance: 0, extinction: None }
 }
 
 /// The ball in the unit box as an icosahedron whose faces are split in four `splits` times.
@@ -192,17 +205,15 @@ fn build(criterion: &mut Criterion) {
 
 fn scans(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("scan");
-    let patterns = [pattern(64, 1024, 3.0, -25.0), pattern(32, 1024, 10.67, -30.67), pattern(128, 2048, 22.5, -22.5)];
-    for name in SCENES {
-        let scene = compiled(name);
-        for (size, pattern) in &patterns {
+    for (name, scene) in SCENES.map(|name| (name, compiled(name))) {
+        for (size, pattern) in patterns() {
             let mut images = Images::new(pattern.rows(), pattern.columns());
             let mut step = 0.0;
-            group.throughput(Throughput::Elements((pattern.rows() * pattern.columns()) as u64));
+            group.throughput(Throughput::Elements(rays(&pattern) as u64));
             group.bench_function(BenchmarkId::new(name, size), |bencher| {
                 bencher.iter(|| {
                     step += 1.0;
-                    scan(&scene, pattern, &[pose(step)], &mut three(&mut images), None, 0).expect("the images fit")
+                    scan(&scene, &pattern, &[pose(step)], 0, &mut three(&mut images), None, 0).expect("the images fit")
                 });
             });
         }
@@ -211,56 +222,60 @@ fn scans(criterion: &mut Criterion) {
 
 fn batch(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("batch");
-    let pattern = hdl64();
-    let pixels = pattern.rows() * pattern.columns();
-    group.throughput(Throughput::Elements((SCANS * pixels) as u64));
-    for name in SCENES {
-        let scene = compiled(name);
-        let mut images = Images::new(SCANS * pattern.rows(), pattern.columns());
-        let mut step = 0.0;
-        group.bench_function(name, |bencher| {
-            bencher.iter(|| {
-                step += SCANS as f64;
-                let poses: Vec<[Pose; 1]> = (0..SCANS).map(|k| [pose(step + k as f64)]).collect();
-                let poses: Vec<&[Pose]> = poses.iter().map(|pose| &pose[..]).collect();
-                let mut images = three(&mut images);
-                scan_batch(&scene, &pattern, &poses, &mut images.pieces(pixels), None, 0).expect("the images fit")
+    for (name, scene) in SCENES.map(|name| (name, compiled(name))) {
+        for (size, pattern) in patterns() {
+            let pixels = rays(&pattern);
+            let mut images = Images::new(SCANS * pattern.rows(), pattern.columns());
+            let mut step = 0.0;
+            group.throughput(Throughput::Elements((SCANS * pixels) as u64));
+            group.bench_function(BenchmarkId::new(name, size), |bencher| {
+                bencher.iter(|| {
+                    step += SCANS as f64;
+                    let poses: Vec<[Pose; 1]> = (0..SCANS).map(|k| [pose(step + k as f64)]).collect();
+                    let poses: Vec<&[Pose]> = poses.iter().map(|pose| &pose[..]).collect();
+                    let mut images = three(&mut images);
+                    scan_batch(&scene, &pattern, &poses, 0, &mut images.pieces(pixels), None, 0)
+                        .expect("the images fit")
+                });
             });
-        });
+        }
     }
 }
 
 fn rolling(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("rolling");
-    let pattern = hdl64();
-    let (rows, columns) = (pattern.rows(), pattern.columns());
-    group.throughput(Throughput::Elements((rows * columns) as u64));
-    for name in SCENES {
-        let scene = compiled(name);
-        let mut images = Images::new(rows, columns);
-        let mut step = 0.0;
-        group.bench_function(name, |bencher| {
-            bencher.iter_batched(
-                || {
-                    step += 1.0;
-                    column_poses(step, columns)
-                },
-                |poses| scan(&scene, &pattern, &poses, &mut three(&mut images), None, 0).expect("the images fit"),
-                BatchSize::SmallInput,
-            );
-        });
+    for (name, scene) in SCENES.map(|name| (name, compiled(name))) {
+        for (size, pattern) in patterns() {
+            let mut images = Images::new(pattern.rows(), pattern.columns());
+            let mut step = 0.0;
+            group.throughput(Throughput::Elements(rays(&pattern) as u64));
+            group.bench_function(BenchmarkId::new(name, size), |bencher| {
+                bencher.iter_batched(
+                    || {
+                        step += 1.0;
+                        column_poses(step, pattern.columns())
+                    },
+                    |poses| {
+                        scan(&scene, &pattern, &poses, 0, &mut three(&mut images), None, 0).expect("the images fit")
+                    },
+                    BatchSize::SmallInput,
+                );
+            });
+        }
     }
 }
 
 fn casts(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("cast");
-    let (origins, directions) = loose_rays(64 * 1024);
-    group.throughput(Throughput::Elements(origins.len() as u64));
-    for name in SCENES {
-        let scene = compiled(name);
-        group.bench_function(name, |bencher| {
-            bencher.iter(|| cast(&scene, black_box(&origins), &directions, 120.0, 0).expect("the rays are valid"));
-        });
+    for (name, scene) in SCENES.map(|name| (name, compiled(name))) {
+        for (size, pattern) in patterns() {
+            let (origins, directions) = loose_rays(rays(&pattern));
+            group.throughput(Throughput::Elements(origins.len() as u64));
+            group.bench_function(BenchmarkId::new(name, size), |bencher| {
+                bencher
+                    .iter(|| cast(&scene, black_box(&origins), &directions, 120.0, 0, 0).expect("the rays are valid"));
+            });
+        }
     }
 }
 

@@ -7,6 +7,9 @@ checked before anything is written.
 
 `threads` is how many threads a call may use, 0 to 1024; 0 is as many as there are cores (`RAYON_NUM_THREADS`). Results
 are the same bit for bit for any number.
+
+`seed`, 0 or more, decides how far rays travel in media: the free path of a ray in a primitive is a pure function of the
+seed, the primitive's index, and the row and column of the ray.
 """
 
 from math import inf
@@ -84,6 +87,9 @@ class Scene:
         instances: NDArray[np.uint32],  # [P]
         # Unit vertices [V, 3] and faces [F, 3] of the shapes that are 4, in their order.
         meshes: list[tuple[NDArray[np.float64], NDArray[np.uint32]]],
+        # [P], 1/m, 0 for what is solid; None if everything is. A ray enters a medium, and comes to rest after a free
+        # path that is exponential with mean 1 / extinction, or leaves it. No plane and no open mesh is a medium.
+        extinctions: NDArray[np.float64] | None = None,
     ) -> Scene: ...
     def moved(self, primitives: NDArray[np.uint32], world_from_primitive: NDArray[np.float64]) -> Scene:
         """The same scene with primitives [M] standing elsewhere: poses [M, 4, 4] of their own frames (middle, axes),
@@ -104,6 +110,7 @@ class Scene:
         primitive: NDArray[np.int32] | None = None,  # [N, H, W], index in the scene
         incidence: NDArray[np.float32] | None = None,  # [N, H, W], cosine between ray and normal, 0 to 1
         normal: NDArray[np.float32] | None = None,  # [N, H, W, 3], unit, in the world, turned towards the sensor
+        seed: int = 0,  # of the first scan; scan k has the seed `seed` + k
         threads: int = 0,
         backend: str | None = None,  # one of `backends()`; None is the fastest
     ) -> None:
@@ -111,7 +118,8 @@ class Scene:
 
         No hit within [min_range, max_range] is depth 0, label 0, instance 0, primitive -1, incidence 0, normal 0. Both
         sides of every surface are seen. Of two hits at the same float32 distance the primitive with the lower index
-        wins. A pose that is not rigid raises `LayoutError`, images of another shape `SensorError`.
+        wins. What comes to rest in a medium has incidence 1 and a normal that looks back along the ray. A pose that is
+        not rigid raises `LayoutError`, images of another shape `SensorError`.
         """
     def cast(
         self,
@@ -119,6 +127,7 @@ class Scene:
         directions: NDArray[np.float64],  # [R, 3], of any length but 0
         *,
         max_range: float = inf,  # m, greater than 0
+        seed: int = 0,  # ray i is in row i // 16384 and column i % 16384
         threads: int = 0,
     ) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.uint32], NDArray[np.int32], NDArray[np.float32]]:
         """The closest hit of any rays: distance [m], label, instance, primitive, each [R], and the unit normal turned

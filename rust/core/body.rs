@@ -1,11 +1,11 @@
 //! Bodies: a solid in its own frame, and where that frame stands in the scene.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::{DMat3, DVec3};
 
 use crate::bvh::Bvh;
-use crate::intersect::{Cuboid, Cylinder, Ellipsoid, Hit, Ray, Rectangle, Triangle};
+use crate::intersect::{Cuboid, Cylinder, Ellipsoid, Hit, Ray, Rectangle, Span, Triangle, rest};
 use crate::scan::Blocks;
 use crate::{Bounds, TriangleMesh};
 
@@ -29,15 +29,18 @@ pub(crate) enum Solid {
     Mesh(Arc<MeshBody>),
 }
 
-/// A scaled mesh with a hierarchy over its triangles.
+/// A scaled mesh. What few scans need of it is made when one does.
 pub(crate) struct MeshBody {
     /// Positions in the frame of the body [m]. Each is stored once, which watertightness rests on.
     pub(crate) vertices: Vec<DVec3>,
     /// The vertex numbers of each triangle.
     pub(crate) faces: Vec<[u32; 3]>,
-    bvh: Bvh,
+    bvh: OnceLock<Bvh>,
+    normals: OnceLock<Vec<[f32; 3]>>,
     /// The triangles as the scan kernel wants them.
     pub(crate) blocks: Blocks,
+    /// The box around them in the frame of the body.
+    pub(crate) bounds: Bounds,
 }
 
 /// A solid at its place.
@@ -45,6 +48,8 @@ pub(crate) struct MeshBody {
 pub(crate) struct Body {
     pub(crate) place: Place,
     pub(crate) solid: Solid,
+    /// What makes it a medium [1/m].
+    pub(crate) extinction: Option<f64>,
     /// By how much flat faces are grown, so that faces which meet on paper leave no gap after rounding [m].
     slack: f64,
     bounds: Bounds,
@@ -72,8 +77,22 @@ impl MeshBody {
     pub(crate) fn new(mesh: TriangleMesh, size: DVec3) -> MeshBody {
         let (vertices, faces) = mesh.into_parts();
         let vertices: Vec<DVec3> = vertices.into_iter().map(|v| DVec3::from(v) * size).collect();
-        let boxes: Vec<Bounds> = faces.iter().map(|&face| triangle(&vertices, face).bounds()).collect();
-        MeshBody { bvh: Bvh::new(&boxes), blocks: Blocks::new(&vertices, &faces), vertices, faces }
+        let around = |all: Bounds, &face: &[u32; 3]| all.union(triangle(&vertices, face).bounds());
+        let bounds = faces.iter().fold(Bounds::EMPTY, around);
+        let (bvh, normals) = (OnceLock::new(), OnceLock::new());
+        MeshBody { bvh, normals, blocks: Blocks::new(&vertices, &faces), vertices, faces, bounds }
+    }
+
+    /// The hierarchy over the triangles.
+    fn bvh(&self) -> &Bvh {
+        let bounds = |&face: &[u32; 3]| triangle(&self.vertices, face).bounds();
+        self.bvh.get_or_init(|| Bvh::new(&self.faces.iter().map(bounds).collect::<Vec<_>>()))
+    }
+
+    /// The unit normal of each triangle, to either side; 0 where it has no area.
+    pub(crate) fn normals(&self) -> &[[f32; 3]] {
+        let normal = |&face: &[u32; 3]| triangle(&self.vertices, face).normal().as_vec3().to_array();
+        self.normals.get_or_init(|| self.faces.iter().map(normal).collect())
     }
 
     pub(crate) fn triangle(&self, part: u32) -> Triangle {
@@ -86,7 +105,29 @@ impl MeshBody {
             let part = face as u32;
             Some(Hit { distance: self.triangle(part).intersect(&sheared)?, part })
         };
-        Some(self.bvh.closest(ray, limit, hit)?.1)
+        Some(self.bvh().closest(ray, limit, hit)?.1)
+    }
+
+    /// The parts of a ray inside a closed mesh, in order: where its surface winds around the ray. Triangles may run either
+    /// way around.
+    fn spans(&self, ray: &Ray) -> Vec<Span> {
+        let sheared = ray.sheared();
+        let crossing = |&face: &usize| self.triangle(face as u32).crossing(&sheared);
+        let mut crossings: Vec<(f64, bool)> = self.bvh().along(ray).iter().filter_map(crossing).collect();
+        crossings.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let turn = |front: bool| if front { 1 } else { -1 };
+        // Far away nothing winds around it.
+        let mut winding = -crossings.iter().map(|&(_, front)| turn(front)).sum::<i32>();
+        let mut from = 0.0;
+        let mut spans = Vec::new();
+        for (distance, front) in crossings {
+            if winding != 0 {
+                spans.push((from, distance));
+            }
+            winding += turn(front);
+            from = distance;
+        }
+        spans
     }
 }
 
@@ -128,11 +169,11 @@ fn root_of_squares(vectors: &[DVec3]) -> DVec3 {
 }
 
 impl Body {
-    pub(crate) fn new(solid: Solid, place: Place) -> Body {
+    pub(crate) fn new(solid: Solid, place: Place, extinction: Option<f64>) -> Body {
         let slack = solid.slack(&place);
         // A turned cube reaches sqrt(3) times as far as an upright one.
         let bounds = solid.bounds(&place).grown(2.0 * slack);
-        Body { place, solid, slack, bounds }
+        Body { place, solid, extinction, slack, bounds }
     }
 
     /// The bounds relative to the origin of the scene.
@@ -141,8 +182,12 @@ impl Body {
     }
 
     /// The closest hit of a ray of the scene whose distance, as f32, is at most `limit`; there may be a further one instead.
-    pub(crate) fn intersect(&self, ray: &Ray, limit: f32) -> Option<Hit> {
+    /// `path` is asked of media: the mean free paths that the ray travels in it.
+    pub(crate) fn intersect(&self, ray: &Ray, limit: f32, path: impl FnOnce() -> f32) -> Option<Hit> {
         let ray = self.place.inward_ray(ray);
+        if let Some(extinction) = self.extinction {
+            return self.rest(&ray, f64::from(path()) / (extinction * ray.direction.length()));
+        }
         let distance = match &self.solid {
             Solid::Cuboid(shape) => shape.grown(self.slack).intersect(&ray),
             Solid::Ellipsoid(shape) => shape.intersect(&ray),
@@ -153,19 +198,24 @@ impl Body {
         Some(Hit { distance: distance?, part: 0 })
     }
 
-    /// The distance at which a ray of the scene meets one part, if it does.
-    pub(crate) fn distance(&self, ray: &Ray, part: u32) -> Option<f64> {
-        match &self.solid {
-            Solid::Mesh(mesh) => mesh.triangle(part).intersect(&self.place.inward_ray(ray).sheared()),
-            _ => Some(self.intersect(ray, f32::INFINITY)?.distance),
-        }
+    /// Where a ray of the body comes to rest that travels so far in it, in lengths of its direction.
+    fn rest(&self, ray: &Ray, path: f64) -> Option<Hit> {
+        let distance = match &self.solid {
+            Solid::Cuboid(shape) => rest(shape.grown(self.slack).span(ray), path),
+            Solid::Ellipsoid(shape) => rest(shape.span(ray), path),
+            Solid::Cylinder(shape) => rest(shape.span(ray), path),
+            Solid::Mesh(mesh) => rest(mesh.spans(ray), path),
+            // Checked to be no medium.
+            Solid::Rectangle(_) => None,
+        };
+        Some(Hit { distance: distance?, part: 0 })
     }
 
-    /// The same by asking every triangle: the definition that the hierarchy is tested against.
+    /// The closest hit by asking every triangle: the definition that the hierarchy is tested against.
     #[cfg(test)]
-    pub(crate) fn intersect_all(&self, ray: &Ray) -> Option<Hit> {
-        let Solid::Mesh(mesh) = &self.solid else {
-            return self.intersect(ray, f32::INFINITY);
+    pub(crate) fn intersect_all(&self, ray: &Ray, path: impl FnOnce() -> f32) -> Option<Hit> {
+        let (Solid::Mesh(mesh), None) = (&self.solid, self.extinction) else {
+            return self.intersect(ray, f32::INFINITY, path);
         };
         let sheared = self.place.inward_ray(ray).sheared();
         let hits = (0..mesh.faces.len() as u32)

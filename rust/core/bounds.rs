@@ -43,6 +43,11 @@ impl Bounds {
         !self.min.cmple(self.max).all()
     }
 
+    /// Whether a point lies in it.
+    pub(crate) fn contains(&self, point: DVec3) -> bool {
+        point.cmpge(self.min).all() && point.cmple(self.max).all()
+    }
+
     /// The middle.
     pub fn center(&self) -> DVec3 {
         (self.min + self.max) / 2.0

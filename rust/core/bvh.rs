@@ -1,5 +1,6 @@
 //! A hierarchy over boxes: the closest hit of any ray.
 
+use std::cell::RefCell;
 use std::time::Duration;
 
 use glam::{DVec3, Vec3A};
@@ -82,6 +83,18 @@ impl Bvh {
             from_start(limit)
         });
         best.map(|b| (b.entry, b.hit))
+    }
+}
+
+impl Bvh {
+    /// The entries whose boxes a ray meets.
+    pub(crate) fn along(&self, ray: &Ray) -> Vec<usize> {
+        let met = RefCell::new(Vec::new());
+        self.closest(ray, f32::INFINITY, |entry, _| {
+            met.borrow_mut().push(entry);
+            None
+        });
+        met.into_inner()
     }
 }
 

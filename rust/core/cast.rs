@@ -3,8 +3,9 @@
 use glam::DVec3;
 
 use crate::image::Return;
+use crate::medium::COUNT;
 use crate::scan::threads::spread;
-use crate::{Error, ImagesMut, Result, Scene};
+use crate::{Chance, Error, ImagesMut, Result, Scene};
 
 /// What rays hit, one entry for each; a ray without hit has 0 in all of them and -1 in `primitive`.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +29,7 @@ const BLOCK: usize = 1024;
 
 /// The closest hit of each ray, not further than `max_range` [m] (compared as f32; it may be infinite).
 ///
-/// Directions need not have the length 1. `threads` is 0 for as many as there are cores.
+/// Directions need not have the length 1. `seed` decides how far rays travel in media. `threads` is 0 for as many as there are cores.
 ///
 /// # Errors
 /// [`Error::RayCount`], [`Error::RayOrigin`], [`Error::RayDirection`] or [`Error::MaxRange`].
@@ -37,6 +38,7 @@ pub fn cast(
     origins: &[[f64; 3]],
     directions: &[[f64; 3]],
     max_range: f64,
+    seed: u64,
     threads: usize,
 ) -> Result<Hits> {
     check(origins, directions, max_range)?;
@@ -48,18 +50,20 @@ pub fn cast(
         primitive: vec![-1; rays],
         normal: vec![[0.0; 3]; rays],
     };
-    let cast = |origin: &[f64; 3], direction: &[f64; 3]| {
+    let cast = |ray: usize, origin: &[f64; 3], direction: &[f64; 3]| {
         let (origin, direction) = (DVec3::from(*origin), unit(DVec3::from(*direction)));
-        let hit = scene.closest(origin, direction)?;
+        // In rows of as many rays as there are free paths.
+        let chance = Chance { seed, row: (ray / COUNT) as u32, column: (ray % COUNT) as u32 };
+        let hit = scene.closest(origin, direction, chance)?;
         let depth = hit.distance as f32;
         let within = depth > 0.0 && depth <= max_range as f32;
         within.then(|| Return::new(scene, origin, direction, &hit, depth))
     };
     let rays = origins.chunks(BLOCK).zip(directions.chunks(BLOCK));
-    let blocks = rays.zip(hits.blocks()).collect();
-    spread(threads, blocks, |((origins, directions), mut found): ((&[_], &[_]), ImagesMut<'_>)| {
+    let blocks = rays.zip(hits.blocks()).enumerate().collect();
+    spread(threads, blocks, |(block, ((origins, directions), mut found)): (usize, ((&[_], &[_]), ImagesMut<'_>))| {
         for (ray, (origin, direction)) in origins.iter().zip(directions).enumerate() {
-            found.set(ray, cast(origin, direction).as_ref());
+            found.set(ray, cast(block * BLOCK + ray, origin, direction).as_ref());
         }
     });
     Ok(hits)

@@ -99,6 +99,19 @@ pub enum Error {
     #[error("yaws[{primitive}] is {value}; it must be finite")]
     Yaw { primitive: usize, value: f64 },
 
+    /// A medium that is no density.
+    #[error("extinctions[{primitive}] is {value} per metre; it must be finite and greater than 0, or 0 for a solid")]
+    Extinction { primitive: usize, value: f64 },
+    /// A medium without volume.
+    #[error("primitive {primitive} is a plane with an extinction; only what has a volume can be a medium")]
+    PorousPlane { primitive: usize },
+    /// A medium with a hole in its surface.
+    #[error(
+        "primitive {primitive} is an open mesh with an extinction: no triangle runs from vertex {to} to vertex {from}, \
+         against the one that runs from {from} to {to}, or there are more; only a closed mesh can be a medium"
+    )]
+    PorousMesh { primitive: usize, from: u32, to: u32 },
+
     /// As many poses as primitives to move, or not.
     #[error("primitives has {primitives} entries and world_from_primitive has {poses}; it must be one pose for each")]
     MovedCount { primitives: usize, poses: usize },
@@ -139,6 +152,9 @@ pub enum Error {
     /// A way of casting that this machine does not have.
     #[error("backend is {given:?}; it must be one of {available}")]
     Backend { given: String, available: String },
+    /// A seed that cannot be.
+    #[error("seed is {seed}; it must be 0 or more")]
+    Seed { seed: i64 },
     /// A number of threads that cannot be.
     #[error("threads is {threads}; it must be 0 (all cores) to {limit}")]
     Threads { threads: i64, limit: usize },

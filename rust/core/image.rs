@@ -26,8 +26,14 @@ pub(crate) struct Return {
 impl Return {
     /// What a ray that hit a scene brings back; `depth` is the distance as the image holds it.
     pub(crate) fn new(scene: &Scene, origin: DVec3, direction: DVec3, hit: &SceneHit, depth: f32) -> Return {
-        let normal = scene.normal(hit.primitive, hit.part, origin + direction * hit.distance);
-        let cosine = normal.dot(direction) / direction.length();
+        let length = direction.length();
+        let normal = if scene.is_medium(hit.primitive) {
+            // What it met there looks anywhere: it returns as a surface that faces the ray.
+            -direction / length
+        } else {
+            scene.normal(hit.primitive, hit.part, origin + direction * hit.distance)
+        };
+        let cosine = normal.dot(direction) / length;
         Return {
             depth,
             label: hit.label,

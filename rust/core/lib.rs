@@ -1,6 +1,7 @@
 //! Scenes of semantic shapes, cast by LiDAR sensor patterns.
 //!
-//! A [`Scene`] holds boxes, ellipsoids, cylinders, rectangles and triangle meshes, each with a class and an instance. A
+//! A [`Scene`] holds boxes, ellipsoids, cylinders, rectangles and triangle meshes, each with a class and an instance,
+//! solid or porous. A
 //! [`SensorPattern`] says which ray every pixel of a scan looks along. [`scan`] casts the pattern from a [`Pose`] and
 //! returns [`Images`]: distance, class, instance, primitive and incidence of the closest surface of every pixel.
 //!
@@ -16,6 +17,7 @@
 //!     yaw: 0.0,
 //!     label: 40,
 //!     instance: 0,
+//!     extinction: None,
 //! };
 //! let scene = Scene::new(vec![ground])?;
 //! let pattern = SensorPattern::new(SensorSpec {
@@ -29,7 +31,7 @@
 //!     max_range: 120.0,
 //! })?;
 //! let mut images = Images::new(pattern.rows(), pattern.columns());
-//! scan(&scene, &pattern, &[Pose::IDENTITY], &mut images.as_mut(), None, 0)?;
+//! scan(&scene, &pattern, &[Pose::IDENTITY], 0, &mut images.as_mut(), None, 0)?;
 //! assert_eq!(images.depth[0], 0.0); // the upper beam sees the sky
 //! assert!((images.depth[360] - 4.0).abs() < 1e-6); // 2 m below, at 30 degrees
 //! assert_eq!(images.label[360], 40);
@@ -43,6 +45,7 @@ mod cast;
 mod error;
 mod image;
 pub mod intersect;
+mod medium;
 mod mesh;
 mod obj;
 mod pose;
@@ -59,6 +62,7 @@ pub use bounds::Bounds;
 pub use cast::{Hits, cast};
 pub use error::{Error, Result};
 pub use image::{Images, ImagesMut};
+pub use medium::Chance;
 pub use mesh::TriangleMesh;
 pub use obj::{ObjMesh, read_obj};
 pub use pose::Pose;

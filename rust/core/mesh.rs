@@ -39,6 +39,18 @@ impl TriangleMesh {
         &self.faces
     }
 
+    /// An edge of a triangle that is not met by exactly one other triangle, which runs along it the other way; `None` if
+    /// the mesh is closed.
+    pub(crate) fn open_edge(&self) -> Option<[u32; 2]> {
+        let mut edges: Vec<[u32; 2]> = self.faces.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
+        edges.sort_unstable();
+        let count = |edge: &[u32; 2]| {
+            let first = edges.partition_point(|other| other < edge);
+            edges[first..].iter().take_while(|&other| other == edge).take(2).count()
+        };
+        edges.iter().copied().find(|&[a, b]| count(&[a, b]) != 1 || count(&[b, a]) != 1)
+    }
+
     /// The vertices and faces, without a copy.
     pub fn into_parts(self) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
         (self.vertices, self.faces)

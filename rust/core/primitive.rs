@@ -38,6 +38,8 @@ pub struct Primitive {
     pub label: u8,
     /// Its instance.
     pub instance: u32,
+    /// `None` if it is solid; else it is a medium: rays travel 1 / extinction [m] in it on average, and may leave it.
+    pub extinction: Option<f64>,
 }
 
 /// Coordinates and extents beyond this [m] would overflow areas in f32.
@@ -65,7 +67,25 @@ impl Primitive {
             let value = self.yaw;
             return Err(Error::Yaw { primitive, value });
         }
+        self.check_medium(primitive)?;
         self.check_reach(primitive)
+    }
+
+    fn check_medium(&self, primitive: usize) -> Result<()> {
+        let Some(value) = self.extinction else {
+            return Ok(());
+        };
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(Error::Extinction { primitive, value });
+        }
+        match &self.shape {
+            Shape::Plane => Err(Error::PorousPlane { primitive }),
+            Shape::Mesh(mesh) => match mesh.open_edge() {
+                Some([from, to]) => Err(Error::PorousMesh { primitive, from, to }),
+                None => Ok(()),
+            },
+            _ => Ok(()),
+        }
     }
 
     fn check_reach(&self, primitive: usize) -> Result<()> {
@@ -107,6 +127,6 @@ impl Primitive {
             Shape::Mesh(mesh) => Solid::Mesh(Arc::new(MeshBody::new(mesh, size))),
         };
         let rotation = DMat3::from_rotation_z(self.yaw);
-        Body::new(solid, Place { center: DVec3::from(self.center) - origin, rotation })
+        Body::new(solid, Place { center: DVec3::from(self.center) - origin, rotation }, self.extinction)
     }
 }

@@ -6,7 +6,7 @@ use crate::body::{Body, Place};
 use crate::bvh::Bvh;
 use crate::intersect::{Hit, Ray};
 use crate::scan::Stage;
-use crate::{Bounds, Error, Pose, Primitive, Result};
+use crate::{Bounds, Chance, Error, Pose, Primitive, Result};
 
 /// The closest surface along a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,8 @@ impl Scene {
     /// A scene; it may be empty.
     ///
     /// # Errors
-    /// [`Error::Center`], [`Error::Size`], [`Error::Yaw`] or [`Error::MeshReach`].
+    /// [`Error::Center`], [`Error::Size`], [`Error::Yaw`], [`Error::Extinction`], [`Error::PorousPlane`],
+    /// [`Error::PorousMesh`] or [`Error::MeshReach`].
     pub fn new(primitives: Vec<Primitive>) -> Result<Scene> {
         for (index, primitive) in primitives.iter().enumerate() {
             primitive.check(index)?;
@@ -71,7 +72,7 @@ impl Scene {
             // A pose may be off by what float32 texts lose, a place may not.
             let rotation = pose.orthonormal().rotation;
             let place = Place { center: pose.translation - self.origin, rotation };
-            *body = Body::new(body.solid.clone(), place);
+            *body = Body::new(body.solid.clone(), place, body.extinction);
         }
         let bvh = Bvh::new(&boxes(&bodies));
         let stage = Stage::new(&bodies);
@@ -94,23 +95,23 @@ impl Scene {
     }
 
     /// The closest surface along a ray; of two whose distances are the same in f32, the one with the lower index, and
-    /// within a mesh the lower triangle.
+    /// within a mesh the lower triangle. `chance` decides how far it travels in media.
     ///
     /// Origin and direction must be finite, and the direction not 0; it need not have the length 1.
-    pub fn closest(&self, origin: DVec3, direction: DVec3) -> Option<SceneHit> {
+    pub fn closest(&self, origin: DVec3, direction: DVec3, chance: Chance) -> Option<SceneHit> {
         let ray = Ray { origin: origin - self.origin, direction };
-        let (primitive, hit) =
-            self.bvh.closest(&ray, f32::INFINITY, |body, limit| self.bodies[body].intersect(&ray, limit))?;
+        let meet = |body: usize, limit| self.bodies[body].intersect(&ray, limit, || chance.path(body));
+        let (primitive, hit) = self.bvh.closest(&ray, f32::INFINITY, meet)?;
         Some(self.scene_hit(primitive, hit))
     }
 
     /// The same by asking every surface: the definition that the hierarchies are tested against.
     #[cfg(test)]
-    pub(crate) fn closest_of_all(&self, origin: DVec3, direction: DVec3) -> Option<SceneHit> {
+    pub(crate) fn closest_of_all(&self, origin: DVec3, direction: DVec3, chance: Chance) -> Option<SceneHit> {
         let ray = Ray { origin: origin - self.origin, direction };
         let hits = self.bodies.iter().enumerate();
         let (primitive, hit) = hits
-            .filter_map(|(i, body)| Some((i, body.intersect_all(&ray)?)))
+            .filter_map(|(i, body)| Some((i, body.intersect_all(&ray, || chance.path(i))?)))
             .min_by(|a, b| (a.1.distance as f32).total_cmp(&(b.1.distance as f32)))?;
         Some(self.scene_hit(primitive, hit))
     }
@@ -118,6 +119,11 @@ impl Scene {
     fn scene_hit(&self, primitive: usize, hit: Hit) -> SceneHit {
         let (label, instance) = self.semantics[primitive];
         SceneHit { distance: hit.distance, primitive, part: hit.part, label, instance }
+    }
+
+    /// Whether a primitive is a medium: what a ray hits in it has no surface.
+    pub fn is_medium(&self, primitive: usize) -> bool {
+        self.bodies[primitive].extinction.is_some()
     }
 
     /// The unit normal of a primitive at a point of its surface; it may point to either side, and is 0 where the surface

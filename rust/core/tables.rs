@@ -17,6 +17,8 @@ pub struct PrimitiveTables<'a> {
     pub labels: &'a [u8],
     /// Instances.
     pub instances: &'a [u32],
+    /// Extinctions [1/m], 0 for what is solid; or none at all if everything is.
+    pub extinctions: &'a [f64],
 }
 
 impl PrimitiveTables<'_> {
@@ -40,6 +42,7 @@ impl PrimitiveTables<'_> {
                 yaw: self.yaws[i],
                 label: self.labels[i],
                 instance: self.instances[i],
+                extinction: self.extinctions.get(i).copied().filter(|&extinction| extinction != 0.0),
             })
         };
         (0..self.shapes.len()).map(primitive).collect()
@@ -54,7 +57,8 @@ impl PrimitiveTables<'_> {
             ("labels", self.labels.len()),
             ("instances", self.instances.len()),
         ];
-        match tables.into_iter().find(|&(_, entries)| entries != primitives) {
+        let porous = (!self.extinctions.is_empty()).then_some(("extinctions", self.extinctions.len()));
+        match tables.into_iter().chain(porous).find(|&(_, entries)| entries != primitives) {
             Some((table, entries)) => Err(Error::PrimitiveTable { table, entries, primitives }),
             None => Ok(()),
         }

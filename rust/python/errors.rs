@@ -43,7 +43,7 @@ impl From<CoreError> for PyErr {
             | Error::ObjBroken { .. }
             | Error::ObjWithoutFaces { .. }
             | Error::ObjMesh { .. } => FormatError::new_err(message),
-            Error::Backend { .. } | Error::Threads { .. } => LidarDraftError::new_err(message),
+            Error::Backend { .. } | Error::Threads { .. } | Error::Seed { .. } => LidarDraftError::new_err(message),
             _ => LayoutError::new_err(message),
         }
     }

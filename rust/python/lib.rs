@@ -102,7 +102,7 @@ struct Scene(core::Scene);
 #[pymethods]
 impl Scene {
     #[new]
-    #[pyo3(signature = (*, shapes, centers, sizes, yaws, labels, instances, meshes))]
+    #[pyo3(signature = (*, shapes, centers, sizes, yaws, labels, instances, meshes, extinctions=None))]
     #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
     fn new(
         py: Python<'_>,
@@ -113,6 +113,7 @@ impl Scene {
         labels: &Bound<'_, PyAny>,
         instances: &Bound<'_, PyAny>,
         meshes: Vec<(Bound<'_, PyAny>, Bound<'_, PyAny>)>,
+        extinctions: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let shapes: Column<'_, u8> = array("shapes", shapes)?;
         let centers: Table<'_, f64> = array("centers", centers)?;
@@ -120,6 +121,8 @@ impl Scene {
         let yaws: Column<'_, f64> = array("yaws", yaws)?;
         let labels: Column<'_, u8> = array("labels", labels)?;
         let instances: Column<'_, u32> = array("instances", instances)?;
+        let extinctions: Option<Column<'_, f64>> =
+            extinctions.map(|argument| array("extinctions", argument)).transpose()?;
         let meshes = meshes.iter().enumerate().map(|(i, mesh)| triangle_mesh(i, mesh));
         let meshes = meshes.collect::<PyResult<Vec<_>>>()?;
         let tables = core::PrimitiveTables {
@@ -129,6 +132,7 @@ impl Scene {
             yaws: yaws.as_slice()?,
             labels: labels.as_slice()?,
             instances: instances.as_slice()?,
+            extinctions: extinctions.as_ref().map_or(Ok(&[][..]), |column| column.as_slice())?,
         };
         let scene = py.detach(|| core::Scene::new(tables.primitives(meshes)?));
         Ok(Scene(scene.map_err(CoreError::from)?))
@@ -147,7 +151,7 @@ impl Scene {
         Ok(Scene(scene.map_err(CoreError::from)?))
     }
 
-    #[pyo3(signature = (pattern, world_from_sensor, *, depth, label, instance, primitive=None, incidence=None, normal=None, threads=0, backend=None))]
+    #[pyo3(signature = (pattern, world_from_sensor, *, depth, label, instance, primitive=None, incidence=None, normal=None, seed=0, threads=0, backend=None))]
     #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
     fn scan(
         &self,
@@ -160,11 +164,12 @@ impl Scene {
         primitive: Option<&Bound<'_, PyAny>>,
         incidence: Option<&Bound<'_, PyAny>>,
         normal: Option<&Bound<'_, PyAny>>,
+        seed: i64,
         threads: i64,
         backend: Option<&str>,
     ) -> PyResult<()> {
         let (rows, columns) = (pattern.0.rows(), pattern.0.columns());
-        let threads = thread_count(threads)?;
+        let (seed, threads) = (checked_seed(seed)?, thread_count(threads)?);
         let backend = backend.map(str::parse::<core::Backend>).transpose().map_err(CoreError::from)?;
         let (poses, scans, each) = sensor_poses(world_from_sensor, columns)?;
         let given = Given { depth, label, instance, primitive, incidence, normal };
@@ -172,12 +177,12 @@ impl Scene {
         let mut all = outputs.images()?;
         let done = py.detach(|| {
             let poses: Vec<&[core::Pose]> = poses.chunks(each).collect();
-            core::scan_batch(&self.0, &pattern.0, &poses, &mut all.pieces(rows * columns), backend, threads)
+            core::scan_batch(&self.0, &pattern.0, &poses, seed, &mut all.pieces(rows * columns), backend, threads)
         });
         Ok(done.map_err(CoreError::from)?)
     }
 
-    #[pyo3(signature = (origins, directions, *, max_range=f64::INFINITY, threads=0))]
+    #[pyo3(signature = (origins, directions, *, max_range=f64::INFINITY, seed=0, threads=0))]
     #[expect(clippy::type_complexity, reason = "the tuple of the stub file")]
     fn cast<'py>(
         &self,
@@ -185,14 +190,15 @@ impl Scene {
         origins: &Bound<'py, PyAny>,
         directions: &Bound<'py, PyAny>,
         max_range: f64,
+        seed: i64,
         threads: i64,
     ) -> PyResult<(Out<'py, f32>, Out<'py, u8>, Out<'py, u32>, Out<'py, i32>, Out<'py, f32>)> {
-        let threads = thread_count(threads)?;
+        let (seed, threads) = (checked_seed(seed)?, thread_count(threads)?);
         let origins: Table<'_, f64> = array("origins", origins)?;
         let directions: Table<'_, f64> = array("directions", directions)?;
         let origins = rows("origins", &origins, "[R, 3]")?;
         let directions = rows("directions", &directions, "[R, 3]")?;
-        let hits = py.detach(|| core::cast(&self.0, origins, directions, max_range, threads));
+        let hits = py.detach(|| core::cast(&self.0, origins, directions, max_range, seed, threads));
         let hits = hits.map_err(CoreError::from)?;
         let count = hits.distance.len();
         Ok((
@@ -238,6 +244,10 @@ const MOST_THREADS: usize = 1024;
 fn thread_count(threads: i64) -> CoreResult<usize> {
     let count = usize::try_from(threads).ok().filter(|&count| count <= MOST_THREADS);
     Ok(count.ok_or(core::Error::Threads { threads, limit: MOST_THREADS })?)
+}
+
+fn checked_seed(seed: i64) -> CoreResult<u64> {
+    Ok(u64::try_from(seed).map_err(|_| core::Error::Seed { seed })?)
 }
 
 fn triangle_mesh(

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Ray, first, narrow, slab};
+use super::{Ray, Span, first, narrow, slab};
 
 /// A box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,13 +18,19 @@ impl Cuboid {
         Cuboid { half: self.half + margin }
     }
 
-    /// Where a ray enters the box, or leaves it if it starts inside: Kay and Kajiya, "Ray Tracing Complex Scenes", 1986.
+    /// Where a ray enters the box, or leaves it if it starts inside.
     pub fn intersect(&self, ray: &Ray) -> Option<f64> {
+        first(self.span(ray)?)
+    }
+
+    /// The part of a line inside the box: Kay and Kajiya, "Ray Tracing Complex Scenes", 1986. It ends before it begins if
+    /// the line passes by.
+    pub fn span(&self, ray: &Ray) -> Option<Span> {
         let Ray { origin, direction } = ray;
         let x = slab(origin.x, direction.x, self.half.x)?;
         let y = slab(origin.y, direction.y, self.half.y)?;
         let z = slab(origin.z, direction.z, self.half.z)?;
-        first(narrow(narrow(x, y), z))
+        Some(narrow(narrow(x, y), z))
     }
 
     /// The outward unit normal of the face that a point of the surface lies on: the one it is relatively nearest to.

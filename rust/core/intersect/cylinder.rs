@@ -14,8 +14,13 @@ pub struct Cylinder {
 impl Cylinder {
     /// Where a ray enters the cylinder, or leaves it if it starts inside; side and caps.
     pub fn intersect(&self, ray: &Ray) -> Option<f64> {
+        first(self.span(ray)?)
+    }
+
+    /// The part of a line inside the cylinder; it ends before it begins if the line passes by.
+    pub fn span(&self, ray: &Ray) -> Option<Span> {
         let caps = slab(ray.origin.z, ray.direction.z, self.half.z)?;
-        first(narrow(caps, self.side(ray)?))
+        Some(narrow(caps, self.side(ray)?))
     }
 
     /// The part of a ray inside the endless cylinder.

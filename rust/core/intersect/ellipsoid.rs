@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Ray, first, unit_ball};
+use super::{Ray, Span, first, unit_ball};
 
 /// An ellipsoid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +14,12 @@ pub struct Ellipsoid {
 impl Ellipsoid {
     /// Where a ray enters the ellipsoid, or leaves it if it starts inside.
     pub fn intersect(&self, ray: &Ray) -> Option<f64> {
-        first(unit_ball(ray.origin / self.radii, ray.direction / self.radii)?)
+        first(self.span(ray)?)
+    }
+
+    /// The part of a line inside the ellipsoid.
+    pub fn span(&self, ray: &Ray) -> Option<Span> {
+        unit_ball(ray.origin / self.radii, ray.direction / self.radii)
     }
 
     /// The outward unit normal at a point of the surface: the gradient, scaled so that no radius is too small for it.

@@ -21,7 +21,7 @@ pub use rectangle::Rectangle;
 pub use triangle::Triangle;
 
 /// The distances at which a line enters and leaves a convex body.
-type Span = (f64, f64);
+pub type Span = (f64, f64);
 
 /// The part of a line inside the intersection of two convex bodies.
 fn narrow(a: Span, b: Span) -> Span {
@@ -32,6 +32,20 @@ fn narrow(a: Span, b: Span) -> Span {
 fn first((enter, exit): Span) -> Option<f64> {
     let ahead = if enter > 0.0 { enter } else { exit };
     (enter <= exit && ahead > 0.0).then_some(ahead)
+}
+
+/// Where a ray that travels so far within convex bodies comes to rest, given where it enters and leaves them, in order;
+/// `None` if it leaves the last one before.
+pub(crate) fn rest(spans: impl IntoIterator<Item = Span>, path: f64) -> Option<f64> {
+    let mut left = path;
+    for (enter, exit) in spans {
+        let from = enter.max(0.0);
+        if from + left < exit {
+            return Some(from + left);
+        }
+        left -= (exit - from).max(0.0);
+    }
+    None
 }
 
 /// The part of a line between two parallel planes at `-half` and `half` of one axis; `None` if it runs beside them.

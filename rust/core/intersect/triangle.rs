@@ -35,6 +35,23 @@ impl Triangle {
         (distance > 0.0).then_some(distance)
     }
 
+    /// Where a ray crosses the triangle, and whether it sees the corners run counter-clockwise there.
+    ///
+    /// As [`Triangle::intersect`], but a ray through an edge crosses exactly one of the triangles that share it, as if it ran
+    /// beside the edge by less than any number: Edelsbrunner and Muecke, "Simulation of Simplicity", 1990. So the crossings of
+    /// a closed mesh tell inside from outside.
+    pub fn crossing(&self, ray: &ShearedRay) -> Option<(f64, bool)> {
+        let [a, b, c] = self.corners.map(|corner| ray.shear(corner));
+        let edges = [side(c, b), side(a, c), side(b, a)];
+        let front = edges[0].1;
+        if edges.iter().any(|edge| edge.1 != front) {
+            return None;
+        }
+        let [u, v, w] = edges.map(|edge| edge.0);
+        let distance = (u * a.z + v * b.z + w * c.z) / (u + v + w);
+        (distance > 0.0).then_some((distance, front))
+    }
+
     /// The unit normal on the side from which the corners run counter-clockwise; 0 if the triangle has no area.
     pub fn normal(&self) -> DVec3 {
         let [a, b, c] = self.corners;
@@ -46,4 +63,12 @@ impl Triangle {
         let [a, b, c] = self.corners;
         Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
     }
+}
+
+/// The edge function of two sheared corners, and whether it is positive for a ray that starts at (e, e^2) with e as small as
+/// need be.
+fn side(p: DVec3, q: DVec3) -> (f64, bool) {
+    let area = p.x * q.y - p.y * q.x;
+    let beside = if p.y == q.y { q.x - p.x } else { p.y - q.y };
+    (area, if area == 0.0 { beside > 0.0 } else { area > 0.0 })
 }

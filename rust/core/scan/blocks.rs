@@ -87,6 +87,13 @@ impl Blocks {
     }
 }
 
+impl Blocks {
+    /// How many groups and large triangles there are.
+    pub(super) fn parts(&self) -> usize {
+        self.group_boxes.count + self.large_boxes.count
+    }
+}
+
 impl Boxes {
     fn new(boxes: Vec<Bounds>) -> Boxes {
         let padded = boxes.len().next_multiple_of(WIDEST);

@@ -70,7 +70,20 @@ impl View<'_> {
         let distance = nearest.max(zero);
         let distance = distance.mul_add(distance, beyond * beyond);
         let reached = splat(self.max_range * self.max_range * 1.001).ge(distance);
-        Bounds { near, low: middle - width, high: middle + width, first, last, seen: last.ge(first) & reached }
+        let (low, high) = (middle - width, middle + width);
+        let seen = last.ge(first) & reached & self.shows(low, high);
+        Bounds { near, low, high, first, last, seen }
+    }
+
+    /// Whether columns of this view lie between two of the whole turn, where [`View::stretches`] says which.
+    #[inline(always)]
+    pub(super) fn shows<L: Lanes>(&self, low: L, high: L) -> L::Mask {
+        let turn = L::splat(self.band.turn);
+        let (start, end) = (L::splat(self.columns.start as f32), L::splat((self.columns.end - 1) as f32));
+        let away = ((low - start) / turn).floor();
+        let here = end.ge(low - away * turn);
+        let next = (high + (L::splat(-1.0) - away) * turn).ge(start);
+        here | next | (high - low).ge(turn)
     }
 
     /// By how much everything at such a distance is grown: rounding, and the motion of the sensor during the view.
@@ -80,9 +93,9 @@ impl View<'_> {
         distance.mul_add(L::splat(twist + 8.0 * f32::EPSILON), L::splat(shift))
     }
 
-    /// By how much columns are widened to either side: for three arctangents that are off by 1e-5, and rounding.
+    /// By how much columns are widened to either side: for three arctangents that are off by 1e-5, rounding, and sweeps.
     pub(super) fn margin(&self) -> f32 {
-        3e-5 * self.band.density + COLUMN_SLACK
+        3e-5 * self.band.density + COLUMN_SLACK + self.band.spread
     }
 
     /// The column of an azimuth, counted from the middle of column 0.

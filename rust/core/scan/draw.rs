@@ -1,5 +1,6 @@
 //! Shapes onto pixels: the loop that everything else is there to keep short.
 
+use super::band::SWEEPS;
 use super::bounds::Area;
 use super::lanes::{Lanes, Mask, WIDEST};
 use super::solids::{Shape, Solid, Tolerance};
@@ -75,14 +76,14 @@ impl Canvas {
 impl View<'_> {
     /// The share that the nearness of another surface must differ by so that settled ranges tell which is nearer.
     #[inline(always)]
-    fn tie<L: Lanes>(&self, nearness: L) -> L {
+    pub(super) fn tie<L: Lanes>(&self, nearness: L) -> L {
         nearness.mul_add(L::splat(2.0 * self.tolerance.absolute), L::splat(2.0 * Tolerance::RELATIVE))
     }
 }
 
 /// The first columns of the vectors that cover a stretch.
 #[inline(always)]
-fn steps<L: Lanes>(from: usize, to: usize) -> impl Iterator<Item = usize> {
+pub(super) fn steps<L: Lanes>(from: usize, to: usize) -> impl Iterator<Item = usize> {
     let count = (to + L::N - from.min(to + L::N)) / L::N;
     (0..count).map(move |step| from + step * L::N)
 }
@@ -99,11 +100,14 @@ pub(super) fn draw<L: Lanes>(shape: &impl Shape, id: u32, area: &Area, view: &Vi
             let columns = motion.columns::<L>(at);
             let seen = shape.seen_from(columns.start);
             let [a, b, c, d] = seen.rows();
-            let h = columns.heading;
-            let along = [a.dot(h), b.dot(h), c.dot(h), d.dot(h)];
             let up = columns.up;
             let rise = [a.dot(up), b.dot(up), c.dot(up), d.dot(up)];
-            draw_columns(&seen, [along, rise], id, (at, area), view, canvas);
+            let mut along = [[L::splat(0.0); 4]; SWEEPS];
+            for (sweep, along) in along.iter_mut().enumerate().take(view.band.count) {
+                let h = view.headings::<L>(sweep, at);
+                *along = [a.dot(h), b.dot(h), c.dot(h), d.dot(h)];
+            }
+            draw_columns(&seen, (&along, &rise), id, (at, area), view, canvas);
         }
     }
 }
@@ -115,19 +119,36 @@ pub(super) fn draw_seen<L: Lanes>(seen: &impl Solid<L>, id: u32, area: &Area, vi
     let rise = [a.z, b.z, c.z, d.z];
     for (from, to) in view.stretches(area) {
         for at in steps::<L>(from, to) {
-            let (x, y) = view.headings::<L>(at);
-            let along =
-                [a.x.mul_add(x, a.y * y), b.x.mul_add(x, b.y * y), c.x.mul_add(x, c.y * y), d.x.mul_add(x, d.y * y)];
-            draw_columns(seen, [along, rise], id, (at, area), view, canvas);
+            let mut along = [[L::splat(0.0); 4]; SWEEPS];
+            for (sweep, along) in along.iter_mut().enumerate().take(view.band.count) {
+                let Vector { x, y, .. } = view.headings::<L>(sweep, at);
+                *along = [
+                    a.x.mul_add(x, a.y * y),
+                    b.x.mul_add(x, b.y * y),
+                    c.x.mul_add(x, c.y * y),
+                    d.x.mul_add(x, d.y * y),
+                ];
+            }
+            draw_columns(seen, (&along, &rise), id, (at, area), view, canvas);
         }
     }
+}
+
+/// The largest products of any sweep.
+#[inline(always)]
+fn most<L: Lanes>(along: &[[L; 4]]) -> [L; 4] {
+    let mut all = along[0];
+    for [a, b, c, d] in &along[1..] {
+        all = [all[0].max(*a), all[1].max(*b), all[2].max(*c), all[3].max(*d)];
+    }
+    all
 }
 
 /// Draws the rows of an area in the `L::N` columns from `at` on.
 #[inline(always)]
 fn draw_columns<L: Lanes>(
     seen: &impl Solid<L>,
-    [along, rise]: [[L; 4]; 2],
+    (along, rise): (&[[L; 4]; SWEEPS], &[L; 4]),
     id: u32,
     (at, area): (usize, &Area),
     view: &View,
@@ -136,7 +157,7 @@ fn draw_columns<L: Lanes>(
     let (zero, bound, tolerance) = (L::splat(0.0), L::splat(area.near), view.tolerance);
     let (mut first, mut last) = (area.first, area.last);
     if last - first >= TALL
-        && let Some((low, high)) = seen.slopes(&along, &rise)
+        && let Some((low, high)) = seen.slopes(&most(&along[..view.band.count]), rise)
     {
         // A triangle fills half its area or less.
         let (from, to) = view.band.rows_between(low, high);
@@ -155,8 +176,9 @@ fn draw_columns<L: Lanes>(
     let begin = first * canvas.stride + at;
     let near = canvas.near[begin..].chunks_exact_mut(canvas.stride);
     let ids = canvas.id[begin..].chunks_exact_mut(canvas.stride);
-    for ((&slope, near), ids) in slopes.iter().zip(near).zip(ids) {
-        let slope = L::splat(slope);
+    let sweeps = &view.band.sweeps[first..=last];
+    for (((&slope, &sweep), near), ids) in slopes.iter().zip(sweeps).zip(near).zip(ids) {
+        let (slope, along) = (L::splat(slope), &along[usize::from(sweep) % SWEEPS]);
         let direction = [
             rise[0].mul_add(slope, along[0]),
             rise[1].mul_add(slope, along[1]),

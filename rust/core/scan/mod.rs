@@ -5,8 +5,10 @@ mod band;
 mod blocks;
 mod bounds;
 mod draw;
+mod incidence;
 mod lanes;
 mod paint;
+mod porous;
 mod raster;
 pub(crate) mod reference;
 mod resolve;
@@ -21,6 +23,7 @@ mod view;
 pub use backend::Backend;
 pub(crate) use band::Band;
 pub(crate) use blocks::Blocks;
+pub(crate) use lanes::WIDEST;
 pub(crate) use stage::Stage;
 
 use crate::{Error, ImagesMut, Pose, Result, Scene, SensorPattern};
@@ -28,7 +31,8 @@ use threads::spread;
 
 /// Casts a scan: the closest return of every ray of a pattern.
 ///
-/// `poses` are world_from_sensor: one, or one for each column (rolling shutter). A surface nearer than the minimum range is
+/// `poses` are world_from_sensor: one, or one for each column (rolling shutter). `seed` decides how far rays travel in media:
+/// a pure function of seed, primitive, row and column. A surface nearer than the minimum range is
 /// not reported, and hides what is behind it. `backend` is the fastest if it is not given; `threads` is 0 for as many as
 /// there are cores. The images are the same for any number of threads.
 ///
@@ -38,16 +42,18 @@ pub fn scan(
     scene: &Scene,
     pattern: &SensorPattern,
     poses: &[Pose],
+    seed: u64,
     images: &mut ImagesMut<'_>,
     backend: Option<Backend>,
     threads: usize,
 ) -> Result<()> {
     check(pattern, poses, images)?;
-    cast(scene, pattern, poses, images, backend, threads);
+    cast(scene, pattern, poses, seed, images, backend, threads);
     Ok(())
 }
 
-/// Casts several scans, one list of poses and one set of images for each; threads take whole scans.
+/// Casts several scans, one list of poses and one set of images for each; threads take whole scans. Scan k has the seed
+/// `seed` + k.
 ///
 /// # Errors
 /// [`Error::ScanCount`], [`Error::PoseCount`] or [`Error::ImageSize`], before anything is written.
@@ -55,6 +61,7 @@ pub fn scan_batch(
     scene: &Scene,
     pattern: &SensorPattern,
     poses: &[&[Pose]],
+    seed: u64,
     images: &mut [ImagesMut<'_>],
     backend: Option<Backend>,
     threads: usize,
@@ -67,8 +74,10 @@ pub fn scan_batch(
     }
     // A scan by itself is spread by rows.
     let within = if images.len() == 1 { threads } else { 1 };
-    let scans = poses.iter().zip(images).collect();
-    spread(threads, scans, |(poses, images): (&&[Pose], _)| cast(scene, pattern, poses, images, backend, within));
+    let scans = poses.iter().zip(images).enumerate().collect();
+    spread(threads, scans, |(k, (poses, images)): (usize, (&&[Pose], _))| {
+        cast(scene, pattern, poses, seed.wrapping_add(k as u64), images, backend, within);
+    });
     Ok(())
 }
 
@@ -84,12 +93,13 @@ fn cast(
     scene: &Scene,
     pattern: &SensorPattern,
     poses: &[Pose],
+    seed: u64,
     images: &mut ImagesMut<'_>,
     backend: Option<Backend>,
     threads: usize,
 ) {
     match backend.unwrap_or_else(Backend::fastest) {
-        Backend::Reference => reference::scan(scene, pattern, poses, images, threads),
-        backend => raster::scan(scene, pattern, poses, images, backend, threads),
+        Backend::Reference => reference::scan(scene, pattern, poses, seed, images, threads),
+        backend => raster::scan(scene, pattern, poses, seed, images, backend, threads),
     }
 }

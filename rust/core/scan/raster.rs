@@ -8,18 +8,20 @@ use std::cell::RefCell;
 use std::ops::Range;
 
 use super::band::Band;
+use super::incidence::Faces;
 use super::lanes::{self, Kernel, Lanes, WIDEST};
 use super::paint::Painter;
 use super::resolve::{Doubts, Owners};
 use super::threads::spread;
 use super::view::View;
 use super::{Backend, reference};
-use crate::image::Return;
-use crate::intersect::Ray;
-use crate::{ImagesMut, Pose, Scene, SceneHit, SensorPattern};
+use crate::{ImagesMut, Pose, Scene, SensorPattern};
 
-/// The columns that share bounds when each has a pose of its own: the sensor moves little meanwhile.
-const ROLLING: usize = 64;
+/// The columns that share bounds when each has a pose of its own, at most and at least: by how far the sensor moves
+/// meanwhile [m], and the fewest if it turns.
+const ROLLING: usize = 256;
+const TURNING: usize = 64;
+const MOVING: f64 = 0.3;
 /// A thread is not woken for fewer columns.
 const FEWEST: usize = 128;
 /// More pixels than this, of 8 bytes each, leave the second fastest cache of many processors.
@@ -40,6 +42,7 @@ struct Scan<'a> {
     /// From the world, and from the origin of the scene.
     poses: &'a [Pose],
     local: Vec<Pose>,
+    seed: u64,
     backend: Backend,
 }
 
@@ -48,13 +51,14 @@ pub(super) fn scan(
     scene: &Scene,
     pattern: &SensorPattern,
     poses: &[Pose],
+    seed: u64,
     images: &mut ImagesMut<'_>,
     backend: Backend,
     threads: usize,
 ) {
     let local = |pose: &Pose| Pose { translation: pose.translation - scene.origin(), ..*pose };
-    let scan = Scan { scene, pattern, poses, local: poses.iter().map(local).collect(), backend };
-    let width = if poses.len() > 1 { ROLLING } else { stretch(pattern, threads) };
+    let scan = Scan { scene, pattern, poses, local: poses.iter().map(local).collect(), seed, backend };
+    let width = if poses.len() > 1 { rolling(poses) } else { stretch(pattern, threads) };
     spread(threads, jobs(pattern, images, width), |job| scan.run(job));
 }
 
@@ -63,6 +67,16 @@ fn stretch(pattern: &SensorPattern, threads: usize) -> usize {
     let threads = if threads == 0 { rayon::current_num_threads() } else { threads };
     let parts = threads.max((pattern.rows() * pattern.columns()).div_ceil(MOST));
     pattern.columns().div_ceil(parts).next_multiple_of(WIDEST).max(FEWEST)
+}
+
+/// How many columns are painted at once that have a pose each.
+fn rolling(poses: &[Pose]) -> usize {
+    let turns = |pair: &[Pose]| !pair[0].rotation.abs_diff_eq(pair[1].rotation, 1e-12);
+    let step = poses.windows(2).map(|pair| pair[0].translation.distance(pair[1].translation)).fold(0.0, f64::max);
+    if poses.windows(2).any(turns) {
+        return TURNING;
+    }
+    ((MOVING / step.max(1e-9)) as usize / TURNING * TURNING).clamp(TURNING, ROLLING)
 }
 
 fn jobs<'a>(pattern: &'a SensorPattern, images: &'a mut ImagesMut<'_>, width: usize) -> Vec<Job<'a>> {
@@ -102,11 +116,15 @@ impl Kernel for Painting<'_, '_, '_> {
         let Painting { scan, view, painter, images, doubts } = self;
         let (scene, stage) = (scan.scene, scan.scene.stage());
         let surfaces = images.first().is_some_and(|image| image.incidence.is_some() || image.normal.is_some());
-        painter.paint::<L>(scene.bodies(), stage, view, surfaces);
+        painter.paint::<L>(scene, view, scan.seed, surfaces);
         let owners = Owners { surfaces: surfaces.then_some(stage), semantics: scene.semantics() };
         painter.canvas.resolve::<L>(view, &owners, images, doubts);
         if surfaces {
-            scan.normals(view, painter, images);
+            let mut faces = Faces::new(scene, view);
+            for (row, image) in images.iter_mut().enumerate() {
+                let ids = &painter.canvas.id[row * painter.canvas.stride..][..view.width()];
+                faces.write(row, ids, image);
+            }
         }
     }
 }
@@ -122,30 +140,8 @@ impl Scan<'_> {
         PAINTER.set(painter);
         for (row, column) in doubts {
             let (beam, ray) = (job.band.rows[row] as usize, job.columns.start + column);
-            let found = reference::cast_pixel(self.scene, self.pattern, self.poses, beam, ray);
+            let found = reference::cast_pixel(self.scene, self.pattern, self.poses, self.seed, [beam, ray]);
             job.images[row].set(column, found.as_ref());
-        }
-    }
-
-    /// Writes the images that need the normal of every surface.
-    fn normals(&self, view: &View, painter: &Painter, images: &mut [ImagesMut<'_>]) {
-        let stage = self.scene.stage();
-        for (row, image) in images.iter_mut().enumerate() {
-            for column in 0..view.width() {
-                let depth = image.depth[column];
-                let found = (depth > 0.0).then(|| {
-                    let (beam, ray) = (view.band.rows[row] as usize, view.columns.start + column);
-                    let (origin, direction) = reference::ray(self.pattern, self.poses, beam, ray);
-                    let (primitive, part) = stage.body_of(painter.canvas.id[row * painter.canvas.stride + column]);
-                    let (label, instance) = self.scene.semantics()[primitive];
-                    // The exact distance: an f32 one may be nearer to another face of a thin body.
-                    let local = Ray { origin: origin - self.scene.origin(), direction };
-                    let distance = self.scene.bodies()[primitive].distance(&local, part).unwrap_or(f64::from(depth));
-                    let hit = SceneHit { distance, primitive, part, label, instance };
-                    Return::new(self.scene, origin, direction, &hit, depth)
-                });
-                image.set(column, found.as_ref());
-            }
         }
     }
 }

@@ -4,14 +4,21 @@ use glam::DVec3;
 
 use super::threads::spread;
 use crate::image::Return;
-use crate::{ImagesMut, Pose, Scene, SensorPattern};
+use crate::{Chance, ImagesMut, Pose, Scene, SensorPattern};
 
 /// The closest return of every ray, one ray at a time; rows are spread over threads.
-pub(super) fn scan(scene: &Scene, pattern: &SensorPattern, poses: &[Pose], images: &mut ImagesMut<'_>, threads: usize) {
+pub(super) fn scan(
+    scene: &Scene,
+    pattern: &SensorPattern,
+    poses: &[Pose],
+    seed: u64,
+    images: &mut ImagesMut<'_>,
+    threads: usize,
+) {
     let rows = images.pieces(pattern.columns()).into_iter().enumerate().collect();
     spread(threads, rows, |(row, mut pixels): (usize, ImagesMut<'_>)| {
         for column in 0..pattern.columns() {
-            pixels.set(column, cast_pixel(scene, pattern, poses, row, column).as_ref());
+            pixels.set(column, cast_pixel(scene, pattern, poses, seed, [row, column]).as_ref());
         }
     });
 }
@@ -21,11 +28,12 @@ pub(crate) fn cast_pixel(
     scene: &Scene,
     pattern: &SensorPattern,
     poses: &[Pose],
-    row: usize,
-    column: usize,
+    seed: u64,
+    [row, column]: [usize; 2],
 ) -> Option<Return> {
     let (origin, direction) = ray(pattern, poses, row, column);
-    let hit = scene.closest(origin, direction)?;
+    let chance = Chance { seed, row: row as u32, column: column as u32 };
+    let hit = scene.closest(origin, direction, chance)?;
     let depth = pattern.reported(hit.distance)?;
     Some(Return::new(scene, origin, direction, &hit, depth))
 }

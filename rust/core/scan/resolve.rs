@@ -176,12 +176,14 @@ impl<'a> Row<'a> {
     /// Writes which body is in each of these columns.
     #[inline(always)]
     fn fill_each(&mut self, ids: &[u32], owners: &Owners) {
-        for ((&id, to_label), to_instance) in ids.iter().zip(&mut *self.label).zip(&mut *self.instance) {
-            (_, *to_label, *to_instance) = owners.of(id);
-        }
-        if let Some(primitive) = &mut self.primitive {
-            for (&id, to) in ids.iter().zip(&mut **primitive) {
-                *to = owners.of(id).0 as i32;
+        let (mut last, mut owner) = (ids[0], owners.of(ids[0]));
+        for (k, &id) in ids.iter().enumerate() {
+            if id != last {
+                (last, owner) = (id, owners.of(id));
+            }
+            (self.label[k], self.instance[k]) = (owner.1, owner.2);
+            if let Some(primitive) = &mut self.primitive {
+                primitive[k] = owner.0 as i32;
             }
         }
     }

@@ -3,11 +3,11 @@
 use glam::{DMat3, DVec3, Vec2};
 
 use super::blocks::{Blocks, Boxes, Large, SIDE};
-use super::bounds::{Area, Bounds, Outline, TOUCHING, small_arctangent};
+use super::bounds::{Area, Bounds, Outline, TOUCHING, arctangent, small_arctangent};
 use super::draw::{Canvas, draw, draw_doubt, draw_seen};
 use super::lanes::{Lanes, Mask, WIDEST};
 use super::solids::{Facet, SeenTriangle, Triangle};
-use super::specks::draw_specks;
+use super::specks::Specks;
 use super::vector::{Matrix, Vector, rows};
 use super::view::View;
 use crate::body::Place;
@@ -107,18 +107,20 @@ impl Blocks {
             if listed.is_empty() {
                 continue;
             }
+            let seen = SeenTriangle::new(corners, L::splat(middle.reach), view.rounding);
+            let ids = &block.triangles[at..at + L::N];
+            let specks = Specks { seen, corners, reach: middle.reach, numbers: ids, first, step };
+            listed.drop(specks.draw(&bounds, &listed, view, canvas));
+            if listed.is_empty() {
+                continue;
+            }
             if let Some(motion) = &view.motion {
                 ready.keep_corners(&corners);
                 for (lane, area) in listed.seen() {
                     let triangle = ready.triangle(lane, middle.reach + 2.0 * motion.shift, view);
-                    draw::<L>(&triangle, first + step * block.triangles[at + lane], &area, view, canvas);
+                    draw::<L>(&triangle, first + step * ids[lane], &area, view, canvas);
                 }
-                continue;
-            }
-            let seen = SeenTriangle::new(corners, L::splat(middle.reach), view.rounding);
-            let ids = &block.triangles[at..at + L::N];
-            listed.drop(draw_specks(&seen, &bounds, &listed, (ids, first, step), view, canvas));
-            if !listed.is_empty() {
+            } else {
                 ready.keep(&seen);
                 for (lane, area) in listed.seen() {
                     draw_seen::<L>(&ready.seen(lane), first + step * ids[lane], &area, view, canvas);
@@ -243,27 +245,63 @@ fn most<L: Lanes>([a, b, c]: [L; 3]) -> L {
     a.max(b).max(c)
 }
 
+/// Triangles from an observer who looks along some heading.
+struct Facing<L: Lanes> {
+    /// Tangents of the azimuths, to the left of the heading.
+    left: L,
+    right: L,
+    first: L,
+    last: L,
+    /// Where the triangle lies before the observer, within 45 degrees of the heading.
+    simple: L::Mask,
+}
+
 impl View<'_> {
     /// Bounds of triangles close to a point.
-    ///
-    /// In the frame that looks at the point, a corner has the tangents v / u and z / u, and so a triangle that lies before
+    #[inline(always)]
+    fn triangle_bounds<L: Lanes>(&self, corners: &[Vector<L>; 3], middle: &Middle) -> Bounds<L> {
+        let splat = L::splat;
+        let (near, slack) = (splat(middle.near), self.slack(splat(middle.reach)));
+        let facing = self.facing(corners, (splat(middle.heading[0]), splat(middle.heading[1])), slack);
+        let Facing { first, last, simple, .. } = facing;
+        let (low, high) = self.columns_of(&facing, splat(middle.column));
+        // Far away most triangles lie between two columns, or between two rows.
+        let between = splat(self.band.turn.fract()).gt(splat(0.0));
+        let seen = last.ge(first) & (high.floor().ge(low) | between) & self.shows(low, high);
+        if simple.all() {
+            return Bounds { near, low, high, first, last, seen };
+        }
+        // What is close and lies aside of the point, or behind: each along its own heading.
+        let [a, b, c] = corners;
+        let (x, y) = (a.x + b.x + c.x, a.y + b.y + c.y);
+        let inverse = splat(1.0) / x.mul_add(x, y * y).sqrt().max(splat(1e-20));
+        let (cos, sin) = (x * inverse, y * inverse);
+        let own = self.facing(corners, (cos, sin), slack);
+        let (own_low, own_high) = self.columns_of(&own, self.column(arctangent(sin, cos)));
+        // And what is around the observer, by height and distance alone.
+        let (far_first, far_last) = self.rows_around(corners, slack);
+        let turn = splat(self.band.turn);
+        let first = L::select(simple, first, L::select(own.simple, own.first, far_first));
+        let last = L::select(simple, last, L::select(own.simple, own.last, far_last));
+        let low = L::select(simple, low, L::select(own.simple, own_low, -turn));
+        let high = L::select(simple, high, L::select(own.simple, own_high, turn));
+        let seen = last.ge(first) & (high.floor().ge(low) | between) & self.shows(low, high);
+        Bounds { near, low, high, first, last, seen }
+    }
+
+    /// In the frame that looks along a heading a corner has the tangents v / u and z / u, and so a triangle that lies before
     /// the observer is bounded by those of its corners. The slope of a point is its z / u times the cosine of its azimuth.
     #[inline(always)]
-    fn triangle_bounds<L: Lanes>(&self, [a, b, c]: &[Vector<L>; 3], middle: &Middle) -> Bounds<L> {
+    fn facing<L: Lanes>(&self, [a, b, c]: &[Vector<L>; 3], (cos, sin): (L, L), slack: L) -> Facing<L> {
         let (zero, one, splat) = (L::splat(0.0), L::splat(1.0), L::splat);
-        let (cos, sin) = (splat(middle.heading[0]), splat(middle.heading[1]));
         let ahead = [a.x.mul_add(cos, a.y * sin), b.x.mul_add(cos, b.y * sin), c.x.mul_add(cos, c.y * sin)];
         let aside = [a.y.mul_add(cos, -(a.x * sin)), b.y.mul_add(cos, -(b.x * sin)), c.y.mul_add(cos, -(c.x * sin))];
-        let above = [a.z, b.z, c.z];
-        let slack = self.slack(splat(middle.reach));
         let nearest = least(ahead) - slack;
-        let before = nearest.gt(splat(1e-6));
         let inverse = [one / ahead[0], one / ahead[1], one / ahead[2]];
         let tangent = [aside[0] * inverse[0], aside[1] * inverse[1], aside[2] * inverse[2]];
-        let grade = [above[0] * inverse[0], above[1] * inverse[1], above[2] * inverse[2]];
+        let grade = [a.z * inverse[0], b.z * inverse[1], c.z * inverse[2]];
         // By how much a point that is moved by the slack can change either.
-        let near = one / nearest;
-        let blur = slack * near;
+        let blur = slack / nearest;
         let (left, right) = (most(tangent), least(tangent));
         let steepest = most(grade).max(-least(grade));
         let (left, right) = (left + blur * (left.abs() + one), right - blur * (right.abs() + one));
@@ -275,34 +313,31 @@ impl View<'_> {
         let (wide, narrow) = (widest * widest, narrowest * narrowest);
         let low = wide.mul_add(splat(-0.5), one);
         let high = narrow.mul_add(narrow.mul_add(splat(0.375), splat(-0.5)), one);
-        let simple = before & one.ge(widest);
         let top = top * L::select(top.gt(zero), high, low);
         let bottom = bottom * L::select(bottom.gt(zero), low, high);
         let (first, last) = self.band.rows_between(bottom, top);
-        let (density, margin) = (splat(self.band.density), splat(self.margin()));
-        let column = splat(middle.column);
-        let low = small_arctangent(left).neg_mul_add(density, column) - margin;
-        let high = small_arctangent(right).neg_mul_add(density, column) + margin;
-        // Far away most triangles lie between two columns, or between two rows.
-        let seen = last.ge(first) & (high.floor().ge(low) | splat(self.band.turn.fract()).gt(zero));
-        if simple.all() {
-            return Bounds { near: splat(middle.near), low, high, first, last, seen };
-        }
-        // What lies beside or behind: by height and distance alone.
+        Facing { left, right, first, last, simple: nearest.gt(splat(1e-6)) & one.ge(widest) }
+    }
+
+    /// The columns of what is seen around one.
+    #[inline(always)]
+    fn columns_of<L: Lanes>(&self, facing: &Facing<L>, column: L) -> (L, L) {
+        let (density, margin) = (L::splat(self.band.density), L::splat(self.margin()));
+        let low = small_arctangent(facing.left).neg_mul_add(density, column) - margin;
+        let high = small_arctangent(facing.right).neg_mul_add(density, column) + margin;
+        (low, high)
+    }
+
+    /// The rows of triangles wherever they are, by height and distance.
+    #[inline(always)]
+    fn rows_around<L: Lanes>(&self, [a, b, c]: &[Vector<L>; 3], slack: L) -> (L, L) {
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let above = [a.z, b.z, c.z];
         let distance = [a.x.mul_add(a.x, a.y * a.y), b.x.mul_add(b.x, b.y * b.y), c.x.mul_add(c.x, c.y * c.y)];
         let furthest = one / (most(distance).sqrt() + slack);
         let (ceiling, floor) = (most(above) + slack, least(above) - slack);
-        let far_top = ceiling * L::select(ceiling.gt(zero), splat(TOUCHING), furthest);
-        let far_bottom = floor * L::select(floor.gt(zero), furthest, splat(TOUCHING));
-        let (far_first, far_last) = self.band.rows_between(far_bottom, far_top);
-        let turn = splat(self.band.turn);
-        Bounds {
-            near: splat(middle.near),
-            low: L::select(simple, low, -turn),
-            high: L::select(simple, high, turn),
-            first: L::select(simple, first, far_first),
-            last: L::select(simple, last, far_last),
-            seen: (seen & simple) | (far_last.ge(far_first) & one.gt(L::select(simple, one, zero))),
-        }
+        let top = ceiling * L::select(ceiling.gt(zero), L::splat(TOUCHING), furthest);
+        let bottom = floor * L::select(floor.gt(zero), furthest, L::splat(TOUCHING));
+        self.band.rows_between(bottom, top)
     }
 }

@@ -34,6 +34,12 @@ impl<L: Lanes> Vector<L> {
         Vector::new(L::load(x.as_ref(), at), L::load(y.as_ref(), at), L::load(z.as_ref(), at))
     }
 
+    /// One vector a lane, from these places in columns of coordinates.
+    #[inline(always)]
+    pub(super) fn gather([x, y, z]: &[Vec<f32>; 3], at: L) -> Vector<L> {
+        Vector::new(at.gather(x), at.gather(y), at.gather(z))
+    }
+
     #[inline(always)]
     pub(super) fn store<const N: usize>(self, [x, y, z]: &mut [[f32; N]; 3]) {
         self.x.store(x, 0);
@@ -58,6 +64,12 @@ impl<L: Lanes> Vector<L> {
     #[inline(always)]
     pub(super) fn length(self) -> L {
         self.dot(self).sqrt()
+    }
+
+    /// `yes` where the mask is true, else `no`.
+    #[inline(always)]
+    pub(super) fn select(mask: L::Mask, yes: Vector<L>, no: Vector<L>) -> Vector<L> {
+        Vector::new(L::select(mask, yes.x, no.x), L::select(mask, yes.y, no.y), L::select(mask, yes.z, no.z))
     }
 
     /// Coordinate by coordinate.

@@ -4,15 +4,15 @@ use std::ops::Range;
 
 use glam::{DMat3, DVec3};
 
-use super::band::Band;
-use super::lanes::{Lanes, WIDEST};
+use super::band::{Band, padded};
+use super::lanes::Lanes;
 use super::solids::Tolerance;
 use super::vector::Vector;
 use crate::{Pose, SensorPattern};
 
 /// The rays of a band in some columns, and where they start.
 ///
-/// A ray is `start(column) + t * (heading(column) + slope(row) * up(column))`. In a view that stands still all rays start at
+/// A ray is `start(column) + t * (heading(sweep, column) + slope(row) * up(column))`. In a view that stands still all rays start at
 /// the origin, and up is z.
 pub(super) struct View<'a> {
     pub(super) band: &'a Band,
@@ -33,18 +33,18 @@ pub(super) struct View<'a> {
 
 /// How the rays of each column differ from those of a view that stands still.
 pub(super) struct Motion {
+    /// Sweep by sweep.
     heading: [Vec<f32>; 3],
-    up: [Vec<f32>; 3],
-    start: [Vec<f32>; 3],
+    pub(super) up: [Vec<f32>; 3],
+    pub(super) start: [Vec<f32>; 3],
     /// The furthest that a ray starts from the origin [m].
     pub(super) shift: f32,
     /// The furthest that the turn of a column moves a point at distance 1 [m].
     pub(super) twist: f32,
 }
 
-/// The rays of `L::N` columns.
+/// The rays of `L::N` columns, but for their headings.
 pub(super) struct Columns<L> {
-    pub(super) heading: Vector<L>,
     pub(super) up: Vector<L>,
     pub(super) start: Vector<L>,
 }
@@ -72,11 +72,45 @@ impl<'a> View<'a> {
         self.columns.len()
     }
 
-    /// Cosine and sine of the azimuths of the columns from `at` on, counted from the view's first.
+    /// Where the rays of a column start, their heading in a sweep and their up; a ray is heading + slope * up.
     #[inline(always)]
-    pub(super) fn headings<L: Lanes>(&self, at: usize) -> (L, L) {
+    pub(super) fn ray(&self, sweep: usize, column: usize) -> (DVec3, DVec3, DVec3) {
+        let Some(motion) = &self.motion else {
+            let [cos, sin] = self.band.headings(sweep);
+            let column = self.columns.start + column;
+            return (DVec3::ZERO, DVec3::new(f64::from(cos[column]), f64::from(sin[column]), 0.0), DVec3::Z);
+        };
+        let vector = |table: &[Vec<f32>; 3], at: usize| {
+            DVec3::new(f64::from(table[0][at]), f64::from(table[1][at]), f64::from(table[2][at]))
+        };
+        let heading = vector(&motion.heading, sweep * padded(self.width()) + column);
+        (vector(&motion.start, column), heading, vector(&motion.up, column))
+    }
+
+    /// Headings of a sweep in the columns from `at` on, counted from the view's first.
+    #[inline(always)]
+    pub(super) fn headings<L: Lanes>(&self, sweep: usize, at: usize) -> Vector<L> {
+        if let Some(motion) = &self.motion {
+            return Vector::load(&motion.heading, sweep * padded(self.width()) + at);
+        }
+        let [cos, sin] = self.band.headings(sweep);
+        let at = self.columns.start + at;
+        Vector::new(L::load(cos, at), L::load(sin, at), L::splat(0.0))
+    }
+}
+
+impl View<'_> {
+    /// The headings of rays in these rows and columns, counted from the view's first.
+    #[inline(always)]
+    pub(super) fn heading_of<L: Lanes>(&self, row: L, column: L) -> Vector<L> {
+        let sweep = row.gather(&self.band.places);
+        if let Some(motion) = &self.motion {
+            return Vector::gather(&motion.heading, sweep.mul_add(L::splat(padded(self.width()) as f32), column));
+        }
         let [cos, sin] = &self.band.headings;
-        (L::load(cos, self.columns.start + at), L::load(sin, self.columns.start + at))
+        let long = L::splat((cos.len() / self.band.count) as f32);
+        let at = sweep.mul_add(long, column + L::splat(self.columns.start as f32));
+        Vector::new(at.gather(cos), at.gather(sin), L::splat(0.0))
     }
 }
 
@@ -84,17 +118,13 @@ impl Motion {
     /// The rays of the columns from `at` on.
     #[inline(always)]
     pub(super) fn columns<L: Lanes>(&self, at: usize) -> Columns<L> {
-        Columns {
-            heading: Vector::load(&self.heading, at),
-            up: Vector::load(&self.up, at),
-            start: Vector::load(&self.start, at),
-        }
+        Columns { up: Vector::load(&self.up, at), start: Vector::load(&self.start, at) }
     }
 
     fn new<'p>(band: &Band, columns: &Range<usize>, frame: &Pose, of: impl Fn(usize) -> &'p Pose) -> Motion {
-        let padded = columns.len().next_multiple_of(WIDEST) + WIDEST;
+        let padded = padded(columns.len());
         let mut motion = Motion {
-            heading: [(); 3].map(|()| Vec::with_capacity(padded)),
+            heading: [(); 3].map(|()| Vec::with_capacity(band.count * padded)),
             up: [(); 3].map(|()| Vec::with_capacity(padded)),
             start: [(); 3].map(|()| Vec::with_capacity(padded)),
             shift: 0.0,
@@ -102,23 +132,27 @@ impl Motion {
         };
         let [forward, left, up] = band.origin;
         let into_frame = frame.rotation.transpose();
-        let [cos, sin] = &band.headings;
-        for column in (columns.start..columns.start + padded).map(|column| column.min(columns.end - 1)) {
+        let all = || (columns.start..columns.start + padded).map(|column| column.min(columns.end - 1));
+        let heading = |sweep: usize, column: usize| {
+            let [cos, sin] = band.headings(sweep);
+            into_frame * (of(column).rotation * DVec3::new(f64::from(cos[column]), f64::from(sin[column]), 0.0))
+        };
+        for (sweep, column) in (0..band.count).flat_map(|sweep| all().map(move |column| (sweep, column))) {
+            push(&mut motion.heading, heading(sweep, column));
+        }
+        for column in all() {
             let pose = of(column);
             let turn = into_frame * pose.rotation;
-            let heading = turn * DVec3::new(f64::from(cos[column]), f64::from(sin[column]), 0.0);
+            // Sweeps differ only where all rays start on the axis.
+            let heading = heading(0, column);
             let side = turn.z_axis.cross(heading);
             let center = into_frame * (pose.translation - frame.translation);
             let start = center + heading * forward + side * left + turn.z_axis * up;
-            for (table, vector) in
-                [(&mut motion.heading, heading), (&mut motion.up, turn.z_axis), (&mut motion.start, start)]
-            {
-                for k in 0..3 {
-                    table[k].push(vector[k] as f32);
-                }
-            }
+            push(&mut motion.up, turn.z_axis);
+            push(&mut motion.start, start);
             // The same for all columns if they differ by their azimuth only, so that it depends on no cut.
-            motion.shift = motion.shift.max((center.length() + forward.hypot(left).hypot(up)) as f32 * 1.001);
+            let middle = center + turn.z_axis * up;
+            motion.shift = motion.shift.max((middle.length() + forward.hypot(left)) as f32 * 1.001);
             // By how much a turn moves a point at distance 1: no more than the Frobenius norm of what it adds.
             let moved = turn - DMat3::IDENTITY;
             let norm = moved.x_axis.length_squared() + moved.y_axis.length_squared() + moved.z_axis.length_squared();
@@ -126,4 +160,8 @@ impl Motion {
         }
         motion
     }
+}
+
+fn push(table: &mut [Vec<f32>; 3], vector: DVec3) {
+    table.iter_mut().zip(vector.to_array()).for_each(|(table, x)| table.push(x as f32));
 }

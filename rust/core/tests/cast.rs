@@ -21,9 +21,9 @@ fn agrees_with_a_scan() {
         origins.push(poses[column].point(pattern.origin(row, column)).to_array());
         directions.push((poses[column].vector(pattern.direction(row, column)) * random.between(0.1, 9.0)).to_array());
     }
-    let one = cast(&scene, &origins, &directions, 15.0, 1).unwrap();
+    let one = cast(&scene, &origins, &directions, 15.0, 0, 1).unwrap();
     for threads in [0, 2, 3, 7] {
-        assert_eq!(one, cast(&scene, &origins, &directions, 15.0, threads).unwrap());
+        assert_eq!(one, cast(&scene, &origins, &directions, 15.0, 0, threads).unwrap());
     }
     assert_eq!((&one.label, &one.instance, &one.primitive), (&images.label, &images.instance, &images.primitive));
     let hits = one.primitive.iter().filter(|&&p| p >= 0).count();
@@ -38,14 +38,15 @@ fn agrees_with_a_scan() {
 #[test]
 fn directions_of_any_length_and_the_range() {
     let scene = Scene::new(vec![primitive(Shape::Box, [10.0, 0.0, 0.0], [2.0; 3])]).unwrap();
-    let distance = |length: f64, range| cast(&scene, &[[0.0; 3]], &[[length, 0.0, 0.0]], range, 1).unwrap().distance[0];
+    let distance =
+        |length: f64, range| cast(&scene, &[[0.0; 3]], &[[length, 0.0, 0.0]], range, 0, 1).unwrap().distance[0];
     for length in [1.0, 5e-324, 1e-200, 1e200, f64::MAX] {
         assert!((distance(length, f64::INFINITY) - 9.0).abs() < 1e-6, "{length}");
     }
     assert_eq!(distance(-1.0, f64::INFINITY), 0.0);
     assert_eq!(distance(2.0, 8.9), 0.0);
     assert!(distance(2.0, 9.1) > 8.9);
-    let none = cast(&scene, &[], &[], 1.0, 2).unwrap();
+    let none = cast(&scene, &[], &[], 1.0, 0, 2).unwrap();
     assert!(none.distance.is_empty() && none.normal.is_empty());
 }
 
@@ -54,6 +55,6 @@ fn normals_look_towards_the_ray() {
     let scene = Scene::new(vec![primitive(Shape::Box, [0.0; 3], [2.0; 3])]).unwrap();
     let origins = [[-5.0, 0.0, 0.0], [0.0; 3], [0.0, 0.0, 5.0]];
     let directions = [[1.0, 0.1, 0.0], [1.0, 0.1, 0.0], [0.0, 0.1, -2.0]];
-    let hits = cast(&scene, &origins, &directions, f64::INFINITY, 1).unwrap();
+    let hits = cast(&scene, &origins, &directions, f64::INFINITY, 0, 1).unwrap();
     assert_eq!(hits.normal, [[-1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
 }

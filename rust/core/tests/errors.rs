@@ -101,6 +101,25 @@ fn primitives() {
     scene(mesh([0.0; 3]), &format!("sizes[1] is [0.0, 0.0, 0.0] m; {extent}"));
     scene(mesh([1.0, -1.0, 1.0]), &format!("sizes[1] is [1.0, -1.0, 1.0] m; {extent}"));
     scene(|p| p.yaw = f64::NEG_INFINITY, "yaws[1] is -inf; it must be finite");
+    let porous = "it must be finite and greater than 0, or 0 for a solid";
+    for bad in [0.0, -1.0, f64::INFINITY, f64::NAN] {
+        scene(|p| p.extinction = Some(bad), &format!("extinctions[1] is {bad} per metre; {porous}"));
+    }
+    scene(
+        |p| (p.shape, p.size, p.extinction) = (Shape::Plane, [1.0, 1.0, 0.0], Some(1.0)),
+        "primitive 1 is a plane with an extinction; only what has a volume can be a medium",
+    );
+    let whole = box_mesh();
+    let open = |faces: &[[u32; 3]]| TriangleMesh::new(whole.vertices().to_vec(), faces.to_vec()).unwrap();
+    let mut turned = whole.faces().to_vec();
+    turned[3].swap(0, 1);
+    for faces in [&whole.faces()[1..], &turned, &[whole.faces(), &whole.faces()[..1]].concat()] {
+        let last = Primitive { extinction: Some(1.0), ..primitive(Shape::Mesh(open(faces)), [0.0; 3], [1.0; 3]) };
+        let message = Scene::new(vec![last]).err().unwrap().to_string();
+        assert!(message.starts_with("primitive 0 is an open mesh with an extinction: no triangle runs"), "{message}");
+    }
+    let closed = Primitive { extinction: Some(1.0), ..primitive(Shape::Mesh(whole.clone()), [0.0; 3], [1.0; 3]) };
+    assert!(Scene::new(vec![closed]).is_ok());
     let huge = TriangleMesh::new(vec![[0.0; 3], [1e12, 0.0, 0.0]], vec![[0, 0, 1]]).unwrap();
     scene(
         |p| p.shape = Shape::Mesh(huge.clone()),
@@ -117,8 +136,11 @@ fn tables() {
         yaws: &[0.0; 2],
         labels: &[1; 2],
         instances: &[0; 2],
+        extinctions: &[],
     };
     assert_eq!(tables.primitives(vec![box_mesh()]).unwrap().len(), 2);
+    let porous = PrimitiveTables { extinctions: &[0.0, 2.0], ..tables }.primitives(vec![box_mesh()]).unwrap();
+    assert_eq!(porous.iter().map(|p| p.extinction).collect::<Vec<_>>(), [None, Some(2.0)]);
     says(tables.primitives(vec![]), "there are 0 meshes; 1 primitives have the shape mesh");
     says(tables.primitives(vec![box_mesh(); 2]), "there are 2 meshes; 1 primitives have the shape mesh");
     let unknown = PrimitiveTables { shapes: &[0, 7], ..tables };
@@ -129,6 +151,7 @@ fn tables() {
         (PrimitiveTables { yaws: &[0.0; 3], ..tables }, "yaws has 3"),
         (PrimitiveTables { labels: &[], ..tables }, "labels has 0"),
         (PrimitiveTables { instances: &[], ..tables }, "instances has 0"),
+        (PrimitiveTables { extinctions: &[1.0], ..tables }, "extinctions has 1"),
     ];
     for (tables, start) in cases {
         says(tables.primitives(vec![]), &format!("{start} entries; there are 2 primitives"));
@@ -168,9 +191,9 @@ fn scans_that_write_nothing() {
     for count in [0, 2, 4] {
         let mut images = Images::new(2, 3);
         let message = format!("there are {count} poses for a scan; it must be 1, or 3, one for each column");
-        says(scan(&scene, &pattern, &[Pose::IDENTITY; 4][..count], &mut images.as_mut(), None, 1), &message);
+        says(scan(&scene, &pattern, &[Pose::IDENTITY; 4][..count], 0, &mut images.as_mut(), None, 1), &message);
         says(
-            scan_batch(&scene, &pattern, &[one], &mut [], None, 1),
+            scan_batch(&scene, &pattern, &[one], 0, &mut [], None, 1),
             "there are poses for 1 scans and images for 0; there must be as many",
         );
         assert_eq!(images, Images::new(2, 3));
@@ -180,8 +203,8 @@ fn scans_that_write_nothing() {
         change(&mut images);
         let before = images.clone();
         let message = format!("the {image} image has 5 pixels; the sensor has 2 beams and 3 columns");
-        says(scan(&scene, &pattern, one, &mut images.as_mut(), None, 1), &message);
-        says(scan_batch(&scene, &pattern, &[one], &mut [images.as_mut()], None, 1), &message);
+        says(scan(&scene, &pattern, one, 0, &mut images.as_mut(), None, 1), &message);
+        says(scan_batch(&scene, &pattern, &[one], 0, &mut [images.as_mut()], None, 1), &message);
         assert_eq!(images, before);
     };
     cut(&|images| images.depth.truncate(5), "depth");
@@ -206,8 +229,9 @@ fn backends() {
 fn rays() {
     let scene = Scene::new(vec![]).unwrap();
     let (zero, x) = ([0.0; 3], [1.0, 0.0, 0.0]);
-    let rays = |origin, direction, message: &str| says(cast(&scene, &[zero, origin], &[x, direction], 9.0, 1), message);
-    says(cast(&scene, &[zero], &[x, x], 9.0, 1), "there are 1 origins and 2 directions; there must be as many");
+    let rays =
+        |origin, direction, message: &str| says(cast(&scene, &[zero, origin], &[x, direction], 9.0, 0, 1), message);
+    says(cast(&scene, &[zero], &[x, x], 9.0, 0, 1), "there are 1 origins and 2 directions; there must be as many");
     let far = "m; every coordinate must be finite and at most 1e9 in size";
     rays([f64::NAN, 0.0, 0.0], x, &format!("origins[1] is [NaN, 0.0, 0.0] {far}"));
     rays([0.0, 2e9, 0.0], x, &format!("origins[1] is [0.0, 2000000000.0, 0.0] {far}"));
@@ -215,7 +239,7 @@ fn rays() {
     rays(zero, [0.0, -0.0, 0.0], "directions[1] is [0.0, -0.0, 0.0]; it must be finite and not 0");
     for range in [0.0, -1.0, f64::NAN] {
         let message = format!("max_range is {range} m; it must be greater than 0");
-        says(cast(&scene, &[zero], &[x], range, 1), &message);
+        says(cast(&scene, &[zero], &[x], range, 0, 1), &message);
     }
 }
 
@@ -229,6 +253,8 @@ fn borders_of_the_border_are_named() {
     let source = Box::new(crate::Error::PoseMirrored { determinant: -1.0 });
     let pose = crate::Error::PoseOfTable { table: "world_from_sensor", index: vec![2, 7], source };
     assert!(pose.to_string().starts_with("world_from_sensor[2, 7]: the rotation of the pose has"));
+    let seed = crate::Error::Seed { seed: -1 };
+    assert_eq!(seed.to_string(), "seed is -1; it must be 0 or more");
     let threads = crate::Error::Threads { threads: -1, limit: 1024 };
     assert_eq!(threads.to_string(), "threads is -1; it must be 0 (all cores) to 1024");
 }

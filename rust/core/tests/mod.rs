@@ -4,6 +4,7 @@
 mod backends;
 mod cast;
 mod errors;
+mod media;
 mod moved;
 mod obj;
 mod origins;
@@ -54,7 +55,7 @@ impl Random {
 }
 
 fn primitive(shape: Shape, center: [f64; 3], size: [f64; 3]) -> Primitive {
-    Primitive { shape, center, size, yaw: 0.0, label: 1, instance: 0 }
+    Primitive { shape, center, size, yaw: 0.0, label: 1, instance: 0, extinction: None }
 }
 
 /// A whole turn, level origins, no offsets.
@@ -89,7 +90,7 @@ fn scanned(scene: &Scene, pattern: &SensorPattern, pose: &Pose) -> Images {
 /// What a sensor sees from one pose, or from one for each column, on this many threads.
 fn swept(scene: &Scene, pattern: &SensorPattern, poses: &[Pose], threads: usize) -> Images {
     let mut images = Images::new(pattern.rows(), pattern.columns());
-    scan(scene, pattern, poses, &mut images.as_mut(), Some(Backend::Reference), threads).unwrap();
+    scan(scene, pattern, poses, 0, &mut images.as_mut(), Some(Backend::Reference), threads).unwrap();
     images
 }
 

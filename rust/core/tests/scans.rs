@@ -5,7 +5,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::{DMat3, DVec3};
 
 use super::{Random, box_mesh, linear, pattern, primitive, random_scene, scanned, spec, swept};
-use crate::{Backend, Images, ImagesMut, Pose, Primitive, Scene, SensorPattern, Shape, TriangleMesh, scan, scan_batch};
+use crate::{
+    Backend, Chance, Images, ImagesMut, Pose, Primitive, Scene, SensorPattern, Shape, TriangleMesh, scan, scan_batch,
+};
 
 fn hdl64() -> SensorPattern {
     pattern(spec(linear(3_f64.to_radians(), -25_f64.to_radians(), 64), 1024))
@@ -13,6 +15,10 @@ fn hdl64() -> SensorPattern {
 
 fn at(x: f64, y: f64, z: f64) -> Pose {
     Pose { translation: DVec3::new(x, y, z), ..Pose::IDENTITY }
+}
+
+fn chance(row: usize, column: usize) -> Chance {
+    Chance { seed: 0, row: row as u32, column: column as u32 }
 }
 
 /// Every pixel is that of the closest of all surfaces, with the normal there.
@@ -23,7 +29,7 @@ fn agrees_with_every_surface(scene: &Scene, pattern: &SensorPattern, pose: &Pose
         for column in 0..pattern.columns() {
             let origin = pose.point(pattern.origin(row, column));
             let direction = pose.vector(pattern.direction(row, column));
-            let all = scene.closest_of_all(origin, direction);
+            let all = scene.closest_of_all(origin, direction, chance(row, column));
             let all = all.filter(|hit| pattern.reported(hit.distance).is_some());
             let i = row * pattern.columns() + column;
             let seen = (images.depth[i], images.primitive[i], images.label[i], images.instance[i]);
@@ -157,7 +163,7 @@ fn lower_triangle_wins_at_the_same_distance() {
     let mut random = Random(14);
     for _ in 0..1000 {
         let aim = DVec3::new(5.0, random.between(-0.5, 0.5), random.between(-1.0, 0.5));
-        let hit = scene.closest(DVec3::ZERO, aim).unwrap();
+        let hit = scene.closest(DVec3::ZERO, aim, Chance::default()).unwrap();
         assert_eq!((hit.primitive, hit.part), (0, 1));
     }
 }
@@ -216,7 +222,7 @@ fn a_batch_is_its_scans() {
             let mut images = Images::new(5 * 8, 64);
             let mut all = images.as_mut();
             let mut pieces = all.pieces(8 * 64);
-            scan_batch(&scene, &pattern, &poses[..scans], &mut pieces[..scans], Some(Backend::Reference), threads)
+            scan_batch(&scene, &pattern, &poses[..scans], 0, &mut pieces[..scans], Some(Backend::Reference), threads)
                 .unwrap();
             for (k, scan) in singly.iter().enumerate() {
                 let pixels = k * 8 * 64..(k + 1) * 8 * 64;
@@ -238,7 +244,7 @@ fn images_that_are_not_wanted_change_nothing_in_the_others() {
     let all = scanned(&scene, &pattern, &Pose::IDENTITY);
     let mut some = Images { depth: vec![f32::NAN; 8 * 64], label: vec![9; 8 * 64], ..Images::new(8, 64) };
     let mut wanted = ImagesMut { primitive: None, incidence: None, normal: None, ..some.as_mut() };
-    scan(&scene, &pattern, &[Pose::IDENTITY], &mut wanted, Some(Backend::Reference), 1).unwrap();
+    scan(&scene, &pattern, &[Pose::IDENTITY], 0, &mut wanted, Some(Backend::Reference), 1).unwrap();
     assert_eq!((&some.depth, &some.label, &some.instance), (&all.depth, &all.label, &all.instance));
     assert!(some.primitive.iter().all(|&index| index == -1) && all.primitive.iter().any(|&index| index > 0));
 }

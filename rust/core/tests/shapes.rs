@@ -19,7 +19,7 @@ type Seen = Option<(f64, DVec3)>;
 
 /// A body of full extents `size`, turned about z.
 fn body(solid: fn(DVec3) -> Solid, center: DVec3, size: DVec3, yaw: f64) -> Body {
-    Body::new(solid(size / 2.0), Place { center, rotation: DMat3::from_rotation_z(yaw) })
+    Body::new(solid(size / 2.0), Place { center, rotation: DMat3::from_rotation_z(yaw) }, None)
 }
 
 fn cuboid(half: DVec3) -> Solid {
@@ -40,7 +40,7 @@ fn plate(half: DVec3) -> Solid {
 
 fn see(body: &Body, origin: DVec3, direction: DVec3) -> Seen {
     let ray = Ray { origin, direction };
-    let hit = body.intersect(&ray, f32::INFINITY)?;
+    let hit = body.intersect(&ray, f32::INFINITY, || 0.0)?;
     Some((hit.distance, body.normal(ray.at(hit.distance), hit.part)))
 }
 
@@ -193,7 +193,7 @@ fn normals_point_outwards() {
 fn holds_for_random_rays(solid: Solid, off_surface: impl Fn(DVec3) -> f64) {
     let rotation = DMat3::from_rotation_z(0.7) * DMat3::from_rotation_y(0.4) * DMat3::from_rotation_x(-1.1);
     let place = Place { center: vec(1.0, -2.0, 0.5), rotation };
-    let body = Body::new(solid, place);
+    let body = Body::new(solid, place, None);
     let bounds = body.bounds().grown(1e-9);
     let mut random = Random(7);
     let mut hits = 0;

@@ -92,7 +92,7 @@ pub(super) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
 }
 
 /// The most lanes of any backend; tables are padded to a multiple of it.
-pub(super) const WIDEST: usize = 16;
+pub(crate) const WIDEST: usize = 16;
 
 /// Something to be done with vectors of any width.
 pub(super) trait Kernel {

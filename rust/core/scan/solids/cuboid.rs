@@ -1,7 +1,7 @@
 //! Rays against a box.
 
 use super::slab::Slab;
-use super::{Local, Shape, Solid, Tolerance, three};
+use super::{Local, Porous, Shape, Solid, Tolerance, three};
 use crate::scan::lanes::Lanes;
 use crate::scan::vector::Vector;
 
@@ -21,12 +21,7 @@ impl<const INSIDE: bool> Shape for Cuboid<INSIDE> {
     #[inline(always)]
     fn seen_from<L: Lanes>(&self, start: Vector<L>) -> SeenCuboid<L, INSIDE> {
         let (axes, from) = self.0.place(start);
-        let ((half, _), rounding) = (self.0.sizes::<L>(), self.0.rounding);
-        let slabs = [
-            Slab::new(from.x, half.x, rounding),
-            Slab::new(from.y, half.y, rounding),
-            Slab::new(from.z, half.z, rounding),
-        ];
+        let slabs = [self.0.slab(0, from.x), self.0.slab(1, from.y), self.0.slab(2, from.z)];
         SeenCuboid { rows: three(axes.x, axes.y, axes.z), slabs }
     }
 }
@@ -68,5 +63,19 @@ impl<L: Lanes, const INSIDE: bool> Solid<L> for SeenCuboid<L, INSIDE> {
         }
         let (least, most) = (self.enters(&d, -1.0), self.enters(&d, 1.0));
         (most, least.gt(self.leaves(&d, 1.0)) & tolerance.of(most).ge(most - least))
+    }
+}
+
+impl<L: Lanes, const INSIDE: bool> Porous<L> for SeenCuboid<L, INSIDE> {
+    #[inline(always)]
+    fn at_most_through(&self, d: [L; 4]) -> (L, L, L) {
+        let (enter, leave) = (self.enters(&d, 1.0), self.leaves(&d, -1.0));
+        (enter, leave, enter - leave)
+    }
+
+    #[inline(always)]
+    fn at_least_through(&self, d: [L; 4]) -> (L, L, L::Mask) {
+        let (enter, leave) = (self.enters(&d, -1.0), self.leaves(&d, 1.0));
+        (enter, leave, enter.gt(leave))
     }
 }

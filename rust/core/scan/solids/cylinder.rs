@@ -1,7 +1,7 @@
 //! Rays against a cylinder.
 
 use super::slab::Slab;
-use super::{ENDLESS, Local, Shape, Solid, Tolerance, three};
+use super::{ENDLESS, Local, Porous, Shape, Solid, Tolerance, blur, three};
 use crate::scan::lanes::Lanes;
 use crate::scan::vector::Vector;
 
@@ -21,6 +21,8 @@ pub(in crate::scan) struct SeenCylinder<L> {
     outside: L,
     between: L,
     error: L,
+    /// How far what the roots are worked out from may be off, as a share of it.
+    blur: L,
     caps: Slab<L>,
 }
 
@@ -30,7 +32,7 @@ impl Shape for Cylinder {
     #[inline(always)]
     fn seen_from<L: Lanes>(&self, start: Vector<L>) -> SeenCylinder<L> {
         let (axes, origin) = self.0.place(start);
-        let (half, scale) = self.0.sizes();
+        let (_, scale) = self.0.sizes();
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let (x_axis, y_axis) = (axes.x * scale.x, axes.y * scale.y);
         let (x, y) = (origin.x * scale.x, origin.y * scale.y);
@@ -50,7 +52,8 @@ impl Shape for Cylinder {
             outside: L::select(outside, one, zero),
             between: L::select(outside, zero, L::splat(ENDLESS)),
             error: finest * L::splat(12.0) * (stretch + one + one / stretch),
-            caps: Slab::new(origin.z, half.z, self.0.rounding),
+            blur: blur(distance, power),
+            caps: self.0.slab(2, origin.z),
         }
     }
 }
@@ -64,7 +67,14 @@ impl<L: Lanes> SeenCylinder<L> {
     /// When a ray enters and leaves: the former at the most and the latter at the least (sign 1), or the other way round.
     #[inline(always)]
     fn meets(&self, d: &[L; 4], sign: f32) -> (L, L) {
-        let (zero, error) = (L::splat(0.0), d[0].abs() * self.error * L::splat(sign));
+        let (enter, leave) = self.sides(d, d[0].abs() * self.error * L::splat(sign));
+        (enter.min(self.caps.enters(d[2], sign)), leave.max(self.caps.leaves(d[2], -sign)))
+    }
+
+    /// The same of the round side, given the error of the discriminant.
+    #[inline(always)]
+    fn sides(&self, d: &[L; 4], error: L) -> (L, L) {
+        let zero = L::splat(0.0);
         let discriminant = self.discriminant(d);
         let entering = (discriminant + error).max(zero).sqrt();
         // Seen from within the outline, the round side is left at the other root.
@@ -72,7 +82,19 @@ impl<L: Lanes> SeenCylinder<L> {
         let middle = d[0] * self.along;
         let enter = self.roots[0].mul_add(entering, middle).mul_add(self.outside, self.between);
         let leave = self.roots[1].mul_add(leaving, middle);
-        (enter.min(self.caps.enters(d[2], sign)), leave.max(self.caps.leaves(d[2], -sign)))
+        (enter, leave)
+    }
+
+    /// As `meets`, for rays that start anywhere; and the error of the discriminant.
+    #[inline(always)]
+    fn passes(&self, d: &[L; 4], sign: f32) -> (L, L, L) {
+        let error = d[0].abs().max(d[1].abs()) * self.error;
+        let (enter, leave) = self.sides(d, error * L::splat(sign));
+        // Both are sums of the same two terms.
+        let terms = self.roots[0].mul_add(self.discriminant(d).abs().sqrt(), (d[0] * self.along).abs());
+        let blur = terms * self.blur * L::splat(sign);
+        let enter = blur.mul_add(self.outside, enter).min(self.caps.enters(d[2], sign));
+        (enter, (leave - blur).max(self.caps.leaves(d[2], -sign)), error)
     }
 }
 
@@ -95,5 +117,19 @@ impl<L: Lanes> Solid<L> for SeenCylinder<L> {
         let (most, _) = self.meets(&d, 1.0);
         let passes = self.discriminant(&d).gt(d[0].abs() * self.error) & least.gt(latest);
         (most, passes & tolerance.of(most).ge(most - least))
+    }
+}
+
+impl<L: Lanes> Porous<L> for SeenCylinder<L> {
+    #[inline(always)]
+    fn at_most_through(&self, d: [L; 4]) -> (L, L, L) {
+        let (enter, leave, error) = self.passes(&d, 1.0);
+        (enter, leave, (self.discriminant(&d) + error).min(enter - leave))
+    }
+
+    #[inline(always)]
+    fn at_least_through(&self, d: [L; 4]) -> (L, L, L::Mask) {
+        let (enter, leave, error) = self.passes(&d, -1.0);
+        (enter, leave, self.discriminant(&d).gt(error) & enter.gt(leave))
     }
 }

@@ -1,6 +1,6 @@
 //! Rays against an ellipsoid.
 
-use super::{Local, Shape, Solid, Tolerance, three};
+use super::{ENDLESS, Local, Porous, Shape, Solid, Tolerance, blur, three};
 use crate::scan::lanes::Lanes;
 use crate::scan::vector::{Matrix, Vector};
 
@@ -19,6 +19,8 @@ pub(in crate::scan) struct SeenEllipsoid<L> {
     root: L,
     /// The error of the discriminant for a unit of the first row.
     error: L,
+    /// How far what the roots are worked out from may be off, as a share of it.
+    blur: L,
 }
 
 impl Shape for Ellipsoid {
@@ -53,6 +55,7 @@ impl Shape for Ellipsoid {
             along: distance / power,
             root: one / power.abs(),
             error: finest * L::splat(12.0) * (stretch + one + one / stretch),
+            blur: blur(distance, power),
         }
     }
 }
@@ -96,5 +99,40 @@ impl<L: Lanes> Solid<L> for SeenEllipsoid<L> {
         // The root is off by half the error of what is under it, divided by it.
         let exact = (tolerance.of(nearness) * root).ge(error * self.root);
         (nearness, discriminant.gt(error) & exact)
+    }
+}
+
+impl<L: Lanes> SeenEllipsoid<L> {
+    /// When a ray enters and leaves: the former at the most and the latter at the least (sign 1), or the other way round;
+    /// and discriminant and error.
+    #[inline(always)]
+    fn passes(&self, d: &[L; 4], sign: f32) -> (L, L, [L; 2]) {
+        let (zero, signed) = (L::splat(0.0), L::splat(sign));
+        let discriminant = self.discriminant(d);
+        let root = discriminant.abs().sqrt();
+        let error = d[0].abs().max(root) * self.error;
+        let middle = d[0] * self.along;
+        let blur = self.root.mul_add(root, middle.abs()) * self.blur * signed;
+        let outside = self.side.gt(zero);
+        // Seen from inside, it is left at the other root.
+        let entering = (error.mul_add(signed, discriminant)).max(zero).sqrt();
+        let leaving = (error * self.side).mul_add(signed, discriminant).max(zero).sqrt();
+        let enter = self.root.mul_add(entering, middle) + blur;
+        let leave = (-(self.root * self.side)).mul_add(leaving, middle) - blur;
+        (L::select(outside, enter, L::splat(ENDLESS)), leave, [discriminant, error])
+    }
+}
+
+impl<L: Lanes> Porous<L> for SeenEllipsoid<L> {
+    #[inline(always)]
+    fn at_most_through(&self, d: [L; 4]) -> (L, L, L) {
+        let (enter, leave, [discriminant, error]) = self.passes(&d, 1.0);
+        (enter, leave, discriminant + error)
+    }
+
+    #[inline(always)]
+    fn at_least_through(&self, d: [L; 4]) -> (L, L, L::Mask) {
+        let (enter, leave, [discriminant, error]) = self.passes(&d, -1.0);
+        (enter, leave, discriminant.gt(error))
     }
 }

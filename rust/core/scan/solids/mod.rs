@@ -16,6 +16,8 @@ mod triangle;
 use super::lanes::Lanes;
 use super::vector::{Matrix, Vector};
 
+use slab::Slab;
+
 pub(super) use cuboid::Cuboid;
 pub(super) use cylinder::Cylinder;
 pub(super) use ellipsoid::Ellipsoid;
@@ -36,6 +38,16 @@ pub(super) trait Solid<L: Lanes>: Copy {
     fn slopes(&self, _along: &[L; 4], _rise: &[L; 4]) -> Option<(L, L)> {
         None
     }
+}
+
+/// A solid that rays travel through. From within it is entered at [`ENDLESS`].
+pub(super) trait Porous<L: Lanes>: Solid<L> {
+    /// The nearness of entering, not less than the truth, and of leaving, not more than the truth; and a margin as that of
+    /// [`Solid::at_most`].
+    fn at_most_through(&self, direction: [L; 4]) -> (L, L, L);
+    /// The nearness of entering, not more than the truth, and of leaving, not less; and where the ray passes through beyond
+    /// doubt.
+    fn at_least_through(&self, direction: [L; 4]) -> (L, L, L::Mask);
 }
 
 /// A shape in the frame of a view, before it is known where rays start.
@@ -75,6 +87,8 @@ pub(super) struct Local {
     pub(super) half: [f32; 3],
     /// How far f32 may be off in the direction of a ray (`View::rounding`).
     pub(super) rounding: f32,
+    /// How far from the origin rays may start [m].
+    pub(super) shift: f32,
 }
 
 impl Local {
@@ -83,6 +97,12 @@ impl Local {
     fn place<L: Lanes>(&self, start: Vector<L>) -> (Matrix<L>, Vector<L>) {
         let axes = Matrix::splat(self.axes);
         (axes, Vector::splat(self.origin) + axes.apply(start))
+    }
+
+    /// The slabs between the faces across one axis, for rays that start at this coordinate of it.
+    #[inline(always)]
+    fn slab<L: Lanes>(&self, axis: usize, from: L) -> Slab<L> {
+        Slab::new(from, L::splat(self.half[axis]), L::splat(self.shift), self.rounding)
     }
 
     /// Half extents, and their inverses.
@@ -97,4 +117,11 @@ impl Local {
 #[inline(always)]
 fn three<L: Lanes>(x: Vector<L>, y: Vector<L>, z: Vector<L>) -> [Vector<L>; 4] {
     [x, y, z, Vector::splat([0.0; 3])]
+}
+
+/// How far the roots of a round surface may be off, as a share of their terms, if rays start at this distance from its
+/// middle, in radii, and `power` is what is left of its square less 1.
+#[inline(always)]
+fn blur<L: Lanes>(distance: L, power: L) -> L {
+    (distance * distance / power.abs()).mul_add(L::splat(8.0 * f32::EPSILON), L::splat(4.0 * f32::EPSILON))
 }

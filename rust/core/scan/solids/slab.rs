@@ -3,6 +3,9 @@
 use super::ENDLESS;
 use crate::scan::lanes::Lanes;
 
+/// Closer to a plane than this share of the terms of its distance, rays start in it: some ten times f32's rounding.
+const IN_PLANE: f32 = 1e-6;
+
 /// The part of a ray between two parallel planes, seen from outside or from between them.
 #[derive(Clone, Copy)]
 pub(super) struct Slab<L> {
@@ -18,20 +21,22 @@ pub(super) struct Slab<L> {
 
 impl<L: Lanes> Slab<L> {
     #[inline(always)]
-    pub(super) fn new(origin: L, half: L, rounding: f32) -> Slab<L> {
-        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+    pub(super) fn new(origin: L, half: L, shift: L, rounding: f32) -> Slab<L> {
+        let (zero, one, endless) = (L::splat(0.0), L::splat(1.0), L::splat(ENDLESS));
         let outside = origin.abs().gt(half);
+        // In the plane itself, on which side is anybody's guess: then this slab decides nothing.
+        let known = (origin.abs() - half).abs().gt((origin.abs() + half + shift) * L::splat(IN_PLANE));
         let near = one / (half.copysign(origin) - origin);
         let far = one / (-half.copysign(origin) - origin);
         // Origin and half extent are rounded themselves, which counts where the plane is close.
         let lost = (origin.abs() + half) * near.abs();
         let rounding = lost.mul_add(L::splat(2.0 * rounding), L::splat(4.0 * rounding));
         Slab {
-            enter: L::select(outside, near, zero),
-            leave: [far, L::select(outside, far, near)],
-            between: L::select(outside, zero, L::splat(ENDLESS)),
-            enter_error: L::select(outside, near.abs() * rounding, zero),
-            leave_error: far.abs().max(L::select(outside, zero, near.abs())) * rounding,
+            enter: L::select(known & outside, near, zero),
+            leave: [far, L::select(outside, far, L::select(known, near, far))],
+            between: L::select(outside, zero, endless),
+            enter_error: L::select(known, L::select(outside, near.abs() * rounding, zero), endless),
+            leave_error: L::select(known, far.abs().max(L::select(outside, zero, near.abs())) * rounding, endless),
         }
     }
 

@@ -76,16 +76,26 @@ fn edges<L: Lanes>([a, b, c]: [Vector<L>; 3], side: L) -> ([Vector<L>; 3], L) {
     ([a.cross(ab) * side, b.cross(bc) * side, c.cross(ca) * side], longest)
 }
 
+/// The product of the two shorter edges of a triangle, which is the least inexact for a sliver, and that of their lengths.
+#[inline(always)]
+fn product<L: Lanes>([a, b, c]: [Vector<L>; 3]) -> (Vector<L>, L) {
+    let (ab, bc, ca) = (b - a, c - b, a - c);
+    let [first, second, third] = [ab.dot(ab), bc.dot(bc), ca.dot(ca)];
+    // Without the longest one, in order around the triangle.
+    let (no_first, no_second) = (first.ge(second.max(third)), second.ge(first.max(third)));
+    let before = Vector::select(no_first, bc, Vector::select(no_second, ca, ab));
+    let after = Vector::select(no_first, ca, Vector::select(no_second, ab, bc));
+    let squares = L::select(no_first, second * third, L::select(no_second, third * first, first * second));
+    (before.cross(after), squares.sqrt())
+}
+
 impl<L: Lanes> SeenTriangle<L> {
     /// A triangle with these corners relative to the start of the rays.
     #[inline(always)]
     pub(in crate::scan) fn new(corners: [Vector<L>; 3], reach: L, rounding: f32) -> SeenTriangle<L> {
-        let [a, b, c] = corners;
-        let (ab, bc) = (b - a, c - b);
-        let normal = ab.cross(bc);
-        let height = normal.dot(a);
         // What is left of the product of two long edges is no more exact than they are.
-        let size = (ab.dot(ab) * bc.dot(bc)).sqrt();
+        let (normal, size) = product(corners);
+        let height = normal.dot(corners[0]);
         // Seen edge-on, the side from which it is seen is anybody's guess: then all around it is in doubt.
         let known = height.abs().gt(size * reach * L::splat(8.0 * rounding));
         let (zero, one, endless) = (L::splat(0.0), L::splat(1.0), L::splat(ENDLESS));

@@ -61,7 +61,7 @@ fn a_batch() {
             let mut batch: Vec<Images> = poses.iter().map(|_| Images::new(8, 150)).collect();
             let mut all: Vec<ImagesMut> = batch.iter_mut().map(Images::as_mut).collect();
             let lists: Vec<&[Pose]> = poses.iter().map(Vec::as_slice).collect();
-            scan_batch(&scene, &pattern, &lists, &mut all, Some(backend), threads).unwrap();
+            scan_batch(&scene, &pattern, &lists, 0, &mut all, Some(backend), threads).unwrap();
             assert!(batch == singles, "{}, {threads} threads", backend.name());
         }
     }
@@ -98,7 +98,7 @@ fn images_that_are_not_wanted() {
                     normal: images.normal.filter(|_| wanted & 4 != 0),
                     ..images
                 };
-                scan(scene, pattern, poses, &mut images, Some(backend), 1).unwrap();
+                scan(scene, pattern, poses, 0, &mut images, Some(backend), 1).unwrap();
                 let name = format!("scan {k}, {}, wanted {wanted}", backend.name());
                 assert!(some.depth == all.depth, "{name}: depth");
                 assert!((&some.label, &some.instance) == (&all.label, &all.instance), "{name}: label or instance");

@@ -3,6 +3,7 @@
 mod bits;
 mod corners;
 mod fuzz;
+mod media;
 mod meshes;
 mod random;
 mod rolling;
@@ -78,7 +79,7 @@ fn fast() -> impl Iterator<Item = Backend> {
 
 fn seen(scene: &Scene, pattern: &SensorPattern, poses: &[Pose], backend: Backend, threads: usize) -> Images {
     let mut images = Images::new(pattern.rows(), pattern.columns());
-    scan(scene, pattern, poses, &mut images.as_mut(), Some(backend), threads).unwrap();
+    scan(scene, pattern, poses, 0, &mut images.as_mut(), Some(backend), threads).unwrap();
     images
 }
 

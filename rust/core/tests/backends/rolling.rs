@@ -1,5 +1,7 @@
 //! Rolling shutter: a pose for each column.
 
+use std::f64::consts::TAU;
+
 use glam::{DMat3, DVec3};
 
 use super::random::{any_pattern, bodies};
@@ -59,5 +61,32 @@ fn equal_poses() {
         let pattern = pattern(any_pattern(&mut random, 8, 90));
         tally.compare(format!("seed {seed}"), &scene, &pattern, &[random.pose(30.0); 90]);
     }
+    assert!(tally.hits > tally.rays / 5, "{tally:?}");
+}
+
+/// Beams less than a column apart are painted together; here at a steady speed, with small triangles near and far.
+#[test]
+fn sub_rays_of_a_beam() {
+    let mut tally = Tally::default();
+    for seed in 0..24 {
+        let mut random = Random(600 + seed);
+        let scene = bodies(&mut random, 150);
+        let mut spec = spec(linear(0.2, -0.5, 24), random.pick(&[200, 512, 700]));
+        spec.azimuth_span = random.pick(&[TAU, TAU, 6.2, 1.0]);
+        let width = spec.azimuth_span / spec.columns as f64;
+        let offsets = random.pick(&[[0.2, -0.1, -0.15], [0.9, 0.0, 0.5], [0.7, -0.7, 0.0]]);
+        spec.azimuth_offsets = (0..24).map(|row| 0.3 + offsets[row % 3] * width).collect();
+        if random.between(0.0, 1.0) < 0.5 {
+            spec.origins = (0..24).map(|row| [0.0, 0.0, if row < 12 { 0.2 } else { 0.1 }]).collect();
+        }
+        let start = random.pose(30.0);
+        let speed = random.pick(&[0.0, 5.0, 15.0, 60.0]);
+        let along = |w: usize| start.rotation.x_axis * speed * 0.1 * w as f64 / spec.columns as f64;
+        let poses: Vec<Pose> =
+            (0..spec.columns).map(|w| Pose { translation: start.translation + along(w), ..start }).collect();
+        let poses = if speed == 0.0 { &poses[..1] } else { &poses };
+        tally.compare(format!("seed {seed}, {speed} m/s"), &scene, &pattern(spec.clone()), poses);
+    }
+    tally.print("sub-rays");
     assert!(tally.hits > tally.rays / 5, "{tally:?}");
 }

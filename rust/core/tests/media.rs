@@ -1,0 +1,255 @@
+//! Media: free paths and what comes of them, against closed forms.
+
+use glam::{DMat3, DVec3};
+
+use super::{Random, box_mesh, linear, pattern, primitive, scanned, spec};
+use crate::medium::{COUNT, Paths};
+use crate::{Backend, Chance, Images, Pose, Primitive, Scene, SceneHit, Shape, TriangleMesh, cast, scan};
+
+/// How far the mean of so many numbers of deviation 1 may be off: 4 standard errors.
+fn error(count: usize) -> f64 {
+    4.0 / (count as f64).sqrt()
+}
+
+fn medium(shape: Shape, center: [f64; 3], size: [f64; 3], extinction: f64) -> Primitive {
+    Primitive { extinction: Some(extinction), ..primitive(shape, center, size) }
+}
+
+/// What many rays of the same origin and direction meet, each with a chance of its own.
+fn rays(scene: &Scene, origin: DVec3, direction: DVec3, count: usize) -> Vec<Option<SceneHit>> {
+    let chance = |k: usize| Chance { seed: 9, row: (k / 1000) as u32, column: (k % 1000) as u32 };
+    (0..count).map(|k| scene.closest(origin, direction, chance(k))).collect()
+}
+
+/// The share of rays that pass through primitive 0 is that of Beer and Lambert for so many mean free paths.
+fn transmits(scene: &Scene, origin: DVec3, direction: DVec3, depth: f64) {
+    let count = 40_000;
+    let met = rays(scene, origin, direction, count);
+    let passed = met.iter().filter(|hit| hit.is_none_or(|hit| !scene.is_medium(hit.primitive))).count();
+    let (share, expected) = (passed as f64 / count as f64, (-depth).exp());
+    let off = (share - expected).abs() / (expected * (1.0 - expected)).sqrt();
+    assert!(off < error(count), "{share} of the rays pass, not {expected}");
+}
+
+/// Paths of 64 rows of 1024 columns in one body.
+fn paths(seed: u64, body: u32) -> Vec<f64> {
+    let row = |row| (0..1024).map(move |column| f64::from(Paths::new(seed, body, row).at(column)));
+    (0..64).flat_map(row).collect()
+}
+
+#[test]
+fn free_paths_are_exponential() {
+    for (seed, body) in [(0, 0), (0, 1), (1, 0), (u64::MAX, 700), (123_456_789, 3)] {
+        let mut found = paths(seed, body);
+        let count = found.len();
+        let mean = |f: &dyn Fn(f64) -> f64| found.iter().map(|&x| f(x)).sum::<f64>() / count as f64;
+        assert!((mean(&|x| x) - 1.0).abs() < error(count));
+        // The second moment is 2, and its deviation sqrt(24 - 4).
+        assert!((mean(&|x| x * x) - 2.0).abs() < 20_f64.sqrt() * error(count));
+        found.sort_by(f64::total_cmp);
+        let gap = |(k, x): (usize, &f64)| (1.0 - (-x).exp() - (k as f64 + 0.5) / count as f64).abs();
+        let gap = found.iter().enumerate().map(gap).fold(0.0, f64::max);
+        // Kolmogorov and Smirnov's test, at 1 in 1000.
+        assert!(gap < 1.95 / (count as f64).sqrt(), "{gap}");
+        assert!(found[0] > 0.0);
+    }
+}
+
+#[test]
+fn free_paths_are_independent() {
+    let one = paths(5, 3);
+    let correlation = |a: &[f64], b: &[f64]| {
+        a.iter().zip(b).map(|(a, b)| (a - 1.0) * (b - 1.0)).sum::<f64>() / a.len().min(b.len()) as f64
+    };
+    for lag in [1, 2, 3, 7, 16, 1023, 1024, 1025, 2048, 8192] {
+        let found = correlation(&one, &one[lag..]);
+        assert!(found.abs() < error(one.len() - lag), "{found} at a lag of {lag}");
+    }
+    for (seed, body) in [(5, 2), (5, 4), (4, 3), (6, 3), (3, 5)] {
+        let found = correlation(&one, &paths(seed, body));
+        assert!(found.abs() < error(one.len()), "{found} with body {body} of seed {seed}");
+    }
+    // Hardly any two rows of a scan, nor of two bodies, show the same paths a few columns apart.
+    let row = |body, row| (0..64).map(move |column| Paths::new(1, body, row).at(column).to_bits());
+    let mut runs: Vec<[u32; 4]> = Vec::new();
+    for body in 0..40 {
+        for paths in (0..64).map(|k| row(body, k).collect::<Vec<u32>>()) {
+            runs.extend(paths.windows(4).map(|run| [run[0], run[1], run[2], run[3]]));
+        }
+    }
+    let count = runs.len();
+    runs.sort_unstable();
+    runs.dedup();
+    assert!(count - runs.len() < count / 500, "{} of {count}", count - runs.len());
+}
+
+#[test]
+fn a_row_of_more_columns_than_paths() {
+    let paths = Paths::new(2, 3, 4);
+    let (a, b) = (paths.at(5), paths.at(5 + COUNT));
+    assert_eq!(a, b);
+}
+
+#[test]
+fn the_mean_free_path() {
+    for (extinction, length) in [(0.5, 1.0), (4.0, 1.0), (2.0, 3.0)] {
+        let fog = Scene::new(vec![medium(Shape::Box, [0.0; 3], [1e4; 3], extinction)]).unwrap();
+        for origin in [DVec3::ZERO, DVec3::new(-6e3, 0.0, 0.0)] {
+            let direction = DVec3::X * length;
+            let met = rays(&fog, origin, direction, 20_000);
+            let from = if origin.x < -5e3 { 1e3 } else { 0.0 };
+            let sum: f64 = met.iter().map(|hit| hit.unwrap().distance * length - from).sum();
+            let mean = sum / met.len() as f64 * extinction;
+            assert!((mean - 1.0).abs() < error(met.len()), "{mean}");
+        }
+    }
+}
+
+#[test]
+fn transmittance() {
+    let shapes = [Shape::Box, Shape::Ellipsoid, Shape::Cylinder, Shape::Mesh(box_mesh())];
+    let size = [4.0, 2.0, 6.0];
+    // Chords along x at a height of 0.9 and half a metre to the left.
+    let ball = 4.0 * (1.0_f64 - 0.25 - 0.09).sqrt();
+    let chords = [4.0, ball, 4.0 * 0.75_f64.sqrt(), 4.0];
+    for (shape, chord) in shapes.into_iter().zip(chords) {
+        for extinction in [0.05, 0.4, 1.0] {
+            let scene = Scene::new(vec![medium(shape.clone(), [10.0, 1.0, -2.0], size, extinction)]).unwrap();
+            let through = DVec3::new(0.0, 1.5, -1.1);
+            transmits(&scene, through, DVec3::X, extinction * chord);
+            transmits(&scene, through + DVec3::X * 20.0, -DVec3::X, extinction * chord);
+            // From the middle, half of it is left.
+            transmits(&scene, through + DVec3::X * 10.0, DVec3::X, extinction * chord / 2.0);
+            let pose = Pose { rotation: DMat3::from_rotation_y(1.1), translation: DVec3::new(7.0, 8.0, 9.0) };
+            let moved = scene.moved(&[0], &[pose]).unwrap();
+            transmits(&moved, pose.point(DVec3::new(-9.0, 0.5, 0.9)), pose.vector(DVec3::X), extinction * chord);
+        }
+    }
+}
+
+#[test]
+fn nested_overlapping_and_before_a_wall() {
+    let wall = Primitive { label: 7, ..primitive(Shape::Box, [20.0, 0.0, 0.0], [2.0, 9.0, 9.0]) };
+    let scene = Scene::new(vec![
+        medium(Shape::Box, [10.0, 0.0, 0.0], [6.0; 3], 0.1),
+        medium(Shape::Ellipsoid, [10.0, 0.0, 0.0], [2.0; 3], 0.3),
+        medium(Shape::Cylinder, [13.0, 0.0, 0.0], [4.0; 3], 0.2),
+        wall,
+    ]);
+    let scene = scene.unwrap();
+    transmits(&scene, DVec3::ZERO, DVec3::X, 0.1 * 6.0 + 0.3 * 2.0 + 0.2 * 4.0);
+    for hit in rays(&scene, DVec3::ZERO, DVec3::X, 2000) {
+        let hit = hit.unwrap();
+        let (from, to) = [(7.0, 13.0), (9.0, 11.0), (11.0, 15.0), (19.0, 19.0)][hit.primitive];
+        assert!((from - 1e-9..=to + 1e-9).contains(&hit.distance), "{hit:?}");
+    }
+    // A wall within a medium ends it.
+    let scene = Scene::new(vec![medium(Shape::Box, [19.0, 0.0, 0.0], [10.0; 3], 0.1), scene_wall()]).unwrap();
+    transmits(&scene, DVec3::ZERO, DVec3::X, 0.1 * 5.0);
+}
+
+fn scene_wall() -> Primitive {
+    primitive(Shape::Box, [19.5, 0.0, 0.0], [1.0, 9.0, 9.0])
+}
+
+/// A box with a hollow: the inner shell is turned inside out.
+fn hollow() -> TriangleMesh {
+    let (outer, inner) = (box_mesh(), box_mesh());
+    let shrunk = inner.vertices().iter().map(|v| v.map(|x| 0.5 * x));
+    let vertices = outer.vertices().iter().copied().chain(shrunk).collect();
+    let turned = inner.faces().iter().map(|&[a, b, c]| [a + 8, c + 8, b + 8]);
+    TriangleMesh::new(vertices, outer.faces().iter().copied().chain(turned).collect()).unwrap()
+}
+
+#[test]
+fn meshes_are_crossed_where_they_are() {
+    let scene = Scene::new(vec![medium(Shape::Mesh(hollow()), [0.0; 3], [4.0; 3], 0.3)]).unwrap();
+    transmits(&scene, DVec3::new(-9.0, 0.2, 0.1), DVec3::X, 0.3 * 2.0);
+    transmits(&scene, DVec3::new(0.0, 0.2, 0.1), DVec3::X, 0.3 * 1.0);
+    for hit in rays(&scene, DVec3::new(-9.0, 0.2, 0.1), DVec3::X, 2000).into_iter().flatten() {
+        assert!(!(8.0..10.0).contains(&hit.distance), "{hit:?} in the hollow");
+    }
+}
+
+/// Through edges and corners, and from places of round numbers: as if it were a box.
+#[test]
+fn a_mesh_is_its_box() {
+    let turned = {
+        let mesh = box_mesh();
+        let faces = mesh.faces().iter().map(|&[a, b, c]| [a, c, b]).collect();
+        TriangleMesh::new(mesh.vertices().to_vec(), faces).unwrap()
+    };
+    let scene = |shape| Scene::new(vec![medium(shape, [0.0; 3], [2.0; 3], 0.4)]).unwrap();
+    let (cuboid, meshes) = (scene(Shape::Box), [box_mesh(), turned].map(|mesh| scene(Shape::Mesh(mesh))));
+    let mut random = Random(3);
+    let compare = |origin: DVec3, aim: DVec3, k: u32| {
+        let chance = Chance { seed: 1, row: k, column: 7 };
+        let expected = cuboid.closest(origin, aim - origin, chance).map(|hit| hit.distance);
+        for mesh in &meshes {
+            let found = mesh.closest(origin, aim - origin, chance).map(|hit| hit.distance);
+            let same = match (found, expected) {
+                (Some(a), Some(b)) => (a - b).abs() < 1e-9,
+                (a, b) => a == b,
+            };
+            assert!(same, "{found:?} is not {expected:?} from {origin} to {aim}");
+        }
+    };
+    let grid = [-0.5, -0.25, 0.0, 0.25, 0.5];
+    let mut k = 0;
+    for y in grid {
+        for z in grid {
+            for from in [DVec3::new(-3.0, y, z), DVec3::new(-3.0, 0.0, 0.0), DVec3::ZERO, DVec3::new(0.5, 0.5, 0.5)] {
+                for axis in 0..3 {
+                    let turn = |v: DVec3| DVec3::from_array(std::array::from_fn(|i| v[(i + axis) % 3]));
+                    let aim = DVec3::new(1.0, y, z);
+                    if aim != from {
+                        k += 1;
+                        compare(turn(from), turn(aim), k);
+                    }
+                }
+            }
+        }
+    }
+    for _ in 0..5000 {
+        k += 1;
+        compare(random.vector(-3.0, 3.0), random.vector(-0.9, 0.9), k);
+    }
+}
+
+#[test]
+fn returns_face_the_ray() {
+    let scene = Scene::new(vec![medium(Shape::Ellipsoid, [6.0, 0.0, 0.0], [8.0; 3], 0.3)]).unwrap();
+    let pattern = pattern(spec(linear(0.4, -0.4, 9), 180));
+    for backend in Backend::available() {
+        let mut images = Images::new(9, 180);
+        scan(&scene, &pattern, &[Pose::IDENTITY], 3, &mut images.as_mut(), Some(backend), 1).unwrap();
+        let mut hits = 0;
+        for i in (0..9 * 180).filter(|&i| images.depth[i] > 0.0) {
+            hits += 1;
+            assert!((images.incidence[i] - 1.0).abs() < 1e-6);
+            let normal = DVec3::from(images.normal[i].map(f64::from));
+            assert!((normal + pattern.direction(i / 180, i % 180)).length() < 1e-6);
+        }
+        assert!(hits > 100, "{hits}");
+    }
+    let hits = cast(&scene, &[[0.0; 3]; 50], &[[9.0, 0.0, 0.0]; 50], 99.0, 3, 1).unwrap();
+    assert!(hits.distance.iter().zip(&hits.normal).all(|(&d, n)| (d == 0.0) == (*n == [0.0; 3])));
+    assert!(hits.normal.contains(&[-1.0, 0.0, 0.0]));
+    assert_ne!(hits, cast(&scene, &[[0.0; 3]; 50], &[[9.0, 0.0, 0.0]; 50], 99.0, 4, 1).unwrap());
+}
+
+/// A medium nearer than the minimum range is not reported, and hides what is behind it.
+#[test]
+fn range_limits() {
+    let mut narrow = spec(vec![0.0], 400);
+    (narrow.azimuth_start, narrow.azimuth_span) = (0.01, 0.02);
+    (narrow.min_range, narrow.max_range) = (2.0, 20.0);
+    let fog = medium(Shape::Box, [2.0, 0.0, 0.0], [4.0; 3], 0.5);
+    let wall = Primitive { label: 7, ..primitive(Shape::Box, [10.0, 0.0, 0.0], [1.0, 9.0, 9.0]) };
+    let images = scanned(&Scene::new(vec![fog, wall]).unwrap(), &pattern(narrow), &Pose::IDENTITY);
+    let count = |f: &dyn Fn(usize) -> bool| (0..400).filter(|&i| f(i)).count() as f64 / 400.0;
+    let near = |expected: f64, found: f64| assert!((expected - found).abs() < 0.1, "{found} is not {expected}");
+    near(1.0 - (-1.0_f64).exp(), count(&|i| images.depth[i] == 0.0));
+    near((-1.0_f64).exp() - (-2.0_f64).exp(), count(&|i| (2.0..4.1).contains(&images.depth[i])));
+    near((-2.0_f64).exp(), count(&|i| images.label[i] == 7));
+}
