@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import layouts, poses, sensors
 
-from lidardraft.errors import SensorError
+from lidardraft.errors import LayoutError, SensorError
 from lidardraft.scene.batch import RangeImageBatch
-from lidardraft.scene.layout import Layout
+from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import IMAGES
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.sensor import Sensor
@@ -30,11 +30,15 @@ def test_a_batch_is_its_scans_bit_for_bit(layout, sensor, several):
 
 
 def test_a_batch_of_rolling_scans_is_its_scans():
-    caster, width = Raycaster(Layout()), SMALL.columns
-    several = np.stack([SMALL.poses_in_motion(velocity=(v, 0, 0)) for v in (1.0, 2.0)])
-    assert several.shape == (2, width, 4, 4)
+    caster = Raycaster(Layout((Primitive(shape="plane", center=(0, 0, 0), size=(99, 99, 0), label="road", id="road"),)))
+    several = np.stack([SMALL.poses_in_motion(velocity=(0, 0, v)) for v in (1.0, 2.0)])
+    assert several.shape == (2, SMALL.columns, 4, 4)
     batch = caster.scan_batch(SMALL, several)
+    assert batch[0].depth[-1, 0] != batch[1].depth[-1, 0] > 0
     np.testing.assert_array_equal(batch[1].depth, caster.scan(SMALL, poses=several[1]).depth)
+    np.testing.assert_array_equal(caster.scan_batch(SMALL, several.tolist()).depth, batch.depth)
+    with pytest.raises(LayoutError, match=r"poses is \[\[1\], \[1, 2\]\]; it must be numbers \[N, 4, 4\]"):
+        caster.scan_batch(SMALL, [[1], [1, 2]])
 
 
 def test_images_of_a_batch_are_views():

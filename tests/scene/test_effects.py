@@ -1,4 +1,4 @@
-"""Effects against their closed forms and limits."""
+"""Effects against their closed forms and limits, and each of them switched off."""
 
 import math
 from dataclasses import replace
@@ -6,25 +6,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lidardraft import Layout, LidarDraftError, Primitive, RangeImage, Sensor, raycast
+from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
 from lidardraft.errors import LayoutError, SensorError
-from lidardraft.scene.effects import (
-    Surface,
-    drop,
-    intensity,
-    keep,
-    observe,
-    penetrate,
-    power,
-    range_noise,
-    response,
-    speckle,
-)
+from lidardraft.scene.effects import observe, received_power
+from lidardraft.scene.noise import smooth_noise
+from lidardraft.scene.raycast import Raycaster
+from lidardraft.scene.sensor_model import SensorModel, sub_rays
+from lidardraft.scene.surfaces import Surfaces
+from lidardraft.scene.weather import Weather
 
-SENSOR = Sensor(name="small", elevations=(0.02, -0.02), columns=512)
+SENSOR = Sensor(name="small", elevations=(0.04, 0.02, -0.02, -0.04), columns=1024, range_sigma=0.0, max_range=200.0)
+IDEAL = SensorModel.ideal()
+FAINTEST = 0.10 / 50.0**2
 
 
-def wall(distance: float, material: str | None = "plaster") -> tuple[Layout, RangeImage]:
+def wall(distance: float, material: str | None = "plaster") -> Layout:
     """A ring of wall around the sensor, every ray at a right angle and at one distance."""
     ring = Primitive(
         shape="cylinder",
@@ -34,176 +30,290 @@ def wall(distance: float, material: str | None = "plaster") -> tuple[Layout, Ran
         id="ring",
         material=material,
     )
-    layout = Layout(primitives=(ring,))
-    return layout, raycast(layout, SENSOR, primitive=True, incidence=True, normal=True)
+    return Layout(primitives=(ring,))
 
 
-def surface(incidence: np.ndarray, reflectance: float = 1.0) -> Surface:
-    flat = np.full_like(incidence, reflectance)
-    return Surface(flat, 0 * flat, 0 * flat, 0 * flat, incidence)
+def seen(layout: Layout, model: SensorModel, *, sensor: Sensor = SENSOR, seed: int = 0, weather=None) -> RangeImage:
+    """What the sensor reports of a layout, whose things do not vary."""
+    image = raycast(layout, sub_rays(sensor, model), primitive=True, incidence=True)
+    wetness = 0.0 if weather is None else weather.wetness
+    surfaces = Surfaces.of(layout, variation=False, wetness=wetness)
+    return observe(image, surfaces, seed, sensor=sensor, model=model, weather=weather)
 
 
-def test_a_facing_white_surface_responds_with_its_reflectance():
-    assert response(surface(np.ones(1), 0.4)) == pytest.approx(0.4)
-
-
-def test_response_falls_with_incidence():
-    cosines = np.cos(np.linspace(0, math.pi / 2, 50))
-    assert (np.diff(response(surface(cosines))) < 0).all()
-
-
-def test_a_grazed_rough_surface_still_responds():
-    # B / A of Oren and Nayar at a slope spread of 0.4 rad
-    expected = (0.45 * 0.16 / 0.25) / (1 - 0.5 * 0.16 / 0.49)
-    assert response(surface(np.zeros(1))) == pytest.approx(expected)
+def test_with_every_effect_off_the_scan_is_the_cast():
+    layout = wall(12.0)
+    clean, scan = raycast(layout, SENSOR, primitive=True, incidence=True), seen(layout, IDEAL)
+    for name in ("depth", "label", "instance", "primitive", "incidence"):
+        np.testing.assert_array_equal(getattr(scan, name), getattr(clean, name))
+        assert getattr(scan, name).dtype == getattr(clean, name).dtype
+    assert scan.sensor is SENSOR
+    np.testing.assert_allclose(scan.intensity, 0.45, rtol=0.01)
 
 
 def test_power_falls_with_the_square_of_range():
-    near, far = (power(image, Surface.of(image, layout)).mean() for layout, image in (wall(10.0), wall(20.0)))
-    assert near / far == pytest.approx(4.0, rel=0.01)
+    depth = np.array([10.0, 20.0, 0.0], np.float32)
+    response = np.array([0.1, 0.1, 0.0], np.float32)
+    model = replace(IDEAL, faintest=FAINTEST)
+    np.testing.assert_allclose(received_power(depth, response, model, Weather()), [25.0, 6.25, 0.0], rtol=1e-6)
 
 
-def test_pavement_facing_the_sensor_at_50_m_is_at_the_threshold():
-    _, image = wall(50.0)
-    white = Surface.of(image, wall(50.0)[0])
-    assert power(image, replace(white, reflectance=np.full(SENSOR.shape, 0.1))).mean() == pytest.approx(1.0, rel=0.01)
+def test_fog_takes_its_share_there_and_back():
+    depth, response = np.full(1, 30.0, np.float32), np.ones(1, np.float32)
+    clear, fog = (received_power(depth, response, IDEAL, Weather(visibility=v)) for v in (math.inf, 150.0))
+    assert fog / clear == pytest.approx(math.exp(-2 * 3.91 / 150.0 * 30.0), rel=1e-5)
 
 
-def test_intensity_falls_with_range_and_stays_in_0_1():
-    means = []
-    for distance in (5.0, 20.0, 40.0, 80.0):
-        layout, image = wall(distance, "retroreflector")
-        lit = intensity(image, Surface.of(image, layout)).intensity
-        assert lit.min() >= 0.0
-        assert lit.max() <= 1.0
-        means.append(lit.mean())
-    assert (np.diff(means) < 0).all()
-    # corrected for range to 40 m: there, half is left
-    assert means[2] == pytest.approx(0.5, rel=0.01)
+@pytest.mark.parametrize("distance", [20.0, 50.0, 100.0])
+def test_what_is_lost_follows_the_power(distance: float):
+    scan = seen(wall(distance, "plaster"), replace(IDEAL, faintest=FAINTEST))
+    power = 0.45 * (1 / distance**2) / FAINTEST
+    assert scan.valid.mean() == pytest.approx(math.exp(-1 / power), abs=0.02)
 
 
-def test_nothing_is_dropped_when_every_cause_is_off():
-    layout, image = wall(10.0, "plaster")
-    assert (
-        drop(image, Surface.of(image, layout), np.random.default_rng(0), chance=0.0).valid.sum()
-        >= image.valid.sum() - 1
+def test_a_faintest_of_0_sees_everything():
+    assert seen(wall(190.0, "rubber"), IDEAL).valid.all()
+
+
+def test_chance_takes_its_share_of_near_white_things():
+    assert seen(wall(3.0), replace(IDEAL, chance=0.1)).valid.mean() == pytest.approx(math.exp(-0.1), abs=0.01)
+
+
+def test_fading_keeps_the_share_of_lost_rays_and_makes_runs_of_them():
+    layout = wall(40.0, "rubber")
+    lengths = []
+    for fading in (0.0, 1.6):
+        lost = np.concatenate(
+            [~seen(layout, replace(IDEAL, faintest=1e-6, fading=fading), seed=s).valid for s in range(12)]
+        )
+        starts = lost[:, 1:] & ~lost[:, :-1]
+        lengths.append(lost.sum() / starts.sum())
+        # power 0.03 / 40^2 / 1e-6
+        assert lost.mean() == pytest.approx(1 - math.exp(-1 / 18.75), abs=0.015)
+    assert lengths[0] == pytest.approx(1.0 / (1 - 1 / 18.75), abs=0.05)
+    assert lengths[1] > lengths[0] + 0.1
+
+
+def test_intensity_is_calibrated_saturates_and_is_rounded():
+    white = replace(IDEAL, full_scale=0.4)
+    assert seen(wall(5.0, "plaster"), white).intensity.max() == 1.0
+    tenths = replace(IDEAL, levels=10)
+    np.testing.assert_allclose(np.unique(seen(wall(5.0, "brick"), tenths).intensity), [0.4])
+    for distance in (5.0, 40.0):
+        assert seen(wall(distance), IDEAL).intensity.mean() == pytest.approx(0.45, rel=0.01)
+    # what is corrected to 40 m has half left there
+    assert seen(wall(40.0), replace(IDEAL, compensated=40.0)).intensity.mean() == pytest.approx(0.225, rel=0.01)
+
+
+def test_a_knee_keeps_the_upper_scale_for_retroreflectors():
+    model = replace(IDEAL, knee=100 / 255, full_scale=300.0)
+    assert seen(wall(10.0, "plaster"), model).intensity.mean() == pytest.approx(0.45 * 100 / 255, rel=0.01)
+    bright = seen(wall(10.0, "retroreflector"), model).intensity
+    assert bright.min() > 100 / 255
+    assert bright.max() <= 1.0
+
+
+def test_a_single_surface_is_the_same_through_sub_rays():
+    one, three, seven = (
+        seen(wall(15.0), replace(IDEAL, rays=rays, divergence_h=2e-3, divergence_v=2e-3)) for rays in (1, 3, 7)
     )
+    for many in (three, seven):
+        np.testing.assert_allclose(many.depth, one.depth, atol=2e-3)
+        np.testing.assert_allclose(many.intensity, one.intensity, rtol=0.02)
+        np.testing.assert_array_equal(many.label, one.label)
 
 
-def test_everything_is_dropped_at_chance_1():
-    layout, image = wall(10.0)
-    assert not drop(image, Surface.of(image, layout), np.random.default_rng(0), chance=1.0).valid.any()
+def step(gap: float) -> Layout:
+    """A near board before a wall, `gap` apart; beams cross the board's edges."""
+    return Layout(primitives=(
+        Primitive(shape="box", center=(10.05, 0.0, 0.0), size=(0.1, 3.0, 9.0), label="fence", id="board"),
+        Primitive(shape="box", center=(10.5 + gap, 0.0, 0.0), size=(1.0, 99.0, 9.0), label="wall", id="wall"),
+    ))  # fmt: skip
 
 
-@pytest.mark.parametrize(("material", "lost"), [("plaster", 0.0), ("glass", 0.85), ("window", 0.6)])
-def test_transmission_is_the_share_that_is_lost(material: str, lost: float):
-    layout, image = wall(3.0, material)
-    left = drop(image, Surface.of(image, layout), np.random.default_rng(1), chance=0.0).valid.mean()
-    assert left == pytest.approx(1.0 - lost, abs=0.05)
+def test_mixed_pixels_at_an_edge_lie_between_and_far_edges_do_not_mix():
+    model = replace(IDEAL, rays=7, divergence_h=6e-3, divergence_v=6e-3)
+    for gap, mixes in ((0.4, True), (3.0, False)):
+        ahead = replace(SENSOR, azimuth_start=0.3, azimuth_span=0.6)
+        scan = seen(step(gap), model, sensor=ahead)
+        along = (ahead.pattern.directions() * scan.depth[..., None])[..., 0]
+        between = (along > 10.05) & (along < 9.95 + gap)
+        assert between.any() == mixes
+        assert set(np.unique(scan.label)) == {4, 5}
+        if mixes:
+            assert between.mean() < 0.02
+            assert along.min() > 9.99
+            assert along.max() < 10.01 + gap
 
 
-def test_gloss_loses_rays_at_grazing_incidence_only():
-    _, image = wall(2.0)
-    shape = SENSOR.shape
-    for cosine, left in ((1.0, 1.0), (0.5, 1 - 0.8 * 0.75)):
-        glossy = replace(surface(np.full(shape, cosine)), gloss=np.full(shape, 0.8))
-        share = drop(image, glossy, np.random.default_rng(2), chance=0.0).valid.mean()
-        assert share == pytest.approx(left, abs=0.05)
+def test_a_thin_pole_gives_a_weak_echo():
+    pole = Primitive(shape="cylinder", center=(20.0, 0.0, 0.0), size=(0.06, 0.06, 9.0), label="pole", id="pole")
+    layout = Layout(primitives=(replace(pole, material="concrete"),))
+    model = replace(IDEAL, rays=3, divergence_h=3e-3, divergence_v=3e-3)
+    narrow = replace(SENSOR, azimuth_start=0.02, azimuth_span=0.04)
+    thin, whole = (seen(layout, each, sensor=narrow) for each in (model, IDEAL))
+    assert thin.valid.sum() >= whole.valid.sum()
+    assert thin.intensity[thin.valid].mean() < 0.8 * whole.intensity[whole.valid].mean()
 
 
-def test_a_dark_far_surface_is_lost_and_a_near_one_is_not():
-    near, far = (
-        drop(image, Surface.of(image, layout), np.random.default_rng(3), chance=0.0).valid.mean()
-        for layout, image in (wall(5.0, "rubber"), wall(100.0, "rubber"))
-    )
-    assert near > 0.99
-    assert far < 0.05
+def test_range_noise_grows_as_power_falls():
+    model = replace(IDEAL, jitter=0.1, faintest=1e-5)
+    noisy = replace(SENSOR, range_sigma=0.02)
+    for distance, material in ((5.0, "plaster"), (50.0, "plaster"), (50.0, "rubber")):
+        scan = seen(wall(distance, material), model, sensor=noisy)
+        share = {"plaster": 0.45, "rubber": 0.03}[material]
+        power = share / distance**2 / 1e-5
+        clean = raycast(wall(distance, material), noisy).depth
+        spread = (scan.depth - clean)[scan.valid].std()
+        assert spread == pytest.approx(math.hypot(0.02, 0.1 / math.sqrt(power)), rel=0.05)
 
 
-def test_what_is_dropped_is_no_return_in_every_image():
-    layout, image = wall(10.0)
-    lit = intensity(image, Surface.of(image, layout))
-    mask = np.zeros(SENSOR.shape, dtype=bool)
-    mask[0] = True
-    left = keep(lit, mask)
-    assert left.valid[0].all()
-    for name, blank in (
-        ("depth", 0),
-        ("label", 0),
-        ("instance", 0),
-        ("intensity", 0),
-        ("incidence", 0),
-        ("primitive", -1),
-        ("normal", 0),
+def test_a_rough_surface_scatters_ranges_by_its_heights():
+    model = replace(IDEAL, grainy=True)
+    flat = Layout((Primitive(shape="plane", center=(0, 0, -2), size=(200, 200, 0), label="terrain", id="lawn"),))
+    steep = replace(SENSOR, elevations=(-0.8, -0.9, -1.0, -1.1))
+    for layout, sensor, cosine in (
+        (wall(9.0, "grass"), SENSOR, np.ones(4)),
+        (flat, steep, np.sin([0.8, 0.9, 1.0, 1.1])),
     ):
-        assert (getattr(left, name)[1] == blank).all()
-        assert getattr(left, name).dtype == getattr(lit, name).dtype
+        moved = seen(layout, model, sensor=sensor).depth - raycast(layout, sensor).depth
+        np.testing.assert_allclose(moved.std(axis=1), 0.017 / cosine, rtol=0.12)
+    smooth = seen(wall(9.0, "plaster"), model).depth
+    np.testing.assert_array_equal(smooth, raycast(wall(9.0), SENSOR).depth)
 
 
-def test_range_noise_has_the_sensors_sigma_and_grows_with_weak_echoes():
-    spread = []
-    for distance, material in ((5.0, "plaster"), (100.0, "rubber")):
-        layout, image = wall(distance, material)
-        noisy = range_noise(image, Surface.of(image, layout), np.random.default_rng(4))
-        spread.append((noisy.depth - image.depth).std())
-    assert spread[0] == pytest.approx(SENSOR.range_sigma, rel=0.1)
-    assert spread[1] == pytest.approx(3 * SENSOR.range_sigma, rel=0.1)
+def test_ranges_are_rounded_and_never_leave_the_limits():
+    coarse = seen(wall(12.0), replace(IDEAL, range_step=0.25)).depth
+    np.testing.assert_allclose(np.unique(coarse), [12.0])
+    near = replace(SENSOR, range_sigma=0.3, min_range=0.5)
+    assert seen(wall(0.52), IDEAL, sensor=near).depth.min() >= np.float32(0.5)
 
 
-def test_foliage_is_seen_from_behind_its_surface_and_plaster_is_not():
-    layout, image = wall(5.0, "foliage")
-    deeper = penetrate(image, Surface.of(image, layout), np.random.default_rng(5)).depth - image.depth
-    assert deeper.min() >= 0.0
-    assert deeper.mean() == pytest.approx(0.08, rel=0.15)
-    layout, image = wall(5.0, "plaster")
-    assert (penetrate(image, Surface.of(image, layout), np.random.default_rng(5)).depth == image.depth).all()
+def test_each_beam_of_a_unit_has_an_offset_and_a_gain_of_its_own():
+    model = replace(IDEAL, offset_spread=0.05, gain_spread=0.3)
+    clean = raycast(wall(10.0), SENSOR).depth
+    one, again, other = (seen(wall(10.0), replace(model, unit=u), seed=s) for u, s in ((3, 0), (3, 1), (4, 0)))
+    np.testing.assert_array_equal(one.depth, again.depth)
+    np.testing.assert_allclose((one.depth - clean).std(axis=1), 0.0, atol=1e-5)
+    assert len(np.unique((one.depth - clean)[:, 0])) == 4
+    assert len(np.unique(one.intensity)) == 4
+    assert (one.depth != other.depth).all()
 
 
-def test_noise_never_leaves_the_sensors_limits():
-    layout, image = wall(0.52)
-    noisy = range_noise(image, Surface.of(image, layout), np.random.default_rng(6))
-    assert noisy.depth.min() >= np.float32(SENSOR.min_range)
+def test_speckle_texture_and_grain_scatter_the_intensity():
+    for change, spread in (({"speckle": 0.1}, 0.1), ({"texture": 0.1}, 0.1), ({"grainy": True}, 0.08)):
+        logarithm = np.log(seen(wall(10.0), replace(IDEAL, **change)).intensity / 0.45)
+        assert logarithm.std() == pytest.approx(spread, rel=0.2)
+        beside = np.corrcoef(logarithm[:, 1:].ravel(), logarithm[:, :-1].ravel())[0, 1]
+        assert beside > 0.8 if "texture" in change else abs(beside) < 0.1
 
 
-def test_speckle_of_spread_0_changes_nothing():
-    layout, image = wall(10.0)
-    lit = intensity(image, Surface.of(image, layout))
-    assert (speckle(lit, np.random.default_rng(7), spread=0.0).intensity == lit.intensity).all()
+def test_dust_darkens_the_same_places_in_every_scan():
+    stained = [seen(wall(10.0), replace(IDEAL, dust=2.0), seed=seed).intensity for seed in (0, 1)]
+    np.testing.assert_array_equal(*stained)
+    dark = stained[0] < 0.44
+    assert 0.01 < dark.mean() < 0.3
+    assert (stained[0] <= 0.46).all()
+
+
+def test_smooth_noise_has_variance_1_and_changes_slowly():
+    noise = smooth_noise((64, 1024), np.random.default_rng(0))
+    assert noise.shape == (64, 1024)
+    assert noise.std() == pytest.approx(1.0, abs=0.1)
+    assert np.abs(np.diff(noise, axis=1)).mean() < 0.4
+
+
+def test_panes_are_seen_through_in_places_and_not_when_that_is_off():
+    layout = wall(15.0, "window")
+    # looked at askew: a pane that faces the sensor is brighter than what is behind it
+    askew = replace(SENSOR, elevations=(0.6, 0.5))
+    model = replace(IDEAL, faintest=FAINTEST / 20)
+    clean = raycast(layout, askew).depth
+    behind, closed = (seen(layout, replace(model, panes=panes), sensor=askew).depth for panes in (True, False))
+    np.testing.assert_array_equal(closed[closed > 0], clean[closed > 0])
+    deeper = (behind - clean)[behind > clean]
+    assert 0.4 < len(deeper) / clean.size < 0.51
+    assert deeper.mean() == pytest.approx(1.0, abs=0.1)
+
+
+def test_glass_that_is_turned_away_is_lost_where_plaster_is_not():
+    # a ring seen from far below its axis: 60 degrees of incidence
+    steep = replace(SENSOR, elevations=(-1.0, -1.05))
+    for material, most in (("glass", 0.65), ("plaster", 0.0)):
+        scan = seen(wall(15.0, material), replace(IDEAL, faintest=FAINTEST), sensor=steep)
+        assert (~scan.valid).mean() >= most
+    assert scan.valid.mean() > 0.9
+
+
+def road() -> Layout:
+    return Layout(primitives=(
+        Primitive(shape="plane", center=(0.0, 0.0, 0.0), size=(400.0, 400.0, 0.0), label="road", id="road"),
+    ))  # fmt: skip
+
+
+def test_grazing_incidence_and_a_wet_road_lose_returns():
+    down = replace(SENSOR, elevations=(-0.06, -0.15, -0.3))
+    model = replace(IDEAL, faintest=FAINTEST / 10)
+    dry, wet = (seen(road(), model, sensor=down, weather=Weather(wetness=w)).valid.mean(axis=1) for w in (0.0, 1.0))
+    assert (np.diff(dry) > 0).all()
+    assert (wet < dry).all()
+    assert (dry - wet)[0] > 0.3
+
+
+def test_rain_snow_and_fog_bring_echoes_of_nothing_from_near_by():
+    model = replace(IDEAL, rays=3, divergence_h=3e-3, divergence_v=3e-3, faintest=0.1 / 200**2)
+    for weather in (Weather(visibility=30.0), Weather(snow=5.0), Weather(rain=100.0)):
+        clear, scan = seen(wall(60.0), model), seen(wall(60.0), model, weather=weather)
+        aloft = scan.valid & (scan.label == 0)
+        assert (scan.depth[aloft] < 40.1).all()
+        assert aloft.mean() > 0.01
+        assert (scan.primitive[aloft] == -1).all()
+        assert not (clear.valid & (clear.label == 0)).any()
+
+
+def test_a_return_from_nothing_is_no_return_in_every_image():
+    scan = seen(wall(100.0, "rubber"), replace(IDEAL, faintest=FAINTEST))
+    lost = ~scan.valid
+    assert lost.mean() > 0.9
+    for name, blank in (("label", 0), ("instance", 0), ("intensity", 0), ("incidence", 0), ("primitive", -1)):
+        assert (getattr(scan, name)[lost] == blank).all()
 
 
 def test_an_empty_image_stays_empty():
-    layout = Layout()
-    image = raycast(layout, SENSOR, primitive=True, incidence=True)
-    seen = observe(image, layout, np.random.default_rng(8))
-    assert not seen.valid.any()
-    assert (seen.intensity == 0).all()
+    assert not seen(Layout(), SensorModel()).valid.any()
 
 
-def test_the_same_seed_gives_the_same_scan():
-    layout, image = wall(30.0)
-    one, two = (observe(image, layout, np.random.default_rng(9)) for _ in range(2))
-    assert (one.depth == two.depth).all()
-    assert (one.intensity == two.intensity).all()
-    assert (observe(image, layout, np.random.default_rng(10)).depth != one.depth).any()
-
-
-def test_the_image_given_is_not_changed():
-    layout, image = wall(30.0)
+def test_the_same_seed_gives_the_same_scan_and_leaves_the_image_as_it_was():
+    layout, model = wall(30.0), SensorModel()
+    image = raycast(layout, sub_rays(SENSOR, model), primitive=True, incidence=True)
     before = image.depth.copy()
-    observe(image, layout, np.random.default_rng(11))
-    assert (image.depth == before).all()
-    assert image.intensity is None
+    one, two, other = (observe(image, layout, seed, sensor=SENSOR, model=model) for seed in (9, 9, 10))
+    for name in ("depth", "intensity", "label"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(two, name))
+    assert (one.depth != other.depth).any()
+    np.testing.assert_array_equal(image.depth, before)
+    generated = observe(image, layout, np.random.Generator(np.random.SFC64(9)), sensor=SENSOR, model=model)
+    np.testing.assert_array_equal(generated.depth, one.depth)
+
+
+def test_a_plain_image_needs_no_sensor_and_a_moving_one_is_observed_alike():
+    layout = wall(20.0)
+    caster = Raycaster(layout)
+    poses = SENSOR.poses_in_motion(velocity=(15.0, 0.0, 0.0))
+    moving = caster.scan(SENSOR, poses=poses, primitive=True, incidence=True)
+    scan = observe(moving, layout, 0, model=IDEAL)
+    np.testing.assert_array_equal(scan.depth, moving.depth)
+    assert observe(moving, layout, 0).valid.mean() > 0.9
 
 
 def test_errors():
-    layout, image = wall(10.0)
+    layout = wall(10.0)
+    image = raycast(layout, SENSOR, primitive=True, incidence=True)
     with pytest.raises(SensorError, match="the image lacks primitive or incidence"):
-        Surface.of(replace(image, primitive=None), layout)
+        observe(raycast(layout, SENSOR), layout, 0)
     with pytest.raises(SensorError, match="the image shows primitive 0; the layout has 0"):
-        Surface.of(image, Layout())
+        observe(image, Layout(), 0)
     with pytest.raises(LayoutError, match="ring: material is 'cheese'; it must be one of asphalt, "):
-        observe(image, wall(10.0, "cheese")[0], np.random.default_rng(0))
-    with pytest.raises(SensorError, match="the image has no intensity"):
-        speckle(image, np.random.default_rng(0))
-    with pytest.raises(LidarDraftError, match=r"chance is 1\.5; the share of rays lost by chance must be 0 to 1"):
-        drop(image, Surface.of(image, layout), np.random.default_rng(0), chance=1.5)
+        observe(image, wall(10.0, "cheese"), 0)
+    with pytest.raises(SensorError, match="the image is of small; sub_rays of small are small x 3"):
+        observe(image, layout, 0, sensor=SENSOR)

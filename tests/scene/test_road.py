@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from lidardraft.errors import LayoutError
 from lidardraft.scene.mesh import primitive_mesh
-from lidardraft.scene.road import KERB_HEIGHT, Road
+from lidardraft.scene.road import KERB_HEIGHT, Patch, Road
 
 roads = st.builds(
     Road,
@@ -57,6 +57,11 @@ def test_lanes() -> None:
         ({"lane_width": math.nan}, "lane_width is nan m"),
         ({"parking": -1.0}, "parking is -1.0 m; it must be 0 to 5 m"),
         ({"sidewalk": 11.0}, "sidewalk is 11.0 m; it must be 0 to 10 m"),
+        ({"median": -1.0}, "median is -1.0 m; it must be 0 to 20 m"),
+        ({"circle": 20.0}, "a roundabout needs a junction on a straight road"),
+        ({"circle": 20.0, "junction": 0.0, "curvature": 0.01}, "a roundabout needs a junction on a straight road"),
+        ({"circle": 9.0, "junction": 0.0}, "circle is 9.0 m; for this road it must be over 13.5 and up to 40 m"),
+        ({"circle": math.nan, "junction": 0.0}, "circle is nan m"),
         ({"curvature": 0.1}, "curvature 0.1 over 80.0 m turns the road back on itself"),
     ],
 )
@@ -95,3 +100,32 @@ def test_surfaces_reach_where_the_frame_says(road: Road) -> None:
     assert vertices[:, 2] == pytest.approx(0.0)
     if "sidewalk_1" in surfaces:
         assert primitive_mesh(surfaces["sidewalk_1"]).vertices[:, 2].max() == pytest.approx(KERB_HEIGHT)
+
+
+def test_a_median_parts_the_carriageways() -> None:
+    road = Road(lanes=2, lane_width=3.5, median=4.0)
+    assert road.edge == 9.0
+    assert [road.lane(n) for n in range(2)] == [-7.25, -3.75]
+    surfaces = {p.id: p for p in road.surfaces()}
+    for name, side in (("road", -1), ("road_back", 1)):
+        assert surfaces[name].center[1] + road.lane(0) == pytest.approx(side * 5.5)
+        assert surfaces[name].size[1] == 7.0
+
+
+def test_a_roundabout_has_a_lane_around_an_island() -> None:
+    road = Road(junction=20.0, circle=18.0)
+    assert road.island == 10.0
+    assert road.in_junction(39.0)
+    surfaces = {p.id: p for p in road.surfaces()}
+    assert surfaces["island"].size[:2] == (20.0, 20.0)
+    assert primitive_mesh(surfaces["roundabout"]).vertices[:, 0].max() == pytest.approx(38.0)
+    sidewalks = [p for p in surfaces.values() if p.label == "sidewalk"]
+    assert len(sidewalks) == 4
+    assert all(abs(p.center[0] - 20.0) - p.size[0] / 2 >= 18.0 - 1e-9 for p in sidewalks)
+
+
+def test_patches_are_paved() -> None:
+    road = Road(patches=(Patch((-10.0, 20.0), (6.0, 22.0)),))
+    patch = road.surfaces()[-1]
+    assert (patch.label, patch.id, patch.size) == ("road", "patch_1", (30.0, 16.0, 0.0))
+    assert patch.center == pytest.approx((5.0, 14.0 - road.lane(0), 0.0))

@@ -1,6 +1,7 @@
 import dataclasses
 import json
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -27,6 +28,11 @@ def test_presets_have_their_name_and_descending_beams(name):
         ("hdl32e", 32, 10.667, -30.667),
         ("vlp16", 16, 15.0, -15.0),
         ("os1-128", 128, 22.5, -22.5),
+        ("pandar64", 64, 14.87, -24.909),
+        ("vlp32c", 32, 15.0, -25.0),
+        ("os0-128", 128, 45.75, -46.26),
+        ("os1-32", 32, 12.75, -15.32),
+        ("os2-128", 128, 10.76, -11.09),
     ],
 )
 def test_presets_see_what_their_data_sheets_say(name, beams, top, bottom):
@@ -34,6 +40,16 @@ def test_presets_see_what_their_data_sheets_say(name, beams, top, bottom):
     assert len(sensor.elevations) == beams
     assert math.degrees(sensor.elevations[0]) == pytest.approx(top)
     assert math.degrees(sensor.elevations[-1]) == pytest.approx(bottom)
+
+
+def test_the_blocks_of_the_hdl64e_start_at_two_heights():
+    heights = Sensor.preset("hdl64e").pattern.origins()[:, 0, 2]
+    assert heights[0] == heights[31] > heights[32] == heights[63] > 0
+
+
+def test_a_makers_azimuths_count_clockwise():
+    # channel 9 of the Pandar64 looks 5.208 degrees further on than the head points, to the right
+    assert math.degrees(Sensor.preset("pandar64").azimuth_offsets[8]) == pytest.approx(-5.208)
 
 
 def test_columns_are_pixel_centres_of_falling_azimuth_with_the_seam_behind():
@@ -147,3 +163,9 @@ def test_a_sensor_written_before_it_had_a_sweep_is_one_of_10_hz():
     sensor = Sensor.from_json(text)
     assert (sensor.sweep_time, sensor.origin_forwards, sensor.origin_lefts) == (0.1, (), ())
     np.testing.assert_array_equal(sensor.pattern.origins()[:, 0], [[0, 0, 0], [0, 0, 0.1]])
+
+
+def test_a_sensor_can_go_to_another_process():
+    other = pickle.loads(pickle.dumps(SMALL))
+    assert other == SMALL
+    assert other.pattern is not SMALL.pattern

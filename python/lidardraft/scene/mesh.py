@@ -53,6 +53,14 @@ class TriangleMesh:
 
     __hash__ = None  # type: ignore[assignment]
 
+    def is_closed(self) -> bool:
+        """Whether every edge is shared by exactly two triangles, which run along it in opposite directions."""
+        corners = self.faces.astype(np.int64)
+        start, end = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
+        forth, back = start * len(self.vertices) + end, end * len(self.vertices) + start
+        edges, count = np.unique(forth, return_counts=True)
+        return bool((count == 1).all()) and np.array_equal(edges, np.unique(back))
+
 
 def read_obj(path: str | PathLike[str]) -> list[tuple[str, str, TriangleMesh]]:
     """Object name, material name and mesh of each object of a Wavefront OBJ file, in the file's own frame and unit.

@@ -90,6 +90,16 @@ class RangeImage:
         poses = finite_array("poses", poses, self.sensor.columns, 4, 4)[np.nonzero(valid)[1]]
         return np.einsum("nij,nj->ni", poses[:, :3, :3], points) + poses[:, :3, 3]
 
+    def keep(self, where: np.ndarray) -> RangeImage:
+        """The image with returns only where the mask [H, W] is True."""
+        images = {name: getattr(self, name) for name in IMAGES}
+        kept = {
+            name: np.where(where if pixels.ndim == 2 else where[..., None], pixels, -1 if name == "primitive" else 0)
+            for name, pixels in images.items()
+            if pixels is not None
+        }
+        return RangeImage.unchecked(self.sensor, **{name: p.astype(IMAGES[name]) for name, p in kept.items()})
+
     def times(self) -> np.ndarray:
         """How long after the first column each return was taken, f32 [N], s, in the order of `points`."""
         times: np.ndarray = self.sensor.column_times().astype(np.float32)[np.nonzero(self.valid)[1]]

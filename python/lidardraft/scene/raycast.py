@@ -25,11 +25,13 @@ class Raycaster:
 
     `layout` is the layout as it was drawn: `move` changes what is cast, not the drawing.
 
-    `threads` is how many threads a call may use, by default as many as there are cores (`RAYON_NUM_THREADS`); results
-    are the same bit for bit for any number. Images are written into `out`, an image or batch of the same sensor made by
-    an earlier call or by `empty`, and `out` is returned; it says which of the optional images are written. Nothing is
-    written before all is checked. Raises `LayoutError` on poses of another shape or not rigid, `SensorError` on an
-    `out` that does not go with the call, and `TypeError` on one whose arrays cannot be written in place.
+    `seed` decides how far rays travel in media (`Primitive.extinction`): a pure function of seed, primitive, row and
+    column of a scan, or number of a ray. `threads` is how many threads a call may use, by default as many as there are
+    cores (`RAYON_NUM_THREADS`); results are the same bit for bit for any number. Images are written into `out`, an
+    image or batch of the same sensor made by an earlier call or by `empty`, and `out` is returned; it says which of the
+    optional images are written. Nothing is written before all is checked. Raises `LayoutError` on poses of another
+    shape or not rigid, `SensorError` on an `out` that does not go with the call, and `TypeError` on one whose arrays
+    cannot be written in place.
     """
 
     def __init__(self, layout: Layout) -> None:
@@ -43,6 +45,7 @@ class Raycaster:
             labels=np.array([BY_NAME[p.label].id for p in primitives], dtype=np.uint8),
             instances=np.array([p.instance for p in primitives], dtype=np.uint32),
             meshes=[(p.mesh.vertices, p.mesh.faces) for p in primitives if p.mesh is not None],
+            extinctions=np.array([p.extinction or 0.0 for p in primitives], dtype=np.float64),
         )
 
     def scan(
@@ -55,6 +58,7 @@ class Raycaster:
         primitive: bool = False,
         incidence: bool = False,
         normal: bool = False,
+        seed: int = 0,
         threads: int | None = None,
     ) -> RangeImage:
         """What `sensor` sees from `pose`, world_from_sensor [4, 4]; by default on its mount over the origin.
@@ -79,6 +83,7 @@ class Raycaster:
             primitive=None if out.primitive is None else out.primitive[None],
             incidence=None if out.incidence is None else out.incidence[None],
             normal=None if out.normal is None else out.normal[None],
+            seed=seed,
             threads=threads or 0,
         )
         return out
@@ -92,11 +97,12 @@ class Raycaster:
         primitive: bool = False,
         incidence: bool = False,
         normal: bool = False,
+        seed: int = 0,
         threads: int | None = None,
     ) -> RangeImageBatch:
         """What `sensor` sees from each of `poses` [N, 4, 4], or [N, W, 4, 4] with one for each column.
 
-        Image i is that of `scan` with pose i, bit for bit; the threads share the scans.
+        Image i is that of `scan` with pose i and `seed` + i, bit for bit; the threads share the scans.
         """
         world_from_sensor = _poses_of_batch(sensor, poses)
         count = len(world_from_sensor)
@@ -117,12 +123,19 @@ class Raycaster:
                 primitive=out.primitive,
                 incidence=out.incidence,
                 normal=out.normal,
+                seed=seed,
                 threads=threads or 0,
             )
         return out
 
     def cast(
-        self, origins: np.ndarray, directions: np.ndarray, *, max_range: float = math.inf, threads: int | None = None
+        self,
+        origins: np.ndarray,
+        directions: np.ndarray,
+        *,
+        max_range: float = math.inf,
+        seed: int = 0,
+        threads: int | None = None,
     ) -> Hits:
         """What any rays hit first, up to `max_range` [m]: `origins` and `directions` [R, 3] in the world frame.
 
@@ -136,7 +149,7 @@ class Raycaster:
                 f"there are {len(origins)} origins and {len(directions)} directions; a ray has one of each"
             )
         distance, label, instance, hit, normal = self._scene.cast(
-            origins, directions, max_range=max_range, threads=threads or 0
+            origins, directions, max_range=max_range, seed=seed, threads=threads or 0
         )
         return Hits(
             origins=origins,
@@ -189,11 +202,20 @@ def raycast(
     primitive: bool = False,
     incidence: bool = False,
     normal: bool = False,
+    seed: int = 0,
     threads: int | None = None,
 ) -> RangeImage:
     """What `sensor` sees of `layout`: `Raycaster(layout).scan(sensor, pose, ...)`."""
     return Raycaster(layout).scan(
-        sensor, pose, poses=poses, out=out, primitive=primitive, incidence=incidence, normal=normal, threads=threads
+        sensor,
+        pose,
+        poses=poses,
+        out=out,
+        primitive=primitive,
+        incidence=incidence,
+        normal=normal,
+        seed=seed,
+        threads=threads,
     )
 
 
@@ -206,7 +228,11 @@ def _pose_of_scan(sensor: Sensor, pose: np.ndarray | None, poses: np.ndarray | N
 
 
 def _poses_of_batch(sensor: Sensor, poses: np.ndarray) -> np.ndarray:
-    if getattr(poses, "ndim", 3) == 4:
+    try:
+        axes = np.ndim(poses)
+    except ValueError:  # a ragged list: the error is that of three
+        axes = 3
+    if axes == 4:
         return as_array("poses", poses, "N", sensor.columns, 4, 4)
     return as_array("poses", poses, "N", 4, 4)[:, None]
 

@@ -14,6 +14,16 @@ TERRAIN_HEIGHT = -0.05  # below the road, so that the road covers it
 KERB_HEIGHT = 0.12  # usual European kerb face, 10 to 15 cm
 _SEGMENT = 2.0  # m; the chord of a 50 m bend leaves the arc by 1 cm
 _EXTENT = 200.0
+_SEEN_MEDIAN = 1.0  # m, a narrower one is no surface of its own
+RING = 8.0  # m, the width of a roundabout's lane: 6.5 to 9 m in the German guide of 2006 (FGSV 242)
+
+
+@dataclass(frozen=True, slots=True)
+class Patch:
+    """A paved rectangle of a road's frame, beside the road: from and to along, from and to across [m]."""
+
+    along: tuple[float, float]
+    across: tuple[float, float]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -24,7 +34,8 @@ class Road:
     at 0. `lanes` counts one direction; the ego drives in number `ego_lane`, counted from the kerb. `parking` is the
     width [m] of the strip for parked vehicles (or of the hard shoulder) along each kerb. `curvature` [1/m] is positive
     for a left bend. `junction` is the `along` of the middle of the crossing road, or None; `arms` are the sides on
-    which it leaves ("left", "right").
+    which it leaves ("left", "right"). `median` is the width [m] of the strip between the directions, `circle` the outer
+    radius [m] of a roundabout in the junction (or None), `patches` what is paved beside the road, such as a car park.
     """
 
     lanes: int = 1
@@ -36,6 +47,9 @@ class Road:
     junction: float | None = None
     arms: tuple[str, ...] = ("left", "right")
     reach: float = 80.0
+    median: float = 0.0
+    circle: float | None = None
+    patches: tuple[Patch, ...] = ()
 
     def __post_init__(self) -> None:
         if not 1 <= self.lanes <= 6:
@@ -50,11 +64,26 @@ class Road:
             raise LayoutError(f"sidewalk is {self.sidewalk} m; it must be 0 to 10 m")
         if abs(self.curvature) * self.reach > 2.0:
             raise LayoutError(f"curvature {self.curvature} over {self.reach} m turns the road back on itself")
+        if not 0.0 <= self.median <= 20.0:
+            raise LayoutError(f"median is {self.median} m; it must be 0 to 20 m")
+        if self.circle is not None:
+            self._check_circle(self.circle)
+
+    def _check_circle(self, circle: float) -> None:
+        if self.junction is None or self.curvature:
+            raise LayoutError("a roundabout needs a junction on a straight road")
+        if not self.verge + RING < circle <= 40.0:
+            raise LayoutError(f"circle is {circle} m; for this road it must be over {self.verge + RING} and up to 40 m")
 
     @property
     def edge(self) -> float:
         """Distance from the centreline to the kerb [m]."""
-        return self.lanes * self.lane_width + self.parking
+        return self.median / 2 + self.lanes * self.lane_width + self.parking
+
+    @property
+    def island(self) -> float:
+        """Radius of the island of the roundabout [m], 0 without one."""
+        return 0.0 if self.circle is None else self.circle - RING
 
     @property
     def verge(self) -> float:
@@ -65,7 +94,7 @@ class Road:
         """`across` of the middle of a lane: number 0 is the outermost, direction 1 the ego's and -1 the opposite."""
         if not 0 <= number < self.lanes:
             raise LayoutError(f"lane {number} of a road with {self.lanes} lanes in each direction")
-        return -direction * (self.lanes - number - 0.5) * self.lane_width
+        return -direction * (self.median / 2 + (self.lanes - number - 0.5) * self.lane_width)
 
     def at(self, along: float, across: float) -> tuple[float, float, float]:
         """x, y [m] and heading [rad] of the layout's frame; the ego is in the middle of its lane at x = y = 0."""
@@ -78,15 +107,16 @@ class Road:
         return x, y, heading
 
     def in_junction(self, along: float, margin: float = 0.0) -> bool:
-        """Whether `along` lies where the crossing road (with sidewalks) passes."""
-        return self.junction is not None and abs(along - self.junction) < self.verge + margin
+        """Whether `along` lies where the crossing road or the roundabout (with sidewalks) passes."""
+        half = self.verge if self.circle is None else self.circle + self.sidewalk
+        return self.junction is not None and abs(along - self.junction) < half + margin
 
     def surfaces(self) -> list[Primitive]:
         """Terrain, road, sidewalks and crossing road as primitives with the ids "terrain", "road", "sidewalk_1" ..."""
         size = (2 * _EXTENT, 2 * _EXTENT, 0.0)
         surfaces = [
             Primitive(shape="plane", center=(0.0, 0.0, TERRAIN_HEIGHT), size=size, label="terrain", id="terrain"),
-            self._strip("road", "road", (-self.reach, self.reach), (-self.edge, self.edge), 0.0),
+            *self._carriageways(),
         ]
         if self.sidewalk > 0:
             surfaces += [
@@ -95,16 +125,43 @@ class Road:
             ]
         if self.junction is not None:
             surfaces += [self._arm(side) for side in self.arms]
+        if self.circle is not None:
+            surfaces += self._roundabout(self.circle)
+        for number, patch in enumerate(self.patches, start=1):
+            surfaces.append(self._strip(f"patch_{number}", "road", patch.along, patch.across, 0.0))
         return surfaces
+
+    def _carriageways(self) -> list[Primitive]:
+        whole = (-self.reach, self.reach)
+        if self.median < _SEEN_MEDIAN:
+            return [self._strip("road", "road", whole, (-self.edge, self.edge), 0.0)]
+        return [
+            self._strip("road", "road", whole, (-self.edge, -self.median / 2), 0.0),
+            self._strip("road_back", "road", whole, (self.median / 2, self.edge), 0.0),
+        ]
+
+    def _roundabout(self, circle: float) -> list[Primitive]:
+        assert self.junction is not None
+        turns = np.linspace(0.0, 2 * math.pi, 33)[:-1]
+        rim = [(*self.at(self.junction + circle * math.cos(t), circle * math.sin(t))[:2], 0.0) for t in turns.tolist()]
+        x, y, _ = self.at(self.junction, 0.0)
+        here = np.arange(len(rim))
+        faces = np.stack([here, (here + 1) % len(rim), np.full(len(rim), len(rim))], axis=1)
+        disc = Primitive.from_mesh(np.array([*rim, (x, y, 0.0)]), faces, label="road", id="roundabout")
+        height = KERB_HEIGHT - TERRAIN_HEIGHT
+        center = (x, y, KERB_HEIGHT - height / 2)
+        size = (2 * self.island, 2 * self.island, height)
+        return [disc, Primitive(shape="cylinder", center=center, size=size, label="terrain", id="island")]
 
     def _sidewalks(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
         whole = (-self.reach, self.reach)
         strips = []
         for side, across in (("right", (-self.verge, -self.edge)), ("left", (self.edge, self.verge))):
-            if self.junction is None or side not in self.arms:
+            if self.junction is None or (side not in self.arms and self.circle is None):
                 strips.append((whole, across))
                 continue
-            spans = ((whole[0], self.junction - self.edge), (self.junction + self.edge, whole[1]))
+            gap = self.edge if self.circle is None else self.circle
+            spans = ((whole[0], self.junction - gap), (self.junction + gap, whole[1]))
             strips += [(span, across) for span in spans if span[1] - span[0] > 1.0]
         return strips
 

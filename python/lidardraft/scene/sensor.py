@@ -16,8 +16,11 @@ import numpy as np
 
 from lidardraft import _core
 from lidardraft.errors import SensorError
+from lidardraft.scene import beam_tables
 from lidardraft.scene.pose import finite_array, rotations, upright
 
+_OS1: dict[str, Any] = {"max_range": 120.0, "range_sigma": 0.015}
+_OS2: dict[str, Any] = {"min_range": 1.0, "max_range": 240.0, "range_sigma": 0.025}
 # Where a beam starts: the columns of the core's `origins` [H, 3].
 _ORIGINS = ("origin_forwards", "origin_lefts", "origin_heights")
 
@@ -92,6 +95,10 @@ class Sensor:
             max_range=self.max_range,
         )
 
+    def __getstate__(self) -> dict[str, Any]:
+        # the core's pattern cannot go to another process; it is made again there
+        return {name: value for name, value in vars(self).items() if name != "pattern"}
+
     @property
     def shape(self) -> tuple[int, int]:
         """(H, W) of this sensor's images."""
@@ -122,7 +129,8 @@ class Sensor:
         angular_velocity = finite_array("angular_velocity", angular_velocity, 3)
         since_middle = (self.column_times() - self.sweep_time / 2)[:, None]
         poses = np.tile(pose, (self.columns, 1, 1))
-        poses[:, :3, :3] = pose[:3, :3] @ rotations(since_middle * angular_velocity)
+        if angular_velocity.any():
+            poses[:, :3, :3] = pose[:3, :3] @ rotations(since_middle * angular_velocity)
         poses[:, :3, 3] += since_middle * velocity
         return poses
 
@@ -165,27 +173,93 @@ def _beams(high: float, low: float, count: int) -> tuple[float, ...]:
     return tuple(np.deg2rad(np.linspace(high, low, count)).tolist())
 
 
+def _turned(degrees: Sequence[float] | np.ndarray) -> tuple[float, ...]:
+    """Azimuth offsets of a maker's table, which counts clockwise."""
+    return tuple(np.deg2rad(-np.array(degrees)).tolist())
+
+
+def _ouster(
+    name: str, elevations: tuple[float, ...], azimuths: Sequence[float] | np.ndarray, forward: float, **fields: Any
+) -> Sensor:
+    """An Ouster; `forward` is how far ahead of the axis its beams start [m] (lidar_origin_to_beam_origin_mm).
+
+    Azimuths are rounded to a tenth of a degree, less than a third of a column: beams of one azimuth are cast together.
+    """
+    forwards = (forward,) * len(elevations)
+    return Sensor(
+        name=name,
+        elevations=elevations,
+        azimuth_offsets=_turned(np.round(azimuths, 1)),
+        origin_forwards=forwards,
+        columns=1024,
+        mount_height=1.8,
+        **fields,
+    )
+
+
+def _table(degrees: Sequence[float]) -> tuple[float, ...]:
+    return tuple(np.deg2rad(degrees).tolist())
+
+
 PRESETS: dict[str, Sensor] = {
     sensor.name: sensor
     for sensor in (
         # Velodyne HDL-64E S2 manual: 32 upper beams 1/3 degree apart from +2, 32 lower ones 1/2 degree apart to -24.33;
-        # KITTI mounts it 1.73 m over the road (Geiger et al., IJRR 2013). 64 x 1024 is the usual image of a KITTI scan.
-        Sensor(name="hdl64e", elevations=_beams(2.0, -8.333, 32) + _beams(-8.833, -24.333, 32), columns=1024),
+        # 0.9 to 120 m; 2 cm, of which the lasers' own offsets are a part. The two blocks start 0.20 and 0.11 m over the
+        # origin: means of a published calibration (64e_s2.1-sztaki of ros-drivers/velodyne, BSD). KITTI mounts it
+        # 1.73 m over the road (Geiger et al., IJRR 2013); 64 x 1024 is the usual image of a KITTI scan.
+        Sensor(
+            name="hdl64e",
+            elevations=_beams(2.0, -8.333, 32) + _beams(-8.833, -24.333, 32),
+            origin_heights=(0.20,) * 32 + (0.11,) * 32,
+            columns=1024,
+            min_range=0.9,
+            range_sigma=0.0085,
+        ),
         # The grid that LiDARGen, LiDM and R2DM project KITTI to: +3 to -25 degrees in equal steps, here pixel centres.
         Sensor(name="hdl64e-linear", elevations=_beams(3 - 14 / 64, -25 + 14 / 64, 64), columns=1024),
-        # Velodyne HDL-32E manual: +10.67 to -30.67 degrees in steps of 4/3; nuScenes mounts it 1.84 m over the road.
-        Sensor(name="hdl32e", elevations=_beams(10.667, -30.667, 32), columns=1024, max_range=100.0, mount_height=1.84),
+        # Velodyne HDL-32E manual: +10.67 to -30.67 degrees in steps of 4/3; 1 to 100 m; nuScenes mounts it 1.84 m over
+        # the road.
+        Sensor(
+            name="hdl32e",
+            elevations=_beams(10.667, -30.667, 32),
+            columns=1024,
+            min_range=1.0,
+            max_range=100.0,
+            mount_height=1.84,
+        ),
         # Velodyne VLP-16 manual: +-15 degrees in steps of 2; 0.2 degrees of azimuth at 10 Hz.
         Sensor(name="vlp16", elevations=_beams(15, -15, 16), columns=1800, max_range=100.0, range_sigma=0.03),
-        # Ouster OS1-128 data sheet: 45 degrees of elevation; the four columns of lasers look 2.82 degrees apart.
+        # Velodyne VLP-32C manual: 200 m, 3 cm; 0.2 degrees of azimuth at 10 Hz.
         Sensor(
-            name="os1-128",
-            elevations=_beams(22.5, -22.5, 128),
-            azimuth_offsets=tuple(np.deg2rad(np.resize([4.23, 1.41, -1.41, -4.23], 128)).tolist()),
-            columns=1024,
-            max_range=120.0,
+            name="vlp32c",
+            elevations=_table(beam_tables.VLP32C_ELEVATIONS),
+            azimuth_offsets=_turned(beam_tables.VLP32C_AZIMUTHS),
+            columns=1800,
+            min_range=1.0,
+            max_range=200.0,
             mount_height=1.8,
-            range_sigma=0.015,
+            range_sigma=0.03,
         ),
+        # Hesai Pandar64 manual: 0.3 to 200 m; 0.2 degrees of azimuth at 10 Hz. PandaSet's stands 2.1 m over the road;
+        # its noise on bright walls is 8 mm (benches/fit_sensor.py), the manual says 2 cm.
+        Sensor(
+            name="pandar64",
+            elevations=_table(beam_tables.PANDAR64_ELEVATIONS),
+            azimuth_offsets=_turned(beam_tables.PANDAR64_AZIMUTHS),
+            columns=1800,
+            min_range=0.3,
+            max_range=200.0,
+            mount_height=2.1,
+            range_sigma=0.008,
+        ),
+        # Ouster data sheets: ranges, precision; 1024 columns at 10 Hz.
+        _ouster(
+            "os0-128", _table(beam_tables.OS0_128_ELEVATIONS), beam_tables.OS0_128_AZIMUTHS, 0.02767, max_range=100.0
+        ),
+        # OS1-128: 45 degrees of elevation; the four columns of lasers look 2.82 degrees apart.
+        _ouster("os1-128", _beams(22.5, -22.5, 128), np.resize([4.23, 1.41, -1.41, -4.23], 128), 0.015806, **_OS1),
+        _ouster("os1-32", _table(beam_tables.OS1_32_ELEVATIONS), beam_tables.OS1_32_AZIMUTHS, 0.015806, **_OS1),
+        _ouster("os2-128", _table(beam_tables.OS2_128_ELEVATIONS), beam_tables.OS2_128_AZIMUTHS, 0.013762, **_OS2),
     )
 }

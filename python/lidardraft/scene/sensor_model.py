@@ -1,0 +1,226 @@
+"""What a sensor makes of light: the constants of its optics, receiver and output, one preset for each known sensor."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from lidardraft.errors import SensorError
+from lidardraft.scene.sensor import Sensor
+
+_LIGHT = 299_792_458.0  # m/s
+_FWHM = math.sqrt(2.0 / math.log(2.0))  # of a Gaussian: full width at 1 / e^2 over full width at half maximum
+# Where the sub-rays of a ring stand: turned a little, as no two may have one elevation.
+_TURN = 0.17
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SensorModel:
+    """The effects of one sensor; a number at 0 (or as its line says) switches an effect off.
+
+    Optics: `rays` sub-rays stand for each beam (1 is off), whose full width at 1 / e^2 is `divergence_h` by
+    `divergence_v` [rad]; a pulse lasts `pulse` [s].
+
+    Receiver: `faintest` is the response over range squared [1/m2] of power 1 (0: everything is detected), a response of
+    1 being a white surface that faces the sensor; of several echoes the strongest counts, or the `last`. Echoes of
+    power P are lost with 1 - exp(-1 / P), by `fading` more in some patches than in others (the spread of its
+    logarithm), and all by `chance`.
+
+    Scatter: `speckle` of the power from pulse to pulse, `texture` of it over patches of a surface (both relative),
+    `grainy` whether materials add their own grain, `dust` the depth of the stains on the window, `panes` whether rays
+    pass through glass.
+
+    Range: `jitter` [m] is the noise of an echo of power 1, on top of the sensor's `range_sigma`; `range_step` [m]
+    rounds it. One unit differs from another: `unit` draws each beam's range offset with `offset_spread` [m] and gain
+    with `gain_spread` (relative).
+
+    Output: an intensity of 1 is a response of `full_scale`, in `levels` steps (0: smooth). With a `knee` below 1 the
+    response 1 reads `knee`, and what is brighter climbs from there by its logarithm. It is corrected for range up to
+    `compensated` [m] (inf: at all ranges).
+    Raises `SensorError` naming the value that cannot be.
+    """
+
+    rays: int = 3
+    divergence_h: float = 3.0e-3
+    divergence_v: float = 1.5e-3
+    pulse: float = 5e-9
+    faintest: float = 0.10 / 100.0**2
+    last: bool = False
+    speckle: float = 0.05
+    texture: float = 0.06
+    grainy: bool = True
+    dust: float = 0.0
+    fading: float = 1.6
+    chance: float = 0.0003
+    panes: bool = True
+    jitter: float = 0.09
+    range_step: float = 0.002
+    unit: int = 0
+    offset_spread: float = 0.01
+    gain_spread: float = 0.08
+    full_scale: float = 1.0
+    knee: float = 1.0
+    levels: int = 255
+    compensated: float = math.inf
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, bool) or (0 <= value < math.inf) or (field.name == "compensated" and value > 0):
+                continue
+            raise SensorError(f"{field.name} is {value}; it must be a finite number of 0 or more")
+        for name, limit in (("chance", 1.0), ("knee", 1.0)):
+            if getattr(self, name) > limit:
+                raise SensorError(f"{name} is {getattr(self, name)}; it must be 0 to {limit:g}")
+        for name in ("pulse", "full_scale", "knee", "compensated"):
+            if not getattr(self, name) > 0:
+                raise SensorError(f"{name} is {getattr(self, name)}; it must be more than 0")
+        if self.rays not in (1, *range(3, 20)):
+            raise SensorError(f"rays is {self.rays}; a beam is 1 ray or 3 to 19 sub-rays")
+        if self.rays > 1 and not min(self.divergence_h, self.divergence_v) > 0:
+            raise SensorError(
+                f"divergence is {self.divergence_h} by {self.divergence_v} rad; sub-rays need more than 0, or rays 1"
+            )
+
+    @property
+    def pulse_length(self) -> float:
+        """Echoes closer than this are one [m]."""
+        return _LIGHT * self.pulse / 2
+
+    @classmethod
+    def of(cls, sensor: Sensor) -> SensorModel:
+        """The preset of the sensor's name, or typical values for a sensor of another."""
+        return MODELS.get(sensor.name, cls())
+
+    @classmethod
+    def ideal(cls) -> SensorModel:
+        """Every effect off: each ray returns what it meets, with an intensity of its response.
+
+        What noise there is is the sensor's own `range_sigma`.
+        """
+        return cls(
+            rays=1,
+            faintest=0.0,
+            speckle=0.0,
+            texture=0.0,
+            grainy=False,
+            fading=0.0,
+            chance=0.0,
+            panes=False,
+            jitter=0.0,
+            range_step=0.0,
+            offset_spread=0.0,
+            gain_spread=0.0,
+            levels=0,
+        )
+
+
+def beam_fan(model: SensorModel) -> np.ndarray:
+    """The sub-rays of a beam, f64 [S, 3]: azimuth and elevation from its axis [rad], share of its power; from above.
+
+    A Gaussian beam as a cubature: three rays of a ring have its second moments, a centre of one half and a ring at the
+    1 / e^2 radius its fourth as well.
+    """
+    if model.rays == 1:
+        return np.array([[0.0, 0.0, 1.0]])
+    ring = model.rays if model.rays == 3 else model.rays - 1
+    angle = 2 * math.pi * np.arange(ring) / ring + math.pi / 2 + _TURN
+    radius, share = (math.sqrt(0.5), 1.0) if model.rays == 3 else (1.0, 0.5)
+    across = radius * np.stack([model.divergence_h * np.cos(angle), model.divergence_v * np.sin(angle)], axis=1) / 2
+    fan = np.column_stack([across, np.full(ring, share / ring)])
+    if model.rays > 3:
+        fan = np.vstack([fan, [0.0, 0.0, 1.0 - share]])
+    return fan[np.argsort(-fan[:, 1])]
+
+
+@lru_cache(maxsize=32)
+def sub_rays(sensor: Sensor, model: SensorModel) -> Sensor:
+    """The sensor whose beams are the sub-rays of `sensor`: row h * S + s is sub-ray s of beam h.
+
+    Cast this one, and give the image to `observe` with `sensor`. Sub-rays spread in azimuth, not across the beam, so
+    that beams share their columns: at elevation e they are cos(e) closer. Raises `SensorError` where the beams of
+    `sensor` are so close that their sub-rays would cross.
+    """
+    if model.rays == 1:
+        return sensor
+    fan = beam_fan(model)
+    beams = len(sensor.elevations)
+    elevations = np.add.outer(sensor.elevations, fan[:, 1]).ravel()
+    if (np.diff(elevations) >= 0).any():
+        closest = -np.diff(sensor.elevations).max()
+        raise SensorError(
+            f"{sensor.name}: beams {1e3 * closest:.2f} mrad apart overlap at a divergence of "
+            f"{1e3 * model.divergence_v:.2f} mrad; rays must be 1"
+        )
+    offsets = np.add.outer(sensor.azimuth_offsets or np.zeros(beams), fan[:, 0]).ravel()
+    return replace(
+        sensor,
+        name=f"{sensor.name} x {model.rays}",
+        elevations=tuple(elevations.tolist()),
+        azimuth_offsets=tuple(offsets.tolist()),
+        origin_forwards=_repeated(sensor.origin_forwards, model.rays),
+        origin_lefts=_repeated(sensor.origin_lefts, model.rays),
+        origin_heights=_repeated(sensor.origin_heights, model.rays),
+    )
+
+
+def _repeated(values: tuple[float, ...], times: int) -> tuple[float, ...]:
+    return tuple(value for value in values for _ in range(times))
+
+
+# Velodyne's calibrated reflectivity (HDL-32E, VLP-16, VLP-32C manuals): 0 to 100 is per cent of a diffuse surface, 101
+# to 255 are retroreflectors. Ouster's (firmware user manual) is alike.
+_REFLECTIVITY: dict[str, Any] = {"full_scale": 300.0, "knee": 100.0 / 255.0}
+
+
+def _ouster(degrees: float, reach: float) -> SensorModel:
+    """Ouster's data sheets: 865 nm, a beam of `degrees` at half maximum, a range of `reach` [m] at 0.10."""
+    width = math.radians(degrees) * _FWHM
+    return SensorModel(
+        divergence_h=width,
+        divergence_v=width,
+        faintest=0.10 / reach**2,
+        range_step=0.001,
+        offset_spread=0.003,
+        **_REFLECTIVITY,
+    )
+
+
+# The share of rays that a VLP-32C of ika loses at any range (benches/fit_sensor.py), some perhaps by the projection.
+_CHANCE = 0.022
+
+# HDL-64E S2 manual: 905 nm, 5 ns, 2 cm; pavement of 0.10 is seen to 50 m, from a roof: at 2 degrees, where it sends
+# back two thirds and its echo is stretched over three sub-rays. Of the 2 cm, noise is what was measured of a Pandar64;
+# the rest stays in a laser, as the 1 to 3 cm of Glennie and Lichti (Remote Sensing 2, 2010), who have the divergence
+# too. Its intensity is corrected by a focal distance and slope for each laser, of 3 to 20 m in published calibrations
+# (ros-drivers/velodyne), so not beyond some tens of metres; KITTI stores hundredths.
+_HDL64E = SensorModel(
+    divergence_h=2.0e-3,
+    divergence_v=2.0e-3,
+    faintest=0.10 * 0.67 / 3 / 50.0**2,
+    offset_spread=0.018,
+    gain_spread=0.12,
+    levels=100,
+    compensated=40.0,
+)
+
+MODELS: dict[str, SensorModel] = {
+    "hdl64e": _HDL64E,
+    "hdl64e-linear": _HDL64E,
+    # Manuals: 3.0 by 1.5 mrad; 100 m, and 200 m of the VLP-32C, without a reflectance. ika's VLP-32C loses rays on the
+    # ground as if that were 0.10 (benches/fit_sensor.py), so it is taken for all three.
+    "hdl32e": SensorModel(faintest=0.10 / 100.0**2, **_REFLECTIVITY),
+    "vlp16": SensorModel(faintest=0.10 / 100.0**2, **_REFLECTIVITY),
+    "vlp32c": SensorModel(faintest=0.10 / 200.0**2, chance=_CHANCE, range_step=0.004, **_REFLECTIVITY),
+    # Pandar64 manual: 905 nm, 2 cm, 200 m at 0.10. Divergence: an estimate after sensors of its kind. Scale and noise
+    # are fitted to PandaSet by benches/fit_sensor.py.
+    "pandar64": SensorModel(faintest=0.10 / 200.0**2, offset_spread=0.004, range_step=0.004, full_scale=255.0 / 66.0),
+    "os0-128": _ouster(0.35, 20.0),
+    "os1-128": _ouster(0.18, 40.0),
+    "os1-32": _ouster(0.18, 40.0),
+    "os2-128": _ouster(0.09, 90.0),
+}

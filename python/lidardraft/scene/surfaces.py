@@ -1,0 +1,123 @@
+"""The surfaces of a layout as a table: what primitive sends back how much, at which incidence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lidardraft.errors import LayoutError, SensorError
+from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.materials import (
+    CLASS_MATERIALS,
+    MATERIAL_BY_NAME,
+    MATERIALS,
+    Material,
+    fresnel,
+    leaf_response,
+    response,
+)
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.semantics import BY_NAME
+
+_BINS = 128  # of incidence; 0.9 degrees each
+_INDEX = {material.name: i for i, material in enumerate(MATERIALS)}
+# A film of water fills the pores of what is porous: it sends back about half as much (Lekner and Dorf, Applied Optics
+# 27, 1988), and what the film mirrors is lost to a sensor that does not face it.
+_WET_SHARE = 0.5
+_WETTED = frozenset({"asphalt", "concrete", "paving", "gravel", "soil", "road-paint", "stone"})
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surfaces:
+    """`table` f32 [P + 1, bins]: the response of each primitive by incidence; row 0 is that of no return.
+
+    `transmission`, `grain` and `relief`, f32 [P + 1], are those of the primitives' materials. Made once for a layout
+    that is scanned often.
+    """
+
+    table: np.ndarray
+    transmission: np.ndarray
+    grain: np.ndarray
+    relief: np.ndarray
+
+    @classmethod
+    def of(cls, layout: Layout, *, wetness: float = 0.0, variation: bool = True) -> Surfaces:
+        """The surfaces of `layout`, its ground wet by `wetness`, 0 to 1.
+
+        Without `variation` the things of one material are all alike.
+        Raises `LayoutError` for a material that is unknown, `SensorError` for a `wetness` that is no share.
+        """
+        if not 0.0 <= wetness <= 1.0:
+            raise SensorError(f"wetness is {wetness}; it must be 0 to 1")
+        primitives = layout.primitives
+        index = np.array([_INDEX[_material(p).name] for p in primitives], dtype=np.intp)
+        table = np.zeros((len(primitives) + 1, _BINS), np.float32)
+        np.take(_responses(wetness), index, axis=0, out=table[1:])
+        # leaves face every way: the incidence on the hull of a medium says nothing
+        media = [i for i, p in enumerate(primitives) if p.extinction is not None]
+        table[1 + np.array(media, dtype=np.intp)] = [[leaf_response(MATERIALS[index[i]])] for i in media] or 0.0
+        if variation and primitives:
+            spread = np.array([m.variation for m in MATERIALS])[index]
+            table[1:] *= np.exp(spread * _scatter(primitives)).astype(np.float32)[:, None]
+        transmission, grain, relief = np.zeros((3, len(primitives) + 1), np.float32)
+        transmission[1:] = np.array([m.transmission for m in MATERIALS])[index]
+        grain[1:] = np.array([m.grain for m in MATERIALS])[index]
+        relief[1:] = np.array([m.relief for m in MATERIALS])[index]
+        relief[1 + np.array(media, dtype=np.intp)] = 0.0
+        return cls(table, transmission, grain, relief)
+
+    def check(self, image: RangeImage) -> None:
+        """Raises `SensorError` for an image without primitive and incidence, or of another layout."""
+        if image.primitive is None or image.incidence is None:
+            raise SensorError("the image lacks primitive or incidence; cast it with primitive=True, incidence=True")
+        if image.primitive.max(initial=-1) >= len(self.table) - 1:
+            raise SensorError(
+                f"the image shows primitive {image.primitive.max()}; the layout has {len(self.table) - 1}"
+            )
+
+    def response(self, primitive: np.ndarray, incidence: np.ndarray) -> np.ndarray:
+        """The share of the light that comes back from pixels of a checked image, f32 of their shape.
+
+        1 is a white surface that faces the sensor; no return is 0.
+        """
+        # bins of the square root of 1 - cosine, which is nearly linear in the angle
+        work = np.subtract(np.float32(1.0), incidence)
+        np.maximum(work, np.float32(0.0), out=work)
+        np.sqrt(work, out=work)
+        work *= np.float32(_BINS - 1e-3)
+        cell = work.astype(np.int32)
+        cell += primitive * np.int32(_BINS)
+        cell += np.int32(_BINS)
+        return np.take(self.table.ravel(), cell, out=work, mode="clip")
+
+
+def _material(primitive: Primitive) -> Material:
+    if primitive.material is None:
+        return CLASS_MATERIALS[BY_NAME[primitive.label].id]
+    try:
+        return MATERIAL_BY_NAME[primitive.material]
+    except KeyError:
+        known = ", ".join(MATERIAL_BY_NAME)
+        raise LayoutError(f"{primitive.id}: material is {primitive.material!r}; it must be one of {known}") from None
+
+
+def _responses(wetness: float) -> np.ndarray:
+    """The response of each material in each bin of incidence, f32 [M, bins]."""
+    cosine = 1.0 - ((np.arange(_BINS) + 0.5) / _BINS) ** 2
+    film = 1.0 - wetness * (1.0 - _WET_SHARE * (1.0 - fresnel(cosine)) ** 2)
+    rows = [response(m, cosine) * (film if m.name in _WETTED else 1.0) for m in MATERIALS]
+    return np.array(rows, np.float32)
+
+
+def _scatter(primitives: tuple[Primitive, ...]) -> np.ndarray:
+    """A number for each primitive, nearly normal, that depends on where it stands alone: f64 [P]."""
+    places = np.array([p.center for p in primitives]).view(np.uint64)
+    mixed = (places * np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)).sum(axis=1)
+    mixed ^= mixed >> np.uint64(31)
+    mixed *= np.uint64(0xBF58476D1CE4E5B9)
+    mixed ^= mixed >> np.uint64(29)
+    quarters = mixed.view(np.uint16).reshape(-1, 4) / 65535.0
+    # four uniform numbers have the variance 4 / 12
+    scatter: np.ndarray = (quarters.sum(axis=1) - 2.0) * np.sqrt(3.0)
+    return scatter

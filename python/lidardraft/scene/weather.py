@@ -1,0 +1,129 @@
+"""Rain, fog and snow between sensor and target: light that is lost, and light that comes back too soon.
+
+Extinction per metre follows ITU-R P.1814 (2007): fog by visibility (Koschmieder's law with the wavelength law of Kruse
+as Kim amends it), rain after Carbonneau, snow wet or dry. Backscatter of fog is that of Hahner et al. (ICCV 2021);
+drops and flakes are met one by one, as many as Marshall and Palmer (1948) and Gunn and Marshall (1958) counted, the way
+Hahner et al. (CVPR 2022) sample snow.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from lidardraft.errors import SensorError
+
+_WAVELENGTH = 905.0  # nm
+_PER_DECIBEL_KM = math.log(10.0) / 10.0 / 1000.0  # dB/km to 1/m
+_OVERLAP = 0.95  # m before which the receiver does not see the beam (Hahner et al., 2021: 0.9 to 1.0)
+_APERTURE = 0.02  # m, width of the beam at the window: an estimate of ours
+_REACH = 40.0  # m beyond which no drop or flake is bright enough alone
+_WATER, _ICE = 0.05, 0.8  # share of a hemisphere's light that a drop and a flake send back: estimates of ours
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Weather:
+    """`rain` and `snow` [mm/h of water], `visibility` in fog [m] (inf: none), `wetness` of the ground, 0 to 1.
+
+    Raises `SensorError` naming the value that cannot be.
+    """
+
+    rain: float = 0.0
+    snow: float = 0.0
+    visibility: float = math.inf
+    wetness: float = 0.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            most = {"visibility": math.inf, "wetness": 1.0}.get(field.name, 200.0)
+            if not 0.0 <= value <= most:
+                raise SensorError(f"{field.name} is {value}; it must be 0 to {most:g}")
+        if self.visibility == 0.0:
+            raise SensorError(f"visibility is {self.visibility}; it must be more than 0")
+
+    @property
+    def extinction(self) -> float:
+        """Light lost on a metre of the way [1/m]; there and back it is twice that."""
+        return fog_extinction(self.visibility) + rain_extinction(self.rain) + snow_extinction(self.snow)
+
+    @property
+    def scatters(self) -> bool:
+        """Whether anything hangs in the air."""
+        return self.rain > 0 or self.snow > 0 or not math.isinf(self.visibility)
+
+
+def fog_extinction(visibility: float) -> float:
+    """Extinction [1/m] of fog of a visibility [m]: 3.91 / V at 550 nm, and what the wavelength changes."""
+    if math.isinf(visibility):
+        return 0.0
+    kilometres = visibility / 1000.0
+    if kilometres > 6.0:
+        power = 1.6 if kilometres > 50.0 else 1.3
+    elif kilometres > 1.0:
+        power = 0.16 * kilometres + 0.34
+    else:
+        power = max(kilometres - 0.5, 0.0)
+    return 3.91 / visibility * (_WAVELENGTH / 550.0) ** -power
+
+
+def rain_extinction(rate: float) -> float:
+    """Extinction [1/m] of rain of a rate [mm/h]."""
+    return float(1.076 * rate**0.67 * _PER_DECIBEL_KM)
+
+
+def snow_extinction(rate: float) -> float:
+    """Extinction [1/m] of wet snow of a rate [mm/h of water]."""
+    return float((1.023e-4 * _WAVELENGTH + 3.7855) * rate**0.72 * _PER_DECIBEL_KM)
+
+
+def drops(weather: Weather) -> tuple[float, float, float]:
+    """How many drops or flakes a cubic metre holds, their mean diameter [m] and the share each sends back.
+
+    Exponential distributions of diameters, N0 exp(-L D), cut at half a millimetre for drops and one for flakes, below
+    which one alone is never seen. In sleet the flakes count.
+    """
+    if weather.snow > 0:
+        slope = 2550.0 * weather.snow**-0.48  # 1/m
+        return _exponential(3.8e6 * weather.snow**-0.87, slope, 1e-3, _ICE)
+    if weather.rain > 0:
+        return _exponential(8.0e6, 4100.0 * weather.rain**-0.21, 0.5e-3, _WATER)
+    return 0.0, 0.0, 0.0
+
+
+def _exponential(most: float, slope: float, smallest: float, share: float) -> tuple[float, float, float]:
+    return most / slope * math.exp(-slope * smallest), smallest + 1.0 / slope, share
+
+
+def first_drop(
+    weather: Weather, width: tuple[float, float], shape: tuple[int, ...], rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray]:
+    """Range [m] of the first drop or flake each beam meets and its response, f32 [*shape]; 0 and 0 where none is met.
+
+    `width` is the divergence of the beam [rad]. A drop sends back its own share of the beam's cross-section.
+    """
+    density, diameter, share = drops(weather)
+    steps = np.linspace(_OVERLAP, _REACH, 256)
+    area = math.pi / 4 * (_APERTURE + width[0] * steps) * (_APERTURE + width[1] * steps)
+    met = np.concatenate([[0.0], np.cumsum((area[1:] + area[:-1]) / 2 * np.diff(steps))]) * density
+    path = rng.standard_exponential(shape, np.float32)
+    range_ = np.interp(path, met, steps, right=0.0).astype(np.float32)
+    response = np.interp(range_, steps, share * np.minimum(math.pi / 4 * diameter**2 / area, 1.0))
+    return range_, np.where(range_ > 0, response, 0.0).astype(np.float32)
+
+
+def fog_echo(
+    weather: Weather, pulse_length: float, shape: tuple[int, ...], rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray]:
+    """Range [m] and response of the fog just before each beam, f32 [*shape]; response 0 without fog.
+
+    A pulse lights its own length of fog, whose backscatter is 0.046 / V per metre and steradian; against the 1 / pi of
+    a white surface. The range is drawn from where the light comes from, 1 / r^2 from the overlap on.
+    """
+    if math.isinf(weather.visibility):
+        return np.zeros(shape, np.float32), np.zeros(shape, np.float32)
+    range_ = np.float32(_OVERLAP) / (1.0 - np.float32(0.9) * rng.random(shape, np.float32))
+    response = math.pi * 0.046 / weather.visibility * pulse_length
+    return range_, np.full(shape, response, np.float32)

@@ -1,0 +1,150 @@
+"""Materials and the tables made of them, against closed forms."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lidardraft import Layout, Primitive, Sensor, raycast
+from lidardraft.errors import LayoutError, SensorError
+from lidardraft.scene.materials import (
+    CLASS_MATERIALS,
+    MATERIAL_BY_NAME,
+    MATERIALS,
+    Material,
+    diffuse_response,
+    fresnel,
+    leaf_response,
+    response,
+    retro_response,
+    specular_response,
+)
+from lidardraft.scene.surfaces import Surfaces
+from lidardraft.semantics import NUM_CLASSES
+
+NAMES = [
+    *("asphalt", "concrete", "paving", "gravel", "plaster", "brick", "stone", "roof-tile", "wood", "metal"),
+    *("rusty-metal", "chrome", "foliage", "bark", "grass", "soil", "cloth", "dark-cloth", "skin", "light-paint"),
+    *("mid-paint", "dark-paint", "rubber", "plastic", "glass", "window", "retroreflector", "road-paint", "sign-back"),
+]
+FACING = np.ones(1)
+COSINES = np.cos(np.linspace(0, math.pi / 2, 50))
+
+
+def boxes(*materials: str | None, label: str = "building") -> Layout:
+    return Layout(
+        primitives=tuple(
+            Primitive(shape="box", center=(5.0, 3.0 * i, 1.0), size=(1, 1, 2), label=label, id=f"b_{i}", material=name)
+            for i, name in enumerate(materials)
+        )
+    )
+
+
+def test_every_name_is_there_once_and_every_class_has_a_material():
+    assert [material.name for material in MATERIALS] == NAMES
+    assert len(CLASS_MATERIALS) == NUM_CLASSES
+
+
+@pytest.mark.parametrize("material", MATERIALS, ids=lambda material: material.name)
+def test_no_material_sends_back_more_diffuse_light_than_it_gets(material: Material):
+    assert 0 < material.reflectance + material.specular + material.transmission <= 1.0
+    diffuse = diffuse_response(material, COSINES)
+    assert (diffuse >= 0).all()
+    # rough surfaces send a little more towards the light than Lambert says
+    assert (diffuse <= material.reflectance * 1.2).all()
+    assert (response(material, COSINES) >= diffuse).all()
+
+
+def test_a_facing_white_surface_responds_with_its_reflectance():
+    assert diffuse_response(Material("matt", 0.4), FACING) == pytest.approx(0.4)
+
+
+def test_a_smooth_matt_surface_is_lamberts():
+    np.testing.assert_allclose(response(Material("matt", 0.4, roughness=0.0), COSINES), 0.4 * COSINES, atol=1e-12)
+
+
+def test_a_grazed_rough_surface_still_responds():
+    # B / A of Oren and Nayar at a slope spread of 0.4 rad
+    expected = (0.45 * 0.16 / 0.25) / (1 - 0.5 * 0.16 / 0.49)
+    assert diffuse_response(Material("matt", 1.0, roughness=0.4), np.zeros(1)) == pytest.approx(expected)
+
+
+def test_a_clear_coat_takes_fresnels_share_twice():
+    bare, coated = Material("bare", 0.4), Material("coated", 0.4, specular=0.04)
+    expected = ((1 - fresnel(COSINES)) / 0.96) ** 2
+    np.testing.assert_allclose(diffuse_response(coated, COSINES), diffuse_response(bare, COSINES) * expected)
+
+
+def test_a_mirror_shines_only_at_what_it_faces():
+    glossy = Material("glossy", 0.0, specular=0.04, spread=0.1)
+    # F / (4 m^2) where the facets stand flat
+    assert specular_response(glossy, FACING) == pytest.approx(1.0)
+    assert specular_response(glossy, np.array([math.cos(0.4)])) < 1e-5
+    assert specular_response(Material("matt", 0.4), FACING) == 0.0
+
+
+def test_a_retroreflector_has_the_classes_of_en_12899():
+    sheeting = MATERIAL_BY_NAME["retroreflector"]
+    for degrees, coefficient in ((5, 250), (30, 150), (40, 110)):
+        sent = retro_response(sheeting, np.array([math.cos(math.radians(degrees))])) / math.pi
+        assert sent == pytest.approx(coefficient, rel=0.06)
+
+
+def test_surfaces_hold_the_response_of_each_primitive_and_0_for_none():
+    layout = boxes("plaster", "glass", None)
+    surfaces = Surfaces.of(layout, variation=False)
+    image = raycast(layout, Sensor(name="s", elevations=(0.0,), columns=720), primitive=True, incidence=True)
+    assert image.primitive is not None
+    assert image.incidence is not None
+    back = surfaces.response(image.primitive, image.incidence)
+    assert (back[~image.valid] == 0).all()
+    for i, name in enumerate(("plaster", "glass", "plaster")):
+        met = image.primitive == i
+        expected = response(MATERIAL_BY_NAME[name], image.incidence[met].astype(np.float64))
+        # within a bin of the table
+        np.testing.assert_allclose(back[met], expected, rtol=0.06)
+    assert surfaces.transmission.tolist() == pytest.approx([0, 0, 0.75, 0])
+
+
+def test_things_of_one_material_differ_by_where_they_stand():
+    one, two = (Surfaces.of(boxes("plaster", "plaster", "plaster")) for _ in range(2))
+    np.testing.assert_array_equal(one.table, two.table)
+    factors = one.table[1:, 0] / Surfaces.of(boxes("plaster"), variation=False).table[1, 0]
+    assert len(set(factors.tolist())) == 3
+    np.testing.assert_allclose(one.table[1], one.table[1, 0] * one.table[2] / one.table[2, 0], rtol=1e-5)
+
+
+def test_variation_is_the_spread_of_a_material():
+    spread = MATERIAL_BY_NAME["cloth"].variation
+    factors = np.log(Surfaces.of(boxes(*["cloth"] * 2000)).table[1:, 0] / 0.48)
+    assert factors.std() == pytest.approx(spread, rel=0.1)
+    assert abs(factors.mean()) < 0.05
+
+
+def test_wet_ground_is_darker_and_least_seen_at_grazing_incidence():
+    dry, wet, half = (
+        Surfaces.of(boxes("asphalt", "plaster"), wetness=w, variation=False).table for w in (0.0, 1.0, 0.5)
+    )
+    share = wet[1] / dry[1]
+    assert share[0] == pytest.approx(0.5 * 0.96**2, rel=0.01)
+    assert share[-1] < 0.1
+    np.testing.assert_allclose(half[1], (dry[1] + wet[1]) / 2, rtol=1e-5)
+    np.testing.assert_array_equal(wet[2], dry[2])
+
+
+def test_leaves_send_back_two_thirds_of_their_reflectance():
+    assert leaf_response(MATERIAL_BY_NAME["foliage"]) == pytest.approx(1 / 3)
+
+
+def test_errors():
+    with pytest.raises(LayoutError, match="b_0: material is 'cheese'; it must be one of asphalt, "):
+        Surfaces.of(boxes("cheese"))
+    with pytest.raises(SensorError, match=r"wetness is 1\.5; it must be 0 to 1"):
+        Surfaces.of(boxes("wood"), wetness=1.5)
+    layout = boxes("wood")
+    image = raycast(layout, Sensor(name="s", elevations=(0.0,), columns=90), primitive=True, incidence=True)
+    with pytest.raises(SensorError, match="the image lacks primitive or incidence"):
+        Surfaces.of(layout).check(replace(image, primitive=None))
+    with pytest.raises(SensorError, match="the image shows primitive 0; the layout has 0"):
+        Surfaces.of(Layout()).check(image)

@@ -1,0 +1,81 @@
+"""Models of sensors, their presets and the rays of a beam."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lidardraft.errors import SensorError
+from lidardraft.scene.sensor import PRESETS, Sensor
+from lidardraft.scene.sensor_model import MODELS, SensorModel, beam_fan, sub_rays
+
+
+def test_every_preset_has_a_model_and_another_sensor_a_typical_one():
+    assert set(MODELS) == set(PRESETS)
+    assert SensorModel.of(PRESETS["vlp16"]) is MODELS["vlp16"]
+    assert SensorModel.of(Sensor(name="mine", elevations=(0.0,), columns=8)) == SensorModel()
+
+
+@pytest.mark.parametrize("name", sorted(MODELS))
+def test_a_facing_surface_of_a_tenth_is_seen_to_some_tens_of_metres(name):
+    reach = math.sqrt(0.10 / MODELS[name].faintest)
+    assert 20.0 <= reach <= 200.0 * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("name", sorted(PRESETS))
+def test_the_sub_rays_of_every_preset_are_a_sensor(name):
+    sensor, model = PRESETS[name], MODELS[name]
+    rays = sub_rays(sensor, model)
+    assert rays.shape == (3 * sensor.shape[0], sensor.shape[1])
+    assert sub_rays(sensor, model) is rays
+    beams = np.array(rays.elevations).reshape(-1, 3)
+    # their middle is the beam, in its place
+    np.testing.assert_allclose(beams.mean(axis=1), sensor.elevations, atol=1e-12)
+    np.testing.assert_array_equal(rays.pattern.origins()[0, 0, 2], sensor.pattern.origins()[0, 0, 2])
+
+
+@pytest.mark.parametrize("rays", [1, 3, 4, 7, 19])
+def test_the_fan_has_the_power_and_the_width_of_a_gaussian_beam(rays):
+    model = SensorModel(rays=rays, divergence_h=4e-3, divergence_v=2e-3)
+    across, up, share = beam_fan(model).T
+    assert share.sum() == pytest.approx(1.0)
+    assert share @ across == pytest.approx(0.0, abs=1e-12)
+    assert (np.diff(up) < 0).all()
+    if rays > 3 or rays == 3:
+        # 1 / e^2 at half the divergence is two standard deviations
+        assert share @ across**2 == pytest.approx((4e-3 / 4) ** 2)
+        assert share @ up**2 == pytest.approx((2e-3 / 4) ** 2)
+
+
+def test_one_ray_is_the_sensor_itself():
+    sensor = PRESETS["hdl64e"]
+    assert sub_rays(sensor, SensorModel(rays=1)) is sensor
+
+
+def test_beams_that_overlap_are_refused():
+    close = Sensor(name="close", elevations=(0.001, 0.0), columns=8)
+    with pytest.raises(SensorError, match=r"close: beams 1\.00 mrad apart overlap at a divergence of 3\.00 mrad; rays"):
+        sub_rays(close, SensorModel(divergence_v=3e-3))
+
+
+def test_a_pulse_of_5_ns_is_75_cm_long():
+    assert SensorModel(pulse=5e-9).pulse_length == pytest.approx(0.7495, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"faintest": -1.0}, r"faintest is -1\.0; it must be a finite number of 0 or more"),
+        ({"speckle": math.nan}, "speckle is nan; it must be a finite number of 0 or more"),
+        ({"jitter": math.inf}, "jitter is inf; it must be a finite number of 0 or more"),
+        ({"chance": 1.5}, r"chance is 1\.5; it must be 0 to 1"),
+        ({"knee": 0.0}, r"knee is 0\.0; it must be more than 0"),
+        ({"pulse": 0.0}, r"pulse is 0\.0; it must be more than 0"),
+        ({"rays": 2}, "rays is 2; a beam is 1 ray or 3 to 19 sub-rays"),
+        ({"divergence_v": 0.0}, r"divergence is 0\.003 by 0\.0 rad; sub-rays need more than 0, or rays 1"),
+    ],
+)
+def test_a_model_that_cannot_be(wrong, message):
+    with pytest.raises(SensorError, match=message):
+        replace(SensorModel(), **wrong)
