@@ -4,6 +4,8 @@ import itertools
 import os
 import subprocess
 import sys
+from collections import Counter
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -11,8 +13,10 @@ import pytest
 from lidardraft import CLASSES, Sensor, raycast
 from lidardraft.errors import LayoutError
 from lidardraft.metrics.adherence import adherence
+from lidardraft.streets import StreetConfig, StreetPair, make_street, streets
+from lidardraft.streets.ego import EGO_SIZE
+from lidardraft.streets.quarter import QUARTERS
 from lidardraft.streets.site import thing_spaces
-from lidardraft.streets.street import EGO_SIZE, StreetConfig, StreetPair, make_street, streets
 
 SMALL = StreetConfig(sensor=Sensor.preset("vlp16"), poses_per_street=2)
 
@@ -38,6 +42,20 @@ def test_pair_k_depends_on_the_seed_and_k_alone():
     assert (whole[0].scan.depth != whole[1].scan.depth).any()
 
 
+def test_shards_are_disjoint_and_together_all():
+    whole = [pair.index for pair in take(3, SMALL, 12)]
+    parts = [[pair.index for pair in itertools.islice(streets(3, SMALL, shard=(i, 3)), 4)] for i in range(3)]
+    assert sorted(itertools.chain(*parts)) == whole
+    # and each goes on in its own part
+    assert next(streets(3, SMALL, start=parts[1][3], shard=(1, 3))).index == parts[1][3]
+
+
+def test_processes_make_the_same_pairs():
+    with closing(streets(3, SMALL, start=1, workers=2)) as pairs:
+        for one, two in zip(itertools.islice(pairs, 5), take(3, SMALL, 5, 1), strict=True):
+            assert_equal(one, two)
+
+
 def test_a_street_is_a_function_of_its_seed():
     assert make_street(5).scene == make_street(5).scene
     assert make_street(5).layout == make_street(5).layout
@@ -47,7 +65,7 @@ def test_a_street_is_a_function_of_its_seed():
 def test_pairs_do_not_depend_on_the_number_of_threads():
     program = (
         "import hashlib; from lidardraft import Sensor\n"
-        "from lidardraft.streets.street import StreetConfig, streets\n"
+        "from lidardraft.streets import StreetConfig, streets\n"
         "pair = next(streets(1, StreetConfig(sensor=Sensor.preset('vlp16'))))\n"
         "images = (pair.scan.depth, pair.scan.label, pair.scan.intensity, pair.drawing.depth)\n"
         "print(hashlib.sha256(b''.join(image.tobytes() for image in images)).hexdigest())"
@@ -67,7 +85,7 @@ def test_pairs_do_not_depend_on_the_number_of_threads():
 
 def test_the_drawing_is_the_cast_of_the_layout():
     for pair in take(2, SMALL, 2):
-        again = raycast(pair.layout, pair.scan.sensor, pair.pose)
+        again = raycast(pair.layout, pair.scan.sensor, poses=pair.poses())
         assert (again.depth == pair.drawing.depth).all()
         assert (again.label == pair.drawing.label).all()
 
@@ -75,10 +93,18 @@ def test_the_drawing_is_the_cast_of_the_layout():
 def test_scan_and_drawing_agree_on_most_objects():
     pairs = take(11, StreetConfig(poses_per_street=1), 24)
     cards = [adherence(pair.scan, pair.drawing) for pair in pairs]
-    assert np.mean([card.objects for card in cards]) >= 0.85
-    assert np.mean([card.overall for card in cards]) >= 0.88
-    # of what is drawn, 5 to 20 % does not return
-    assert 0.05 <= np.mean([card.drop for card in cards]) <= 0.2
+    seen = [card for card, pair in zip(cards, pairs, strict=True) if pair.style.source in ("cloud", "boxes")]
+    # half of the returns from cars within 5 m are from within them or beyond, as in recordings: the rest has to agree
+    assert np.mean([card.objects for card in seen]) >= 0.6
+    assert np.mean([card.overall for card in seen]) >= 0.75
+    assert np.mean([card.by_class["road"] for card in seen]) >= 0.97
+    buildings = [card.by_class["building"] for card in seen if "building" in card.by_class]
+    assert np.mean(buildings) >= 0.8
+    # a sentence leaves things out and is on flat ground, and a picture is not exact
+    assert np.mean([card.objects for card in cards]) >= 0.55
+    assert np.mean([card.overall for card in cards]) >= 0.6
+    # of what is drawn, 1 to 10 % does not return; recorded scans lose 1 to 5 % on surfaces
+    assert 0.01 <= np.mean([card.drop for card in cards]) <= 0.1
 
 
 def test_classes_and_instances_of_the_drawing_are_those_of_the_things():
@@ -95,6 +121,17 @@ def test_classes_and_instances_of_the_drawing_are_those_of_the_things():
 def test_every_class_occurs():
     seen = {primitive.label for seed in range(30) for primitive in make_street(seed).scene.primitives}
     assert seen >= {row.name for row in CLASSES} - {"none", "train"}
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1200)
+def test_every_class_and_quarter_occurs_in_a_thousand_streets():
+    places = [make_street(seed) for seed in range(1000)]
+    assert {p.label for place in places for p in place.scene.primitives} == {row.name for row in CLASSES} - {"none"}
+    count = Counter(place.quarter for place in places)
+    for name, quarter in QUARTERS.items():
+        # four standard deviations of a binomial draw
+        assert count[name] / 1000 == pytest.approx(quarter.share, abs=4 * (quarter.share / 1000) ** 0.5), name
 
 
 def test_nothing_stands_on_the_ego_vehicle():
@@ -129,7 +166,16 @@ def test_config_errors(fields: dict, message: str):
         StreetConfig(**fields)
 
 
-@pytest.mark.parametrize(("seed", "start"), [(-1, 0), (0, -1), (0.5, 0)])
-def test_seed_and_start_errors(seed: int, start: int):
-    with pytest.raises(LayoutError, match=r"(seed|start) is .*; it must be an integer >= 0"):
-        next(streets(seed, SMALL, start=start))
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"seed": -1}, "seed is -1; it must be an integer >= 0"),
+        ({"seed": 0.5}, r"seed is 0\.5; it must be an integer >= 0"),
+        ({"start": -1}, "start is -1; it must be an integer >= 0"),
+        ({"workers": 0}, "workers is 0; it must be an integer >= 1"),
+        ({"shard": (2, 2)}, "shard is 2 of 2; they count from 0 to 1"),
+    ],
+)
+def test_arguments_of_streets(arguments: dict, message: str):
+    with pytest.raises(LayoutError, match=message):
+        streets(**{"seed": 0, "config": SMALL, **arguments})

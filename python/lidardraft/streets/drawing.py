@@ -1,135 +1,212 @@
-"""The drawing of a street: the coarse layout that a sentence or a clustering would have made of it."""
+"""The drawings of a street: the layouts that a sentence, a clustering, a picture or an annotator would have made of it.
+
+All shapes are solid; what is porous in the detailed scene is drawn as the solid that a sentence or a clustering makes.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.errors import LayoutError
+from lidardraft.scene.layout import SHAPES, Layout, object_of
 from lidardraft.scene.road import Road
-from lidardraft.streets.plants import trunk_diameter
-from lidardraft.streets.thing import Parts, Thing
+from lidardraft.scene.shape_table import ShapeTable
+from lidardraft.semantics import BY_NAME, CLASSES, GROUND, NUM_CLASSES
+from lidardraft.streets.clusters import clusters
+from lidardraft.streets.outline import POSTS, SMALL, Mark, outline
+from lidardraft.streets.patches import Patches
+from lidardraft.streets.sighting import Sighting, owners_of
+from lidardraft.streets.spoken import spoken
+from lidardraft.streets.style import FAMILIES, Style
+from lidardraft.streets.thing import Thing
 
-# The class of things that are drawn as one box.
-_BOXES = {
-    "truck": "truck",
-    "bus": "bus",
-    "tram": "train",
-    "person": "person",
-    "bicycle": "bicycle",
-    "motorcycle": "motorcycle",
-    "house": "building",
-    "block": "building",
-    "shed": "building",
-    "hedge": "vegetation",
-    "fence": "fence",
-    "garden_wall": "wall",
-    "bin": "other",
-    "bench": "other",
-}
-_RIDDEN = {"cyclist": ("bicycle", 1.06), "motorcyclist": ("motorcycle", 1.1)}
-_POSTS = ("lamp", "pole", "sign", "traffic_light")
-_SMALL = (*_POSTS, "bin", "bench", "bush", "bicycle")
+_SEEN = 5  # returns that a thing needs to be noticed in a picture
+_RIDDEN = ("cyclist", "motorcyclist")
+_RIDER = BY_NAME["rider"].id
+_FAMILIES = tuple(FAMILIES)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Style:
-    """How a street is drawn.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Marks:
+    """Outlines as columns: the thing [M] each shape belongs to, its place there, and the yaw and place of the thing."""
 
-    `source` is "text" (clean shapes on flat ground) or "cloud" (only what the scan saw, with standard deviations of
-    `error` times its size, or 4 m, and `turn` [rad]). `omit` is the share of small things left out.
+    owners: np.ndarray
+    shapes: np.ndarray
+    centers: np.ndarray
+    sizes: np.ndarray
+    labels: np.ndarray
+    instances: np.ndarray
+    lobes: np.ndarray
+    places: np.ndarray
+    ids: np.ndarray
+
+    @classmethod
+    def of(cls, things: Sequence[Thing], rows: list[tuple[int, Mark, tuple[float, float, float]]]) -> _Marks:
+        number: dict[tuple[int, int], int] = {}
+        ids = []
+        for index, mark, _ in rows:
+            # the crowns of one thing have the same ids whatever the number of their lobes
+            key = (index, mark.lobes)
+            number[key] = number.get(key, number.get((index, 0), 0) if mark.lobes else 0) + 1
+            ids.append(f"{things[index].id}.{number[key] - 1}" if number[key] > 1 else things[index].id)
+        marks = [mark for _, mark, _ in rows]
+        instances = [things[i].instance + mark.rank if things[i].instance else 0 for i, mark, _ in rows]
+        return cls(
+            owners=np.array([index for index, _, _ in rows], dtype=np.int64),
+            shapes=np.array([SHAPES.index(mark.shape) for mark in marks], dtype=np.uint8),
+            centers=np.array([mark.center for mark in marks], dtype=float).reshape(-1, 3),
+            sizes=np.array([mark.size for mark in marks], dtype=float).reshape(-1, 3),
+            labels=np.array([BY_NAME[mark.label].id for mark in marks], dtype=np.uint8),
+            instances=np.array(instances, dtype=np.uint32),
+            lobes=np.array([mark.lobes for mark in marks], dtype=np.int64),
+            places=np.array([place for _, _, place in rows], dtype=float).reshape(-1, 3),
+            ids=np.array(ids, dtype=object),
+        )
+
+
+class DrawnStreet:
+    """What all drawings of one street have in common: its ground and the outlines of its things, as columns.
+
+    `scene` is the detailed scene of the `things` along `road`, `middles` are those of the lanes across the road [m].
+    Everything is in the frame of the road.
     """
 
-    source: str = "text"
-    error: float = 0.0
-    turn: float = 0.0
-    omit: float = 0.0
-    sidewalks: bool = True
-    posts: bool = True
+    def __init__(self, road: Road, things: Sequence[Thing], scene: Layout, middles: Sequence[float]) -> None:
+        self.things = tuple(things)
+        self.owners = owners_of(scene, self.things)
+        names = {thing.id for thing in self.things}
+        self._flat = ShapeTable.of(road.surfaces())
+        self._patches = Patches(road, [p for p in scene if p.label in GROUND and object_of(p) not in names])
+        exact = [(i, mark, (t.x, t.y, t.yaw)) for i, t in enumerate(self.things) for mark in outline(t)]
+        self._exact = _Marks.of(self.things, exact)
+        self._spoken = _Marks.of(self.things, spoken(self.things, road, middles))
+        self._places = np.array([(t.x, t.y, t.yaw) for t in self.things], dtype=float).reshape(-1, 3)
+        self._levels = np.array([t.level for t in self.things], dtype=float)
+        self._grounds = np.array([t.z for t in self.things], dtype=float)
+        self._instances = np.array([t.instance for t in self.things], dtype=np.uint32)
+        self._ridden = np.array([t.kind in _RIDDEN for t in self.things], dtype=bool)
+        self._small = np.array([t.kind in SMALL for t in self.things], dtype=bool)
+        self._posts = np.array([t.kind in POSTS for t in self.things], dtype=bool)
+        family = {kind: number for number, (_, kinds) in enumerate(FAMILIES.values()) for kind in kinds}
+        self._families = np.array([family.get(t.kind, -1) for t in self.things], dtype=np.int64)
+        post = self._exact.shapes == SHAPES.index("cylinder")
+        self._girths = np.full(len(self.things), 0.1)
+        self._girths[self._exact.owners[post]] = self._exact.sizes[post, 0]
 
+    def whole(self) -> Layout:
+        """Everything as it is, on flat ground, in the frame of the road."""
+        style = Style(source="boxes")
+        return self.draw(style, np.random.default_rng(0), np.eye(4)).layout({"source": style.source})
 
-def draw_style(rng: np.random.Generator) -> Style:
-    """A style as the inputs of the product would have: half sentences, half clusterings."""
-    sidewalks, posts = bool(rng.random() < 0.85), bool(rng.random() < 0.85)
-    if rng.random() < 0.5:
-        return Style(omit=float(rng.choice((0.0, 0.0, 0.3))), sidewalks=sidewalks, posts=posts)
-    return Style(
-        source="cloud",
-        error=float(rng.uniform(0.005, 0.03)),
-        turn=float(rng.uniform(0.0, 0.03)),
-        omit=float(rng.uniform(0.0, 0.3)),
-        sidewalks=sidewalks,
-        posts=posts,
-    )
+    def draw(
+        self, style: Style, rng: np.random.Generator, pose: np.ndarray, sighting: Sighting | None = None
+    ) -> ShapeTable:
+        """The drawing in that style, in the frame of the ego vehicle, which is fixed to the road under it.
 
-
-def draw(
-    road: Road, things: Iterable[Thing], style: Style, rng: np.random.Generator, seen: Collection[str] | None = None
-) -> Layout:
-    """The layout of a street in that style; with `seen`, a clustering draws only the things with these ids."""
-    primitives = [p for p in road.surfaces() if style.sidewalks or p.label != "sidewalk"]
-    for thing in things:
-        if thing.kind in _POSTS and not style.posts:
-            continue
-        if thing.kind in _SMALL and rng.random() < style.omit:
-            continue
+        `pose` is street_from_ego [4, 4]. A flat drawing has the plane of the road there as its ground everywhere. A
+        "cloud" and a "picture" draw what was seen, and raise `LayoutError` without a `sighting`.
+        """
+        place = place_of(pose)
+        flat = style.ground == "flat"
+        heights = self._levels if flat else self._over(pose)
+        ground = (self._flat if flat else self._patches.around(pose)).seen_from(*place)
+        if not style.sidewalks:
+            ground = ground.where(ground.labels != BY_NAME["sidewalk"].id)
+        if style.source == "text":
+            return ShapeTable.join(ground, self._drawn(self._spoken, self._said(style, place), style, place, heights))
+        if style.source == "boxes":
+            everything = np.ones(len(self.things), dtype=bool)
+            return ShapeTable.join(ground, self._drawn(self._exact, everything, style, place, heights))
+        if sighting is None:
+            raise LayoutError(f"a drawing of source {style.source!r} needs a sighting; it draws what was seen")
         if style.source == "cloud":
-            if seen is not None and thing.id not in seen:
-                continue
-            thing = _misjudged(thing, style, rng)
-        else:
-            thing = replace(thing, z=thing.level)
-        primitives += outline(thing)
-    return Layout(primitives=tuple(primitives), provenance={"source": style.source})
+            return ShapeTable.join(ground, self._clustered(style, rng, sighting, self._over(pose)))
+        shown, wrong = self._pictured(style, rng, sighting), self._misjudged(style, rng, place)
+        return ShapeTable.join(ground, self._drawn(self._exact, shown, style, place, heights, wrong))
+
+    def _over(self, pose: np.ndarray) -> np.ndarray:
+        """Heights [T] of the ground under the things over the plane of the road under the ego vehicle [m]."""
+        heights: np.ndarray = (np.column_stack([self._places[:, :2], self._grounds]) - pose[:3, 3]) @ pose[:3, 2]
+        return heights
+
+    def _said(self, style: Style, place: tuple[float, float, float]) -> np.ndarray:
+        """Which things [T] a sentence names: vehicles and its families, as far as it reaches."""
+        named = np.array([family in style.named for family in _FAMILIES] + [True])
+        near = np.hypot(*(self._places[:, :2] - place[:2]).T) <= style.reach
+        return named[self._families] & near & (style.posts | ~self._posts)
+
+    def _pictured(self, style: Style, rng: np.random.Generator, sighting: Sighting) -> np.ndarray:
+        """Which things [T] are in a picture."""
+        x, y, yaw = sighting.place
+        ahead = self._places[:, :2] - (x, y)
+        bearing = np.arctan2(ahead[:, 1], ahead[:, 0]) - yaw
+        inside = np.cos(bearing) >= math.cos(style.view / 2)
+        near = np.hypot(ahead[:, 0], ahead[:, 1]) <= style.reach
+        omitted = self._small & (rng.random(len(self.things)) < style.omit)
+        return inside & near & (sighting.returns.sum(axis=1) >= _SEEN) & (style.posts | ~self._posts) & ~omitted
+
+    def _misjudged(
+        self, style: Style, rng: np.random.Generator, place: tuple[float, float, float]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """How far off the places [T, 3] (x, y, yaw) are, further along the line of sight, and the scales [T, 3]."""
+        count = len(self.things)
+        sight = self._places[:, :2] - place[:2]
+        off = np.column_stack([sight * rng.normal(0.0, style.error, (count, 1)), rng.normal(0.0, style.turn, count)])
+        return off, np.exp(rng.normal(0.0, style.error, (count, 3)))
+
+    def _drawn(
+        self,
+        marks: _Marks,
+        things: np.ndarray,
+        style: Style,
+        place: tuple[float, float, float],
+        heights: np.ndarray,
+        wrong: tuple[np.ndarray, np.ndarray] | None = None,
+    ) -> ShapeTable:
+        """The marks of the chosen things [T] on ground of these heights [T], in the frame of the ego vehicle."""
+        kept = np.flatnonzero(things[marks.owners] & ((marks.lobes == 0) | (marks.lobes == style.lobes)))
+        owners = marks.owners[kept]
+        centers, sizes, places = marks.centers[kept], marks.sizes[kept], marks.places[kept]
+        if wrong is not None:
+            off, scale = wrong
+            places = places + off[owners]
+            centers, sizes = centers * scale[owners], sizes * scale[owners]
+        cos, sin = np.cos(places[:, 2]), np.sin(places[:, 2])
+        x = places[:, 0] + cos * centers[:, 0] - sin * centers[:, 1]
+        y = places[:, 1] + sin * centers[:, 0] + cos * centers[:, 1]
+        return ShapeTable(
+            shapes=marks.shapes[kept],
+            centers=np.column_stack([x, y, heights[owners] + centers[:, 2]]),
+            sizes=sizes,
+            yaws=places[:, 2],
+            labels=marks.labels[kept],
+            instances=marks.instances[kept],
+            ids=tuple(marks.ids[kept].tolist()),
+        ).seen_from(*place)
+
+    def _clustered(self, style: Style, rng: np.random.Generator, sighting: Sighting, heights: np.ndarray) -> ShapeTable:
+        yaws = self._places[:, 2] - sighting.place[2]
+        found = clusters(sighting, yaws, heights, self._girths, rng, numbered=style.numbered)
+        order = np.argsort(found.keys % NUM_CLASSES, kind="stable")
+        labels, owners = found.keys[order] % NUM_CLASSES, found.keys[order] // NUM_CLASSES
+        rank = self._ridden[owners] & (labels != _RIDER)
+        thing = np.array([row.is_thing for row in CLASSES])[labels]
+        number = np.arange(len(labels)) - np.searchsorted(labels, labels)
+        return ShapeTable(
+            shapes=found.shapes[order],
+            centers=found.centers[:, order].T,
+            sizes=found.sizes[:, order].T,
+            yaws=found.yaws[order],
+            labels=labels,
+            instances=np.where(thing, self._instances[owners] + rank, 0),
+            ids=tuple(f"{CLASSES[k].name}_{n + 1}" for k, n in zip(labels.tolist(), number.tolist(), strict=True)),
+        )
 
 
-def _misjudged(thing: Thing, style: Style, rng: np.random.Generator) -> Thing:
-    """The thing as a box fitted to points has it: a little off in size, place and yaw."""
-    # what is seen of something large is as exact as of something small
-    wrong = rng.normal(0.0, style.error, 3) * np.minimum(thing.size, 4.0)
-    length, width, height = (np.array(thing.size) + wrong).tolist()
-    off = rng.normal(0.0, style.error * min(thing.size[0], thing.size[1], 4.0), 2)
-    # a long thing's yaw is seen better
-    yaw = thing.yaw + float(rng.normal(0.0, style.turn)) * min(1.0, 2.0 / thing.size[0])
-    return replace(thing, x=thing.x + float(off[0]), y=thing.y + float(off[1]), yaw=yaw, size=(length, width, height))
-
-
-def outline(thing: Thing) -> list[Primitive]:
-    """The one to three shapes that a drawing has for a thing, with the class and instance of its parts."""
-    parts = Parts(thing)
-    length, width, height = thing.size
-    middle = (0.0, 0.0, height / 2)
-    if thing.kind == "tree":
-        girth, crown = trunk_diameter(thing), height - thing.stem
-        bare = thing.stem + 0.1 * crown
-        parts.add("cylinder", (0.0, 0.0, bare / 2), (girth, girth, bare), "trunk")
-        parts.add("ellipsoid", (0.0, 0.0, thing.stem + crown / 2), (length, width, crown), "vegetation")
-    elif thing.kind == "bush":
-        parts.add("ellipsoid", middle, thing.size, "vegetation")
-    elif thing.kind in _POSTS:
-        _post(parts)
-    elif thing.kind in _RIDDEN:
-        label, top = _RIDDEN[thing.kind]
-        lap = 0.75  # m, the knees and feet of a rider are drawn with what is ridden
-        parts.add("box", (-0.02, 0.0, (lap + height) / 2), (0.75, width * 0.9, height - lap), "rider")
-        parts.add("box", (0.0, 0.0, top / 2), (length, 0.5 * width, top), label, rank=1)
-    elif thing.kind == "house":
-        # a box to the middle of the roof
-        top = (thing.stem + height) / 2
-        parts.add("box", (0.0, 0.0, top / 2), (length, width, top), "building")
-    else:
-        parts.add("box", middle, thing.size, _BOXES.get(thing.kind, "car"))
-    return parts.primitives
-
-
-def _post(parts: Parts) -> None:
-    thing = parts.thing
-    length, width, height = thing.size
-    girth = {"sign": 0.08, "traffic_light": 0.11}.get(thing.kind, length)
-    top = thing.stem if thing.kind in ("sign", "traffic_light") else height
-    parts.add("cylinder", (0.0, 0.0, top / 2), (girth, girth, top), "pole")
-    if top < height:
-        label = "traffic-sign" if thing.kind == "sign" else "traffic-light"
-        parts.add("box", (0.0, 0.0, (top + height) / 2), (length, width, height - top), label)
+def place_of(pose: np.ndarray) -> tuple[float, float, float]:
+    """x, y [m] and yaw [rad] of a pose [4, 4]."""
+    return float(pose[0, 3]), float(pose[1, 3]), math.atan2(pose[1, 0], pose[0, 0])

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.scene.road import Road
+from lidardraft.scene.road import RING, Road
 
-BAY = 2.2  # m, a parking bay along the kerb
+BAY = 2.2  # m, a parking bay along the kerb: RASt 06 has 2.0 m and 0.25 m to moving traffic
 SIDES = (-1, 1)  # right, left
 
 
@@ -18,15 +17,18 @@ class Quarter:
     """What streets of one kind have in common.
 
     Pairs are ranges [m]. `share` is that of all streets, `heavy` that of trucks and buses in the traffic, `blocks` that
-    of blocks among the buildings. `bend`, `junction`, `parked` (a side), `built` (a plot), `fronts` (a side) and
-    `row_trees` (a side) are probabilities; `people`, `thickets` (a side) and `wild_trees` mean numbers; `traffic_gap`
-    is a mean [m].
+    of blocks among the buildings. `bend`, `junction`, `roundabout` and `lights` (of junctions), `oneway`, `lot`,
+    `parked` (a side), `built` (a plot), `fronts` (a side), `row_trees` (a side), `strip` (of grass beside the kerb),
+    `ditch` and `bank` (a side) are probabilities; `people`, `thickets` (a side) and `wild_trees` mean numbers;
+    `traffic_gap` is a mean [m], `speed` the limit [m/s]. `grade` and `hillside` are standard deviations of slopes along
+    and beside the road, `rolling` is the height [m] of the land's waves.
     """
 
     share: float
     lanes: tuple[int, ...]
     lane_width: tuple[float, float]
     sidewalk: tuple[float, float]
+    speed: float
     bend: float
     junction: float
     parked: float
@@ -41,80 +43,118 @@ class Quarter:
     row_trees: float
     thickets: float
     wild_trees: int
+    roundabout: float = 0.0
+    lights: float = 0.0
+    oneway: float = 0.0
+    lot: float = 0.0
+    median: tuple[float, float] = (0.0, 0.0)
+    shoulder: float = 0.0
+    curvature: tuple[float, float] = (0.001, 0.009)
+    grade: float = 0.015
+    hillside: float = 0.02
+    rolling: float = 0.25
+    strip: float = 0.0
+    ditch: float = 0.0
+    bank: float = 0.0
 
 
-# Lane widths: the German design guides RASt 06 (3.0 to 3.5 m in towns) and RAL (3.25 to 3.75 m outside).
+# Lane widths: the German design guides RASt 06 (3.0 to 3.5 m in towns), RAL (3.25 to 3.75 m outside) and RAA (3.5 to
+# 3.75 m on motorways, median 4 m, hard shoulder 2.5 m). Sidewalks: RASt 06, 2.5 m and more where there is room.
+# Heavy vehicles: the German road census of 2021 (BASt), 15 % of the traffic on motorways, 7 % on federal roads; fewer
+# in towns. People and plants: such that their shares of the returns are about those of the recordings in PandaSet and
+# of ika's drive. Speeds: StVO. Grades stay under the limits of RASt 06 and RAL, 4.5 to 8 %. The shares of quarters, and
+# probabilities and numbers without a source, are estimates of ours.
 QUARTERS: dict[str, Quarter] = {
     "residential": Quarter(
-        share=0.36, lanes=(1,), lane_width=(2.9, 3.4), sidewalk=(1.5, 3.0), bend=0.4, junction=0.35,
-        parked=0.35, traffic_gap=60.0, heavy=0.06, people=2.5,
+        share=0.34, lanes=(1,), lane_width=(2.5, 3.25), sidewalk=(1.5, 3.0), speed=30 / 3.6, bend=0.5, junction=0.4,
+        parked=0.35, traffic_gap=60.0, heavy=0.015, people=1.0,
         built=0.88, blocks=0.1, setback=(3.0, 8.0), gap=(2.5, 9.0),
-        fronts=0.8, row_trees=0.4, thickets=1.2, wild_trees=34,
+        fronts=0.8, row_trees=0.6, thickets=2.4, wild_trees=40,
+        roundabout=0.14, oneway=0.12, lot=0.08, grade=0.02, hillside=0.035, strip=0.15, bank=0.3,
     ),
     "urban": Quarter(
-        share=0.28, lanes=(1, 1, 2), lane_width=(3.0, 3.4), sidewalk=(2.2, 4.0), bend=0.2, junction=0.5,
-        parked=0.4, traffic_gap=40.0, heavy=0.14, people=7.0,
-        built=0.93, blocks=0.85, setback=(0.3, 1.5), gap=(0.0, 3.0),
-        fronts=0.0, row_trees=0.5, thickets=0.4, wild_trees=12,
+        share=0.16, lanes=(1, 1, 2), lane_width=(2.75, 3.25), sidewalk=(2.2, 4.0), speed=50 / 3.6, bend=0.2,
+        junction=0.55, parked=0.55, traffic_gap=32.0, heavy=0.05, people=3.0,
+        built=0.95, blocks=0.95, setback=(0.0, 0.4), gap=(0.0, 0.0),
+        fronts=0.0, row_trees=0.65, thickets=0.6, wild_trees=16,
+        roundabout=0.08, lights=0.6, oneway=0.35, lot=0.08, grade=0.014, hillside=0.015, rolling=0.1,
     ),
     "avenue": Quarter(
-        share=0.18, lanes=(2, 2, 3), lane_width=(3.1, 3.6), sidewalk=(2.0, 4.0), bend=0.25, junction=0.45,
-        parked=0.3, traffic_gap=32.0, heavy=0.2, people=4.5,
+        share=0.16, lanes=(2, 2, 3), lane_width=(3.0, 3.5), sidewalk=(2.0, 4.0), speed=50 / 3.6, bend=0.25,
+        junction=0.5, parked=0.3, traffic_gap=32.0, heavy=0.05, people=1.8,
         built=0.75, blocks=0.65, setback=(1.5, 7.0), gap=(1.0, 12.0),
-        fronts=0.35, row_trees=0.75, thickets=0.9, wild_trees=24,
+        fronts=0.3, row_trees=0.9, thickets=1.8, wild_trees=30,
+        roundabout=0.15, lights=0.75, lot=0.2, median=(0.0, 4.0), grade=0.012, strip=0.4, bank=0.1,
+    ),
+    "retail": Quarter(
+        share=0.08, lanes=(1, 1, 2), lane_width=(3.0, 3.5), sidewalk=(1.5, 2.5), speed=50 / 3.6, bend=0.2, junction=0.3,
+        parked=0.1, traffic_gap=40.0, heavy=0.08, people=1.0,
+        built=0.6, blocks=0.25, setback=(6.0, 14.0), gap=(6.0, 25.0),
+        fronts=0.45, row_trees=0.65, thickets=1.8, wild_trees=24,
+        roundabout=0.12, lights=0.4, lot=1.0, strip=0.3, ditch=0.1, bank=0.1,
     ),
     "country": Quarter(
-        share=0.18, lanes=(1, 1, 2), lane_width=(3.2, 3.75), sidewalk=(0.0, 0.0), bend=0.6, junction=0.2,
-        parked=0.04, traffic_gap=60.0, heavy=0.18, people=0.6,
-        built=0.22, blocks=0.0, setback=(5.0, 20.0), gap=(8.0, 40.0),
-        fronts=0.4, row_trees=0.5, thickets=1.8, wild_trees=50,
+        share=0.16, lanes=(1, 1, 1, 2), lane_width=(2.75, 3.75), sidewalk=(0.0, 0.0), speed=100 / 3.6, bend=0.6,
+        junction=0.3, parked=0.02, traffic_gap=70.0, heavy=0.07, people=0.2,
+        built=0.18, blocks=0.0, setback=(8.0, 22.0), gap=(8.0, 40.0),
+        fronts=0.3, row_trees=0.6, thickets=3.0, wild_trees=55,
+        roundabout=0.35, grade=0.025, hillside=0.06, rolling=0.6, ditch=0.5, bank=0.4,
+    ),
+    "motorway": Quarter(
+        share=0.1, lanes=(2, 2, 3), lane_width=(3.5, 3.75), sidewalk=(0.0, 0.0), speed=130 / 3.6, bend=0.6,
+        junction=0.0, parked=0.0, traffic_gap=45.0, heavy=0.15, people=0.0,
+        built=0.05, blocks=0.2, setback=(20.0, 40.0), gap=(15.0, 60.0),
+        fronts=0.0, row_trees=0.0, thickets=3.5, wild_trees=50,
+        median=(2.5, 4.0), shoulder=2.5, curvature=(0.0003, 0.002), grade=0.014, hillside=0.05, rolling=0.5, ditch=0.35,
+        bank=0.5,
     ),
 }  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class Lane:
-    """A lane to drive in: its middle across the road [m] and direction, 1 as the road runs or -1."""
-
-    across: float
-    direction: int
-
-    @property
-    def turn(self) -> float:
-        """The direction as an angle against the road [rad]."""
-        return 0.0 if self.direction > 0 else math.pi
-
-
-def draw_road(quarter: Quarter, parking: tuple[int, ...], reach: float, rng: np.random.Generator) -> Road:
-    """A road through the quarter, with parking bays on the sides in `parking`."""
-    lanes = int(rng.choice(quarter.lanes))
-    width = rng.uniform(*quarter.lane_width) + (BAY if parking and lanes == 1 else 0.0)
-    junction, curvature = None, 0.0
+def draw_road(
+    quarter: Quarter,
+    parking: tuple[int, ...],
+    reach: float,
+    rng: np.random.Generator,
+    *,
+    oneway: bool = False,
+    lot: bool = False,
+) -> Road:
+    """A road through the quarter, with parking bays on the sides in `parking`; it is straight beside a `lot`."""
+    lanes = 1 if oneway else quarter.lanes[int(rng.integers(len(quarter.lanes)))]
+    width = rng.uniform(*quarter.lane_width)
+    if oneway:
+        # RASt 06: 3.0 to 3.5 m between parked cars, and now and then room for two lanes
+        width = max(2.0, rng.uniform(3.5, 4.2) / 2) if rng.random() < 0.7 else width
+    if lanes == 1:
+        width += BAY * len(parking) / 2
+    sidewalk = rng.uniform(*quarter.sidewalk)
+    median = rng.uniform(*quarter.median) if lanes > 1 else 0.0
+    median = median if median > 1.5 else 0.0
+    junction, circle, curvature = None, None, 0.0
     arms: tuple[str, ...] = ("left", "right")
     if rng.random() < quarter.junction:
         # a side road leaves at a right angle, so the road is straight there
-        junction = float(rng.uniform(-0.6, 0.6) * reach)
+        junction = float(rng.uniform(-0.5, 0.5) * reach)
         arms = (("left", "right"), ("left",), ("right",))[int(rng.integers(3))]
-    elif rng.random() < quarter.bend:
-        curvature = float(rng.choice((-1, 1)) * rng.uniform(0.001, min(0.009, 1.6 / reach)))
+        smallest = median / 2 + lanes * width + sidewalk + RING + 1.5
+        # outer diameters of 26 to 50 m: the German guide to roundabouts (FGSV 242)
+        if not lot and rng.random() < quarter.roundabout and smallest < 25.0:
+            circle = rng.uniform(max(13.0, smallest), 25.0)
+            junction *= 0.6
+            median = 0.0
+    elif not lot and rng.random() < quarter.bend:
+        low, high = quarter.curvature
+        curvature = float(rng.choice((-1, 1)) * rng.uniform(low, min(high, 1.6 / reach)))
     return Road(
         lanes=lanes,
         lane_width=width,
-        sidewalk=rng.uniform(*quarter.sidewalk),
+        parking=quarter.shoulder,
+        sidewalk=sidewalk,
         curvature=curvature,
         junction=junction,
         arms=arms,
         reach=reach,
+        median=median,
+        circle=circle,
     )
-
-
-def driven_lanes(road: Road, parking: tuple[int, ...]) -> tuple[Lane, ...]:
-    """The lanes that are left to drive in: parked cars take the outermost of several, or a bay beside the only one."""
-    lanes = []
-    for direction in (1, -1):
-        for number in range(road.lanes):
-            if road.lanes == 1 and parking:
-                lanes.append(Lane(-direction * (road.edge - BAY) / 2, direction))
-            elif number > 0 or road.lanes == 1 or -direction not in parking:
-                lanes.append(Lane(road.lane(number, direction), direction))
-    return tuple(lanes)

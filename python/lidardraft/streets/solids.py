@@ -20,24 +20,6 @@ def join(*solids: Solid) -> Solid:
     return np.concatenate([vertices for vertices, _ in solids]), np.concatenate(faces)
 
 
-def prism(profile: np.ndarray, width: float) -> Solid:
-    """A side view [n, 2] of (x, z), star-shaped about its mean, extruded to `width` across y."""
-    count = len(profile)
-    side = np.stack([profile[:, 0], np.zeros(count), profile[:, 1]], axis=1)
-    outline = np.concatenate([side, [side.mean(axis=0)]])
-    offset = np.array([0.0, width / 2, 0.0])
-    left, right = outline + offset, outline - offset
-    here, after = np.arange(count), (np.arange(count) + 1) % count
-    other, hub = here + count + 1, np.full(count, count)
-    faces = [
-        np.stack([here, after, hub], axis=1),
-        np.stack([other, after + count + 1, hub + count + 1], axis=1),
-        np.stack([here, after, after + count + 1], axis=1),
-        np.stack([here, after + count + 1, other], axis=1),
-    ]
-    return np.concatenate([left, right]), np.concatenate(faces)
-
-
 def hull(bottom: tuple[float, float, float, float], top: tuple[float, float, float, float]) -> np.ndarray:
     """The corners [8, 3] of a body between two rectangles, each (rear x, front x, width, z): bottom, then top ring."""
     corners = []
@@ -48,28 +30,69 @@ def hull(bottom: tuple[float, float, float, float], top: tuple[float, float, flo
 
 
 def hull_solid(corners: np.ndarray) -> Solid:
-    """The six faces of a `hull`."""
-    rings = [(0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
-    return quads(corners[np.array(rings)])
+    """The six faces of a `hull`, closed, their front outside."""
+    rings = np.array([(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)])
+    return corners, rings[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
 
 
-def hull_panes(
-    corners: np.ndarray, side: int, spans: list[tuple[float, float]], rise: tuple[float, float]
+def box(center: tuple[float, float, float], size: tuple[float, float, float]) -> Solid:
+    """The six faces of an upright box."""
+    half = np.array(size) / 2
+    signs = np.array([(x, y, z) for z in (-1, 1) for x, y in ((1, -1), (1, 1), (-1, 1), (-1, -1))])
+    return hull_solid(np.array(center) + signs * half)
+
+
+def tube(start: tuple[float, ...], end: tuple[float, ...], girths: tuple[float, float], sides: int = 6) -> Solid:
+    """A round bar between two points, `girths` its diameters there, with caps."""
+    a, b = np.array(start), np.array(end)
+    axis = (b - a) / np.linalg.norm(b - a)
+    across = np.cross(axis, (0.0, 1.0, 0.0) if abs(axis[1]) < 0.9 else (1.0, 0.0, 0.0))
+    across /= np.linalg.norm(across)
+    angle = 2 * np.pi * np.arange(sides) / sides
+    ring = np.cos(angle)[:, None] * across + np.sin(angle)[:, None] * np.cross(axis, across)
+    return loft(np.stack([a + girths[0] / 2 * ring, b + girths[1] / 2 * ring]))
+
+
+def loft(rings: np.ndarray) -> Solid:
+    """A closed skin over rings [n, m, 3] of points, one after the other, each end closed by a fan."""
+    n, m, _ = rings.shape
+    i, j = np.meshgrid(np.arange(n - 1), np.arange(m), indexing="ij")
+    here, after = (i * m + j).ravel(), (i * m + (j + 1) % m).ravel()
+    fan = np.stack([np.zeros(m - 2, dtype=np.int64), np.arange(1, m - 1), np.arange(2, m)], axis=1)
+    faces = [
+        np.stack([here, after, after + m], axis=1),
+        np.stack([here, after + m, here + m], axis=1),
+        fan[:, ::-1],
+        fan + (n - 1) * m,
+    ]
+    return rings.reshape(-1, 3), np.concatenate(faces)
+
+
+def lathe(profile: np.ndarray, sides: int, across: float = 1.0) -> Solid:
+    """A side view [n, 2] of (radius, z) turned about z, `across` times as wide in y as in x."""
+    angle = 2 * np.pi * np.arange(sides) / sides
+    ring = np.stack([np.cos(angle), across * np.sin(angle)], axis=1)
+    rings = np.concatenate(
+        [profile[:, None, :1] * ring, np.broadcast_to(profile[:, None, 1:], (len(profile), sides, 1))], axis=2
+    )
+    return loft(rings)
+
+
+def framed(
+    corners: np.ndarray, side: int, spans: tuple[tuple[float, float], ...], rise: tuple[float, float]
 ) -> np.ndarray:
-    """Rectangles [len(spans), 4, 3] just outside one side of a `hull`: 0 front, 1 left, 2 rear, 3 right.
+    """What is left [Q, 4, 3] of one side of a `hull` around its windows: 0 front, 1 left, 2 rear, 3 right.
 
-    `spans` are shares of the side's width, `rise` of its height.
+    `spans` are shares of the side's width, in order, `rise` of its height.
     """
     a, b = corners[side], corners[(side + 1) % 4]
     d, c = corners[side + 4], corners[(side + 1) % 4 + 4]
-    outward = np.cross(b - a, d - a)
-    outward *= 0.01 / np.linalg.norm(outward)
-
-    def at(u: float, v: float) -> np.ndarray:
-        point: np.ndarray = (1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * d + u * c) + outward
-        return point
-
-    return np.array([[at(u, rise[0]), at(w, rise[0]), at(w, rise[1]), at(u, rise[1])] for u, w in spans])
+    edges = [0.0, *(edge for span in spans for edge in span), 1.0]
+    pillars = [(edges[k], edges[k + 1], *rise) for k in range(0, len(edges), 2)]
+    cells = np.array([(0.0, 1.0, 0.0, rise[0]), (0.0, 1.0, rise[1], 1.0), *pillars])
+    u, v = cells[:, [0, 1, 1, 0], None], cells[:, [2, 2, 3, 3], None]
+    quadrilaterals: np.ndarray = (1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * d + u * c)
+    return quadrilaterals
 
 
 def stepped_grid(u: np.ndarray, v: np.ndarray, level: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

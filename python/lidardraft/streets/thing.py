@@ -10,6 +10,8 @@ import numpy as np
 from lidardraft.scene.layout import Primitive
 from lidardraft.scene.mesh import TriangleMesh
 
+Vector = tuple[float, float, float]
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Thing:
@@ -32,6 +34,26 @@ class Thing:
     instance: int = 0
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """A mesh within the unit box, and where that box lies in shares of the extents of what it is a piece of.
+
+    Pieces are made once for each form and stretched to every thing of it, so that no mesh is made for each thing.
+    """
+
+    mesh: TriangleMesh
+    center: Vector
+    size: Vector
+
+    @classmethod
+    def of(cls, vertices: np.ndarray, faces: np.ndarray) -> Piece:
+        """Triangles [F, 3] over vertices [V, 3] given in shares."""
+        low, high = vertices.min(axis=0), vertices.max(axis=0)
+        center, size = (low + high) / 2, high - low
+        unit = np.clip((vertices - center) / np.where(size > 0, size, 1.0), -0.5, 0.5)
+        return cls(TriangleMesh(unit, faces), tuple(center.tolist()), tuple(size.tolist()))
+
+
 class Parts:
     """The primitives of one thing, given in its own frame: x forward, y left, z up from the ground under its middle."""
 
@@ -43,37 +65,58 @@ class Parts:
     def add(
         self,
         shape: str,
-        center: tuple[float, float, float],
-        size: tuple[float, float, float],
+        center: Vector,
+        size: Vector,
         label: str,
         material: str | None = None,
         *,
         yaw: float = 0.0,
         mesh: TriangleMesh | None = None,
         rank: int = 0,
+        extinction: float | None = None,
     ) -> None:
-        """Add one primitive; `rank` is what is added to the thing's instance."""
+        """Add one primitive; `rank` is what is added to the thing's instance, `extinction` [1/m] makes it porous.
+
+        A street has hundreds: tests check that they are right, not this.
+        """
         thing = self.thing
         x, y, z = center
+        name = f"{thing.id}.{len(self.primitives)}" if self.primitives else thing.id
         self.primitives.append(
-            Primitive(
+            Primitive.unchecked(
                 shape=shape,
                 center=(thing.x + self._cos * x - self._sin * y, thing.y + self._sin * x + self._cos * y, thing.z + z),
                 size=size,
-                yaw=thing.yaw + yaw,
                 label=label,
-                id=f"{thing.id}.{len(self.primitives)}" if self.primitives else thing.id,
+                id=name,
+                yaw=thing.yaw + yaw,
                 instance=thing.instance + rank if thing.instance else 0,
                 material=material,
                 mesh=mesh,
+                extinction=extinction,
             )
         )
 
-    def add_mesh(
-        self, vertices: np.ndarray, faces: np.ndarray, label: str, material: str | None = None, *, rank: int = 0
+    def add_piece(
+        self,
+        piece: Piece,
+        scale: Vector,
+        label: str,
+        material: str | None = None,
+        *,
+        at: Vector = (0.0, 0.0, 0.0),
+        rank: int = 0,
+        extinction: float | None = None,
     ) -> None:
-        """Add triangles [F, 3] over vertices [V, 3] of the thing's frame."""
-        low, high = vertices.min(axis=0), vertices.max(axis=0)
-        center, size = (low + high) / 2, high - low
-        mesh = TriangleMesh((vertices - center) / np.where(size > 0, size, 1.0), faces)
-        self.add("mesh", tuple(center.tolist()), tuple(size.tolist()), label, material, mesh=mesh, rank=rank)
+        """Add a piece stretched by `scale` [m] in the frame whose origin is `at`."""
+        (a, b, c), (u, v, w), (x, y, z) = piece.center, piece.size, scale
+        self.add(
+            "mesh",
+            (at[0] + a * x, at[1] + b * y, at[2] + c * z),
+            (u * x, v * y, w * z),
+            label,
+            material,
+            mesh=piece.mesh,
+            rank=rank,
+            extinction=extinction,
+        )

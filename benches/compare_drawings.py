@@ -1,0 +1,240 @@
+"""The quick drawings of streets beside those of the real drafting code, on the same scans: one Markdown table.
+
+    python benches/compare_drawings.py [streets]
+
+For every class: shapes a scan; length, width and height as shares of those of the nearest thing of the class (of what
+is drawn in pieces, and for the solver: in metres); how far the middle is off along and across that thing [m], and the
+yaw [deg]; how often it is "turned", length and width taken for each other; the share of the scan's pixels of the class
+that the cast drawing "agrees" with. A cell is the median and the half width of the middle 68 %. "clusters" is
+`drafting.cloud.layout_from_cloud`, with the numbers of things or without; "solver" is `drafting.arrange.arrange` on
+plans with the kinds that the street has; "quick" stands in for them in `lidardraft.streets`.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from lidardraft.drafting.arrange import arrange
+from lidardraft.drafting.cloud import layout_from_cloud
+from lidardraft.drafting.sites import lay_road
+from lidardraft.drafting.spec import Group, SceneSpec
+from lidardraft.errors import LayoutError
+from lidardraft.scene.labelling import agrees
+from lidardraft.scene.raycast import Raycaster
+from lidardraft.scene.sensor_model import SensorModel
+from lidardraft.scene.shape_table import ShapeTable
+from lidardraft.scene.surfaces import Surfaces
+from lidardraft.semantics import CLASSES, GROUND
+from lidardraft.streets.drive import Eye, glimpse
+from lidardraft.streets.quarter import BAY
+from lidardraft.streets.street import Street, StreetConfig, make_street
+from lidardraft.streets.style import Style
+from lidardraft.streets.vehicles import BODIES
+
+IN_PIECES = ("building", "wall", "fence", "vegetation", "other")
+NUMBERS = ("length", "width", "height", "along", "across", "yaw")
+FIELDS = ("count", *NUMBERS, "turned", "agrees")
+_NEAREST = 4.0  # m; further than this a shape is of no thing
+
+
+@dataclass
+class Tally:
+    """What was measured of one class by one draughtsman: lists of numbers for each of `FIELDS`."""
+
+    values: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
+
+    def add(self, **values: Iterable[float]) -> None:
+        for name, some in values.items():
+            self.values[name] += list(some)
+
+    def median(self, name: str) -> float:
+        return float(np.median(self.values[name])) if self.values[name] else math.nan
+
+    def mean(self, name: str) -> float:
+        return float(np.mean(self.values[name])) if self.values[name] else math.nan
+
+    def spread(self, name: str) -> float:
+        """Half the width of the middle 68 % of the values: the standard deviation of a normal distribution."""
+        low, high = np.percentile(self.values[name], [16, 84]) if self.values[name] else (math.nan, math.nan)
+        return float(high - low) / 2
+
+
+Tallies = dict[str, dict[str, Tally]]  # by class, then by draughtsman
+
+
+def new_tallies() -> Tallies:
+    """Tallies without a value."""
+    return defaultdict(lambda: defaultdict(Tally))
+
+
+def measure(tallies: Tallies, name: str, drawn: ShapeTable, truth: ShapeTable) -> None:
+    """Add the shapes of one drawing to those of `name`, compared with the exact ones of the same place."""
+    for row in CLASSES[1:]:
+        mine, true = np.flatnonzero(drawn.labels == row.id), np.flatnonzero(truth.labels == row.id)
+        if row.name in GROUND or not (len(true) or len(mine)):
+            continue
+        tally = tallies[row.name][name]
+        tally.add(count=[len(mine)])
+        if not len(mine):
+            continue
+        sizes = drawn.sizes[mine]
+        if row.name in IN_PIECES:
+            flat = np.sort(sizes[:, :2], axis=1)
+            tally.add(length=flat[:, 1], width=flat[:, 0], height=sizes[:, 2])
+        elif len(true):
+            _measure_things(tally, drawn, mine, truth, true)
+
+
+def _measure_things(tally: Tally, drawn: ShapeTable, mine: np.ndarray, truth: ShapeTable, true: np.ndarray) -> None:
+    gap = drawn.centers[mine, None, :2] - truth.centers[None, true, :2]
+    distance = np.hypot(gap[..., 0], gap[..., 1])
+    nearest = distance.argmin(axis=1)
+    near = distance[np.arange(len(mine)), nearest] < _NEAREST
+    mine, gap, true = mine[near], gap[np.arange(len(mine)), nearest][near], true[nearest[near]]
+    cos, sin = np.cos(truth.yaws[true]), np.sin(truth.yaws[true])
+    ratio = drawn.sizes[mine] / truth.sizes[true]
+    turn = np.remainder(drawn.yaws[mine] - truth.yaws[true] + math.pi / 2, math.pi) - math.pi / 2
+    tally.add(
+        length=ratio[:, 0],
+        width=ratio[:, 1],
+        height=ratio[:, 2],
+        along=cos * gap[:, 0] + sin * gap[:, 1],
+        across=cos * gap[:, 1] - sin * gap[:, 0],
+    )
+    if not (drawn.shapes[mine] == 2).all():
+        square = np.remainder(turn + math.pi / 4, math.pi / 2) - math.pi / 4
+        tally.add(yaw=np.rad2deg(square), turned=np.abs(turn) > math.pi / 4)
+
+
+def compare_clusters(streets: Iterable[Street], config: StreetConfig) -> Tallies:
+    """`layout_from_cloud` and its stand-in on one scan of each street."""
+    tallies = new_tallies()
+    for street in streets:
+        caster, surfaces = Raycaster(street.scene), Surfaces.of(street.scene)
+        eye = Eye(config.sensor, SensorModel.of(config.sensor), caster, surfaces, None)
+        ego, sighting, rng = glimpse(street, eye, 0)
+        scan, pose = sighting.scan, sighting.pose
+        poses = config.sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
+        truth = street.drawn.draw(Style(source="boxes", ground="patches"), rng, ego.pose)
+        points = scan.points() @ pose[:3, :3].T
+        labels = scan.label[scan.valid]
+        for numbered in (True, False):
+            instances = scan.instance[scan.valid] if numbered else None
+            real = layout_from_cloud(points, labels, instances=instances, sensor_height=float(pose[2, 3]))
+            style = Style(source="cloud", ground="patches", numbered=numbered)
+            quick = street.drawn.draw(style, rng, ego.pose, sighting)
+            suffix = " numbered" if numbered else ""
+            for name, drawn in ((f"clusters{suffix}", ShapeTable.of(real)), (f"quick{suffix}", quick)):
+                measure(tallies, name, drawn, truth)
+                good = agrees(scan, drawn.scan(config.sensor, poses))
+                for label in np.unique(labels):
+                    share = good[scan.label == label].mean()
+                    tallies[CLASSES[label].name][name].add(agrees=[float(share)])
+    return tallies
+
+
+# What the solver calls the kinds of streets.
+SPOKEN = {
+    **{body: "van" if body == "van" else "car" for body in BODIES},
+    **{kind: kind for kind in ("truck", "bus", "tram", "person", "house", "tree", "bush", "pole", "bin", "bench")},
+    "block": "building",
+    "bicycle": "bicycle",
+    "motorcycle": "motorcycle",
+    "lamp": "street-light",
+    "sign": "traffic-sign",
+    "traffic_light": "traffic-light",
+    "hedge": "hedge",
+    "fence": "fence",
+    "garden_wall": "wall",
+}
+_MOST = 5  # things of a kind that surely find room
+
+
+def compare_solver(streets: Iterable[Street]) -> Tallies:
+    """`arrange` and its stand-in: each kind that a street has, asked for alone on a straight road."""
+    tallies = new_tallies()
+    for street in streets:
+        if street.site.road.curvature:
+            continue
+        drawn = street.drawn.draw(Style(), np.random.default_rng(0), np.eye(4))
+        kinds = {thing.id: SPOKEN[thing.kind] for thing in street.drawn.things if thing.kind in SPOKEN}
+        middles = [lane.across for lane in street.lanes] + [street.site.road.edge - BAY / 2]
+        ego = street.site.road.lane(0)
+        for kind in sorted(set(kinds.values())):
+            named = [row for row, id in enumerate(drawn.ids) if kinds.get(id.partition(".")[0]) == kind]
+            things = {drawn.ids[row].partition(".")[0] for row in named}
+            if not things:
+                continue
+            _measure_spoken(tallies, "quick", kind, drawn, named, len(things), ego, middles)
+            parked = {"heading": "parked"} if kind in ("bicycle", "motorcycle") else {}
+            spec = SceneSpec(groups=(Group(kind=kind, count=min(len(things), _MOST), **parked),))
+            try:
+                solved = ShapeTable.of(arrange(spec, street.seed))
+            except LayoutError:  # now and then there is no room for as many
+                continue
+            road = lay_road(spec, np.random.default_rng(street.seed))
+            theirs = [road.lane(n, d) for n in range(road.lanes) for d in (-1, 1)] + [road.edge - road.parking / 2]
+            mine = [row for row, id in enumerate(solved.ids) if id.partition(".")[0].rpartition("_")[0] == kind]
+            count = min(len(things), _MOST)
+            _measure_spoken(tallies, "solver", kind, solved, mine, count, road.lane(road.ego_lane), theirs)
+    return tallies
+
+
+def _measure_spoken(
+    tallies: Tallies,
+    by: str,
+    kind: str,
+    drawn: ShapeTable,
+    chosen: list[int],
+    things: int,
+    ego: float,
+    middles: list[float],
+) -> None:
+    for label in np.unique(drawn.labels[chosen]):
+        tally = tallies[f"{kind}: {CLASSES[label].name}"][by]
+        mine = [row for row in chosen if drawn.labels[row] == label]
+        length, width, height = drawn.sizes[mine].T
+        tally.add(count=[len(mine) / things], length=length, width=width, height=height)
+        if (drawn.shapes[mine] == 0).all():
+            off = np.remainder(drawn.yaws[mine] + math.pi / 4, math.pi / 2) - math.pi / 4
+            tally.add(yaw=np.rad2deg(off[np.abs(off) < 0.2]))
+        if CLASSES[label].name in ("car", "truck", "bus", "train"):
+            across = drawn.centers[mine, 1] + ego
+            gap = across[:, None] - np.array([*middles, -middles[-1]])
+            nearest = gap[np.arange(len(mine)), np.abs(gap).argmin(axis=1)]
+            tally.add(across=nearest[np.abs(nearest) < 0.5])
+
+
+def rows(tallies: Tallies) -> Iterator[str]:
+    """The table, line by line."""
+    yield f"| class | by | {' | '.join(FIELDS)} |"
+    yield "|---" * (len(FIELDS) + 2) + "|"
+    classes = [row.name for row in CLASSES if row.name in tallies]
+    for label in classes or sorted(tallies):
+        for name in sorted(tallies[label]):
+            tally = tallies[label][name]
+            cells = [f"{tally.mean('count'):.2f}"]
+            cells += [f"{tally.median(n):.2f} ± {tally.spread(n):.2f}" if tally.values[n] else "" for n in NUMBERS]
+            cells += [f"{tally.mean(n):.3f}" if tally.values[n] else "" for n in ("turned", "agrees")]
+            yield f"| {label} | {name} | {' | '.join(cells)} |"
+
+
+def main() -> None:
+    """Print the table."""
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 200
+    config = StreetConfig()
+    for tallies in (
+        compare_solver(make_street(seed, config) for seed in range(count)),
+        compare_clusters((make_street(seed, config) for seed in range(count)), config),
+    ):
+        print("\n".join(rows(tallies)), end="\n\n")
+
+
+if __name__ == "__main__":
+    main()

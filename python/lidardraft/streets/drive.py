@@ -1,0 +1,159 @@
+"""Driving through streets: pairs of a lifelike scan and the drawing of the same place, without end."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import multiprocessing
+from collections import deque
+from collections.abc import Generator, Iterable, Iterator
+from concurrent.futures import Future, ProcessPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lidardraft.errors import LayoutError
+from lidardraft.scene.effects import observe
+from lidardraft.scene.layout import Layout
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.raycast import Raycaster
+from lidardraft.scene.sensor import Sensor
+from lidardraft.scene.sensor_model import SensorModel, sub_rays
+from lidardraft.scene.shape_table import ShapeTable
+from lidardraft.scene.surfaces import Surfaces
+from lidardraft.streets.drawing import place_of
+from lidardraft.streets.ego import Ego, draw_ego, mount
+from lidardraft.streets.sighting import Sighting
+from lidardraft.streets.street import Street, StreetConfig, check_number, make_street
+from lidardraft.streets.style import Style, draw_style
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StreetPair:
+    """A lifelike scan and the drawing of the same place, by a sensor at `pose` that moves ahead with `speed` [m/s].
+
+    `shapes` are in the frame of the ego vehicle in the middle of the sweep; `shapes.scan(sensor, pair.poses())` gives
+    `drawing`. `index` counts the pairs of one seed, and `style` says how the street was drawn.
+    """
+
+    scan: RangeImage
+    drawing: RangeImage
+    shapes: ShapeTable
+    pose: np.ndarray
+    style: Style
+    quarter: str
+    speed: float
+    index: int
+
+    def poses(self) -> np.ndarray:
+        """The pose of each column [W, 4, 4]; both images are as uncorrected as what such a sensor sends."""
+        return self.scan.sensor.poses_in_motion(self.pose, (self.speed, 0.0, 0.0))
+
+    @property
+    def layout(self) -> Layout:
+        """The shapes as a layout; `raycast(layout, sensor, poses=pair.poses())` gives `drawing` too."""
+        half = self.style.view / 2
+        return self.shapes.layout({"source": self.style.source}, None if half >= math.pi else (-half, half))
+
+
+def streets(
+    seed: int,
+    config: StreetConfig | None = None,
+    *,
+    start: int = 0,
+    shard: tuple[int, int] = (0, 1),
+    workers: int = 1,
+) -> Generator[StreetPair, None, None]:
+    """Pairs without end, from number `start`; pair k depends on the seed, the config and k alone.
+
+    `shard` (i, n) leaves out the streets of all but the i-th of n consumers, whose pairs are disjoint and together all.
+    `workers` processes make the pairs; 1 is this process. The pairs and their order are the same for any number.
+    A script that asks for more than 1 needs `if __name__ == "__main__":` around it, or each process would run it again.
+
+    Raises `LayoutError` for a number that is negative or no integer, or a shard that does not exist.
+    """
+    check_number("seed", seed)
+    check_number("start", start)
+    check_number("workers", workers, least=1)
+    mine, shards = shard
+    check_number("shard", mine)
+    if not mine < shards:
+        raise LayoutError(f"shard is {mine} of {shards}; they count from 0 to {shards - 1}")
+    config = config or StreetConfig()
+    first, skip = divmod(start, config.poses_per_street)
+    numbers = (number for number in itertools.count(first) if number % shards == mine)
+    jobs = ((seed, config, number, skip if number == first else 0) for number in numbers)
+    return _in_processes(jobs, workers) if workers > 1 else (pair for job in jobs for pair in _drive(*job))
+
+
+_Job = tuple[int, StreetConfig, int, int]
+
+
+def _in_processes(jobs: Iterable[_Job], workers: int) -> Generator[StreetPair, None, None]:
+    # a fork would copy the threads' locks
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(workers, mp_context=context)
+    jobs = iter(jobs)
+
+    def submit() -> Future[list[StreetPair]]:
+        return pool.submit(_driven, next(jobs))
+
+    try:
+        # one street more than workers, so that none waits while a street is consumed
+        ahead = deque(submit() for _ in range(workers + 1))
+        while True:
+            pairs = ahead.popleft().result()
+            ahead.append(submit())
+            yield from pairs
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _driven(job: _Job) -> list[StreetPair]:
+    return list(_drive(*job, threads=1))
+
+
+def _drive(seed: int, config: StreetConfig, number: int, skip: int, threads: int | None = None) -> Iterator[StreetPair]:
+    """The pairs of one street without the first `skip`."""
+    street = make_street(seed, config, number=number)
+    # another unit of the sensor for each street
+    model = replace(SensorModel.of(config.sensor), unit=number)
+    eye = Eye(config.sensor, model, Raycaster(street.scene), Surfaces.of(street.scene), threads)
+    for index in range(number * config.poses_per_street + skip, (number + 1) * config.poses_per_street):
+        yield _pair(street, eye, index)
+
+
+@dataclass(frozen=True, slots=True)
+class Eye:
+    """What looks at one street: a unit of a sensor, and the detailed scene made ready for it."""
+
+    sensor: Sensor
+    model: SensorModel
+    caster: Raycaster
+    surfaces: Surfaces
+    threads: int | None
+
+    def cast(self, ego: Ego, poses: np.ndarray, seed: int) -> RangeImage:
+        """The clean returns of all sub-rays from these poses in the frame of the ego vehicle."""
+        rays, poses = sub_rays(self.sensor, self.model), ego.pose @ poses
+        return self.caster.scan(rays, poses=poses, primitive=True, incidence=True, seed=seed, threads=self.threads)
+
+
+def glimpse(street: Street, eye: Eye, index: int) -> tuple[Ego, Sighting, np.random.Generator]:
+    """Scan number `index` of a street: where it is taken, what it sees, and the generator for what follows."""
+    rng = np.random.default_rng([street.seed, index, 1])
+    ego = draw_ego(street.site, street.lanes, rng)
+    pose = mount(eye.sensor, ego, rng)
+    poses = eye.sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
+    scan = observe(eye.cast(ego, poses, seed=index), eye.surfaces, rng, sensor=eye.sensor, model=eye.model)
+    drawn = street.drawn
+    return ego, Sighting(place_of(ego.pose), pose, scan, drawn.owners, len(drawn.things)), rng
+
+
+def _pair(street: Street, eye: Eye, index: int) -> StreetPair:
+    ego, sighting, rng = glimpse(street, eye, index)
+    style = draw_style(rng)
+    shapes = street.drawn.draw(style, rng, ego.pose, sighting)
+    poses = eye.sensor.poses_in_motion(sighting.pose, (ego.speed, 0.0, 0.0))
+    drawing = shapes.scan(eye.sensor, poses, threads=eye.threads)
+    return StreetPair(sighting.scan, drawing, shapes, sighting.pose, style, street.quarter, ego.speed, index)

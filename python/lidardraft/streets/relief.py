@@ -1,0 +1,134 @@
+"""What the ground has over its flat level: grade and crests of the road, camber, hillsides, ditches, rolling land."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from lidardraft.scene.road import Road
+
+# m from the verge where the land beside a road bends: shoulder, ditch or foot of a bank, top of the bank.
+SECTION = (1.0, 1.9, 2.4, 3.6, 6.5)
+_CAMBER = 0.025  # usual cross fall of a paved road, 2 to 3 %
+_BANKED = 0.05  # RAL: cross fall in bends up to 7 %
+_STEEPEST = 0.06  # RASt 06 and RAL allow 4.5 to 8 %
+_DITCH = (0.3, 0.6)  # m deep: the German guide to road drainage (RAS-Ew) has 0.5 m
+_BANK = (0.4, 2.2)  # m; slopes of 1 : 1.5 and less (RAL)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Land:
+    """How land lies: `grade` and `hillside` are standard deviations of slopes along and beside the road, `rolling` the
+    height [m] of its waves, `ditch` and `bank` probabilities a side.
+    """
+
+    grade: float = 0.015
+    hillside: float = 0.02
+    rolling: float = 0.25
+    ditch: float = 0.0
+    bank: float = 0.0
+
+
+class Relief:
+    """Heights over the frame (along, across) of one road, continuous everywhere.
+
+    `hillside` [2] holds the slopes that the land on the left and on the right comes to, away from the road.
+    """
+
+    def __init__(self, road: Road, land: Land, rng: np.random.Generator) -> None:
+        self.road = road
+        self._camber = rng.uniform(0.0, _CAMBER)
+        outside = road.sidewalk == 0.0
+        self._bank = math.copysign(min(_BANKED, 12 * abs(road.curvature)), -road.curvature) if outside else 0.0
+        # two waves of crests and sags; vertical curves of some 100 m are usual (RAL)
+        self._length = 2 * math.pi / rng.uniform((120.0, 55.0), (320.0, 140.0))
+        self._rise = np.clip(rng.normal(0.0, land.grade, 2) * (1.0, 0.45), -0.5 * _STEEPEST, 0.5 * _STEEPEST)
+        self._phase = rng.uniform(0.0, 2 * math.pi, 2)
+        self.hillside = np.clip(rng.normal(0.0, land.hillside, 2), -0.12, 0.12)
+        self._sections = np.stack([_section(road, land, rng) for _ in range(2)])
+        self._rolling = rng.uniform(0.3, 1.0) * land.rolling
+        self._waves = rng.uniform((0.03, -0.06, 0.0), (0.22, 0.06, 2 * math.pi), (3, 3))
+        self._mound = rng.uniform(0.1, 1.4)
+
+    def grade(self, along: float) -> float:
+        """The slope of the road along itself."""
+        return float((self._rise * np.cos(self._length * along + self._phase)).sum())
+
+    def heights(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
+        """Heights [m] of points whose coordinates broadcast; near 0 at (0, 0)."""
+        road = self.road
+        side = np.abs(across)
+        left = across > 0
+        relief = self._profile(along) + self._crossfall(along, across)
+        out = np.maximum(side - road.verge, 0.0)
+        relief = relief + np.where(left, self.hillside[0], self.hillside[1]) * out * out / (out + 20.0)
+        away = self._away(along, across)
+        section = np.where(left, self._cut(away, 0), self._cut(away, 1))
+        p, q, phase = self._waves.T
+        waves = np.sin(along[..., None] * p + across[..., None] * q + phase).mean(axis=-1)
+        relief = relief + section + self._rolling * np.minimum(away / 15.0, 1.0) * waves
+        if road.circle is not None and road.junction is not None:
+            inward = np.clip(1.0 - np.hypot(along - road.junction, across) / road.island, 0.0, 1.0)
+            relief = relief + self._mound * inward * (2.0 - inward)
+        return np.asarray(relief)
+
+    def _profile(self, along: np.ndarray) -> np.ndarray:
+        height = 0.0
+        for rise, length, phase in zip(self._rise, self._length, self._phase, strict=True):
+            height = height + rise / length * (np.sin(length * along + phase) - math.sin(phase))
+        return np.asarray(height)
+
+    def _crossfall(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
+        verge, edge = self.road.verge, self.road.edge
+        if self._bank:
+            banked: np.ndarray = self._bank * np.clip(across, -verge, verge)
+            return banked
+        camber = self._camber * (edge / 2 - np.minimum(np.abs(across), edge))
+        if self.road.circle is not None and self.road.junction is not None:
+            # a roundabout has none
+            off = np.hypot(along - self.road.junction, across) - self.road.circle
+            camber = camber * np.clip(off / 6.0, 0.0, 1.0)
+        return np.asarray(camber)
+
+    def _away(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
+        """Distance from all that is paved [m]."""
+        road = self.road
+        away = np.abs(across) - road.verge
+        if road.junction is not None:
+            arm = np.abs(along - road.junction) - road.verge
+            for name in road.arms:
+                here = across > 0 if name == "left" else across < 0
+                away = np.where(here, np.minimum(away, arm), away)
+            if road.circle is not None:
+                away = np.minimum(away, np.hypot(along - road.junction, across) - road.circle - road.sidewalk)
+        for patch in road.patches:
+            ahead = np.maximum(patch.along[0] - along, along - patch.along[1])
+            beside = np.maximum(patch.across[0] - across, across - patch.across[1])
+            away = np.minimum(away, np.maximum(ahead, beside))
+        return np.asarray(np.maximum(away, 0.0))
+
+    def _cut(self, away: np.ndarray, side: int) -> np.ndarray:
+        return np.interp(away, (0.0, *SECTION), self._sections[side])
+
+
+def _section(road: Road, land: Land, rng: np.random.Generator) -> np.ndarray:
+    """Heights [m] of the land at the verge and at each of `SECTION`: flat, with a ditch, with a bank, or both."""
+    ditch = rng.uniform(*_DITCH) if rng.random() < land.ditch else 0.0
+    bank = rng.uniform(*_BANK) * (1.0 if road.sidewalk == 0 else 0.4) if rng.random() < land.bank else 0.0
+    if road.sidewalk == 0 and rng.random() < 0.5:
+        bank = -bank
+    shoulder = -0.03 if road.sidewalk == 0 else 0.0
+    return np.array([0.0, shoulder, shoulder - ditch, shoulder - ditch, shoulder + 0.35 * bank, bank])
+
+
+def positions(road: Road, along: np.ndarray, across: np.ndarray) -> np.ndarray:
+    """x, y [..., 2] of points of the road's frame: `Road.at` for arrays that broadcast."""
+    bend, ego = road.curvature, road.lane(road.ego_lane)
+    if abs(bend) < 1e-9:
+        return np.stack(np.broadcast_arrays(along, across - ego), axis=-1)
+    heading = bend * along
+    x = np.sin(heading) / bend - np.sin(heading) * across
+    y = (1.0 - np.cos(heading)) / bend + np.cos(heading) * across - ego
+    return np.stack([x, y], axis=-1)
