@@ -11,6 +11,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from lidardraft.errors import LidarDraftError
+from lidardraft.metrics.divergence import jensen_shannon
 
 BINS = 100
 HALF_EXTENT = 80.0  # m; cells of 1.6 m
@@ -30,9 +31,7 @@ def bev_histogram(points: np.ndarray) -> np.ndarray:
 def bev_jsd(real: Iterable[np.ndarray], generated: Iterable[np.ndarray]) -> float:
     """Jensen-Shannon distance (square root of the divergence in nats) of the summed histograms of scans [N, 3]."""
     p, q = (_normalised(_histograms(scans).sum(axis=0, keepdims=True))[0] for scans in (real, generated))
-    mean = (p + q) / 2
-    divergence = (_kl(p, mean) + _kl(q, mean)) / 2
-    return float(np.sqrt(max(divergence, 0.0)))
+    return jensen_shannon(p, q)
 
 
 def bev_mmd(real: Iterable[np.ndarray], generated: Iterable[np.ndarray]) -> float:
@@ -41,7 +40,12 @@ def bev_mmd(real: Iterable[np.ndarray], generated: Iterable[np.ndarray]) -> floa
     The kernel is Gaussian in the matrix 2-norm (the largest singular value) of the difference of two histograms; the
     means are over all pairs, those of a scan with itself included.
     """
-    p, q = _normalised(_histograms(real)), _normalised(_histograms(generated))
+    return histogram_mmd(_histograms(real), _histograms(generated))
+
+
+def histogram_mmd(real: np.ndarray, generated: np.ndarray) -> float:
+    """`bev_mmd` of histograms [N, 100, 100] that `bev_histogram` has counted."""
+    p, q = _normalised(real), _normalised(generated)
     return _mean_kernel(p, p) + _mean_kernel(q, q) - 2 * _mean_kernel(p, q)
 
 
@@ -58,11 +62,6 @@ def _normalised(histograms: np.ndarray) -> np.ndarray:
     if len(empty):
         raise LidarDraftError(f"scan {empty[0]} has no point {MIN_DISTANCE:g} to {MAX_DISTANCE:g} m from the sensor")
     return histograms / total
-
-
-def _kl(p: np.ndarray, q: np.ndarray) -> float:
-    positive = p > 0
-    return float(np.sum(p[positive] * np.log(p[positive] / q[positive])))
 
 
 def _mean_kernel(first: np.ndarray, second: np.ndarray) -> float:

@@ -1,0 +1,259 @@
+"""Recorded sweeps by sensor, in groups of one drive or place each, from a folder of public recordings.
+
+The folder is laid out as kitti/, nuscenes/ and permissive/; what is not there is left out. KITTI and nuScenes forbid
+commercial use: they judge, and no constant of this project is fitted to them.
+"""
+
+from __future__ import annotations
+
+import io
+import lzma
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from lidardraft.formats.kitti import read_bin
+from lidardraft.formats.pcd import pcd_columns
+from lidardraft.formats.semantickitti import CLASS_FROM_RAW
+from lidardraft.metrics.sweep import Sweep
+from lidardraft.semantics import BY_NAME, NUM_CLASSES
+from ouster_packets import read_sweep
+
+Groups = dict[str, list[Sweep]]
+
+# SemanticKITTI's training ids, as classes of ours
+_TRAINING_IDS = (
+    *("none", "car", "bicycle", "motorcycle", "truck", "truck", "person", "rider", "rider", "road"),
+    *("road", "sidewalk", "terrain", "building", "fence", "vegetation", "trunk", "terrain", "pole", "traffic-sign"),
+)
+_PANDASET = {
+    "vegetation": (5,),
+    "terrain": (6,),
+    "road": (7, 8, 9, 10, 12),
+    "sidewalk": (11,),
+    "car": (13, 14),
+    "truck": (15, 16, 19, 20, 22),
+    "motorcycle": (18, 25),
+    "bus": (23,),
+    "bicycle": (24, 26),
+    "train": (27, 28, 29),
+    "person": (30, 31),
+    "traffic-sign": (36, 38),
+    "building": (41,),
+    "other": (17, 21, 34, 35, 37, 39, 40, 42),
+}
+_IKA = ["road", "sidewalk", "building", "pole", "vegetation", "person", "bicycle", "car", "truck", "bus", "none"]
+# Share of all points of SemanticKITTI's training sequences by raw class, as `content` of its semantic-kitti.yaml says
+# (Behley et al., ICCV 2019); classes below a ten thousandth left out.
+_SEMANTIC_KITTI_SHARES = {
+    10: 0.0408185,
+    252: 0.0017893,
+    11: 0.0001661,
+    15: 0.0003984,
+    18: 0.0020634,
+    258: 0.0001016,
+    20: 0.0016218,
+    257: 0.0001135,
+    30: 0.0001770,
+    254: 0.0001606,
+    253: 0.0001271,
+    40: 0.1987494,
+    44: 0.0147172,
+    48: 0.1439230,
+    49: 0.0039049,
+    50: 0.1326862,
+    51: 0.0723592,
+    52: 0.0023951,
+    70: 0.2668150,
+    71: 0.0060350,
+    72: 0.0781422,
+    80: 0.0028555,
+    81: 0.0006156,
+    99: 0.0099231,
+}
+
+
+@dataclass(frozen=True)
+class Recordings:
+    """What there is of one sensor: `plain` groups with exact rows, and `labelled` ones with labels and intensity.
+
+    `shares` holds published counts by class [NUM_CLASSES]; `spherical` says that the labelled ones are images of the
+    usual projection (+3 to -25 degrees in equal steps) instead of rows of lasers; `fov` that they see only so wide an
+    angle ahead [rad]; `halves` that the groups are the left and the right half of one sweep; `why` what is missing.
+    """
+
+    sensor: str
+    plain: Groups = field(default_factory=dict)
+    labelled: Groups = field(default_factory=dict)
+    shares: dict[str, np.ndarray] = field(default_factory=dict)
+    spherical: bool = False
+    fov: float | None = None
+    halves: bool = False
+    why: str = ""
+
+
+def hdl64e(folder: Path, columns: int) -> Recordings:
+    """KITTI: one raw drive, sequence 00 of the odometry set, object frames of many drives; labels of sequence 00."""
+    kitti = folder / "kitti"
+    drive = [_kitti_pcd(path, columns) for path in sorted((kitti / "raw_drive_0005").glob("*.pcd*"))[:-1:4]]
+    odometry = [_kitti_bin(path, columns) for path in sorted((kitti / "odometry_00" / "velodyne").glob("*.bin"))]
+    frames = [_kitti_bin(path, columns) for path in sorted((kitti / "object").glob("*/velodyne/*.bin"))]
+    images = [_load(path) for path in sorted((kitti / "range_images_00").glob("*.npy*")) if "ids30" not in path.name]
+    ids = np.array([BY_NAME[name].id for name in _TRAINING_IDS], dtype=np.uint8)
+    labelled = [
+        Sweep(i[..., :3].astype(np.float32), ids[i[..., 5].astype(int)], i[..., 3].astype(np.float32)) for i in images
+    ]
+    half = 512
+    return Recordings(
+        sensor="hdl64e",
+        plain=_there({"raw 0005": drive, "odometry 00": odometry, "object": frames}),
+        labelled=_there(
+            {"00, left": [s.part(0, half) for s in labelled], "00, right": [s.part(half, 1024) for s in labelled]}
+        ),
+        shares={"all of SemanticKITTI": _published_shares()} if labelled else {},
+        spherical=True,
+        why="" if drive and odometry and frames else "no recordings under kitti/",
+    )
+
+
+def pandar64(folder: Path, columns: int) -> Recordings:
+    """PJLab's sweeps with exact rings, PandaSet's with labels (rows there are fitted, and wrong for a tenth)."""
+    pjlab, pandaset = folder / "permissive" / "pjlab_pandar64", folder / "permissive" / "pandaset"
+    places = {
+        "PJLab 2020": ("lidar2camera_auto_calib", "radar2lidar_lidar"),
+        "PJLab 2022": ("lidar2lidar_0001_top", "lidar2lidar_0002_top"),
+        "PJLab 2023": ("lidar2camera_auto_calib_v2_ours_1", "lidar2camera_auto_calib_v2_ours_2"),
+    }
+    plain = {
+        place: [_pjlab(path, columns) for path in (pjlab / f"{name}.pcd" for name in names) if path.exists()]
+        for place, names in places.items()
+    }
+    labelled = {}
+    if pandaset.is_dir():
+        table = np.loadtxt(pandaset / "pandar64_channel_distribution.csv", delimiter=",", skiprows=1)
+        angles = np.sort(np.deg2rad(table[:, 2]))[::-1]
+        labelled = {
+            f"PandaSet {place}": [_pandaset(path, angles, columns) for path in sorted((pandaset / place).glob("*.npz"))]
+            for place in ("001", "002")
+        }
+    why = "" if any(plain.values()) else "no recordings under permissive/pjlab_pandar64"
+    return Recordings(sensor="pandar64", plain=_there(plain), labelled=_there(labelled), why=why)
+
+
+def vlp32c(folder: Path, columns: int) -> Recordings:
+    """ika's drive of 37 s: the 48 degrees ahead, split in halves of the drive, for there is no other."""
+    del columns  # the images are what they are
+    images = [_load(path) for path in sorted((folder / "permissive" / "ika_vlp32c").glob("*.npy.xz"))]
+    ids = np.array([BY_NAME[name].id for name in _IKA], dtype=np.uint8)
+    sweeps = [
+        Sweep(i[..., :3].astype(np.float32), ids[i[..., 5].astype(int)], (i[..., 3] / 255).astype(np.float32))
+        for i in images
+    ]
+    halves = _there({"first half": sweeps[: len(sweeps) // 2], "second half": sweeps[len(sweeps) // 2 :]})
+    why = "" if halves else "no recordings under permissive/ika_vlp32c"
+    return Recordings(sensor="vlp32c", plain=halves, labelled=halves, fov=np.deg2rad(48.0), why=why)
+
+
+def os0_128(folder: Path, columns: int) -> Recordings:
+    """Ouster's sample of this sensor: one sweep in a street; what is nearer than 1.5 m is the recording car."""
+    return _ouster(folder, "os0-128", "OS-0-128-U1_v2.3.0_1024x10.pcap", columns)
+
+
+def os1_32(folder: Path, columns: int) -> Recordings:
+    """Ouster's sample of this sensor: one sweep in a street."""
+    return _ouster(folder, "os1-32", "OS-1-32-G_v2.1.1_1024x10.pcap", columns)
+
+
+def _ouster(folder: Path, sensor: str, name: str, columns: int) -> Recordings:
+    path = folder / "permissive" / "ouster" / name
+    if not path.exists():
+        return Recordings(sensor=sensor, why="no recordings under permissive/ouster")
+    sweep = read_sweep(path)
+    sweep.points[sweep.depth < 1.5] = 0.0
+    sweep = Sweep(sweep.points, None, sweep.intensity)
+    middle, end = columns // 2, sweep.points.shape[1]
+    return Recordings(
+        sensor=sensor, plain={"left": [sweep.part(0, middle)], "right": [sweep.part(middle, end)]}, halves=True
+    )
+
+
+def _there(groups: Groups) -> Groups:
+    return {name: sweeps for name, sweeps in groups.items() if sweeps}
+
+
+def _bytes(path: Path) -> bytes:
+    return lzma.open(path).read() if path.suffix == ".xz" else path.read_bytes()
+
+
+def _load(path: Path) -> np.ndarray:
+    image: np.ndarray = np.load(io.BytesIO(_bytes(path)))
+    return image
+
+
+def _kitti_pcd(path: Path, columns: int) -> Sweep:
+    fields = pcd_columns(path.name, _bytes(path))
+    points = np.stack([fields[axis] for axis in "xyz"], axis=1)[:-1]  # the last one is a zero that the conversion added
+    return _kitti(points, fields["intensity"][:-1], columns)
+
+
+def _kitti_bin(path: Path, columns: int) -> Sweep:
+    return _kitti(*read_bin(path), columns)
+
+
+def _kitti(points: np.ndarray, intensity: np.ndarray, columns: int) -> Sweep:
+    """KITTI stores laser by laser, from the top, each once around to the left from straight ahead."""
+    azimuth = np.arctan2(points[:, 1], points[:, 0]) % (2 * np.pi)
+    rows = np.concatenate([[0], np.cumsum(np.diff(azimuth) < -np.pi)])
+    return Sweep.unfolded(points, rows, height=64, columns=columns, intensity=intensity)
+
+
+def _pjlab(path: Path, columns: int) -> Sweep:
+    fields = pcd_columns(path.name, path.read_bytes())
+    points = np.stack([fields[axis] for axis in "xyz"], axis=1)
+    return Sweep.unfolded(points, 63 - fields["ring"].astype(int), height=64, columns=columns)
+
+
+def _pandaset(path: Path, angles: np.ndarray, columns: int) -> Sweep:
+    with np.load(path) as file:
+        mine = file["device"] == 0
+        points, intensity, raw = file["xyz"][mine], file["intensity"][mine] / np.float32(255), file["label"][mine]
+    label = np.zeros(256, dtype=np.uint8)
+    for name, numbers in _PANDASET.items():
+        label[list(numbers)] = BY_NAME[name].id
+    seen = _from_sensor(points, angles)
+    elevation = np.arctan2(seen[:, 2], np.hypot(seen[:, 0], seen[:, 1]))
+    rows = np.searchsorted(-(angles[1:] + angles[:-1]) / 2, -elevation)
+    return Sweep.unfolded(seen, rows, height=64, columns=columns, label=label[raw], intensity=intensity)
+
+
+def _from_sensor(points: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """PandaSet's points seen from where the laser rows fit best: an offset, a pitch and a roll, found by descent."""
+    far = points[np.linalg.norm(points, axis=1) > 5.0][::20]
+
+    def moved(cloud: np.ndarray, pose: np.ndarray) -> np.ndarray:
+        seen = cloud - pose[:3]
+        seen[:, 2] += pose[3] * seen[:, 0] + pose[4] * seen[:, 1]
+        return seen
+
+    def misfit(pose: np.ndarray) -> float:
+        seen = moved(far, pose)
+        elevation = np.arctan2(seen[:, 2], np.hypot(seen[:, 0], seen[:, 1]))
+        nearest = angles[np.searchsorted(-(angles[1:] + angles[:-1]) / 2, -elevation)]
+        return float(np.minimum(np.abs(elevation - nearest), 0.0025).mean())
+
+    pose = np.array([0.35, 0.0, 0.0, np.deg2rad(-0.85), 0.0])
+    best = misfit(pose)
+    for size in (1.0, 0.5, 0.25, 0.1, 0.05):
+        for step in np.diag([0.1, 0.1, 0.1, 0.0035, 0.0035]) * size:
+            for change in (step, -step):
+                while (trial := misfit(pose + change)) < best:
+                    pose, best = pose + change, trial
+    return moved(points, pose).astype(np.float32)
+
+
+def _published_shares() -> np.ndarray:
+    counts = np.zeros(NUM_CLASSES)
+    for raw, share in _SEMANTIC_KITTI_SHARES.items():
+        counts[BY_NAME[CLASS_FROM_RAW[raw]].id] += share
+    return counts

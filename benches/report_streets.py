@@ -1,0 +1,196 @@
+"""Procedural streets beside recorded scans, property by property: `make report-streets`.
+
+For each sensor of which there are recordings, and which is a preset: streets scanned with its pattern, measured as the
+recordings are, in one table, worst row first. "Real vs real" is the mean distance between recordings of two drives or
+places, "streets vs real" that between as many streets and each of them; a ratio of 1 says that streets differ from a
+drive as another drive does. The recordings are looked for in the folder LIDARDRAFT_DATA or --data.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import json
+import math
+import multiprocessing
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+import numpy as np
+
+import recordings
+from lidardraft.metrics import lifelike
+from lidardraft.metrics.lifelike import Line, Row
+from lidardraft.metrics.sweep import Sweep
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.sensor import PRESETS, Sensor
+from lidardraft.streets import StreetConfig, streets
+from recordings import Groups, Recordings
+
+Pooled = dict[str, dict[str, list[float]]]
+
+READERS: dict[str, Callable[[Path, int], Recordings]] = {
+    "hdl64e": recordings.hdl64e,
+    "pandar64": recordings.pandar64,
+    "vlp32c": recordings.vlp32c,
+    "os0-128": recordings.os0_128,
+    "os1-32": recordings.os1_32,
+}
+SEED = 2_000_000  # no training uses it
+POSES = 4  # scans of each street: neighbours are alike, as those of a drive are
+
+
+def main() -> None:
+    """Parse, measure, print."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--num", type=int, default=200, help="scans of streets a sensor")
+    parser.add_argument("--sensors", default=",".join(READERS), help=f"some of {', '.join(READERS)}")
+    parser.add_argument("--data", type=Path, default=Path(os.environ.get("LIDARDRAFT_DATA", "")), help="recordings")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="sensors at a time")
+    parser.add_argument("--json", type=Path, help="write what was measured, pooled by group, to this file")
+    given = parser.parse_args()
+    names = given.sensors.split(",")
+    if not set(names) <= set(READERS) or given.num < POSES or given.jobs < 1:
+        parser.error(f"sensors are {', '.join(READERS)}, --num is {POSES} or more, --jobs 1 or more")
+    with ProcessPoolExecutor(given.jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
+        sections = [pool.submit(_section, name, given.data, given.num) for name in names]
+        pooled = {}
+        for name, section in zip(names, sections, strict=True):
+            text, pooled[name] = section.result()
+            print(text, flush=True)
+    if given.json:
+        given.json.write_text(json.dumps(pooled))
+
+
+def _section(name: str, folder: Path, num: int) -> tuple[str, Pooled]:
+    reason = _missing(name, folder)
+    if not reason:
+        real = READERS[name](folder, PRESETS[name].columns)
+        reason = real.why
+    if reason:
+        return f"### {name}\n\nSkipped: {reason}.\n", {}
+    lines, pooled = report(real, PRESETS[name], num)
+    return markdown(real, lines, num), pooled
+
+
+def _missing(name: str, folder: Path) -> str:
+    if name not in PRESETS:
+        return "no preset of this sensor"
+    return "" if folder.name and folder.is_dir() else "no recordings; name their folder in LIDARDRAFT_DATA or --data"
+
+
+def report(real: Recordings, sensor: Sensor, num: int) -> tuple[list[Line], Pooled]:
+    """All lines, and what they are made of: sums over the sweeps of each group and of the streets, by row."""
+    with_intensity = all(sweep.intensity is not None for sweeps in real.plain.values() for sweep in sweeps)
+    whole = [row for row in lifelike.ROWS if not (real.halves and row.name.startswith("top view"))]
+    plain = whole + (list(lifelike.INTENSITY_ROWS) if with_intensity else [])
+    labelled = list(lifelike.class_rows()) + ([] if with_intensity else list(lifelike.INTENSITY_ROWS))
+    rows = {row.name: row for row in (*plain, *labelled)}
+    made: dict[str, list[np.ndarray]] = {name: [] for name in (*rows, "class counts")}
+    open_plain = unhidden(real.plain, sensor, real.fov)
+    open_labelled = open_plain if real.spherical else unhidden(real.labelled, sensor, real.fov)
+    for number, image in enumerate(_progress(sensor, num)):
+        values = _measured(plain, _windowed(Sweep.of(image.keep(open_plain)), real, number))
+        if real.labelled:
+            seen = image.keep(open_labelled)
+            sweep = _windowed(Sweep.of(_as_labelled(seen) if real.spherical else seen), real, number)
+            values |= {**_measured(labelled, sweep), "class counts": lifelike.class_counts(sweep)}
+        for name, value in values.items():
+            made[name].append(value)
+    groups = {name: _by_group(real.plain, row) for name, row in rows.items() if row in plain}
+    groups |= {name: _by_group(real.labelled, row) for name, row in rows.items() if row in labelled and real.labelled}
+    lines = [lifelike.compare(rows[name], measured, made[name]) for name, measured in groups.items()]
+    if real.labelled:
+        shares = {name: [lifelike.class_counts(sweep) for sweep in sweeps] for name, sweeps in real.labelled.items()}
+        # published shares are those of very many scans
+        shares |= {name: [1e6 * lifelike.counts_by_set(share)] * num for name, share in real.shares.items()}
+        lines += [lifelike.compare(row, shares, made["class counts"]) for row in lifelike.share_rows(shares)]
+        groups["class counts"] = shares
+    pooled = {name: _pooled({**measured, "streets": made[name]}) for name, measured in groups.items()}
+    return sorted(lines, key=lambda line: math.inf if math.isnan(line.ratio) else -line.ratio), pooled
+
+
+def unhidden(groups: Groups, sensor: Sensor, fov: float | None) -> np.ndarray:
+    """Pixels [H, W] that the recording car leaves open; what its own body hides, no street can show.
+
+    Hidden is a firing that looks down by 5 degrees or more and returned in less than a tenth of the recorded sweeps,
+    and a whole row or column without any return. Of half sweeps it is not known.
+    """
+    sweeps = [sweep.valid for group in groups.values() for sweep in group]
+    if not sweeps or (fov is None and sweeps[0].shape != sensor.shape):
+        return np.ones(sensor.shape, dtype=bool)
+    rate = np.mean(sweeps, axis=0)
+    down = np.array(sensor.elevations)[:, None] < math.radians(-5.0)
+    shown = ~(down & (rate < 0.1)) & rate.any(axis=0)[None] & rate.any(axis=1)[:, None]
+    around = np.zeros(sensor.shape, dtype=bool)
+    start = (sensor.columns - shown.shape[1]) // 2 if fov is not None else 0
+    around[:, start : start + shown.shape[1]] = shown
+    return around
+
+
+def _progress(sensor: Sensor, num: int) -> Iterator[RangeImage]:
+    start = time.monotonic()
+    for done, pair in enumerate(
+        itertools.islice(streets(SEED, StreetConfig(sensor=sensor, poses_per_street=POSES)), num)
+    ):
+        yield pair.scan
+        if (done + 1) % 20 == 0 or done + 1 == num:
+            print(
+                f"{sensor.name}: {done + 1} of {num} scans, {time.monotonic() - start:.0f} s",
+                file=sys.stderr,
+                flush=True,
+            )
+
+
+def _measured(rows: list[Row], sweep: Sweep) -> dict[str, np.ndarray]:
+    return {row.name: row.measure(sweep) for row in rows}
+
+
+def _by_group(groups: Groups, row: Row) -> dict[str, list[np.ndarray]]:
+    return {name: [row.measure(sweep) for sweep in sweeps] for name, sweeps in groups.items()}
+
+
+def _windowed(sweep: Sweep, real: Recordings, number: int) -> Sweep:
+    """As much of a sweep of streets as the recordings have; of halves, the left and the right one in turn."""
+    columns = sweep.points.shape[1]
+    if real.halves:
+        right = number // 3 % 2  # in an order of its own, for every so manieth is drawn from what is made
+        return sweep.part(right * columns // 2, (right + 1) * columns // 2)
+    if real.fov is None:
+        return sweep
+    half = round(columns * real.fov / (4 * math.pi))
+    return sweep.part(columns // 2 - half, columns // 2 + half)
+
+
+def _as_labelled(image: RangeImage) -> RangeImage:
+    """The image in the usual projection of KITTI, as its labelled scans are."""
+    valid = image.valid
+    intensity = None if image.intensity is None else image.intensity[valid]
+    return RangeImage.project(image.points(), PRESETS["hdl64e-linear"], label=image.label[valid], intensity=intensity)
+
+
+def _pooled(groups: dict[str, list[np.ndarray]]) -> dict[str, list[float]]:
+    return {name: np.sum(values, axis=0).tolist() for name, values in groups.items() if len(values)}
+
+
+def markdown(real: Recordings, lines: list[Line], num: int) -> str:
+    """The table of a sensor, in Markdown."""
+    said = [f"{name} ({len(sweeps)})" for name, sweeps in {**real.plain, **real.labelled}.items()] + list(real.shares)
+    text = [f"### {real.sensor}", "", f"{num} scans of streets beside {', '.join(said)}.", ""]
+    text += ["| row | real | streets | real vs real | streets vs real | ratio |", "|---|---:|---:|---:|---:|---:|"]
+    for line in lines:
+        cells = (line.real, line.made, line.real_vs_real, line.made_vs_real, line.ratio)
+        text.append(f"| {line.name} | {' | '.join(_digits(value) for value in cells)} |")
+    return "\n".join(text) + "\n"
+
+
+def _digits(value: float) -> str:
+    return "-" if math.isnan(value) else f"{value:.3g}"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,52 @@
+"""Which firings come back: by laser, on surfaces by range, and how the lost ones cluster.
+
+The definitions are our own; they ask nothing of a recording but that its firings are known.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lidardraft.metrics.sweep import Sweep
+
+RANGE_EDGES = np.array([2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 40.0, 50.0, 65.0, 80.0, 120.0])  # m
+RUN_EDGES = np.array([1, 2, 3, 4, 5, 7, 10, 15, 25, 50, 100, 200, 10_000])  # firings
+_LONGEST_HOLE = 8  # firings
+_SAME_SURFACE = 0.1  # of the range
+
+
+def returns_by_row(sweep: Sweep) -> np.ndarray:
+    """Returns and firings of each laser, f64 [H, 2]."""
+    valid = sweep.valid
+    return np.stack([valid.sum(axis=1), np.full(len(valid), valid.shape[1])], axis=1).astype(np.float64)
+
+
+def returns_by_range(sweep: Sweep) -> np.ndarray:
+    """Returns and firings on surfaces, f64 [len(RANGE_EDGES) - 1, 2], by range.
+
+    A lost firing is on a surface where it lies in a hole of at most 8 in its row, between two returns whose ranges
+    differ by at most a tenth; its range is their mean. What looks into the sky or into a mirror is not counted.
+    """
+    depth = sweep.depth
+    counts = np.zeros((len(RANGE_EDGES) - 1, 2))
+    counts[:, 0] = np.histogram(depth[depth > 0], RANGE_EDGES)[0]
+    rows, starts, ends = runs(depth == 0).T
+    inner = (ends - starts <= _LONGEST_HOLE) & (starts > 0) & (ends < depth.shape[1])
+    rows, starts, ends = rows[inner], starts[inner], ends[inner]
+    before, after = depth[rows, starts - 1], depth[rows, ends]
+    same = np.abs(before - after) <= _SAME_SURFACE * np.minimum(before, after)
+    lost = np.histogram((before + after)[same] / 2, RANGE_EDGES, weights=(ends - starts)[same])[0]
+    counts[:, 1] = counts[:, 0] + lost
+    return counts
+
+
+def hole_lengths(sweep: Sweep) -> np.ndarray:
+    """How many runs of lost firings there are of each length, f64 [len(RUN_EDGES) - 1], over all rows."""
+    _, starts, ends = runs(~sweep.valid).T
+    return np.histogram(ends - starts, RUN_EDGES)[0].astype(np.float64)
+
+
+def runs(mask: np.ndarray) -> np.ndarray:
+    """Runs of True along the rows of [H, W]: row, start and end (exclusive) of each, i64 [N, 3]; borders cut them."""
+    rows, changes = np.nonzero(np.diff(np.pad(mask, ((0, 0), (1, 1))).astype(np.int8), axis=1))
+    return np.stack([rows[::2], changes[::2], changes[1::2]], axis=1)

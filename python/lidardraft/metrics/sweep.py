@@ -1,0 +1,112 @@
+"""A sweep: returns in the order of lasers and firings, the form in which scans are compared."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from lidardraft.errors import LidarDraftError
+from lidardraft.scene.range_image import RangeImage
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """Returns `points` f32 [H, W, 3] in the sensor frame, zero where there is none; row 0 is the highest laser.
+
+    `label` u8 [H, W] and `intensity` f32 [H, W] in [0, 1] where they are known. A RangeImage keeps what its sensor's
+    table of angles can say; this keeps the measured points, for a recorded sensor differs from its table.
+    """
+
+    points: np.ndarray
+    label: np.ndarray | None = None
+    intensity: np.ndarray | None = None
+
+    @classmethod
+    def of(cls, image: RangeImage) -> Sweep:
+        """The sweep of an image."""
+        points = image.sensor.pattern.points(image.depth).astype(np.float32)
+        points[~image.valid] = 0.0
+        return cls(points, image.label, image.intensity)
+
+    @classmethod
+    def unfolded(
+        cls,
+        points: np.ndarray,
+        rows: np.ndarray,
+        *,
+        height: int,
+        columns: int,
+        label: np.ndarray | None = None,
+        intensity: np.ndarray | None = None,
+    ) -> Sweep:
+        """Points [N, 3] and the `rows` [N] of their lasers, one firing a column: that next to the column's azimuth.
+
+        Each laser's firings are counted by the steps between its returns, so that a missing one is known even where
+        the head turns unevenly. Of a sensor with more firings than `columns` the others are left out: an image made
+        of the nearest of several firings would hide what was dropped. Raises `LidarDraftError` for a row out of range.
+        """
+        if len(rows) and (rows.min() < 0 or rows.max() >= height):
+            raise LidarDraftError(f"rows are {rows.min()} to {rows.max()}; they must be 0 to {height - 1}")
+        turned = (math.pi - np.arctan2(points[:, 1], points[:, 0]).astype(np.float64)) % (2 * math.pi)
+        step = firing_step(turned, rows)
+        chosen = np.full((height, columns), -1)
+        for row in range(height):
+            index = np.flatnonzero(rows == row)
+            index = index[np.argsort(turned[index], kind="stable")]
+            if len(index):
+                chosen[row] = _nearest_firings(turned[index], index, step, columns)
+        hit = chosen >= 0
+
+        def image(values: np.ndarray | None, dtype: type) -> np.ndarray | None:
+            if values is None:
+                return None
+            picture = np.zeros((height, columns, *values.shape[1:]), dtype=dtype)
+            picture[hit] = values[chosen[hit]]
+            return picture
+
+        organised = image(points, np.float32)
+        assert organised is not None
+        return cls(organised, image(label, np.uint8), image(intensity, np.float32))
+
+    @cached_property
+    def depth(self) -> np.ndarray:
+        """Distance f32 [H, W]; 0 where there is no return."""
+        return np.linalg.norm(self.points, axis=2)
+
+    @property
+    def valid(self) -> np.ndarray:
+        """bool [H, W]: where there is a return."""
+        return self.depth > 0
+
+    def part(self, start: int, stop: int) -> Sweep:
+        """The columns from `start` to `stop`."""
+        images = (None if image is None else image[:, start:stop] for image in (self.label, self.intensity))
+        return Sweep(self.points[:, start:stop], *images)
+
+
+def firing_step(turned: np.ndarray, rows: np.ndarray) -> float:
+    """The angle [rad] between two firings of a laser: the mean step between returns of one row, gaps left out."""
+    order = np.lexsort((turned, rows))
+    steps = np.diff(turned[order])[np.diff(rows[order]) == 0]
+    steps = steps[steps > 1e-4]
+    if not len(steps):
+        raise LidarDraftError("no row has two returns; the step between firings is unknown")
+    return float(np.mean(steps[steps < 1.5 * np.median(steps)]))
+
+
+def _nearest_firings(turned: np.ndarray, index: np.ndarray, step: float, columns: int) -> np.ndarray:
+    """For each column the `index` of the firing next to its middle, -1 where that did not return."""
+    firing = np.concatenate([[0], np.cumsum(np.maximum(1, np.rint(np.diff(turned) / step)))])
+    around = 2 * math.pi + turned[0] - turned[-1]
+    seam = max(1.0, float(np.rint(around / step)))
+    angles = np.concatenate([[turned[0] - around], turned, [turned[-1] + around]])
+    numbers = np.concatenate([[-seam], firing, [firing[-1] + seam]])
+    middles = (np.arange(columns) + 0.5) / columns * 2 * math.pi
+    wanted = np.rint(np.interp(middles, angles, numbers))
+    # beyond the seam the same firings come again
+    wanted = np.where(wanted <= -seam, firing[-1], np.where(wanted >= firing[-1] + seam, 0, wanted))
+    at = np.minimum(np.searchsorted(firing, wanted), len(firing) - 1)
+    return np.where(firing[at] == wanted, index[at], -1)
