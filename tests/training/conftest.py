@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 import torch
-from made_pairs import make_pair
+from made_pairs import noted
 
 from lidardraft.training.pairs import PairFolder, write_pairs
 
@@ -16,5 +16,5 @@ def one_thread() -> None:
 @pytest.fixture(scope="session")
 def pairs(tmp_path_factory: pytest.TempPathFactory) -> PairFolder:
     folder: Path = tmp_path_factory.mktemp("pairs")
-    list(write_pairs(folder, (make_pair(seed) for seed in range(6))))
+    list(write_pairs(folder, (noted(seed) for seed in range(6))))
     return PairFolder(folder)

@@ -6,7 +6,7 @@ from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
-from lidardraft.training.pairs import Pair
+from lidardraft.training.pairs import NotedPair, Pair
 
 SENSOR = Sensor(name="small", elevations=tuple(np.linspace(0.05, -0.4, 16).tolist()), columns=128)
 
@@ -34,3 +34,8 @@ def make_pair(seed: int, sensor: Sensor = SENSOR) -> Pair:
         intensity=np.where(kept, drawing.incidence, 0).astype(np.float32),
     )
     return scan, drawing
+
+
+def noted(seed: int, sensor: Sensor = SENSOR) -> NotedPair:
+    """`make_pair` with the seed as its note."""
+    return *make_pair(seed, sensor), {"seed": seed}

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_pairs import SENSOR, make_pair
+from made_pairs import SENSOR, make_pair, noted
 
 from lidardraft.errors import FormatError
 from lidardraft.scene.range_image import RangeImage
@@ -19,10 +19,11 @@ def short_shards(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_pairs_come_back(tmp_path: Path) -> None:
-    assert list(write_pairs(tmp_path, (make_pair(seed) for seed in range(5)))) == [2, 4, 5]
+    assert list(write_pairs(tmp_path, (noted(seed) for seed in range(5)))) == [2, 4, 5]
     folder = PairFolder(tmp_path)
     assert len(folder) == 5
     assert folder.sensor == SENSOR
+    assert folder.notes == [{"seed": seed} for seed in range(5)]
     for seed in range(5):
         scan, drawing = make_pair(seed)
         found_scan, found_drawing = folder[seed]
@@ -37,14 +38,14 @@ def test_pairs_come_back(tmp_path: Path) -> None:
 def test_an_interrupted_folder_goes_on_where_it_stopped(tmp_path: Path) -> None:
     assert pairs_on_disk(tmp_path) == 0
 
-    def breaking() -> "itertools.chain[module.Pair]":
-        yield from (make_pair(seed) for seed in range(3))
+    def breaking() -> "itertools.chain[module.NotedPair]":
+        yield from (noted(seed) for seed in range(3))
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         list(write_pairs(tmp_path, breaking()))
     assert pairs_on_disk(tmp_path) == 2
-    list(write_pairs(tmp_path, (make_pair(seed) for seed in range(pairs_on_disk(tmp_path), 5))))
+    list(write_pairs(tmp_path, (noted(seed) for seed in range(pairs_on_disk(tmp_path), 5))))
     folder = PairFolder(tmp_path)
     assert len(folder) == 5
     for seed in range(5):
@@ -55,17 +56,17 @@ def test_an_interrupted_folder_goes_on_where_it_stopped(tmp_path: Path) -> None:
 def test_a_scan_without_intensities_has_zeros(tmp_path: Path) -> None:
     scan, drawing = make_pair(0)
     bare = RangeImage(sensor=SENSOR, depth=scan.depth, label=scan.label, instance=scan.instance)
-    list(write_pairs(tmp_path, [(bare, drawing)]))
+    list(write_pairs(tmp_path, [(bare, drawing, {})]))
     intensity = PairFolder(tmp_path)[0][0].intensity
     assert intensity is not None
     assert not intensity.any()
 
 
 def test_another_sensor_is_refused(tmp_path: Path) -> None:
-    list(write_pairs(tmp_path, [make_pair(0)]))
+    list(write_pairs(tmp_path, [noted(0)]))
     other = Sensor(name="other", elevations=SENSOR.elevations, columns=64)
     with pytest.raises(FormatError, match="holds pairs of small; this one is of other"):
-        list(write_pairs(tmp_path, [make_pair(1, other)]))
+        list(write_pairs(tmp_path, [noted(1, other)]))
     assert pairs_on_disk(tmp_path) == 1
 
 
@@ -76,7 +77,7 @@ def test_a_depth_that_does_not_fit_is_refused(tmp_path: Path) -> None:
     depth[0, 0] = 200.0
     far_scan = RangeImage(sensor=far, depth=depth, label=scan.label, instance=scan.instance)
     with pytest.raises(FormatError, match=r"a depth is 200\.0 m; pairs hold up to 131\.1 m"):
-        list(write_pairs(tmp_path, [(far_scan, drawing)]))
+        list(write_pairs(tmp_path, [(far_scan, drawing, {})]))
     assert not list(tmp_path.iterdir())
 
 
@@ -87,7 +88,7 @@ def test_a_return_nearer_than_a_step_stays_a_return(tmp_path: Path) -> None:
     depth[0, 0] = 1e-4
     list(
         write_pairs(
-            tmp_path, [(RangeImage(sensor=near, depth=depth, label=scan.label, instance=scan.instance), drawing)]
+            tmp_path, [(RangeImage(sensor=near, depth=depth, label=scan.label, instance=scan.instance), drawing, {})]
         )
     )
     assert PairFolder(tmp_path)[0][0].valid[0, 0]
@@ -95,7 +96,7 @@ def test_a_return_nearer_than_a_step_stays_a_return(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 0.99])
 def test_a_truncated_shard_is_refused(tmp_path: Path, share: float) -> None:
-    list(write_pairs(tmp_path, [make_pair(0), make_pair(1)]))
+    list(write_pairs(tmp_path, [noted(0), noted(1)]))
     shard = tmp_path / "00000.npz"
     shard.write_bytes(shard.read_bytes()[: int(share * shard.stat().st_size)])
     with pytest.raises(FormatError, match=r"00000.npz is no shard of pairs"):
@@ -103,7 +104,7 @@ def test_a_truncated_shard_is_refused(tmp_path: Path, share: float) -> None:
 
 
 def test_a_corrupt_shard_is_refused(tmp_path: Path) -> None:
-    list(write_pairs(tmp_path, [make_pair(0), make_pair(1)]))
+    list(write_pairs(tmp_path, [noted(0), noted(1)]))
     shard = tmp_path / "00000.npz"
     content = bytearray(shard.read_bytes())
     content[len(content) // 3] ^= 255
@@ -113,11 +114,11 @@ def test_a_corrupt_shard_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_shard_of_another_shape_is_refused(tmp_path: Path) -> None:
-    list(write_pairs(tmp_path, [make_pair(0), make_pair(1)]))
+    list(write_pairs(tmp_path, [noted(0), noted(1)]))
     with np.load(tmp_path / "00000.npz") as file:
-        images = dict(file)
+        images = {name: file[name] for name in module._IMAGES}
     images["scan_label"] = images["scan_label"][:1]
-    np.savez(tmp_path / "00000.npz", **images)
+    module._write(tmp_path / "00000.npz", images, [{}, {}])
     with pytest.raises(FormatError, match=r"scan_label is uint8 \(1, 16, 128\); it must be uint8 \(2, 16, 128\)"):
         PairFolder(tmp_path)
 
@@ -127,10 +128,10 @@ def test_a_shard_of_another_shape_is_refused(tmp_path: Path) -> None:
     [
         ("{", "is no index of pairs"),
         ("[]", "is no index of pairs"),
-        ('{"schema": "other"}', "schema is 'other'; this version reads 'lidardraft.pairs/1'"),
-        ('{"schema": "lidardraft.pairs/1", "sensor": {}, "shards": ["a"]}', "'shards' must be counts"),
-        ('{"schema": "lidardraft.pairs/1", "shards": []}', "'shards' must be counts"),
-        ('{"schema": "lidardraft.pairs/1", "shards": [], "sensor": {}}', "is no index of pairs"),
+        ('{"schema": "other"}', "schema is 'other'; this version reads 'lidardraft.pairs/2'"),
+        ('{"schema": "lidardraft.pairs/2", "sensor": {}, "shards": ["a"]}', "'shards' must be counts"),
+        ('{"schema": "lidardraft.pairs/2", "shards": []}', "'shards' must be counts"),
+        ('{"schema": "lidardraft.pairs/2", "shards": [], "sensor": {}}', "is no index of pairs"),
     ],
 )
 def test_a_broken_index_is_refused(tmp_path: Path, index: str, message: str) -> None:
@@ -144,8 +145,17 @@ def test_a_folder_without_an_index_is_refused(tmp_path: Path) -> None:
         PairFolder(tmp_path)
 
 
+def test_a_shard_without_a_note_for_each_pair_is_refused(tmp_path: Path) -> None:
+    list(write_pairs(tmp_path, [noted(0), noted(1)]))
+    with np.load(tmp_path / "00000.npz") as file:
+        images = {name: file[name] for name in module._IMAGES}
+    module._write(tmp_path / "00000.npz", images, [{}])
+    with pytest.raises(FormatError, match=r"00000.npz has 1 notes on 2 pairs"):
+        PairFolder(tmp_path)
+
+
 def test_a_missing_shard_is_refused(tmp_path: Path) -> None:
-    list(write_pairs(tmp_path, [make_pair(seed) for seed in range(3)]))
+    list(write_pairs(tmp_path, [noted(seed) for seed in range(3)]))
     (tmp_path / "00001.npz").unlink()
     assert json.loads((tmp_path / "index.json").read_text())["shards"] == [2, 1]
     with pytest.raises(FormatError, match=r"00001.npz is no shard of pairs"):

@@ -17,7 +17,7 @@ from lidardraft.files import written_whole
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 
-SCHEMA = "lidardraft.pairs/1"
+SCHEMA = "lidardraft.pairs/2"
 SHARD = 64  # pairs a file
 _STEP = 0.002  # m, what a depth of 1 in the uint16 images stands for: 131 m fit
 _IMAGES = {
@@ -28,7 +28,12 @@ _IMAGES = {
     "drawing_label": np.uint8,
 }
 
+_NOTES = "notes.json"
+# Noise does not get smaller: a scan's ranges and intensities are stored as they are.
+_COMPRESSED = ("scan_label", "drawing_depth", "drawing_label")
+
 Pair = tuple[RangeImage, RangeImage]
+NotedPair = tuple[RangeImage, RangeImage, dict[str, Any]]
 
 
 def pairs_on_disk(directory: str | os.PathLike[str], *, source: str = "") -> int:
@@ -40,9 +45,10 @@ def pairs_on_disk(directory: str | os.PathLike[str], *, source: str = "") -> int
     return sum(_of_source(Path(directory), _read_index(index), source)["shards"]) if index.exists() else 0
 
 
-def write_pairs(directory: str | os.PathLike[str], pairs: Iterable[Pair], *, source: str = "") -> Iterator[int]:
-    """Add (scan, drawing) pairs of one sensor to a folder, yielding the number of pairs on disk after each shard.
+def write_pairs(directory: str | os.PathLike[str], pairs: Iterable[NotedPair], *, source: str = "") -> Iterator[int]:
+    """Add (scan, drawing, note) of one sensor to a folder, yielding the number of pairs on disk after each shard.
 
+    A note holds what JSON can, such as the style of the drawing.
     `source` says in words where the pairs come from; a folder holds those of one source and sensor, else `FormatError`.
     Shards hold `SHARD` pairs, the last one fewer. The index is written last: what is interrupted leaves the folder as
     it was after the shard before.
@@ -54,13 +60,14 @@ def write_pairs(directory: str | os.PathLike[str], pairs: Iterable[Pair], *, sou
     counts: list[int] = index["shards"] if index else []
     sensor = _sensor(folder, index) if index else None
     for shard in _shards(pairs):
-        for scan, drawing in shard:
+        for scan, drawing, _ in shard:
             sensor = sensor or scan.sensor
             for image in (scan, drawing):
                 if image.sensor != sensor:
                     raise FormatError(f"{folder} holds pairs of {sensor.name}; this one is of {image.sensor.name}")
-        rows = [_compact(*pair) for pair in shard]
-        _write(folder / f"{len(counts):05d}.npz", {name: np.stack([row[name] for row in rows]) for name in _IMAGES})
+        rows = [_compact(scan, drawing) for scan, drawing, _ in shard]
+        images = {name: np.stack([row[name] for row in rows]) for name in _IMAGES}
+        _write(folder / f"{len(counts):05d}.npz", images, [note for _, _, note in shard])
         counts.append(len(rows))
         _write_index(folder / "index.json", sensor, counts, source)
         yield sum(counts)
@@ -70,7 +77,8 @@ class PairFolder:
     """The pairs of a prepared folder, held in memory: 0.46 MB for each pair of 64 x 1024.
 
     `folder[i]` is a (scan, drawing) pair with depth to the millimetre, label, and the scan's intensity; instances are
-    not kept. Raises `FormatError` naming the file that is missing, truncated or not ours.
+    not kept. `notes[i]` is what was noted of it. Raises `FormatError` naming the file that is missing, truncated or not
+    ours.
     """
 
     def __init__(self, directory: str | os.PathLike[str]) -> None:
@@ -80,9 +88,11 @@ class PairFolder:
         self.source: str = index["source"]
         counts = index["shards"]
         self._images = {name: np.empty((sum(counts), *self.sensor.shape), dtype) for name, dtype in _IMAGES.items()}
+        self.notes: list[dict[str, Any]] = []
         start = 0
         for number, count in enumerate(counts):
-            shard = _read(folder / f"{number:05d}.npz", (count, *self.sensor.shape))
+            shard, notes = _read(folder / f"{number:05d}.npz", (count, *self.sensor.shape))
+            self.notes += notes
             for name, images in shard.items():
                 self._images[name][start : start + count] = images
             start += count
@@ -109,7 +119,7 @@ class PairFolder:
         return scan, drawing
 
 
-def _shards(pairs: Iterable[Pair]) -> Iterator[list[Pair]]:
+def _shards(pairs: Iterable[NotedPair]) -> Iterator[list[NotedPair]]:
     pairs = iter(pairs)
     while shard := list(itertools.islice(pairs, SHARD)):
         yield shard
@@ -133,9 +143,14 @@ def _compact_depth(image: RangeImage) -> np.ndarray:
     return np.where(image.valid, np.maximum(steps, 1), 0).astype(np.uint16)
 
 
-def _write(path: Path, images: dict[str, np.ndarray]) -> None:
-    with written_whole(path) as temporary, temporary.open("wb") as file:
-        np.savez_compressed(file, **images)  # type: ignore[arg-type]
+def _write(path: Path, images: dict[str, np.ndarray], notes: list[dict[str, Any]]) -> None:
+    """An .npz file with the images that are worth it compressed, and the notes."""
+    with written_whole(path) as temporary, zipfile.ZipFile(temporary, "w", compresslevel=1) as archive:
+        for name, image in images.items():
+            archive.compression = zipfile.ZIP_DEFLATED if name in _COMPRESSED else zipfile.ZIP_STORED
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as file:
+                np.lib.format.write_array(file, image, allow_pickle=False)
+        archive.writestr(_NOTES, json.dumps(notes))
 
 
 def _of_source(folder: Path, index: dict[str, Any], source: str) -> dict[str, Any]:
@@ -170,10 +185,11 @@ def _sensor(folder: Path, index: dict[str, Any]) -> Sensor:
         raise FormatError(f"{folder / 'index.json'} is no index of pairs: {error}") from None
 
 
-def _read(path: Path, shape: tuple[int, ...]) -> dict[str, np.ndarray]:
+def _read(path: Path, shape: tuple[int, ...]) -> tuple[dict[str, np.ndarray], list[dict[str, Any]]]:
     try:
         with path.open("rb") as raw, np.load(raw, allow_pickle=False) as file:
             images = {name: file[name] for name in _IMAGES}
+            notes: list[dict[str, Any]] = json.loads(file.zip.read(_NOTES))
     except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile, zipfile.zlib.error) as error:  # type: ignore[attr-defined]
         raise FormatError(f"{path} is no shard of pairs: {error!r}") from None
     for name, image in images.items():
@@ -181,4 +197,6 @@ def _read(path: Path, shape: tuple[int, ...]) -> dict[str, np.ndarray]:
             raise FormatError(
                 f"{path}: {name} is {image.dtype} {image.shape}; it must be {np.dtype(_IMAGES[name])} {shape}"
             )
-    return images
+    if len(notes) != shape[0]:
+        raise FormatError(f"{path} has {len(notes)} notes on {shape[0]} pairs")
+    return images, notes

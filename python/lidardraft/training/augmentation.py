@@ -1,0 +1,126 @@
+"""Scans made unlike each other on purpose, so that what learns from streets does not learn the streets' own manner."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lidardraft.scene.sensor import Sensor
+from lidardraft.semantics import BY_NAME, NUM_CLASSES
+from lidardraft.training.pairs import PairFolder
+
+# What is rare in a street and small in an image: pasted from one scan into another.
+_PASTED = [
+    BY_NAME[name].id
+    for name in ("person", "rider", "bicycle", "motorcycle", "truck", "bus", "train", "pole", "traffic-sign", "fence")
+]
+_HILLS = (25.0, 100.0)  # m, shortest and longest wave
+
+
+@dataclass(frozen=True, kw_only=True)
+class Augmentation:
+    """How far scans are changed; the figures are estimates of ours, of how far sensors and mounts differ.
+
+    `mix` is the probability that a sector comes from another scan, `paste` that rare things come from another scan;
+    `tilt` [rad] and `height` [m] are standard deviations of the sensor's pose, `hills` [m] that of each of two waves of
+    25 to 100 m that the ground bends by, `beam` [rad] that of each beam's elevation, `noise` [m] of the ranges; up to
+    about `drop` of the returns go missing at random, and up to `drop_rows` of the beams. Intensities are raised to a
+    power of spread `gamma`, scaled class by class with the spread `surface` and return by return with `speckle`, all in
+    natural logarithms, and are unknown with the probability `blind`: roads of PandaSet (Xiao et al., ITSC 2021) have
+    0.15 to 1.04 of the mean intensity of their scans (5 to 95 %), far more spread than a world of few materials has.
+    """
+
+    mix: float = 0.5
+    paste: float = 0.7
+    tilt: float = 0.015
+    height: float = 0.1
+    hills: float = 0.25
+    beam: float = 0.0015
+    noise: float = 0.015
+    drop: float = 0.3
+    drop_rows: float = 0.1
+    gamma: float = 0.25
+    surface: float = 0.4
+    speckle: float = 0.25
+    blind: float = 0.3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LabelledPoints:
+    """Points f32 [N, 3] in the sensor frame, class ids u8 [N], intensities f32 [N] or None where unknown."""
+
+    points: np.ndarray
+    label: np.ndarray
+    intensity: np.ndarray | None
+
+
+def augmented(pairs: PairFolder, i: int, random: np.random.Generator, how: Augmentation) -> LabelledPoints:
+    """The scan of pair `i`, turned, mirrored, mixed with others, and seen by another, worse sensor."""
+    scan = _turned(pairs, i, random)
+    depth, label, intensity = scan
+    if random.random() < how.mix:
+        width = depth.shape[1]
+        sector = slice(0, int(random.integers(width // 8, width // 2 + 1)))
+        for image, source in zip(scan, _another(pairs, random), strict=True):
+            image[:, sector] = source[:, sector]
+    if random.random() < how.paste:
+        for _ in range(2):
+            other = _another(pairs, random)
+            # The rays are the same, so what is nearer hides what is behind it, as it would have stood there.
+            nearer = np.isin(other[1], _PASTED) & (other[0] > 0) & ((other[0] < depth) | (depth == 0))
+            for image, source in zip(scan, other, strict=True):
+                image[nearer] = source[nearer]
+    depth[_dropped(depth.shape, random, how)] = 0
+    valid = depth > 0
+    known = None if random.random() < how.blind else _recoloured(intensity[valid], label[valid], random, how)
+    return LabelledPoints(_moved(pairs.sensor, depth, random, how)[valid], label[valid], known)
+
+
+def _another(pairs: PairFolder, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return _turned(pairs, int(random.integers(len(pairs))), random)
+
+
+def _turned(pairs: PairFolder, i: int, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Depth, label and intensity of a scan, from any column on, mirrored half the time."""
+    scan, _ = pairs[i]
+    assert scan.intensity is not None
+    start, mirrored = int(random.integers(scan.sensor.columns)), bool(random.random() < 0.5)
+    # The mirror image of staggered beams is another sensor.
+    step = -1 if mirrored and not any(scan.sensor.azimuth_offsets) else 1
+    depth, label, intensity = (
+        np.ascontiguousarray(np.roll(image, start, axis=1)[:, ::step])
+        for image in (scan.depth, scan.label, scan.intensity)
+    )
+    return depth, label, intensity
+
+
+def _dropped(shape: tuple[int, ...], random: np.random.Generator, how: Augmentation) -> np.ndarray:
+    """bool [H, W]: the returns that go missing; more in some rows, and in whole rows."""
+    share = random.uniform(0, how.drop) * random.uniform(0, 2, shape[0])
+    share[random.random(shape[0]) < random.uniform(0, how.drop_rows)] = 1
+    dropped: np.ndarray = random.random(shape, dtype=np.float32) < share[:, None]
+    return dropped
+
+
+def _recoloured(intensity: np.ndarray, label: np.ndarray, random: np.random.Generator, how: Augmentation) -> np.ndarray:
+    """Intensities [N] of surfaces that are a little brighter or darker, to a sensor of another scale."""
+    surface = random.normal(0, how.surface, NUM_CLASSES)[label]
+    gain = np.exp(surface + how.speckle * random.standard_normal(len(label))).astype(np.float32)
+    return np.minimum(intensity ** np.float32(np.exp(random.normal(0, how.gamma))) * gain, np.float32(1))
+
+
+def _moved(sensor: Sensor, depth: np.ndarray, random: np.random.Generator, how: Augmentation) -> np.ndarray:
+    """The points f32 [H, W, 3] of a depth image for beams that point, and a sensor that stands, a little elsewhere."""
+    noise = random.standard_normal(depth.shape, dtype=np.float32) * np.float32(how.noise)
+    points = sensor.pattern.points(np.maximum(depth + noise, np.float32(0.1))).astype(np.float32)
+    x, y = points[..., 0], points[..., 1]
+    pitch, roll = random.normal(0, how.tilt, 2)
+    points[..., 2] += np.hypot(x, y) * random.normal(0, how.beam, (len(depth), 1))  # small angles: a shear is a turn
+    points[..., 2] += pitch * x + roll * y + random.normal(0, how.height)
+    for _ in range(2):
+        amplitude, length = random.normal(0, how.hills), random.uniform(*_HILLS)
+        towards, phase = random.uniform(0, 2 * np.pi, 2)
+        along = (np.cos(towards) * x + np.sin(towards) * y) * (2 * np.pi / length)
+        points[..., 2] += amplitude * (np.sin(along + phase) - np.sin(phase))  # nothing changes under the sensor
+    return points
