@@ -7,10 +7,10 @@ STAMP := $(VENV)/.lidardraft-$(firstword $(shell echo "$(CURDIR)" | cksum))
 RUST := $(shell find rust -name '*.rs' 2>/dev/null) Cargo.toml Cargo.lock rust/python/Cargo.toml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench compare install weights
+.PHONY: help demo test check bench compare report-streets install weights
 
 help: ## list the targets
-	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 10
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 16
 
 demo: install ## a sentence becomes a labelled LiDAR scan in out/demo/
 	$(BIN)/python examples/demo.py
@@ -34,6 +34,9 @@ compare: install ## the caster beside Open3D and Embree, in one table
 	@"$(BIN)/python" -m pip show -q open3d embreex 2>/dev/null || \
 	  "$(BIN)/python" -m pip install --disable-pip-version-check -c constraints.txt -e '.[bench]'
 	"$(BIN)/python" benches/compare.py
+
+report-streets: install ## how lifelike streets are, beside the recordings in the folder LIDARDRAFT_DATA
+	"$(BIN)/python" benches/report_streets.py
 
 weights: install ## train the default weights anew, from procedural streets to the packaged file
 	$(BIN)/lidardraft-train street -o python/lidardraft/weights/street.safetensors

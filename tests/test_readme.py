@@ -34,6 +34,8 @@ def test_commands(tmp_path: Path) -> None:
             words += ["--steps", "4"]
         if words[0] == "evaluate":
             words += ["-n", "1"]  # 50 streets take minutes
+        if words[0] == "streets":
+            words += ["--num", "2", "--poses", "1", "--workers", "1"]  # 1,000 take minutes
         if "scan.bin" in words:
             for end in (".bin", ".label"):
                 (tmp_path / f"scan{end}").write_bytes((tmp_path / f"out/000000{end}").read_bytes())
@@ -42,6 +44,8 @@ def test_commands(tmp_path: Path) -> None:
         assert result.returncode == 0, f"{line}\n{result.stderr}"
     assert (tmp_path / "out/000003.bin").exists()
     assert (tmp_path / "out/000000.view.png").exists()
+    assert (tmp_path / "streets.png").exists()
+    assert (tmp_path / "pairs/index.json").exists()
 
 
 def test_make_targets() -> None:

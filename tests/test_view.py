@@ -31,6 +31,16 @@ def test_points_are_drawn_where_the_layout_is() -> None:
     assert (car & around).sum() > 0.8 * car.sum()
 
 
+def test_a_layout_is_drawn_over_the_scan_from_above() -> None:
+    scan, pose = raycast(LAYOUT, SENSOR), SENSOR.pose()
+    picture, bare = view.draw_top(scan, LAYOUT, pose, size=200), view.draw_top(scan, Layout((ROAD,)), pose, size=200)
+    rows, columns = np.nonzero((picture != bare).any(axis=2))
+    # 8 to 12 m ahead is 16 to 24 of 100 pixels up from the middle, 1 m to either side 2 pixels
+    assert (rows.min(), rows.max()) == (76, 84)
+    assert (columns.min(), columns.max()) == (98, 102)
+    assert (picture[76, 98:103] == view.PALETTE[13]).all()
+
+
 def test_no_return_is_black_and_no_class_white() -> None:
     assert view.colour_by_depth(np.array([[0.0, 5.0]]))[0, 0].tolist() == [0, 0, 0]
     assert view.colour_by_depth(np.array([[0.0, 5.0]]))[0, 1].any()

@@ -15,7 +15,7 @@ from lidardraft.metrics.bev import bev_jsd
 from lidardraft.pipeline import Pipeline
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
-from lidardraft.streets.street import StreetConfig, StreetPair, streets
+from lidardraft.streets import StreetConfig, StreetPair, streets
 
 
 @dataclass(frozen=True, kw_only=True)

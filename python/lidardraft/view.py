@@ -17,7 +17,7 @@ from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
-from lidardraft.semantics import CLASSES
+from lidardraft.semantics import BY_NAME, CLASSES
 
 PALETTE = np.array([row.colour for row in CLASSES], dtype=np.uint8)
 _BACKGROUND = np.array([24, 26, 32], dtype=np.uint8)
@@ -104,6 +104,43 @@ def draw_scan(image: RangeImage, pose: np.ndarray, *, by_label: bool = False) ->
     points = image.points() @ pose[:3, :3].T + pose[:3, 3]
     colours = colour_by_label(image.label[image.valid]) if by_label else colour_by_height(points[:, 2])
     return draw_points(points, colours)
+
+
+def draw_top(
+    image: RangeImage, layout: Layout, pose: np.ndarray, *, size: int = 512, reach: float = 50.0
+) -> np.ndarray:
+    """The returns of a scan from above, coloured by height, with the outlines of the layout's shapes over them.
+
+    uint8 [size, size, 3]; forward is up, and the edge is 50 m away.
+    """
+    reach = 50.0
+    points = image.points() @ pose[:3, :3].T + pose[:3, 3]
+    scale = size / 2 / reach
+
+    def pixels(xy: np.ndarray) -> np.ndarray:
+        return np.stack([size / 2 - xy[:, 1] * scale, size / 2 - xy[:, 0] * scale], axis=-1)
+
+    at = pixels(points[:, :2]).astype(np.int64)
+    inside = ((at >= 0) & (at < size)).all(axis=1)
+    order = np.argsort(points[inside, 2], kind="stable")  # what is high covers what is low
+    picture = np.broadcast_to(_BACKGROUND, (size, size, 3)).copy()
+    picture[at[inside, 1][order], at[inside, 0][order]] = colour_by_height(points[inside, 2][order])
+    canvas = Image.fromarray(picture)
+    pen = ImageDraw.Draw(canvas)
+    for primitive in layout.primitives:
+        if primitive.shape in ("plane", "mesh"):
+            continue
+        half = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)]) * primitive.size[:2] / 2
+        cos, sin = math.cos(primitive.yaw), math.sin(primitive.yaw)
+        corners = half @ np.array([[cos, sin], [-sin, cos]]) + primitive.center[:2]
+        colour = tuple(PALETTE[BY_NAME[primitive.label].id].tolist())
+        ring = pixels(corners)
+        if primitive.shape == "box":
+            pen.polygon([tuple(corner) for corner in ring.tolist()], outline=colour)
+        else:
+            middle, radius = pixels(np.array([primitive.center[:2]]))[0], max(primitive.size[:2]) / 2 * scale
+            pen.ellipse((*(middle - radius).tolist(), *(middle + radius).tolist()), outline=colour)
+    return np.asarray(canvas)
 
 
 def draw_file(path: Path, sensor: Sensor) -> np.ndarray:

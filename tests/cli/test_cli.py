@@ -14,6 +14,8 @@ from lidardraft.cli import train
 from lidardraft.diffusion import checkpoint
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.semantics import BY_NAME
+from lidardraft.streets.style import SOURCES
+from lidardraft.training.pairs import PairFolder
 
 QUICK = ["--sensor", "small.json", "--steps", "2"]
 
@@ -170,6 +172,28 @@ def test_help_loads_nothing_heavy(argv: list[str]) -> None:
     result = subprocess.run([sys.executable, "-c", run], capture_output=True, text=True, check=True)
     assert "usage: lidardraft" in result.stdout
     assert result.stdout.endswith("[]\n")
+
+
+def test_streets_on_disk_go_on_where_they_stopped(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    argv = ["streets", "--sensor", "small.json", "--seed", "3", "--workers", "1", "--out", "pairs"]
+    assert cli.main([*argv, "--num", "2"]) == 0
+    first = PairFolder("pairs")
+    assert cli.main([*argv, "--num", "5"]) == 0
+    pairs = PairFolder("pairs")
+    assert [note["index"] for note in pairs.notes] == [0, 1, 2, 3, 4]
+    assert {note["style"]["source"] for note in pairs.notes} <= set(SOURCES)
+    np.testing.assert_array_equal(pairs[1][0].depth, first[1][0].depth)
+    assert cli.main([*argv, "--num", "3"]) == 0  # enough are there
+    assert len(PairFolder("pairs")) == 5
+    assert cli.main(["streets", "--out", "pairs", "--sensor", "small.json", "--num", "9"]) == 2
+    assert "seed 3" in capsys.readouterr().err
+
+
+def test_streets_to_look_at(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["streets", "--sensor", "small.json", "--workers", "1", "-n", "2", "--look"]) == 0
+    assert capsys.readouterr().out == "streets.png\n"
+    assert Path("streets.png").stat().st_size > 1000
+    assert "say --out FOLDER" in refused(capsys, "streets", "-n", "2")
 
 
 def test_the_whole_training_in_small(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lidardraft.cli import streets
 from lidardraft.errors import FormatError, LidarDraftError
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.raycast import raycast
@@ -146,6 +147,11 @@ def _parser() -> argparse.ArgumentParser:
     added.add_argument("path", metavar="FILE")
     sensor(added)
     added.add_argument("-o", "--output", metavar="PICTURE.png", help="default: FILE.view.png")
+
+    added = command("streets", streets.write)
+    streets.add_arguments(added, num=6)
+    added.add_argument("-o", "--out", metavar="FOLDER", help="of pairs: `lidardraft-train` learns from it")
+    added.add_argument("--look", metavar="PICTURE.png", nargs="?", const="streets.png", help="a picture instead")
 
     added = command("evaluate", evaluate)
     sensor(added)

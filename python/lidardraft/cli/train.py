@@ -4,33 +4,16 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-import itertools
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lidardraft.cli import streets
 from lidardraft.cli.main import commands_of, run
-from lidardraft.scene.sensor import PRESETS, Sensor
 
 if TYPE_CHECKING:
     from lidardraft.training.trainer import TrainingConfig
-
-
-def pairs(arguments: argparse.Namespace) -> None:
-    """Scan procedural streets into a folder of training pairs; goes on where an interrupted run stopped."""
-    from tqdm import tqdm
-
-    from lidardraft.streets.street import StreetConfig, streets
-    from lidardraft.training.pairs import pairs_on_disk, write_pairs
-
-    config = StreetConfig(sensor=Sensor.preset(arguments.sensor))
-    name = f"streets of seed {arguments.seed}, {config.sensor.name}"
-    start = pairs_on_disk(arguments.pairs, source=name)
-    source = itertools.islice(streets(arguments.seed, config, start=start), max(arguments.num - start, 0))
-    with tqdm(total=arguments.num, initial=start, unit="pair", desc="streets") as bar:
-        for count in write_pairs(arguments.pairs, ((pair.scan, pair.drawing) for pair in source), source=name):
-            bar.update(count - bar.n)
 
 
 def unconditional(arguments: argparse.Namespace) -> None:
@@ -46,6 +29,24 @@ def controlnet(arguments: argparse.Namespace) -> None:
     _train(config, arguments.pairs, arguments.run, base=base, device=arguments.device, minutes=arguments.minutes)
 
 
+def segmenter(arguments: argparse.Namespace) -> None:
+    """A segmenter learns from the scans of pairs what each return is; an interrupted run goes on."""
+    from tqdm import tqdm
+
+    from lidardraft.training.pairs import PairFolder
+    from lidardraft.training.segmentation import SegmentationConfig, train_segmenter
+
+    config = SegmentationConfig(steps=arguments.steps, batch=arguments.batch, seed=arguments.seed)
+    minutes = float("inf") if arguments.minutes is None else arguments.minutes
+    folder = PairFolder(arguments.pairs)
+    with tqdm(total=config.steps, unit="step", desc="segmenter") as bar:
+        for report in train_segmenter(config, folder, arguments.run, device=arguments.device, max_minutes=minutes):
+            bar.update(report.step - bar.n)
+            bar.set_postfix_str(
+                f"loss {report.loss:.3f}, right {report.accuracy:.3f}, {report.scans_per_second:.1f} scans/s"
+            )
+
+
 def street(arguments: argparse.Namespace) -> None:
     """All of it: pairs, both stages, scores, and the weight file with its card; an interrupted run goes on."""
     from lidardraft.diffusion import checkpoint
@@ -56,7 +57,7 @@ def street(arguments: argparse.Namespace) -> None:
     base = _config(arguments.recipe, "base", arguments.base_steps)
     control = _config(arguments.recipe, "control", arguments.control_steps)
     work, arguments.pairs = Path(arguments.work), str(Path(arguments.work) / "pairs")
-    pairs(arguments)
+    streets.write_pairs_of_streets(arguments.pairs, arguments)
     _train(base, arguments.pairs, work / "base", device=arguments.device)
     trained = work / "base" / "weights.safetensors"
     _train(control, arguments.pairs, work / "control", base=trained, device=arguments.device)
@@ -116,18 +117,9 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="lidardraft-train", description="From procedural streets to weights.")
     command = commands_of(parser)
 
-    def data(added: argparse.ArgumentParser) -> None:
-        added.add_argument("--num", type=int, default=2400, help="how many pairs (default 2400)")
-        added.add_argument("--seed", type=int, default=0, help="seed of the streets (default 0)")
-        added.add_argument("--sensor", default="hdl64e", help=f"{', '.join(PRESETS)} or a .json file (default hdl64e)")
-
     def stage(added: argparse.ArgumentParser) -> None:
         added.add_argument("--recipe", choices=("small", "tiny", "paper"), default="small", help="(default small)")
         added.add_argument("--device", default="cpu", help="torch device (default cpu)")
-
-    added = command("pairs", pairs)
-    data(added)
-    added.add_argument("-o", "--output", dest="pairs", required=True, metavar="FOLDER")
 
     for name, function in (("unconditional", unconditional), ("controlnet", controlnet)):
         added = command(name, function)
@@ -139,8 +131,17 @@ def _parser() -> argparse.ArgumentParser:
             added.add_argument("--base", required=True, metavar="WEIGHTS", help="weights.safetensors of stage one")
         added.add_argument("-o", "--output", dest="run", required=True, metavar="FOLDER")
 
+    added = command("segmenter", segmenter)
+    added.add_argument("--pairs", required=True, metavar="FOLDER")
+    added.add_argument("--steps", type=int, default=2000, help="(default 2000)")
+    added.add_argument("--batch", type=int, default=2, help="whole scans a step (default 2)")
+    added.add_argument("--seed", type=int, default=0, help="(default 0)")
+    added.add_argument("--minutes", type=float, help="stop after so long; the same call goes on")
+    added.add_argument("--device", default="cpu", help="torch device (default cpu)")
+    added.add_argument("-o", "--output", dest="run", required=True, metavar="FOLDER")
+
     added = command("street", street)
-    data(added)
+    streets.add_arguments(added, num=2400)
     stage(added)
     added.add_argument("--base-steps", type=int, help="steps of stage one, instead of the recipe's")
     added.add_argument("--control-steps", type=int, help="steps of stage two, instead of the recipe's")

@@ -1,0 +1,30 @@
+"""`lidardraft-train segmenter`, from a folder of pairs to a weight file."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lidardraft.cli import train
+from lidardraft.perception.segmenter import Segmenter
+from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.raycast import raycast
+from lidardraft.scene.sensor import Sensor
+from lidardraft.training.pairs import write_pairs
+
+
+def test_pairs_become_a_segmenter(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    sensor = Sensor(name="small", elevations=tuple(np.linspace(0.03, -0.4, 16).tolist()), columns=64)
+    road = Primitive(shape="plane", center=(0, 0, 0), size=(60, 60, 0), label="road", id="road")
+    image = raycast(Layout(primitives=(road,)), sensor)
+    list(write_pairs(tmp_path / "pairs", [(image, image, {})]))
+    argv = ["segmenter", "--pairs", str(tmp_path / "pairs"), "--batch", "1", "-o", str(tmp_path / "run")]
+    assert train.main([*argv, "--steps", "2", "--minutes", "0"]) == 0
+    assert train.main([*argv, "--steps", "2"]) == 0
+    assert "2/2" in capsys.readouterr().err
+    label = Segmenter.load(tmp_path / "run" / "weights.safetensors").label(image)
+    np.testing.assert_array_equal(label > 0, image.valid)
+    assert train.main([*argv, "--steps", "2", "--seed", "1"]) == 2
+    assert "another config" in capsys.readouterr().err
+    assert train.main([*argv, "--steps", "0"]) == 2
+    assert "steps is 0" in capsys.readouterr().err
