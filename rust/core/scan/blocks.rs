@@ -35,6 +35,7 @@ const LARGE: f64 = 16.0;
 #[derive(Debug)]
 pub(super) struct Block {
     /// Corner, axis, triangle: relative to the middle of the block's box, which keeps them exact far from the mesh's origin.
+    /// The edge from the last corner to the first is the longest.
     pub(super) corners: [[[f32; SIDE]; 3]; 3],
     /// Their numbers in the mesh.
     pub(super) triangles: [u32; SIDE],
@@ -68,7 +69,7 @@ impl Blocks {
             let mut block = Block { corners: [[[0.0; SIDE]; 3]; 3], triangles: [0; SIDE], count: chunk.len() };
             for (lane, &(face, _)) in chunk.iter().enumerate() {
                 block.triangles[lane] = face;
-                for (k, corner) in corners(face).into_iter().enumerate() {
+                for (k, corner) in longest_last(corners(face)).into_iter().enumerate() {
                     let local = (corner - f32_center(&bounds)).as_vec3();
                     (0..3).for_each(|axis| block.corners[k][axis][lane] = local[axis]);
                 }
@@ -114,6 +115,18 @@ impl Boxes {
             size: table(&|b| b.diagonal() as f32),
             count: boxes.len(),
         }
+    }
+}
+
+/// The corners in the same order around, such that the edge from the last to the first is the longest.
+fn longest_last([a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
+    let [ab, bc, ca] = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
+    if ab >= bc.max(ca) {
+        [b, c, a]
+    } else if bc >= ca {
+        [c, a, b]
+    } else {
+        [a, b, c]
     }
 }
 

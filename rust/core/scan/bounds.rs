@@ -78,6 +78,9 @@ impl View<'_> {
     /// Whether columns of this view lie between two of the whole turn, where [`View::stretches`] says which.
     #[inline(always)]
     pub(super) fn shows<L: Lanes>(&self, low: L, high: L) -> L::Mask {
+        if self.width() as f32 >= self.band.turn {
+            return high.ge(low);
+        }
         let turn = L::splat(self.band.turn);
         let (start, end) = (L::splat(self.columns.start as f32), L::splat((self.columns.end - 1) as f32));
         let away = ((low - start) / turn).floor();

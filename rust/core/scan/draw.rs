@@ -93,7 +93,7 @@ pub(super) fn steps<L: Lanes>(from: usize, to: usize) -> impl Iterator<Item = us
 pub(super) fn draw<L: Lanes>(shape: &impl Shape, id: u32, area: &Area, view: &View, canvas: &mut Canvas) {
     let Some(motion) = &view.motion else {
         let seen = shape.seen_from(Vector::splat([0.0; 3]));
-        return draw_seen::<L>(&seen, id, area, view, canvas);
+        return draw_seen::<L, SWEEPS>(&seen, id, area, view, canvas);
     };
     for (from, to) in view.stretches(area) {
         for at in steps::<L>(from, to) {
@@ -112,14 +112,20 @@ pub(super) fn draw<L: Lanes>(shape: &impl Shape, id: u32, area: &Area, view: &Vi
     }
 }
 
-/// Draws a shape as a view sees it that stands still.
+/// Draws a shape as a view sees it that stands still and has no more than `S` sweeps.
 #[inline(always)]
-pub(super) fn draw_seen<L: Lanes>(seen: &impl Solid<L>, id: u32, area: &Area, view: &View, canvas: &mut Canvas) {
+pub(super) fn draw_seen<L: Lanes, const S: usize>(
+    seen: &impl Solid<L>,
+    id: u32,
+    area: &Area,
+    view: &View,
+    canvas: &mut Canvas,
+) {
     let [a, b, c, d] = seen.rows();
     let rise = [a.z, b.z, c.z, d.z];
     for (from, to) in view.stretches(area) {
         for at in steps::<L>(from, to) {
-            let mut along = [[L::splat(0.0); 4]; SWEEPS];
+            let mut along = [[L::splat(0.0); 4]; S];
             for (sweep, along) in along.iter_mut().enumerate().take(view.band.count) {
                 let Vector { x, y, .. } = view.headings::<L>(sweep, at);
                 *along = [
@@ -146,9 +152,9 @@ fn most<L: Lanes>(along: &[[L; 4]]) -> [L; 4] {
 
 /// Draws the rows of an area in the `L::N` columns from `at` on.
 #[inline(always)]
-fn draw_columns<L: Lanes>(
+fn draw_columns<L: Lanes, const S: usize>(
     seen: &impl Solid<L>,
-    (along, rise): (&[[L; 4]; SWEEPS], &[L; 4]),
+    (along, rise): (&[[L; 4]; S], &[L; 4]),
     id: u32,
     (at, area): (usize, &Area),
     view: &View,
@@ -157,7 +163,7 @@ fn draw_columns<L: Lanes>(
     let (zero, bound, tolerance) = (L::splat(0.0), L::splat(area.near), view.tolerance);
     let (mut first, mut last) = (area.first, area.last);
     if last - first >= TALL
-        && let Some((low, high)) = seen.slopes(&most(&along[..view.band.count]), rise)
+        && let Some((low, high)) = seen.slopes(&most(&along[..view.band.count.min(S)]), rise)
     {
         // A triangle fills half its area or less.
         let (from, to) = view.band.rows_between(low, high);
@@ -178,7 +184,7 @@ fn draw_columns<L: Lanes>(
     let ids = canvas.id[begin..].chunks_exact_mut(canvas.stride);
     let sweeps = &view.band.sweeps[first..=last];
     for (((&slope, &sweep), near), ids) in slopes.iter().zip(sweeps).zip(near).zip(ids) {
-        let (slope, along) = (L::splat(slope), &along[usize::from(sweep) % SWEEPS]);
+        let (slope, along) = (L::splat(slope), &along[usize::from(sweep) % S]);
         let direction = [
             rise[0].mul_add(slope, along[0]),
             rise[1].mul_add(slope, along[1]),

@@ -2,9 +2,10 @@
 
 use glam::{DMat3, DVec3, Vec2};
 
+use super::band::SWEEPS;
 use super::blocks::{Blocks, Boxes, Large, SIDE};
 use super::bounds::{Area, Bounds, Outline, TOUCHING, arctangent, small_arctangent};
-use super::draw::{Canvas, draw, draw_doubt, draw_seen};
+use super::draw::{Canvas, draw, draw_seen};
 use super::lanes::{Lanes, Mask, WIDEST};
 use super::solids::{Facet, SeenTriangle, Triangle};
 use super::specks::Specks;
@@ -123,7 +124,13 @@ impl Blocks {
             } else {
                 ready.keep(&seen);
                 for (lane, area) in listed.seen() {
-                    draw_seen::<L>(&ready.seen(lane), first + step * ids[lane], &area, view, canvas);
+                    let (seen, id) = (ready.seen(lane), first + step * ids[lane]);
+                    // Most patterns have one sweep, whose products then stay in registers.
+                    if view.band.count == 1 {
+                        draw_seen::<L, 1>(&seen, id, &area, view, canvas);
+                    } else {
+                        draw_seen::<L, SWEEPS>(&seen, id, &area, view, canvas);
+                    }
                 }
             }
         }
@@ -131,7 +138,7 @@ impl Blocks {
 }
 
 impl Large {
-    /// Draws the triangle, if f32 can tell from which side it is seen.
+    /// Draws the triangle.
     #[inline(always)]
     pub(super) fn draw<L: Lanes>(
         &self,
@@ -145,15 +152,13 @@ impl Large {
         let normal = (b - a).cross(c - a).normalize_or_zero();
         let height = normal.dot(a);
         let reach = a.length().max(b.length()).max(c.length());
-        let shift = view.motion.as_ref().map_or(0.0, |motion| f64::from(motion.shift));
-        if height.abs() <= 1e-6 * reach + 4.0 * shift {
-            return draw_doubt::<L>(area, view, canvas);
-        }
+        let shift = view.motion.as_ref().map_or(0.0, |motion| motion.shift);
         let facet = Facet {
             corners: [a, b, c].map(|corner| corner.as_vec3().to_array()),
             normal: normal.as_vec3().to_array(),
             height: height as f32,
-            reach: (reach + 2.0 * shift) as f32,
+            reach: reach as f32 + 2.0 * shift,
+            shift,
             rounding: view.rounding,
         };
         draw::<L>(&facet, first + step * self.triangle, area, view, canvas);

@@ -66,12 +66,6 @@ impl<L: Lanes> Vector<L> {
         self.dot(self).sqrt()
     }
 
-    /// `yes` where the mask is true, else `no`.
-    #[inline(always)]
-    pub(super) fn select(mask: L::Mask, yes: Vector<L>, no: Vector<L>) -> Vector<L> {
-        Vector::new(L::select(mask, yes.x, no.x), L::select(mask, yes.y, no.y), L::select(mask, yes.z, no.z))
-    }
-
     /// Coordinate by coordinate.
     #[inline(always)]
     pub(super) fn times(self, other: Vector<L>) -> Vector<L> {

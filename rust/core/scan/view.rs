@@ -103,7 +103,7 @@ impl View<'_> {
     /// The headings of rays in these rows and columns, counted from the view's first.
     #[inline(always)]
     pub(super) fn heading_of<L: Lanes>(&self, row: L, column: L) -> Vector<L> {
-        let sweep = row.gather(&self.band.places);
+        let sweep = if self.band.count == 1 { L::splat(0.0) } else { row.gather(&self.band.places) };
         if let Some(motion) = &self.motion {
             return Vector::gather(&motion.heading, sweep.mul_add(L::splat(padded(self.width()) as f32), column));
         }

@@ -4,7 +4,7 @@ use super::{ENDLESS, Shape, Solid, Tolerance};
 use crate::scan::lanes::Lanes;
 use crate::scan::vector::Vector;
 
-/// A triangle. Its corners are relative to the view.
+/// A triangle. Its corners are relative to the view, the edge from the last to the first is the longest.
 #[derive(Clone, Copy)]
 pub(in crate::scan) struct Triangle {
     pub(in crate::scan) corners: [[f32; 3]; 3],
@@ -43,6 +43,8 @@ pub(in crate::scan) struct Facet {
     pub(in crate::scan) height: f32,
     /// How far away the furthest corner is [m].
     pub(in crate::scan) reach: f32,
+    /// How far from the view's origin rays may start [m].
+    pub(in crate::scan) shift: f32,
     pub(in crate::scan) rounding: f32,
 }
 
@@ -55,13 +57,18 @@ impl Shape for Facet {
         let corners = [Vector::splat(a) - start, Vector::splat(b) - start, Vector::splat(c) - start];
         let normal = Vector::splat(self.normal);
         let height = L::splat(self.height) - normal.dot(start);
-        let inverse = L::splat(1.0) / height;
-        let ([x, y, z], longest) = edges(corners, L::splat(1.0).copysign(height));
+        let (zero, one, endless) = (L::splat(0.0), L::splat(1.0), L::splat(ENDLESS));
+        // In the plane itself, on which side is anybody's guess: then these rays decide nothing.
+        let known = height.abs().gt(L::splat(1e-6 * self.reach));
+        let inverse = L::select(known, one / height, zero);
+        let ([x, y, z], longest) = edges(corners, one.copysign(height));
+        // Close to the plane, what rounding took from the way to the start of a ray counts for more.
+        let lost = (height.abs() + L::splat(3.0 * self.shift)) * inverse.abs() * L::splat(4.0 * self.rounding);
         SeenTriangle {
             rows: [x, y, z, normal * inverse],
-            edge_error: longest * L::splat(8.0 * self.rounding * self.reach),
-            plane_error: inverse.abs() * L::splat(4.0 * self.rounding),
-            height_error: L::splat(4.0 * self.rounding),
+            edge_error: L::select(known, longest * L::splat(8.0 * self.rounding * self.reach), endless),
+            plane_error: L::select(known, inverse.abs() * L::splat(4.0 * self.rounding), endless),
+            height_error: lost,
         }
     }
 }
@@ -76,26 +83,16 @@ fn edges<L: Lanes>([a, b, c]: [Vector<L>; 3], side: L) -> ([Vector<L>; 3], L) {
     ([a.cross(ab) * side, b.cross(bc) * side, c.cross(ca) * side], longest)
 }
 
-/// The product of the two shorter edges of a triangle, which is the least inexact for a sliver, and that of their lengths.
-#[inline(always)]
-fn product<L: Lanes>([a, b, c]: [Vector<L>; 3]) -> (Vector<L>, L) {
-    let (ab, bc, ca) = (b - a, c - b, a - c);
-    let [first, second, third] = [ab.dot(ab), bc.dot(bc), ca.dot(ca)];
-    // Without the longest one, in order around the triangle.
-    let (no_first, no_second) = (first.ge(second.max(third)), second.ge(first.max(third)));
-    let before = Vector::select(no_first, bc, Vector::select(no_second, ca, ab));
-    let after = Vector::select(no_first, ca, Vector::select(no_second, ab, bc));
-    let squares = L::select(no_first, second * third, L::select(no_second, third * first, first * second));
-    (before.cross(after), squares.sqrt())
-}
-
 impl<L: Lanes> SeenTriangle<L> {
-    /// A triangle with these corners relative to the start of the rays.
+    /// A triangle with these corners relative to the start of the rays, the edge from the last to the first the longest.
     #[inline(always)]
     pub(in crate::scan) fn new(corners: [Vector<L>; 3], reach: L, rounding: f32) -> SeenTriangle<L> {
-        // What is left of the product of two long edges is no more exact than they are.
-        let (normal, size) = product(corners);
-        let height = normal.dot(corners[0]);
+        let [a, b, c] = corners;
+        // The two shorter edges: what is left of the product of two long ones is no more exact than they are.
+        let (ab, bc) = (b - a, c - b);
+        let normal = ab.cross(bc);
+        let height = normal.dot(b);
+        let size = (ab.dot(ab) * bc.dot(bc)).sqrt();
         // Seen edge-on, the side from which it is seen is anybody's guess: then all around it is in doubt.
         let known = height.abs().gt(size * reach * L::splat(8.0 * rounding));
         let (zero, one, endless) = (L::splat(0.0), L::splat(1.0), L::splat(ENDLESS));
