@@ -19,6 +19,11 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.sensor import Sensor
+from lidardraft.scene.sensor_model import SensorModel
+from lidardraft.scene.surfaces import Surfaces
+
 DEBUG: bool  # whether this is a debug build: correct, and many times slower
 
 def backends() -> list[str]:
@@ -145,4 +150,24 @@ def read_obj(
 
     An object with several materials comes as several entries. Polygons become fans of triangles; shared positions stay
     shared.
+    """
+
+def observe(
+    image: RangeImage,  # of the sub-rays, [H * S, W]: row h * S + s is sub-ray s of beam h; with primitive, incidence
+    surfaces: Surfaces,
+    *,
+    sensor: Sensor,
+    model: SensorModel,
+    shares: list[float],  # [S], of the power of a beam
+    extinction: float = 0.0,  # 1/m, light lost in the air
+    # Range and response of things in the air before the beams, f32 [H, W]; 0 where there is none.
+    aloft: list[tuple[NDArray[np.float32], NDArray[np.float32]]] = ...,
+    scan: RangeImage,  # [H, W], with primitive, incidence and intensity: written in place
+    seed: int = 0,
+    threads: int = 0,
+) -> None:
+    """Writes what a sensor reports of clean returns.
+
+    All that is random is a pure function of the seed, the row and the column; what belongs to the unit of a sensor is
+    one of `model.unit`. Images of another size, and a primitive that `surfaces` does not have, raise `SensorError`.
     """

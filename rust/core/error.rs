@@ -149,6 +149,19 @@ pub enum Error {
     /// An array for images that is of other scans or another pattern.
     #[error("{image} has the shape {shape:?}; it must be {expected:?} for these poses and this sensor")]
     OutputShape { image: &'static str, shape: Vec<usize>, expected: Vec<usize> },
+    /// A beam of no sub-rays, or of more than a receiver sums up.
+    #[error("a beam has {rays} sub-rays; it must be 1 to {limit}")]
+    Rays { rays: usize, limit: usize },
+    /// An image of more or fewer pixels than a sensor with these sub-rays has.
+    #[error("the {image} image has {pixels} pixels; the sensor model needs {expected}")]
+    ObservedSize { image: &'static str, pixels: usize, expected: usize },
+    /// A column of surfaces that is longer or shorter than the table of responses.
+    #[error("{column} has {found} entries; the table of responses has {entries}")]
+    SurfaceColumn { column: &'static str, found: usize, entries: usize },
+    /// An image that shows what the layout does not have.
+    #[error("the image shows primitive {primitive}; the layout has {primitives}")]
+    ImagePrimitive { primitive: i32, primitives: usize },
+
     /// A way of casting that this machine does not have.
     #[error("backend is {given:?}; it must be one of {available}")]
     Backend { given: String, available: String },

@@ -54,6 +54,7 @@ mod projection;
 mod scan;
 mod scene;
 mod sensor;
+pub mod sensor_model;
 mod tables;
 #[cfg(test)]
 mod tests;

@@ -38,7 +38,11 @@ impl From<CoreError> for PyErr {
             | Error::ImageShape { .. }
             | Error::ImageSize { .. }
             | Error::OutputShape { .. }
-            | Error::Depth { .. } => SensorError::new_err(message),
+            | Error::Depth { .. }
+            | Error::Rays { .. }
+            | Error::ObservedSize { .. }
+            | Error::SurfaceColumn { .. }
+            | Error::ImagePrimitive { .. } => SensorError::new_err(message),
             Error::ObjUnreadable { .. }
             | Error::ObjBroken { .. }
             | Error::ObjWithoutFaces { .. }

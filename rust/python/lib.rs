@@ -4,6 +4,7 @@ mod arrays;
 mod errors;
 mod images;
 mod poses;
+mod sensor_model;
 
 use std::path::PathBuf;
 
@@ -269,6 +270,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<SensorPattern>()?;
     module.add_class::<Scene>()?;
     module.add_function(wrap_pyfunction!(backends, module)?)?;
+    module.add_function(wrap_pyfunction!(sensor_model::observe, module)?)?;
     module.add_function(wrap_pyfunction!(read_obj, module)?)?;
     module.add("DEBUG", cfg!(debug_assertions))
 }

@@ -8,8 +8,7 @@ import pytest
 
 from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
 from lidardraft.errors import LayoutError, SensorError
-from lidardraft.scene.effects import observe, received_power
-from lidardraft.scene.noise import smooth_noise
+from lidardraft.scene.effects import observe
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.sensor_model import SensorModel, sub_rays
 from lidardraft.scene.surfaces import Surfaces
@@ -52,16 +51,17 @@ def test_with_every_effect_off_the_scan_is_the_cast():
 
 
 def test_power_falls_with_the_square_of_range():
-    depth = np.array([10.0, 20.0, 0.0], np.float32)
-    response = np.array([0.1, 0.1, 0.0], np.float32)
-    model = replace(IDEAL, faintest=FAINTEST)
-    np.testing.assert_allclose(received_power(depth, response, model, Weather()), [25.0, 6.25, 0.0], rtol=1e-6)
+    # what is not corrected for range shows the power
+    model = replace(IDEAL, compensated=1e-3, full_scale=1e-8)
+    near, far = (seen(wall(distance), model).intensity for distance in (10.0, 20.0))
+    np.testing.assert_allclose(near, 0.45 * (1e-3 / 10.0) ** 2 / 1e-8, rtol=0.01)
+    np.testing.assert_allclose(far, near / 4, rtol=1e-5)
 
 
 def test_fog_takes_its_share_there_and_back():
-    depth, response = np.full(1, 30.0, np.float32), np.ones(1, np.float32)
-    clear, fog = (received_power(depth, response, IDEAL, Weather(visibility=v)) for v in (math.inf, 150.0))
-    assert fog / clear == pytest.approx(math.exp(-2 * 3.91 / 150.0 * 30.0), rel=1e-5)
+    model = replace(IDEAL, divergence_h=1e-6, divergence_v=1e-6, pulse=1e-15)  # an echo of fog itself is of no power
+    clear, fog = (seen(wall(30.0), model, weather=Weather(visibility=v)) for v in (math.inf, 150.0))
+    np.testing.assert_allclose(fog.intensity / clear.intensity, np.exp(-2 * 3.91 / 150.0 * clear.depth), rtol=1e-5)
 
 
 @pytest.mark.parametrize("distance", [20.0, 50.0, 100.0])
@@ -216,13 +216,6 @@ def test_dust_darkens_the_same_places_in_every_scan():
     assert (stained[0] <= 0.46).all()
 
 
-def test_smooth_noise_has_variance_1_and_changes_slowly():
-    noise = smooth_noise((64, 1024), np.random.default_rng(0))
-    assert noise.shape == (64, 1024)
-    assert noise.std() == pytest.approx(1.0, abs=0.1)
-    assert np.abs(np.diff(noise, axis=1)).mean() < 0.4
-
-
 def test_panes_are_seen_through_in_places_and_not_when_that_is_off():
     layout = wall(15.0, "window")
     # looked at askew: a pane that faces the sensor is brighter than what is behind it
@@ -232,8 +225,10 @@ def test_panes_are_seen_through_in_places_and_not_when_that_is_off():
     behind, closed = (seen(layout, replace(model, panes=panes), sensor=askew).depth for panes in (True, False))
     np.testing.assert_array_equal(closed[closed > 0], clean[closed > 0])
     deeper = (behind - clean)[behind > clean]
-    assert 0.4 < len(deeper) / clean.size < 0.51
-    assert deeper.mean() == pytest.approx(1.0, abs=0.1)
+    assert 0.3 < len(deeper) / clean.size < 0.45
+    assert deeper.mean() == pytest.approx(0.3, abs=0.05)
+    seen_through = behind > clean
+    assert (seen_through[:, 1:] == seen_through[:, :-1]).mean() > 0.8  # in patches, not here and there
 
 
 def test_glass_that_is_turned_away_is_lost_where_plaster_is_not():
@@ -252,7 +247,7 @@ def road() -> Layout:
 
 
 def test_grazing_incidence_and_a_wet_road_lose_returns():
-    down = replace(SENSOR, elevations=(-0.06, -0.15, -0.3))
+    down = replace(SENSOR, elevations=(-0.06, -0.15, -0.3), columns=16384)
     model = replace(IDEAL, faintest=FAINTEST / 10)
     dry, wet = (seen(road(), model, sensor=down, weather=Weather(wetness=w)).valid.mean(axis=1) for w in (0.0, 1.0))
     assert (np.diff(dry) > 0).all()
@@ -292,6 +287,10 @@ def test_the_same_seed_gives_the_same_scan_and_leaves_the_image_as_it_was():
         np.testing.assert_array_equal(getattr(one, name), getattr(two, name))
     assert (one.depth != other.depth).any()
     np.testing.assert_array_equal(image.depth, before)
+    for threads in (1, 3):
+        np.testing.assert_array_equal(
+            observe(image, layout, 9, sensor=SENSOR, model=model, threads=threads).depth, one.depth
+        )
     generated = observe(image, layout, np.random.Generator(np.random.SFC64(9)), sensor=SENSOR, model=model)
     np.testing.assert_array_equal(generated.depth, one.depth)
 

@@ -17,10 +17,9 @@ from lidardraft.scene.materials import (
     leaf_response,
     response,
 )
-from lidardraft.scene.range_image import RangeImage
 from lidardraft.semantics import BY_NAME
 
-_BINS = 128  # of incidence; 0.9 degrees each
+_BINS = 128  # of incidence, as many as the core looks up; 0.9 degrees each
 _INDEX = {material.name: i for i, material in enumerate(MATERIALS)}
 # A film of water fills the pores of what is porous: it sends back about half as much (Lekner and Dorf, Applied Optics
 # 27, 1988), and what the film mirrors is lost to a sensor that does not face it.
@@ -30,7 +29,8 @@ _WETTED = frozenset({"asphalt", "concrete", "paving", "gravel", "soil", "road-pa
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surfaces:
-    """`table` f32 [P + 1, bins]: the response of each primitive by incidence; row 0 is that of no return.
+    """`table` f32 [P + 1, 128]: the response of each primitive in bins of the root of 1 - cosine of incidence, which is
+    nearly linear in the angle; 1 is a white surface that faces the sensor. Row 0 is that of no return.
 
     `transmission`, `grain` and `relief`, f32 [P + 1], are those of the primitives' materials. Made once for a layout
     that is scanned often.
@@ -66,30 +66,6 @@ class Surfaces:
         relief[1:] = np.array([m.relief for m in MATERIALS])[index]
         relief[1 + np.array(media, dtype=np.intp)] = 0.0
         return cls(table, transmission, grain, relief)
-
-    def check(self, image: RangeImage) -> None:
-        """Raises `SensorError` for an image without primitive and incidence, or of another layout."""
-        if image.primitive is None or image.incidence is None:
-            raise SensorError("the image lacks primitive or incidence; cast it with primitive=True, incidence=True")
-        if image.primitive.max(initial=-1) >= len(self.table) - 1:
-            raise SensorError(
-                f"the image shows primitive {image.primitive.max()}; the layout has {len(self.table) - 1}"
-            )
-
-    def response(self, primitive: np.ndarray, incidence: np.ndarray) -> np.ndarray:
-        """The share of the light that comes back from pixels of a checked image, f32 of their shape.
-
-        1 is a white surface that faces the sensor; no return is 0.
-        """
-        # bins of the square root of 1 - cosine, which is nearly linear in the angle
-        work = np.subtract(np.float32(1.0), incidence)
-        np.maximum(work, np.float32(0.0), out=work)
-        np.sqrt(work, out=work)
-        work *= np.float32(_BINS - 1e-3)
-        cell = work.astype(np.int32)
-        cell += primitive * np.int32(_BINS)
-        cell += np.int32(_BINS)
-        return np.take(self.table.ravel(), cell, out=work, mode="clip")
 
 
 def _material(primitive: Primitive) -> Material:

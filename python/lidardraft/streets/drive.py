@@ -6,9 +6,10 @@ import itertools
 import math
 import multiprocessing
 from collections import deque
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Generator, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -32,6 +33,7 @@ from lidardraft.streets.style import Style, draw_style
 class StreetPair:
     """A lifelike scan and the drawing of the same place, by a sensor at `pose` that moves ahead with `speed` [m/s].
 
+    `scan` has depth, label, instance and intensity.
     `shapes` are in the frame of the ego vehicle in the middle of the sweep; `shapes.scan(sensor, pair.poses())` gives
     `drawing`. `index` counts the pairs of one seed, and `style` says how the street was drawn.
     """
@@ -82,45 +84,68 @@ def streets(
     config = config or StreetConfig()
     first, skip = divmod(start, config.poses_per_street)
     numbers = (number for number in itertools.count(first) if number % shards == mine)
-    jobs = ((seed, config, number, skip if number == first else 0) for number in numbers)
-    return _in_processes(jobs, workers) if workers > 1 else (pair for job in jobs for pair in _drive(*job))
+    drives = (_Drive(seed, config, number, skip if number == first else 0) for number in numbers)
+    if workers > 1:
+        return _in_processes(drives, workers)
+    return (pair for drive in drives for pair in drive.pairs(None))
 
 
-_Job = tuple[int, StreetConfig, int, int]
+@dataclass(frozen=True, slots=True)
+class _Drive:
+    """The pairs of one street, from the pose numbered `first` on."""
+
+    seed: int
+    config: StreetConfig
+    number: int
+    first: int
+
+    def indices(self) -> range:
+        """The numbers of the pairs."""
+        poses = self.config.poses_per_street
+        return range(self.number * poses + self.first, (self.number + 1) * poses)
+
+    def pairs(self, threads: int | None) -> Iterator[StreetPair]:
+        street, eye = _arrive(self.seed, self.config, self.number, threads)
+        return (_pair(street, eye, index) for index in self.indices())
 
 
-def _in_processes(jobs: Iterable[_Job], workers: int) -> Generator[StreetPair, None, None]:
-    # a fork would copy the threads' locks
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(workers, mp_context=context)
-    jobs = iter(jobs)
-
-    def submit() -> Future[list[StreetPair]]:
-        return pool.submit(_driven, next(jobs))
-
-    try:
-        # one street more than workers, so that none waits while a street is consumed
-        ahead = deque(submit() for _ in range(workers + 1))
-        while True:
-            pairs = ahead.popleft().result()
-            ahead.append(submit())
-            yield from pairs
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
-def _driven(job: _Job) -> list[StreetPair]:
-    return list(_drive(*job, threads=1))
-
-
-def _drive(seed: int, config: StreetConfig, number: int, skip: int, threads: int | None = None) -> Iterator[StreetPair]:
-    """The pairs of one street without the first `skip`."""
+@lru_cache(maxsize=1)
+def _arrive(seed: int, config: StreetConfig, number: int, threads: int | None) -> tuple[Street, Eye]:
+    """A street, and what looks at it; the last one is kept for the next pair of its drive."""
     street = make_street(seed, config, number=number)
     # another unit of the sensor for each street
     model = replace(SensorModel.of(config.sensor), unit=number)
-    eye = Eye(config.sensor, model, Raycaster(street.scene), Surfaces.of(street.scene), threads)
-    for index in range(number * config.poses_per_street + skip, (number + 1) * config.poses_per_street):
-        yield _pair(street, eye, index)
+    return street, Eye(config.sensor, model, Raycaster(street.scene), Surfaces.of(street.scene), threads)
+
+
+def _in_processes(drives: Iterator[_Drive], workers: int) -> Generator[StreetPair, None, None]:
+    # a fork would copy the threads' locks
+    context = multiprocessing.get_context("spawn")
+    # a pool each: all pairs of a street are made by the process that has built it
+    pools = [ProcessPoolExecutor(1, mp_context=context) for _ in range(workers)]
+    turns = itertools.cycle(pools)
+
+    # Pairs come one by one: memory of a megabyte is used again and again, where that of more is asked of the system
+    # each time, which takes longer than all the rest of the way.
+    def submit() -> deque[Future[StreetPair]]:
+        drive, pool = next(drives), next(turns)
+        return deque(pool.submit(_driven, drive, index) for index in drive.indices())
+
+    try:
+        # one more street for each worker, so that none waits while a street is consumed
+        ahead = deque(submit() for _ in range(2 * workers))
+        while True:
+            street = ahead.popleft()
+            while street:
+                yield street.popleft().result()
+            ahead.append(submit())
+    finally:
+        for pool in pools:
+            pool.shutdown(cancel_futures=True)
+
+
+def _driven(drive: _Drive, index: int) -> StreetPair:
+    return _pair(*_arrive(drive.seed, drive.config, drive.number, 1), index)
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +170,8 @@ def glimpse(street: Street, eye: Eye, index: int) -> tuple[Ego, Sighting, np.ran
     ego = draw_ego(street.site, street.lanes, rng)
     pose = mount(eye.sensor, ego, rng)
     poses = eye.sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
-    scan = observe(eye.cast(ego, poses, seed=index), eye.surfaces, rng, sensor=eye.sensor, model=eye.model)
+    clean = eye.cast(ego, poses, seed=index)
+    scan = observe(clean, eye.surfaces, rng, sensor=eye.sensor, model=eye.model, threads=eye.threads)
     drawn = street.drawn
     return ego, Sighting(place_of(ego.pose), pose, scan, drawn.owners, len(drawn.things)), rng
 
@@ -156,4 +182,10 @@ def _pair(street: Street, eye: Eye, index: int) -> StreetPair:
     shapes = street.drawn.draw(style, rng, ego.pose, sighting)
     poses = eye.sensor.poses_in_motion(sighting.pose, (ego.speed, 0.0, 0.0))
     drawing = shapes.scan(eye.sensor, poses, threads=eye.threads)
-    return StreetPair(sighting.scan, drawing, shapes, sighting.pose, style, street.quarter, ego.speed, index)
+    # primitives of the detailed scene say nothing to who does not have it, and take time on the way there
+    scan = sighting.scan
+    assert scan.intensity is not None
+    seen = RangeImage.unchecked(
+        eye.sensor, depth=scan.depth, label=scan.label, instance=scan.instance, intensity=scan.intensity
+    )
+    return StreetPair(seen, drawing, shapes, sighting.pose, style, street.quarter, ego.speed, index)

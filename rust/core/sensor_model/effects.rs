@@ -1,0 +1,176 @@
+//! What happens to echoes, one function an effect, for a row of pixels at once, in the order of the light.
+
+use super::elementary::{exp, larger, ln, rounded, smaller};
+use super::noise::{Key, share};
+use super::receiver::{Echoes, received_power};
+use super::surfaces::entry;
+use super::{Aloft, SensorModel, Surfaces};
+
+/// Behind a pane: above how many standard deviations of the patches there is something within reach, its mean depth [m]
+/// and response (seats, curtains, frames): estimates of ours.
+const BEHIND: f32 = 0.3;
+const BEHIND_DEPTH: f32 = 0.3;
+const BEHIND_RESPONSE: f32 = 0.25;
+/// Cosine of incidence below which rays meet the tops of a rough surface: an estimate of ours.
+const GRAZING: f32 = 0.3;
+/// Standard deviations of the dust's pattern above which there is a stain.
+const STAINED: f32 = 1.2;
+
+/// Lets rays that meet glass see, in some of its `patches`, what is a little behind it, through the pane twice.
+///
+/// The stronger echo counts: that of the pane, which is faint unless it faces the sensor, or that from behind.
+pub(crate) fn look_through_panes(
+    echoes: &mut Echoes,
+    patches: &[f32],
+    surfaces: &Surfaces<'_>,
+    model: &SensorModel,
+    key: Key,
+) {
+    if !model.panes {
+        return;
+    }
+    for (column, &primitive) in echoes.primitive.iter().enumerate() {
+        let through = surfaces.transmission[entry(primitive)];
+        if through > 0.0 && patches[column] > BEHIND {
+            let deeper = echoes.depth[column] - BEHIND_DEPTH * ln(share(key.bits(column) as u32));
+            // the little way behind it is in clear air
+            let behind = through * through * BEHIND_RESPONSE / (deeper * deeper * model.threshold());
+            if behind > echoes.power[column] {
+                (echoes.depth[column], echoes.power[column]) = (deeper, behind);
+            }
+        }
+    }
+}
+
+/// Multiplies the powers by a gain and by what scatters them.
+///
+/// `gain` is the logarithm of that of the beam, `patches` the texture of surfaces. Speckle is the sensor's, from pulse
+/// to pulse; `grain`, which is written, that of the surface each pixel shows. Both are independent from pixel to pixel,
+/// so one `normal` number stands for both.
+pub(crate) fn scatter_power(
+    echoes: &mut Echoes,
+    gain: f32,
+    patches: &[f32],
+    grain: &mut [f32],
+    normal: &[f32],
+    surfaces: &Surfaces<'_>,
+    model: &SensorModel,
+) {
+    for (grain, &primitive) in grain.iter_mut().zip(&echoes.primitive) {
+        *grain = surfaces.grain[entry(primitive)];
+    }
+    let (grainy, speckle) = (if model.grainy { 1.0 } else { 0.0 }, model.speckle * model.speckle);
+    let pulses = echoes.power.iter_mut().zip(grain.iter());
+    for (((power, &grain), &normal), &patch) in pulses.zip(normal).zip(patches) {
+        let spread = (grainy * grain * grain + speckle).sqrt();
+        *power *= exp(gain + patch * model.texture + spread * normal);
+    }
+}
+
+/// Dims what passes through dust on the window, by its pattern `stains`.
+pub(crate) fn dim_by_dust(echoes: &mut Echoes, stains: &[f32], model: &SensorModel) {
+    if model.dust == 0.0 {
+        return;
+    }
+    for (power, &stain) in echoes.power.iter_mut().zip(stains) {
+        *power *= exp(-model.dust * larger(stain - STAINED, 0.0));
+    }
+}
+
+/// Lets the echo of fog, of a drop or a flake take the place of those that are weaker and further away.
+///
+/// What it is the echo of is nothing that the layout has. `white`, which is written, is the power if that were white.
+pub(crate) fn hang_in_the_air(echoes: &mut Echoes, aloft: &Aloft<'_>, white: &mut [f32], model: &SensorModel) {
+    received_power(aloft.depth, 1.0, model, white);
+    for (column, (&depth, &response)) in aloft.depth.iter().zip(aloft.response).enumerate() {
+        let power = white[column] * response;
+        let nearer = depth < echoes.depth[column] || echoes.depth[column] == 0.0;
+        if nearer && power > echoes.power[column] {
+            (echoes.depth[column], echoes.power[column]) = (depth, power);
+            (echoes.primitive[column], echoes.incidence[column]) = (-1, 0.0);
+        }
+    }
+}
+
+/// Where there is no echo, or one that is not detected.
+///
+/// An echo of power P is lost with 1 - exp(-f / P - chance): as if its power were that of developed speckle, which is
+/// distributed as the `exponential` numbers. This is how the ground's rays are lost in recordings of a Pandar64, see
+/// docs/sensor-model.md. The fading f has the mean 1 and follows the `patches` of surfaces, so that lost rays come in
+/// runs.
+pub(crate) fn undetected(
+    echoes: &Echoes,
+    patches: &[f32],
+    exponential: &[f32],
+    model: &SensorModel,
+    lost: &mut [bool],
+) {
+    let pulses = lost.iter_mut().zip(&echoes.power);
+    for (((lost, &power), &patch), &exponential) in pulses.zip(patches).zip(exponential) {
+        let fading = exp(-model.fading * patch - model.fading * model.fading / 2.0);
+        *lost = (exponential - model.chance) * power <= fading;
+    }
+}
+
+/// The stored intensity, 0 to 1: the power on the sensor's scale, as far as that corrects for range.
+pub(crate) fn intensity(echoes: &Echoes, model: &SensorModel, shown: &mut [f32]) {
+    let (threshold, far) = (model.threshold(), 1.0 / model.compensated);
+    for ((shown, &depth), &power) in shown.iter_mut().zip(&echoes.depth).zip(&echoes.power) {
+        *shown = depth * depth * power * threshold / (1.0 + depth * far * (depth * far));
+    }
+    if model.knee < 1.0 {
+        let climb = (1.0 - model.knee) / model.full_scale.max(1.01).ln();
+        for shown in &mut *shown {
+            *shown = if *shown > 1.0 { model.knee + climb * ln(*shown) } else { *shown * model.knee };
+        }
+    } else {
+        for shown in &mut *shown {
+            *shown *= 1.0 / model.full_scale;
+        }
+    }
+    for shown in &mut *shown {
+        *shown = smaller(*shown, 1.0);
+    }
+    if model.levels > 0.0 {
+        for shown in shown {
+            *shown = rounded(*shown * model.levels) * (1.0 / model.levels);
+        }
+    }
+}
+
+/// Variance of ranges to surfaces whose heights vary by their relief.
+///
+/// Along the ray it is the height over the cosine of incidence, but for grazing rays, which meet the tops.
+pub(crate) fn roughness(echoes: &Echoes, surfaces: &Surfaces<'_>, model: &SensorModel, variance: &mut [f32]) {
+    if !model.grainy {
+        return variance.fill(0.0);
+    }
+    let pixels = echoes.primitive.iter().zip(&echoes.incidence);
+    for (variance, (&primitive, &incidence)) in variance.iter_mut().zip(pixels) {
+        let height = surfaces.relief[entry(primitive)] / larger(incidence, GRAZING);
+        *variance = height * height;
+    }
+}
+
+/// Measures ranges: with the beam's `offset`, Gaussian noise, rounded, within the sensor's limits. The variance is that
+/// of the surface, `rough`, and of the timing.
+///
+/// The timing error of a pulse grows with the inverse root of its signal-to-noise ratio (Jutzi and Stilla, ISPRS 2006),
+/// here from `range_sigma` of strong echoes by `jitter` at the threshold.
+pub(crate) fn range_noise(echoes: &mut Echoes, offset: f32, rough: &[f32], normal: &[f32], model: &SensorModel) {
+    let (strong, timing) = (model.range_sigma * model.range_sigma, model.jitter * model.jitter);
+    let pulses = echoes.depth.iter_mut().zip(&echoes.power);
+    for (((depth, &power), &rough), &normal) in pulses.zip(rough).zip(normal) {
+        let variance = timing / larger(power, 1.0) + strong + rough;
+        *depth = *depth + offset + variance.sqrt() * normal;
+    }
+    if model.range_step > 0.0 {
+        let steps = 1.0 / model.range_step;
+        for depth in &mut echoes.depth {
+            *depth = rounded(larger(*depth, 0.0) * steps) * model.range_step;
+        }
+    }
+    for depth in &mut echoes.depth {
+        *depth = smaller(larger(*depth, model.min_range), model.max_range);
+    }
+}

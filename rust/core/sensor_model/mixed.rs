@@ -1,0 +1,128 @@
+//! Mixed pixels: beams whose sub-rays met more than one thing, and the echo that is reported of each.
+
+use super::elementary::larger;
+use super::{Returns, SensorModel, Surfaces};
+
+/// The N mixed pixels of a row, whose beams are S sub-rays.
+#[derive(Default)]
+pub(crate) struct Mixed {
+    /// Their columns [N].
+    pub(crate) columns: Vec<u32>,
+    /// Ranges of the sub-rays [S, N] [m].
+    pub(crate) depth: Vec<f32>,
+    /// Powers of the sub-rays [S, N].
+    pub(crate) power: Vec<f32>,
+    /// The echoes [N] that are reported.
+    pub(crate) echo: Echo,
+    sum: Vec<f32>,
+    most: Vec<f32>,
+    middle: Vec<f32>,
+    brightest: Vec<f32>,
+}
+
+/// One echo of each mixed pixel.
+#[derive(Default)]
+pub(crate) struct Echo {
+    /// Mean ranges of the sub-rays that are in it, weighted by power [m].
+    pub(crate) depth: Vec<f32>,
+    /// Their powers together.
+    pub(crate) power: Vec<f32>,
+    /// The sub-ray that brought most of it.
+    pub(crate) winner: Vec<u32>,
+}
+
+impl Mixed {
+    /// Takes the sub-rays of the mixed pixels out of a row; `white` [S, W] are their powers if all were white.
+    pub(crate) fn gather(&mut self, rays: &Returns<'_>, white: &[f32], columns: usize, surfaces: &Surfaces<'_>) {
+        let beams = self.columns.len();
+        for numbers in [&mut self.depth, &mut self.power] {
+            numbers.resize(beams * white.len() / columns, 0.0);
+        }
+        for ray in 0..white.len() / columns {
+            let (row, beams) = (ray * columns..(ray + 1) * columns, ray * beams..(ray + 1) * beams);
+            let (far, primitive) = (&rays.depth[row.clone()], &rays.primitive[row.clone()]);
+            let (white, incidence) = (&white[row.clone()], &rays.incidence[row]);
+            let taken = self.depth[beams.clone()].iter_mut().zip(&mut self.power[beams]);
+            for ((depth, power), &column) in taken.zip(&self.columns) {
+                let column = column as usize;
+                *depth = far[column];
+                *power = white[column] * surfaces.response(primitive[column], incidence[column]);
+            }
+        }
+    }
+
+    /// Finds the echo of each beam: the strongest, or the `last` of those above the threshold.
+    ///
+    /// Sub-rays whose ranges lie within the length of a pulse of each other make one echo at their mean range.
+    pub(crate) fn separate(&mut self, model: &SensorModel) {
+        let beams = self.columns.len();
+        if beams == 0 {
+            return;
+        }
+        self.choose(model);
+        for numbers in [&mut self.echo.depth, &mut self.echo.power, &mut self.brightest] {
+            restart(numbers, beams, 0.0);
+        }
+        restart(&mut self.echo.winner, beams, 0);
+        let Echo { depth: mean, power: total, winner } = &mut self.echo;
+        let rays = self.depth.chunks_exact(beams).zip(self.power.chunks_exact_mut(beams));
+        for (ray, (depth, power)) in (0..).zip(rays) {
+            // loops over few columns each: the compiler makes no vectors of one over all of them
+            for ((power, &depth), &middle) in power.iter_mut().zip(depth).zip(&self.middle) {
+                *power = if together(depth, middle, model) { *power } else { 0.0 };
+            }
+            for ((mean, &power), (&depth, &middle)) in mean.iter_mut().zip(&*power).zip(depth.iter().zip(&self.middle))
+            {
+                *mean += power * (depth - middle);
+            }
+            for (total, &power) in total.iter_mut().zip(&*power) {
+                *total += power;
+            }
+            for ((winner, brightest), &power) in winner.iter_mut().zip(&mut self.brightest).zip(&*power) {
+                *winner = if power > *brightest { ray } else { *winner };
+                *brightest = larger(power, *brightest);
+            }
+        }
+        for ((mean, &total), &middle) in mean.iter_mut().zip(&*total).zip(&self.middle) {
+            *mean = if total > 0.0 { middle + *mean / total } else { 0.0 };
+        }
+    }
+
+    /// Finds the range in the middle of each echo that is reported: that of a sub-ray.
+    fn choose(&mut self, model: &SensorModel) {
+        let beams = self.columns.len();
+        restart(&mut self.most, beams, f32::NEG_INFINITY);
+        restart(&mut self.middle, beams, 0.0);
+        for at in self.depth.chunks_exact(beams) {
+            restart(&mut self.sum, beams, 0.0);
+            for (depth, power) in self.depth.chunks_exact(beams).zip(self.power.chunks_exact(beams)) {
+                for (((sum, &depth), &power), &at) in self.sum.iter_mut().zip(depth).zip(power).zip(at) {
+                    *sum += if together(depth, at, model) { power } else { 0.0 };
+                }
+            }
+            if model.last {
+                for (sum, &at) in self.sum.iter_mut().zip(at) {
+                    // the furthest that is loud enough, or else, below 0, the strongest
+                    *sum = if *sum > 1.0 { at } else { -1.0 / (1.0 + *sum) };
+                }
+            }
+            let best = self.most.iter_mut().zip(&mut self.middle);
+            for (((most, middle), &preferred), &at) in best.zip(&self.sum).zip(at) {
+                *middle = if preferred > *most { at } else { *middle };
+                *most = larger(preferred, *most);
+            }
+        }
+    }
+}
+
+/// Whether echoes at two ranges are one.
+#[inline(always)]
+fn together(a: f32, b: f32, model: &SensorModel) -> bool {
+    (a - b).abs() <= model.pulse_length
+}
+
+/// So many times the same value, in the memory of what was there before.
+pub(crate) fn restart<T: Copy>(numbers: &mut Vec<T>, count: usize, value: T) {
+    numbers.clear();
+    numbers.resize(count, value);
+}

@@ -1,0 +1,152 @@
+//! What a real sensor makes of clean returns. `effects` has one function for each effect; [`observe`] calls them all.
+
+mod effects;
+pub(crate) mod elementary;
+mod images;
+pub(crate) mod mixed;
+mod model;
+pub(crate) mod noise;
+pub(crate) mod receiver;
+mod surfaces;
+
+pub use images::{Aloft, Returns, ReturnsMut};
+pub use model::SensorModel;
+pub use receiver::MOST_RAYS;
+pub use surfaces::{INCIDENCES, Surfaces};
+
+use crate::scan::threads::spread;
+use crate::{Error, Result};
+use effects::{
+    dim_by_dust, hang_in_the_air, intensity, look_through_panes, range_noise, roughness, scatter_power, undetected,
+};
+use noise::{Draws, Key, Patches, Stream};
+use receiver::{Echoes, receive};
+
+/// Rows that one thread takes at once.
+const BAND: usize = 8;
+
+/// The light that comes back to a sensor.
+#[derive(Clone, Copy, Debug)]
+pub struct Light<'a> {
+    /// Where the sub-rays ended.
+    pub returns: Returns<'a>,
+    /// What the things there send back.
+    pub surfaces: Surfaces<'a>,
+    /// What hangs in the air before them.
+    pub aloft: &'a [Aloft<'a>],
+    /// Rows and columns of the sensor.
+    pub shape: [usize; 2],
+}
+
+/// Writes to `scan` what a sensor reports of the light that comes back.
+///
+/// `seed` decides all that is random: a pure function of it, the row and the column; what belongs to the unit of the
+/// sensor is one of `model.unit`. `threads` is 0 for as many as there are cores; the images are the same for any
+/// number.
+///
+/// # Errors
+/// [`Error::Rays`], [`Error::ObservedSize`], [`Error::SurfaceColumn`] or [`Error::ImagePrimitive`], before anything is
+/// written.
+pub fn observe(
+    light: &Light<'_>,
+    model: &SensorModel,
+    seed: u64,
+    scan: &mut ReturnsMut<'_>,
+    threads: usize,
+) -> Result<()> {
+    let [rows, columns] = light.shape;
+    let rays = model.shares.len();
+    if !(1..=MOST_RAYS).contains(&rays) {
+        return Err(Error::Rays { rays, limit: MOST_RAYS });
+    }
+    light.returns.check(rows * columns * rays)?;
+    light.surfaces.check(light.returns.primitive)?;
+    light.aloft.iter().try_for_each(|echoes| echoes.check(rows * columns))?;
+    scan.check(rows * columns)?;
+
+    let observer = Observer::new(light, model, seed);
+    let bands = scan.bands(BAND * columns).into_iter().enumerate().collect();
+    spread(threads, bands, |(band, mut scan): (usize, ReturnsMut<'_>)| observer.observe_rows(band * BAND, &mut scan));
+    Ok(())
+}
+
+/// What is the same for all rows of a scan.
+struct Observer<'a> {
+    light: &'a Light<'a>,
+    model: &'a SensorModel,
+    seed: u64,
+    /// The texture of surfaces.
+    patches: Patches,
+    /// The dust on the window.
+    stains: Option<Patches>,
+    /// Two normal numbers for each beam of the unit.
+    beams: Draws,
+}
+
+/// What is worked on in a row.
+struct Row {
+    echoes: Echoes,
+    draws: Draws,
+    patches: Vec<f32>,
+    stains: Vec<f32>,
+    work: Vec<f32>,
+    lost: Vec<bool>,
+}
+
+impl Row {
+    fn new(columns: usize) -> Row {
+        Row {
+            echoes: Echoes::default(),
+            draws: Draws::default(),
+            patches: vec![0.0; columns],
+            stains: vec![0.0; columns],
+            work: vec![0.0; columns],
+            lost: vec![false; columns],
+        }
+    }
+}
+
+impl<'a> Observer<'a> {
+    fn new(light: &'a Light<'a>, model: &'a SensorModel, seed: u64) -> Observer<'a> {
+        let [rows, columns] = light.shape;
+        let patches = Patches::new(seed, Stream::Texture, rows, columns);
+        let stains = (model.dust > 0.0).then(|| Patches::new(model.unit, Stream::Stains, rows, columns));
+        let mut beams = Draws::default();
+        beams.draw(Key::new(model.unit, Stream::Beams, 0), rows);
+        Observer { light, model, seed, patches, stains, beams }
+    }
+
+    fn observe_rows(&self, first: usize, scan: &mut ReturnsMut<'_>) {
+        let columns = self.light.shape[1];
+        let mut row = Row::new(columns);
+        for (k, mut scan) in scan.bands(columns).into_iter().enumerate() {
+            self.observe_row(first + k, &mut row, &mut scan);
+        }
+    }
+
+    /// The effects in the order of the light.
+    fn observe_row(&self, number: usize, row: &mut Row, scan: &mut ReturnsMut<'_>) {
+        let (model, surfaces, columns) = (self.model, &self.light.surfaces, self.light.shape[1]);
+        let Row { echoes, draws, patches, stains, work, lost } = row;
+        let returns = self.light.returns.row(number, columns * model.shares.len());
+        draws.draw(Key::new(self.seed, Stream::Pulses, number), columns);
+        self.patches.blend(number, patches);
+        if let Some(dust) = &self.stains {
+            dust.blend(number, stains);
+        }
+
+        receive(&returns, surfaces, model, echoes);
+        look_through_panes(echoes, patches, surfaces, model, Key::new(self.seed, Stream::Panes, number));
+        let gain = self.beams.other[number] * model.gain_spread;
+        scatter_power(echoes, gain, patches, work, &draws.normal, surfaces, model);
+        dim_by_dust(echoes, stains, model);
+        for aloft in self.light.aloft {
+            hang_in_the_air(echoes, &aloft.row(number, columns), work, model);
+        }
+        undetected(echoes, patches, &draws.exponential, model, lost);
+        intensity(echoes, model, scan.intensity);
+        roughness(echoes, surfaces, model, work);
+        range_noise(echoes, self.beams.normal[number] * model.offset_spread, work, &draws.other, model);
+        scan.write(&returns, echoes, lost);
+    }
+}

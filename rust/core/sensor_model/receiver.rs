@@ -1,0 +1,141 @@
+//! What a receiver makes of the sub-rays of a beam: their powers, and one echo.
+
+use super::elementary::{exp, larger, smaller};
+use super::mixed::{Mixed, restart};
+use super::{Returns, SensorModel, Surfaces};
+
+/// The most sub-rays that a beam can have.
+pub const MOST_RAYS: usize = 32;
+
+/// The echo of each beam of a row.
+#[derive(Default)]
+pub(crate) struct Echoes {
+    /// Ranges [m], 0 where there is none.
+    pub(crate) depth: Vec<f32>,
+    /// Powers over that of the faintest.
+    pub(crate) power: Vec<f32>,
+    /// Primitives, -1 where there is none.
+    pub(crate) primitive: Vec<i32>,
+    /// Cosines of incidence.
+    pub(crate) incidence: Vec<f32>,
+    /// Where sub-rays met different things, and which of them was the brightest: elsewhere they are alike.
+    pub(crate) mixed: Mixed,
+    /// Power of each sub-ray [S, W] if everything were white and faced the sensor.
+    white: Vec<f32>,
+    spread: Spread,
+}
+
+/// How the sub-rays of each beam differ.
+#[derive(Default)]
+struct Spread {
+    nearest: Vec<f32>,
+    furthest: Vec<f32>,
+    /// Not 0 where they met several primitives.
+    primitive: Vec<i32>,
+}
+
+/// The power of echoes from these ranges, 1 being the faintest that are detected (one in e); depth 0 is no range.
+///
+/// The lidar equation for surfaces that fill the (sub-)beam: response over range squared, less the extinction there and
+/// back.
+pub(crate) fn received_power(depth: &[f32], response: f32, model: &SensorModel, power: &mut [f32]) {
+    let scale = 1.0 / model.threshold();
+    for (power, &depth) in power.iter_mut().zip(depth) {
+        *power = response * scale / larger(depth * depth, 1e-6);
+    }
+    if model.extinction > 0.0 {
+        for (power, &depth) in power.iter_mut().zip(depth) {
+            *power *= exp(-2.0 * model.extinction * depth);
+        }
+    }
+}
+
+/// One echo a beam out of a row of sub-rays, of which each brings its share of the power.
+///
+/// Where all of them met one surface, its response is that at their mean incidence.
+pub(crate) fn receive(rays: &Returns<'_>, surfaces: &Surfaces<'_>, model: &SensorModel, echoes: &mut Echoes) {
+    let columns = rays.depth.len() / model.shares.len();
+    echoes.white.resize(rays.depth.len(), 0.0);
+    let pieces = echoes.white.chunks_exact_mut(columns).zip(rays.depth.chunks_exact(columns));
+    for ((white, depth), &share) in pieces.zip(&model.shares) {
+        received_power(depth, share, model, white);
+    }
+    echoes.sum_up(rays, columns);
+    echoes.find_mixed(rays, columns, model);
+    let met = echoes.primitive.iter().zip(&echoes.incidence);
+    for (power, (&primitive, &incidence)) in echoes.power.iter_mut().zip(met) {
+        *power *= surfaces.response(primitive, incidence);
+    }
+    echoes.incidence.copy_from_slice(&rays.incidence[..columns]);
+
+    let Echoes { mixed, white, .. } = echoes;
+    mixed.gather(rays, white, columns, surfaces);
+    mixed.separate(model);
+    for (beam, &column) in mixed.columns.iter().enumerate() {
+        let column = column as usize;
+        let pixel = mixed.echo.winner[beam] as usize * columns + column;
+        (echoes.depth[column], echoes.power[column]) = (mixed.echo.depth[beam], mixed.echo.power[beam]);
+        (echoes.primitive[column], echoes.incidence[column]) = (rays.primitive[pixel], rays.incidence[pixel]);
+    }
+}
+
+impl Echoes {
+    /// Power, range, primitive and mean incidence of each beam, as if its sub-rays had met one thing, which is white.
+    fn sum_up(&mut self, rays: &Returns<'_>, columns: usize) {
+        for image in [&mut self.power, &mut self.depth, &mut self.incidence] {
+            restart(image, columns, 0.0);
+        }
+        self.primitive.clear();
+        self.primitive.extend_from_slice(&rays.primitive[..columns]);
+        let first = &rays.depth[..columns];
+        let (total, mean) = (&mut self.power[..columns], &mut self.depth[..columns]);
+        for (depth, white) in rays.depth.chunks_exact(columns).zip(self.white.chunks_exact(columns)) {
+            for column in 0..columns {
+                total[column] += white[column];
+                // from the first on: what is all at one range stays there
+                mean[column] += white[column] * (depth[column] - first[column]);
+            }
+        }
+        for column in 0..columns {
+            mean[column] = first[column] + mean[column] / total[column];
+        }
+        let share = columns as f32 / rays.depth.len() as f32;
+        for incidence in rays.incidence.chunks_exact(columns) {
+            for (mean, &incidence) in self.incidence.iter_mut().zip(incidence) {
+                *mean += incidence * share;
+            }
+        }
+    }
+
+    /// Finds the beams whose sub-rays met more than one primitive, or one in places further apart than a pulse is long.
+    fn find_mixed(&mut self, rays: &Returns<'_>, columns: usize, model: &SensorModel) {
+        let Spread { nearest, furthest, primitive } = &mut self.spread;
+        restart(nearest, columns, f32::INFINITY);
+        restart(furthest, columns, 0.0);
+        restart(primitive, columns, 0);
+        for depth in rays.depth.chunks_exact(columns) {
+            for ((nearest, furthest), &depth) in nearest.iter_mut().zip(&mut *furthest).zip(depth) {
+                *nearest = smaller(depth, *nearest);
+                *furthest = larger(depth, *furthest);
+            }
+        }
+        for met in rays.primitive.chunks_exact(columns) {
+            for ((differs, &met), &first) in primitive.iter_mut().zip(met).zip(&self.primitive) {
+                *differs |= met ^ first;
+            }
+        }
+        let differs = &mut *primitive;
+        for ((differs, &nearest), &furthest) in differs.iter_mut().zip(&*nearest).zip(&*furthest) {
+            *differs = i32::from(*differs != 0) | i32::from(furthest - nearest > model.pulse_length);
+        }
+        // without a branch, for what nobody can foretell
+        let mut found = 0;
+        let mixed = &mut self.mixed.columns;
+        mixed.resize(columns, 0);
+        for (column, &differs) in (0..).zip(&*differs) {
+            mixed[found] = column;
+            found += differs as usize;
+        }
+        mixed.truncate(found);
+    }
+}

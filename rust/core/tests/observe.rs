@@ -1,0 +1,176 @@
+//! The sensor model as a whole: what it checks, and that threads change nothing.
+
+use crate::Error;
+use crate::sensor_model::{Aloft, INCIDENCES, Light, Returns, ReturnsMut, SensorModel, Surfaces, observe};
+
+/// A model with every effect off.
+pub(super) fn ideal() -> SensorModel {
+    SensorModel {
+        shares: vec![1.0],
+        pulse_length: 0.75,
+        faintest: 0.0,
+        extinction: 0.0,
+        last: false,
+        panes: false,
+        speckle: 0.0,
+        texture: 0.0,
+        grainy: false,
+        dust: 0.0,
+        fading: 0.0,
+        chance: 0.0,
+        unit: 0,
+        offset_spread: 0.0,
+        gain_spread: 0.0,
+        range_sigma: 0.0,
+        jitter: 0.0,
+        range_step: 0.0,
+        min_range: 0.5,
+        max_range: 120.0,
+        full_scale: 1.0,
+        knee: 1.0,
+        levels: 0.0,
+        compensated: f32::INFINITY,
+    }
+}
+
+/// Every effect on.
+fn lively() -> SensorModel {
+    SensorModel {
+        shares: vec![0.2, 0.3, 0.5],
+        faintest: 1e-4,
+        extinction: 0.001,
+        panes: true,
+        speckle: 0.05,
+        texture: 0.06,
+        grainy: true,
+        dust: 1.0,
+        fading: 1.6,
+        chance: 0.01,
+        unit: 3,
+        offset_spread: 0.02,
+        gain_spread: 0.1,
+        range_sigma: 0.02,
+        jitter: 0.09,
+        range_step: 0.002,
+        knee: 0.4,
+        full_scale: 300.0,
+        levels: 255.0,
+        compensated: 40.0,
+        ..ideal()
+    }
+}
+
+/// Rows and columns, and rows that no number of threads divides.
+const SHAPE: [usize; 2] = [19, 61];
+
+/// The images of a scan, to be compared.
+#[derive(Clone, Debug, PartialEq)]
+struct Scan {
+    depth: Vec<f32>,
+    label: Vec<u8>,
+    instance: Vec<u32>,
+    primitive: Vec<i32>,
+    incidence: Vec<f32>,
+    intensity: Vec<f32>,
+}
+
+/// What a model makes of walls, windows and sky in turn; `spoil` changes what it is given.
+fn seen(model: &SensorModel, seed: u64, threads: usize, spoil: impl Fn(&mut Light<'_>)) -> Result<Scan, Error> {
+    let [rows, columns] = SHAPE;
+    let (pixels, rays) = (rows * columns, rows * columns * model.shares.len());
+    let met = |k: usize| (k / 7 % 4) as i32 - 1;
+    let depth: Vec<f32> = (0..rays).map(|k| if met(k) < 0 { 0.0 } else { 5.0 + 9.0 * met(k) as f32 }).collect();
+    let label: Vec<u8> = (0..rays).map(|k| (met(k) + 1) as u8).collect();
+    let instance: Vec<u32> = label.iter().map(|&label| u32::from(label) * 100).collect();
+    let primitive: Vec<i32> = (0..rays).map(met).collect();
+    let incidence: Vec<f32> = (0..rays).map(|k| if met(k) < 0 { 0.0 } else { 0.7 }).collect();
+    let table: Vec<[f32; INCIDENCES]> = [0.0, 0.4, 0.02, 0.3].map(|back| [back; INCIDENCES]).to_vec();
+    let (fog, weak) = (vec![2.0; pixels], vec![1e-4; pixels]);
+    let returns =
+        Returns { depth: &depth, label: &label, instance: &instance, primitive: &primitive, incidence: &incidence };
+    let surfaces = Surfaces {
+        table: &table,
+        transmission: &[0.0, 0.0, 0.7, 0.0],
+        grain: &[0.0, 0.1, 0.05, 0.2],
+        relief: &[0.0, 0.0, 0.0, 0.02],
+    };
+    let aloft = [Aloft { depth: &fog, response: &weak }];
+    let mut light = Light { returns, surfaces, aloft: &aloft, shape: SHAPE };
+    spoil(&mut light);
+    let mut scan = Scan {
+        depth: vec![9.0; pixels],
+        label: vec![9; pixels],
+        instance: vec![9; pixels],
+        primitive: vec![9; pixels],
+        incidence: vec![9.0; pixels],
+        intensity: vec![9.0; pixels],
+    };
+    let mut written = ReturnsMut {
+        depth: &mut scan.depth,
+        label: &mut scan.label,
+        instance: &mut scan.instance,
+        primitive: &mut scan.primitive,
+        incidence: &mut scan.incidence,
+        intensity: &mut scan.intensity,
+    };
+    observe(&light, model, seed, &mut written, threads)?;
+    Ok(scan)
+}
+
+#[test]
+fn a_scan_is_the_same_for_any_number_of_threads_and_another_for_another_seed() {
+    let model = lively();
+    let one = seen(&model, 7, 1, |_| ()).unwrap();
+    for threads in [0, 2, 5] {
+        assert_eq!(seen(&model, 7, threads, |_| ()).unwrap(), one);
+    }
+    assert_ne!(seen(&model, 8, 1, |_| ()).unwrap(), one);
+    assert_ne!(seen(&SensorModel { unit: 4, ..model }, 7, 1, |_| ()).unwrap(), one);
+}
+
+#[test]
+fn no_return_is_nothing_in_every_image() {
+    let scan = seen(&SensorModel { chance: 0.5, ..lively() }, 0, 1, |_| ()).unwrap();
+    let lost = |k: &usize| scan.depth[*k] == 0.0;
+    assert!((0..scan.depth.len()).filter(lost).count() > scan.depth.len() / 3);
+    for k in (0..scan.depth.len()).filter(lost) {
+        assert_eq!((scan.label[k], scan.instance[k], scan.primitive[k]), (0, 0, -1));
+        assert_eq!((scan.incidence[k], scan.intensity[k]), (0.0, 0.0));
+    }
+    // and what returns is a thing, or the air
+    for k in (0..scan.depth.len()).filter(|k| !lost(k)) {
+        assert_eq!(i32::from(scan.label[k]), scan.primitive[k] + 1);
+        assert_eq!(scan.instance[k], u32::from(scan.label[k]) * 100);
+        assert!(scan.primitive[k] >= 0 || scan.depth[k] < 3.0);
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let refused = |model: &SensorModel, spoil: fn(&mut Light<'_>)| seen(model, 0, 1, spoil).unwrap_err().to_string();
+    let model = ideal();
+    assert_eq!(
+        refused(&model, |light| light.returns.label = &light.returns.label[1..]),
+        "the label image has 1158 pixels; the sensor model needs 1159"
+    );
+    assert_eq!(
+        refused(&model, |light| light.shape = [18, 61]),
+        "the depth image has 1159 pixels; the sensor model needs 1098"
+    );
+    assert_eq!(
+        refused(&model, |light| light.surfaces.grain = &light.surfaces.grain[1..]),
+        "grain has 3 entries; the table of responses has 4"
+    );
+    let short = |light: &mut Light<'_>| {
+        let surfaces = &mut light.surfaces;
+        (surfaces.table, surfaces.transmission) = (&surfaces.table[..3], &surfaces.transmission[..3]);
+        (surfaces.grain, surfaces.relief) = (&surfaces.grain[..3], &surfaces.relief[..3]);
+    };
+    assert_eq!(refused(&model, short), "the image shows primitive 2; the layout has 2");
+    let many = SensorModel { shares: vec![0.03; 33], ..ideal() };
+    assert_eq!(refused(&many, |_| ()), "a beam has 33 sub-rays; it must be 1 to 32");
+    assert_eq!(
+        refused(&SensorModel { shares: Vec::new(), ..ideal() }, |_| ()),
+        "a beam has 0 sub-rays; it must be 1 to 32"
+    );
+}
