@@ -12,49 +12,33 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from safetensors import SafetensorError, safe_open
-from safetensors.torch import save as serialise
 from torch import Tensor
 from torch.nn import functional
 
 from lidardraft.errors import TrainingError
-from lidardraft.files import written_whole
 from lidardraft.perception.grid import features
 from lidardraft.perception.segmenter import Segmenter, SegmenterConfig
 from lidardraft.semantics import NUM_CLASSES
 from lidardraft.training.augmentation import Augmentation, augmented
+from lidardraft.training.learner import Learner, LearningConfig
 from lidardraft.training.pairs import PairFolder
 
 _COUNTED = 256  # scans that the share of each class is taken from
 
 
 @dataclass(frozen=True, kw_only=True)
-class SegmentationConfig:
-    """All that decides the result, beside the pairs.
-
-    The learning rate rises over `warmup` steps, stays, and falls to 0 over the last `decay` of the steps. `ema` is the
-    decay of the average of weights that is saved.
-    """
+class SegmentationConfig(LearningConfig):
+    """All that decides the result, beside the pairs."""
 
     segmenter: SegmenterConfig = field(default_factory=SegmenterConfig)
     augmentation: Augmentation = field(default_factory=Augmentation)
     steps: int = 2_000
     batch: int = 2
     learning_rate: float = 2e-3
-    warmup: int = 100
     decay: float = 0.5
     weight_decay: float = 0.02
-    max_gradient: float = 1.0
     ema: float = 0.99
-    seed: int = 0
     save_every: int = 100
-    report_every: int = 20
-
-    def rate(self, step: int) -> float:
-        """The learning rate of a step."""
-        rise = (step + 1) / max(self.warmup, 1)
-        fall = (self.steps - step) / max(self.decay * self.steps, 1)
-        return self.learning_rate * min(1.0, rise, fall)
 
 
 @dataclass(frozen=True)
@@ -90,7 +74,7 @@ def train_segmenter(
         trainer = _Trainer(config, class_weights(pairs), torch.device(device))
     except (RuntimeError, AssertionError) as error:  # torch's, for a device it does not have
         raise TrainingError(f"device is {device!r}: {str(error).splitlines()[0]}") from None
-    start = trainer.resume(run / "state.safetensors")
+    start = trainer.learner.resume(run / "state.safetensors")
     run.mkdir(parents=True, exist_ok=True)
     began, reported = time.monotonic(), time.monotonic()
     window: list[tuple[float, float, float]] = []
@@ -147,7 +131,7 @@ def segmentation_loss(logits: Tensor, target: Tensor, weights: Tensor) -> Tensor
 
 
 class _Trainer:
-    """Weights, their average and the optimiser: what a step changes and a run keeps."""
+    """A segmenter that learns."""
 
     def __init__(self, config: SegmentationConfig, weights: Tensor, device: torch.device) -> None:
         with torch.random.fork_rng(devices=[]):
@@ -156,70 +140,24 @@ class _Trainer:
         self.config, self.device = config, device
         self.segmenter = segmenter.to(device).train()
         self.class_weights = weights.to(device)
-        self.weights = dict(self.segmenter.named_parameters())
-        self.average = {name: p.detach().clone() for name, p in self.weights.items()}
-        self.identity = json.dumps({**dataclasses.asdict(config), **dict.fromkeys(_FREE)})
-        self.optimiser = torch.optim.AdamW(
-            self.weights.values(), lr=config.learning_rate, betas=(0.9, 0.99), weight_decay=config.weight_decay
-        )
+        self.learner = Learner(self.segmenter, config, config.of_any_length())
 
     def step(self, step: int, x: Tensor, target: Tensor) -> tuple[float, float, float]:
         """One gradient step; the loss, the share of labels that were right, and the norm of the gradient."""
-        for group in self.optimiser.param_groups:
-            group["lr"] = self.config.rate(step)
         x, target = x.to(self.device), target.to(self.device)
         with torch.autocast(self.device.type, dtype=torch.bfloat16, enabled=self.device.type == "cuda"):
             logits = self.segmenter(x)
         loss = segmentation_loss(logits.float(), target, self.class_weights)
-        self.optimiser.zero_grad(set_to_none=True)
-        loss.backward()  # type: ignore[no-untyped-call]
-        gradient = torch.nn.utils.clip_grad_norm_(self.weights.values(), self.config.max_gradient)
-        self.optimiser.step()
-        # A young average is short, so that it forgets its random start.
-        decay = min(self.config.ema, (1 + step) / (10 + step))
-        torch._foreach_lerp_(list(self.average.values()), [p.detach() for p in self.weights.values()], 1 - decay)
+        gradient = self.learner.step(step, loss)
         right = (logits.argmax(1) + 1 == target)[target > 0].float().mean()
-        return loss.item(), right.item(), gradient.item()
+        return loss.item(), right.item(), gradient
 
     def save(self, run: Path, step: int, source: str) -> None:
         """Write the state, then the averaged weights."""
-        tensors = {f"weight.{name}": p.detach() for name, p in self.weights.items()}
-        tensors |= {f"average.{name}": p for name, p in self.average.items()}
-        for name, p in self.weights.items():
-            tensors |= {f"{key}.{name}": value for key, value in self.optimiser.state[p].items()}
-        metadata = {"step": str(step), "run": self.identity}
-        with written_whole(run / "state.safetensors") as temporary:
-            temporary.write_bytes(serialise({name: t.cpu().contiguous() for name, t in tensors.items()}, metadata))
-        averaged = Segmenter(self.config.segmenter)
-        averaged.load_state_dict(self.average)
-        card = {"training": dataclasses.asdict(self.config), "step": step, "data": source}
-        averaged.save(run / "weights.safetensors", card)
-
-    def resume(self, path: Path) -> int:
-        """Take over the state of an earlier slice of the same run, if there is one; the step to go on from."""
-        if not path.exists():
-            return 0
-        try:
-            with safe_open(path, framework="pt") as file:
-                metadata, tensors = file.metadata(), {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-            identity, step = metadata["run"], int(metadata["step"])
-        except (SafetensorError, OSError, KeyError, TypeError, ValueError) as error:
-            raise TrainingError(f"{path} is no state of a run: {error}") from None
-        if identity != self.identity:
-            raise TrainingError(f"{path} is the state of a run with another config; use another folder")
-        with torch.no_grad():
-            for name, p in self.weights.items():
-                p.copy_(tensors[f"weight.{name}"])
-                self.average[name].copy_(tensors[f"average.{name}"])
-                self.optimiser.state[p] = {
-                    "step": tensors[f"step.{name}"],
-                    **{key: tensors[f"{key}.{name}"].to(p.device) for key in ("exp_avg", "exp_avg_sq")},
-                }
-        return step
-
-
-# What may differ between the slices of one run: how long it is, and how it reports.
-_FREE = ("steps", "save_every", "report_every")
+        self.learner.save(run / "state.safetensors", step)
+        with self.learner.averaged():
+            card = {"training": dataclasses.asdict(self.config), "step": step, "data": source}
+            self.segmenter.save(run / "weights.safetensors", card)
 
 
 def _check(config: SegmentationConfig, pairs: PairFolder) -> None:

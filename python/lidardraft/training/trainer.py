@@ -16,8 +16,6 @@ from typing import Any
 
 import numpy as np
 import torch
-from safetensors import SafetensorError, safe_open
-from safetensors.torch import save as serialise
 from torch import Tensor
 
 from lidardraft.diffusion import checkpoint
@@ -25,39 +23,27 @@ from lidardraft.diffusion.codec import encode_condition, encode_elevations, enco
 from lidardraft.diffusion.denoiser import Denoiser, DenoiserConfig
 from lidardraft.diffusion.noise import training_levels
 from lidardraft.errors import TrainingError
-from lidardraft.files import written_whole
+from lidardraft.training.learner import Learner, LearningConfig
 from lidardraft.training.pairs import PairFolder
 
 BANDS = (0.0, 0.05, 0.2, 1.0, float("inf"))  # edges of the noise levels that are reported apart
 
 
 @dataclass(frozen=True, kw_only=True)
-class TrainingConfig:
+class TrainingConfig(LearningConfig):
     """All that decides the result of one stage, beside the pairs and, in the second, the base.
 
     Batches are crops of `crop` columns at random places of the ring, mirrored half the time; their first and last
-    `margin` columns do not count. The learning rate rises over `warmup` steps, stays, and falls to 0 over the last
-    `decay` of the steps. The first `zero_conv_steps` of the second stage leave the encoder's copy alone. ln sigma is
-    normal with `sigma_mean` and `sigma_std`. `ema` is the decay of the average of weights that is saved.
+    `margin` columns do not count. The first `zero_conv_steps` of the second stage leave the encoder's copy alone.
+    ln sigma is normal with `sigma_mean` and `sigma_std`. The other fields are those of `LearningConfig`.
     """
 
     denoiser: DenoiserConfig
-    steps: int
-    batch: int
-    learning_rate: float
-    warmup: int = 100
-    decay: float = 0.3
     zero_conv_steps: int = 0
     crop: int = 256
     margin: int = 16
     sigma_mean: float = -1.0
     sigma_std: float = 1.4
-    weight_decay: float = 0.01
-    max_gradient: float = 1.0
-    ema: float = 0.998
-    seed: int = 0
-    save_every: int = 200
-    report_every: int = 20
 
     def to_dict(self) -> dict[str, Any]:
         """The fields as JSON types."""
@@ -67,12 +53,6 @@ class TrainingConfig:
     def from_dict(cls, fields: Mapping[str, Any]) -> TrainingConfig:
         """The inverse of `to_dict`; raises `TypeError` on an unknown or missing field."""
         return cls(**{**fields, "denoiser": DenoiserConfig.from_dict(fields["denoiser"])})
-
-    def rate(self, step: int) -> float:
-        """The learning rate of a step."""
-        rise = (step + 1) / max(self.warmup, 1)
-        fall = (self.steps - step) / max(self.decay * self.steps, 1)
-        return self.learning_rate * min(1.0, rise, fall)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,7 +89,7 @@ def train(
         trainer = _Trainer(config, base, torch.device(device), encode_elevations(pairs.sensor))
     except (RuntimeError, AssertionError) as error:  # torch's, for a device it does not have
         raise TrainingError(f"device is {device!r}: {str(error).splitlines()[0]}") from None
-    start = trainer.resume(run / "state.safetensors")
+    start = trainer.learner.resume(run / "state.safetensors")
     run.mkdir(parents=True, exist_ok=True)
     if start >= config.steps:
         return
@@ -136,7 +116,7 @@ def train(
 
 
 class _Trainer:
-    """Weights, their average and the optimiser: what a step changes and a run keeps."""
+    """A denoiser that learns."""
 
     def __init__(self, config: TrainingConfig, base: Denoiser | None, device: torch.device, beams: np.ndarray) -> None:
         with torch.random.fork_rng(devices=[]):
@@ -148,20 +128,13 @@ class _Trainer:
         self.bfloat16 = device.type == "cuda" or supported()
         self.denoiser = denoiser.to(device).train()
         self.beams = torch.from_numpy(beams).to(device)
-        self.weights = {name: p for name, p in denoiser.named_parameters() if p.requires_grad}
         frozen = [p.detach().cpu().numpy().tobytes() for p in denoiser.parameters() if not p.requires_grad]
-        self.identity = json.dumps([zlib.crc32(b"".join(frozen)), dataclasses.replace(config, **_FREE).to_dict()])
-        self.average = {name: p.detach().clone() for name, p in self.weights.items()}
-        self.optimiser = torch.optim.AdamW(
-            self.weights.values(), lr=config.learning_rate, betas=(0.9, 0.99), weight_decay=config.weight_decay
-        )
+        self.learner = Learner(self.denoiser, config, [zlib.crc32(b"".join(frozen)), config.of_any_length()])
 
     def step(
         self, step: int, clean: Tensor, sigma: Tensor, noise: Tensor, condition: Tensor | None
     ) -> tuple[float, list[list[float]]]:
         """One gradient step; the norm of the gradient, and (sigma, loss) of each sample."""
-        for group in self.optimiser.param_groups:
-            group["lr"] = self.config.rate(step)
         controlnet = self.denoiser.controlnet
         if controlnet is not None:
             controlnet.encoder.requires_grad_(step >= self.config.zero_conv_steps)
@@ -169,14 +142,8 @@ class _Trainer:
         condition = None if condition is None else condition.to(self.device)
         with torch.autocast(self.device.type, dtype=torch.bfloat16, enabled=self.bfloat16):
             loss = self.denoiser.loss(clean, sigma, noise, self.beams, condition, self.config.margin)
-        self.optimiser.zero_grad(set_to_none=True)
-        loss.mean().backward()  # type: ignore[no-untyped-call]
-        gradient = torch.nn.utils.clip_grad_norm_(self.weights.values(), self.config.max_gradient)
-        self.optimiser.step()
-        # A young average is short, so that it forgets its random start.
-        decay = min(self.config.ema, (1 + step) / (10 + step))
-        torch._foreach_lerp_(list(self.average.values()), [p.detach() for p in self.weights.values()], 1 - decay)
-        return gradient.item(), torch.stack([sigma, loss.detach()], dim=1).tolist()
+        gradient = self.learner.step(step, loss.mean())
+        return gradient, torch.stack([sigma, loss.detach()], dim=1).tolist()
 
     def check(self, report: Report) -> None:
         """Stop a run that has gone wrong, in words, rather than let it go on for days."""
@@ -190,50 +157,10 @@ class _Trainer:
 
     def save(self, run: Path, step: int) -> None:
         """Write the state, then the averaged weights."""
-        tensors = {f"weight.{name}": p.detach() for name, p in self.weights.items()}
-        tensors |= {f"average.{name}": p for name, p in self.average.items()}
-        for name, p in self.weights.items():
-            for key, value in self.optimiser.state.get(p, {}).items():
-                tensors[f"{key}.{name}"] = value
-        metadata = {"step": str(step), "run": self.identity}
-        with written_whole(run / "state.safetensors") as temporary:
-            temporary.write_bytes(serialise({name: t.cpu().contiguous() for name, t in tensors.items()}, metadata))
-        trained = {name: p.detach().clone() for name, p in self.weights.items()}
-        self._put(self.average)
-        card = {"training": self.config.to_dict(), "step": step}
-        checkpoint.save(self.denoiser, run / "weights.safetensors", card)
-        self._put(trained)
-
-    def resume(self, path: Path) -> int:
-        """Take over the state of an earlier slice of the same run, if there is one; the step to go on from."""
-        if not path.exists():
-            return 0
-        try:
-            with safe_open(path, framework="pt") as file:
-                metadata, tensors = file.metadata(), {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-            identity, step = metadata["run"], int(metadata["step"])
-        except (SafetensorError, OSError, KeyError, TypeError, ValueError) as error:
-            raise TrainingError(f"{path} is no state of a run: {error}") from None
-        if identity != self.identity:
-            raise TrainingError(f"{path} is the state of a run with another config or base; use another folder")
-        self._put({name: tensors[f"weight.{name}"] for name in self.weights})
-        for name, p in self.weights.items():
-            self.average[name].copy_(tensors[f"average.{name}"])
-            self.optimiser.state[p] = {
-                key: tensors[f"{key}.{name}"].to(p.device if key != "step" else "cpu")
-                for key in ("step", "exp_avg", "exp_avg_sq")
-                if f"{key}.{name}" in tensors
-            }
-        return step
-
-    @torch.no_grad()
-    def _put(self, values: Mapping[str, Tensor]) -> None:
-        for name, p in self.weights.items():
-            p.copy_(values[name])
-
-
-# What may differ between the slices of one run: how long it is, and how it reports.
-_FREE: dict[str, Any] = {"steps": 0, "save_every": 0, "report_every": 0}
+        self.learner.save(run / "state.safetensors", step)
+        with self.learner.averaged():
+            card = {"training": self.config.to_dict(), "step": step}
+            checkpoint.save(self.denoiser, run / "weights.safetensors", card)
 
 
 def _check(config: TrainingConfig, pairs: PairFolder, base: Denoiser | None) -> None:
