@@ -1,22 +1,23 @@
-"""The quick drawings of streets beside those of the real drafting code, on the same scans: one Markdown table.
+"""The quick drawings of streets beside those of the real drafting code, on the same scans: Markdown tables.
 
-    python benches/compare_drawings.py [streets]
+    python benches/compare_drawings.py [streets] [--keep FOLDER]
 
 For every class: shapes a scan; length, width and height as shares of those of the nearest thing of the class (of what
 is drawn in pieces, and for the solver: in metres); how far the middle is off along and across that thing [m], and the
 yaw [deg]; how often it is "turned", length and width taken for each other; the share of the scan's pixels of the class
-that the cast drawing "agrees" with. A cell is the median and the half width of the middle 68 %. "clusters" is
-`drafting.cloud.layout_from_cloud`, with the numbers of things or without; "solver" is `drafting.arrange.arrange` on
-plans with the kinds that the street has; "quick" stands in for them in `lidardraft.streets`.
+that the cast drawing "agrees" with. A cell is the median and the half width of the middle 68 %, of the real code and of
+what stands in for it. "clusters" is `drafting.cloud.layout_from_cloud`, with the numbers of things or without; "solver"
+is `drafting.arrange.arrange` on plans with the kinds that the street has; "quick" stands in for them in
+`lidardraft.streets`; "possible" is the share of its shapes in sizes that the real code drew too. Below each table
+stands what differs by more than `tallies.py` tolerates.
 """
 
 from __future__ import annotations
 
+import argparse
 import math
-import sys
-from collections import defaultdict
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable
+from pathlib import Path
 
 import numpy as np
 
@@ -36,41 +37,9 @@ from lidardraft.streets.quarter import BAY
 from lidardraft.streets.street import Street, StreetConfig, make_street
 from lidardraft.streets.style import Style
 from lidardraft.streets.vehicles import BODIES
+from tallies import IN_PIECES, Tallies, Tally, add_all, append, drift, new_tallies, read, rows
 
-IN_PIECES = ("building", "wall", "fence", "vegetation", "other")
-NUMBERS = ("length", "width", "height", "along", "across", "yaw")
-FIELDS = ("count", *NUMBERS, "turned", "agrees")
 _NEAREST = 4.0  # m; further than this a shape is of no thing
-
-
-@dataclass
-class Tally:
-    """What was measured of one class by one draughtsman: lists of numbers for each of `FIELDS`."""
-
-    values: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
-
-    def add(self, **values: Iterable[float]) -> None:
-        for name, some in values.items():
-            self.values[name] += list(some)
-
-    def median(self, name: str) -> float:
-        return float(np.median(self.values[name])) if self.values[name] else math.nan
-
-    def mean(self, name: str) -> float:
-        return float(np.mean(self.values[name])) if self.values[name] else math.nan
-
-    def spread(self, name: str) -> float:
-        """Half the width of the middle 68 % of the values: the standard deviation of a normal distribution."""
-        low, high = np.percentile(self.values[name], [16, 84]) if self.values[name] else (math.nan, math.nan)
-        return float(high - low) / 2
-
-
-Tallies = dict[str, dict[str, Tally]]  # by class, then by draughtsman
-
-
-def new_tallies() -> Tallies:
-    """Tallies without a value."""
-    return defaultdict(lambda: defaultdict(Tally))
 
 
 def measure(tallies: Tallies, name: str, drawn: ShapeTable, truth: ShapeTable) -> None:
@@ -88,18 +57,25 @@ def measure(tallies: Tallies, name: str, drawn: ShapeTable, truth: ShapeTable) -
             flat = np.sort(sizes[:, :2], axis=1)
             tally.add(length=flat[:, 1], width=flat[:, 0], height=sizes[:, 2])
         elif len(true):
-            _measure_things(tally, drawn, mine, truth, true)
+            _measure_things(tally, drawn, mine, truth, true, has_front=row.size is not None)
 
 
-def _measure_things(tally: Tally, drawn: ShapeTable, mine: np.ndarray, truth: ShapeTable, true: np.ndarray) -> None:
+def _measure_things(
+    tally: Tally, drawn: ShapeTable, mine: np.ndarray, truth: ShapeTable, true: np.ndarray, *, has_front: bool
+) -> None:
     gap = drawn.centers[mine, None, :2] - truth.centers[None, true, :2]
     distance = np.hypot(gap[..., 0], gap[..., 1])
     nearest = distance.argmin(axis=1)
     near = distance[np.arange(len(mine)), nearest] < _NEAREST
     mine, gap, true = mine[near], gap[np.arange(len(mine)), nearest][near], true[nearest[near]]
     cos, sin = np.cos(truth.yaws[true]), np.sin(truth.yaws[true])
-    ratio = drawn.sizes[mine] / truth.sizes[true]
     turn = np.remainder(drawn.yaws[mine] - truth.yaws[true] + math.pi / 2, math.pi) - math.pi / 2
+    turned = np.abs(turn) > math.pi / 4
+    sizes = drawn.sizes[mine]
+    if not has_front:
+        # turned by 90 degrees, with length and width exchanged, it is the same box: that is no way of drawing it
+        sizes = np.where(turned[:, None], sizes[:, [1, 0, 2]], sizes)
+    ratio = sizes / truth.sizes[true]
     tally.add(
         length=ratio[:, 0],
         width=ratio[:, 1],
@@ -109,7 +85,7 @@ def _measure_things(tally: Tally, drawn: ShapeTable, mine: np.ndarray, truth: Sh
     )
     if not (drawn.shapes[mine] == 2).all():
         square = np.remainder(turn + math.pi / 4, math.pi / 2) - math.pi / 4
-        tally.add(yaw=np.rad2deg(square), turned=np.abs(turn) > math.pi / 4)
+        tally.add(yaw=np.rad2deg(square), turned=turned if has_front else [])
 
 
 def compare_clusters(streets: Iterable[Street], config: StreetConfig) -> Tallies:
@@ -211,29 +187,39 @@ def _measure_spoken(
             tally.add(across=nearest[np.abs(nearest) < 0.5])
 
 
-def rows(tallies: Tallies) -> Iterator[str]:
-    """The table, line by line."""
-    yield f"| class | by | {' | '.join(FIELDS)} |"
-    yield "|---" * (len(FIELDS) + 2) + "|"
-    classes = [row.name for row in CLASSES if row.name in tallies]
-    for label in classes or sorted(tallies):
-        for name in sorted(tallies[label]):
-            tally = tallies[label][name]
-            cells = [f"{tally.mean('count'):.2f}"]
-            cells += [f"{tally.median(n):.2f} ± {tally.spread(n):.2f}" if tally.values[n] else "" for n in NUMBERS]
-            cells += [f"{tally.mean(n):.3f}" if tally.values[n] else "" for n in ("turned", "agrees")]
-            yield f"| {label} | {name} | {' | '.join(cells)} |"
+def pooled(name: str, count: int, folder: Path | None, compare: Callable[[Street], Tallies]) -> Tallies:
+    """What `compare` finds on streets 0 to `count`; a file of the `folder` keeps it street by street, and goes on."""
+    path = folder / f"{name}.jsonl" if folder else None
+    known, tallies = read(path) if path else {}, new_tallies()
+    for number in range(count):
+        if number not in known:
+            known[number] = compare(make_street(number, StreetConfig()))
+            if path:
+                append(path, number, known[number])
+        add_all(tallies, known[number])
+    return tallies
 
 
 def main() -> None:
-    """Print the table."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 200
-    config = StreetConfig()
-    for tallies in (
-        compare_solver(make_street(seed, config) for seed in range(count)),
-        compare_clusters((make_street(seed, config) for seed in range(count)), config),
+    """Print the tables, and below each what is drawn otherwise."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("streets", type=int, nargs="?", default=200)
+    parser.add_argument("--keep", type=Path, help="folder for what was measured of each street; the next run goes on")
+    given = parser.parse_args()
+    if given.keep:
+        given.keep.mkdir(parents=True, exist_ok=True)
+    solved = pooled("solver", given.streets, given.keep, lambda street: compare_solver([street]))
+    found = pooled("clusters", given.streets, given.keep, lambda street: compare_clusters([street], StreetConfig()))
+    things = {row.name: found[row.name] for row in CLASSES if row.size is not None and row.name in found}
+    for tallies, real, quick in (
+        (solved, "solver", "quick"),
+        (found, "clusters", "quick"),
+        (things, "clusters numbered", "quick numbered"),
     ):
-        print("\n".join(rows(tallies)), end="\n\n")
+        print(f"{real} / {quick}\n")
+        spoken = real == "solver"
+        print("\n".join(rows(tallies, real, quick, spoken=spoken)))
+        print("\n".join(["", *(f"- {text}" for text in drift(tallies, real, quick, spoken=spoken)), ""]))
 
 
 if __name__ == "__main__":

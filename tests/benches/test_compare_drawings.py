@@ -1,55 +1,78 @@
 """The quick drawings of streets have the statistics of the real drafting code that they stand in for."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from compare_drawings import IN_PIECES, Tallies, Tally, compare_clusters, compare_solver, rows
+from compare_drawings import compare_clusters, compare_solver, pooled
+from lidardraft.semantics import CLASSES
 from lidardraft.streets.street import StreetConfig, make_street
+from tallies import FEWEST, Tallies, Tally, append, drift, new_tallies, read, rows
 
 CONFIG = StreetConfig()
-
-
-def drift(tallies: Tallies, real: str, quick: str, least: float) -> list[str]:
-    """What is drawn otherwise than by the real code, of the classes with `least` shapes a scan."""
-    found = []
-    for label, by in tallies.items():
-        mine, theirs = by[quick], by[real]
-        if len(theirs.values["length"]) < 20 or not theirs.mean("count") >= least:
-            continue
-        # a class in pieces is halved in other places, into whole fronts and splinters: their mean is the same
-        loose, middle = (2.0, Tally.mean) if label in IN_PIECES else (1.0, Tally.median)
-        if not 0.6 < mine.mean("count") / theirs.mean("count") < 1.7:
-            found.append(f"{label}: count {mine.mean('count'):.2f}, not {theirs.mean('count'):.2f}")
-        for name in ("length", "width", "height"):
-            ours, other = middle(mine, name), middle(theirs, name)
-            if abs(ours - other) > loose * (0.2 * max(other, 0.3) + 0.35 * theirs.spread(name)):
-                found.append(f"{label}: {name} {ours:.2f}, not {other:.2f}")
-        for name, slack in (("along", 0.2), ("across", 0.4), ("yaw", 4.0)):
-            ends = mine.spread(name), theirs.spread(name)
-            # the spread of few is chance
-            if len(theirs.values[name]) > 50 and not ends[1] / 2.5 - slack < ends[0] < 2.5 * ends[1] + slack:
-                found.append(f"{label}: {name} spreads {ends[0]:.2f}, not {ends[1]:.2f}")
-        if theirs.values["turned"] and abs(mine.mean("turned") - theirs.mean("turned")) > 0.15:
-            found.append(f"{label}: turned {mine.mean('turned'):.2f}, not {theirs.mean('turned'):.2f}")
-        if theirs.values["agrees"] and abs(mine.mean("agrees") - theirs.mean("agrees")) > 0.15:
-            found.append(f"{label}: agrees {mine.mean('agrees'):.2f}, not {theirs.mean('agrees'):.2f}")
-    return found
+# What streets have in sizes that the solver cannot draw; docs/drawings.md says why.
+OTHERWISE = {
+    *("fence: fence", "wall: wall", "hedge: vegetation", "bush: vegetation", "pole: pole", "truck: truck"),
+    "traffic-sign: traffic-sign",
+}
 
 
 def test_things_are_drawn_as_the_solver_of_sentences_draws_them():
     tallies = compare_solver(make_street(seed, CONFIG) for seed in range(8))
-    # the kinds whose sizes in streets are those that people speak of
-    common = {"car: car", "van: car", "house: building", "person: person", "building: building"}
-    spoken = {name: by for name, by in tallies.items() if name in common}
-    assert set(spoken) == common
-    # all people of the solver stride; those who stand in a street are drawn slim
-    assert [found for found in drift(spoken, "solver", "quick", 0.9) if "person: length" not in found] == []
+    alike = {name: by for name, by in tallies.items() if name not in OTHERWISE}
+    assert {"car: car", "van: car", "house: building", "building: building", "tree: trunk"} <= set(alike)
+    assert drift(alike, "solver", "quick", spoken=True) == []
+    places = [text for text in drift(tallies, "solver", "quick", spoken=True) if not text.endswith("possible")]
+    assert places == []
 
 
 def test_every_line_of_the_table_has_every_column():
-    table = list(rows(compare_solver(make_street(seed, CONFIG) for seed in range(2))))
+    table = list(rows(compare_solver(make_street(seed, CONFIG) for seed in range(2)), "solver", "quick", spoken=True))
+    assert len(table) > 10
     assert {line.count("|") for line in table} == {table[0].count("|")}
-    assert np.unique([line.split("|")[2].strip() for line in table[2:]]).tolist() == ["quick", "solver"]
+
+
+def drawn(size: float, number: int) -> Tally:
+    tally = Tally()
+    values = size + np.random.default_rng(0).normal(0.0, 0.1, number)
+    tally.add(count=[number], length=values, width=values, height=values, yaw=10 * values, turned=values > 1.0)
+    return tally
+
+
+def test_drift_is_what_neither_tolerance_nor_chance_explains():
+    by = {"real": drawn(1.0, 400), "same": drawn(1.02, 400), "longer": drawn(1.2, 400), "fewer": drawn(1.0, 200)}
+    assert drift({"car": by}, "real", "same") == []
+    assert drift({"car": by}, "real", "fewer") == ["car: count 200.00, not 400.00"]
+    found = drift({"car": by}, "real", "longer")
+    assert [text.split()[1] for text in found] == ["yaw", "turned", "length", "width", "height"]
+    few = {"real": drawn(1.0, FEWEST - 1), "longer": drawn(1.2, FEWEST - 1)}
+    assert drift({"car": few}, "real", "longer") == []
+
+
+def test_sizes_are_possible_between_the_smallest_and_the_largest():
+    wide, narrow = drawn(1.0, 400), drawn(1.0, 20)
+    assert narrow.possible(wide) == 1.0
+    assert 0.0 < wide.possible(narrow) < 1.0
+
+
+def test_what_was_measured_is_kept_street_by_street(tmp_path: Path):
+    def compare(_: object) -> Tallies:
+        tallies = new_tallies()
+        tallies["car"]["quick"].add(count=np.array([2]), length=[4.0, 5.0])
+        return tallies
+
+    append(tmp_path / "some.jsonl", 0, compare(None))
+    pooled("some", 2, tmp_path, compare)
+    found = read(tmp_path / "some.jsonl")
+    assert sorted(found) == [0, 1]
+    assert found[1]["car"]["quick"].values == {"count": [2.0], "length": [4.0, 5.0]}
+
+    def fail(_: object) -> Tallies:
+        raise AssertionError("it was measured already")
+
+    again = pooled("some", 2, tmp_path, fail)
+    assert again["car"]["quick"].values["count"] == [2.0, 2.0]
 
 
 @pytest.fixture(scope="module")
@@ -61,6 +84,5 @@ def clustered() -> Tallies:
 @pytest.mark.timeout(1200)
 @pytest.mark.parametrize("suffix", ["", " numbered"])
 def test_clusters_are_drawn_as_clustering_draws_them(clustered: Tallies, suffix: str):
-    # a wall falls into splinters there, and one of 0.2 m is the median
-    things = {name: by for name, by in clustered.items() if name != "wall"}
-    assert drift(things, f"clusters{suffix}", f"quick{suffix}", 1.0) == []
+    assert set(clustered) >= {row.name for row in CLASSES if row.name in ("car", "building", "fence", "traffic-sign")}
+    assert drift(clustered, f"clusters{suffix}", f"quick{suffix}") == []

@@ -140,19 +140,19 @@ def share_of_cars(table: ShapeTable) -> float:
     return float((np.abs(drawn.depth - SCAN.depth)[both] < 0.5).mean())
 
 
-def test_clusters_are_of_the_classes_that_were_seen_and_where_they_were_seen():
+def test_clusters_are_of_the_classes_of_real_clusters_and_where_they_were_seen():
     table = draw(Style(source="cloud", ground="patches"))
-    seen = {NAMES[k] for k in np.flatnonzero((SIGHTING.returns >= 6).any(axis=0))}
-    assert {NAMES[k] for k in table.labels} - {"road", "sidewalk", "terrain"} >= seen - {"other"}
     numbers = set(SCAN.instance[SCAN.valid].tolist()) - {0}
     assert set(table.instances.tolist()) - {0} <= numbers
-    # the drawing of what was seen agrees with it as far as that of real clusters: some returns are from within cars
+    # the drawing of what was seen agrees with it nearly as far as that of real clusters, as one street's few cars tell
     points, found = SCAN.points() @ SIGHTING.pose[:3, :3].T, SCAN.valid
     height = float(SIGHTING.pose[2, 3])
-    real = layout_from_cloud(points, SCAN.label[found], instances=SCAN.instance[found], sensor_height=height)
-    agreed = [share_of_cars(drawn) for drawn in (table, ShapeTable.of(real))]
-    assert agreed[0] == pytest.approx(agreed[1], abs=0.06)
-    assert agreed[0] > 0.55
+    labels, numbers = SCAN.label[found], SCAN.instance[found]
+    real = ShapeTable.of(layout_from_cloud(points, labels, instances=numbers, sensor_height=height))
+    assert {NAMES[k] for k in table.labels} == {NAMES[k] for k in real.labels}
+    agreed = np.mean([share_of_cars(draw(Style(source="cloud", ground="patches"), seed)) for seed in range(5)])
+    assert agreed == pytest.approx(share_of_cars(real), abs=0.1)
+    assert agreed > 0.55
 
 
 def test_points_without_numbers_merge_neighbours_and_lose_what_is_small():

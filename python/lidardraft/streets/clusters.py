@@ -32,38 +32,39 @@ _RUNS = _any_of("wall", "fence")
 _HANGING = _any_of("vegetation", "traffic-sign", "traffic-light")
 _THINGS = np.array([row.size is not None for row in CLASSES])
 _SIZES = np.array([row.size or (0.0, 0.0, 0.0) for row in CLASSES])
-_CAR = BY_NAME["car"].id
 _VEGETATION, _SIGN, _LIGHT = (BY_NAME[name].id for name in ("vegetation", "traffic-sign", "traffic-light"))
 # The rules of drafting.cloud and drafting.clustering.
 _MIN_POINTS = 6
 _SMALLEST = 1.5
 _THINNEST = 0.1
 _THINNEST_CROWN = 0.3
-_FRONT = 0.4
 _HANGS = 2.5
+_LINK = (0.5, 0.01)  # m between neighbours, and more with the distance
 _SEEN_WHOLE = 0.7
 _STAGES = (4, 1, 0)  # a facade is cut in four, each of these in pieces, and these stay as they are
 _ROUND = math.sqrt(4 / math.pi)
 # Fitted to what the real one draws on streets.
-_DEEP = 0.1  # share of points that may lie behind the front
+_FRONT = 0.3  # m; 0.4 there, of a box that is turned as its points are and not as the thing is
+_DEEP = 0.08  # share of points that may lie behind the front
 _LARGEST_CROWN = 1.8  # m; there points are halved in tighter boxes than the even ones here
 _LARGEST_PIECE = 2.5  # m, of facades
 _REACH = (0.35, 0.007)  # m between the boxes of neighbours that are merged, and more with the distance
-_MIN_POINTS_OF_CAR = 8  # that a car needs, so that six of them are near each other
+_TRIMMED = 0.96  # of the length and the width, without the points furthest out
+_LONG, _MANY = 6.0, 300  # m, returns
+_SPREAD = 0.45  # m; points 1.5 m long
 _QUARTILES = 1.5  # deviations between the quartiles; 1.35 of a normal, 1.73 of an even spread
 _HIDDEN = 0.5  # columns that at least lie between the outermost points and the sides of a post
+_QUEUE = 4  # steps to the end of a queue of neighbours
 _NEAR = 0.1  # of the girth, from the mean of the points to the middle of a post
 # Deviations of yaw [rad] of what was well seen, and of one point's share more.
-_MISREAD = np.full(NUM_CLASSES, np.deg2rad(0.5))
-for _name, _degrees in (("person", 28), ("rider", 8), ("motorcycle", 14), ("bicycle", 8), ("truck", 1.5)):
+_MISREAD = np.full(NUM_CLASSES, np.deg2rad(1.8))
+for _name, _degrees in (
+    *(("truck", 0.5), ("bus", 0.5), ("train", 0.5), ("traffic-sign", 0.5)),
+    *(("person", 26.0), ("rider", 20.0), ("motorcycle", 8.0), ("bicycle", 4.0)),
+):
     _MISREAD[BY_NAME[_name].id] = np.deg2rad(_degrees)
-_MISREAD_OF_FEW = np.deg2rad(16)
-_TORN = np.zeros(NUM_CLASSES)  # how often long things come in two pieces
-_DOUBTED = np.zeros(NUM_CLASSES)  # how often what would fit is halved all the same
-for _name, _share in (("truck", 0.85), ("bus", 0.15), ("train", 0.6)):
-    _TORN[BY_NAME[_name].id] = _share
-for _name, _share in (("wall", 0.25), ("fence", 0.1)):
-    _DOUBTED[BY_NAME[_name].id] = _share
+_MISREAD_OF_FEW = np.full(NUM_CLASSES, np.deg2rad(45.0))
+_MISREAD_OF_FEW[_SIGN] = np.deg2rad(25.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,6 +80,10 @@ class Clusters:
     sizes: np.ndarray
     yaws: np.ndarray
     keys: np.ndarray
+
+    def where(self, chosen: np.ndarray) -> Clusters:
+        """The chosen shapes [G] alone."""
+        return Clusters(*(getattr(self, name)[..., chosen] for name in self.__dataclass_fields__))
 
 
 def clusters(
@@ -104,20 +109,19 @@ def clusters(
     labels = groups.labels
     enough = sighting.returns.ravel()[groups.keys] >= _MIN_POINTS
     solid, post, crown = _THINGS[labels], _POSTS[labels], labels == _VEGETATION
-    sign = (labels == _SIGN) & enough
+    sign = labels == _SIGN
     if numbered:
-        things = groups.where(solid | sign)
+        things = groups.where(solid | (sign & enough))
     else:
-        dense = (labels != _CAR) | (sighting.returns.ravel()[groups.keys] >= _MIN_POINTS_OF_CAR)
-        things = _merged(_torn(groups.where((solid & enough & dense) | sign), rng))
-    front = ~(solid | post | crown) & (labels != _SIGN) & enough
+        things = _merged(_linked(groups.where((solid | sign) & enough), sighting.returns))
+    front = ~(solid | post | crown | sign) & enough
     run = _RUNS[labels]  # of pieces that follow the ground
     found = [
-        _boxes(things, rng),
+        _boxes(things, sighting.returns, rng),
         _posts(groups.where(post & enough), girths, sensor.azimuth_span / sensor.columns, rng),
         _crowns(groups.where(crown & enough)),
-        *_facades(groups.where(front & ~run), rng),
-        *_facades(_merged(groups.where(front & run)), rng),
+        *_facades(groups.where(front & ~run)),
+        *_facades(_merged(_linked(groups.where(front & run), sighting.returns)), bent=True),
     ]
     whole = Clusters(
         *(np.concatenate([getattr(part, name) for part in found], axis=-1) for name in Clusters.__dataclass_fields__)
@@ -130,16 +134,11 @@ def _back(points: np.ndarray, yaws: np.ndarray) -> np.ndarray:
     return turned(points, np.cos(yaws), -np.sin(yaws))
 
 
-def _torn(groups: Groups, rng: np.random.Generator) -> Groups:
-    """Long vehicles in two, now and then, where few rays hit their middle."""
-    torn = rng.random(len(groups.keys)) < _TORN[groups.labels]
-    if not torn.any():
-        return groups
-    local = groups.local()
-    middle, size = groups.extents(local)
-    cut = middle[0] + size[0] * rng.uniform(-0.35, 0.35, len(torn))
-    front = (local[0] > groups.each(cut)) & groups.each(torn)
-    return groups.regrouped(2 * groups.each(np.arange(len(torn))) + front)
+def _linked(groups: Groups, returns: np.ndarray) -> Groups:
+    """Things in the pieces that DBSCAN finds; `returns` i64 [T, K] says how many returns the points stand for."""
+    weights = returns.ravel()[groups.keys] / groups.counts
+    reach = _LINK[0] + _LINK[1] * np.hypot(*groups.points[:2])
+    return groups.linked(reach, weights, _MIN_POINTS)
 
 
 def _merged(groups: Groups) -> Groups:
@@ -150,34 +149,53 @@ def _merged(groups: Groups) -> Groups:
     reach = _REACH[0] + _REACH[1] * np.hypot(middle[0], middle[1])
     near = (distance < reach) & (groups.labels[:, None] == groups.labels)
     number = np.arange(len(reach))
-    for _ in range(3):
-        # the lowest number within reach; in three steps it has gone round most queues
+    for _ in range(_QUEUE):
+        # the lowest number within reach, and that of the neighbour of that number: each step goes twice as far
         number = np.where(near, number, len(reach)).min(axis=1, initial=len(reach))
+        number = number[number]
     return groups.regrouped(groups.each(number))
 
 
-def _boxes(groups: Groups, rng: np.random.Generator) -> Clusters:
+def _boxes(groups: Groups, returns: np.ndarray, rng: np.random.Generator) -> Clusters:
     """A box around the points of each group, with the sides that were not seen: `clustering.completions`."""
-    groups.yaws = groups.yaws + _misread(groups, rng)
     middle, seen = groups.extents(groups.local())
-    seen = np.maximum(seen, _THINNEST)
+    seen = np.maximum(seen * [[_TRIMMED], [_TRIMMED], [1.0]], _THINNEST)
     whole = _SIZES[groups.labels].T
     # the longer side seen is the length where it is longer than the mean of the class, else the width
     first = (seen[0] > seen[1]) == (np.maximum(seen[0], seen[1]) > (whole[0] + whole[1]) / 2)
+    # what would be added to a long thing, of which much was seen, would stand on ground that was seen
+    complete = (whole[0] > _LONG) & (returns.ravel()[groups.keys] > _MANY) & (seen[:2].max(axis=0) > whole[0] / 4)
+    first = np.where(complete, seen[0] > seen[1], first)
     whole = np.where(first, whole[:2], whole[1::-1])
-    grown = np.where(seen[:2] < _SEEN_WHOLE * whole, whole, seen[:2])
+    grown = np.where((seen[:2] < _SEEN_WHOLE * whole) & ~complete, whole, seen[:2])
     middle[:2] += np.where(middle[:2] < 0, -0.5, 0.5) * (grown - seen[:2])
     # a sign's box, of no usual size, has the heading between 0 and 90 degrees
     aside = np.remainder(groups.yaws, math.pi) >= math.pi / 2
     turned = np.where(groups.labels == _SIGN, aside, ~first)
     sizes = np.stack([*np.where(turned, grown[::-1], grown), seen[2]])
     shapes = np.full(len(turned), _BOX)
-    return Clusters(shapes, _back(middle, groups.yaws), sizes, groups.yaws + turned * math.pi / 2, groups.keys)
+    yaws = groups.yaws + _misread(groups, rng) + turned * math.pi / 2
+    boxes = Clusters(shapes, _back(middle, groups.yaws), sizes, yaws, groups.keys)
+    return boxes.where(~_within(boxes, groups))
+
+
+def _within(boxes: Clusters, groups: Groups) -> np.ndarray:
+    """Which groups [G] have their middle in the box of a larger one of their class, and are parts of that."""
+    seen = groups.extents(groups.points)[0]
+    off = seen[:2, :, None] - boxes.centers[:2, None]
+    cos, sin = np.cos(boxes.yaws), np.sin(boxes.yaws)
+    along, across = np.abs(cos * off[0] + sin * off[1]), np.abs(cos * off[1] - sin * off[0])
+    inside = (along < boxes.sizes[0] / 2) & (across < boxes.sizes[1] / 2)
+    larger = (groups.counts > groups.counts[:, None]) & (groups.labels == groups.labels[:, None])
+    within: np.ndarray = (inside & larger).any(axis=1)
+    return within
 
 
 def _misread(groups: Groups, rng: np.random.Generator) -> np.ndarray:
     """How far off [G, rad] the yaw is that the search over headings finds."""
-    turn = rng.normal(0.0, 1.0, len(groups.keys)) * (_MISREAD[groups.labels] + _MISREAD_OF_FEW / groups.counts)
+    turn = rng.normal(0.0, 1.0, len(groups.keys)) * (
+        _MISREAD[groups.labels] + _MISREAD_OF_FEW[groups.labels] / groups.counts
+    )
     return np.remainder(turn + math.pi / 4, math.pi / 2) - math.pi / 4
 
 
@@ -226,14 +244,18 @@ def _crowns(groups: Groups) -> Clusters:
     return Clusters(shapes, _back(middle, groups.yaws), sizes, groups.yaws, groups.keys)
 
 
-def _facades(groups: Groups, rng: np.random.Generator) -> list[Clusters]:
-    """Boxes of parts that lie on the front of theirs, or are small: `clustering.split`, several halvings at a time."""
+def _facades(groups: Groups, *, bent: bool = False) -> list[Clusters]:
+    """Boxes of parts that lie on the front of theirs, or are small: `clustering.split`, several halvings at a time.
+
+    `bent` ones turn with the road: each part has a heading of its own.
+    """
     done: list[Clusters] = []
     for stage in _STAGES:
+        if bent:
+            groups.yaws = groups.headings(_SPREAD)
         local = groups.local()
         middle, size = groups.extents(local)
-        sure = rng.random(len(groups.keys)) >= _DOUBTED[groups.labels]
-        fits = (_on_front(groups, local, middle, size) & sure) | (stage == 0)
+        fits = _on_front(groups, local, middle, size) | (stage == 0)
         centers = _back(middle[:, fits], groups.yaws[fits])
         sizes = np.maximum(size[:, fits], _THINNEST)
         done.append(Clusters(np.full(len(centers[0]), _BOX), centers, sizes, groups.yaws[fits], groups.keys[fits]))

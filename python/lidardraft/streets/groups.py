@@ -9,6 +9,8 @@ import numpy as np
 
 from lidardraft.semantics import NUM_CLASSES
 
+_APART = 1e4  # m; further than any sensor sees
+
 
 class Groups:
     """Points [3, N] sorted by group; `starts`, `counts`, `keys` and `yaws` [G] of the groups."""
@@ -58,6 +60,37 @@ class Groups:
         order, starts = order_of(numbers)
         parent = self.each(np.arange(len(self.keys)))[order[starts]]
         return Groups(self.points[:, order], starts, self.keys[parent], self.yaws[parent])
+
+    def headings(self, spread: float) -> np.ndarray:
+        """The direction [G, rad] in which each group's points are spread the most, or its yaw if by no more than that.
+
+        `spread` is a standard deviation [m].
+        """
+        x, y = self.points[:2] - self.each(self.means(self.points[:2]))
+        xx, yy, xy = self.means(np.stack([x * x, y * y, x * y]))
+        return np.where(xx + yy > spread**2, np.arctan2(2 * xy, xx - yy) / 2, self.yaws)
+
+    def linked(self, reach: np.ndarray, weights: np.ndarray, least: int) -> Groups:
+        """Each group in pieces along its yaw that have no gap, of points with enough neighbours or next to one: DBSCAN.
+
+        Neighbours are within `reach` [N, m] along it. There must be `least` of them, each counted `weights` [G] times;
+        of a group that is higher than they reach, a share of them.
+        """
+        if not len(self.keys):
+            return self
+        along = self.local()[0] + self.each(np.arange(len(self.keys)) * _APART)
+        order = np.argsort(along)
+        along, reach = along[order], reach[order]
+        near = np.searchsorted(along, along + reach) - np.searchsorted(along, along - reach)
+        height = np.maximum(self.each(self.extents(self.points)[1][2])[order], 1e-6)
+        dense = near * np.minimum(2 * reach / height, 1.0) * self.each(weights)[order] >= least
+        core = np.concatenate([[-np.inf], along[dense], [np.inf]])
+        after = np.searchsorted(core, along)
+        kept = np.minimum(along - core[after - 1], core[after] - along) <= reach
+        gap = np.diff(along[kept], prepend=-np.inf) > reach[kept]
+        numbers = np.zeros(len(order), dtype=np.int64)  # 0 is left out
+        numbers[order[kept]] = np.cumsum(gap)
+        return self.regrouped(numbers).where(np.unique(numbers) > 0)
 
 
 def turned(points: np.ndarray, cos: np.ndarray, sin: np.ndarray) -> np.ndarray:

@@ -13,12 +13,12 @@ from lidardraft.semantics import BY_NAME, CLASSES
 from lidardraft.streets.relief import positions
 
 _STEP = 4.0  # m along the road
-_BESIDE = (3.0, 7.0, 11.0, 16.0, 22.0, 30.0, 40.0, 55.0, 75.0)  # m from the verge
+_BESIDE = (*np.arange(1.5, 13.0, 2.5), *np.arange(14.0, 75.0, 5.0))  # m from the verge
 _ASIDE = 0.1  # m from a kerb to the lines on its sides
 _BELOW = 0.3  # m from the lowest ground to the plane under it, as in `drafting.ground`
 _EXTENT = 400.0  # m
 _SKY = 200.0  # m
-_SEEN = 60.0  # m; ground further off returns next to nothing
+_SEEN = 80.0  # m; ground further off returns next to nothing
 
 
 class Patches:

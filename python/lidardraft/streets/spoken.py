@@ -37,6 +37,7 @@ RANGES: dict[str, tuple[_Size, _Size]] = {
     "garden_wall": ((0.0, 0.2, 1.5), (_ANY, 0.4, 3.0)),
     "pole": ((0.1, 0.1, 2.5), (0.2, 0.2, 5.0)),
     "lamp": ((0.18, 0.18, 6.0), (0.18, 0.18, 8.5)),
+    "sign": ((0.0, 0.6, 2.0), (_ANY, 0.9, 2.6)),
     "bin": ((0.5, 0.5, 0.9), (0.8, 0.7, 1.2)),
     "bench": ((1.4, 0.5, 0.75), (1.9, 0.6, 0.9)),
 }
@@ -51,7 +52,7 @@ _CLEAR = (1.6, 2.4)  # m under a crown
 _GIRTH = (0.25, 0.5)  # m, a trunk
 # What the solver cannot come nearer to than this it cannot mean: a drawing that is further off than a quarter would
 # only teach that drawings lie.
-_FURTHEST = 0.25
+_FURTHEST, _CLOSE = 0.25, 0.12  # of the size; m, which is as good as nothing
 _DRIFT = 0.15  # m that the solver leaves the middle of a lane by
 _VEER = 0.03  # rad, three deviations of the solver's headings
 _SQUARE = ("sign", "traffic_light", "bin", "bench")  # looks up the road or across it
@@ -84,7 +85,8 @@ def _resized(thing: Thing) -> Thing:
     size = np.array(thing.size)
     if kind == "house":
         size[2] = (thing.stem + size[2]) / 2
-    nearest = np.clip(np.clip(size, *RANGES[kind]), (1.0 - _FURTHEST) * size, (1.0 + _FURTHEST) * size)
+    most = np.maximum(_FURTHEST * size, _CLOSE)
+    nearest = np.clip(np.clip(size, *RANGES[kind]), size - most, size + most)
     length, width, height = nearest.tolist()
     if kind == "tree":
         stem = min(max(thing.stem, _CLEAR[0]), _CLEAR[1], 0.6 * height)
@@ -113,8 +115,11 @@ def _marks(thing: Thing) -> list[Mark]:
         along = (np.arange(count) + 0.5) * step - length / 2
         return [Mark("box", (float(x), 0.0, height / 2), (step - 0.25, width, height), "building") for x in along]
     if thing.kind == "sign":
-        plate = Mark("box", (-0.08, 0.0, (thing.stem + height) / 2), (0.05, width, height - thing.stem), "traffic-sign")
+        plate = Mark("box", (-0.08, 0.0, height - width / 2), (0.05, width, width), "traffic-sign")
         return [Mark("cylinder", (0.0, 0.0, height / 2), (0.08, 0.08, height), "pole"), plate]
+    if thing.kind == "traffic_light" and width <= 1.0:  # wider ones hang from an arm
+        light = Mark("box", (0.0, 0.0, thing.stem + 0.45), (0.35, 0.35, 0.9), "traffic-light")
+        return [Mark("cylinder", (0.0, 0.0, thing.stem / 2), (0.15, 0.15, thing.stem), "pole"), light]
     if thing.kind == "lamp":
         arm = Mark("box", (0.0, -0.5, height), (0.3, 1.2, 0.15), "pole")
         return [Mark("cylinder", (0.0, 0.0, height / 2), (0.18, 0.18, height), "pole"), arm]
