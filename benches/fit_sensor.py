@@ -2,8 +2,10 @@
 
     python benches/fit_sensor.py FOLDER
 
-FOLDER holds `pandaset/*/*.npz` (xyz, intensity, device, label of PandaSet's frames, near the sensor's frame) and
-`pjlab_pandar64/*.pcd` (sweeps with rings), both of a Pandar64, and `ika_vlp32c/*.npy.xz` (images of a VLP-32C).
+FOLDER is `permissive` in the folder of recordings. It holds `pandaset/*/*.npz` (xyz, intensity, device, label of
+PandaSet's frames, near the sensor's frame) and
+`pjlab_pandar64/*.pcd` (sweeps with rings), both of a Pandar64, `ika_vlp32c/*.npy.xz` (images of a VLP-32C), and
+`ouster/*.pcap` (samples of an OS0 and an OS1).
 """
 
 from __future__ import annotations
@@ -18,10 +20,17 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
+import recordings
+from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.materials import MATERIAL_BY_NAME, Material, diffuse_response, leaf_response, response
+from lidardraft.scene.sensor import PRESETS
 from lidardraft.scene.sensor_model import MODELS, SensorModel
+from lidardraft.semantics import BY_NAME
 
 MODEL = MODELS["pandar64"]
+ROAD = BY_NAME["road"].id
+# Smooth enough for noise to show.
+SURFACES = tuple(BY_NAME[name].id for name in ("road", "sidewalk", "building", "car"))
 GAIN = 255.0 / MODEL.full_scale  # what a white surface that faces the sensor reads
 # Ids of PandaSet's classes and the material that stands for them.
 CLASSES = {
@@ -31,19 +40,20 @@ CLASSES = {
     "car": ((13, 14), "mid-paint"),
 }
 INCIDENCES = (0.02, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9, 1.0)
-POWERS = (10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0, 100_000.0)
+POWERS = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0, 100_000.0)
 RANGES = (0.0, 5.0, 10.0, 15.0, 20.0, 30.0, 40.0, 60.0)
 NEIGHBOURS = 20
-# Lower quartile of the root mean square of noise of standard deviation 1 about a plane through 20 points: that of chi
-# of 17 degrees of freedom over its root. The quartile, for walls are not planes everywhere.
-QUARTILE = 0.868
 COLUMNS = 1800
+# Lower quartile of the absolute value of noise of standard deviation 1. The quartile, for not all surfaces are smooth.
+QUARTILE = 0.3186
+SMOOTH = 2 * np.pi / COLUMNS  # m a firing and metre of range, by which surfaces may slant: 45 degrees, and
+FLAT = 0.03  # m, at any range
 HEIGHT = 2.0  # m of the sensor over the ground
 LONGEST = 8  # columns that a hole in a surface may be wide
 
 
-def planes(points: np.ndarray, step: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Planes at every `step`-th of points [N, 3]: indices of its points [M, 20], cosine of incidence, noise [m]."""
+def planes(points: np.ndarray, step: int) -> tuple[np.ndarray, np.ndarray]:
+    """Planes at every `step`-th of points [N, 3]: indices of its points [M, 20], cosine of incidence."""
     chosen = np.arange(0, len(points), step)
     near = cKDTree(points).query(points[chosen], k=NEIGHBOURS)[1]
     offsets = points[near] - points[near].mean(axis=1, keepdims=True)
@@ -53,7 +63,7 @@ def planes(points: np.ndarray, step: int) -> tuple[np.ndarray, np.ndarray, np.nd
     noise = np.sqrt(np.maximum(values[:, 0], 0.0) / (NEIGHBOURS - 3)) / np.maximum(cosine, 1e-3)
     # neighbours along a line say nothing of a plane
     flat = (values[:, 1] > 0.03 * values[:, 2]) & (noise * cosine < 0.05)
-    return near[flat], cosine[flat], noise[flat]
+    return near[flat], cosine[flat]
 
 
 def fit_roughness(cosine: np.ndarray, intensity: np.ndarray) -> tuple[float, float]:
@@ -154,22 +164,20 @@ def images(columns: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def report_walls(folder: Path) -> None:
-    """Intensity by class and incidence, grain, and range noise, in PandaSet."""
+    """Intensity by class and incidence, and grain, in PandaSet."""
     gathered: dict[str, list[np.ndarray]] = {name: [] for name in CLASSES}
     for path in sorted(folder.glob("pandaset/*/*.npz")):
         frame = np.load(path)
         for name, (ids, _) in CLASSES.items():
             ours = (frame["device"] == 0) & np.isin(frame["label"], ids)
             points, intensity = frame["xyz"][ours].astype(np.float64), frame["intensity"][ours].astype(np.float64)
-            near, cosine, noise = planes(points, 7)
+            near, cosine = planes(points, 7)
             level = intensity[near]
             grain = level.std(axis=1) / np.maximum(level.mean(axis=1), 1.0)
-            distance = np.linalg.norm(points[near[:, 0]], axis=1)
-            gathered[name].append(np.stack([cosine, noise, np.median(level, axis=1), grain, distance]))
+            gathered[name].append(np.stack([cosine, np.median(level, axis=1), grain]))
     print("| class | incidence | planes | median | mean | model |\n|---|---|---:|---:|---:|---:|")
-    found = {}
     for name, (_, material) in CLASSES.items():
-        cosine, noise, intensity, grain, distance = found[name] = np.concatenate(gathered[name], axis=1)
+        cosine, intensity, grain = np.concatenate(gathered[name], axis=1)
         for low, high in pairwise(INCIDENCES):
             inside = (cosine >= low) & (cosine < high)
             if inside.sum() >= 40:
@@ -179,13 +187,62 @@ def report_walls(folder: Path) -> None:
         facing, roughness = fit_roughness(cosine, intensity)
         fitted = f"{facing:.1f} facing, slopes of {roughness:.2f} rad, grain {np.median(grain):.2f}"
         print(f"| {name} | fit: {fitted} | | | | |")
-    cosine, noise, intensity, _, distance = found["building"]
-    power = np.maximum(intensity, 0.5) / GAIN / distance**2 / MODEL.faintest
-    sigma, jitter, rows = fit_noise(power[cosine > 0.5], noise[cosine > 0.5])
-    print("\n| power | range noise [m] | fit |\n|---:|---:|---:|")
+
+
+def bends(sweep: Sweep, labels: tuple[int, ...] | None) -> tuple[np.ndarray, np.ndarray]:
+    """How far returns of smooth pieces of some classes lie off the middle of their neighbours in the row [N], and where
+    in the sweep they are: a mask [H, W]."""
+    depth = sweep.depth.astype(np.float64)
+    before, after = np.roll(depth, 1, axis=1), np.roll(depth, -1, axis=1)
+    smooth = (depth > 0) & (before > 0) & (after > 0) & (np.abs(after - before) / 2 < SMOOTH * depth + FLAT)
+    smooth[:, [0, -1]] = False
+    if labels is not None and sweep.label is not None:
+        ours = np.isin(sweep.label, labels)
+        smooth &= ours & np.roll(ours, 1, axis=1) & np.roll(ours, -1, axis=1)
+    return (depth - (before + after) / 2)[smooth], smooth
+
+
+def report_noise(name: str, sweeps: list[Sweep], model: SensorModel, labels: tuple[int, ...] | None) -> None:
+    """Range noise by power, from the bends in the rows of some classes."""
+    rng, found = np.random.default_rng(0), []
+    for sweep in sweeps:
+        assert sweep.intensity is not None
+        off, where = bends(sweep, labels)
+        off += rng.uniform(-0.5, 0.5, len(off)) * model.range_step / 2  # its steps would show in the quartiles
+        read = np.maximum(sweep.intensity[where], 0.5 / 255)
+        response = read / model.knee if model.knee < 1.0 else read * model.full_scale
+        found.append((response / sweep.depth[where] ** 2 / model.faintest, np.abs(off) / np.sqrt(1.5)))
+    power, noise = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    sigma, jitter, rows = fit_noise(power, noise)
+    print(f"\n| {name}: power | range noise [m] | fit |\n|---:|---:|---:|")
     for middle, measured in rows:
         print(f"| {middle:.0f} | {measured:.4f} | {np.sqrt(sigma**2 + jitter**2 / middle):.4f} |")
     print(f"\nrange_sigma {sigma:.4f} m, jitter {jitter:.3f} m")
+
+
+def report_tilts(name: str, sweeps: list[Sweep], elevations: tuple[float, ...]) -> None:
+    """How far each laser's points on the road lie from its neighbours', as an angle, by the step between lasers."""
+    found: dict[int, list[float]] = {}
+    for sweep in sweeps:
+        assert sweep.label is not None
+        road = (sweep.label == ROAD) & sweep.valid & (sweep.depth < 35.0)
+        whole = np.logical_and.reduce([road[i : len(road) - 2 + i, j : road.shape[1] - 4 + j]
+                                       for i in range(3) for j in range(5)])  # fmt: skip
+        rows, columns = np.nonzero(whole)
+        points = np.median([[sweep.points[rows + i, columns + j] for j in range(5)] for i in range(3)], axis=1)
+        out, height = np.linalg.norm(points[..., :2], axis=2), points[..., 2]
+        share = (out[1] - out[0]) / np.where(out[2] != out[0], out[2] - out[0], np.inf)
+        angle = (height[1] - height[0] - share * (height[2] - height[0])) / np.linalg.norm(points[1], axis=1)
+        between = (share > 0.15) & (share < 0.85)
+        for row, value in zip(rows[between] + 1, angle[between], strict=True):
+            found.setdefault(int(row), []).append(float(value))
+    steps = -np.diff(elevations)
+    print(f"\n| {name}: step to the next laser [degrees] | lasers | off their neighbours [mrad] |\n|---|---:|---:|")
+    for low, high in ((0.0, 0.5), (0.5, 10.0)):
+        angles = [np.median(values) for row, values in found.items()
+                  if len(values) >= 60 and low <= np.rad2deg(min(steps[row - 1], steps[row])) < high]  # fmt: skip
+        if angles:
+            print(f"| {low:g} to {high:g} | {len(angles)} | {1e3 * np.sqrt(np.mean(np.square(angles))):.2f} |")
 
 
 def report_leaves(folder: Path) -> None:
@@ -223,6 +280,13 @@ def main(folder: Path) -> None:
         np.load(io.BytesIO(lzma.decompress(path.read_bytes()))) for path in sorted(folder.glob("ika_vlp32c/*.npy.xz"))
     ]
     # the depth, and the labels of road and sidewalk
+    for name, read in (("pandar64", recordings.pandar64), ("vlp32c", recordings.vlp32c)):
+        labelled = [sweep for group in read(folder.parent, COLUMNS).labelled.values() for sweep in group]
+        report_noise(name, labelled, MODELS[name], SURFACES)
+        report_tilts(name, labelled, PRESETS[name].elevations)
+    for name, read in (("os0-128", recordings.os0_128), ("os1-32", recordings.os1_32)):
+        halves = [sweep for group in read(folder.parent, 1024).plain.values() for sweep in group]
+        report_noise(name, halves, MODELS[name], None)
     report_holes("VLP-32C", [holes(scan[..., 4], scan[..., 5] <= 1) for scan in scans], MODELS["vlp32c"])
 
 

@@ -80,7 +80,8 @@ class Recordings:
 
     `shares` holds published counts by class [NUM_CLASSES]; `spherical` says that the labelled ones are images of the
     usual projection (+3 to -25 degrees in equal steps) instead of rows of lasers; `fov` that they see only so wide an
-    angle ahead [rad]; `halves` that the groups are the left and the right half of one sweep; `why` what is missing.
+    angle ahead [rad]; `halves` that the groups are the left and the right half of one sweep; `range_step` the unit [m]
+    of their ranges where it is a coarse one of the recording, not the sensor's; `why` what is missing.
     """
 
     sensor: str
@@ -90,6 +91,7 @@ class Recordings:
     spherical: bool = False
     fov: float | None = None
     halves: bool = False
+    range_step: float = 0.0
     why: str = ""
 
 
@@ -157,7 +159,7 @@ def vlp32c(folder: Path, columns: int) -> Recordings:
 
 def os0_128(folder: Path, columns: int) -> Recordings:
     """Ouster's sample of this sensor: one sweep in a street; what is nearer than 1.5 m is the recording car."""
-    return _ouster(folder, "os0-128", "OS-0-128-U1_v2.3.0_1024x10.pcap", columns)
+    return _ouster(folder, "os0-128", "OS-0-128-U1_v2.3.0_1024x10.pcap", columns, range_step=8e-3)
 
 
 def os1_32(folder: Path, columns: int) -> Recordings:
@@ -165,7 +167,7 @@ def os1_32(folder: Path, columns: int) -> Recordings:
     return _ouster(folder, "os1-32", "OS-1-32-G_v2.1.1_1024x10.pcap", columns)
 
 
-def _ouster(folder: Path, sensor: str, name: str, columns: int) -> Recordings:
+def _ouster(folder: Path, sensor: str, name: str, columns: int, range_step: float = 0.0) -> Recordings:
     path = folder / "permissive" / "ouster" / name
     if not path.exists():
         return Recordings(sensor=sensor, why="no recordings under permissive/ouster")
@@ -173,9 +175,8 @@ def _ouster(folder: Path, sensor: str, name: str, columns: int) -> Recordings:
     sweep.points[sweep.depth < 1.5] = 0.0
     sweep = Sweep(sweep.points, None, sweep.intensity)
     middle, end = columns // 2, sweep.points.shape[1]
-    return Recordings(
-        sensor=sensor, plain={"left": [sweep.part(0, middle)], "right": [sweep.part(middle, end)]}, halves=True
-    )
+    halves = {"left": [sweep.part(0, middle)], "right": [sweep.part(middle, end)]}
+    return Recordings(sensor=sensor, plain=halves, halves=True, range_step=range_step)
 
 
 def _there(groups: Groups) -> Groups:

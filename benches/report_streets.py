@@ -18,6 +18,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -94,10 +95,11 @@ def report(real: Recordings, sensor: Sensor, num: int) -> tuple[list[Line], Pool
     open_plain = unhidden(real.plain, sensor, real.fov)
     open_labelled = open_plain if real.spherical else unhidden(real.labelled, sensor, real.fov)
     for number, image in enumerate(_progress(sensor, num)):
-        values = _measured(plain, _windowed(Sweep.of(image.keep(open_plain)), real, number))
+        image = _in_units(image, real.range_step)
+        values = _measured(plain, _windowed(by_azimuth(image.keep(open_plain)), real, number))
         if real.labelled:
             seen = image.keep(open_labelled)
-            sweep = _windowed(Sweep.of(_as_labelled(seen) if real.spherical else seen), real, number)
+            sweep = _windowed(Sweep.of(_as_labelled(seen)) if real.spherical else by_azimuth(seen), real, number)
             values |= {**_measured(labelled, sweep), "class counts": lifelike.class_counts(sweep)}
         for name, value in values.items():
             made[name].append(value)
@@ -130,6 +132,30 @@ def unhidden(groups: Groups, sensor: Sensor, fov: float | None) -> np.ndarray:
     start = (sensor.columns - shown.shape[1]) // 2 if fov is not None else 0
     around[:, start : start + shown.shape[1]] = shown
     return around
+
+
+def by_azimuth(image: RangeImage) -> Sweep:
+    """The sweep with each laser's firings in the columns that they look to, as recordings are unfolded.
+
+    Lasers that fire together look up to 10 degrees apart: by firing, what lies in one column would not be neighbours.
+    """
+    sweep, sensor = Sweep.of(image), image.sensor
+    if not sensor.azimuth_offsets:
+        return sweep
+    shifts = np.rint(np.array(sensor.azimuth_offsets) / (2 * math.pi / sensor.columns)).astype(int)
+    column = (np.arange(sensor.columns) + shifts[:, None]) % sensor.columns
+
+    def moved(values: np.ndarray) -> np.ndarray:
+        return values[np.arange(len(shifts))[:, None], column]
+
+    return Sweep(
+        moved(sweep.points),
+        *(None if values is None else moved(values) for values in (sweep.label, sweep.intensity)),
+    )
+
+
+def _in_units(image: RangeImage, step: float) -> RangeImage:
+    return replace(image, depth=np.rint(image.depth / np.float32(step)) * np.float32(step)) if step else image
 
 
 def _progress(sensor: Sensor, num: int) -> Iterator[RangeImage]:

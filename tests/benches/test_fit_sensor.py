@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from fit_sensor import COLUMNS, LONGEST, fit_noise, fit_roughness, holes, images, planes, read_pcd
+from fit_sensor import COLUMNS, LONGEST, bends, fit_noise, fit_roughness, holes, images, planes, read_pcd
+from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.materials import Material, diffuse_response
 
 
@@ -16,25 +17,38 @@ def test_roughness_and_scale_come_back():
     assert roughness == pytest.approx(0.6, abs=0.1)
 
 
-def test_noise_of_planes_comes_back():
+def wall(sigma: float) -> np.ndarray:
+    """Points [64, 1800, 3] of a wall 10 m ahead, as far as 45 degrees to the sides, with noise along the rays."""
     rng = np.random.default_rng(1)
-    across, up = rng.uniform(-4, 4, (2, 30_000))
-    # a wall 10 m ahead, seen along rays; noise along the rays
-    points = np.stack([np.full_like(across, 10.0), across, up], axis=1)
-    distance = np.linalg.norm(points, axis=1)
-    power = np.exp(rng.uniform(np.log(15), np.log(50_000), 1))[0] * np.ones(len(points))
-    sigma = np.sqrt(0.01**2 + 0.1**2 / power)
-    near, cosine, noise = planes(points * (1 + sigma * rng.standard_normal(len(points)) / distance)[:, None], 5)
+    azimuth = np.pi - (np.arange(COLUMNS) + 0.5) / COLUMNS * 2 * np.pi
+    elevation = np.deg2rad(np.linspace(5, -5, 64))[:, None]
+    axes = (np.ones((64, COLUMNS)), np.tan(azimuth) * np.ones((64, 1)), np.tan(elevation) / np.cos(azimuth))
+    points = 10.0 * np.stack(axes, axis=2)
+    distance = np.linalg.norm(points, axis=2, keepdims=True)
+    points *= 1 + sigma * rng.standard_normal(distance.shape) / distance
+    points[:, np.abs(azimuth) > np.pi / 4] = 0.0
+    return points.astype(np.float32)
+
+
+def test_bends_in_rows_have_the_noise_of_the_range():
+    off, where = bends(Sweep(wall(0.01)), None)
+    assert len(off) == where.sum() > 10_000
+    assert np.sqrt(np.square(off).mean() / 1.5) == pytest.approx(0.01, rel=0.05)
+
+
+def test_planes_have_the_incidence_of_the_wall():
+    points = wall(0.001).reshape(-1, 3)
+    points = points[points[:, 0] > 0].astype(np.float64)
+    near, cosine = planes(points, 5)
     assert near.shape[1] == 20
-    assert np.sqrt(np.square(noise).mean()) == pytest.approx(sigma[0], rel=0.1)
-    np.testing.assert_allclose(cosine, 10.0 / distance[near[:, 0]], atol=0.1)
+    np.testing.assert_allclose(cosine, 10.0 / np.linalg.norm(points[near[:, 0]], axis=1), atol=0.1)
 
 
 def test_the_two_parts_of_noise_come_back():
     rng = np.random.default_rng(2)
     power = np.exp(rng.uniform(np.log(11), np.log(90_000), 60_000))
     sigma = np.sqrt(0.01**2 + 0.1**2 / power)
-    noise = sigma * np.sqrt(rng.chisquare(17, len(power)) / 17)
+    noise = sigma * np.abs(rng.standard_normal(len(power)))
     floor, jitter, rows = fit_noise(power, noise)
     assert floor == pytest.approx(0.01, rel=0.1)
     assert jitter == pytest.approx(0.1, rel=0.1)

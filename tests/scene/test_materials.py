@@ -8,6 +8,7 @@ import pytest
 
 from lidardraft import Layout, Primitive, Sensor, raycast
 from lidardraft.errors import LayoutError, SensorError
+from lidardraft.scene.effects import observe
 from lidardraft.scene.materials import (
     CLASS_MATERIALS,
     MATERIAL_BY_NAME,
@@ -20,13 +21,25 @@ from lidardraft.scene.materials import (
     retro_response,
     specular_response,
 )
+from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.semantics import NUM_CLASSES
 
 NAMES = [
     *("asphalt", "concrete", "paving", "gravel", "plaster", "brick", "stone", "roof-tile", "wood", "metal"),
     *("rusty-metal", "chrome", "foliage", "bark", "grass", "soil", "cloth", "dark-cloth", "skin", "light-paint"),
-    *("mid-paint", "dark-paint", "rubber", "plastic", "glass", "window", "retroreflector", "road-paint", "sign-back"),
+    *(
+        "mid-paint",
+        "dark-paint",
+        "rubber",
+        "plastic",
+        "glass",
+        "car-glass",
+        "window",
+        "retroreflector",
+        "road-paint",
+        "sign-back",
+    ),
 ]
 FACING = np.ones(1)
 COSINES = np.cos(np.linspace(0, math.pi / 2, 50))
@@ -97,7 +110,8 @@ def test_surfaces_hold_the_response_of_each_primitive_and_0_for_none():
     image = raycast(layout, Sensor(name="s", elevations=(0.0,), columns=720), primitive=True, incidence=True)
     assert image.primitive is not None
     assert image.incidence is not None
-    back = surfaces.response(image.primitive, image.incidence)
+    # with every effect off the intensity is the response
+    back = 300.0 * observe(image, surfaces, 0, model=replace(SensorModel.ideal(), full_scale=300.0)).intensity
     assert (back[~image.valid] == 0).all()
     for i, name in enumerate(("plaster", "glass", "plaster")):
         met = image.primitive == i
@@ -142,9 +156,3 @@ def test_errors():
         Surfaces.of(boxes("cheese"))
     with pytest.raises(SensorError, match=r"wetness is 1\.5; it must be 0 to 1"):
         Surfaces.of(boxes("wood"), wetness=1.5)
-    layout = boxes("wood")
-    image = raycast(layout, Sensor(name="s", elevations=(0.0,), columns=90), primitive=True, incidence=True)
-    with pytest.raises(SensorError, match="the image lacks primitive or incidence"):
-        Surfaces.of(layout).check(replace(image, primitive=None))
-    with pytest.raises(SensorError, match="the image shows primitive 0; the layout has 0"):
-        Surfaces.of(Layout()).check(image)

@@ -8,7 +8,7 @@ import pytest
 
 from lidardraft.errors import SensorError
 from lidardraft.scene.sensor import PRESETS, Sensor
-from lidardraft.scene.sensor_model import MODELS, SensorModel, beam_fan, sub_rays
+from lidardraft.scene.sensor_model import MODELS, SensorModel, beam_fan, beam_tilts, sub_rays
 
 
 def test_every_preset_has_a_model_and_another_sensor_a_typical_one():
@@ -31,7 +31,7 @@ def test_the_sub_rays_of_every_preset_are_a_sensor(name):
     assert sub_rays(sensor, model) is rays
     beams = np.array(rays.elevations).reshape(-1, 3)
     # their middle is the beam, in its place
-    np.testing.assert_allclose(beams.mean(axis=1), sensor.elevations, atol=1e-12)
+    np.testing.assert_allclose(beams.mean(axis=1), sensor.elevations + beam_tilts(sensor, model), atol=1e-12)
     np.testing.assert_array_equal(rays.pattern.origins()[0, 0, 2], sensor.pattern.origins()[0, 0, 2])
 
 
@@ -48,9 +48,25 @@ def test_the_fan_has_the_power_and_the_width_of_a_gaussian_beam(rays):
         assert share @ up**2 == pytest.approx((2e-3 / 4) ** 2)
 
 
-def test_one_ray_is_the_sensor_itself():
+def test_one_ray_that_looks_where_it_should_is_the_sensor_itself():
     sensor = PRESETS["hdl64e"]
-    assert sub_rays(sensor, SensorModel(rays=1)) is sensor
+    assert sub_rays(sensor, SensorModel.ideal()) is sensor
+    askew = sub_rays(sensor, SensorModel(rays=1, tilt_spread=1e-3))
+    assert askew.shape == sensor.shape
+    assert (np.array(askew.elevations) != sensor.elevations).all()
+
+
+def test_each_unit_has_tilts_of_its_own_less_where_beams_are_close():
+    steps = np.array([0.25, 1.0, 5.0])
+    tilts = []
+    for step in steps:
+        sensor = Sensor(name="mine", elevations=tuple(np.deg2rad(step) * np.arange(16.0, 0.0, -1.0)), columns=8)
+        models = [SensorModel(unit=unit, tilt_spread=2e-3) for unit in range(60)]
+        tilts.append([beam_tilts(sensor, model) for model in models])
+        np.testing.assert_array_equal(beam_tilts(sensor, models[0]), tilts[-1][0])
+    spread = np.std(tilts, axis=(1, 2))
+    np.testing.assert_allclose(spread, 2e-3 * np.minimum(steps, 1.0), rtol=0.06)
+    assert np.abs(np.corrcoef(tilts[0][0], tilts[0][1])[0, 1]) < 0.6
 
 
 def test_beams_that_overlap_are_refused():

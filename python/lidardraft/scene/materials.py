@@ -13,6 +13,8 @@ Sources of `MATERIALS`, by column; where several are named the value is typical 
   Optics 39, 2000). Metallic paint (mid-paint) is a lobe of flakes, fitted to PandaSet's cars; other spreads are
   estimates of ours.
 - `transmission`: float glass of 4 to 6 mm at 905 nm, two-way for what is seen behind; solar control coatings take more.
+  Car glass absorbs heat: of visible light at least 0.70 passes (UN regulation 43), at 905 nm less; 0.45, its diffuse
+  share and that of rays that end in cabins (streets/coachwork.py) are such that PandaSet's holes in cars come out.
 - `retro`: the coefficients of retroreflection of EN 12899-1 (class RA2, white, 0.2 and 5 degrees: 250 cd/lx/m2); a
   white surface that faces the sensor has 1 / pi of these units.
 - `relief`: of grass from the planes of terrain in PandaSet (17 mm), of bark, gravel and soil estimates of ours.
@@ -85,6 +87,7 @@ MATERIALS: tuple[Material, ...] = (
     Material("rubber", 0.03, roughness=0.6),
     Material("plastic", 0.10, specular=_COAT, spread=0.3, variation=0.5),
     Material("glass", 0.01, specular=2 * _COAT, spread=0.03, transmission=0.75, variation=0.5),
+    Material("car-glass", 0.003, specular=2 * _COAT, spread=0.03, transmission=0.45, variation=0.5),
     Material("window", 0.02, specular=2 * _COAT, spread=0.05, transmission=0.70, variation=0.5),
     Material("retroreflector", 0.30, retro=math.pi * 250.0, variation=0.3),
     Material("road-paint", 0.28, roughness=1.0, variation=0.4, grain=0.3),

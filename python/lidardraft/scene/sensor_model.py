@@ -35,8 +35,9 @@ class SensorModel:
     pass through glass.
 
     Range: `jitter` [m] is the noise of an echo of power 1, on top of the sensor's `range_sigma`; `range_step` [m]
-    rounds it. One unit differs from another: `unit` draws each beam's range offset with `offset_spread` [m] and gain
-    with `gain_spread` (relative).
+    rounds it. One unit differs from another: `unit` draws each beam's range offset with `offset_spread` [m], its gain
+    with `gain_spread` (relative), and by how much its elevation differs from the sensor's table with `tilt_spread`
+    [rad].
 
     Output: an intensity of 1 is a response of `full_scale`, in `levels` steps (0: smooth). With a `knee` below 1 the
     response 1 reads `knee`, and what is brighter climbs from there by its logarithm. It is corrected for range up to
@@ -57,11 +58,12 @@ class SensorModel:
     fading: float = 1.6
     chance: float = 0.0003
     panes: bool = True
-    jitter: float = 0.09
+    jitter: float = 0.07
     range_step: float = 0.002
     unit: int = 0
     offset_spread: float = 0.01
     gain_spread: float = 0.08
+    tilt_spread: float = 2.2e-3
     full_scale: float = 1.0
     knee: float = 1.0
     levels: int = 255
@@ -115,18 +117,22 @@ class SensorModel:
             range_step=0.0,
             offset_spread=0.0,
             gain_spread=0.0,
+            tilt_spread=0.0,
             levels=0,
         )
 
 
+@lru_cache(maxsize=32)
 def beam_fan(model: SensorModel) -> np.ndarray:
     """The sub-rays of a beam, f64 [S, 3]: azimuth and elevation from its axis [rad], share of its power; from above.
+
+    The array is read-only.
 
     A Gaussian beam as a cubature: three rays of a ring have its second moments, a centre of one half and a ring at the
     1 / e^2 radius its fourth as well.
     """
     if model.rays == 1:
-        return np.array([[0.0, 0.0, 1.0]])
+        return _read_only(np.array([[0.0, 0.0, 1.0]]))
     ring = model.rays if model.rays == 3 else model.rays - 1
     angle = 2 * math.pi * np.arange(ring) / ring + math.pi / 2 + _TURN
     radius, share = (math.sqrt(0.5), 1.0) if model.rays == 3 else (1.0, 0.5)
@@ -134,7 +140,12 @@ def beam_fan(model: SensorModel) -> np.ndarray:
     fan = np.column_stack([across, np.full(ring, share / ring)])
     if model.rays > 3:
         fan = np.vstack([fan, [0.0, 0.0, 1.0 - share]])
-    return fan[np.argsort(-fan[:, 1])]
+    return _read_only(fan[np.argsort(-fan[:, 1])])
+
+
+def _read_only(array: np.ndarray) -> np.ndarray:
+    array.flags.writeable = False
+    return array
 
 
 @lru_cache(maxsize=32)
@@ -142,14 +153,16 @@ def sub_rays(sensor: Sensor, model: SensorModel) -> Sensor:
     """The sensor whose beams are the sub-rays of `sensor`: row h * S + s is sub-ray s of beam h.
 
     Cast this one, and give the image to `observe` with `sensor`. Sub-rays spread in azimuth, not across the beam, so
-    that beams share their columns: at elevation e they are cos(e) closer. Raises `SensorError` where the beams of
-    `sensor` are so close that their sub-rays would cross.
+    that beams share their columns: at elevation e they are cos(e) closer. They look where the unit's beams look, which
+    is not quite where the table says and `observe` puts the returns. Raises `SensorError` where the beams of `sensor`
+    are so close that their sub-rays would cross.
     """
-    if model.rays == 1:
+    if model.rays == 1 and not model.tilt_spread:
         return sensor
     fan = beam_fan(model)
     beams = len(sensor.elevations)
-    elevations = np.add.outer(sensor.elevations, fan[:, 1]).ravel()
+    elevations = np.add.outer(sensor.elevations, fan[:, 1])
+    elevations = (elevations + beam_tilts(sensor, model)[:, None]).ravel()
     if (np.diff(elevations) >= 0).any():
         closest = -np.diff(sensor.elevations).max()
         raise SensorError(
@@ -168,6 +181,18 @@ def sub_rays(sensor: Sensor, model: SensorModel) -> Sensor:
     )
 
 
+def beam_tilts(sensor: Sensor, model: SensorModel) -> np.ndarray:
+    """By how much each beam of this unit looks higher than the table of its sensor says, f64 [H], rad.
+
+    `tilt_spread` is that of beams a degree or more apart; closer ones are less wrong in proportion.
+    """
+    steps = -np.diff(sensor.elevations)
+    step = np.minimum(np.append(steps, np.inf), np.append(np.inf, steps))
+    drawn = np.random.default_rng([model.unit, 3]).standard_normal(len(step))
+    tilts: np.ndarray = np.clip(drawn, -2.5, 2.5) * model.tilt_spread * np.minimum(step / math.radians(1.0), 1.0)
+    return tilts
+
+
 def _repeated(values: tuple[float, ...], times: int) -> tuple[float, ...]:
     return tuple(value for value in values for _ in range(times))
 
@@ -177,8 +202,11 @@ def _repeated(values: tuple[float, ...], times: int) -> tuple[float, ...]:
 _REFLECTIVITY: dict[str, Any] = {"full_scale": 300.0, "knee": 100.0 / 255.0}
 
 
-def _ouster(degrees: float, reach: float) -> SensorModel:
-    """Ouster's data sheets: 865 nm, a beam of `degrees` at half maximum, a range of `reach` [m] at 0.10."""
+def _ouster(degrees: float, reach: float, jitter: float) -> SensorModel:
+    """Ouster's data sheets: 865 nm, a beam of `degrees` at half maximum, a range of `reach` [m] at 0.10.
+
+    `jitter` [m] is such that their samples come out (benches/fit_sensor.py).
+    """
     width = math.radians(degrees) * _FWHM
     return SensorModel(
         divergence_h=width,
@@ -186,6 +214,8 @@ def _ouster(degrees: float, reach: float) -> SensorModel:
         faintest=0.10 / reach**2,
         range_step=0.001,
         offset_spread=0.003,
+        tilt_spread=0.0,  # each unit's own table comes with it
+        jitter=jitter,
         **_REFLECTIVITY,
     )
 
@@ -194,14 +224,16 @@ def _ouster(degrees: float, reach: float) -> SensorModel:
 _CHANCE = 0.022
 
 # HDL-64E S2 manual: 905 nm, 5 ns, 2 cm; pavement of 0.10 is seen to 50 m, from a roof: at 2 degrees, where it sends
-# back two thirds and its echo is stretched over three sub-rays. Of the 2 cm, noise is what was measured of a Pandar64;
-# the rest stays in a laser, as the 1 to 3 cm of Glennie and Lichti (Remote Sensing 2, 2010), who have the divergence
-# too. Its intensity is corrected by a focal distance and slope for each laser, of 3 to 20 m in published calibrations
-# (ros-drivers/velodyne), so not beyond some tens of metres; KITTI stores hundredths.
+# back two thirds and its echo is stretched over three sub-rays. Of the 2 cm, a part is noise (`Sensor`); the rest stays
+# in a laser, as the 1 to 3 cm of Glennie and Lichti (Remote Sensing 2, 2010), who have the divergence too. Its units of
+# 2 mm are lost in a correction that differs along the range. Its intensity is corrected by a focal distance and slope
+# for each laser, of 3 to 20 m in published calibrations (ros-drivers/velodyne), so not beyond some tens of metres;
+# KITTI stores hundredths.
 _HDL64E = SensorModel(
     divergence_h=2.0e-3,
     divergence_v=2.0e-3,
     faintest=0.10 * 0.67 / 3 / 50.0**2,
+    range_step=0.0,
     offset_spread=0.018,
     gain_spread=0.12,
     levels=100,
@@ -215,12 +247,16 @@ MODELS: dict[str, SensorModel] = {
     # ground as if that were 0.10 (benches/fit_sensor.py), so it is taken for all three.
     "hdl32e": SensorModel(faintest=0.10 / 100.0**2, **_REFLECTIVITY),
     "vlp16": SensorModel(faintest=0.10 / 100.0**2, **_REFLECTIVITY),
-    "vlp32c": SensorModel(faintest=0.10 / 200.0**2, chance=_CHANCE, range_step=0.004, **_REFLECTIVITY),
+    "vlp32c": SensorModel(
+        faintest=0.10 / 200.0**2, chance=_CHANCE, jitter=0.04, range_step=0.004, tilt_spread=2.6e-3, **_REFLECTIVITY
+    ),
     # Pandar64 manual: 905 nm, 2 cm, 200 m at 0.10. Divergence: an estimate after sensors of its kind. Scale and noise
     # are fitted to PandaSet by benches/fit_sensor.py.
-    "pandar64": SensorModel(faintest=0.10 / 200.0**2, offset_spread=0.004, range_step=0.004, full_scale=255.0 / 66.0),
-    "os0-128": _ouster(0.35, 20.0),
-    "os1-128": _ouster(0.18, 40.0),
-    "os1-32": _ouster(0.18, 40.0),
-    "os2-128": _ouster(0.09, 90.0),
+    "pandar64": SensorModel(
+        faintest=0.10 / 200.0**2, offset_spread=0.007, range_step=0.004, tilt_spread=1.8e-3, full_scale=255.0 / 66.0
+    ),
+    "os0-128": _ouster(0.35, 20.0, 0.03),
+    "os1-128": _ouster(0.18, 40.0, 0.035),
+    "os1-32": _ouster(0.18, 40.0, 0.035),
+    "os2-128": _ouster(0.09, 90.0, 0.035),
 }

@@ -9,6 +9,7 @@ import numpy as np
 from lidardraft.scene.road import Road
 
 _RIM = 4.0  # m of land in the square beyond the sidewalk
+_LAND = (0.12, 0.3, 0.6)  # where the rings between the outermost circle and the square are, in shares of the way
 
 
 class Circle:
@@ -31,6 +32,8 @@ class Circle:
         rings = [np.zeros_like(square)]
         radii = (0.5 * road.island, road.island, road.circle, *([outer] if road.sidewalk > 0 else []))
         rings += [self._ring(square, heading, radius) for radius in radii]
+        # the land rises or falls most next to what is paved
+        rings += [rings[-1] + share * (square - rings[-1]) for share in _LAND]
         rings.append(square)
         points = np.stack(rings)
         self.along, self.across = points[..., 0] + road.junction, points[..., 1]

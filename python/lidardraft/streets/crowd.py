@@ -28,7 +28,7 @@ def walk(site: Site, quarter: Quarter, lights: bool, rng: np.random.Generator) -
     for _ in range(rng.poisson(quarter.people / 5)):
         _cluster(site, _spot(site, rng), int(rng.integers(2, 5)), rng)
     for along, side in site.stops:
-        for _ in range(rng.poisson(2.5)):
+        for _ in range(rng.poisson(1.5)):
             across = side * (site.road.edge + rng.uniform(0.5, max(0.9, site.road.sidewalk - 1.9)))
             turn = -side * math.pi / 2 + rng.normal(0.0, 0.6)
             size = person_size(rng, standing=True)

@@ -14,6 +14,8 @@ BAY = 3.0  # m from window to window that a form is made for
 PLINTH = 0.8  # m that walls reach under the ground
 RECESS = 0.16  # m from the wall's face to the pane
 _SILL, _LINTEL = 0.9, 2.25  # m over the floor
+# What stands out of a wall, as extents of height and depth [m]: window sills, and a ledge at each floor.
+_SILL_STONE, _LEDGE = (0.07, 0.045), (0.18, 0.04)
 
 
 @lru_cache(maxsize=512)
@@ -72,12 +74,15 @@ def _facade(span: float, count: int, storeys: int, opening: float, door: int) ->
     entrance = (floor == 0) & (bay == door)
     foot[entrance] = 0.0
     pane = _upright(np.stack([left, right, foot, head], axis=1), -RECESS)
+    wide = np.stack([left - 0.06, right + 0.06, foot - _SILL_STONE[0], foot], axis=1)[~entrance]
+    courses = np.array([(-span / 2, span / 2, a - _LEDGE[0], a) for a in low[1:]]).reshape(-1, 4)
     reveals = [
         _reveal((left, foot), (left, head)),
         _reveal((right, foot), (right, head)),
         _reveal((left, head), (right, head)),
     ]
-    return np.concatenate([flat, *reveals, pane[entrance]]), pane[~entrance]
+    stones = [_ledge(wide, _SILL_STONE[1]), _ledge(courses, _LEDGE[1])]
+    return np.concatenate([flat, *reveals, *stones, pane[entrance]]), pane[~entrance]
 
 
 def _flush(span: float, count: int, storeys: int, opening: float) -> np.ndarray:
@@ -87,6 +92,13 @@ def _flush(span: float, count: int, storeys: int, opening: float) -> np.ndarray:
     floor, bay = (a.ravel() for a in np.meshgrid(np.arange(storeys), np.arange(count), indexing="ij"))
     middle, low = (bay + 0.5) * step - span / 2, floor * STOREY
     return _upright(np.stack([middle - half, middle + half, low + _SILL, low + _LINTEL], axis=1), 0.03)
+
+
+def _ledge(cells: np.ndarray, out: float) -> np.ndarray:
+    """Rectangles [2 Q, 4, 3] of the fronts and undersides of cells [Q, 4] that stand out of a wall by `out` [m]."""
+    below = _upright(cells[:, [0, 1, 2, 2]], 0.0)
+    below[:, 2:, 2] = out
+    return np.concatenate([_upright(cells, out), below])
 
 
 def _upright(cells: np.ndarray, out: float) -> np.ndarray:

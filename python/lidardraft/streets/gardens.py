@@ -24,7 +24,7 @@ def tree_size(rng: np.random.Generator) -> tuple[tuple[float, float, float], flo
     """Extents and height of the bare stem; crowns measure 2 to 9 m, an estimate of ours for street trees."""
     height = rng.uniform(4.5, 13.0)
     crown = height * rng.uniform(0.42, 0.68)
-    return (crown * rng.uniform(0.9, 1.1), crown, height), height * rng.uniform(0.12, 0.34)
+    return (crown * rng.uniform(0.9, 1.1), crown, height), height * rng.uniform(0.08, 0.32)
 
 
 def piece_length(site: Site, along: float, longest: float) -> float:
@@ -67,7 +67,7 @@ def draw_drives(site: Site, quarter: Quarter, rng: np.random.Generator) -> list[
 def fronts(site: Site, quarter: Quarter, drives: list[Drive], lot: Lot | None, rng: np.random.Generator) -> None:
     """What closes the front gardens: fences, walls or hedges in runs, with gates between and open at drives."""
     road = site.road
-    kinds = ("fence", "garden_wall", "hedge", "hedge", "hedge", "mesh_fence")
+    kinds = ("fence", "garden_wall", "hedge", "hedge", "hedge", "hedge", "hedge", "mesh_fence")
     for side in SIDES:
         if rng.random() > quarter.fronts or quarter.setback[1] < 2.0:
             continue
@@ -77,7 +77,7 @@ def fronts(site: Site, quarter: Quarter, drives: list[Drive], lot: Lot | None, r
             gates.append(lot.gate)
         while along < road.reach:
             kind = kinds[int(rng.integers(len(kinds)))]
-            height = rng.uniform(0.8, 1.6) if kind != "hedge" else rng.uniform(1.0, 2.4)
+            height = rng.uniform(0.8, 1.6) if kind != "hedge" else rng.uniform(1.1, 2.9)
             thick = {"fence": 0.1, "garden_wall": 0.3, "mesh_fence": 0.06, "hedge": rng.uniform(0.6, 1.2)}[kind]
             stop = min(along + rng.uniform(8.0, 28.0), road.reach)
             while along < stop:
@@ -119,29 +119,32 @@ def beds(site: Site, quarter: Quarter, rng: np.random.Generator) -> None:
     for side in SIDES:
         along = -road.reach
         while along < road.reach:
-            width = rng.uniform(0.7, 2.2)
+            width = rng.uniform(0.8, 2.8)
             off = rng.uniform(0.6, max(0.7, 0.7 * depth - width))
-            for _ in range(int(rng.integers(1, 7))):
-                size = (width * rng.uniform(0.9, 1.2), width, width * rng.uniform(0.7, 1.3))
+            for _ in range(int(rng.integers(1, 5))):
+                size = (width * rng.uniform(0.9, 1.45), width, width * rng.uniform(0.7, 1.3))
                 across = side * (road.verge + off + width / 2 + rng.normal(0.0, 0.1))
-                site.place("bush", along, across, size, turn=rng.uniform(0, 3), margin=0.0, private=True)
-                along += width * rng.uniform(0.95, 1.4)
+                turn = rng.normal(0.0, 0.15)
+                site.place("bush", along + size[0] / 2, across, size, turn=turn, margin=0.0, private=True)
+                along += size[0] * rng.uniform(0.95, 1.3)
             along += rng.exponential(3.0)
 
 
 def thickets(site: Site, quarter: Quarter, rng: np.random.Generator) -> None:
-    """Runs of tall bushes along the backs of gardens and the edges of fields."""
+    """Thickets and runs of them along the backs of gardens, the edges of fields and the verges of roads."""
     road = site.road
     for side in SIDES:
         for _ in range(rng.poisson(quarter.thickets)):
-            along, off = rng.uniform(-1.0, 0.7) * road.reach, road.verge + rng.uniform(2.0, 22.0)
+            along, off = rng.uniform(-1.0, 0.7) * road.reach, road.verge + rng.uniform(1.0, 14.0)
             stop = min(along + rng.uniform(10.0, 60.0), road.reach)
             while along < stop:
-                width = rng.uniform(2.0, 4.5)
-                size = (width, width * rng.uniform(0.8, 1.1), width * rng.uniform(0.7, 1.3))
-                across = side * (off + size[1] / 2 + rng.normal(0.0, 0.5))
-                site.place("bush", along, across, size, turn=rng.normal(0.0, 0.2), margin=0.0, private=True)
-                along += width * rng.uniform(1.0, 1.25)
+                width = rng.uniform(1.6, 4.2)
+                length = width * rng.uniform(0.9, 1.45)
+                size = (length, width, width * rng.uniform(0.7, 1.3))
+                across = side * (off + width / 2 + rng.normal(0.0, 0.5))
+                turn = rng.normal(0.0, 0.12)
+                site.place("bush", along + length / 2, across, size, turn=turn, margin=0.0, private=True)
+                along += length * rng.uniform(1.0, 1.1)
 
 
 def grow(site: Site, quarter: Quarter, rng: np.random.Generator) -> None:
@@ -154,10 +157,10 @@ def grow(site: Site, quarter: Quarter, rng: np.random.Generator) -> None:
         across = road.verge + 1.5 + rng.exponential(spread)
         if across < 55.0:
             site.place("tree", along, side * across, size, turn=rng.uniform(0, 3), stem=stem, margin=0.05, private=True)
-    for _ in range(rng.poisson(2.5 * quarter.wild_trees)):
+    for _ in range(rng.poisson(1.5 * quarter.wild_trees)):
         side, along = SIDES[int(rng.integers(2))], rng.uniform(-0.8, 0.8) * road.reach
         width = rng.uniform(0.8, 3.6)
         across = road.verge + 0.6 + width / 2 + rng.exponential(0.4 * spread)
-        size = (width * rng.uniform(0.8, 1.3), width, width * rng.uniform(0.6, 1.0))
+        size = (width * rng.uniform(0.8, 1.45), width, width * rng.uniform(0.6, 1.0))
         if across < 45.0:
             site.place("bush", along, side * across, size, turn=rng.uniform(0, 3), margin=0.05, private=True)

@@ -64,7 +64,7 @@ def draw_lot(road: Road, modules: int, rng: np.random.Generator) -> Lot:
 
 def fill_lot(site: Site, lot: Lot, rng: np.random.Generator) -> None:
     """Cars in the bays, nose to the aisle or from it; lamps and trees between the rows; people on the way."""
-    occupied = rng.uniform(0.15, 0.9)
+    occupied = rng.uniform(0.1, 0.65)
     count = int((lot.patch.along[1] - lot.patch.along[0]) / BAY_WIDTH)
     for across, toward in lot.rows:
         for bay in range(count):

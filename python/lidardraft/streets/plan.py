@@ -23,6 +23,7 @@ from lidardraft.streets.traffic import drive, park
 from lidardraft.streets.works import guard, signal
 
 _NAMES = tuple(QUARTERS)
+_GREEN = 0.35  # of the streets between closed fronts, an estimate of ours
 _SHARES = np.cumsum([quarter.share for quarter in QUARTERS.values()])
 
 
@@ -30,6 +31,9 @@ def draw_site(rng: np.random.Generator, reach: float) -> tuple[Site, tuple[Lane,
     """A site with all its things, the lanes that are driven in, and the name of its quarter."""
     name = _NAMES[int(np.searchsorted(_SHARES / _SHARES[-1], rng.random(), side="right"))]
     quarter = QUARTERS[name]
+    if quarter.gap[1] == 0.0 and rng.random() < _GREEN:
+        # closed fronts behind front gardens
+        quarter = replace(quarter, setback=(2.5, 6.0), fronts=0.5, paved=0.0, thickets=1.5)
     parking = tuple(side for side in SIDES if rng.random() < quarter.parked)
     oneway, wants_lot = bool(rng.random() < quarter.oneway), bool(rng.random() < quarter.lot)
     road = draw_road(quarter, parking, reach, rng, oneway=oneway, lot=wants_lot)
@@ -78,9 +82,7 @@ def _ground(road: Road, quarter: Quarter, rng: np.random.Generator) -> Ground:
     strip = rng.uniform(0.35, 0.5) * road.sidewalk if rng.random() < quarter.strip else 0.0
     if road.circle is not None or road.sidewalk < 2.2:
         strip = 0.0
-    # closed fronts stand on paved ground more often than not: an estimate of ours
-    paved = quarter.gap[1] == 0.0 and bool(rng.random() < 0.7)
-    ground = Ground(road, rng, land, strip=strip, paved=paved)
+    ground = Ground(road, rng, land, strip=strip, paved=bool(rng.random() < quarter.paved))
     # about a quarter of German motorways are of concrete (BASt); the other shares are estimates of ours
     if road.sidewalk == 0 and road.median > 0 and rng.random() < 0.25:
         ground.materials["road"] = "concrete"

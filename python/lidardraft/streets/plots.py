@@ -11,7 +11,10 @@ from lidardraft.streets.lots import Lot
 from lidardraft.streets.quarter import SIDES, Quarter
 from lidardraft.streets.site import Site
 
-_CLOSED = 0.8  # share of blocks in a closed front that adjoin the next
+_CLOSED = 0.72  # share of blocks in a closed front that adjoin the next
+_STEPPED = 0.3  # share of buildings that stand back from the line of their row, and m by which they do: estimates
+_STEP_BACK = (0.2, 1.2)
+_ASKEW = 0.06  # rad by which the buildings of a row are turned at most against the road
 
 
 def build(site: Site, quarter: Quarter, lot: Lot | None, rng: np.random.Generator) -> None:
@@ -42,12 +45,13 @@ def _open_rows(site: Site, quarter: Quarter, side: int, rng: np.random.Generator
     road = site.road
     for row in range(2):
         setback = rng.uniform(*quarter.setback) + row * rng.uniform(16.0, 30.0)
+        askew = rng.uniform(-_ASKEW, _ASKEW)
         along = -road.reach - rng.uniform(0.0, 8.0)
         while along < road.reach:
             kind, size, eaves = draw_building(quarter, rng)
-            across = side * (road.verge + setback + rng.uniform(0.0, 1.0) + size[1] / 2)
+            across = side * (road.verge + setback + rng.uniform(0.0, 1.0) + _step_back(rng) + size[1] / 2)
             if rng.random() < quarter.built:
-                turn = _facing(side) + rng.normal(0.0, 0.01)
+                turn = _facing(side) + askew + rng.normal(0.0, 0.01)
                 site.place(kind, along + size[0] / 2, across, size, turn=turn, stem=eaves, margin=0.02, private=True)
             along += size[0] + rng.uniform(*quarter.gap) * (1 if row == 0 else 2)
 
@@ -73,7 +77,7 @@ def _closed_front(site: Site, quarter: Quarter, side: int, rng: np.random.Genera
     while along < road.reach:
         length = rng.uniform(10.0, 24.0)
         height = max(3, storeys + int(rng.integers(-1, 2))) * STOREY + 0.4
-        across = side * (road.verge + setback + depth / 2)
+        across = side * (road.verge + setback + _step_back(rng) + depth / 2)
         turn = _facing(side)
         # before a side road a shorter one fits
         for tried in (length, 10.0, 0.0):
@@ -95,6 +99,10 @@ def _closed_front(site: Site, quarter: Quarter, side: int, rng: np.random.Genera
         if rng.random() < 0.6:
             site.place("block", along + size[0] / 2, across, size, turn=_facing(side), margin=0.02, private=True)
         along += size[0] + rng.uniform(2.0, 14.0)
+
+
+def _step_back(rng: np.random.Generator) -> float:
+    return rng.uniform(*_STEP_BACK) if rng.random() < _STEPPED else 0.0
 
 
 def _gap(site: Site, along: float, side: int, setback: float, rng: np.random.Generator) -> float:

@@ -18,7 +18,8 @@ class Quarter:
 
     Pairs are ranges [m]. `share` is that of all streets, `heavy` that of trucks and buses in the traffic, `blocks` that
     of blocks among the buildings. `bend`, `junction`, `roundabout` and `lights` (of junctions), `oneway`, `lot`,
-    `parked` (a side), `built` (a plot), `fronts` (a side), `row_trees` (a side), `strip` (of grass beside the kerb),
+    `parked` (a side), `paved` (what lies beside the sidewalks), `built` (a plot), `fronts` (a side), `row_trees` (a
+    side), `strip` (of grass beside the kerb),
     `ditch` and `bank` (a side) are probabilities; `people`, `thickets` (a side) and `wild_trees` mean numbers;
     `traffic_gap` is a mean [m], `speed` the limit [m/s]. `grade` and `hillside` are standard deviations of slopes along
     and beside the road, `rolling` is the height [m] of the land's waves.
@@ -54,6 +55,7 @@ class Quarter:
     hillside: float = 0.02
     rolling: float = 0.25
     strip: float = 0.0
+    paved: float = 0.0
     ditch: float = 0.0
     bank: float = 0.0
 
@@ -61,50 +63,51 @@ class Quarter:
 # Lane widths: the German design guides RASt 06 (3.0 to 3.5 m in towns), RAL (3.25 to 3.75 m outside) and RAA (3.5 to
 # 3.75 m on motorways, median 4 m, hard shoulder 2.5 m). Sidewalks: RASt 06, 2.5 m and more where there is room.
 # Heavy vehicles: the German road census of 2021 (BASt), 15 % of the traffic on motorways, 7 % on federal roads; fewer
-# in towns. People and plants: such that their shares of the returns are about those of the recordings in PandaSet and
-# of ika's drive. Speeds: StVO. Grades stay under the limits of RASt 06 and RAL, 4.5 to 8 %. The shares of quarters, and
-# probabilities and numbers without a source, are estimates of ours.
+# in towns. People, cars and plants: such that their shares of the returns lie between those of PandaSet and the class
+# frequencies published with SemanticKITTI (cars 21 and 4 %, vegetation 13 and 27 %, people 0.2 and 0.05 %). Speeds:
+# StVO. Grades stay under the limits of RASt 06 and RAL, 4.5 to 8 %. The shares of quarters, and probabilities and
+# numbers without a source, are estimates of ours.
 QUARTERS: dict[str, Quarter] = {
     "residential": Quarter(
-        share=0.34, lanes=(1,), lane_width=(2.5, 3.25), sidewalk=(1.5, 3.0), speed=30 / 3.6, bend=0.5, junction=0.4,
-        parked=0.35, traffic_gap=60.0, heavy=0.015, people=1.0,
-        built=0.88, blocks=0.1, setback=(3.0, 8.0), gap=(2.5, 9.0),
-        fronts=0.8, row_trees=0.6, thickets=2.4, wild_trees=40,
-        roundabout=0.14, oneway=0.12, lot=0.08, grade=0.02, hillside=0.035, strip=0.15, bank=0.3,
+        share=0.44, lanes=(1,), lane_width=(2.5, 3.25), sidewalk=(1.5, 3.0), speed=30 / 3.6, bend=0.5, junction=0.45,
+        parked=0.25, traffic_gap=70.0, heavy=0.015, people=0.25,
+        built=0.82, blocks=0.1, setback=(3.5, 11.0), gap=(2.5, 9.0),
+        fronts=0.95, row_trees=0.7, thickets=5.5, wild_trees=52,
+        roundabout=0.14, oneway=0.12, lot=0.04, grade=0.02, hillside=0.035, strip=0.15, bank=0.3,
     ),
     "urban": Quarter(
-        share=0.16, lanes=(1, 1, 2), lane_width=(2.75, 3.25), sidewalk=(2.2, 4.0), speed=50 / 3.6, bend=0.2,
-        junction=0.55, parked=0.55, traffic_gap=32.0, heavy=0.05, people=3.0,
+        share=0.18, lanes=(1, 1, 2), lane_width=(2.75, 3.25), sidewalk=(2.2, 5.5), speed=50 / 3.6, bend=0.2,
+        junction=0.55, parked=0.4, traffic_gap=40.0, heavy=0.035, people=0.8,
         built=0.95, blocks=0.95, setback=(0.0, 0.4), gap=(0.0, 0.0),
-        fronts=0.0, row_trees=0.65, thickets=0.6, wild_trees=16,
-        roundabout=0.08, lights=0.6, oneway=0.35, lot=0.08, grade=0.014, hillside=0.015, rolling=0.1,
+        fronts=0.0, row_trees=0.8, thickets=0.6, wild_trees=26,
+        roundabout=0.08, lights=0.6, oneway=0.35, lot=0.06, grade=0.014, hillside=0.015, rolling=0.1, paved=0.7,
     ),
     "avenue": Quarter(
-        share=0.16, lanes=(2, 2, 3), lane_width=(3.0, 3.5), sidewalk=(2.0, 4.0), speed=50 / 3.6, bend=0.25,
-        junction=0.5, parked=0.3, traffic_gap=32.0, heavy=0.05, people=1.8,
+        share=0.15, lanes=(2, 2, 3), lane_width=(3.0, 3.5), sidewalk=(2.0, 4.0), speed=50 / 3.6, bend=0.25,
+        junction=0.5, parked=0.2, traffic_gap=60.0, heavy=0.035, people=0.5,
         built=0.75, blocks=0.65, setback=(1.5, 7.0), gap=(1.0, 12.0),
-        fronts=0.3, row_trees=0.9, thickets=1.8, wild_trees=30,
-        roundabout=0.15, lights=0.75, lot=0.2, median=(0.0, 4.0), grade=0.012, strip=0.4, bank=0.1,
+        fronts=0.7, row_trees=0.9, thickets=6.0, wild_trees=40,
+        roundabout=0.15, lights=0.75, lot=0.12, median=(0.0, 4.0), grade=0.012, strip=0.4, bank=0.1, paved=0.4,
     ),
     "retail": Quarter(
-        share=0.08, lanes=(1, 1, 2), lane_width=(3.0, 3.5), sidewalk=(1.5, 2.5), speed=50 / 3.6, bend=0.2, junction=0.3,
-        parked=0.1, traffic_gap=40.0, heavy=0.08, people=1.0,
+        share=0.06, lanes=(1, 1, 2), lane_width=(3.0, 3.5), sidewalk=(1.5, 2.5), speed=50 / 3.6, bend=0.2, junction=0.3,
+        parked=0.1, traffic_gap=40.0, heavy=0.08, people=0.3,
         built=0.6, blocks=0.25, setback=(6.0, 14.0), gap=(6.0, 25.0),
-        fronts=0.45, row_trees=0.65, thickets=1.8, wild_trees=24,
-        roundabout=0.12, lights=0.4, lot=1.0, strip=0.3, ditch=0.1, bank=0.1,
+        fronts=0.6, row_trees=0.65, thickets=5.0, wild_trees=32,
+        roundabout=0.12, lights=0.4, lot=1.0, strip=0.3, ditch=0.1, bank=0.1, paved=0.35,
     ),
     "country": Quarter(
-        share=0.16, lanes=(1, 1, 1, 2), lane_width=(2.75, 3.75), sidewalk=(0.0, 0.0), speed=100 / 3.6, bend=0.6,
-        junction=0.3, parked=0.02, traffic_gap=70.0, heavy=0.07, people=0.2,
+        share=0.10, lanes=(1, 1, 1, 2), lane_width=(2.75, 3.75), sidewalk=(0.0, 0.0), speed=100 / 3.6, bend=0.6,
+        junction=0.3, parked=0.02, traffic_gap=70.0, heavy=0.07, people=0.1,
         built=0.18, blocks=0.0, setback=(8.0, 22.0), gap=(8.0, 40.0),
-        fronts=0.3, row_trees=0.6, thickets=3.0, wild_trees=55,
+        fronts=0.4, row_trees=0.6, thickets=7.0, wild_trees=65,
         roundabout=0.35, grade=0.025, hillside=0.06, rolling=0.6, ditch=0.5, bank=0.4,
     ),
     "motorway": Quarter(
-        share=0.1, lanes=(2, 2, 3), lane_width=(3.5, 3.75), sidewalk=(0.0, 0.0), speed=130 / 3.6, bend=0.6,
-        junction=0.0, parked=0.0, traffic_gap=45.0, heavy=0.15, people=0.0,
+        share=0.07, lanes=(2, 2, 3), lane_width=(3.5, 3.75), sidewalk=(0.0, 0.0), speed=130 / 3.6, bend=0.6,
+        junction=0.0, parked=0.0, traffic_gap=50.0, heavy=0.15, people=0.0,
         built=0.05, blocks=0.2, setback=(20.0, 40.0), gap=(15.0, 60.0),
-        fronts=0.0, row_trees=0.0, thickets=3.5, wild_trees=50,
+        fronts=0.0, row_trees=0.0, thickets=8.0, wild_trees=60,
         median=(2.5, 4.0), shoulder=2.5, curvature=(0.0003, 0.002), grade=0.014, hillside=0.05, rolling=0.5, ditch=0.35,
         bank=0.5,
     ),
@@ -135,7 +138,7 @@ def draw_road(
     arms: tuple[str, ...] = ("left", "right")
     if rng.random() < quarter.junction:
         # a side road leaves at a right angle, so the road is straight there
-        junction = float(rng.uniform(-0.5, 0.5) * reach)
+        junction = float(rng.uniform(-0.4, 0.4) * reach)
         arms = (("left", "right"), ("left",), ("right",))[int(rng.integers(3))]
         smallest = median / 2 + lanes * width + sidewalk + RING + 1.5
         # outer diameters of 26 to 50 m: the German guide to roundabouts (FGSV 242)

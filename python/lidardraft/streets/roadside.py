@@ -113,7 +113,7 @@ def row_trees(site: Site, quarter: Quarter, rng: np.random.Generator) -> None:
         off = road.edge + 0.8 if road.sidewalk > 2.0 else road.verge + rng.uniform(3.0, 4.5)
         (length, width, height), stem = tree_size(rng)
         room = 2 * (road.verge - off + quarter.setback[0] - 1.3) if road.sidewalk > 2.0 else 9.0
-        shrink = min(1.0, max(room, 2.6) / width)
+        shrink = min(1.0, max(room, 1.8) / width)
         length, width, height = length * shrink, width * shrink, height * max(shrink, 0.6)
         stem = max(stem, 2.6)
         for along in np.arange(-road.reach + rng.uniform(0, 10), road.reach, rng.uniform(8.0, 15.0)).tolist():

@@ -18,8 +18,8 @@ _QUEUED = (1.5, 3.0)  # m between standing vehicles: some 7.5 m a car (Highway C
 _GAP_MEDIAN, _GAP_SPREAD = 1.4, 0.45
 
 
-# Of parked vehicles some 4 % are small trucks and 2.5 % motorcycles: estimates of ours, under the shares of registered
-# vehicles in Germany (KBA, 2023: 6 % trucks with vans, 8 % motorcycles), since fewer of these are left in streets.
+# Of parked vehicles some 2.5 % are small trucks and as many motorcycles: estimates of ours, under the shares of
+# registered vehicles in Germany (KBA, 2023: 6 % trucks with vans, 8 % motorcycles), since fewer are left in streets.
 
 
 def park(site: Site, parking: tuple[int, ...], lot: Lot | None, rng: np.random.Generator) -> None:
@@ -29,7 +29,7 @@ def park(site: Site, parking: tuple[int, ...], lot: Lot | None, rng: np.random.G
         along, density = -road.reach + rng.uniform(0, 6), rng.uniform(0.1, 0.75)
         while along < road.reach - 3.0:
             kind, size = car_body(rng)
-            if rng.random() < 0.04:
+            if rng.random() < 0.025:
                 kind, size = "truck", (rng.uniform(5.5, 7.5), 2.1, rng.uniform(2.6, 3.0))
             elif rng.random() < 0.025:
                 kind, size = "motorcycle", (2.1, 0.8, 1.2)
@@ -46,7 +46,7 @@ def park(site: Site, parking: tuple[int, ...], lot: Lot | None, rng: np.random.G
 def drive(site: Site, quarter: Quarter, lanes: tuple[Lane, ...], rng: np.random.Generator) -> None:
     """Vehicles and riders in all lanes, now and then a tram; at a red light they wait in a queue."""
     road = site.road
-    if road.curvature == 0.0 and road.lanes > 1 and road.sidewalk > 0 and rng.random() < 0.15:
+    if road.curvature == 0.0 and road.lanes > 1 and road.sidewalk > 0 and rng.random() < 0.1:
         inner = [lane for lane in lanes if lane.name == "road" and not lane.outer]
         if inner:
             size = (rng.uniform(20.0, 30.0), 2.4, 3.5)  # BOStrab: at most 2.65 m wide; low-floor cars of 20 to 30 m
@@ -57,7 +57,7 @@ def drive(site: Site, quarter: Quarter, lanes: tuple[Lane, ...], rng: np.random.
         if lane.stop is not None and lane.name == red:
             _queue(site, quarter, lane, rng)
         _flow(site, quarter, lane, rng)
-    for _ in range(rng.poisson(1.2 if road.sidewalk > 0 else 0.3)):
+    for _ in range(rng.poisson(0.7 if road.sidewalk > 0 else 0.2)):
         outer = [lane for lane in lanes if lane.outer and lane.name == "road"]
         lane = outer[int(rng.integers(len(outer)))]
         distance = np.clip(rng.normal(0.5, 0.25), 0.05, 0.95) * lane.length
