@@ -26,52 +26,52 @@ from lidardraft.drafting.cloud import layout_from_cloud
 from lidardraft.drafting.sites import lay_road
 from lidardraft.drafting.spec import Group, SceneSpec
 from lidardraft.errors import LayoutError
+from lidardraft.objects.cars import BODIES
 from lidardraft.scene.labelling import agrees
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.semantics import CLASSES, GROUND
-from lidardraft.streets.drive import Eye, glimpse
-from lidardraft.streets.quarter import BAY
+from lidardraft.streets.coarse.style import Style
+from lidardraft.streets.pairs import StreetScanner, scan_street
+from lidardraft.streets.placement.district import BAY
 from lidardraft.streets.street import Street, StreetConfig, make_street
-from lidardraft.streets.style import Style
-from lidardraft.streets.vehicles import BODIES
 from tallies import IN_PIECES, Tallies, Tally, add_all, append, drift, new_tallies, read, rows
 
 _NEAREST = 4.0  # m; further than this a shape is of no thing
 
 
-def measure(tallies: Tallies, name: str, drawn: ShapeTable, truth: ShapeTable) -> None:
+def measure(tallies: Tallies, name: str, coarse: ShapeTable, truth: ShapeTable) -> None:
     """Add the shapes of one drawing to those of `name`, compared with the exact ones of the same place."""
     for row in CLASSES[1:]:
-        mine, true = np.flatnonzero(drawn.labels == row.id), np.flatnonzero(truth.labels == row.id)
+        mine, true = np.flatnonzero(coarse.labels == row.id), np.flatnonzero(truth.labels == row.id)
         if row.name in GROUND or not (len(true) or len(mine)):
             continue
         tally = tallies[row.name][name]
         tally.add(count=[len(mine)])
         if not len(mine):
             continue
-        sizes = drawn.sizes[mine]
+        sizes = coarse.sizes[mine]
         if row.name in IN_PIECES:
             flat = np.sort(sizes[:, :2], axis=1)
             tally.add(length=flat[:, 1], width=flat[:, 0], height=sizes[:, 2])
         elif len(true):
-            _measure_things(tally, drawn, mine, truth, true, has_front=row.size is not None)
+            _measure_things(tally, coarse, mine, truth, true, has_front=row.size is not None)
 
 
 def _measure_things(
-    tally: Tally, drawn: ShapeTable, mine: np.ndarray, truth: ShapeTable, true: np.ndarray, *, has_front: bool
+    tally: Tally, coarse: ShapeTable, mine: np.ndarray, truth: ShapeTable, true: np.ndarray, *, has_front: bool
 ) -> None:
-    gap = drawn.centers[mine, None, :2] - truth.centers[None, true, :2]
+    gap = coarse.centers[mine, None, :2] - truth.centers[None, true, :2]
     distance = np.hypot(gap[..., 0], gap[..., 1])
     nearest = distance.argmin(axis=1)
     near = distance[np.arange(len(mine)), nearest] < _NEAREST
     mine, gap, true = mine[near], gap[np.arange(len(mine)), nearest][near], true[nearest[near]]
     cos, sin = np.cos(truth.yaws[true]), np.sin(truth.yaws[true])
-    turn = np.remainder(drawn.yaws[mine] - truth.yaws[true] + math.pi / 2, math.pi) - math.pi / 2
+    turn = np.remainder(coarse.yaws[mine] - truth.yaws[true] + math.pi / 2, math.pi) - math.pi / 2
     turned = np.abs(turn) > math.pi / 4
-    sizes = drawn.sizes[mine]
+    sizes = coarse.sizes[mine]
     if not has_front:
         # turned by 90 degrees, with length and width exchanged, it is the same box: that is no way of drawing it
         sizes = np.where(turned[:, None], sizes[:, [1, 0, 2]], sizes)
@@ -83,7 +83,7 @@ def _measure_things(
         along=cos * gap[:, 0] + sin * gap[:, 1],
         across=cos * gap[:, 1] - sin * gap[:, 0],
     )
-    if not (drawn.shapes[mine] == 2).all():
+    if not (coarse.shapes[mine] == 2).all():
         square = np.remainder(turn + math.pi / 4, math.pi / 2) - math.pi / 4
         tally.add(yaw=np.rad2deg(square), turned=turned if has_front else [])
 
@@ -92,23 +92,23 @@ def compare_clusters(streets: Iterable[Street], config: StreetConfig) -> Tallies
     """`layout_from_cloud` and its stand-in on one scan of each street."""
     tallies = new_tallies()
     for street in streets:
-        caster, surfaces = Raycaster(street.scene), Surfaces.of(street.scene)
-        eye = Eye(config.sensor, SensorModel.of(config.sensor), caster, surfaces, None)
-        ego, sighting, rng = glimpse(street, eye, 0)
-        scan, pose = sighting.scan, sighting.pose
+        caster, surfaces = Raycaster(street.scene), Surfaces.from_layout(street.scene)
+        eye = StreetScanner(config.sensor, SensorModel.from_sensor(config.sensor), caster, surfaces, None)
+        ego, visible, rng = scan_street(street, eye, 0)
+        scan, pose = visible.scan, visible.pose
         poses = config.sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
-        truth = street.drawn.draw(Style(source="boxes", ground="patches"), rng, ego.pose)
+        truth = street.coarse.draw(Style(source="boxes", ground="patches"), rng, ego.pose)
         points = scan.points() @ pose[:3, :3].T
         labels = scan.label[scan.valid]
         for numbered in (True, False):
             instances = scan.instance[scan.valid] if numbered else None
             real = layout_from_cloud(points, labels, instances=instances, sensor_height=float(pose[2, 3]))
             style = Style(source="cloud", ground="patches", numbered=numbered)
-            quick = street.drawn.draw(style, rng, ego.pose, sighting)
+            quick = street.coarse.draw(style, rng, ego.pose, visible)
             suffix = " numbered" if numbered else ""
-            for name, drawn in ((f"clusters{suffix}", ShapeTable.of(real)), (f"quick{suffix}", quick)):
-                measure(tallies, name, drawn, truth)
-                good = agrees(scan, drawn.scan(config.sensor, poses))
+            for name, coarse in ((f"clusters{suffix}", ShapeTable.from_primitives(real)), (f"quick{suffix}", quick)):
+                measure(tallies, name, coarse, truth)
+                good = agrees(scan, coarse.scan(config.sensor, poses))
                 for label in np.unique(labels):
                     share = good[scan.label == label].mean()
                     tallies[CLASSES[label].name][name].add(agrees=[float(share)])
@@ -136,28 +136,28 @@ def compare_solver(streets: Iterable[Street]) -> Tallies:
     """`arrange` and its stand-in: each kind that a street has, asked for alone on a straight road."""
     tallies = new_tallies()
     for street in streets:
-        if street.site.road.curvature:
+        if street.occupancy.road.curvature:
             continue
-        drawn = street.drawn.draw(Style(), np.random.default_rng(0), np.eye(4))
-        kinds = {thing.id: SPOKEN[thing.kind] for thing in street.drawn.things if thing.kind in SPOKEN}
-        middles = [lane.across for lane in street.lanes] + [street.site.road.edge - BAY / 2]
-        ego = street.site.road.lane(0)
+        coarse = street.coarse.draw(Style(), np.random.default_rng(0), np.eye(4))
+        kinds = {placed.id: SPOKEN[placed.kind] for placed in street.coarse.objects if placed.kind in SPOKEN}
+        middles = [lane.across for lane in street.lanes] + [street.occupancy.road.edge - BAY / 2]
+        ego = street.occupancy.road.lane(0)
         for kind in sorted(set(kinds.values())):
-            named = [row for row, id in enumerate(drawn.ids) if kinds.get(id.partition(".")[0]) == kind]
-            things = {drawn.ids[row].partition(".")[0] for row in named}
-            if not things:
+            named = [row for row, id in enumerate(coarse.ids) if kinds.get(id.partition(".")[0]) == kind]
+            objects = {coarse.ids[row].partition(".")[0] for row in named}
+            if not objects:
                 continue
-            _measure_spoken(tallies, "quick", kind, drawn, named, len(things), ego, middles)
+            _measure_spoken(tallies, "quick", kind, coarse, named, len(objects), ego, middles)
             parked = {"heading": "parked"} if kind in ("bicycle", "motorcycle") else {}
-            spec = SceneSpec(groups=(Group(kind=kind, count=min(len(things), _MOST), **parked),))
+            spec = SceneSpec(groups=(Group(kind=kind, count=min(len(objects), _MOST), **parked),))
             try:
-                solved = ShapeTable.of(arrange(spec, street.seed))
+                solved = ShapeTable.from_primitives(arrange(spec, street.seed))
             except LayoutError:  # now and then there is no room for as many
                 continue
             road = lay_road(spec, np.random.default_rng(street.seed))
             theirs = [road.lane(n, d) for n in range(road.lanes) for d in (-1, 1)] + [road.edge - road.parking / 2]
             mine = [row for row, id in enumerate(solved.ids) if id.partition(".")[0].rpartition("_")[0] == kind]
-            count = min(len(things), _MOST)
+            count = min(len(objects), _MOST)
             _measure_spoken(tallies, "solver", kind, solved, mine, count, road.lane(road.ego_lane), theirs)
     return tallies
 
@@ -166,22 +166,22 @@ def _measure_spoken(
     tallies: Tallies,
     by: str,
     kind: str,
-    drawn: ShapeTable,
+    coarse: ShapeTable,
     chosen: list[int],
-    things: int,
+    objects: int,
     ego: float,
     middles: list[float],
 ) -> None:
-    for label in np.unique(drawn.labels[chosen]):
+    for label in np.unique(coarse.labels[chosen]):
         tally = tallies[f"{kind}: {CLASSES[label].name}"][by]
-        mine = [row for row in chosen if drawn.labels[row] == label]
-        length, width, height = drawn.sizes[mine].T
-        tally.add(count=[len(mine) / things], length=length, width=width, height=height)
-        if (drawn.shapes[mine] == 0).all():
-            off = np.remainder(drawn.yaws[mine] + math.pi / 4, math.pi / 2) - math.pi / 4
+        mine = [row for row in chosen if coarse.labels[row] == label]
+        length, width, height = coarse.sizes[mine].T
+        tally.add(count=[len(mine) / objects], length=length, width=width, height=height)
+        if (coarse.shapes[mine] == 0).all():
+            off = np.remainder(coarse.yaws[mine] + math.pi / 4, math.pi / 2) - math.pi / 4
             tally.add(yaw=np.rad2deg(off[np.abs(off) < 0.2]))
         if CLASSES[label].name in ("car", "truck", "bus", "train"):
-            across = drawn.centers[mine, 1] + ego
+            across = coarse.centers[mine, 1] + ego
             gap = across[:, None] - np.array([*middles, -middles[-1]])
             nearest = gap[np.arange(len(mine)), np.abs(gap).argmin(axis=1)]
             tally.add(across=nearest[np.abs(nearest) < 0.5])
@@ -210,16 +210,16 @@ def main() -> None:
         given.keep.mkdir(parents=True, exist_ok=True)
     solved = pooled("solver", given.streets, given.keep, lambda street: compare_solver([street]))
     found = pooled("clusters", given.streets, given.keep, lambda street: compare_clusters([street], StreetConfig()))
-    things = {row.name: found[row.name] for row in CLASSES if row.size is not None and row.name in found}
+    objects = {row.name: found[row.name] for row in CLASSES if row.size is not None and row.name in found}
     for tallies, real, quick in (
         (solved, "solver", "quick"),
         (found, "clusters", "quick"),
-        (things, "clusters numbered", "quick numbered"),
+        (objects, "clusters numbered", "quick numbered"),
     ):
         print(f"{real} / {quick}\n")
-        spoken = real == "solver"
-        print("\n".join(rows(tallies, real, quick, spoken=spoken)))
-        print("\n".join(["", *(f"- {text}" for text in drift(tallies, real, quick, spoken=spoken)), ""]))
+        as_text = real == "solver"
+        print("\n".join(rows(tallies, real, quick, spoken=as_text)))
+        print("\n".join(["", *(f"- {text}" for text in drift(tallies, real, quick, spoken=as_text)), ""]))
 
 
 if __name__ == "__main__":

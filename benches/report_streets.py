@@ -99,7 +99,9 @@ def report(real: Recordings, sensor: Sensor, num: int) -> tuple[list[Line], Pool
         values = _measured(plain, _windowed(by_azimuth(image.keep(open_plain)), real, number))
         if real.labelled:
             seen = image.keep(open_labelled)
-            sweep = _windowed(Sweep.of(_as_labelled(seen)) if real.spherical else by_azimuth(seen), real, number)
+            sweep = _windowed(
+                Sweep.from_image(_as_labelled(seen)) if real.spherical else by_azimuth(seen), real, number
+            )
             values |= {**_measured(labelled, sweep), "class counts": lifelike.class_counts(sweep)}
         for name, value in values.items():
             made[name].append(value)
@@ -139,7 +141,7 @@ def by_azimuth(image: RangeImage) -> Sweep:
 
     Lasers that fire together look up to 10 degrees apart: by firing, what lies in one column would not be neighbours.
     """
-    sweep, sensor = Sweep.of(image), image.sensor
+    sweep, sensor = Sweep.from_image(image), image.sensor
     if not sensor.azimuth_offsets:
         return sweep
     shifts = np.rint(np.array(sensor.azimuth_offsets) / (2 * math.pi / sensor.columns)).astype(int)

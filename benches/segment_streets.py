@@ -126,7 +126,7 @@ def measure(segmenter: Segmenter, scans: Iterator[RealScan], mount: float) -> tu
 
 def table(title: str, confusion: np.ndarray, count: int, seconds: float) -> str:
     """IoU and truth of each class, what it is most often taken for, and the means."""
-    scores = ClassScores.of(confusion)
+    scores = ClassScores.from_confusion(confusion)
     lines = [f"## {title}: {count} scans, {scores.truth.sum()} labelled returns, {seconds:.2f} s a scan", ""]
     lines += ["| class | IoU | returns | found | most often taken for |", "|---|---|---|---|---|"]
     for k, name in enumerate(NAMES[1:], 1):

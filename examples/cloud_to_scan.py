@@ -32,11 +32,11 @@ def main() -> None:
     folder.mkdir(parents=True, exist_ok=True)
     scan.save(folder / "000000")
     views = [
-        view.caption(view.draw_scan(image, scan.pose, by_label=True), name)
-        for name, image in (("real scan", real), ("drawing", scan.drawing), ("generated scan", scan.image))
+        view.caption(view.render_scan(image, scan.pose, by_label=True), name)
+        for name, image in (("real scan", real), ("drawing", scan.condition_image), ("generated scan", scan.image))
     ]
     images = [
-        view.caption(view.draw_image(image), name)
+        view.caption(view.render_image(image), name)
         for name, image in (("real scan", real), ("generated scan", scan.image))
     ]
     view.save_png(
@@ -44,7 +44,9 @@ def main() -> None:
     )
     print(f"{len(points)} points became {len(layout)} primitives, {len(layout.boxes())} of them things")
     for name, image in (("real scan", real), ("generated scan", scan.image)):
-        print(f"{name}: {adherence(image, scan.drawing).objects:.0%} of its returns on objects keep to the drawing")
+        print(
+            f"{name}: {adherence(image, scan.condition_image).objects:.0%} of its returns on objects keep to the layout"
+        )
     print(f"look at {folder / 'comparison.png'}")
 
 

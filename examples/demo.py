@@ -37,7 +37,7 @@ def main() -> None:
     pipeline = lidardraft.Pipeline.from_pretrained("street")
     say(f"casting with {pipeline.sensor.name} and generating in {pipeline.steps} steps")
     scan = pipeline(layout, seed=arguments.seed)
-    view.save_png(view.draw_image(scan.drawing), folder / "condition.png")
+    view.save_png(view.render_image(scan.condition_image), folder / "condition.png")
     kitti.write_bin(folder / "scan.bin", scan.points(), scan.intensities())
     semantickitti.write_label(folder / "scan.label", scan.labels(), scan.instances())
     write_boxes(folder / "boxes.json", scan.boxes(), scan.returns_per_box())

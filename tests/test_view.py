@@ -14,7 +14,7 @@ SENSOR = Sensor.preset("hdl32e")
 
 
 def test_the_camera_sees_the_car_in_its_colour() -> None:
-    picture = view.draw_layout(LAYOUT)
+    picture = view.render_layout(LAYOUT)
     blue = picture[..., 2].astype(int) - picture[..., 0] > 40
     rows, columns = np.nonzero(blue)
     assert len(rows) > 500
@@ -23,17 +23,20 @@ def test_the_camera_sees_the_car_in_its_colour() -> None:
 
 def test_points_are_drawn_where_the_layout_is() -> None:
     scan = raycast(LAYOUT, SENSOR)
-    drawn = view.draw_scan(scan, SENSOR.pose(), by_label=True)
+    drawn = view.render_scan(scan, SENSOR.pose(), by_label=True)
     car = (drawn == view.PALETTE[13]).all(axis=2)
-    shape = view.draw_layout(Layout((CAR,)))
-    around = (shape != view.draw_layout(Layout(()))).any(axis=2)
+    shape = view.render_layout(Layout((CAR,)))
+    around = (shape != view.render_layout(Layout(()))).any(axis=2)
     assert car.sum() > 50
     assert (car & around).sum() > 0.8 * car.sum()
 
 
 def test_a_layout_is_drawn_over_the_scan_from_above() -> None:
     scan, pose = raycast(LAYOUT, SENSOR), SENSOR.pose()
-    picture, bare = view.draw_top(scan, LAYOUT, pose, size=200), view.draw_top(scan, Layout((ROAD,)), pose, size=200)
+    picture, bare = (
+        view.render_top_view(scan, LAYOUT, pose, size=200),
+        view.render_top_view(scan, Layout((ROAD,)), pose, size=200),
+    )
     rows, columns = np.nonzero((picture != bare).any(axis=2))
     # 8 to 12 m ahead is 16 to 24 of 100 pixels up from the middle, 1 m to either side 2 pixels
     assert (rows.min(), rows.max()) == (76, 84)
@@ -59,11 +62,11 @@ def test_pictures_stack_and_are_saved(tmp_path: Path) -> None:
 def test_files_are_drawn(tmp_path: Path, name: str) -> None:
     LAYOUT.save(tmp_path / "layout.json")
     raycast(LAYOUT, SENSOR).save(tmp_path / "drawing.npz")
-    picture = view.draw_file(tmp_path / name, SENSOR)
+    picture = view.render_file(tmp_path / name, SENSOR)
     assert picture.ndim == 3
     assert picture.std() > 5
 
 
 def test_other_files_are_refused(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match=r"cannot draw \.txt"):
-        view.draw_file(tmp_path / "a.txt", SENSOR)
+        view.render_file(tmp_path / "a.txt", SENSOR)

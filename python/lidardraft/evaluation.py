@@ -41,9 +41,9 @@ def evaluate(pipeline: Pipeline, pairs: list[StreetPair]) -> Iterator[Row]:
     """The detailed scans, the drawings, the pipeline's scans, and those of the same network with random weights."""
     random = Pipeline(_random_weights(pipeline.denoiser), steps=pipeline.steps)
     yield _row("detailed scan", pairs, (pair.scan for pair in pairs))
-    yield _row("drawing", pairs, (pair.drawing for pair in pairs))
+    yield _row("drawing", pairs, (pair.condition_image for pair in pairs))
     for name, generator in (("generated", pipeline), ("random weights", random)):
-        yield _row(name, pairs, (_last(generator.denoising(pair.drawing, seed=pair.index)) for pair in pairs))
+        yield _row(name, pairs, (_last(generator.denoising(pair.condition_image, seed=pair.index)) for pair in pairs))
 
 
 def _random_weights(denoiser: Denoiser) -> Denoiser:
@@ -59,7 +59,7 @@ def _random_weights(denoiser: Denoiser) -> Denoiser:
 
 def _row(name: str, pairs: list[StreetPair], scans: Iterable[RangeImage]) -> Row:
     images = list(scans)
-    scores = [adherence(image, pair.drawing) for image, pair in zip(images, pairs, strict=True)]
+    scores = [adherence(image, pair.condition_image) for image, pair in zip(images, pairs, strict=True)]
     return Row(
         name=name,
         objects=_mean([score.objects for score in scores]),

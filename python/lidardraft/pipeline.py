@@ -20,7 +20,7 @@ from lidardraft.drafting.text import layout_from_text
 from lidardraft.errors import CheckpointError
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
-from lidardraft.scene.labelling import label_from_drawing
+from lidardraft.scene.labelling import label_from_condition_image
 from lidardraft.scene.layout import Box, Layout
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
@@ -34,7 +34,7 @@ class Scan:
     """A generated, labelled scan with the drawing and the layout it was generated from."""
 
     image: RangeImage
-    drawing: RangeImage
+    condition_image: RangeImage
     layout: Layout
     pose: np.ndarray
     seed: int
@@ -67,13 +67,13 @@ class Scan:
     def picture(self) -> np.ndarray:
         """Layout, drawing and scan side by side over the drawn and the generated range image, uint8 [H, W, 3]."""
         views = [
-            view.caption(view.draw_layout(self.layout), "layout"),
-            view.caption(view.draw_scan(self.drawing, self.pose, by_label=True), "drawing"),
-            view.caption(view.draw_scan(self.image, self.pose, by_label=True), "scan"),
+            view.caption(view.render_layout(self.layout), "layout"),
+            view.caption(view.render_scan(self.condition_image, self.pose, by_label=True), "drawing"),
+            view.caption(view.render_scan(self.image, self.pose, by_label=True), "scan"),
         ]
         images = [
-            view.caption(view.draw_image(self.drawing), "drawing"),
-            view.caption(view.draw_image(self.image), "scan"),
+            view.caption(view.render_image(self.condition_image), "drawing"),
+            view.caption(view.render_image(self.image), "scan"),
         ]
         return view.stack([view.stack(views, across=True), view.stack(images, across=True)])
 
@@ -122,14 +122,14 @@ class Pipeline:
         sensor = sensor or self.sensor
         layout = layout_from_text(source, seed=seed) if isinstance(source, str) else source
         pose = sensor.pose()
-        drawing = raycast(layout, sensor, pose)
-        *_, generated = self.denoising(drawing, seed=seed)
-        image = label_from_drawing(generated, drawing, layout, pose)
-        return Scan(image=image, drawing=drawing, layout=layout, pose=pose, seed=seed)
+        condition_image = raycast(layout, sensor, pose)
+        *_, generated = self.denoising(condition_image, seed=seed)
+        image = label_from_condition_image(generated, condition_image, layout, pose)
+        return Scan(image=image, condition_image=condition_image, layout=layout, pose=pose, seed=seed)
 
     @torch.inference_mode()
-    def denoising(self, drawing: RangeImage, *, seed: int = 0) -> Iterator[RangeImage]:
+    def denoising(self, condition_image: RangeImage, *, seed: int = 0) -> Iterator[RangeImage]:
         """The scan while it takes shape, one image without labels a sampling step; the last is the result."""
-        condition = torch.from_numpy(encode_condition(drawing))[None]
-        for state in sample(self.denoiser, drawing.sensor, seeds=[seed], condition=condition, steps=self.steps):
-            yield decode_scan(state[0].cpu().numpy(), drawing.sensor)
+        condition = torch.from_numpy(encode_condition(condition_image))[None]
+        for state in sample(self.denoiser, condition_image.sensor, seeds=[seed], condition=condition, steps=self.steps):
+            yield decode_scan(state[0].cpu().numpy(), condition_image.sensor)

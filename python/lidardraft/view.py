@@ -48,7 +48,7 @@ def _camera_pose() -> np.ndarray:
     return np.array([[cos, 0, sin, -16.0], [0, 1, 0, 0], [-sin, 0, cos, 11.0], [0, 0, 0, 1]], dtype=np.float64)
 
 
-def draw_layout(layout: Layout) -> np.ndarray:
+def render_layout(layout: Layout) -> np.ndarray:
     """The shapes of a layout, shaded, seen by the camera: uint8 [H, W, 3]."""
     image = raycast(layout, _camera(), _camera_pose(), incidence=True)
     assert image.incidence is not None
@@ -56,7 +56,7 @@ def draw_layout(layout: Layout) -> np.ndarray:
     return np.where(image.valid[..., None], PALETTE[image.label] * shade, _BACKGROUND).astype(np.uint8)
 
 
-def draw_points(points: np.ndarray, colours: np.ndarray) -> np.ndarray:
+def render_points(points: np.ndarray, colours: np.ndarray) -> np.ndarray:
     """Points [N, 3] of the layout's frame in their colours uint8 [N, 3], seen by the camera: uint8 [H, W, 3]."""
     sensor, pose = _camera(), _camera_pose()
     image = RangeImage.project((points - pose[:3, 3]) @ pose[:3, :3], sensor, instance=np.arange(1, len(points) + 1))
@@ -89,7 +89,7 @@ def colour_by_height(z: np.ndarray) -> np.ndarray:
     return np.stack([np.interp(share, np.arange(len(_RAMP)), _RAMP[:, c]) for c in range(3)], axis=-1).astype(np.uint8)
 
 
-def draw_image(image: RangeImage) -> np.ndarray:
+def render_image(image: RangeImage) -> np.ndarray:
     """The range image itself, depth over label (over intensity, where it has one): uint8 [H', W, 3]."""
     strips = [colour_by_depth(image.depth), PALETTE[image.label]]
     if image.intensity is not None:
@@ -99,14 +99,14 @@ def draw_image(image: RangeImage) -> np.ndarray:
     return stack([np.repeat(strip, scale, axis=0) for strip in strips])
 
 
-def draw_scan(image: RangeImage, pose: np.ndarray, *, by_label: bool = False) -> np.ndarray:
+def render_scan(image: RangeImage, pose: np.ndarray, *, by_label: bool = False) -> np.ndarray:
     """The returns of a scan taken from world_from_sensor `pose`, seen by the camera: uint8 [H, W, 3]."""
     points = image.points() @ pose[:3, :3].T + pose[:3, 3]
     colours = colour_by_label(image.label[image.valid]) if by_label else colour_by_height(points[:, 2])
-    return draw_points(points, colours)
+    return render_points(points, colours)
 
 
-def draw_top(
+def render_top_view(
     image: RangeImage, layout: Layout, pose: np.ndarray, *, size: int = 512, reach: float = 50.0
 ) -> np.ndarray:
     """The returns of a scan from above, coloured by height, with the outlines of the layout's shapes over them.
@@ -143,16 +143,16 @@ def draw_top(
     return np.asarray(canvas)
 
 
-def draw_file(path: Path, sensor: Sensor) -> np.ndarray:
+def render_file(path: Path, sensor: Sensor) -> np.ndarray:
     """A `.json` layout, an `.npz` range image or a `.bin` scan (taken by `sensor`, with the `.label` beside it if
     there is one): uint8 [H, W, 3]. Raises `FormatError` for any other file."""
     if path.suffix == ".json":
         layout = Layout.load(path)
-        drawing = raycast(layout, sensor)
+        condition_image = raycast(layout, sensor)
         return stack(
             [
-                stack([draw_layout(layout), draw_scan(drawing, sensor.pose(), by_label=True)], across=True),
-                draw_image(drawing),
+                stack([render_layout(layout), render_scan(condition_image, sensor.pose(), by_label=True)], across=True),
+                render_image(condition_image),
             ]
         )
     if path.suffix == ".npz":
@@ -167,8 +167,8 @@ def draw_file(path: Path, sensor: Sensor) -> np.ndarray:
             f"{path}: cannot draw {path.suffix or 'a file without an ending'}; .bin, .npz and .json can be drawn"
         )
     pose = image.sensor.pose()
-    views = [draw_scan(image, pose), draw_scan(image, pose, by_label=True)]
-    return stack([stack(views, across=True), draw_image(image)])
+    views = [render_scan(image, pose), render_scan(image, pose, by_label=True)]
+    return stack([stack(views, across=True), render_image(image)])
 
 
 def stack(pictures: list[np.ndarray], *, across: bool = False) -> np.ndarray:

@@ -33,7 +33,7 @@ def test_every_line_of_the_table_has_every_column():
     assert {line.count("|") for line in table} == {table[0].count("|")}
 
 
-def drawn(size: float, number: int) -> Tally:
+def coarse(size: float, number: int) -> Tally:
     tally = Tally()
     values = size + np.random.default_rng(0).normal(0.0, 0.1, number)
     tally.add(count=[number], length=values, width=values, height=values, yaw=10 * values, turned=values > 1.0)
@@ -41,17 +41,17 @@ def drawn(size: float, number: int) -> Tally:
 
 
 def test_drift_is_what_neither_tolerance_nor_chance_explains():
-    by = {"real": drawn(1.0, 400), "same": drawn(1.02, 400), "longer": drawn(1.2, 400), "fewer": drawn(1.0, 200)}
+    by = {"real": coarse(1.0, 400), "same": coarse(1.02, 400), "longer": coarse(1.2, 400), "fewer": coarse(1.0, 200)}
     assert drift({"car": by}, "real", "same") == []
     assert drift({"car": by}, "real", "fewer") == ["car: count 200.00, not 400.00"]
     found = drift({"car": by}, "real", "longer")
     assert [text.split()[1] for text in found] == ["yaw", "turned", "length", "width", "height"]
-    few = {"real": drawn(1.0, FEWEST - 1), "longer": drawn(1.2, FEWEST - 1)}
+    few = {"real": coarse(1.0, FEWEST - 1), "longer": coarse(1.2, FEWEST - 1)}
     assert drift({"car": few}, "real", "longer") == []
 
 
 def test_sizes_are_possible_between_the_smallest_and_the_largest():
-    wide, narrow = drawn(1.0, 400), drawn(1.0, 20)
+    wide, narrow = coarse(1.0, 400), coarse(1.0, 20)
     assert narrow.possible(wide) == 1.0
     assert 0.0 < wide.possible(narrow) < 1.0
 

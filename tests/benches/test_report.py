@@ -27,7 +27,7 @@ def data() -> Path:
 
 def made_sweeps(seed: int, count: int) -> list[Sweep]:
     pairs = streets(seed, StreetConfig(sensor=PRESETS["vlp16"], poses_per_street=count))
-    return [Sweep.of(next(pairs).scan) for _ in range(count)]
+    return [Sweep.from_image(next(pairs).scan) for _ in range(count)]
 
 
 def test_other_streets_are_as_lifelike_as_streets() -> None:

@@ -14,7 +14,7 @@ from lidardraft.cli import train
 from lidardraft.diffusion import checkpoint
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.semantics import BY_NAME
-from lidardraft.streets.style import SOURCES
+from lidardraft.streets.coarse.style import SOURCES
 from lidardraft.training.pairs import PairFolder
 
 QUICK = ["--sensor", "small.json", "--steps", "2"]
@@ -45,10 +45,10 @@ def test_draft_raycast_view(folder: Path, capsys: pytest.CaptureFixture[str]) ->
     assert cli.main(["raycast", "layout.json", "--sensor", "hdl64e", "-o", "drawing.npz"]) == 0
     assert cli.main(["view", "drawing.npz"]) == 0
     assert "not understood" not in capsys.readouterr().err
-    layout, drawing = Layout.load("layout.json"), RangeImage.load("drawing.npz")
+    layout, condition_image = Layout.load("layout.json"), RangeImage.load("drawing.npz")
     assert [box.label for box in layout.boxes()] == ["car"]
-    assert drawing.sensor == Sensor.preset("hdl64e")
-    assert BY_NAME["car"].id in drawing.label
+    assert condition_image.sensor == Sensor.preset("hdl64e")
+    assert BY_NAME["car"].id in condition_image.label
     assert Path("drawing.view.png").stat().st_size > 1000
 
 

@@ -5,9 +5,9 @@ from hypothesis import strategies as st
 
 from lidardraft.diffusion.codec import (
     CONDITION_CHANNELS,
+    CONDITION_DEPTH,
+    CONDITION_VALIDITY,
     DEPTH,
-    DRAWN_DEPTH,
-    DRAWN_VALIDITY,
     INTENSITY,
     MAX_DEPTH,
     VALIDITY,
@@ -105,13 +105,13 @@ def test_the_condition_says_class_depth_and_hit() -> None:
     depth[2, 5] = 0
     condition = encode_condition(image(depth))
     assert condition.shape == (CONDITION_CHANNELS, 4, 8)
-    np.testing.assert_array_equal(condition[:DRAWN_DEPTH].sum(axis=0), 1)
+    np.testing.assert_array_equal(condition[:CONDITION_DEPTH].sum(axis=0), 1)
     assert condition[13, 0, 0] == 1
     assert condition[0, 2, 5] == 1
-    assert condition[DRAWN_VALIDITY, 0, 0] == 1
-    assert condition[DRAWN_VALIDITY, 2, 5] == -1
-    assert condition[DRAWN_DEPTH, 2, 5] == 1
-    np.testing.assert_array_equal(condition[DRAWN_DEPTH, 0], encode_scan(image(depth))[DEPTH, 0])
+    assert condition[CONDITION_VALIDITY, 0, 0] == 1
+    assert condition[CONDITION_VALIDITY, 2, 5] == -1
+    assert condition[CONDITION_DEPTH, 2, 5] == 1
+    np.testing.assert_array_equal(condition[CONDITION_DEPTH, 0], encode_scan(image(depth))[DEPTH, 0])
 
 
 @pytest.mark.parametrize("name", ["hdl64e", "hdl32e", "vlp16", "os1-128"])

@@ -6,7 +6,14 @@ from typing import Any
 import pytest
 import torch
 
-from lidardraft.diffusion.codec import CONDITION_CHANNELS, DEPTH, DRAWN_DEPTH, DRAWN_VALIDITY, INTENSITY, VALIDITY
+from lidardraft.diffusion.codec import (
+    CONDITION_CHANNELS,
+    CONDITION_DEPTH,
+    CONDITION_VALIDITY,
+    DEPTH,
+    INTENSITY,
+    VALIDITY,
+)
 from lidardraft.diffusion.denoiser import SIGMA_DATA, Denoiser, DenoiserConfig
 from lidardraft.errors import CheckpointError, LidarDraftError
 
@@ -30,8 +37,8 @@ def shaken(denoiser: Denoiser) -> Denoiser:
 def a_condition(batch: int = 2, width: int = 64) -> torch.Tensor:
     condition = torch.zeros(batch, CONDITION_CHANNELS, 16, width)
     condition[:, 1] = 1
-    condition[:, DRAWN_DEPTH] = torch.rand(batch, 16, width)
-    condition[:, DRAWN_VALIDITY] = 1
+    condition[:, CONDITION_DEPTH] = torch.rand(batch, 16, width)
+    condition[:, CONDITION_VALIDITY] = 1
     return condition
 
 
@@ -89,12 +96,12 @@ def test_an_open_gate_copies_the_drawn_depth_where_there_is_a_hit() -> None:
     denoiser.controlnet.gate.head.bias[:8] = 20.0  # fully open
     denoiser.controlnet.gate.head.bias[8:16] = 1e4  # and sure of the drawing whatever the pixel says
     condition = a_condition()
-    condition[:, DRAWN_VALIDITY, :, 10:20] = -1
+    condition[:, CONDITION_VALIDITY, :, 10:20] = -1
     x, sigma = torch.randn(2, 3, 16, 64), torch.tensor([0.5, 2.0])
     without = denoiser.denoise(x, sigma, BEAMS)
     y = denoiser.denoise(x, sigma, BEAMS, condition)
-    hit = condition[:, DRAWN_VALIDITY] > 0
-    torch.testing.assert_close(y[:, DEPTH][hit], condition[:, DRAWN_DEPTH][hit], atol=2e-3, rtol=0)
+    hit = condition[:, CONDITION_VALIDITY] > 0
+    torch.testing.assert_close(y[:, DEPTH][hit], condition[:, CONDITION_DEPTH][hit], atol=2e-3, rtol=0)
     torch.testing.assert_close(y[:, DEPTH][~hit], without[:, DEPTH][~hit])
     torch.testing.assert_close(y[:, INTENSITY:], without[:, INTENSITY:])
 

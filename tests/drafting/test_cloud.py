@@ -51,8 +51,8 @@ def street_cloud():
 def test_a_drawn_street_is_drawn_again():
     points, labels, instances = street_cloud()
     layout = layout_from_cloud(points, labels, instances=instances)
-    scan, drawing = raycast(STREET, SENSOR), raycast(layout, SENSOR)
-    good = agrees(scan, drawing)
+    scan, condition_image = raycast(STREET, SENSOR), raycast(layout, SENSOR)
+    good = agrees(scan, condition_image)
     for name, least in {
         "road": 0.97,
         "car": 0.95,
@@ -113,8 +113,8 @@ def test_a_facade_around_the_sensor_does_not_swallow_it():
         )
     )
     image = raycast(walls, SENSOR)
-    drawing = raycast(layout_from_cloud(image.points(), image.label[image.valid]), SENSOR)
-    assert agrees(image, drawing)[image.valid].mean() > 0.95
+    condition_image = raycast(layout_from_cloud(image.points(), image.label[image.valid]), SENSOR)
+    assert agrees(image, condition_image)[image.valid].mean() > 0.95
 
 
 def test_the_ground_slopes_with_the_points():

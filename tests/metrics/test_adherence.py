@@ -27,15 +27,15 @@ def image(depth, label=None):
 
 
 def test_the_tolerance_is_half_a_metre_or_five_percent():
-    drawing = image([[5.0, 5.0], [40.0, 40.0]])
+    condition_image = image([[5.0, 5.0], [40.0, 40.0]])
     scan = image([[5.49, 4.49], [41.99, 37.9]])
-    np.testing.assert_array_equal(agrees(scan, drawing), [[True, False], [True, False]])
+    np.testing.assert_array_equal(agrees(scan, condition_image), [[True, False], [True, False]])
 
 
 def test_shares_are_counted_over_what_the_ray_hits():
-    drawing = image([[10, 10], [20, 0]], [["car", "road"], ["car", "none"]])
+    condition_image = image([[10, 10], [20, 0]], [["car", "road"], ["car", "none"]])
     scan = image([[10, 15], [25, 7]])
-    result = adherence(scan, drawing)
+    result = adherence(scan, condition_image)
     assert result.objects == 0.5
     assert result.overall == pytest.approx(1 / 3)
     assert result.by_class == {"road": 0.0, "car": 0.5}
@@ -43,8 +43,8 @@ def test_shares_are_counted_over_what_the_ray_hits():
 
 
 def test_pixels_without_a_return_are_dropped_not_wrong():
-    drawing = image([[10, 10], [20, 0]], [["car", "road"], ["car", "none"]])
-    result = adherence(image([[10, 0], [0, 0]]), drawing)
+    condition_image = image([[10, 10], [20, 0]], [["car", "road"], ["car", "none"]])
+    result = adherence(image([[10, 0], [0, 0]]), condition_image)
     assert result.objects == result.overall == 1.0
     assert result.drop == pytest.approx(2 / 3)
 
@@ -61,15 +61,15 @@ def test_a_drawing_adheres_to_itself_and_not_to_another_layout():
     sensor = Sensor.preset("vlp16")
     car = Primitive(shape="box", center=(8, 0, 0.75), size=(4, 2, 1.5), label="car", id="car", instance=1)
     road = Primitive(shape="plane", center=(0, 0, 0), size=(100, 100, 0), label="road", id="road")
-    drawing = raycast(Layout(primitives=(road, car)), sensor)
-    itself = adherence(drawing, drawing)
+    condition_image = raycast(Layout(primitives=(road, car)), sensor)
+    itself = adherence(condition_image, condition_image)
     assert (itself.objects, itself.overall, itself.drop) == (1.0, 1.0, 0.0)
     moved = raycast(Layout(primitives=(road, dataclasses.replace(car, center=(14, 0, 0.75)))), sensor)
-    assert adherence(moved, drawing).by_class["car"] < 0.3
+    assert adherence(moved, condition_image).by_class["car"] < 0.3
 
 
 def test_images_of_two_sensors_are_refused():
     wide = Sensor(name="wide", elevations=(0.1, 0.0), columns=3)
     empty = raycast(Layout(), wide)
-    with pytest.raises(SensorError, match=r"the scan is \(2, 3\), the drawing \(2, 2\); both need one sensor"):
+    with pytest.raises(SensorError, match=r"the scan is \(2, 3\), the condition image \(2, 2\); both need one sensor"):
         adherence(empty, image([[0, 0], [0, 0]]))

@@ -17,7 +17,7 @@ def test_a_matrix_by_hand():
 
 
 def test_scores_by_hand():
-    scores = ClassScores.of(confusion_matrix(TRUTH, FOUND, 5))
+    scores = ClassScores.from_confusion(confusion_matrix(TRUTH, FOUND, 5))
     # 1: 3 right, 4 true, 4 found among the labelled; 2: 2 right, 3 true, 3 found; what is unlabelled does not count
     np.testing.assert_allclose(scores.iou, [0.0, 3 / 5, 2 / 4, 0.0, np.nan])
     np.testing.assert_array_equal(scores.truth, [0, 4, 3, 1, 0])
@@ -33,7 +33,7 @@ def test_scans_add_up():
 
 def test_all_right_is_one():
     truth = np.arange(1, 5, dtype=np.uint8).reshape(2, 2)
-    assert ClassScores.of(confusion_matrix(truth, truth, 5)).mean([1, 2, 3, 4]) == 1.0
+    assert ClassScores.from_confusion(confusion_matrix(truth, truth, 5)).mean([1, 2, 3, 4]) == 1.0
 
 
 def test_images_that_do_not_fit():

@@ -106,4 +106,4 @@ def street_sweep() -> Sweep:
 
     sensor = PRESETS["vlp16"]
     assert raycast(make_street(0).scene, sensor).valid.any()
-    return Sweep.of(next(streets(0, StreetConfig(sensor=sensor, poses_per_street=1))).scan)
+    return Sweep.from_image(next(streets(0, StreetConfig(sensor=sensor, poses_per_street=1))).scan)

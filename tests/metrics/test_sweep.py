@@ -77,7 +77,7 @@ def test_a_range_image_keeps_its_points() -> None:
     depth = np.where(rng.random(sensor.shape) < 0.8, rng.uniform(2, 50, sensor.shape), 0).astype(np.float32)
     blank = np.zeros(sensor.shape)
     image = RangeImage(sensor=sensor, depth=depth, label=blank.astype(np.uint8), instance=blank.astype(np.uint32))
-    sweep = Sweep.of(image)
+    sweep = Sweep.from_image(image)
     np.testing.assert_array_equal(sweep.valid, image.valid)
     np.testing.assert_allclose(sweep.points[sweep.valid], image.points(), rtol=1e-6)
     np.testing.assert_allclose(sweep.depth, depth, rtol=1e-5)

@@ -57,8 +57,13 @@ def test_no_overlap(other: Primitive) -> None:
 
 def test_round_things_have_no_corners() -> None:
     pole = Primitive(shape="cylinder", center=(0, 0, 1), size=(2, 2, 2), label="pole", id="pole")
-    assert penetration(Solid.of(pole), Solid.of(box("b", (0.9 + 0.5, 0.9 + 0.5, 1), (1, 1, 1)))) == 0
-    assert penetration(Solid.of(pole), Solid.of(box("b", (1.4, 0, 1), (1, 1, 1)))) == pytest.approx(0.1)
+    assert (
+        penetration(Solid.from_primitive(pole), Solid.from_primitive(box("b", (0.9 + 0.5, 0.9 + 0.5, 1), (1, 1, 1))))
+        == 0
+    )
+    assert penetration(
+        Solid.from_primitive(pole), Solid.from_primitive(box("b", (1.4, 0, 1), (1, 1, 1)))
+    ) == pytest.approx(0.1)
 
 
 poses = st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-math.pi, math.pi))
@@ -72,7 +77,8 @@ def test_penetration_is_symmetric_and_turns_with_the_scene(
     def depth(angle: float, swap: bool) -> float:
         cos, sin = math.cos(angle), math.sin(angle)
         first, second = (
-            Solid.of(box("x", (cos * x - sin * y, sin * x + cos * y, 1.0), yaw=yaw + angle)) for x, y, yaw in (a, b)
+            Solid.from_primitive(box("x", (cos * x - sin * y, sin * x + cos * y, 1.0), yaw=yaw + angle))
+            for x, y, yaw in (a, b)
         )
         return penetration(second, first) if swap else penetration(first, second)
 
@@ -85,7 +91,7 @@ def test_penetration_is_symmetric_and_turns_with_the_scene(
 def test_boxes_with_a_point_of_one_in_the_other_overlap(
     a: tuple[float, float, float], b: tuple[float, float, float]
 ) -> None:
-    first, second = (Solid.of(box("x", (x, y, 1.0), yaw=yaw)) for x, y, yaw in (a, b))
+    first, second = (Solid.from_primitive(box("x", (x, y, 1.0), yaw=yaw)) for x, y, yaw in (a, b))
     inside = any(
         _contains(second, point) for point in [*first.outline.tolist(), list(first.primitive.center[:2])]
     ) or any(_contains(first, point) for point in [*second.outline.tolist(), list(second.primitive.center[:2])])

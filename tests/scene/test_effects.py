@@ -36,7 +36,7 @@ def seen(layout: Layout, model: SensorModel, *, sensor: Sensor = SENSOR, seed: i
     """What the sensor reports of a layout, whose things do not vary."""
     image = raycast(layout, sub_rays(sensor, model), primitive=True, incidence=True)
     wetness = 0.0 if weather is None else weather.wetness
-    surfaces = Surfaces.of(layout, variation=False, wetness=wetness)
+    surfaces = Surfaces.from_layout(layout, variation=False, wetness=wetness)
     return observe(image, surfaces, seed, sensor=sensor, model=model, weather=weather)
 
 

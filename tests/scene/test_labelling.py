@@ -3,7 +3,7 @@ import dataclasses
 import numpy as np
 
 from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
-from lidardraft.scene.labelling import agrees, label_from_drawing
+from lidardraft.scene.labelling import agrees, label_from_condition_image
 from lidardraft.scene.road import Road
 from lidardraft.semantics import BY_NAME
 
@@ -16,24 +16,26 @@ POSE = SENSOR.pose()
 
 
 def moved(depth: np.ndarray):  # type: ignore[no-untyped-def]
-    drawing = raycast(LAYOUT, SENSOR)
+    condition_image = raycast(LAYOUT, SENSOR)
     blank = np.zeros(SENSOR.shape, np.uint8), np.zeros(SENSOR.shape, np.uint32)
-    scan = dataclasses.replace(drawing, depth=depth.astype(np.float32), label=blank[0], instance=blank[1])
-    return label_from_drawing(scan, drawing, LAYOUT, POSE), drawing
+    scan = dataclasses.replace(condition_image, depth=depth.astype(np.float32), label=blank[0], instance=blank[1])
+    return label_from_condition_image(scan, condition_image, LAYOUT, POSE), condition_image
 
 
 def test_a_scan_like_the_drawing_gets_its_labels() -> None:
-    drawing = raycast(LAYOUT, SENSOR)
-    labelled, _ = moved(drawing.depth + np.where(drawing.valid, 0.3, 0.0))
-    assert np.array_equal(labelled.label, drawing.label)
-    assert np.array_equal(labelled.instance, drawing.instance)
+    condition_image = raycast(LAYOUT, SENSOR)
+    labelled, _ = moved(condition_image.depth + np.where(condition_image.valid, 0.3, 0.0))
+    assert np.array_equal(labelled.label, condition_image.label)
+    assert np.array_equal(labelled.instance, condition_image.instance)
     assert 7 in labelled.instance
 
 
 def test_a_return_from_inside_a_crown_is_vegetation() -> None:
-    drawing = raycast(LAYOUT, SENSOR)
-    crown = drawing.label == BY_NAME["vegetation"].id
-    depth = np.where(crown, drawing.depth + 1.5, drawing.depth)  # beyond the tolerance, inside the shape
+    condition_image = raycast(LAYOUT, SENSOR)
+    crown = condition_image.label == BY_NAME["vegetation"].id
+    depth = np.where(
+        crown, condition_image.depth + 1.5, condition_image.depth
+    )  # beyond the tolerance, inside the shape
     labelled, _ = moved(depth)
     inside = crown & (np.abs(depth - 12) < 2)
     assert inside.any()
@@ -41,9 +43,9 @@ def test_a_return_from_inside_a_crown_is_vegetation() -> None:
 
 
 def test_a_return_where_nothing_was_drawn_stays_without_class() -> None:
-    drawing = raycast(LAYOUT, SENSOR)
-    car = drawing.label == BY_NAME["car"].id
-    labelled, _ = moved(np.where(car, 40.0, drawing.depth))
+    condition_image = raycast(LAYOUT, SENSOR)
+    car = condition_image.label == BY_NAME["car"].id
+    labelled, _ = moved(np.where(car, 40.0, condition_image.depth))
     assert car.any()
     assert (labelled.label[car] == 0).all()
     assert (labelled.instance[car] == 0).all()
@@ -53,10 +55,12 @@ def test_a_return_where_nothing_was_drawn_stays_without_class() -> None:
 def test_a_bend_does_not_label_the_gardens_beside_it() -> None:
     road = Road(curvature=0.02)
     layout = Layout(tuple(road.surfaces()))
-    drawing = raycast(layout, SENSOR)
-    terrain = drawing.label == BY_NAME["terrain"].id
-    depth = np.where(terrain, drawing.depth * 0.94, drawing.depth).astype(np.float32)
-    labelled = label_from_drawing(dataclasses.replace(drawing, depth=depth), drawing, layout, POSE)
+    condition_image = raycast(layout, SENSOR)
+    terrain = condition_image.label == BY_NAME["terrain"].id
+    depth = np.where(terrain, condition_image.depth * 0.94, condition_image.depth).astype(np.float32)
+    labelled = label_from_condition_image(
+        dataclasses.replace(condition_image, depth=depth), condition_image, layout, POSE
+    )
     assert terrain.sum() > 100
     assert not np.isin(labelled.label[terrain], [BY_NAME["sidewalk"].id, BY_NAME["road"].id]).any()
 

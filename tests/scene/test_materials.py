@@ -106,7 +106,7 @@ def test_a_retroreflector_has_the_classes_of_en_12899():
 
 def test_surfaces_hold_the_response_of_each_primitive_and_0_for_none():
     layout = boxes("plaster", "glass", None)
-    surfaces = Surfaces.of(layout, variation=False)
+    surfaces = Surfaces.from_layout(layout, variation=False)
     image = raycast(layout, Sensor(name="s", elevations=(0.0,), columns=720), primitive=True, incidence=True)
     assert image.primitive is not None
     assert image.incidence is not None
@@ -122,23 +122,23 @@ def test_surfaces_hold_the_response_of_each_primitive_and_0_for_none():
 
 
 def test_things_of_one_material_differ_by_where_they_stand():
-    one, two = (Surfaces.of(boxes("plaster", "plaster", "plaster")) for _ in range(2))
+    one, two = (Surfaces.from_layout(boxes("plaster", "plaster", "plaster")) for _ in range(2))
     np.testing.assert_array_equal(one.table, two.table)
-    factors = one.table[1:, 0] / Surfaces.of(boxes("plaster"), variation=False).table[1, 0]
+    factors = one.table[1:, 0] / Surfaces.from_layout(boxes("plaster"), variation=False).table[1, 0]
     assert len(set(factors.tolist())) == 3
     np.testing.assert_allclose(one.table[1], one.table[1, 0] * one.table[2] / one.table[2, 0], rtol=1e-5)
 
 
 def test_variation_is_the_spread_of_a_material():
     spread = MATERIAL_BY_NAME["cloth"].variation
-    factors = np.log(Surfaces.of(boxes(*["cloth"] * 2000)).table[1:, 0] / 0.48)
+    factors = np.log(Surfaces.from_layout(boxes(*["cloth"] * 2000)).table[1:, 0] / 0.48)
     assert factors.std() == pytest.approx(spread, rel=0.1)
     assert abs(factors.mean()) < 0.05
 
 
 def test_wet_ground_is_darker_and_least_seen_at_grazing_incidence():
     dry, wet, half = (
-        Surfaces.of(boxes("asphalt", "plaster"), wetness=w, variation=False).table for w in (0.0, 1.0, 0.5)
+        Surfaces.from_layout(boxes("asphalt", "plaster"), wetness=w, variation=False).table for w in (0.0, 1.0, 0.5)
     )
     share = wet[1] / dry[1]
     assert share[0] == pytest.approx(0.5 * 0.96**2, rel=0.01)
@@ -153,6 +153,6 @@ def test_leaves_send_back_two_thirds_of_their_reflectance():
 
 def test_errors():
     with pytest.raises(LayoutError, match="b_0: material is 'cheese'; it must be one of asphalt, "):
-        Surfaces.of(boxes("cheese"))
+        Surfaces.from_layout(boxes("cheese"))
     with pytest.raises(SensorError, match=r"wetness is 1\.5; it must be 0 to 1"):
-        Surfaces.of(boxes("wood"), wetness=1.5)
+        Surfaces.from_layout(boxes("wood"), wetness=1.5)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from lidardraft.errors import LayoutError
 from lidardraft.scene.mesh import primitive_mesh
-from lidardraft.scene.road import KERB_HEIGHT, Patch, Road
+from lidardraft.scene.road import KERB_HEIGHT, PavedArea, Road
 
 roads = st.builds(
     Road,
@@ -125,7 +125,7 @@ def test_a_roundabout_has_a_lane_around_an_island() -> None:
 
 
 def test_patches_are_paved() -> None:
-    road = Road(patches=(Patch((-10.0, 20.0), (6.0, 22.0)),))
+    road = Road(patches=(PavedArea((-10.0, 20.0), (6.0, 22.0)),))
     patch = road.surfaces()[-1]
     assert (patch.label, patch.id, patch.size) == ("road", "patch_1", (30.0, 16.0, 0.0))
     assert patch.center == pytest.approx((5.0, 14.0 - road.lane(0), 0.0))

@@ -13,8 +13,8 @@ from lidardraft.scene.sensor_model import MODELS, SensorModel, beam_fan, beam_ti
 
 def test_every_preset_has_a_model_and_another_sensor_a_typical_one():
     assert set(MODELS) == set(PRESETS)
-    assert SensorModel.of(PRESETS["vlp16"]) is MODELS["vlp16"]
-    assert SensorModel.of(Sensor(name="mine", elevations=(0.0,), columns=8)) == SensorModel()
+    assert SensorModel.from_sensor(PRESETS["vlp16"]) is MODELS["vlp16"]
+    assert SensorModel.from_sensor(Sensor(name="mine", elevations=(0.0,), columns=8)) == SensorModel()
 
 
 @pytest.mark.parametrize("name", sorted(MODELS))

@@ -19,13 +19,15 @@ PRIMITIVES = (
     Primitive(shape="ellipsoid", center=(3, -6, 1), size=(2, 3, 2), label="vegetation", id="bush"),
     Primitive(shape="mesh", center=(5, 9, 1), size=(1, 3, 2), yaw=1.0, label="wall", id="slab", mesh=TENT),
 )
-TABLE = ShapeTable.of(PRIMITIVES)
+TABLE = ShapeTable.from_primitives(PRIMITIVES)
 
 
 def test_a_table_is_the_layout_of_its_primitives():
     assert TABLE.layout({"source": "here"}, (-1.0, 1.0)) == Layout(PRIMITIVES, {"source": "here"}, (-1.0, 1.0))
-    assert ShapeTable.join(TABLE.where(np.arange(5) < 2), TABLE.where(np.arange(5) >= 2)).layout({}) == TABLE.layout({})
-    assert [p.id for p in TABLE.where(np.array([0, 0, 0, 1, 1], bool)).layout({})] == ["bush", "slab"]
+    assert ShapeTable.join(TABLE.select(np.arange(5) < 2), TABLE.select(np.arange(5) >= 2)).layout({}) == TABLE.layout(
+        {}
+    )
+    assert [p.id for p in TABLE.select(np.array([0, 0, 0, 1, 1], bool)).layout({})] == ["bush", "slab"]
 
 
 def test_a_table_is_cast_as_its_layout():

@@ -10,28 +10,27 @@ import pytest
 from lidardraft import Layout, Raycaster
 from lidardraft.scene.mesh import primitive_mesh
 from lidardraft.scene.sensor import PRESETS
-from lidardraft.streets.ego import EGO_SIZE, Ego, draw_ego, mount
-from lidardraft.streets.ground import _cut
-from lidardraft.streets.lane import Lane
-from lidardraft.streets.lots import AISLE, BAY_LENGTH, BAY_WIDTH
-from lidardraft.streets.plan import draw_site
-from lidardraft.streets.quarter import QUARTERS
-from lidardraft.streets.relief import positions
-from lidardraft.streets.site import Site
-from lidardraft.streets.space import box_space, spaces_of, touch
+from lidardraft.streets.ego import EGO_SIZE, Ego, mount, sample_ego
+from lidardraft.streets.ground.ground import _cut
+from lidardraft.streets.ground.relief import positions
+from lidardraft.streets.placement.car_parks import AISLE, BAY_LENGTH, BAY_WIDTH
+from lidardraft.streets.placement.district import DISTRICTS
+from lidardraft.streets.placement.lanes import Lane
+from lidardraft.streets.placement.occupancy import Occupancy, box_space, spaces_of, touch
+from lidardraft.streets.placement.plan import plan_street
 
-PLACES = [draw_site(np.random.default_rng([seed, 9]), 90.0) for seed in range(120)]
-SITES = [site for site, _, _ in PLACES]
+PLACES = [plan_street(np.random.default_rng([seed, 9]), 90.0) for seed in range(120)]
+SITES = [occupancy for occupancy, _, _ in PLACES]
 PRIVATE = {"fence", "garden_wall", "hedge", "mesh_fence", "house", "block", "shed"}
 RIDDEN = ("cyclist", "motorcyclist")
 LONG = {"fence", "garden_wall", "mesh_fence", "wall", "barrier"}
 
 
-def egos(number: int = 6) -> list[tuple[Site, Ego]]:
+def egos(number: int = 6) -> list[tuple[Occupancy, Ego]]:
     found = []
-    for index, (site, lanes, _) in enumerate(PLACES):
+    for index, (occupancy, lanes, _) in enumerate(PLACES):
         rng = np.random.default_rng([index, 4])
-        found += [(site, draw_ego(site, lanes, rng)) for _ in range(number)]
+        found += [(occupancy, sample_ego(occupancy, lanes, rng)) for _ in range(number)]
     return found
 
 
@@ -39,8 +38,8 @@ EGOS = egos()
 
 
 def test_every_quarter_and_every_form_of_road_occurs():
-    assert {name for _, _, name in PLACES} == set(QUARTERS)
-    roads = [site.road for site in SITES]
+    assert {name for _, _, name in PLACES} == set(DISTRICTS)
+    roads = [occupancy.road for occupancy in SITES]
     arms = Counter(road.arms for road in roads if road.junction is not None and road.circle is None)
     assert set(arms) == {("left", "right"), ("left",), ("right",)}
     assert {len(road.arms) for road in roads if road.circle is not None} == {1, 2}
@@ -52,97 +51,99 @@ def test_every_quarter_and_every_form_of_road_occurs():
     directions = [{math.cos(lane.turn) > 0 for lane in lanes if lane.name == "road"} for _, lanes, _ in PLACES]
     assert {True} in directions  # one-way
     assert {True, False} in directions
-    assert any(site.ground.strip > 0 for site in SITES)
+    assert any(occupancy.ground.strip > 0 for occupancy in SITES)
 
 
 def test_every_kind_of_thing_occurs():
-    kinds = Counter(thing.kind for site in SITES for thing in site.things)
+    kinds = Counter(placed.kind for occupancy in SITES for placed in occupancy.objects)
     wanted = """house block shed tree bush hedge lamp pole sign traffic_light fence garden_wall bin bench shelter cone
         barrier mesh_fence grass gantry wall billboard letterbox hydrant cabinet truck bus trailer_truck tram bicycle
         cyclist motorcycle motorcyclist person hatchback saloon estate suv minivan coupe pickup van"""
     assert set(wanted.split()) <= set(kinds)
-    standing = [t for site in SITES for t in site.things if t.kind == "person" and t.size[0] <= 0.3]
+    standing = [t for occupancy in SITES for t in occupancy.objects if t.kind == "person" and t.size[0] <= 0.3]
     assert 0.1 < len(standing) / kinds["person"] < 0.8
 
 
 def test_instances_are_numbered_without_gaps():
-    for site in SITES:
-        numbers = [t.instance + extra for t in site.things if t.instance for extra in range(1 + (t.kind in RIDDEN))]
+    for occupancy in SITES:
+        numbers = [
+            t.instance + extra for t in occupancy.objects if t.instance for extra in range(1 + (t.kind in RIDDEN))
+        ]
         assert sorted(numbers) == list(range(1, len(numbers) + 1))
 
 
-def frame_corners(site: Site, index: int) -> np.ndarray:
+def frame_corners(occupancy: Occupancy, index: int) -> np.ndarray:
     """Corners [4, 2] along and across of a thing as it was put."""
-    placed = site._placed[index]
+    placed = occupancy._placed[index]
     half = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)]) * placed.size[:2] / 2
     cos, sin = math.cos(placed.turn), math.sin(placed.turn)
     return half @ np.array([[cos, sin], [-sin, cos]]) + (placed.along, placed.across)
 
 
 def test_private_things_keep_off_the_public_way():
-    for site in SITES:
-        for index, thing in enumerate(site.things):
-            if thing.kind in PRIVATE and not site.road.curvature and not site.ground.paved:
-                corners = frame_corners(site, index)
-                kinds = site.ground.kinds(corners[:, 0], corners[:, 1])
-                assert (kinds == 2).all(), thing
+    for occupancy in SITES:
+        for index, placed in enumerate(occupancy.objects):
+            if placed.kind in PRIVATE and not occupancy.road.curvature and not occupancy.ground.paved:
+                corners = frame_corners(occupancy, index)
+                kinds = occupancy.ground.kinds(corners[:, 0], corners[:, 1])
+                assert (kinds == 2).all(), placed
 
 
 def test_traffic_drives_on_the_road():
-    for site, _, name in PLACES:
-        for index, thing in enumerate(site.things):
-            if thing.kind in ("bus", "truck", "trailer_truck", "motorcyclist", "cyclist", "tram"):
-                placed = site._placed[index]
-                assert site.ground.surface(placed.along, placed.across) == "road", (name, thing)
+    for occupancy, _, name in PLACES:
+        for index, placed in enumerate(occupancy.objects):
+            if placed.kind in ("bus", "truck", "trailer_truck", "motorcyclist", "cyclist", "tram"):
+                placed = occupancy._placed[index]
+                assert occupancy.ground.surface(placed.along, placed.across) == "road", (name, placed)
 
 
 def test_things_stand_where_the_ground_is():
-    for site in SITES:
-        along, across = np.array([(p.along, p.across) for p in site._placed]).T
-        height = site.ground.heights(along, across)
-        for thing, ground in zip(site.things, height, strict=True):
-            if thing.kind in ("house", "block", "shed", "grass"):
-                assert thing.z <= ground + 1e-9
-                corners = site.ground.heights(*frame_corners(site, site.things.index(thing)).T)
+    for occupancy in SITES:
+        along, across = np.array([(p.along, p.across) for p in occupancy._placed]).T
+        height = occupancy.ground.heights(along, across)
+        for placed, ground in zip(occupancy.objects, height, strict=True):
+            if placed.kind in ("house", "block", "shed", "grass"):
+                assert placed.z <= ground + 1e-9
+                corners = occupancy.ground.heights(*frame_corners(occupancy, occupancy.objects.index(placed)).T)
                 # the plinth reaches 0.8 m down; a medium of grass none
-                assert thing.z - (0.8 if thing.kind != "grass" else 1e-9) <= corners.min()
+                assert placed.z - (0.8 if placed.kind != "grass" else 1e-9) <= corners.min()
             else:
-                assert thing.z == pytest.approx(ground)
+                assert placed.z == pytest.approx(ground)
 
 
 def test_long_things_follow_the_ground():
     off = []
-    for site in SITES:
-        for index, thing in enumerate(site.things):
-            if thing.kind in LONG:
-                corners = frame_corners(site, index)
-                off.append(np.abs(site.ground.heights(*corners.T) - thing.z).max())
+    for occupancy in SITES:
+        for index, placed in enumerate(occupancy.objects):
+            if placed.kind in LONG:
+                corners = frame_corners(occupancy, index)
+                off.append(np.abs(occupancy.ground.heights(*corners.T) - placed.z).max())
     assert np.quantile(off, 0.9) < 0.2
     assert max(off) < 0.75
 
 
 def test_the_road_rises_and_falls():
-    rise = [float(np.ptp(site.ground.heights(np.linspace(-80, 80, 81), np.zeros(81)))) for site in SITES]
+    rise = [float(np.ptp(occupancy.ground.heights(np.linspace(-80, 80, 81), np.zeros(81)))) for occupancy in SITES]
     assert np.median(rise) > 0.5
     assert max(rise) < 8.0
-    for site in SITES:
-        grades = [site.ground.grade(float(along)) for along in np.linspace(-90, 90, 31)]
+    for occupancy in SITES:
+        grades = [occupancy.ground.grade(float(along)) for along in np.linspace(-90, 90, 31)]
         assert max(map(abs, grades)) < 0.061
 
 
-def horizon(site: Site) -> np.ndarray:
+def horizon(occupancy: Occupancy) -> np.ndarray:
     """Elevation [rad] of the land's edge around a sensor over the middle of the street."""
     along, across = np.meshgrid(np.linspace(-80, 80, 41), np.linspace(-60, 60, 31), indexing="ij")
-    heights = site.ground.heights(along.ravel(), across.ravel())
+    heights = occupancy.ground.heights(along.ravel(), across.ravel())
     distance = np.hypot(along.ravel(), across.ravel())
     far = distance > 15.0
-    elevation = np.arctan2(heights[far] - site.ground.height(0.0, 0.0) - 1.73, distance[far])
+    elevation = np.arctan2(heights[far] - occupancy.ground.height(0.0, 0.0) - 1.73, distance[far])
     sector = ((np.arctan2(across.ravel(), along.ravel())[far] + math.pi) / (2 * math.pi) * 24).astype(int) % 24
     return np.array([elevation[sector == number].max() for number in range(24)])
 
 
 def test_the_horizon_is_no_flat_line():
-    spread = [float(np.ptp(horizon(site))) for site in SITES]
+    spread = [float(np.ptp(horizon(occupancy))) for occupancy in SITES]
     # a flat plane of this extent has a horizon between -0.029 and -0.015 rad
     assert np.median(spread) > 0.02
     assert max(spread) > 0.1
@@ -150,45 +151,46 @@ def test_the_horizon_is_no_flat_line():
 
 def test_heights_and_classes_are_those_of_the_mesh():
     down = np.tile([0.0, 0.0, -1.0], (500, 1))
-    for site in SITES[::4]:
+    for occupancy in SITES[::4]:
         rng = np.random.default_rng(2)
         along, across = rng.uniform(-100, 100, 500), rng.uniform(-40, 40, 500)
-        bare = [p for p in site.ground.surfaces() if p.id not in ("drives", "markings")]
-        origins = np.column_stack([positions(site.road, along, across), np.full(500, 30.0)])
+        bare = [p for p in occupancy.ground.surfaces() if p.id not in ("drives", "markings")]
+        origins = np.column_stack([positions(occupancy.road, along, across), np.full(500, 30.0)])
         hits = Raycaster(Layout(primitives=tuple(bare))).cast(origins, down)
-        off = np.abs(30.0 - hits.distance - site.ground.heights(along, across))
+        off = np.abs(30.0 - hits.distance - occupancy.ground.heights(along, across))
         # chords of circles and bends move a kerb by some centimetres, and the island of a roundabout is made of facets
-        assert np.quantile(off, 0.95) < (0.02 if site.road.circle is None else 0.07)
+        assert np.quantile(off, 0.95) < (0.02 if occupancy.road.circle is None else 0.07)
         assert off.max() < 0.21
-        labels = np.array([1, 2, 10, 10])[site.ground.kinds(along, across)]
+        labels = np.array([1, 2, 10, 10])[occupancy.ground.kinds(along, across)]
         assert (labels == hits.label).mean() > 0.99
 
 
 def test_heights_are_the_same_from_all_sides():
-    for site in SITES[::6]:
+    for occupancy in SITES[::6]:
         rng = np.random.default_rng(1)
         along, across = rng.uniform(-80, 80, 300), rng.uniform(-50, 50, 300)
         step = 1e-4
         jump = np.abs(
-            site.ground.relief.heights(along + step, across + step) - site.ground.relief.heights(along, across)
+            occupancy.ground.relief.heights(along + step, across + step)
+            - occupancy.ground.relief.heights(along, across)
         )
         assert jump.max() < 1e-2
 
 
 def test_the_ground_has_few_triangles():
-    for site in SITES[::4]:
-        meshes = [p.mesh for p in site.ground.surfaces() if p.mesh is not None]
+    for occupancy in SITES[::4]:
+        meshes = [p.mesh for p in occupancy.ground.surfaces() if p.mesh is not None]
         assert sum(len(mesh.faces) for mesh in meshes) <= 6000
 
 
 def test_the_ego_vehicle_is_free_and_on_the_road_of_its_lane():
-    for site, ego in EGOS:
-        assert site.is_free(ego.x, ego.y, ego.yaw, EGO_SIZE)
+    for occupancy, ego in EGOS:
+        assert occupancy.is_free(ego.x, ego.y, ego.yaw, EGO_SIZE)
         mine = box_space(ego.x, ego.y, ego.yaw, EGO_SIZE[:2], 0.0, EGO_SIZE[2])
-        for thing in site.things:
-            if math.hypot(thing.x - ego.x, thing.y - ego.y) < 30.0:
-                for space in spaces_of(thing.kind, thing.x, thing.y, thing.yaw, thing.size, thing.stem):
-                    assert not touch(mine, space), thing
+        for placed in occupancy.objects:
+            if math.hypot(placed.x - ego.x, placed.y - ego.y) < 30.0:
+                for space in spaces_of(placed.kind, placed.x, placed.y, placed.yaw, placed.size, placed.stem):
+                    assert not touch(mine, space), placed
         assert 0.0 <= ego.speed <= 1.1 * ego.lane.speed + 1e-9
     names = Counter(ego.lane.name for _, ego in EGOS)
     assert set(names) == {"road", "arm", "ring", "aisle"}
@@ -199,10 +201,10 @@ def test_the_ego_vehicle_is_free_and_on_the_road_of_its_lane():
 
 
 def test_lanes_lie_on_the_road():
-    for site, lanes, _ in PLACES:
+    for occupancy, lanes, _ in PLACES:
         for lane in lanes:
             places = np.array([lane.at(share * lane.length)[:2] for share in np.linspace(0.02, 0.98, 25)])
-            assert (site.ground.kinds(*places.T) == 0).all(), (site.road, lane)
+            assert (occupancy.ground.kinds(*places.T) == 0).all(), (occupancy.road, lane)
 
 
 def test_the_ego_pose_is_rigid_and_lies_on_the_road():
@@ -218,14 +220,14 @@ def test_the_ego_pose_is_rigid_and_lies_on_the_road():
 
 
 def test_the_road_passes_under_the_wheels():
-    for site, ego in EGOS:
-        if site.road.curvature or ego.lane.name == "ring":
+    for occupancy, ego in EGOS:
+        if occupancy.road.curvature or ego.lane.name == "ring":
             continue
         # on a straight road the frame is the layout's, but for the place of the ego lane
-        shift = site.road.lane(site.road.ego_lane)
+        shift = occupancy.road.lane(occupancy.road.ego_lane)
         wheels = np.array([(sx * 1.35, sy * 0.8, 0.0) for sx in (-1, 1) for sy in (-1, 1)])
         world = wheels @ ego.pose[:3, :3].T + ego.pose[:3, 3]
-        ground = site.ground.heights(world[:, 0], world[:, 1] + shift)
+        ground = occupancy.ground.heights(world[:, 0], world[:, 1] + shift)
         assert np.abs(ground - world[:, 2]).max() < 0.06
 
 
@@ -245,9 +247,9 @@ def test_a_lean_is_small_and_grows_with_speed_in_bends():
 
 def test_cars_in_a_car_park_stand_in_bays():
     seen = 0
-    for site in SITES:
-        for patch in site.road.patches[:1]:
-            for placed in site._placed:
+    for occupancy in SITES:
+        for patch in occupancy.road.patches[:1]:
+            for placed in occupancy._placed:
                 turned = abs(math.sin(placed.turn)) > 0.9
                 if turned and patch.along[0] < placed.along < patch.along[1] and placed.kind in ("suv", "hatchback"):
                     if not patch.across[0] < placed.across < patch.across[1]:
@@ -261,12 +263,12 @@ def test_cars_in_a_car_park_stand_in_bays():
 
 
 def test_traffic_keeps_its_distance():
-    for site, lanes, name in PLACES:
-        if name != "motorway" or site.road.curvature:
+    for occupancy, lanes, name in PLACES:
+        if name != "motorway" or occupancy.road.curvature:
             continue
         for lane in lanes:
             inside = [
-                p for p in site._placed if abs(p.across - lane.across) < 0.5 and p.kind not in ("barrier", "pole")
+                p for p in occupancy._placed if abs(p.across - lane.across) < 0.5 and p.kind not in ("barrier", "pole")
             ]
             spans = sorted((p.along - p.size[0] / 2, p.along + p.size[0] / 2) for p in inside)
             gaps = [after[0] - before[1] for before, after in itertools.pairwise(spans)]
@@ -274,20 +276,20 @@ def test_traffic_keeps_its_distance():
 
 
 def test_levels_are_those_of_the_drawing():
-    for site in SITES[::3]:
+    for occupancy in SITES[::3]:
         rng = np.random.default_rng(5)
         along, across = rng.uniform(-80, 80, 400), rng.uniform(-30, 30, 400)
-        drawing = Raycaster(Layout(primitives=tuple(site.road.surfaces())))
-        origins = np.column_stack([positions(site.road, along, across), np.full(400, 10.0)])
-        top = 10.0 - drawing.cast(origins, np.tile([0.0, 0.0, -1.0], (400, 1))).distance
+        condition_image = Raycaster(Layout(primitives=tuple(occupancy.road.surfaces())))
+        origins = np.column_stack([positions(occupancy.road, along, across), np.full(400, 10.0)])
+        top = 10.0 - condition_image.cast(origins, np.tile([0.0, 0.0, -1.0], (400, 1))).distance
         # but for the chords of bends and circles, and the sidewalk that a drawing has across a way in
-        assert (np.abs(top - site.ground.levels(along, across)) < 1e-3).mean() > 0.97, site.road
+        assert (np.abs(top - occupancy.ground.levels(along, across)) < 1e-3).mean() > 0.97, occupancy.road
 
 
 def test_markings_lie_on_the_road():
     painted = 0
-    for site in SITES[::3]:
-        surfaces = {p.id: p for p in site.ground.surfaces()}
+    for occupancy in SITES[::3]:
+        surfaces = {p.id: p for p in occupancy.ground.surfaces()}
         if "markings" not in surfaces:
             continue
         painted += 1
@@ -296,7 +298,7 @@ def test_markings_lie_on_the_road():
         corners = primitive_mesh(surfaces["markings"]).vertices
         inner = corners.reshape(-1, 4, 3).mean(axis=1)
         hits = bare.cast(inner + np.array([0.0, 0.0, 5.0]), np.tile([0.0, 0.0, -1.0], (len(inner), 1)))
-        assert (hits.label == 1).all(), site.road
+        assert (hits.label == 1).all(), occupancy.road
         over = hits.distance - 5.0
         assert over.min() > 0.002
         assert over.max() < 0.012
@@ -313,8 +315,8 @@ def test_spans_are_cut_where_lines_cross_them():
 def test_streets_of_any_reach():
     for seed in range(30):
         for reach in (40.0, 200.0):
-            site, lanes, _ = draw_site(np.random.default_rng([seed, 77]), reach)
-            assert draw_ego(site, lanes, np.random.default_rng(0)).lane in lanes
+            occupancy, lanes, _ = plan_street(np.random.default_rng([seed, 77]), reach)
+            assert sample_ego(occupancy, lanes, np.random.default_rng(0)).lane in lanes
 
 
 def test_an_arc_is_followed():
@@ -327,7 +329,7 @@ def test_an_arc_is_followed():
 
 def test_a_site_is_a_function_of_its_generator():
     for seed in (0, 3, 8):
-        one, two = (draw_site(np.random.default_rng([seed]), 90.0) for _ in range(2))
-        assert one[0].things == two[0].things
+        one, two = (plan_street(np.random.default_rng([seed]), 90.0) for _ in range(2))
+        assert one[0].objects == two[0].objects
         assert one[1:] == two[1:]
         assert (one[0].ground.heights(*np.ones((2, 3))) == two[0].ground.heights(*np.ones((2, 3)))).all()

@@ -16,8 +16,8 @@ from lidardraft.errors import LayoutError
 from lidardraft.metrics.adherence import adherence
 from lidardraft.streets import StreetConfig, StreetPair, make_street, streets
 from lidardraft.streets.ego import EGO_SIZE
-from lidardraft.streets.quarter import QUARTERS
-from lidardraft.streets.site import thing_spaces
+from lidardraft.streets.placement.district import DISTRICTS
+from lidardraft.streets.placement.occupancy import object_spaces
 
 SMALL = StreetConfig(sensor=Sensor.preset("vlp16"), poses_per_street=2)
 
@@ -32,7 +32,7 @@ def assert_equal(one: StreetPair, two: StreetPair) -> None:
     assert (one.pose == two.pose).all()
     for name in ("depth", "label", "instance", "intensity"):
         assert (getattr(one.scan, name) == getattr(two.scan, name)).all()
-    assert (one.drawing.depth == two.drawing.depth).all()
+    assert (one.condition_image.depth == two.condition_image.depth).all()
 
 
 def test_pair_k_depends_on_the_seed_and_k_alone():
@@ -69,7 +69,7 @@ def test_pairs_do_not_depend_on_the_number_of_threads():
         "import hashlib; from lidardraft import Sensor\n"
         "from lidardraft.streets import StreetConfig, streets\n"
         "pair = next(streets(1, StreetConfig(sensor=Sensor.preset('vlp16'))))\n"
-        "images = (pair.scan.depth, pair.scan.label, pair.scan.intensity, pair.drawing.depth)\n"
+        "images = (pair.scan.depth, pair.scan.label, pair.scan.intensity, pair.condition_image.depth)\n"
         "print(hashlib.sha256(b''.join(image.tobytes() for image in images)).hexdigest())"
     )
     digests = {
@@ -88,13 +88,13 @@ def test_pairs_do_not_depend_on_the_number_of_threads():
 def test_the_drawing_is_the_cast_of_the_layout():
     for pair in take(2, SMALL, 2):
         again = raycast(pair.layout, pair.scan.sensor, poses=pair.poses())
-        assert (again.depth == pair.drawing.depth).all()
-        assert (again.label == pair.drawing.label).all()
+        assert (again.depth == pair.condition_image.depth).all()
+        assert (again.label == pair.condition_image.label).all()
 
 
 def test_scan_and_drawing_agree_on_most_objects():
     pairs = take(11, StreetConfig(poses_per_street=1), 60)
-    cards = [adherence(pair.scan, pair.drawing) for pair in pairs]
+    cards = [adherence(pair.scan, pair.condition_image) for pair in pairs]
     seen = [card for card, pair in zip(cards, pairs, strict=True) if pair.style.source in ("cloud", "boxes")]
     # half of the returns from cars within 5 m are from within them or beyond, as in recordings: the rest has to agree
     assert np.mean([card.objects for card in seen]) >= 0.6
@@ -110,14 +110,14 @@ def test_scan_and_drawing_agree_on_most_objects():
 
 
 def test_classes_and_instances_of_the_drawing_are_those_of_the_things():
-    things = {row.name for row in CLASSES if row.is_thing}
+    objects = {row.name for row in CLASSES if row.is_thing}
     for seed in range(5):
         street = make_street(seed)
-        detailed = {(p.label, p.instance) for p in street.scene.primitives if p.label in things}
-        drawn = {(p.label, p.instance) for p in street.layout.primitives if p.label in things}
-        assert drawn == detailed
-        assert all(instance > 0 for _, instance in drawn)
-        assert all(p.instance == 0 for p in street.scene.primitives if p.label not in things)
+        detailed = {(p.label, p.instance) for p in street.scene.primitives if p.label in objects}
+        coarse = {(p.label, p.instance) for p in street.layout.primitives if p.label in objects}
+        assert coarse == detailed
+        assert all(instance > 0 for _, instance in coarse)
+        assert all(p.instance == 0 for p in street.scene.primitives if p.label not in objects)
 
 
 def test_every_class_occurs():
@@ -130,10 +130,10 @@ def test_every_class_occurs():
 def test_every_class_and_quarter_occurs_in_a_thousand_streets():
     places = [make_street(seed) for seed in range(1000)]
     assert {p.label for place in places for p in place.scene.primitives} == {row.name for row in CLASSES} - {"none"}
-    count = Counter(place.quarter for place in places)
-    for name, quarter in QUARTERS.items():
+    count = Counter(place.district for place in places)
+    for name, district in DISTRICTS.items():
         # four standard deviations of a binomial draw
-        assert count[name] / 1000 == pytest.approx(quarter.share, abs=4 * (quarter.share / 1000) ** 0.5), name
+        assert count[name] / 1000 == pytest.approx(district.share, abs=4 * (district.share / 1000) ** 0.5), name
 
 
 def test_nothing_stands_on_the_ego_vehicle():
@@ -151,8 +151,10 @@ def test_free_places_exist_in_many_streets():
     for seed in range(12):
         street = make_street(seed)
         assert street.lanes
-        assert len(street.site.things) > 10
-        assert len(np.concatenate([thing_spaces(thing) for thing in street.site.things])) >= len(street.site.things)
+        assert len(street.occupancy.objects) > 10
+        assert len(np.concatenate([object_spaces(placed) for placed in street.occupancy.objects])) >= len(
+            street.occupancy.objects
+        )
 
 
 @pytest.mark.parametrize(

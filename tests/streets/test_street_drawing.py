@@ -10,23 +10,25 @@ from lidardraft import CLASSES
 from lidardraft.drafting.cloud import layout_from_cloud
 from lidardraft.drafting.things import thing as solved_thing
 from lidardraft.errors import LayoutError
+from lidardraft.objects.parts import PlacedObject
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.scene.surfaces import Surfaces
-from lidardraft.streets.drive import Eye, glimpse
-from lidardraft.streets.outline import MOST_LOBES, NOT_DRAWN, SMALL, outline
-from lidardraft.streets.spoken import RANGES
+from lidardraft.streets.coarse.as_text import RANGES
+from lidardraft.streets.coarse.boxes import MOST_LOBES, OMITTED, SMALL, coarse_shapes
+from lidardraft.streets.coarse.style import FAMILIES, SOURCES, UNSPOKEN, Style, sample_style
+from lidardraft.streets.pairs import StreetScanner, scan_street
 from lidardraft.streets.street import make_street
-from lidardraft.streets.style import FAMILIES, SOURCES, UNSPOKEN, Style, draw_style
-from lidardraft.streets.thing import Thing
 
 STREET = make_street(2)
-DRAWN, THINGS = STREET.drawn, STREET.site.things
+DRAWN, THINGS = STREET.coarse, STREET.occupancy.objects
 SENSOR = PRESETS["hdl64e"]
-EYE = Eye(SENSOR, SensorModel.of(SENSOR), Raycaster(STREET.scene), Surfaces.of(STREET.scene), None)
-EGO, SIGHTING, _ = glimpse(STREET, EYE, 0)
+EYE = StreetScanner(
+    SENSOR, SensorModel.from_sensor(SENSOR), Raycaster(STREET.scene), Surfaces.from_layout(STREET.scene), None
+)
+EGO, SIGHTING, _ = scan_street(STREET, EYE, 0)
 SCAN, HERE = SIGHTING.scan, SIGHTING.place
 NAMES = [row.name for row in CLASSES]
 
@@ -53,24 +55,24 @@ def in_street(table: ShapeTable) -> ShapeTable:
 def test_annotations_have_every_thing_at_its_place():
     table = in_street(draw(Style(source="boxes")))
     row = {id: number for number, id in enumerate(table.ids)}
-    for thing in THINGS:
-        assert table.centers[row[thing.id], :2] == pytest.approx((thing.x, thing.y), abs=0.1)
-        if thing.instance and thing.kind not in ("cyclist", "motorcyclist"):
-            assert table.sizes[row[thing.id]] == pytest.approx(thing.size)
-            assert table.yaws[row[thing.id]] == pytest.approx(thing.yaw)
-            assert table.instances[row[thing.id]] == thing.instance
+    for placed in THINGS:
+        assert table.centers[row[placed.id], :2] == pytest.approx((placed.x, placed.y), abs=0.1)
+        if placed.instance and placed.kind not in ("cyclist", "motorcyclist"):
+            assert table.sizes[row[placed.id]] == pytest.approx(placed.size)
+            assert table.yaws[row[placed.id]] == pytest.approx(placed.yaw)
+            assert table.instances[row[placed.id]] == placed.instance
 
 
 def test_a_sentence_draws_the_nearest_that_its_solver_could_have_placed():
     table = in_street(draw(Style()))
     row = {id: number for number, id in enumerate(table.ids)}
-    drawn = [thing for thing in THINGS if thing.id in row]
-    assert len(drawn) > 0.9 * len(THINGS)
-    for thing in drawn:
-        off = np.hypot(*(table.centers[row[thing.id], :2] - (thing.x, thing.y)))
-        assert off < 0.6, thing
-        assert abs(math.sin(table.yaws[row[thing.id]] - thing.yaw)) < 0.1 or thing.kind in ("bin", "sign", "bench")
-        assert (table.sizes[row[thing.id]] <= 1.25 * np.maximum(thing.size, 0.3)).all() or thing.kind == "person"
+    coarse = [placed for placed in THINGS if placed.id in row]
+    assert len(coarse) > 0.9 * len(THINGS)
+    for placed in coarse:
+        off = np.hypot(*(table.centers[row[placed.id], :2] - (placed.x, placed.y)))
+        assert off < 0.6, placed
+        assert abs(math.sin(table.yaws[row[placed.id]] - placed.yaw)) < 0.1 or placed.kind in ("bin", "sign", "bench")
+        assert (table.sizes[row[placed.id]] <= 1.25 * np.maximum(placed.size, 0.3)).all() or placed.kind == "person"
     assert (table.centers[:, 2] >= -0.05).all()
 
 
@@ -114,14 +116,14 @@ def test_what_a_style_leaves_out():
 
 def test_a_picture_shows_what_is_ahead_and_seen():
     table = draw(Style(source="picture", reach=40.0, view=1.5))
-    things = table.where(~np.isin(table.labels, [NAMES.index(name) for name in ("road", "sidewalk", "terrain")]))
-    assert len(things)
-    middle = {thing.id: (thing.x, thing.y) for thing in THINGS}
-    for id in {id.partition(".")[0] for id in things.ids}:
+    objects = table.select(~np.isin(table.labels, [NAMES.index(name) for name in ("road", "sidewalk", "terrain")]))
+    assert len(objects)
+    middle = {placed.id: (placed.x, placed.y) for placed in THINGS}
+    for id in {id.partition(".")[0] for id in objects.ids}:
         ahead = np.array(middle[id]) - HERE[:2]
         assert np.hypot(*ahead) <= 40.0
         assert abs(math.remainder(math.atan2(ahead[1], ahead[0]) - HERE[2], math.tau)) <= 0.75 + 1e-6
-        assert SIGHTING.returns[[thing.id for thing in THINGS].index(id)].sum() >= 5
+        assert SIGHTING.returns[[placed.id for placed in THINGS].index(id)].sum() >= 5
 
 
 def test_a_picture_misjudges_a_little():
@@ -135,9 +137,9 @@ def test_a_picture_misjudges_a_little():
 
 def share_of_cars(table: ShapeTable) -> float:
     """How many of the returns from cars the cast drawing has within 0.5 m."""
-    drawn = table.scan(SENSOR, SENSOR.poses_in_motion(SIGHTING.pose, (EGO.speed, 0.0, 0.0)))
-    both = SCAN.valid & drawn.valid & (SCAN.label == NAMES.index("car"))
-    return float((np.abs(drawn.depth - SCAN.depth)[both] < 0.5).mean())
+    coarse = table.scan(SENSOR, SENSOR.poses_in_motion(SIGHTING.pose, (EGO.speed, 0.0, 0.0)))
+    both = SCAN.valid & coarse.valid & (SCAN.label == NAMES.index("car"))
+    return float((np.abs(coarse.depth - SCAN.depth)[both] < 0.5).mean())
 
 
 def test_clusters_are_of_the_classes_of_real_clusters_and_where_they_were_seen():
@@ -148,7 +150,7 @@ def test_clusters_are_of_the_classes_of_real_clusters_and_where_they_were_seen()
     points, found = SCAN.points() @ SIGHTING.pose[:3, :3].T, SCAN.valid
     height = float(SIGHTING.pose[2, 3])
     labels, numbers = SCAN.label[found], SCAN.instance[found]
-    real = ShapeTable.of(layout_from_cloud(points, labels, instances=numbers, sensor_height=height))
+    real = ShapeTable.from_primitives(layout_from_cloud(points, labels, instances=numbers, sensor_height=height))
     assert {NAMES[k] for k in table.labels} == {NAMES[k] for k in real.labels}
     agreed = np.mean([share_of_cars(draw(Style(source="cloud", ground="patches"), seed)) for seed in range(5)])
     assert agreed == pytest.approx(share_of_cars(real), abs=0.1)
@@ -165,12 +167,12 @@ def test_points_without_numbers_merge_neighbours_and_lose_what_is_small():
 
 def test_ground_in_patches_follows_the_ground():
     rng = np.random.default_rng(0)
-    along, across = rng.uniform(-30, 30, 60), rng.uniform(-1, 1, 60) * STREET.site.road.edge
+    along, across = rng.uniform(-30, 30, 60), rng.uniform(-1, 1, 60) * STREET.occupancy.road.edge
     caster = Raycaster(DRAWN.draw(Style(source="boxes", ground="patches"), rng, np.eye(4)).layout({}))
-    places = np.array([STREET.site.road.at(s, d)[:2] for s, d in zip(along, across, strict=True)])
+    places = np.array([STREET.occupancy.road.at(s, d)[:2] for s, d in zip(along, across, strict=True)])
     hits = caster.cast(np.column_stack([places, np.full(60, 60.0)]), np.tile([0.0, 0.0, -1.0], (60, 1)))
     bare = hits.label == NAMES.index("road")
-    true = np.array([STREET.site.ground.height(s, d) for s, d in zip(along, across, strict=True)])
+    true = np.array([STREET.occupancy.ground.height(s, d) for s, d in zip(along, across, strict=True)])
     wrong = np.abs(60.0 - hits.distance - true)[bare]
     assert bare.mean() > 0.5
     assert np.median(wrong) < 0.03
@@ -184,13 +186,13 @@ def test_what_was_seen_is_needed_for_what_draws_it():
 
 
 def test_styles_are_of_every_kind():
-    styles = [draw_style(np.random.default_rng(seed)) for seed in range(100)]
+    styles = [sample_style(np.random.default_rng(seed)) for seed in range(100)]
     assert {style.source for style in styles} == set(SOURCES)
     for name in ("ground", "sidewalks", "posts", "numbered"):
         assert len({getattr(style, name) for style in styles}) == 2, name
     assert {style.lobes for style in styles} == set(range(1, MOST_LOBES + 1))
     assert {family for style in styles for family in style.named} == set(FAMILIES)
-    assert draw_style(np.random.default_rng(3)) == draw_style(np.random.default_rng(3))
+    assert sample_style(np.random.default_rng(3)) == sample_style(np.random.default_rng(3))
 
 
 @pytest.mark.parametrize(
@@ -236,10 +238,10 @@ KINDS = {
 def test_an_outline_fills_the_extents_of_its_thing(kind: str):
     size, classes = KINDS[kind]
     stem = {"house": 6.0, "tree": 2.5, "gantry": 5.0, "billboard": 1.5}.get(kind, 0.0)
-    thing = Thing(kind=kind, id=kind, x=3.0, y=1.0, z=0.0, level=0.0, yaw=0.0, size=size, stem=stem, instance=4)
-    marks = outline(thing)
+    placed = PlacedObject(kind=kind, id=kind, x=3.0, y=1.0, z=0.0, level=0.0, yaw=0.0, size=size, stem=stem, instance=4)
+    marks = coarse_shapes(placed)
     assert {mark.label for mark in marks} == classes
-    assert (kind in NOT_DRAWN) == (not marks)
+    assert (kind in OMITTED) == (not marks)
     for lobes in range(1, MOST_LOBES + 1):
         chosen = [mark for mark in marks if mark.lobes in (0, lobes)]
         if not chosen or kind in ("cyclist", "motorcyclist", "house"):
@@ -254,8 +256,8 @@ def test_an_outline_fills_the_extents_of_its_thing(kind: str):
 
 
 def test_a_rider_sits_on_what_is_ridden():
-    things = [t for seed in range(12) for t in make_street(seed).site.things if t.kind == "cyclist"]
-    rider, bicycle = outline(things[0])
+    objects = [t for seed in range(12) for t in make_street(seed).occupancy.objects if t.kind == "cyclist"]
+    rider, bicycle = coarse_shapes(objects[0])
     assert (rider.label, bicycle.label) == ("rider", "bicycle")
     assert (rider.rank, bicycle.rank) == (0, 1)
     assert rider.center[2] > bicycle.center[2]

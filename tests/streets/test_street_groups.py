@@ -3,16 +3,16 @@
 import numpy as np
 
 from lidardraft.semantics import BY_NAME, NUM_CLASSES
-from lidardraft.streets.groups import Groups
+from lidardraft.streets.coarse.point_groups import PointGroups
 
 FENCE = BY_NAME["fence"].id
 
 
-def groups(*clouds: np.ndarray, yaw: float = 0.0) -> Groups:
+def groups(*clouds: np.ndarray, yaw: float = 0.0) -> PointGroups:
     """A group of fence for each cloud [N, 3]."""
     counts = np.array([len(cloud) for cloud in clouds])
     keys = np.arange(len(clouds)) * NUM_CLASSES + FENCE
-    return Groups(np.concatenate(clouds).T, np.cumsum(counts) - counts, keys, np.full(len(clouds), yaw))
+    return PointGroups(np.concatenate(clouds).T, np.cumsum(counts) - counts, keys, np.full(len(clouds), yaw))
 
 
 def line(start: float, end: float, number: int, yaw: float = 0.0) -> np.ndarray:
@@ -21,7 +21,7 @@ def line(start: float, end: float, number: int, yaw: float = 0.0) -> np.ndarray:
     return np.stack([along * np.cos(yaw), along * np.sin(yaw), np.zeros(number)], axis=1)
 
 
-def pieces(found: Groups) -> list[int]:
+def pieces(found: PointGroups) -> list[int]:
     return sorted(found.counts.tolist())
 
 

@@ -9,10 +9,10 @@ import pytest
 from lidardraft import Layout, Primitive, Raycaster, Sensor
 from lidardraft.scene.mesh import primitive_mesh
 from lidardraft.scene.road import Road
-from lidardraft.streets.ground import Ground
-from lidardraft.streets.relief import positions
-from lidardraft.streets.site import Site, thing_spaces
-from lidardraft.streets.space import touch as close
+from lidardraft.streets.ground.ground import Ground
+from lidardraft.streets.ground.relief import positions
+from lidardraft.streets.placement.occupancy import Occupancy, object_spaces
+from lidardraft.streets.placement.occupancy import touch as close
 from lidardraft.streets.street import Street, make_street
 
 STREETS = [make_street(seed) for seed in range(20)]
@@ -39,41 +39,41 @@ def touch(one: np.ndarray, two: np.ndarray) -> bool:
     return True
 
 
-@pytest.mark.parametrize("street", STREETS, ids=lambda street: f"{street.quarter}-{street.seed}")
+@pytest.mark.parametrize("street", STREETS, ids=lambda street: f"{street.district}-{street.seed}")
 def test_nothing_goes_through_another(street: Street):
-    spaces = [(thing.id, space) for thing in street.site.things for space in thing_spaces(thing)]
+    spaces = [(placed.id, space) for placed in street.occupancy.objects for space in object_spaces(placed)]
     for (name, one), (other, two) in itertools.combinations(spaces, 2):
         if name != other and math.hypot(one[0] - two[0], one[1] - two[1]) < 60.0:
             assert not touch(one, two), (name, other)
 
 
-@pytest.mark.parametrize("street", STREETS[:8], ids=lambda street: f"{street.quarter}-{street.seed}")
+@pytest.mark.parametrize("street", STREETS[:8], ids=lambda street: f"{street.district}-{street.seed}")
 def test_everything_stands_on_the_ground(street: Street):
-    ground = Raycaster(Layout(primitives=tuple(street.site.ground.surfaces())))
-    for thing in street.site.things:
-        if thing.kind in ("grass", "house", "block", "shed"):
+    ground = Raycaster(Layout(primitives=tuple(street.occupancy.ground.surfaces())))
+    for placed in street.occupancy.objects:
+        if placed.kind in ("grass", "house", "block", "shed"):
             continue  # begin at the lowest ground under them: test_places.py
         pose = np.eye(4)
-        pose[:3, 3] = thing.x, thing.y, 30.0
+        pose[:3, 3] = placed.x, placed.y, 30.0
         depth = ground.scan(DOWN, pose).depth.max()
         # a drive lies a little over the land
-        assert abs(30.0 - depth - thing.z) < 0.2, thing
+        assert abs(30.0 - depth - placed.z) < 0.2, placed
 
 
-@pytest.mark.parametrize("street", STREETS[:5], ids=lambda street: f"{street.quarter}-{street.seed}")
+@pytest.mark.parametrize("street", STREETS[:5], ids=lambda street: f"{street.district}-{street.seed}")
 def test_details_keep_within_their_thing(street: Street):
-    things = {thing.id: thing for thing in street.site.things}
+    objects = {placed.id: placed for placed in street.occupancy.objects}
     for primitive in street.scene.primitives:
-        thing = things.get(primitive.id.partition(".")[0])
-        if thing is None:
+        placed = objects.get(primitive.id.partition(".")[0])
+        if placed is None:
             continue
-        spaces = thing_spaces(thing)
-        vertices = primitive_mesh(primitive).vertices - (thing.x, thing.y, thing.z)
-        cos, sin = math.cos(thing.yaw), math.sin(thing.yaw)
+        spaces = object_spaces(placed)
+        vertices = primitive_mesh(primitive).vertices - (placed.x, placed.y, placed.z)
+        cos, sin = math.cos(placed.yaw), math.sin(placed.yaw)
         ahead, left = vertices[:, 0] * cos + vertices[:, 1] * sin, vertices[:, 1] * cos - vertices[:, 0] * sin
-        slack = 0.35 + 0.07 * max(thing.size[:2]) * (thing.kind in ("tree", "bush"))  # tips of leaves
+        slack = 0.35 + 0.07 * max(placed.size[:2]) * (placed.kind in ("tree", "bush"))  # tips of leaves
         # a lamp's arm is not in its middle
-        far = np.hypot(spaces[:, 0] - thing.x, spaces[:, 1] - thing.y).max()
+        far = np.hypot(spaces[:, 0] - placed.x, spaces[:, 1] - placed.y).max()
         assert np.abs(ahead).max() < spaces[:, 4].max() + far + slack, primitive.id
         assert np.abs(left).max() < spaces[:, 5].max() + far + slack, primitive.id
         assert vertices[:, 2].min() > -1.0, primitive.id
@@ -82,23 +82,23 @@ def test_details_keep_within_their_thing(street: Street):
 
 def test_a_site_refuses_what_has_no_room():
     road = Road()
-    site = Site(road, Ground(road, np.random.default_rng(0)))
+    occupancy = Occupancy(road, Ground(road, np.random.default_rng(0)))
     car = (4.0, 1.8, 1.5)
-    assert site.place("suv", 0.0, 1.75, car)
-    assert not site.place("suv", 3.0, 1.75, car)
-    assert site.place("suv", 4.2, 1.75, car)
-    assert not site.place("hedge", 20.0, 0.0, (5.0, 1.0, 1.0), private=True)
-    assert [thing.id for thing in site.things] == ["suv_1", "suv_2"]
-    assert [thing.instance for thing in site.things] == [1, 2]
+    assert occupancy.place("suv", 0.0, 1.75, car)
+    assert not occupancy.place("suv", 3.0, 1.75, car)
+    assert occupancy.place("suv", 4.2, 1.75, car)
+    assert not occupancy.place("hedge", 20.0, 0.0, (5.0, 1.0, 1.0), private=True)
+    assert [placed.id for placed in occupancy.objects] == ["suv_1", "suv_2"]
+    assert [placed.instance for placed in occupancy.objects] == [1, 2]
 
 
 def test_a_car_may_stand_under_a_crown_but_not_in_a_trunk():
     road = Road()
-    site = Site(road, Ground(road, np.random.default_rng(0)))
-    assert site.place("tree", 0.0, 12.0, (6.0, 6.0, 9.0), stem=2.5)
-    assert not site.place("suv", 0.0, 12.0, (4.0, 1.8, 1.5))
-    assert site.place("suv", 0.0, 14.0, (4.0, 1.8, 1.5))
-    assert not site.place("house", 7.0, 12.0, (9.0, 9.0, 8.0), stem=6.0)
+    occupancy = Occupancy(road, Ground(road, np.random.default_rng(0)))
+    assert occupancy.place("tree", 0.0, 12.0, (6.0, 6.0, 9.0), stem=2.5)
+    assert not occupancy.place("suv", 0.0, 12.0, (4.0, 1.8, 1.5))
+    assert occupancy.place("suv", 0.0, 14.0, (4.0, 1.8, 1.5))
+    assert not occupancy.place("house", 7.0, 12.0, (9.0, 9.0, 8.0), stem=6.0)
 
 
 def test_overlap_is_symmetric_and_right():

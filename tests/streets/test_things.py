@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from lidardraft import CLASSES, Layout, Primitive, Raycaster
+from lidardraft.objects.buildings import BALCONY, EAVES, STOREY
+from lidardraft.objects.car_bodies import Body
+from lidardraft.objects.cars import BODIES, SHARES, car_body
+from lidardraft.objects.parts import PlacedObject
 from lidardraft.scene.mesh import primitive_mesh
-from lidardraft.streets.buildings import BALCONY, EAVES, STOREY
-from lidardraft.streets.coachwork import Body
 from lidardraft.streets.street import _BUILDERS
-from lidardraft.streets.thing import Thing
-from lidardraft.streets.vehicles import BODIES, SHARES, car_body
 
 # Extents [m] and stem of each kind, smallest and largest.
 SIZES: dict[str, tuple[tuple[float, float, float, float], ...]] = {
@@ -102,17 +102,19 @@ THINGS = {row.name for row in CLASSES if row.is_thing}
 WHEELED = (*BODIES, "truck", "trailer_truck", "bus")
 
 
-def thing(kind: str, variant: int = 0, yaw: float = 0.0, at: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Thing:
+def placed(
+    kind: str, variant: int = 0, yaw: float = 0.0, at: tuple[float, float, float] = (0.0, 0.0, 0.0)
+) -> PlacedObject:
     sizes = SIZES[kind]
     *size, stem = (float(value) for value in sizes[variant % len(sizes)])
     instance = 5 if LABELS[kind] & THINGS else 0
     x, y, z = at
-    return Thing(
+    return PlacedObject(
         kind=kind, id=f"{kind}_1", x=x, y=y, z=z, level=z, yaw=yaw, size=tuple(size), stem=stem, instance=instance
     )
 
 
-def build(made: Thing, seed: int) -> list[Primitive]:
+def build(made: PlacedObject, seed: int) -> list[Primitive]:
     return _BUILDERS[made.kind](made, np.random.default_rng(seed))
 
 
@@ -134,7 +136,7 @@ def test_every_class_is_that_of_a_kind_or_of_the_ground():
 def test_things_of_many_seeds_keep_within_their_extents_and_classes(kind: str):
     seen: set[str] = set()
     for seed in range(200):
-        made = thing(kind, seed)
+        made = placed(kind, seed)
         primitives = build(made, seed)
         # unit shapes lie within [-1/2, 1/2]^3: their boxes hold them
         for p in primitives:
@@ -157,8 +159,8 @@ def test_things_of_many_seeds_keep_within_their_extents_and_classes(kind: str):
 def test_things_are_turned_and_moved_as_a_whole_and_the_same_each_time(kind: str):
     yaw, at = 0.7, (12.0, -3.0, 0.4)
     for seed in range(3):
-        straight, moved = build(thing(kind, seed), seed), build(thing(kind, seed, yaw, at), seed)
-        assert build(thing(kind, seed), seed) == straight
+        straight, moved = build(placed(kind, seed), seed), build(placed(kind, seed, yaw, at), seed)
+        assert build(placed(kind, seed), seed) == straight
         cos, sin = math.cos(yaw), math.sin(yaw)
         turn = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
         for one, two in zip(straight, moved, strict=True):
@@ -169,7 +171,7 @@ def test_things_are_turned_and_moved_as_a_whole_and_the_same_each_time(kind: str
 def test_nothing_floats(kind: str):
     """Parts whose boxes touch, to 6 cm, hang together, and the lowest of them reach the ground."""
     for seed in range(15):
-        made = thing(kind, seed)
+        made = placed(kind, seed)
         primitives = build(made, seed)
         corners = [vertices(p) for p in primitives]
         low = np.array([v.min(axis=0) for v in corners]) - 0.03
@@ -186,7 +188,7 @@ def test_nothing_floats(kind: str):
 @pytest.mark.parametrize("kind", WHEELED)
 def test_wheels_stand_on_the_ground_within_the_width(kind: str):
     for seed in range(6):
-        made = thing(kind, seed)
+        made = placed(kind, seed)
         tyres = [p for p in build(made, seed) if p.material == "rubber"]
         assert tyres
         axles = set()
@@ -203,16 +205,16 @@ def test_wheels_stand_on_the_ground_within_the_width(kind: str):
 @pytest.mark.parametrize("kind", ["cyclist", "motorcyclist"])
 def test_a_rider_and_what_is_ridden_are_two_instances(kind: str):
     for seed in range(10):
-        primitives = build(thing(kind, seed), seed)
+        primitives = build(placed(kind, seed), seed)
         ridden = LABELS[kind] - {"rider"}
         assert {(p.label, p.instance) for p in primitives} == {("rider", 5), *((label, 6) for label in ridden)}
         rider = np.concatenate([vertices(p) for p in primitives if p.label == "rider"])
-        assert rider[:, 2].max() == pytest.approx(thing(kind, seed).size[2], abs=0.12)
+        assert rider[:, 2].max() == pytest.approx(placed(kind, seed).size[2], abs=0.12)
 
 
 @pytest.mark.parametrize("variant", range(4))
 def test_a_person_fills_the_stature_and_walks(variant: int):
-    made = thing("person", variant)
+    made = placed("person", variant)
     strides = []
     for seed in range(40):
         primitives = build(made, seed)
@@ -228,11 +230,11 @@ def test_a_person_fills_the_stature_and_walks(variant: int):
 def test_the_number_of_parts_is_bounded():
     most = {"person": 11, "tree": 9, "house": 8, "block": 10, **dict.fromkeys(BODIES, 14)}
     for kind, limit in most.items():
-        assert max(len(build(thing(kind, seed), seed)) for seed in range(30)) <= limit
+        assert max(len(build(placed(kind, seed), seed)) for seed in range(30)) <= limit
 
 
 def test_things_of_one_form_share_their_meshes():
-    one, two = (build(thing("suv", yaw=yaw), seed) for yaw, seed in ((0.0, 1), (1.0, 2)))
+    one, two = (build(placed("suv", yaw=yaw), seed) for yaw, seed in ((0.0, 1), (1.0, 2)))
     meshes = [(a.mesh, b.mesh) for a, b in zip(one, two, strict=True) if a.mesh is not None]
     assert len(meshes) >= 6
     assert all(a is b for a, b in meshes)
@@ -240,9 +242,9 @@ def test_things_of_one_form_share_their_meshes():
 
 def test_cars_are_of_many_bodies_and_sizes():
     rng = np.random.default_rng(0)
-    drawn = [car_body(rng) for _ in range(1000)]
-    assert {name for name, _ in drawn} == set(BODIES)
-    for name, size in drawn:
+    coarse = [car_body(rng) for _ in range(1000)]
+    assert {name for name, _ in coarse} == set(BODIES)
+    for name, size in coarse:
         body: Body = BODIES[name]
         assert np.array(size) / body.size == pytest.approx(np.ones(3), abs=0.101)
 
@@ -254,7 +256,7 @@ def cast(primitives: list[Primitive], origin: tuple[float, float, float], toward
 
 
 def test_rays_pass_between_spokes_and_slats():
-    made = thing("bicycle")
+    made = placed("bicycle")
     bicycle = build(made, 3)
     wheel = bicycle[1]
     rng = np.random.default_rng(0)
@@ -262,14 +264,14 @@ def test_rays_pass_between_spokes_and_slats():
     open_share = (cast(bicycle, (0.55, 8.0, 0.3), at) < 0).mean()
     assert wheel.label == "bicycle"
     assert 0.7 < open_share < 1.0
-    fence = build(thing("fence", 1), 0)
+    fence = build(placed("fence", 1), 0)
     x = np.column_stack([rng.uniform(-6, 6, 600), np.zeros(600), np.full(600, 0.9)])
     open_share = np.mean([(cast(fence, (float(a), 8.0, 0.9), x[k : k + 1]) < 0)[0] for k, (a, _, _) in enumerate(x)])
     assert 0.05 < open_share < 0.9
 
 
 def test_rays_go_into_a_car_and_some_through_it():
-    made = thing("estate")
+    made = placed("estate")
     car = build(made, 0)
     rng = np.random.default_rng(1)
     z = rng.uniform(1.05, 1.2, 500)
@@ -284,12 +286,12 @@ def test_rays_go_into_a_car_and_some_through_it():
 def test_plants_are_media_and_let_some_rays_through():
     for kind in ("tree", "bush", "hedge"):
         for seed in range(20):
-            leaves = [p for p in build(thing(kind, seed % 2), seed) if p.label == "vegetation"]
+            leaves = [p for p in build(placed(kind, seed % 2), seed) if p.label == "vegetation"]
             assert leaves
             assert all(p.extinction is not None and 0.0 < p.extinction < 25.0 for p in leaves)
             assert all(p.shape in ("ellipsoid", "box") for p in leaves)
-    assert all(p.extinction is not None for p in build(thing("grass", 1), 0))
-    mesh = [p for p in build(thing("mesh_fence", 1), 0) if p.extinction is not None]
+    assert all(p.extinction is not None for p in build(placed("grass", 1), 0))
+    mesh = [p for p in build(placed("mesh_fence", 1), 0) if p.extinction is not None]
     assert len(mesh) == 1
     # one in eight rays meets a wire
     assert 1.0 - math.exp(-mesh[0].extinction * mesh[0].size[1]) == pytest.approx(0.12, abs=1e-6)
@@ -297,7 +299,7 @@ def test_plants_are_media_and_let_some_rays_through():
 
 def test_signs_reflect_to_the_front_and_are_grey_behind():
     for seed in range(12):
-        made = thing("sign", seed % 2)
+        made = placed("sign", seed % 2)
         primitives = build(made, seed)
         middle = np.array([[0.0, 0.0, made.size[2] - 0.2]])
         for x, material in ((6.0, "retroreflector"), (-6.0, "sign-back")):
@@ -308,7 +310,7 @@ def test_signs_reflect_to_the_front_and_are_grey_behind():
 
 def test_houses_have_windows_in_recesses():
     for seed in range(8):
-        house = build(thing("house", seed), seed)
+        house = build(placed("house", seed), seed)
         panes = [p for p in house if p.material == "window"]
         assert panes
         wall, pane = house[0], panes[0]

@@ -23,17 +23,17 @@ def make_pair(seed: int, sensor: Sensor = SENSOR) -> Pair:
                 shape="box", center=center, size=(4, 3, 3), label="building", id=f"b{number}", yaw=rng.uniform(0, 3)
             )
         )
-    drawing = raycast(Layout(primitives=tuple(primitives)), sensor, incidence=True)
-    kept = drawing.valid & (rng.random(sensor.shape) > 0.1)
-    assert drawing.incidence is not None
+    condition_image = raycast(Layout(primitives=tuple(primitives)), sensor, incidence=True)
+    kept = condition_image.valid & (rng.random(sensor.shape) > 0.1)
+    assert condition_image.incidence is not None
     scan = RangeImage(
         sensor=sensor,
-        depth=np.where(kept, drawing.depth + rng.normal(0, 0.02, sensor.shape), 0).astype(np.float32),
-        label=np.where(kept, drawing.label, 0).astype(np.uint8),
+        depth=np.where(kept, condition_image.depth + rng.normal(0, 0.02, sensor.shape), 0).astype(np.float32),
+        label=np.where(kept, condition_image.label, 0).astype(np.uint8),
         instance=np.zeros(sensor.shape, dtype=np.uint32),
-        intensity=np.where(kept, drawing.incidence, 0).astype(np.float32),
+        intensity=np.where(kept, condition_image.incidence, 0).astype(np.float32),
     )
-    return scan, drawing
+    return scan, condition_image
 
 
 def noted(seed: int, sensor: Sensor = SENSOR) -> NotedPair:

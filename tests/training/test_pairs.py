@@ -25,9 +25,9 @@ def test_pairs_come_back(tmp_path: Path) -> None:
     assert folder.sensor == SENSOR
     assert folder.notes == [{"seed": seed} for seed in range(5)]
     for seed in range(5):
-        scan, drawing = make_pair(seed)
+        scan, condition_image = make_pair(seed)
         found_scan, found_drawing = folder[seed]
-        for found, image in ((found_scan, scan), (found_drawing, drawing)):
+        for found, image in ((found_scan, scan), (found_drawing, condition_image)):
             np.testing.assert_allclose(found.depth, image.depth, atol=0.0011)
             np.testing.assert_array_equal(found.valid, image.valid)
             np.testing.assert_array_equal(found.label, image.label)
@@ -54,9 +54,9 @@ def test_an_interrupted_folder_goes_on_where_it_stopped(tmp_path: Path) -> None:
 
 
 def test_a_scan_without_intensities_has_zeros(tmp_path: Path) -> None:
-    scan, drawing = make_pair(0)
+    scan, condition_image = make_pair(0)
     bare = RangeImage(sensor=SENSOR, depth=scan.depth, label=scan.label, instance=scan.instance)
-    list(write_pairs(tmp_path, [(bare, drawing, {})]))
+    list(write_pairs(tmp_path, [(bare, condition_image, {})]))
     intensity = PairFolder(tmp_path)[0][0].intensity
     assert intensity is not None
     assert not intensity.any()
@@ -72,23 +72,24 @@ def test_another_sensor_is_refused(tmp_path: Path) -> None:
 
 def test_a_depth_that_does_not_fit_is_refused(tmp_path: Path) -> None:
     far = Sensor(name="far", elevations=SENSOR.elevations, columns=128, max_range=300.0)
-    scan, drawing = make_pair(0, far)
+    scan, condition_image = make_pair(0, far)
     depth = scan.depth.copy()
     depth[0, 0] = 200.0
     far_scan = RangeImage(sensor=far, depth=depth, label=scan.label, instance=scan.instance)
     with pytest.raises(FormatError, match=r"a depth is 200\.0 m; pairs hold up to 131\.1 m"):
-        list(write_pairs(tmp_path, [(far_scan, drawing, {})]))
+        list(write_pairs(tmp_path, [(far_scan, condition_image, {})]))
     assert not list(tmp_path.iterdir())
 
 
 def test_a_return_nearer_than_a_step_stays_a_return(tmp_path: Path) -> None:
     near = Sensor(name="near", elevations=SENSOR.elevations, columns=128, min_range=0.0)
-    scan, drawing = make_pair(0, near)
+    scan, condition_image = make_pair(0, near)
     depth = scan.depth.copy()
     depth[0, 0] = 1e-4
     list(
         write_pairs(
-            tmp_path, [(RangeImage(sensor=near, depth=depth, label=scan.label, instance=scan.instance), drawing, {})]
+            tmp_path,
+            [(RangeImage(sensor=near, depth=depth, label=scan.label, instance=scan.instance), condition_image, {})],
         )
     )
     assert PairFolder(tmp_path)[0][0].valid[0, 0]

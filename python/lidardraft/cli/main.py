@@ -54,7 +54,7 @@ def view(arguments: argparse.Namespace) -> None:
     from lidardraft import view
 
     path = Path(arguments.path)
-    picture = view.draw_file(path, Sensor.preset(arguments.sensor))
+    picture = view.render_file(path, Sensor.preset(arguments.sensor))
     output = Path(arguments.output) if arguments.output else path.with_suffix(".view.png")
     view.save_png(picture, output)
     print(output)

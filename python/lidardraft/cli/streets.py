@@ -40,7 +40,7 @@ def write_pairs_of_streets(folder: str | Path, arguments: argparse.Namespace) ->
         return
     pairs = streets(seed, config, start=start, workers=arguments.workers)
     noted = (
-        (pair.scan, pair.drawing, {"index": pair.index, "quarter": pair.quarter, "style": asdict(pair.style)})
+        (pair.scan, pair.condition_image, {"index": pair.index, "quarter": pair.district, "style": asdict(pair.style)})
         for pair in itertools.islice(pairs, num - start)
     )
     with tqdm(total=num, initial=start, unit="pair", desc="streets") as bar:
@@ -55,8 +55,8 @@ def look(arguments: argparse.Namespace) -> None:
     config = StreetConfig(sensor=Sensor.preset(arguments.sensor), poses_per_street=1)
     rows = []
     for pair in itertools.islice(streets(arguments.seed, config, workers=arguments.workers), arguments.num):
-        images = view.caption(view.draw_image(pair.scan), f"{pair.quarter}, {pair.style.source}")
-        top = view.draw_top(pair.scan, pair.layout, pair.pose, size=len(images))
+        images = view.caption(view.render_image(pair.scan), f"{pair.district}, {pair.style.source}")
+        top = view.render_top_view(pair.scan, pair.layout, pair.pose, size=len(images))
         rows.append(view.stack([images, top], across=True))
     view.save_png(view.stack(rows), arguments.look)
     print(arguments.look)

@@ -18,7 +18,7 @@ from lidardraft.semantics import NUM_CLASSES
 MAX_DEPTH = 120.0  # m, becomes 1
 DEPTH, INTENSITY, VALIDITY = range(3)  # channels of the state
 STATE_CHANNELS = 3
-DRAWN_DEPTH, DRAWN_VALIDITY = NUM_CLASSES, NUM_CLASSES + 1  # channels of the condition, after the one-hot label
+CONDITION_DEPTH, CONDITION_VALIDITY = NUM_CLASSES, NUM_CLASSES + 1  # channels of the condition, after the one-hot label
 CONDITION_CHANNELS = NUM_CLASSES + 2
 
 _SCALE = 2 / math.log2(MAX_DEPTH + 1)
@@ -57,13 +57,13 @@ def decode_scan(state: np.ndarray, sensor: Sensor) -> RangeImage:
     )
 
 
-def encode_condition(drawing: RangeImage) -> np.ndarray:
+def encode_condition(condition_image: RangeImage) -> np.ndarray:
     """The condition of a drawing, f32 [K + 2, H, W]: one-hot label with "none", log depth (1 without hit), validity."""
-    valid = drawing.valid
-    condition = np.zeros((CONDITION_CHANNELS, *drawing.sensor.shape), dtype=np.float32)
-    np.put_along_axis(condition, drawing.label[None].astype(np.intp), 1.0, axis=0)
-    condition[DRAWN_DEPTH] = np.where(valid, _encode_depth(drawing.depth), 1.0)
-    condition[DRAWN_VALIDITY] = 2.0 * valid - 1.0
+    valid = condition_image.valid
+    condition = np.zeros((CONDITION_CHANNELS, *condition_image.sensor.shape), dtype=np.float32)
+    np.put_along_axis(condition, condition_image.label[None].astype(np.intp), 1.0, axis=0)
+    condition[CONDITION_DEPTH] = np.where(valid, _encode_depth(condition_image.depth), 1.0)
+    condition[CONDITION_VALIDITY] = 2.0 * valid - 1.0
     return condition
 
 

@@ -9,7 +9,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from lidardraft.diffusion.codec import CONDITION_CHANNELS, DEPTH, DRAWN_DEPTH, DRAWN_VALIDITY, STATE_CHANNELS
+from lidardraft.diffusion.codec import CONDITION_CHANNELS, CONDITION_DEPTH, CONDITION_VALIDITY, DEPTH, STATE_CHANNELS
 from lidardraft.diffusion.layers import RingConv, fold, unfold, zero_conv
 from lidardraft.diffusion.score_network import Encoder
 
@@ -68,8 +68,8 @@ class CopyGate(nn.Module):
         self, denoised: Tensor, x: Tensor, sigma: Tensor, condition: Tensor, features: Tensor, hint: Tensor
     ) -> Tensor:
         """`denoised` [B, 3, H, W] with its depth drawn towards the condition's; x is noisy, sigma [B, 1, 1, 1]."""
-        drawn = condition[:, DRAWN_DEPTH : DRAWN_DEPTH + 1]
-        hit = condition[:, DRAWN_VALIDITY : DRAWN_VALIDITY + 1] > 0
+        drawn = condition[:, CONDITION_DEPTH : CONDITION_DEPTH + 1]
+        hit = condition[:, CONDITION_VALIDITY : CONDITION_VALIDITY + 1] > 0
         distance = x[:, DEPTH : DEPTH + 1] - drawn
         right, wrong = sigma**2 + _TRUST**2, sigma**2 + _SPREAD**2
         seen = [torch.tanh(distance / (2 * right.sqrt())), torch.tanh(_evidence(distance, right, wrong) / 4)]

@@ -143,8 +143,8 @@ class _Scene:
         self.road, self.rng = road, rng
         self.primitives = road.surfaces()
         self.ground = Ground(self.primitives)
-        self.solids: list[Solid] = [Solid.of(EGO)]
-        self.arms = [Solid.of(_raised(p)) for p in self.primitives if p.id in ("road_left", "road_right")]
+        self.solids: list[Solid] = [Solid.from_primitive(EGO)]
+        self.arms = [Solid.from_primitive(_raised(p)) for p in self.primitives if p.id in ("road_left", "road_right")]
         self.numbers: Counter[str] = Counter()
         self.instances = 0
 
@@ -156,7 +156,7 @@ class _Scene:
             return False
         primitives = [self._primitive(kind, part, spot) for part in parts]
         moving = kind in _FAMILIES["vehicle"] and not parked
-        wide = [Solid.of(_widened(p, FOLLOWING_GAP if moving else GAP, GAP)) for p in primitives]
+        wide = [Solid.from_primitive(_widened(p, FOLLOWING_GAP if moving else GAP, GAP)) for p in primitives]
         obstacles = self.solids if moving or kind == "person" else self.solids + self.arms
         if any(penetration(solid, other) > 0 for solid in wide for other in obstacles):
             return False
@@ -169,7 +169,7 @@ class _Scene:
                 numbers[part.label] = self.instances
             id = f"{name}.{part.name}" if part.name else name
             self.primitives.append(dataclasses.replace(primitive, id=id, instance=numbers.get(part.label, 0)))
-        self.solids += map(Solid.of, primitives)
+        self.solids += map(Solid.from_primitive, primitives)
         return True
 
     def _primitive(self, kind: str, part: Part, spot: Spot) -> Primitive:

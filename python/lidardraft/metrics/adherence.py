@@ -32,17 +32,17 @@ class Adherence:
     drop: float
 
 
-def adherence(scan: RangeImage, drawing: RangeImage) -> Adherence:
+def adherence(scan: RangeImage, condition_image: RangeImage) -> Adherence:
     """How well `scan` keeps to `drawing`, the layout as cast by the same sensor."""
-    good = agrees(scan, drawing)
-    both = scan.valid & drawing.valid
-    objects = both & ~np.isin(drawing.label, _NO_OBJECT)
-    present = np.unique(drawing.label[both])
+    good = agrees(scan, condition_image)
+    both = scan.valid & condition_image.valid
+    objects = both & ~np.isin(condition_image.label, _NO_OBJECT)
+    present = np.unique(condition_image.label[both])
     return Adherence(
         objects=_share(good, objects),
         overall=_share(good, both),
-        by_class={CLASSES[label].name: _share(good, both & (drawing.label == label)) for label in present},
-        drop=_share(~scan.valid, drawing.valid),
+        by_class={CLASSES[label].name: _share(good, both & (condition_image.label == label)) for label in present},
+        drop=_share(~scan.valid, condition_image.valid),
     )
 
 

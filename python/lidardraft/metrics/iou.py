@@ -37,7 +37,7 @@ class ClassScores:
     truth: np.ndarray
 
     @classmethod
-    def of(cls, confusion: np.ndarray) -> ClassScores:
+    def from_confusion(cls, confusion: np.ndarray) -> ClassScores:
         """The scores of a matrix [K, K] of `confusion_matrix`; class 0 of the truth counts for nothing."""
         counted = confusion.copy()
         counted[0] = 0

@@ -25,7 +25,7 @@ class Sweep:
     intensity: np.ndarray | None = None
 
     @classmethod
-    def of(cls, image: RangeImage) -> Sweep:
+    def from_image(cls, image: RangeImage) -> Sweep:
         """The sweep of an image."""
         points = image.sensor.pattern.points(image.depth).astype(np.float32)
         points[~image.valid] = 0.0

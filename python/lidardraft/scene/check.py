@@ -48,7 +48,7 @@ def check(layout: Layout) -> list[Finding]:
 
 def overlap(layout: Layout) -> list[Finding]:
     """Parts of different objects that run into each other; boxes stand for meshes, ground is left out."""
-    solids = [Solid.of(primitive) for primitive in layout if primitive.label not in GROUND]
+    solids = [Solid.from_primitive(primitive) for primitive in layout if primitive.label not in GROUND]
     findings = []
     for i, j in _near_pairs(solids):
         a, b = solids[i].primitive, solids[j].primitive
@@ -95,8 +95,8 @@ def size(layout: Layout) -> list[Finding]:
 
 def ego_clear(layout: Layout) -> list[Finding]:
     """Primitives inside the ego vehicle, where the sensor stands."""
-    ego = Solid.of(EGO)
-    solids = [Solid.of(primitive) for primitive in layout if primitive.label not in GROUND]
+    ego = Solid.from_primitive(EGO)
+    solids = [Solid.from_primitive(primitive) for primitive in layout if primitive.label not in GROUND]
     return [
         Finding("ego_clear", (solid.primitive.id,), f"{solid.primitive.id} reaches {depth:.2f} m into the ego vehicle")
         for solid in solids
@@ -152,7 +152,7 @@ class Solid:
     high: float
 
     @classmethod
-    def of(cls, primitive: Primitive) -> Solid:
+    def from_primitive(cls, primitive: Primitive) -> Solid:
         """The prism around a primitive; round shapes have twelve corners, meshes those of their bounding box."""
         x, y, z = primitive.center
         cos, sin = math.cos(primitive.yaw), math.sin(primitive.yaw)

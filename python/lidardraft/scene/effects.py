@@ -42,7 +42,7 @@ def observe(
     """
     rng = np.random.Generator(np.random.SFC64(rng)) if isinstance(rng, int) else rng
     weather = weather or Weather()
-    model = model or SensorModel.of(sensor or image.sensor)
+    model = model or SensorModel.from_sensor(sensor or image.sensor)
     if sensor is None:
         sensor, fan = image.sensor, np.array([[0.0, 0.0, 1.0]])
     else:
@@ -55,7 +55,7 @@ def observe(
     scan = RangeImage.unchecked(sensor, **{name: np.empty(sensor.shape, IMAGES[name]) for name in _OBSERVED})
     _core.observe(
         image,
-        layout if isinstance(layout, Surfaces) else Surfaces.of(layout, wetness=weather.wetness),
+        layout if isinstance(layout, Surfaces) else Surfaces.from_layout(layout, wetness=weather.wetness),
         sensor=sensor,
         model=model,
         shares=fan[:, 2].tolist(),

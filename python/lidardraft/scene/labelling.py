@@ -16,23 +16,27 @@ RELATIVE_TOLERANCE = 0.05
 _GROWTH = 0.3  # m; how far outside a drawn shape a point still belongs to it
 
 
-def agrees(scan: RangeImage, drawing: RangeImage) -> np.ndarray:
+def agrees(scan: RangeImage, condition_image: RangeImage) -> np.ndarray:
     """bool [H, W]: where both have a return, and at the same distance within 0.5 m or 5 % of the drawn one."""
-    if scan.sensor.shape != drawing.sensor.shape:
-        raise SensorError(f"the scan is {scan.sensor.shape}, the drawing {drawing.sensor.shape}; both need one sensor")
-    tolerance = np.maximum(ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE * drawing.depth)
-    return scan.valid & drawing.valid & (np.abs(scan.depth - drawing.depth) <= tolerance)
+    if scan.sensor.shape != condition_image.sensor.shape:
+        raise SensorError(
+            f"the scan is {scan.sensor.shape}, the condition image {condition_image.sensor.shape}; both need one sensor"
+        )
+    tolerance = np.maximum(ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE * condition_image.depth)
+    return scan.valid & condition_image.valid & (np.abs(scan.depth - condition_image.depth) <= tolerance)
 
 
-def label_from_drawing(scan: RangeImage, drawing: RangeImage, layout: Layout, pose: np.ndarray) -> RangeImage:
+def label_from_condition_image(
+    scan: RangeImage, condition_image: RangeImage, layout: Layout, pose: np.ndarray
+) -> RangeImage:
     """`scan` with label and instance: the drawing's where the ranges agree, else those of the smallest shape of the
     layout around the point (grown by 0.3 m), else none. `pose` is world_from_sensor [4, 4] of both images.
 
     A mesh is not known to fill the box around it, so it labels only where the ranges agree.
     """
-    near = agrees(scan, drawing)
-    label = np.where(near, drawing.label, 0).astype(np.uint8)
-    instance = np.where(near, drawing.instance, 0).astype(np.uint32)
+    near = agrees(scan, condition_image)
+    label = np.where(near, condition_image.label, 0).astype(np.uint8)
+    instance = np.where(near, condition_image.instance, 0).astype(np.uint32)
     rest = scan.valid & ~near
     points = scan.sensor.pattern.points(scan.depth)[rest] @ pose[:3, :3].T + pose[:3, 3]
     rest_label, rest_instance = label[rest], instance[rest]

@@ -19,7 +19,7 @@ RING = 8.0  # m, the width of a roundabout's lane: 6.5 to 9 m in the German guid
 
 
 @dataclass(frozen=True, slots=True)
-class Patch:
+class PavedArea:
     """A paved rectangle of a road's frame, beside the road: from and to along, from and to across [m]."""
 
     along: tuple[float, float]
@@ -49,7 +49,7 @@ class Road:
     reach: float = 80.0
     median: float = 0.0
     circle: float | None = None
-    patches: tuple[Patch, ...] = ()
+    patches: tuple[PavedArea, ...] = ()
 
     def __post_init__(self) -> None:
         if not 1 <= self.lanes <= 6:

@@ -94,7 +94,7 @@ class SensorModel:
         return _LIGHT * self.pulse / 2
 
     @classmethod
-    def of(cls, sensor: Sensor) -> SensorModel:
+    def from_sensor(cls, sensor: Sensor) -> SensorModel:
         """The preset of the sensor's name, or typical values for a sensor of another."""
         return MODELS.get(sensor.name, cls())
 

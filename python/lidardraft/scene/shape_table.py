@@ -70,7 +70,7 @@ class ShapeTable:
         return len(self.ids)
 
     @classmethod
-    def of(cls, primitives: Iterable[Primitive]) -> ShapeTable:
+    def from_primitives(cls, primitives: Iterable[Primitive]) -> ShapeTable:
         """The columns of primitives; materials are not among them."""
         rows = list(primitives)
         return cls(
@@ -91,7 +91,7 @@ class ShapeTable:
         ids = tuple(id for table in tables for id in table.ids)
         return cls(**columns, ids=ids, meshes=tuple(mesh for table in tables for mesh in table.meshes))
 
-    def where(self, chosen: np.ndarray) -> ShapeTable:
+    def select(self, chosen: np.ndarray) -> ShapeTable:
         """The chosen shapes, bool [P], alone."""
         meshes = [mesh for mesh, kept in zip(self.meshes, chosen[self.shapes == _MESH].tolist(), strict=True) if kept]
         columns = {name: getattr(self, name)[chosen] for name in _COLUMNS}

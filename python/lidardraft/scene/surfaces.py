@@ -42,7 +42,7 @@ class Surfaces:
     relief: np.ndarray
 
     @classmethod
-    def of(cls, layout: Layout, *, wetness: float = 0.0, variation: bool = True) -> Surfaces:
+    def from_layout(cls, layout: Layout, *, wetness: float = 0.0, variation: bool = True) -> Surfaces:
         """The surfaces of `layout`, its ground wet by `wetness`, 0 to 1.
 
         Without `variation` the things of one material are all alike.

@@ -9,8 +9,8 @@ import numpy as np
 
 from lidardraft.errors import LayoutError
 from lidardraft.scene.sensor import Sensor
-from lidardraft.streets.lane import Lane
-from lidardraft.streets.site import Site
+from lidardraft.streets.placement.lanes import Lane
+from lidardraft.streets.placement.occupancy import Occupancy
 
 EGO_SIZE = (4.5, 2.2, 1.6)  # m that stay free around the ego vehicle
 _WHEELS = (2.7, 1.6)  # m, usual wheelbase and track of a car
@@ -44,10 +44,10 @@ class Ego:
     lean: tuple[float, float]
 
 
-def draw_ego(site: Site, lanes: tuple[Lane, ...], rng: np.random.Generator) -> Ego:
+def sample_ego(occupancy: Occupancy, lanes: tuple[Lane, ...], rng: np.random.Generator) -> Ego:
     """A free place in one of the lanes, near the middle of the street; raises `LayoutError` if there is none."""
-    near = _NEAR * site.road.reach
-    middle = site.road.lane(site.road.ego_lane)
+    near = _NEAR * occupancy.road.reach
+    middle = occupancy.road.lane(occupancy.road.ego_lane)
     for attempt in range(1000):
         lane = lanes[int(rng.integers(len(lanes)))]
         distance = rng.uniform(0.0, lane.length)
@@ -56,15 +56,15 @@ def draw_ego(site: Site, lanes: tuple[Lane, ...], rng: np.random.Generator) -> E
         off = math.hypot(along, 0.6 * (across - middle)) / spread
         if max(abs(along), abs(across)) > near or rng.random() > _LIKELY[lane.name] * math.exp(-0.5 * off * off) + 0.02:
             continue
-        x, y, heading = site.road.at(along, across)
+        x, y, heading = occupancy.road.at(along, across)
         yaw = math.remainder(heading + turn + rng.normal(0.0, 0.02), 2 * math.pi)
-        if site.is_free(x, y, yaw, EGO_SIZE):
-            return _ego(site, lane, (along, across, turn), (x, y, yaw), rng)
+        if occupancy.is_free(x, y, yaw, EGO_SIZE):
+            return _ego(occupancy, lane, (along, across, turn), (x, y, yaw), rng)
     raise LayoutError(f"no free place of {EGO_SIZE[0]} x {EGO_SIZE[1]} m for the ego vehicle")
 
 
 def _ego(
-    site: Site,
+    occupancy: Occupancy,
     lane: Lane,
     place: tuple[float, float, float],
     planar: tuple[float, float, float],
@@ -76,12 +76,12 @@ def _ego(
     ahead = np.array([base, base, -base, -base]) / 2
     left = np.array([track, -track, track, -track]) / 2
     cos, sin = math.cos(turn), math.sin(turn)
-    wheels = site.ground.heights(along + ahead * cos - left * sin, across + ahead * sin + left * cos)
+    wheels = occupancy.ground.heights(along + ahead * cos - left * sin, across + ahead * sin + left * cos)
     rise, bank = float(ahead @ wheels / (ahead @ ahead)), float(left @ wheels / (left @ left))
     z = float(wheels.mean())
     speed = _speed(lane, rng)
     braking = min(max(rng.normal(0.0, _BRAKING), -_CORNERING), _CORNERING) if speed > 0 else 0.0
-    sideways = min(max(speed**2 * _bend(site, lane), -_CORNERING), _CORNERING)
+    sideways = min(max(speed**2 * _bend(occupancy, lane), -_CORNERING), _CORNERING)
     # road noise on top; a left bend leans the body to the right, braking dips its nose
     roll = _ROLL * sideways + rng.normal(0.0, 0.003)
     pitch = _PITCH * braking + rng.normal(0.0, 0.003)
@@ -99,11 +99,11 @@ def _speed(lane: Lane, rng: np.random.Generator) -> float:
     return float(min(max(rng.normal(0.9, 0.12), 0.4), 1.1) * lane.speed)
 
 
-def _bend(site: Site, lane: Lane) -> float:
+def _bend(occupancy: Occupancy, lane: Lane) -> float:
     """Curvature [1/m] of the way the ego vehicle takes, positive to the left."""
     if lane.bend or lane.name != "road":
         return lane.bend
-    return math.copysign(site.road.curvature, site.road.curvature * math.cos(lane.turn))
+    return math.copysign(occupancy.road.curvature, occupancy.road.curvature * math.cos(lane.turn))
 
 
 def _on_slope(place: tuple[float, float, float], yaw: float, rise: float, bank: float) -> np.ndarray:

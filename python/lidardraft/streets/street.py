@@ -9,26 +9,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from lidardraft.errors import LayoutError
+from lidardraft.objects import buildings, cars, furniture, heavy, pedestrians, plants, poles, two_wheelers
+from lidardraft.objects.parts import PlacedObject
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.sensor import PRESETS, Sensor
-from lidardraft.streets import buildings, cycles, furniture, heavy, people, plants, posts, vehicles
-from lidardraft.streets.drawing import DrawnStreet
-from lidardraft.streets.lane import Lane
-from lidardraft.streets.plan import draw_site
-from lidardraft.streets.site import Site
-from lidardraft.streets.thing import Thing
+from lidardraft.streets.coarse.coarse_layout import CoarseStreet
+from lidardraft.streets.placement.lanes import Lane
+from lidardraft.streets.placement.occupancy import Occupancy
+from lidardraft.streets.placement.plan import plan_street
 
-_BUILDERS: dict[str, Callable[[Thing, np.random.Generator], list[Primitive]]] = {
-    **dict.fromkeys(vehicles.BODIES, vehicles.car),
+_BUILDERS: dict[str, Callable[[PlacedObject, np.random.Generator], list[Primitive]]] = {
+    **dict.fromkeys(cars.BODIES, cars.car),
     "truck": heavy.truck,
     "trailer_truck": heavy.trailer_truck,
     "bus": heavy.bus,
     "tram": heavy.tram,
-    "bicycle": cycles.bicycle,
-    "cyclist": cycles.cyclist,
-    "motorcycle": cycles.motorcycle,
-    "motorcyclist": cycles.motorcyclist,
-    "person": people.person,
+    "bicycle": two_wheelers.bicycle,
+    "cyclist": two_wheelers.cyclist,
+    "motorcycle": two_wheelers.motorcycle,
+    "motorcyclist": two_wheelers.motorcyclist,
+    "person": pedestrians.person,
     "house": buildings.house,
     "block": buildings.block,
     "shed": buildings.shed,
@@ -36,17 +36,17 @@ _BUILDERS: dict[str, Callable[[Thing, np.random.Generator], list[Primitive]]] = 
     "bush": plants.bush,
     "hedge": plants.hedge,
     "grass": plants.grass,
-    "lamp": posts.lamp,
-    "pole": posts.pole,
-    "sign": posts.sign,
-    "traffic_light": posts.traffic_light,
+    "lamp": poles.lamp,
+    "pole": poles.pole,
+    "sign": poles.sign,
+    "traffic_light": poles.traffic_light,
     "fence": furniture.fence,
     "mesh_fence": furniture.mesh_fence,
     "garden_wall": furniture.garden_wall,
     "wall": furniture.wall,
     "barrier": furniture.barrier,
-    "gantry": posts.gantry,
-    "billboard": posts.billboard,
+    "gantry": poles.gantry,
+    "billboard": poles.billboard,
     "shelter": furniture.shelter,
     "bin": furniture.bin,
     "bench": furniture.bench,
@@ -81,16 +81,16 @@ class Street:
 
     seed: int
     number: int
-    quarter: str
-    site: Site
+    district: str
+    occupancy: Occupancy
     lanes: tuple[Lane, ...]
     scene: Layout
-    drawn: DrawnStreet
+    coarse: CoarseStreet
 
     @property
     def layout(self) -> Layout:
         """Everything as it is, as simple shapes on flat ground."""
-        return self.drawn.whole()
+        return self.coarse.whole()
 
 
 def make_street(seed: int, config: StreetConfig | None = None, *, number: int = 0) -> Street:
@@ -99,14 +99,16 @@ def make_street(seed: int, config: StreetConfig | None = None, *, number: int = 
     check_number("number", number)
     config = config or StreetConfig()
     rng = np.random.default_rng([seed, number])
-    site, lanes, quarter = draw_site(rng, config.reach)
-    primitives = site.ground.surfaces()
-    for thing in site.things:
-        primitives += _BUILDERS[thing.kind](thing, rng)
-    provenance = {"source": "streets", "seed": seed, "number": number, "quarter": quarter}
+    occupancy, lanes, district = plan_street(rng, config.reach)
+    primitives = occupancy.ground.surfaces()
+    for placed in occupancy.objects:
+        primitives += _BUILDERS[placed.kind](placed, rng)
+    provenance = {"source": "streets", "seed": seed, "number": number, "quarter": district}
     scene = Layout(primitives=tuple(primitives), provenance=provenance)
     middles = [lane.across for lane in lanes if abs(math.sin(lane.turn)) < 0.01]
-    return Street(seed, number, quarter, site, lanes, scene, DrawnStreet(site.road, site.things, scene, middles))
+    return Street(
+        seed, number, district, occupancy, lanes, scene, CoarseStreet(occupancy.road, occupancy.objects, scene, middles)
+    )
 
 
 def check_number(name: str, value: int, *, least: int = 0) -> None:

@@ -24,13 +24,13 @@ _IMAGES = {
     "scan_depth": np.uint16,
     "scan_label": np.uint8,
     "scan_intensity": np.uint8,
-    "drawing_depth": np.uint16,
-    "drawing_label": np.uint8,
+    "condition_depth": np.uint16,
+    "condition_label": np.uint8,
 }
 
 _NOTES = "notes.json"
 # Noise does not get smaller: a scan's ranges and intensities are stored as they are.
-_COMPRESSED = ("scan_label", "drawing_depth", "drawing_label")
+_COMPRESSED = ("scan_label", "condition_depth", "condition_label")
 
 Pair = tuple[RangeImage, RangeImage]
 NotedPair = tuple[RangeImage, RangeImage, dict[str, Any]]
@@ -60,12 +60,12 @@ def write_pairs(directory: str | os.PathLike[str], pairs: Iterable[NotedPair], *
     counts: list[int] = index["shards"] if index else []
     sensor = _sensor(folder, index) if index else None
     for shard in _shards(pairs):
-        for scan, drawing, _ in shard:
+        for scan, condition_image, _ in shard:
             sensor = sensor or scan.sensor
-            for image in (scan, drawing):
+            for image in (scan, condition_image):
                 if image.sensor != sensor:
                     raise FormatError(f"{folder} holds pairs of {sensor.name}; this one is of {image.sensor.name}")
-        rows = [_compact(scan, drawing) for scan, drawing, _ in shard]
+        rows = [_compact(scan, condition_image) for scan, condition_image, _ in shard]
         images = {name: np.stack([row[name] for row in rows]) for name in _IMAGES}
         _write(folder / f"{len(counts):05d}.npz", images, [note for _, _, note in shard])
         counts.append(len(rows))
@@ -110,13 +110,13 @@ class PairFolder:
             instance=np.zeros(shape, dtype=np.uint32),
             intensity=image["scan_intensity"] * np.float32(1 / 255),
         )
-        drawing = RangeImage(
+        condition_image = RangeImage(
             sensor=self.sensor,
-            depth=image["drawing_depth"] * np.float32(_STEP),
-            label=image["drawing_label"],
+            depth=image["condition_depth"] * np.float32(_STEP),
+            label=image["condition_label"],
             instance=np.zeros(shape, dtype=np.uint32),
         )
-        return scan, drawing
+        return scan, condition_image
 
 
 def _shards(pairs: Iterable[NotedPair]) -> Iterator[list[NotedPair]]:
@@ -125,14 +125,14 @@ def _shards(pairs: Iterable[NotedPair]) -> Iterator[list[NotedPair]]:
         yield shard
 
 
-def _compact(scan: RangeImage, drawing: RangeImage) -> dict[str, np.ndarray]:
+def _compact(scan: RangeImage, condition_image: RangeImage) -> dict[str, np.ndarray]:
     intensity = np.zeros(scan.sensor.shape) if scan.intensity is None else scan.intensity
     return {
         "scan_depth": _compact_depth(scan),
         "scan_label": scan.label,
         "scan_intensity": np.rint(np.clip(intensity, 0, 1) * 255).astype(np.uint8),
-        "drawing_depth": _compact_depth(drawing),
-        "drawing_label": drawing.label,
+        "condition_depth": _compact_depth(condition_image),
+        "condition_label": condition_image.label,
     }
 
 

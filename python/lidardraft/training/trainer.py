@@ -189,14 +189,14 @@ def _batch(
     generator = torch.Generator().manual_seed(int(random.integers(2**62)))
     clean, conditions = [], []
     for i in random.integers(len(pairs), size=config.batch):
-        scan, drawing = pairs[int(i)]
+        scan, condition_image = pairs[int(i)]
         start, mirrored = int(random.integers(scan.sensor.columns)), bool(random.random() < 0.5)
         mirrored = mirrored and not any(
             scan.sensor.azimuth_offsets
         )  # the mirror image of staggered beams is another sensor
         clean.append(_crop(encode_scan(scan), start, config.crop, mirrored))
         if conditional:
-            conditions.append(_crop(encode_condition(drawing), start, config.crop, mirrored))
+            conditions.append(_crop(encode_condition(condition_image), start, config.crop, mirrored))
     batch = torch.stack(clean)
     sigma = training_levels(config.batch, generator, mean=config.sigma_mean, std=config.sigma_std)
     noise = torch.randn(batch.shape, generator=generator)

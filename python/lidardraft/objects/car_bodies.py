@@ -1,0 +1,206 @@
+"""Bodies on wheels: a shell with wheel arches, a frame of pillars and roof around windows, wheels. Shares, not metres.
+
+A body is shaped once, in the unit box, and stretched to every vehicle that has it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from lidardraft.objects.mesh import Solid, box, framed, hull, join, quads
+from lidardraft.objects.parts import Parts, Piece, Vector
+
+TYRE = 0.125  # of the width: 0.22 m of 1.8 m (cars), 0.31 m of 2.5 m (trucks)
+_BELT_WIDTH = 0.94  # of the vehicle, how wide the cabin is at its foot
+_ARCH = 0.05  # m between a tyre and its arch
+_SPANS = tuple[tuple[float, float], ...]
+# A share of the rays that enter a cabin ends at panes and what is behind them: 86 % over 1.4 m. With the constants of
+# car-glass it is such that holes in cars are nearly as many as in PandaSet.
+GLAZING = 1.4  # 1/m
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Body:
+    """The side view of a body in shares of length (rear -0.5, front 0.5) and height, for a vehicle of `size` [m].
+
+    `cabin` is where the cabin meets the body (rear, front), `roof` where the roof begins and ends, `slab` its share of
+    the width, `belt` the height of the window sill, `nose` that of the bonnet's front edge, `tail` that of the rear.
+    `panes` are the side windows in shares of the cabin from the rear, `front` and `back` those of the ends; `rise` is
+    how much of the cabin's height they take. `axles` are shares of the length, `wheel` a diameter and `clearance` the
+    height of the sill [m]; `round` is how much narrower the ends are.
+    """
+
+    size: Vector
+    cabin: tuple[float, float]
+    roof: tuple[float, float]
+    belt: float
+    nose: float
+    tail: float
+    axles: tuple[float, ...]
+    wheel: float
+    panes: _SPANS = ((0.06, 0.46), (0.52, 0.92))
+    front: _SPANS = ((0.06, 0.94),)
+    back: _SPANS = ((0.09, 0.91),)
+    rise: tuple[float, float] = (0.06, 0.88)
+    slab: float = 0.80
+    clearance: float = 0.18
+    round: float = 0.14
+
+
+def coachwork(
+    parts: Parts, body: Body, size: Vector, label: str, paint: str, *, at: Vector = (0.0, 0.0, 0.0), rank: int = 0
+) -> None:
+    """Add a body stretched to `size` [m], its glass, and wheels that stay round however long it is."""
+    parts.add_piece(bodywork(body), size, label, paint, at=at, rank=rank)
+    glaze(parts, body, size, label, x=at[0], rank=rank)
+    for axle in body.axles:
+        wheels(parts, label, (at[0] + axle * size[0], at[1]), size[1], body.wheel, rank=rank)
+
+
+def wheels(parts: Parts, label: str, at: tuple[float, float], width: float, diameter: float, *, rank: int = 0) -> None:
+    """Add the tyres of an axle, and their rims, to a body of that width [m]."""
+    center = (at[0], at[1], diameter / 2)
+    extents = (diameter, width, diameter)
+    parts.add_piece(_tyres(), extents, label, "rubber", at=center, rank=rank)
+    parts.add_piece(_rims(), extents, label, "metal", at=center, rank=rank)
+
+
+@lru_cache(maxsize=128)
+def bodywork(body: Body) -> Piece:
+    """All that is painted: shell, pillars and roof."""
+    return Piece.from_triangles(*join(_shell(body), _frame(body)))
+
+
+def _shell(body: Body) -> Solid:
+    """The lower body: sides with wheel arches, bonnet, boot, ends and the floor; open where the cabin is."""
+    length, _, height = body.size
+    sill, reach, tall = body.clearance / height, (body.wheel / 2 + _ARCH) / length, (body.wheel / 2 + _ARCH) / height
+    step = np.array([-1.0, -0.92, -0.5, 0.0, 0.5, 0.92, 1.0])
+    arch = np.concatenate([[0.0], np.sqrt(1.0 - step[1:-1] ** 2), [0.0]])
+    hub = body.wheel / 2 / height
+    under_x, under_z = [-0.5, -0.47], [sill + 0.06, sill]
+    for axle in sorted(body.axles):
+        under_x += (axle + reach * step).tolist()
+        under_z += [sill, *(hub + tall * arch[1:-1]).tolist(), sill]
+    under_x, under_z = [*under_x, 0.47, 0.5], [*under_z, sill, sill + 0.06]
+    rear, front = body.cabin
+    over_x = [-0.5, -0.485, rear, front, 0.47, 0.5]
+    over_z = [0.93 * body.tail, body.tail, body.belt, body.belt, body.nose, 0.85 * body.nose]
+    x = np.unique(np.concatenate([under_x, over_x, [-0.42, 0.40]]))
+    low, high = np.interp(x, under_x, under_z), np.interp(x, over_x, over_z)
+    half = np.interp(x, [-0.5, -0.42, 0.40, 0.5], np.array([1 - 0.6 * body.round, 1, 1, 1 - body.round]) * 0.5)
+
+    def line(across: np.ndarray, z: np.ndarray) -> np.ndarray:
+        return np.stack([x, across, z], axis=1)
+
+    skins = []
+    for side in (-1, 1):
+        foot, edge = line(side * half, low), line(0.95 * side * half, high)
+        skins.append(np.stack([foot[:-1], foot[1:], edge[1:], edge[:-1]], axis=1))
+        top = edge
+    bottom = line(half, low)
+    closed = (x[1:] <= rear + 1e-9) | (x[:-1] >= front - 1e-9)
+    mirror = np.array([1.0, -1.0, 1.0])
+    skins.append(np.stack([top[:-1], top[1:], top[1:] * mirror, top[:-1] * mirror], axis=1)[closed])
+    skins += [np.stack([bottom[e], top[e], top[e] * mirror, bottom[e] * mirror])[None] for e in (0, -1)]
+    floor = min(hub + tall, 0.9 * body.belt)
+    inner = box((0.0, 0.0, (floor + sill) / 2), (0.92, 1.0 - 2.2 * TYRE, floor - sill))
+    return join(quads(np.concatenate(skins)), inner)
+
+
+def _cabin(body: Body) -> np.ndarray:
+    return hull(
+        (body.cabin[0], body.cabin[1], _BELT_WIDTH, body.belt),
+        (body.roof[0], body.roof[1], body.slab, 0.965),
+    )
+
+
+def _frame(body: Body) -> Solid:
+    """Pillars, rails and a roof that is a little higher in its middle."""
+    corners = _cabin(body)
+    mirrored = tuple((1 - b, 1 - a) for a, b in reversed(body.panes))
+    sides = [
+        framed(corners, side, spans, body.rise)
+        for side, spans in ((0, body.front), (1, mirrored), (2, body.back), (3, body.panes))
+    ]
+    x = np.interp([0.0, 0.25, 0.75, 1.0], [0.0, 1.0], body.roof)
+    half = body.slab / 2 * np.array([1.0, 0.93, 0.93, 1.0])
+    ridge = np.array([0.965, 1.0, 1.0, 0.965])
+    crown = np.stack([x, half, ridge], axis=1)
+    edge = np.stack([x, np.full(4, body.slab / 2), np.full(4, 0.965)], axis=1)
+    mirror = np.array([1.0, -1.0, 1.0])
+    roof = [np.stack([crown[:-1], crown[1:], crown[1:] * mirror, crown[:-1] * mirror], axis=1)]
+    flank = np.stack([edge[:-1], edge[1:], crown[1:], crown[:-1]], axis=1)
+    roof += [flank, flank * mirror]
+    return quads(np.concatenate([*sides, *roof]))
+
+
+def glaze(parts: Parts, body: Body, size: Vector, label: str, *, x: float = 0.0, way: int = 1, rank: int = 0) -> None:
+    """Add what the cabin holds: its panes, and whatever else stops a ray, as a porous box, or two under slanted ones.
+
+    The body's middle is at `x` [m]; `way` is -1 for one that looks back.
+    """
+    length, width, height = size
+    middle = (body.belt + 0.95) / 2
+    slanted = body.roof[0] - body.cabin[0] + body.cabin[1] - body.roof[1] > 0.15
+    tiers = ((1.0, middle, 0.95), (0.5, body.belt, middle)) if slanted else ((1.0, body.belt, 0.95),)
+    for share, low, high in tiers:
+        # each as long and wide as the cabin is at its top
+        rear, front = (share * roof + (1 - share) * cabin for roof, cabin in zip(body.roof, body.cabin, strict=True))
+        wide = share * body.slab + (1 - share) * _BELT_WIDTH
+        parts.add(
+            "box",
+            (x + way * (rear + front) / 2 * length, 0.0, (low + high) / 2 * height),
+            ((front - rear) * length - 0.04, wide * width - 0.04, (high - low) * height),
+            label,
+            "car-glass",
+            rank=rank,
+            extinction=GLAZING,
+        )
+
+
+@lru_cache(maxsize=128)
+def running_gear(body: Body) -> tuple[Piece, Piece]:
+    """Tyres and rims of all axles, in shares of the vehicle."""
+    shares = np.array([body.wheel / body.size[0], 1.0, body.wheel / body.size[2]])
+
+    def at_axles(piece: Piece) -> Piece:
+        wheel = piece.mesh.vertices * piece.size * shares + np.array([0.0, 0.0, shares[2] / 2])
+        return Piece.from_triangles(
+            *join(*((wheel + np.array([axle, 0.0, 0.0]), piece.mesh.faces) for axle in body.axles))
+        )
+
+    return at_axles(_tyres()), at_axles(_rims())
+
+
+@lru_cache(maxsize=1)
+def _tyres(sides: int = 10) -> Piece:
+    """Treads and outer faces of the two wheels of an axle, their lowest edges on the ground."""
+    angle = 2 * np.pi * (np.arange(sides) + 0.5) / sides
+    # the sides, not the corners, touch the circle
+    ring = 0.5 / np.cos(np.pi / sides) * np.stack([np.cos(angle), np.zeros(sides), np.sin(angle)], axis=1)
+    ring = np.clip(ring, -0.5, 0.5)
+    after, fan = np.roll(np.arange(sides), -1), np.arange(1, sides - 1)
+    solids = []
+    for side in (-1, 1):
+        face, inner = (ring + np.array([0.0, side * y, 0.0]) for y in (0.5, 0.5 - TYRE))
+        here = np.arange(sides)
+        faces = [
+            np.stack([here, after, after + sides], axis=1),
+            np.stack([here, after + sides, here + sides], axis=1),
+            np.stack([np.zeros(sides - 2, dtype=np.int64), fan, fan + 1], axis=1),
+        ]
+        solids.append((np.concatenate([face, inner]), np.concatenate(faces)))
+    return Piece.from_triangles(*join(*solids))
+
+
+@lru_cache(maxsize=1)
+def _rims() -> Piece:
+    """A hexagon on each wheel of an axle."""
+    angle = np.pi * np.arange(6) / 3
+    disc = 0.33 * np.stack([np.cos(angle), np.zeros(6), np.sin(angle)], axis=1)
+    hexagons = [disc + np.array([0.0, side * 0.503, 0.0]) for side in (-1, 1)]
+    return Piece.from_triangles(*quads(np.concatenate([h[[[0, 1, 2, 3], [0, 3, 4, 5]]] for h in hexagons])))

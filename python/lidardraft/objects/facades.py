@@ -1,0 +1,125 @@
+"""Walls with windows in recesses: made once for each number of windows and storeys, in shares of the building."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from lidardraft.objects.mesh import quads
+from lidardraft.objects.parts import Piece
+
+STOREY = 2.9  # m, floor to floor of a dwelling, usually 2.8 to 3.2
+BAY = 3.0  # m from window to window that a form is made for
+PLINTH = 0.8  # m that walls reach under the ground
+RECESS = 0.16  # m from the wall's face to the pane
+_SILL, _LINTEL = 0.9, 2.25  # m over the floor
+# What stands out of a wall, as extents of height and depth [m]: window sills, and a ledge at each floor.
+_SILL_STONE, _LEDGE = (0.07, 0.045), (0.18, 0.04)
+
+
+@lru_cache(maxsize=512)
+def walls(bays: int, deep: int, storeys: int, opening: float, blind: bool) -> tuple[Piece, Piece]:
+    """Walls and panes of a building of that many windows along its front (-y) and its sides, and storeys.
+
+    In shares of the building. `opening` is the share of windows in a bay. There is a recess for a door in the middle of
+    the front; the back has half as many windows, flush with it; the sides of a `blind` building have none.
+    """
+    length, width, height = bays * BAY, deep * BAY, storeys * STOREY
+    faces, panes = [], []
+    for span, depth, count, turn in (
+        (length, width, bays, 0),
+        (width, length, deep, 1),
+        (length, width, max(1, bays // 2), 2),
+        (width, length, deep, 3),
+    ):
+        if turn == 2 or (blind and turn in (1, 3)):
+            bare = np.array([(-span / 2, span / 2, -PLINTH, height)])
+            faces.append(_turned(_upright(bare, 0.0), depth / 2, turn))
+            if turn == 2:
+                panes.append(_turned(_flush(span, count, storeys, opening), depth / 2, turn))
+            continue
+        door = count // 2 if turn == 0 else -1
+        wall, pane = _facade(span, count, storeys, opening, door)
+        faces.append(_turned(wall, depth / 2, turn))
+        panes.append(_turned(pane, depth / 2, turn))
+    lid = np.array([[(sx * length / 2, sy * width / 2, height) for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))]])
+    extents = np.array([length, width, height])
+    return (
+        Piece.from_triangles(*quads(np.concatenate([*faces, lid]) / extents)),
+        Piece.from_triangles(*quads(np.concatenate(panes) / extents)),
+    )
+
+
+def _facade(span: float, count: int, storeys: int, opening: float, door: int) -> tuple[np.ndarray, np.ndarray]:
+    """Quadrilaterals [Q, 4, 3] of (u, height, out) [m]: wall with reveals, and panes."""
+    step = span / count
+    half = opening * step / 2
+    middle = (np.arange(count) + 0.5) * step - span / 2
+    low = np.arange(storeys) * STOREY
+    sill, lintel = low + _SILL, low + _LINTEL
+    edges = np.concatenate([[-span / 2], np.stack([middle - half, middle + half], axis=1).ravel(), [span / 2]])
+    below = np.concatenate([[-PLINTH], lintel])
+    above = np.concatenate([sill, [storeys * STOREY]])
+    strips = [(-span / 2, span / 2, a, b) for a, b in zip(below, above, strict=True)]
+    if door >= 0:
+        # the strip under the lowest windows parts around the door
+        strips[0] = (-span / 2, span / 2, -PLINTH, 0.0)
+        strips += [(-span / 2, middle[door] - half, 0.0, sill[0]), (middle[door] + half, span / 2, 0.0, sill[0])]
+    piers = [(edges[k], edges[k + 1], a, b) for a, b in zip(sill, lintel, strict=True) for k in range(0, len(edges), 2)]
+    flat = _upright(np.array(strips + piers), 0.0)
+    floor, bay = (a.ravel() for a in np.meshgrid(np.arange(storeys), np.arange(count), indexing="ij"))
+    left, right = middle[bay] - half, middle[bay] + half
+    foot, head = sill[floor].copy(), lintel[floor]
+    entrance = (floor == 0) & (bay == door)
+    foot[entrance] = 0.0
+    pane = _upright(np.stack([left, right, foot, head], axis=1), -RECESS)
+    wide = np.stack([left - 0.06, right + 0.06, foot - _SILL_STONE[0], foot], axis=1)[~entrance]
+    courses = np.array([(-span / 2, span / 2, a - _LEDGE[0], a) for a in low[1:]]).reshape(-1, 4)
+    reveals = [
+        _reveal((left, foot), (left, head)),
+        _reveal((right, foot), (right, head)),
+        _reveal((left, head), (right, head)),
+    ]
+    stones = [_ledge(wide, _SILL_STONE[1]), _ledge(courses, _LEDGE[1])]
+    return np.concatenate([flat, *reveals, *stones, pane[entrance]]), pane[~entrance]
+
+
+def _flush(span: float, count: int, storeys: int, opening: float) -> np.ndarray:
+    """Panes [Q, 4, 3] 3 cm before a wall."""
+    step = span / count
+    half = min(opening * BAY, 0.5 * step) / 2
+    floor, bay = (a.ravel() for a in np.meshgrid(np.arange(storeys), np.arange(count), indexing="ij"))
+    middle, low = (bay + 0.5) * step - span / 2, floor * STOREY
+    return _upright(np.stack([middle - half, middle + half, low + _SILL, low + _LINTEL], axis=1), 0.03)
+
+
+def _ledge(cells: np.ndarray, out: float) -> np.ndarray:
+    """Rectangles [2 Q, 4, 3] of the fronts and undersides of cells [Q, 4] that stand out of a wall by `out` [m]."""
+    below = _upright(cells[:, [0, 1, 2, 2]], 0.0)
+    below[:, 2:, 2] = out
+    return np.concatenate([_upright(cells, out), below])
+
+
+def _upright(cells: np.ndarray, out: float) -> np.ndarray:
+    """Rectangles [Q, 4, 3] from cells [Q, 4] of (left, right, bottom, top)."""
+    corners: np.ndarray = np.stack(
+        [cells[:, [0, 1, 1, 0]], cells[:, [2, 2, 3, 3]], np.full((len(cells), 4), out)], axis=2
+    )
+    return corners
+
+
+def _reveal(start: tuple[np.ndarray, np.ndarray], end: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    """Rectangles from the wall's face back to the panes along edges."""
+    zero = np.zeros(len(start[0]))
+    ring = [(*start, zero), (*end, zero), (*end, zero - RECESS), (*start, zero - RECESS)]
+    return np.stack([np.stack(point, axis=-1) for point in ring], axis=1)
+
+
+def _turned(corners: np.ndarray, out: float, turn: int) -> np.ndarray:
+    """Facade coordinates (u, height, out) to the building's frame; turn 0 is the front (-y), then right, back, left."""
+    u, z, level = np.moveaxis(corners, -1, 0)
+    x, y = u, -(out + level)
+    for _ in range(turn):
+        x, y = -y, x
+    return np.stack([x, y, z], axis=-1)

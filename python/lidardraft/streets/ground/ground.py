@@ -1,0 +1,252 @@
+"""The ground of a street: a road with camber and grade, kerbs, sidewalks, ditches, and land that rises and falls."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lidardraft.objects.mesh import quads, stepped_grid
+from lidardraft.scene.layout import Primitive
+from lidardraft.scene.road import KERB_HEIGHT, TERRAIN_HEIGHT, PavedArea, Road
+from lidardraft.streets.ground.relief import SECTION, Land, Relief, positions
+from lidardraft.streets.ground.roundabout import RoundaboutMesh
+
+# What the ground is made of, and its classes.
+_SURFACES = ("road", "sidewalk", "terrain", "grass")
+_LABELS = ("road", "sidewalk", "terrain", "terrain")
+_SPACING = 4.5  # m between the stations of the mesh; the chord of a 110 m bend leaves the arc by 2 cm
+_MARGIN = 36.0  # m that the ground goes on behind the ends of the road, for what stands there
+_BEYOND = (11.0, 16.0, 23.0, 33.0, 48.0, 70.0, 100.0)  # m from the verge, where the land is sampled
+_PIECES, _PAVED = 3, 0.04  # pieces of a drive, and m that it lies over the land
+_PAINT, _COAT = "road-paint", 0.005  # m that markings lie over the road
+_CLOSE = 1.0  # m, a station this near to another line is left out
+
+
+class Ground:
+    """The surface of one street over the road's frame (along, across): its class and height.
+
+    `strip` [m] is the width of the grass between kerb and sidewalk; with `paved` the land beside the street is a
+    square or a yard.
+    """
+
+    def __init__(
+        self,
+        road: Road,
+        rng: np.random.Generator,
+        land: Land | None = None,
+        *,
+        strip: float = 0.0,
+        paved: bool = False,
+    ) -> None:
+        self.road, self.strip, self.paved = road, strip, paved
+        self.relief = Relief(road, land or Land(), rng)
+        # beside a sidewalk gardens are as high as it, beside a bare road the land is a little lower
+        land_level = KERB_HEIGHT - 0.03 if road.sidewalk > 0 else TERRAIN_HEIGHT
+        self._levels = np.array([0.0, KERB_HEIGHT, land_level, max(land_level, KERB_HEIGHT - 0.02)])
+        self._circle = None if road.circle is None else RoundaboutMesh(road)
+        self._along, self._across = self._lines()
+        self._lattice = self.relief.heights(self._along[:, None], self._across[None, :])
+        self.low = float(self._lattice.min())
+        self._drives: list[PavedArea] = []
+        self._painted = np.zeros((0, 4))
+        self.materials: dict[str, str] = {}
+
+    def reaches(self, along: float, across: float) -> bool:
+        """Whether the ground goes on that far."""
+        lines, columns = self._along, self._across
+        return bool(lines[0] <= along <= lines[-1] and columns[0] <= across <= columns[-1])
+
+    def surface(self, along: float, across: float) -> str:
+        """The class of the ground: "road", "sidewalk" or "terrain"."""
+        return _LABELS[int(self.kinds(np.array(along), np.array(across)))]
+
+    def level(self, along: float, across: float) -> float:
+        """The height of the flat surface that a drawing has there [m]."""
+        return float(self.levels(np.array(along), np.array(across)))
+
+    def height(self, along: float, across: float) -> float:
+        """The height of the ground [m]."""
+        return float(self.heights(np.array([along]), np.array([across]))[0])
+
+    def levels(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
+        """`level` of many points."""
+        kinds = self.kinds(along, across)
+        side = np.abs(across)
+        walk = np.isin(kinds, (1, 3)) & (side > self.road.edge) & (side <= self.road.verge)
+        if self.road.circle is not None and self.road.junction is not None:
+            # a drawing has an island, and no sidewalk around the circle
+            off = np.hypot(along - self.road.junction, across)
+            walk = (walk & (np.abs(along - self.road.junction) > self.road.circle)) | (off <= self.road.island)
+        return np.where(kinds == 0, 0.0, np.where(walk, KERB_HEIGHT, TERRAIN_HEIGHT))
+
+    def heights(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
+        """`height` of points [n], as the mesh has it."""
+        level = self._levels[self.kinds(along, across)]
+        row = np.clip(np.searchsorted(self._along, along) - 1, 0, len(self._along) - 2)
+        column = np.clip(np.searchsorted(self._across, across) - 1, 0, len(self._across) - 2)
+        p = (along - self._along[row]) / (self._along[row + 1] - self._along[row])
+        q = (across - self._across[column]) / (self._across[column + 1] - self._across[column])
+        p, q = np.clip(p, 0.0, 1.0), np.clip(q, 0.0, 1.0)
+        here, after = self._lattice[row, column], self._lattice[row + 1, column + 1]
+        ahead, beside = self._lattice[row + 1, column], self._lattice[row, column + 1]
+        # the two triangles of a cell, as `quads` cuts it
+        height = here + np.where(
+            p >= q, p * (ahead - here) + q * (after - ahead), q * (beside - here) + p * (after - beside)
+        )
+        if self._circle is not None:
+            height = np.where(self._circle.covers(along, across), self.relief.heights(along, across), height)
+        heights: np.ndarray = level + height
+        return heights
+
+    def grade(self, along: float) -> float:
+        """The slope of the road along itself."""
+        return self.relief.grade(along)
+
+    def pave(self, drive: PavedArea) -> None:
+        """Add a drive to the surfaces, a little over the land."""
+        self._drives.append(drive)
+
+    def paint(self, spans: np.ndarray) -> None:
+        """Add painted rectangles [n, 4], from and to along and from and to across [m], to the surfaces."""
+        self._painted = np.concatenate([self._painted, spans])
+
+    def surfaces(self) -> list[Primitive]:
+        """The ground as one mesh a class, and the land far away as a plane."""
+        along, across = self._along, self._across
+        middle = np.meshgrid((along[1:] + along[:-1]) / 2, (across[1:] + across[:-1]) / 2, indexing="ij")
+        kinds = self.kinds(*middle)
+        hidden = None if self._circle is None else self._circle.covers(*middle)
+        xy = positions(self.road, along[:, None], across[None, :])
+        pieces = [_cells(kinds, self._levels, xy, self._lattice, hidden)]
+        if self._circle is not None:
+            s, d = self._circle.along, self._circle.across
+            inner = self.kinds(*self._circle.middles())
+            pieces.append(_cells(inner, self._levels, positions(self.road, s, d), self.relief.heights(s, d), None))
+        size = (500.0, 500.0, 0.0)
+        far = Primitive(shape="plane", center=(0.0, 0.0, self.low - 0.5), size=size, label="terrain", id="far")
+        primitives = [far]
+        corners = np.concatenate([corners for corners, _ in pieces])
+        owners = np.concatenate([owner for _, owner in pieces])
+        for number, name in enumerate(_SURFACES):
+            mine = corners[owners == number]
+            if len(mine):
+                label, material = _LABELS[number], self.materials.get(_LABELS[number])
+                primitives.append(Primitive.from_mesh(*quads(mine), label=label, id=name, material=material))
+        if len(self._painted):
+            corners = self._coat(self._painted)
+            primitives.append(Primitive.from_mesh(*quads(corners), label="road", id="markings", material=_PAINT))
+        if self._drives:
+            primitives.append(Primitive.from_mesh(*quads(self._paved()), label="sidewalk", id="drives"))
+        return primitives
+
+    def _coat(self, spans: np.ndarray) -> np.ndarray:
+        """Corners [Q, 4, 3] of painted rectangles, cut at the lines of the mesh so that they lie on it."""
+        spans = _cut(_cut(spans, self._along, 0), self._across, 1)
+        along, across = spans[:, [0, 1, 1, 0]], spans[:, [2, 2, 3, 3]]
+        height = self.heights(along.ravel(), across.ravel()).reshape(along.shape)
+        return np.concatenate([positions(self.road, along, across), (height + _COAT)[..., None]], axis=-1)
+
+    def _paved(self) -> np.ndarray:
+        """Corners [Q, 4, 3] of the drives, each in pieces that follow the land."""
+        ends = np.array([(drive.along, drive.across) for drive in self._drives])
+        steps = np.linspace(0.0, 1.0, _PIECES + 1)
+        share = np.stack([steps[:-1], steps[1:], steps[1:], steps[:-1]], axis=-1)
+        across = ends[:, 1, 0, None, None] + share * np.diff(ends[:, 1])[:, :, None]
+        along = np.broadcast_to(ends[:, 0, [0, 0, 1, 1]][:, None], across.shape)
+        height = self.heights(along.ravel(), across.ravel()).reshape(across.shape)
+        # the rim lies at the verge, where the land begins
+        corners = np.concatenate([positions(self.road, along, across), (height + _PAVED)[..., None]], axis=-1)
+        return corners.reshape(-1, 4, 3)
+
+    def kinds(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
+        """Index into road, sidewalk, terrain and the grass between kerb and sidewalk or in the median."""
+        road = self.road
+        side = np.abs(across)
+        kinds = np.where(side <= road.edge, 0, np.where(side <= road.verge, 1, 2))
+        if self.strip > 0:
+            kinds = np.where((side > road.edge) & (side <= road.edge + self.strip), 3, kinds)
+        if self.paved:
+            kinds = np.where((side > road.verge) & (side <= road.verge + _BEYOND[0]), 1, kinds)
+        off = np.inf if road.junction is None else np.abs(along - road.junction)
+        if road.median > 0:
+            kinds = np.where((side < road.median / 2) & (off > road.edge + 1.0), 3, kinds)
+        if road.junction is not None:
+            for arm in road.arms:
+                here = (across > road.edge) if arm == "left" else (across < -road.edge)
+                if self.paved:
+                    kinds = np.where(here & (off <= road.verge + SECTION[-1]) & (kinds > 1), 1, kinds)
+                kinds = np.where(here & (off <= road.verge) & (kinds > 1), 1, kinds)
+                kinds = np.where(here & (off <= road.edge), 0, kinds)
+        for patch in road.patches:
+            within = (along >= patch.along[0]) & (along <= patch.along[1])
+            kinds = np.where(within & (across >= patch.across[0]) & (across <= patch.across[1]), 0, kinds)
+        if self._circle is not None:
+            kinds = self._circle.kinds(along, across, kinds)
+            if self.paved:
+                kinds = np.where(self._circle.covers(along, across) & (kinds == 2), 1, kinds)
+        return kinds
+
+    def _lines(self) -> tuple[np.ndarray, np.ndarray]:
+        road = self.road
+        end = road.reach + _MARGIN
+        stations = np.linspace(-end, end, round(2 * end / _SPACING) + 1)
+        ways = np.array([road.edge, *([road.edge + self.strip] if self.strip else []), road.verge])
+        section = road.verge + np.array(SECTION)
+        lines = [d for patch in road.patches for d in patch.along]
+        if self._circle is not None:
+            lines += self._circle.lines_along()
+            half = self._circle.half
+            assert road.junction is not None
+            stations = stations[np.abs(stations - road.junction) > half]
+        elif road.junction is not None:
+            beside = np.concatenate([ways, section])
+            lines += [*(road.junction - beside), *(road.junction + beside)]
+            if road.median > 0:
+                lines += [road.junction - road.edge - 1.0, road.junction + road.edge + 1.0]
+        fixed = np.array(lines)
+        if len(fixed):
+            stations = stations[np.abs(stations[:, None] - fixed).min(axis=1) > _CLOSE]
+        along = np.concatenate([stations, fixed])
+        middle = [road.median / 2] if road.median > 0 else [0.0]
+        half_lines = np.concatenate([middle, ways, section, road.verge + np.array(_BEYOND)])
+        if self._circle is not None:
+            beyond = half_lines[half_lines > self._circle.half + _CLOSE]
+            around = self._circle.half + np.array([2.5, 6.0])
+            half_lines = np.concatenate([[d for d in self._circle.offsets if d >= 0.0], around, beyond])
+        # the land inside a bend ends before the bend's centre
+        if road.curvature:
+            half_lines = half_lines[half_lines < 0.8 / abs(road.curvature)]
+        across = np.concatenate([-half_lines, half_lines, [d for patch in road.patches for d in patch.across]])
+        return _distinct(along), _distinct(across)
+
+
+def _distinct(lines: np.ndarray) -> np.ndarray:
+    lines = np.sort(lines)
+    return lines[np.concatenate([[True], np.diff(lines) > 1e-3])]
+
+
+def _cells(
+    kinds: np.ndarray, levels: np.ndarray, xy: np.ndarray, relief: np.ndarray, hidden: np.ndarray | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Corners [Q, 4, 3] and kind [Q] of the cells [n, m] over a lattice [n + 1, m + 1], and of the steps between."""
+    rows, columns = (np.arange(n + 1.0) for n in kinds.shape)
+    corners, cell = stepped_grid(rows, columns, levels[kinds])
+    if hidden is not None:
+        corners, cell = corners[~hidden.ravel()[cell]], cell[~hidden.ravel()[cell]]
+    row, column = corners[..., 0].astype(np.intp), corners[..., 1].astype(np.intp)
+    vertices = np.concatenate([xy[row, column], (relief[row, column] + corners[..., 2])[..., None]], axis=-1)
+    return vertices, kinds.ravel()[cell]
+
+
+def _cut(spans: np.ndarray, lines: np.ndarray, axis: int) -> np.ndarray:
+    """Spans [n, 4] cut where lines [m], sorted, cross them: along (axis 0) or across (1)."""
+    low, high = spans[:, 2 * axis], spans[:, 2 * axis + 1]
+    first, last = np.searchsorted(lines, low, side="right"), np.searchsorted(lines, high, side="left")
+    pieces = last - first + 1
+    owner = np.repeat(np.arange(len(spans)), pieces)
+    number = np.arange(len(owner)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    after = first[owner] + number
+    parts = spans[owner].copy()
+    inner, outer = number > 0, number < pieces[owner] - 1
+    parts[inner, 2 * axis] = lines[after[inner] - 1]
+    parts[outer, 2 * axis + 1] = lines[after[outer]]
+    return parts

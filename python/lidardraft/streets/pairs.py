@@ -1,0 +1,193 @@
+"""Driving through streets: pairs of a lifelike scan and the drawing of the same place, without end."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import multiprocessing
+from collections import deque
+from collections.abc import Generator, Iterator
+from concurrent.futures import Future, ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from lidardraft.errors import LayoutError
+from lidardraft.scene.effects import observe
+from lidardraft.scene.layout import Layout
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.raycast import Raycaster
+from lidardraft.scene.sensor import Sensor
+from lidardraft.scene.sensor_model import SensorModel, sub_rays
+from lidardraft.scene.shape_table import ShapeTable
+from lidardraft.scene.surfaces import Surfaces
+from lidardraft.streets.coarse.coarse_layout import place_of
+from lidardraft.streets.coarse.style import Style, sample_style
+from lidardraft.streets.coarse.visible import VisibleObjects
+from lidardraft.streets.ego import Ego, mount, sample_ego
+from lidardraft.streets.street import Street, StreetConfig, check_number, make_street
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StreetPair:
+    """A lifelike scan and the drawing of the same place, by a sensor at `pose` that moves ahead with `speed` [m/s].
+
+    `scan` has depth, label, instance and intensity.
+    `shapes` are in the frame of the ego vehicle in the middle of the sweep; `shapes.scan(sensor, pair.poses())` gives
+    `drawing`. `index` counts the pairs of one seed, and `style` says how the street was drawn.
+    """
+
+    scan: RangeImage
+    condition_image: RangeImage
+    shapes: ShapeTable
+    pose: np.ndarray
+    style: Style
+    district: str
+    speed: float
+    index: int
+
+    def poses(self) -> np.ndarray:
+        """The pose of each column [W, 4, 4]; both images are as uncorrected as what such a sensor sends."""
+        return self.scan.sensor.poses_in_motion(self.pose, (self.speed, 0.0, 0.0))
+
+    @property
+    def layout(self) -> Layout:
+        """The shapes as a layout; `raycast(layout, sensor, poses=pair.poses())` gives `drawing` too."""
+        half = self.style.view / 2
+        return self.shapes.layout({"source": self.style.source}, None if half >= math.pi else (-half, half))
+
+
+def streets(
+    seed: int,
+    config: StreetConfig | None = None,
+    *,
+    start: int = 0,
+    shard: tuple[int, int] = (0, 1),
+    workers: int = 1,
+) -> Generator[StreetPair, None, None]:
+    """Pairs without end, from number `start`; pair k depends on the seed, the config and k alone.
+
+    `shard` (i, n) leaves out the streets of all but the i-th of n consumers, whose pairs are disjoint and together all.
+    `workers` processes make the pairs; 1 is this process. The pairs and their order are the same for any number.
+    A script that asks for more than 1 needs `if __name__ == "__main__":` around it, or each process would run it again.
+
+    Raises `LayoutError` for a number that is negative or no integer, or a shard that does not exist.
+    """
+    check_number("seed", seed)
+    check_number("start", start)
+    check_number("workers", workers, least=1)
+    mine, shards = shard
+    check_number("shard", mine)
+    if not mine < shards:
+        raise LayoutError(f"shard is {mine} of {shards}; they count from 0 to {shards - 1}")
+    config = config or StreetConfig()
+    first, skip = divmod(start, config.poses_per_street)
+    numbers = (number for number in itertools.count(first) if number % shards == mine)
+    drives = (_Drive(seed, config, number, skip if number == first else 0) for number in numbers)
+    if workers > 1:
+        return _in_processes(drives, workers)
+    return (pair for drive in drives for pair in drive.pairs(None))
+
+
+@dataclass(frozen=True, slots=True)
+class _Drive:
+    """The pairs of one street, from the pose numbered `first` on."""
+
+    seed: int
+    config: StreetConfig
+    number: int
+    first: int
+
+    def indices(self) -> range:
+        """The numbers of the pairs."""
+        poses = self.config.poses_per_street
+        return range(self.number * poses + self.first, (self.number + 1) * poses)
+
+    def pairs(self, threads: int | None) -> Iterator[StreetPair]:
+        street, eye = _arrive(self.seed, self.config, self.number, threads)
+        return (_pair(street, eye, index) for index in self.indices())
+
+
+@lru_cache(maxsize=1)
+def _arrive(seed: int, config: StreetConfig, number: int, threads: int | None) -> tuple[Street, StreetScanner]:
+    """A street, and what looks at it; the last one is kept for the next pair of its drive."""
+    street = make_street(seed, config, number=number)
+    # another unit of the sensor for each street
+    model = replace(SensorModel.from_sensor(config.sensor), unit=number)
+    return street, StreetScanner(
+        config.sensor, model, Raycaster(street.scene), Surfaces.from_layout(street.scene), threads
+    )
+
+
+def _in_processes(drives: Iterator[_Drive], workers: int) -> Generator[StreetPair, None, None]:
+    # a fork would copy the threads' locks
+    context = multiprocessing.get_context("spawn")
+    # a pool each: all pairs of a street are made by the process that has built it
+    pools = [ProcessPoolExecutor(1, mp_context=context) for _ in range(workers)]
+    turns = itertools.cycle(pools)
+
+    # Pairs come one by one: memory of a megabyte is used again and again, where that of more is asked of the system
+    # each time, which takes longer than all the rest of the way.
+    def submit() -> deque[Future[StreetPair]]:
+        drive, pool = next(drives), next(turns)
+        return deque(pool.submit(_driven, drive, index) for index in drive.indices())
+
+    try:
+        # one more street for each worker, so that none waits while a street is consumed
+        ahead = deque(submit() for _ in range(2 * workers))
+        while True:
+            street = ahead.popleft()
+            while street:
+                yield street.popleft().result()
+            ahead.append(submit())
+    finally:
+        for pool in pools:
+            pool.shutdown(cancel_futures=True)
+
+
+def _driven(drive: _Drive, index: int) -> StreetPair:
+    return _pair(*_arrive(drive.seed, drive.config, drive.number, 1), index)
+
+
+@dataclass(frozen=True, slots=True)
+class StreetScanner:
+    """What looks at one street: a unit of a sensor, and the detailed scene made ready for it."""
+
+    sensor: Sensor
+    model: SensorModel
+    caster: Raycaster
+    surfaces: Surfaces
+    threads: int | None
+
+    def cast(self, ego: Ego, poses: np.ndarray, seed: int) -> RangeImage:
+        """The clean returns of all sub-rays from these poses in the frame of the ego vehicle."""
+        rays, poses = sub_rays(self.sensor, self.model), ego.pose @ poses
+        return self.caster.scan(rays, poses=poses, primitive=True, incidence=True, seed=seed, threads=self.threads)
+
+
+def scan_street(street: Street, eye: StreetScanner, index: int) -> tuple[Ego, VisibleObjects, np.random.Generator]:
+    """Scan number `index` of a street: where it is taken, what it sees, and the generator for what follows."""
+    rng = np.random.default_rng([street.seed, index, 1])
+    ego = sample_ego(street.occupancy, street.lanes, rng)
+    pose = mount(eye.sensor, ego, rng)
+    poses = eye.sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
+    clean = eye.cast(ego, poses, seed=index)
+    scan = observe(clean, eye.surfaces, rng, sensor=eye.sensor, model=eye.model, threads=eye.threads)
+    coarse = street.coarse
+    return ego, VisibleObjects(place_of(ego.pose), pose, scan, coarse.owners, len(coarse.objects)), rng
+
+
+def _pair(street: Street, eye: StreetScanner, index: int) -> StreetPair:
+    ego, visible, rng = scan_street(street, eye, index)
+    style = sample_style(rng)
+    shapes = street.coarse.draw(style, rng, ego.pose, visible)
+    poses = eye.sensor.poses_in_motion(visible.pose, (ego.speed, 0.0, 0.0))
+    condition_image = shapes.scan(eye.sensor, poses, threads=eye.threads)
+    # primitives of the detailed scene say nothing to who does not have it, and take time on the way there
+    scan = visible.scan
+    assert scan.intensity is not None
+    seen = RangeImage.unchecked(
+        eye.sensor, depth=scan.depth, label=scan.label, instance=scan.instance, intensity=scan.intensity
+    )
+    return StreetPair(seen, condition_image, shapes, visible.pose, style, street.district, ego.speed, index)

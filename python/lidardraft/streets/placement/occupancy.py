@@ -1,0 +1,270 @@
+"""The site of a street: its road and ground, the things put there so far, and what is still free."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import Counter
+from typing import NamedTuple
+
+import numpy as np
+
+from lidardraft.objects.buildings import BALCONY, EAVES, STOREY
+from lidardraft.objects.furniture import LAMP_ARM
+from lidardraft.objects.parts import PlacedObject
+from lidardraft.scene.road import PavedArea, Road
+from lidardraft.streets.ground.ground import Ground
+
+# x, y, cosine and sine of the yaw, half length, half width, bottom and top over the ground [m]
+Space = tuple[float, float, float, float, float, float, float, float]
+
+_CELL = 8.0  # m
+GANTRY_POST = 0.5  # m, how wide the posts of a gantry are
+_HEADROOM = 2.2  # m over the public way that stays free of private things
+_RIDDEN = ("cyclist", "motorcyclist")
+_BUILDINGS = ("house", "block", "shed")
+_PLINTH = 0.7  # m that a building's ground floor may lie over the lowest ground under it
+# what gets no instance
+_STUFF = frozenset(
+    (
+        *("house", "block", "shed", "tree", "bush", "hedge", "lamp", "pole", "sign", "traffic_light"),
+        *("fence", "garden_wall", "bin", "bench", "shelter", "cone", "barrier", "mesh_fence", "grass"),
+        *("gantry", "wall", "billboard", "letterbox", "hydrant", "cabinet"),
+    )
+)
+
+
+class _Standing(NamedTuple):
+    kind: str
+    number: int
+    instance: int
+    along: float
+    across: float
+    x: float
+    y: float
+    yaw: float
+    turn: float
+    size: tuple[float, float, float]
+    stem: float
+
+
+class Occupancy:
+    """Places things in the road's frame so that none goes through another."""
+
+    def __init__(self, road: Road, ground: Ground) -> None:
+        self.road, self.ground = road, ground
+        self.stops: list[tuple[float, float]] = []  # along and side of bus stops
+        self._placed: list[_Standing] = []
+        self._objects: list[PlacedObject] = []
+        self._names: Counter[str] = Counter()
+        self._instances = 0
+        self._taken, self._way = SpaceIndex(), SpaceIndex()
+        for space in self._public_way():
+            self._way.add(space)
+
+    @property
+    def objects(self) -> list[PlacedObject]:
+        """What was put there, on the ground, in the order in which it was put."""
+        if len(self._objects) < len(self._placed):
+            self._objects += self._settled(self._placed[len(self._objects) :])
+        return self._objects
+
+    def place(
+        self,
+        kind: str,
+        along: float,
+        across: float,
+        size: tuple[float, float, float],
+        *,
+        turn: float = 0.0,
+        stem: float = 0.0,
+        margin: float = 0.15,
+        private: bool = False,
+    ) -> bool:
+        """Put a thing there, turned by `turn` against the road, if `margin` [m] around it is free; whether it was put.
+
+        A `private` thing keeps off the road and the sidewalks.
+        """
+        if not self.ground.reaches(along, across):
+            return False
+        x, y, heading = self.road.at(along, across)
+        yaw = math.remainder(heading + turn, 2 * math.pi)
+        spaces = spaces_of(kind, x, y, yaw, size, stem)
+        for space in spaces:
+            if self._taken.touches(space, margin) or (private and self._way.touches(space)):
+                return False
+        for space in spaces:
+            self._taken.add(space)
+        self._names[kind] += 1
+        instance = 0 if kind in _STUFF else self._instances + 1
+        if instance:
+            self._instances += 2 if kind in _RIDDEN else 1
+        self._placed.append(_Standing(kind, self._names[kind], instance, along, across, x, y, yaw, turn, size, stem))
+        return True
+
+    def pave(self, drive: PavedArea) -> None:
+        """Add a drive, which private things keep off from now on."""
+        self.ground.pave(drive)
+        self._way.add(self._patch_space(drive))
+
+    def is_free(self, x: float, y: float, yaw: float, size: tuple[float, float, float]) -> bool:
+        """Whether an upright box on the ground there touches nothing."""
+        return not self._taken.touches(box_space(x, y, yaw, size[:2], 0.0, size[2]))
+
+    def is_private(self, x: float, y: float, yaw: float, size: tuple[float, float, float]) -> bool:
+        """Whether an upright box on the ground there keeps off the road and the sidewalks."""
+        return not self._way.touches(box_space(x, y, yaw, size[:2], 0.0, size[2]))
+
+    def _settled(self, placed: list[_Standing]) -> list[PlacedObject]:
+        """The things at their heights."""
+        along, across = np.array([(p.along, p.across) for p in placed]).T
+        heights = self.ground.heights(along, across)
+        over = {**dict.fromkeys(_BUILDINGS, _PLINTH), "grass": 0.0}
+        sunk = np.array([index for index, p in enumerate(placed) if p.kind in over], dtype=np.intp)
+        if len(sunk):
+            lowest = self._lowest([placed[index] for index in sunk])
+            lowest += [over[placed[index].kind] for index in sunk]
+            heights[sunk] = np.minimum(heights[sunk], lowest)
+        levels = self.ground.levels(along, across)
+        return [
+            PlacedObject(
+                kind=p.kind,
+                id=f"{p.kind}_{p.number}",
+                x=p.x,
+                y=p.y,
+                z=z,
+                level=level,
+                yaw=p.yaw,
+                size=p.size,
+                stem=p.stem,
+                instance=p.instance,
+            )
+            for p, z, level in zip(placed, heights.tolist(), levels.tolist(), strict=True)
+        ]
+
+    def _lowest(self, buildings: list[_Standing]) -> np.ndarray:
+        """The lowest ground under the corners of each."""
+        half = np.array([p.size[:2] for p in buildings])[:, None] * np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)]) / 2
+        turn = np.array([p.turn for p in buildings])[:, None]
+        along = (
+            np.array([p.along for p in buildings])[:, None] + half[..., 0] * np.cos(turn) - half[..., 1] * np.sin(turn)
+        )
+        across = (
+            np.array([p.across for p in buildings])[:, None] + half[..., 0] * np.sin(turn) + half[..., 1] * np.cos(turn)
+        )
+        lowest: np.ndarray = self.ground.heights(along.ravel(), across.ravel()).reshape(-1, 4).min(axis=1)
+        return lowest
+
+    def _public_way(self) -> list[Space]:
+        road = self.road
+        spaces = []
+        pieces = math.ceil(2 * road.reach / 6.0)
+        step = 2 * road.reach / pieces
+        for number in range(pieces):
+            x, y, yaw = road.at((number + 0.5) * step - road.reach, 0.0)
+            # the outer edge of a bend is longer
+            length = step * (1 + abs(road.curvature) * road.verge)
+            spaces.append(box_space(x, y, yaw, (length, 2 * road.verge), -2.0, _HEADROOM))
+        if road.junction is not None:
+            for arm in road.arms:
+                across = (road.verge + road.reach) / 2 * (1 if arm == "left" else -1)
+                x, y, yaw = road.at(road.junction, across)
+                spaces.append(box_space(x, y, yaw, (2 * road.verge, road.reach), -2.0, _HEADROOM))
+            if road.circle is not None:
+                x, y, yaw = road.at(road.junction, 0.0)
+                outer = road.circle + road.sidewalk
+                # bars that together cover the disc
+                turns = [math.radians(15 * number) for number in range(7)]
+                for low, high in itertools.pairwise(turns):
+                    size = (2 * math.cos(low) * outer, 2 * math.sin(high) * outer)
+                    spaces.append(box_space(x, y, yaw, size, -2.0, _HEADROOM))
+        spaces += [self._patch_space(patch) for patch in road.patches]
+        return spaces
+
+    def _patch_space(self, patch: PavedArea) -> Space:
+        length, width = patch.along[1] - patch.along[0], patch.across[1] - patch.across[0]
+        x, y, yaw = self.road.at(sum(patch.along) / 2, sum(patch.across) / 2)
+        return box_space(x, y, yaw, (length, width), -2.0, _HEADROOM)
+
+
+def object_spaces(placed: PlacedObject) -> np.ndarray:
+    """The upright boxes [n, 8] a thing fills: x, y, cos, sin, half length, half width, bottom, top over the ground."""
+    return np.array(spaces_of(placed.kind, placed.x, placed.y, placed.yaw, placed.size, placed.stem))
+
+
+def box_space(x: float, y: float, yaw: float, size: tuple[float, float], bottom: float, top: float) -> Space:
+    """The space of a box of that length and width [m]."""
+    return (x, y, math.cos(yaw), math.sin(yaw), size[0] / 2, size[1] / 2, bottom, top)
+
+
+def spaces_of(kind: str, x: float, y: float, yaw: float, size: tuple[float, float, float], stem: float) -> list[Space]:
+    """The upright boxes a thing fills: a tree has its trunk's and its crown's, so that a car can stand under it."""
+    length, width, height = size
+    if kind == "tree":
+        girth = 0.10 + height / 45  # as `plants.trunk_diameter`
+        boxes = [((girth, girth), 0.0, stem), ((length, width), stem, height)]
+    elif kind == "house":
+        boxes = [((length, width), 0.0, height), ((length + 2 * EAVES, width + 2 * EAVES), stem - 0.2, height)]
+    elif kind == "block":
+        boxes = [((length, width), 0.0, height), ((length, width + 2 * BALCONY), 0.9 * STOREY, height)]
+    elif kind == "lamp":
+        # the arm reaches to its left
+        left = (x - math.sin(yaw) * LAMP_ARM / 2, y + math.cos(yaw) * LAMP_ARM / 2)
+        arm = box_space(*left, yaw, (0.3, LAMP_ARM + 0.3), height - 0.3, height)
+        return [box_space(x, y, yaw, (length, width), 0.0, height), arm]
+    elif kind == "billboard" or (kind == "sign" and width < 1.0):
+        boxes = [((0.2, 0.2), 0.0, stem), ((length, width), stem, height)]
+    elif kind == "gantry":
+        cos, sin, out = math.cos(yaw), math.sin(yaw), (width - GANTRY_POST) / 2
+        posts = [
+            box_space(x - side * out * sin, y + side * out * cos, yaw, (length, GANTRY_POST), 0.0, height)
+            for side in (-1, 1)
+        ]
+        return [*posts, box_space(x, y, yaw, (length, width), stem, height)]
+    else:
+        boxes = [((length, width), 0.0, height)]
+    return [box_space(x, y, yaw, box, bottom, top) for box, bottom, top in boxes]
+
+
+def touch(one: Space, two: Space, margin: float = 0.0) -> bool:
+    """Whether two upright boxes come within `margin` [m]: separating axes, intervals in height."""
+    x, y, cos, sin, length, width, bottom, top = one
+    u, v, cos2, sin2, length2, width2, bottom2, top2 = two
+    if bottom2 >= top or top2 <= bottom:
+        return False
+    dx, dy = u - x, v - y
+    # cosine and sine of the angle between the two boxes
+    c, s = abs(cos2 * cos + sin2 * sin), abs(sin2 * cos - cos2 * sin)
+    if abs(cos * dx + sin * dy) >= length + c * length2 + s * width2 + margin:
+        return False
+    if abs(cos * dy - sin * dx) >= width + s * length2 + c * width2 + margin:
+        return False
+    if abs(cos2 * dx + sin2 * dy) >= length2 + c * length + s * width + margin:
+        return False
+    return abs(cos2 * dy - sin2 * dx) < width2 + s * length + c * width + margin
+
+
+class SpaceIndex:
+    """Spaces by the cells they lie in."""
+
+    def __init__(self) -> None:
+        self._cells: dict[tuple[int, int], list[Space]] = {}
+
+    def add(self, space: Space) -> None:
+        """Keep a space."""
+        for cell in _cells(space, 0.0):
+            self._cells.setdefault(cell, []).append(space)
+
+    def touches(self, space: Space, margin: float = 0.0) -> bool:
+        """Whether any of the spaces kept comes within `margin` [m] of one."""
+        cells = self._cells
+        return any(touch(space, other, margin) for cell in _cells(space, margin) for other in cells.get(cell, ()))
+
+
+def _cells(space: Space, margin: float) -> list[tuple[int, int]]:
+    x, y, cos, sin, length, width, _, _ = space
+    wide = abs(cos) * length + abs(sin) * width + margin
+    high = abs(sin) * length + abs(cos) * width + margin
+    columns = range(math.floor((x - wide) / _CELL), math.floor((x + wide) / _CELL) + 1)
+    rows = range(math.floor((y - high) / _CELL), math.floor((y + high) / _CELL) + 1)
+    return [(column, row) for column in columns for row in rows]
