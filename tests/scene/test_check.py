@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lidardraft.scene.check import (
-    Ground,
+    LayoutGround,
     Solid,
     check,
     ego_clear,
@@ -165,7 +165,7 @@ def test_check_runs_all() -> None:
 @pytest.mark.parametrize("curvature", [0.0, 0.01])
 def test_ground_heights(curvature: float) -> None:
     road = Road(curvature=curvature)
-    ground = Ground(road.surfaces())
+    ground = LayoutGround(road.surfaces())
     for across, height in (
         (0.0, 0.0),
         (road.edge + 1, KERB_HEIGHT),

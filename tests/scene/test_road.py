@@ -58,10 +58,16 @@ def test_lanes() -> None:
         ({"parking": -1.0}, "parking is -1.0 m; it must be 0 to 5 m"),
         ({"sidewalk": 11.0}, "sidewalk is 11.0 m; it must be 0 to 10 m"),
         ({"median": -1.0}, "median is -1.0 m; it must be 0 to 20 m"),
-        ({"circle": 20.0}, "a roundabout needs a junction on a straight road"),
-        ({"circle": 20.0, "junction": 0.0, "curvature": 0.01}, "a roundabout needs a junction on a straight road"),
-        ({"circle": 9.0, "junction": 0.0}, "circle is 9.0 m; for this road it must be over 13.5 and up to 40 m"),
-        ({"circle": math.nan, "junction": 0.0}, "circle is nan m"),
+        ({"roundabout_radius": 20.0}, "a roundabout needs a junction on a straight road"),
+        (
+            {"roundabout_radius": 20.0, "junction": 0.0, "curvature": 0.01},
+            "a roundabout needs a junction on a straight road",
+        ),
+        (
+            {"roundabout_radius": 9.0, "junction": 0.0},
+            "roundabout_radius is 9.0 m; for this road it must be over 13.5 and up to 40 m",
+        ),
+        ({"roundabout_radius": math.nan, "junction": 0.0}, "roundabout_radius is nan m"),
         ({"curvature": 0.1}, "curvature 0.1 over 80.0 m turns the road back on itself"),
     ],
 )
@@ -77,7 +83,7 @@ def test_no_such_lane() -> None:
 
 
 def test_junctions() -> None:
-    road = Road(junction=30.0, arms=("left",))
+    road = Road(junction=30.0, side_roads=("left",))
     assert road.in_junction(30.0)
     assert road.in_junction(30.0 + road.verge + 0.5, margin=1.0)
     assert not road.in_junction(30.0 + road.verge + 0.5)
@@ -113,7 +119,7 @@ def test_a_median_parts_the_carriageways() -> None:
 
 
 def test_a_roundabout_has_a_lane_around_an_island() -> None:
-    road = Road(junction=20.0, circle=18.0)
+    road = Road(junction=20.0, roundabout_radius=18.0)
     assert road.island == 10.0
     assert road.in_junction(39.0)
     surfaces = {p.id: p for p in road.surfaces()}
@@ -124,8 +130,8 @@ def test_a_roundabout_has_a_lane_around_an_island() -> None:
     assert all(abs(p.center[0] - 20.0) - p.size[0] / 2 >= 18.0 - 1e-9 for p in sidewalks)
 
 
-def test_patches_are_paved() -> None:
-    road = Road(patches=(PavedArea((-10.0, 20.0), (6.0, 22.0)),))
-    patch = road.surfaces()[-1]
-    assert (patch.label, patch.id, patch.size) == ("road", "patch_1", (30.0, 16.0, 0.0))
-    assert patch.center == pytest.approx((5.0, 14.0 - road.lane(0), 0.0))
+def test_paved_areas_are_road() -> None:
+    road = Road(paved_areas=(PavedArea((-10.0, 20.0), (6.0, 22.0)),))
+    area = road.surfaces()[-1]
+    assert (area.label, area.id, area.size) == ("road", "patch_1", (30.0, 16.0, 0.0))
+    assert area.center == pytest.approx((5.0, 14.0 - road.lane(0), 0.0))

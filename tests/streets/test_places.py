@@ -40,12 +40,14 @@ EGOS = egos()
 def test_every_quarter_and_every_form_of_road_occurs():
     assert {name for _, _, name in PLACES} == set(DISTRICTS)
     roads = [occupancy.road for occupancy in SITES]
-    arms = Counter(road.arms for road in roads if road.junction is not None and road.circle is None)
-    assert set(arms) == {("left", "right"), ("left",), ("right",)}
-    assert {len(road.arms) for road in roads if road.circle is not None} == {1, 2}
+    side_roads = Counter(
+        road.side_roads for road in roads if road.junction is not None and road.roundabout_radius is None
+    )
+    assert set(side_roads) == {("left", "right"), ("left",), ("right",)}
+    assert {len(road.side_roads) for road in roads if road.roundabout_radius is not None} == {1, 2}
     assert any(road.curvature > 0 for road in roads)
     assert any(road.curvature < 0 for road in roads)
-    assert any(road.patches for road in roads)
+    assert any(road.paved_areas for road in roads)
     assert any(road.median > 1.5 and road.sidewalk > 0 for road in roads)
     assert {road.lanes for road in roads} == {1, 2, 3}
     directions = [{math.cos(lane.turn) > 0 for lane in lanes if lane.name == "road"} for _, lanes, _ in PLACES]
@@ -159,7 +161,7 @@ def test_heights_and_classes_are_those_of_the_mesh():
         hits = Raycaster(Layout(primitives=tuple(bare))).cast(origins, down)
         off = np.abs(30.0 - hits.distance - occupancy.ground.heights(along, across))
         # chords of circles and bends move a kerb by some centimetres, and the island of a roundabout is made of facets
-        assert np.quantile(off, 0.95) < (0.02 if occupancy.road.circle is None else 0.07)
+        assert np.quantile(off, 0.95) < (0.02 if occupancy.road.roundabout_radius is None else 0.07)
         assert off.max() < 0.21
         labels = np.array([1, 2, 10, 10])[occupancy.ground.kinds(along, across)]
         assert (labels == hits.label).mean() > 0.99
@@ -248,15 +250,15 @@ def test_a_lean_is_small_and_grows_with_speed_in_bends():
 def test_cars_in_a_car_park_stand_in_bays():
     seen = 0
     for occupancy in SITES:
-        for patch in occupancy.road.patches[:1]:
+        for area in occupancy.road.paved_areas[:1]:
             for placed in occupancy._placed:
                 turned = abs(math.sin(placed.turn)) > 0.9
-                if turned and patch.along[0] < placed.along < patch.along[1] and placed.kind in ("suv", "hatchback"):
-                    if not patch.across[0] < placed.across < patch.across[1]:
+                if turned and area.along[0] < placed.along < area.along[1] and placed.kind in ("suv", "hatchback"):
+                    if not area.across[0] < placed.across < area.across[1]:
                         continue
-                    share = (placed.along - patch.along[0]) / BAY_WIDTH - 0.5
+                    share = (placed.along - area.along[0]) / BAY_WIDTH - 0.5
                     assert abs(share - round(share)) < 0.3
-                    into = (abs(placed.across) - min(map(abs, patch.across))) % (2 * BAY_LENGTH + AISLE)
+                    into = (abs(placed.across) - min(map(abs, area.across))) % (2 * BAY_LENGTH + AISLE)
                     assert min(abs(into - BAY_LENGTH / 2), abs(into - 1.5 * BAY_LENGTH - AISLE)) < 0.5
                     seen += 1
     assert seen > 50

@@ -129,7 +129,7 @@ def test_positions_are_those_of_the_road(curvature: float):
 
 
 def test_the_ground_has_kerbs_and_covers_the_street():
-    road = Road(junction=20.0, arms=("left",))
+    road = Road(junction=20.0, side_roads=("left",))
     ground = Ground(road, np.random.default_rng(2))
     assert ground.surface(0.0, 0.0) == "road"
     assert ground.surface(0.0, road.edge + 0.5) == "sidewalk"

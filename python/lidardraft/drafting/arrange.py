@@ -13,7 +13,7 @@ from lidardraft.drafting.sites import Site, Spot, lay_road, site_of
 from lidardraft.drafting.spec import ON_ROAD, VEHICLES, Group, SceneSpec
 from lidardraft.drafting.things import STRIPS, Part, thing
 from lidardraft.errors import LayoutError
-from lidardraft.scene.check import EGO, Ground, Solid, penetration
+from lidardraft.scene.check import EGO, LayoutGround, Solid, penetration
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.road import Road
 from lidardraft.semantics import BY_NAME
@@ -142,9 +142,11 @@ class _Scene:
     def __init__(self, road: Road, rng: np.random.Generator) -> None:
         self.road, self.rng = road, rng
         self.primitives = road.surfaces()
-        self.ground = Ground(self.primitives)
+        self.ground = LayoutGround(self.primitives)
         self.solids: list[Solid] = [Solid.from_primitive(EGO)]
-        self.arms = [Solid.from_primitive(_raised(p)) for p in self.primitives if p.id in ("road_left", "road_right")]
+        self.side_roads = [
+            Solid.from_primitive(_raised(p)) for p in self.primitives if p.id in ("road_left", "road_right")
+        ]
         self.numbers: Counter[str] = Counter()
         self.instances = 0
 
@@ -157,7 +159,7 @@ class _Scene:
         primitives = [self._primitive(kind, part, spot) for part in parts]
         moving = kind in _FAMILIES["vehicle"] and not parked
         wide = [Solid.from_primitive(_widened(p, FOLLOWING_GAP if moving else GAP, GAP)) for p in primitives]
-        obstacles = self.solids if moving or kind == "person" else self.solids + self.arms
+        obstacles = self.solids if moving or kind == "person" else self.solids + self.side_roads
         if any(penetration(solid, other) > 0 for solid in wide for other in obstacles):
             return False
         self.numbers[kind] += 1

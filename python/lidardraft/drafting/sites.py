@@ -65,7 +65,7 @@ def lay_road(spec: SceneSpec, rng: np.random.Generator) -> Road:
         sidewalk=sidewalk,
         curvature=bend / float(rng.uniform(90.0, 160.0)),
         junction=float(rng.uniform(near, near + 12.0)) if crossing else None,
-        arms=(str(rng.choice(["left", "right"])),) if kind == "t-junction" else ("left", "right"),
+        side_roads=(str(rng.choice(["left", "right"])),) if kind == "t-junction" else ("left", "right"),
         reach=reach,
     )
 
@@ -180,8 +180,8 @@ def _crossing_lane(road: Road) -> Pick:
     def pick(rng: np.random.Generator, along: float, number: int, effort: float) -> Spot:
         direction = 1 if rng.random() < 0.5 else -1
         far = 8.0 + 30.0 * effort
-        low = -far if "right" in road.arms else -road.edge / 2
-        high = far if "left" in road.arms else road.edge / 2
+        low = -far if "right" in road.side_roads else -road.edge / 2
+        high = far if "left" in road.side_roads else road.edge / 2
         return along - road.lane(0, direction), float(rng.uniform(low, high)), direction * math.pi / 2
 
     return pick

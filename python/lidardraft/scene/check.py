@@ -62,7 +62,7 @@ def overlap(layout: Layout) -> list[Finding]:
 
 def grounded(layout: Layout) -> list[Finding]:
     """Objects that float over the ground or are sunk into it, measured at the middle of their lowest part."""
-    ground = Ground(layout)
+    ground = LayoutGround(layout)
     findings = []
     for name, parts in objects(layout).items():
         lowest = min(parts, key=_bottom)
@@ -75,7 +75,7 @@ def grounded(layout: Layout) -> list[Finding]:
 
 def on_road(layout: Layout) -> list[Finding]:
     """Vehicles whose middle is not over a primitive labelled road; silent about a layout without any."""
-    ground = Ground(layout, labels=("road",))
+    ground = LayoutGround(layout, labels=("road",))
     if not ground.primitives:
         return []
     findings = []
@@ -182,7 +182,7 @@ def penetration(a: Solid, b: Solid) -> float:
     return max(0.0, min(depth, float(shared.min())))
 
 
-class Ground:
+class LayoutGround:
     """The surfaces of a layout that things stand on; of several over a point the highest counts."""
 
     def __init__(self, primitives: Iterable[Primitive], labels: Sequence[str] = GROUND) -> None:

@@ -33,9 +33,10 @@ class Road:
     `along` [m] runs in the ego's direction with the ego at 0; `across` [m] is positive to the left with the centreline
     at 0. `lanes` counts one direction; the ego drives in number `ego_lane`, counted from the kerb. `parking` is the
     width [m] of the strip for parked vehicles (or of the hard shoulder) along each kerb. `curvature` [1/m] is positive
-    for a left bend. `junction` is the `along` of the middle of the crossing road, or None; `arms` are the sides on
-    which it leaves ("left", "right"). `median` is the width [m] of the strip between the directions, `circle` the outer
-    radius [m] of a roundabout in the junction (or None), `patches` what is paved beside the road, such as a car park.
+    for a left bend. `junction` is the `along` of the middle of the crossing road, or None; `side_roads` are the sides
+    on which it leaves ("left", "right"). `median` is the width [m] of the strip between the directions,
+    `roundabout_radius` the outer radius [m] of a roundabout in the junction (or None), `paved_areas` what is paved
+    beside the road, such as a car park.
     """
 
     lanes: int = 1
@@ -45,11 +46,11 @@ class Road:
     sidewalk: float = 2.0
     curvature: float = 0.0
     junction: float | None = None
-    arms: tuple[str, ...] = ("left", "right")
+    side_roads: tuple[str, ...] = ("left", "right")
     reach: float = 80.0
     median: float = 0.0
-    circle: float | None = None
-    patches: tuple[PavedArea, ...] = ()
+    roundabout_radius: float | None = None
+    paved_areas: tuple[PavedArea, ...] = ()
 
     def __post_init__(self) -> None:
         if not 1 <= self.lanes <= 6:
@@ -66,14 +67,16 @@ class Road:
             raise LayoutError(f"curvature {self.curvature} over {self.reach} m turns the road back on itself")
         if not 0.0 <= self.median <= 20.0:
             raise LayoutError(f"median is {self.median} m; it must be 0 to 20 m")
-        if self.circle is not None:
-            self._check_circle(self.circle)
+        if self.roundabout_radius is not None:
+            self._check_roundabout(self.roundabout_radius)
 
-    def _check_circle(self, circle: float) -> None:
+    def _check_roundabout(self, radius: float) -> None:
         if self.junction is None or self.curvature:
             raise LayoutError("a roundabout needs a junction on a straight road")
-        if not self.verge + RING < circle <= 40.0:
-            raise LayoutError(f"circle is {circle} m; for this road it must be over {self.verge + RING} and up to 40 m")
+        if not self.verge + RING < radius <= 40.0:
+            raise LayoutError(
+                f"roundabout_radius is {radius} m; for this road it must be over {self.verge + RING} and up to 40 m"
+            )
 
     @property
     def edge(self) -> float:
@@ -83,7 +86,7 @@ class Road:
     @property
     def island(self) -> float:
         """Radius of the island of the roundabout [m], 0 without one."""
-        return 0.0 if self.circle is None else self.circle - RING
+        return 0.0 if self.roundabout_radius is None else self.roundabout_radius - RING
 
     @property
     def verge(self) -> float:
@@ -108,7 +111,7 @@ class Road:
 
     def in_junction(self, along: float, margin: float = 0.0) -> bool:
         """Whether `along` lies where the crossing road or the roundabout (with sidewalks) passes."""
-        half = self.verge if self.circle is None else self.circle + self.sidewalk
+        half = self.verge if self.roundabout_radius is None else self.roundabout_radius + self.sidewalk
         return self.junction is not None and abs(along - self.junction) < half + margin
 
     def surfaces(self) -> list[Primitive]:
@@ -124,11 +127,11 @@ class Road:
                 for number, (span, across) in enumerate(self._sidewalks(), start=1)
             ]
         if self.junction is not None:
-            surfaces += [self._arm(side) for side in self.arms]
-        if self.circle is not None:
-            surfaces += self._roundabout(self.circle)
-        for number, patch in enumerate(self.patches, start=1):
-            surfaces.append(self._strip(f"patch_{number}", "road", patch.along, patch.across, 0.0))
+            surfaces += [self._side_road(side) for side in self.side_roads]
+        if self.roundabout_radius is not None:
+            surfaces += self._roundabout(self.roundabout_radius)
+        for number, area in enumerate(self.paved_areas, start=1):
+            surfaces.append(self._strip(f"patch_{number}", "road", area.along, area.across, 0.0))
         return surfaces
 
     def _carriageways(self) -> list[Primitive]:
@@ -140,10 +143,10 @@ class Road:
             self._strip("road_back", "road", whole, (self.median / 2, self.edge), 0.0),
         ]
 
-    def _roundabout(self, circle: float) -> list[Primitive]:
+    def _roundabout(self, radius: float) -> list[Primitive]:
         assert self.junction is not None
         turns = np.linspace(0.0, 2 * math.pi, 33)[:-1]
-        rim = [(*self.at(self.junction + circle * math.cos(t), circle * math.sin(t))[:2], 0.0) for t in turns.tolist()]
+        rim = [(*self.at(self.junction + radius * math.cos(t), radius * math.sin(t))[:2], 0.0) for t in turns.tolist()]
         x, y, _ = self.at(self.junction, 0.0)
         here = np.arange(len(rim))
         faces = np.stack([here, (here + 1) % len(rim), np.full(len(rim), len(rim))], axis=1)
@@ -157,15 +160,15 @@ class Road:
         whole = (-self.reach, self.reach)
         strips = []
         for side, across in (("right", (-self.verge, -self.edge)), ("left", (self.edge, self.verge))):
-            if self.junction is None or (side not in self.arms and self.circle is None):
+            if self.junction is None or (side not in self.side_roads and self.roundabout_radius is None):
                 strips.append((whole, across))
                 continue
-            gap = self.edge if self.circle is None else self.circle
+            gap = self.edge if self.roundabout_radius is None else self.roundabout_radius
             spans = ((whole[0], self.junction - gap), (self.junction + gap, whole[1]))
             strips += [(span, across) for span in spans if span[1] - span[0] > 1.0]
         return strips
 
-    def _arm(self, side: str) -> Primitive:
+    def _side_road(self, side: str) -> Primitive:
         assert self.junction is not None
         sign = 1.0 if side == "left" else -1.0
         x, y, heading = self.at(self.junction, sign * (self.edge + self.reach) / 2)

@@ -42,7 +42,7 @@ class Ground:
         # beside a sidewalk gardens are as high as it, beside a bare road the land is a little lower
         land_level = KERB_HEIGHT - 0.03 if road.sidewalk > 0 else TERRAIN_HEIGHT
         self._levels = np.array([0.0, KERB_HEIGHT, land_level, max(land_level, KERB_HEIGHT - 0.02)])
-        self._circle = None if road.circle is None else RoundaboutMesh(road)
+        self._roundabout = None if road.roundabout_radius is None else RoundaboutMesh(road)
         self._along, self._across = self._lines()
         self._lattice = self.relief.heights(self._along[:, None], self._across[None, :])
         self.low = float(self._lattice.min())
@@ -72,10 +72,12 @@ class Ground:
         kinds = self.kinds(along, across)
         side = np.abs(across)
         walk = np.isin(kinds, (1, 3)) & (side > self.road.edge) & (side <= self.road.verge)
-        if self.road.circle is not None and self.road.junction is not None:
+        if self.road.roundabout_radius is not None and self.road.junction is not None:
             # a drawing has an island, and no sidewalk around the circle
             off = np.hypot(along - self.road.junction, across)
-            walk = (walk & (np.abs(along - self.road.junction) > self.road.circle)) | (off <= self.road.island)
+            walk = (walk & (np.abs(along - self.road.junction) > self.road.roundabout_radius)) | (
+                off <= self.road.island
+            )
         return np.where(kinds == 0, 0.0, np.where(walk, KERB_HEIGHT, TERRAIN_HEIGHT))
 
     def heights(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
@@ -92,8 +94,8 @@ class Ground:
         height = here + np.where(
             p >= q, p * (ahead - here) + q * (after - ahead), q * (beside - here) + p * (after - beside)
         )
-        if self._circle is not None:
-            height = np.where(self._circle.covers(along, across), self.relief.heights(along, across), height)
+        if self._roundabout is not None:
+            height = np.where(self._roundabout.covers(along, across), self.relief.heights(along, across), height)
         heights: np.ndarray = level + height
         return heights
 
@@ -114,12 +116,12 @@ class Ground:
         along, across = self._along, self._across
         middle = np.meshgrid((along[1:] + along[:-1]) / 2, (across[1:] + across[:-1]) / 2, indexing="ij")
         kinds = self.kinds(*middle)
-        hidden = None if self._circle is None else self._circle.covers(*middle)
+        hidden = None if self._roundabout is None else self._roundabout.covers(*middle)
         xy = positions(self.road, along[:, None], across[None, :])
         pieces = [_cells(kinds, self._levels, xy, self._lattice, hidden)]
-        if self._circle is not None:
-            s, d = self._circle.along, self._circle.across
-            inner = self.kinds(*self._circle.middles())
+        if self._roundabout is not None:
+            s, d = self._roundabout.along, self._roundabout.across
+            inner = self.kinds(*self._roundabout.middles())
             pieces.append(_cells(inner, self._levels, positions(self.road, s, d), self.relief.heights(s, d), None))
         size = (500.0, 500.0, 0.0)
         far = Primitive(shape="plane", center=(0.0, 0.0, self.low - 0.5), size=size, label="terrain", id="far")
@@ -170,19 +172,19 @@ class Ground:
         if road.median > 0:
             kinds = np.where((side < road.median / 2) & (off > road.edge + 1.0), 3, kinds)
         if road.junction is not None:
-            for arm in road.arms:
-                here = (across > road.edge) if arm == "left" else (across < -road.edge)
+            for side in road.side_roads:
+                here = (across > road.edge) if side == "left" else (across < -road.edge)
                 if self.paved:
                     kinds = np.where(here & (off <= road.verge + SECTION[-1]) & (kinds > 1), 1, kinds)
                 kinds = np.where(here & (off <= road.verge) & (kinds > 1), 1, kinds)
                 kinds = np.where(here & (off <= road.edge), 0, kinds)
-        for patch in road.patches:
-            within = (along >= patch.along[0]) & (along <= patch.along[1])
-            kinds = np.where(within & (across >= patch.across[0]) & (across <= patch.across[1]), 0, kinds)
-        if self._circle is not None:
-            kinds = self._circle.kinds(along, across, kinds)
+        for area in road.paved_areas:
+            within = (along >= area.along[0]) & (along <= area.along[1])
+            kinds = np.where(within & (across >= area.across[0]) & (across <= area.across[1]), 0, kinds)
+        if self._roundabout is not None:
+            kinds = self._roundabout.kinds(along, across, kinds)
             if self.paved:
-                kinds = np.where(self._circle.covers(along, across) & (kinds == 2), 1, kinds)
+                kinds = np.where(self._roundabout.covers(along, across) & (kinds == 2), 1, kinds)
         return kinds
 
     def _lines(self) -> tuple[np.ndarray, np.ndarray]:
@@ -191,10 +193,10 @@ class Ground:
         stations = np.linspace(-end, end, round(2 * end / _SPACING) + 1)
         ways = np.array([road.edge, *([road.edge + self.strip] if self.strip else []), road.verge])
         section = road.verge + np.array(SECTION)
-        lines = [d for patch in road.patches for d in patch.along]
-        if self._circle is not None:
-            lines += self._circle.lines_along()
-            half = self._circle.half
+        lines = [d for area in road.paved_areas for d in area.along]
+        if self._roundabout is not None:
+            lines += self._roundabout.lines_along()
+            half = self._roundabout.half
             assert road.junction is not None
             stations = stations[np.abs(stations - road.junction) > half]
         elif road.junction is not None:
@@ -208,14 +210,14 @@ class Ground:
         along = np.concatenate([stations, fixed])
         middle = [road.median / 2] if road.median > 0 else [0.0]
         half_lines = np.concatenate([middle, ways, section, road.verge + np.array(_BEYOND)])
-        if self._circle is not None:
-            beyond = half_lines[half_lines > self._circle.half + _CLOSE]
-            around = self._circle.half + np.array([2.5, 6.0])
-            half_lines = np.concatenate([[d for d in self._circle.offsets if d >= 0.0], around, beyond])
+        if self._roundabout is not None:
+            beyond = half_lines[half_lines > self._roundabout.half + _CLOSE]
+            around = self._roundabout.half + np.array([2.5, 6.0])
+            half_lines = np.concatenate([[d for d in self._roundabout.offsets if d >= 0.0], around, beyond])
         # the land inside a bend ends before the bend's centre
         if road.curvature:
             half_lines = half_lines[half_lines < 0.8 / abs(road.curvature)]
-        across = np.concatenate([-half_lines, half_lines, [d for patch in road.patches for d in patch.across]])
+        across = np.concatenate([-half_lines, half_lines, [d for area in road.paved_areas for d in area.across]])
         return _distinct(along), _distinct(across)
 
 

@@ -69,7 +69,7 @@ class Relief:
         p, q, phase = self._waves.T
         waves = np.sin(along[..., None] * p + across[..., None] * q + phase).mean(axis=-1)
         relief = relief + section + self._rolling * np.minimum(away / 15.0, 1.0) * waves
-        if road.circle is not None and road.junction is not None:
+        if road.roundabout_radius is not None and road.junction is not None:
             inward = np.clip(1.0 - np.hypot(along - road.junction, across) / road.island, 0.0, 1.0)
             relief = relief + self._mound * inward * (2.0 - inward)
         return np.asarray(relief)
@@ -86,9 +86,9 @@ class Relief:
             banked: np.ndarray = self._bank * np.clip(across, -verge, verge)
             return banked
         camber = self._camber * (edge / 2 - np.minimum(np.abs(across), edge))
-        if self.road.circle is not None and self.road.junction is not None:
+        if self.road.roundabout_radius is not None and self.road.junction is not None:
             # a roundabout has none
-            off = np.hypot(along - self.road.junction, across) - self.road.circle
+            off = np.hypot(along - self.road.junction, across) - self.road.roundabout_radius
             camber = camber * np.clip(off / 6.0, 0.0, 1.0)
         return np.asarray(camber)
 
@@ -98,14 +98,16 @@ class Relief:
         away = np.abs(across) - road.verge
         if road.junction is not None:
             arm = np.abs(along - road.junction) - road.verge
-            for name in road.arms:
+            for name in road.side_roads:
                 here = across > 0 if name == "left" else across < 0
                 away = np.where(here, np.minimum(away, arm), away)
-            if road.circle is not None:
-                away = np.minimum(away, np.hypot(along - road.junction, across) - road.circle - road.sidewalk)
-        for patch in road.patches:
-            ahead = np.maximum(patch.along[0] - along, along - patch.along[1])
-            beside = np.maximum(patch.across[0] - across, across - patch.across[1])
+            if road.roundabout_radius is not None:
+                away = np.minimum(
+                    away, np.hypot(along - road.junction, across) - road.roundabout_radius - road.sidewalk
+                )
+        for area in road.paved_areas:
+            ahead = np.maximum(area.along[0] - along, along - area.along[1])
+            beside = np.maximum(area.across[0] - across, across - area.across[1])
             away = np.minimum(away, np.maximum(ahead, beside))
         return np.asarray(np.maximum(away, 0.0))
 

@@ -19,9 +19,9 @@ class RoundaboutMesh:
 
     def __init__(self, road: Road) -> None:
         assert road.junction is not None
-        assert road.circle is not None
-        self.road, self._middle, self._radius = road, road.junction, road.circle
-        outer = road.circle + road.sidewalk
+        assert road.roundabout_radius is not None
+        self.road, self._middle, self._radius = road, road.junction, road.roundabout_radius
+        outer = road.roundabout_radius + road.sidewalk
         self.half = outer + _RIM
         between = road.verge + 0.5 * (self.half - road.verge)
         half_lines = [0.0, road.edge, road.verge, between, self.half]
@@ -30,7 +30,7 @@ class RoundaboutMesh:
         square = self._square()
         heading = np.arctan2(square[:, 1], square[:, 0])
         rings = [np.zeros_like(square)]
-        radii = (0.5 * road.island, road.island, road.circle, *([outer] if road.sidewalk > 0 else []))
+        radii = (0.5 * road.island, road.island, road.roundabout_radius, *([outer] if road.sidewalk > 0 else []))
         rings += [self._ring(square, heading, radius) for radius in radii]
         # the land rises or falls most next to what is paved
         rings += [rings[-1] + share * (square - rings[-1]) for share in _LAND]
@@ -74,7 +74,7 @@ class RoundaboutMesh:
         return np.concatenate([around, around[:1]])
 
     def _ring(self, square: np.ndarray, heading: np.ndarray, radius: float) -> np.ndarray:
-        """Points of a circle: where the lines of the arms meet it, else in the direction of the square's points."""
+        """Points of a circle: where the lines of the side roads meet it, else in the directions of the square's."""
         ring = radius * np.stack([np.cos(heading), np.sin(heading)], axis=-1)
         verge = self.road.verge + 1e-6
         if radius > verge:
@@ -87,7 +87,7 @@ class RoundaboutMesh:
         return ring
 
     def _spread(self, ring: np.ndarray, square: np.ndarray, radius: float) -> None:
-        """Put the points between an arm and a corner half way between them on the circle."""
+        """Put the points between a side road and a corner half way between them on the circle."""
         turn = np.arctan2(ring[:, 1], ring[:, 0])
         verge = math.asin(self.road.verge / radius)
         low = np.abs(square).min(axis=1)

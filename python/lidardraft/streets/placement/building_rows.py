@@ -35,8 +35,8 @@ def _facing(side: int) -> float:
 
 def _hall(occupancy: Occupancy, car_park: CarPark, rng: np.random.Generator) -> None:
     size = (rng.uniform(24.0, 50.0), rng.uniform(16.0, 30.0), rng.uniform(5.0, 8.0))
-    far = max(abs(edge) for edge in car_park.patch.across)
-    middle = (car_park.patch.along[0] + car_park.patch.along[1]) / 2
+    far = max(abs(edge) for edge in car_park.paved_area.across)
+    middle = (car_park.paved_area.along[0] + car_park.paved_area.along[1]) / 2
     across = car_park.side * (far + rng.uniform(2.0, 5.0) + size[1] / 2)
     occupancy.place("shed", middle, across, size, turn=_facing(car_park.side), margin=0.02, private=True)
 

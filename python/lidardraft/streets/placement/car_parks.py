@@ -20,12 +20,13 @@ ACCESS = 6.0  # m, the width of the way in
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CarPark:
-    """A car park beside the road: `patch` is paved, `side` 1 (left) or -1. The way in is `access`, with its middle at
-    `gate` [m along]; `aisles` are driven, `rows` hold bays: middle across [m] and side (1 or -1) of the aisle.
+    """A car park beside the road: `paved_area` is where cars stand, `side` 1 (left) or -1. The way in is `access`,
+    with its middle at `gate` [m along]; `aisles` are driven, `rows` hold bays: middle across [m] and side (1 or -1) of
+    the aisle.
     """
 
     side: int
-    patch: PavedArea
+    paved_area: PavedArea
     access: PavedArea
     gate: float
     aisles: tuple[float, ...]
@@ -38,8 +39,8 @@ def sample_car_park(road: Road, modules: int, rng: np.random.Generator) -> CarPa
     length = rng.uniform(26.0, max(30.0, min(70.0, 0.7 * road.reach)))
     start = rng.uniform(-0.75, -0.25) * length
     if road.junction is not None:
-        if len(road.arms) == 1:
-            side = 1 if road.arms == ("right",) else -1
+        if len(road.side_roads) == 1:
+            side = 1 if road.side_roads == ("right",) else -1
         else:
             clear = road.verge + 3.0
             start = road.junction + clear if road.junction < 0 else road.junction - clear - length
@@ -54,7 +55,7 @@ def sample_car_park(road: Road, modules: int, rng: np.random.Generator) -> CarPa
         rows.append((side * (first + _MODULE - BAY_LENGTH / 2), -side))
     return CarPark(
         side=side,
-        patch=PavedArea((start, start + length), (near, far) if side > 0 else (-far, -near)),
+        paved_area=PavedArea((start, start + length), (near, far) if side > 0 else (-far, -near)),
         access=PavedArea(
             (gate - ACCESS / 2, gate + ACCESS / 2), (road.edge, near) if side > 0 else (-near, -road.edge)
         ),
@@ -67,10 +68,10 @@ def sample_car_park(road: Road, modules: int, rng: np.random.Generator) -> CarPa
 def fill_car_park(occupancy: Occupancy, car_park: CarPark, rng: np.random.Generator) -> None:
     """Cars in the bays, nose to the aisle or from it; lamps and trees between the rows; people on the way."""
     occupied = rng.uniform(0.1, 0.65)
-    count = int((car_park.patch.along[1] - car_park.patch.along[0]) / BAY_WIDTH)
+    count = int((car_park.paved_area.along[1] - car_park.paved_area.along[0]) / BAY_WIDTH)
     for across, toward in car_park.rows:
         for bay in range(count):
-            along = car_park.patch.along[0] + (bay + 0.5) * BAY_WIDTH
+            along = car_park.paved_area.along[0] + (bay + 0.5) * BAY_WIDTH
             if abs(along - car_park.gate) < (ACCESS + BAY_WIDTH) / 2 or rng.random() > occupied:
                 continue
             kind, size = car_body(rng)
@@ -79,15 +80,18 @@ def fill_car_park(occupancy: Occupancy, car_park: CarPark, rng: np.random.Genera
             turn = heading * math.pi / 2 + rng.normal(0.0, 0.03)
             off = rng.normal(0.0, 0.12)
             occupancy.place(kind, along + off, across + toward * rng.uniform(-0.1, 0.4), size, turn=turn, margin=0.05)
-    for edge in car_park.patch.across:
+    for edge in car_park.paved_area.across:
         if rng.random() < 0.5:
             height = rng.uniform(4.5, 8.0)
             for along in np.arange(
-                car_park.patch.along[0] + 5.0, car_park.patch.along[1], rng.uniform(16.0, 24.0)
+                car_park.paved_area.along[0] + 5.0, car_park.paved_area.along[1], rng.uniform(16.0, 24.0)
             ).tolist():
                 out = edge + math.copysign(0.5, edge - car_park.aisles[0])
                 occupancy.place("lamp", along, out, (0.15, 0.2, height), turn=rng.uniform(0.0, 3.0))
     for _ in range(rng.poisson(2.0)):
-        along, across = rng.uniform(*car_park.patch.along), car_park.aisles[int(rng.integers(len(car_park.aisles)))]
+        along, across = (
+            rng.uniform(*car_park.paved_area.along),
+            car_park.aisles[int(rng.integers(len(car_park.aisles)))],
+        )
         size = person_size(rng, standing=False)
         occupancy.place("person", along, across + rng.uniform(-2.0, 2.0), size, turn=rng.uniform(0, 6.28), margin=0.1)

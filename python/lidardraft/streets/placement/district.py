@@ -134,16 +134,16 @@ def sample_road(
     sidewalk = rng.uniform(*district.sidewalk)
     median = rng.uniform(*district.median) if lanes > 1 else 0.0
     median = median if median > 1.5 else 0.0
-    junction, circle, curvature = None, None, 0.0
-    arms: tuple[str, ...] = ("left", "right")
+    junction, roundabout_radius, curvature = None, None, 0.0
+    side_roads: tuple[str, ...] = ("left", "right")
     if rng.random() < district.junction:
         # a side road leaves at a right angle, so the road is straight there
         junction = float(rng.uniform(-0.4, 0.4) * reach)
-        arms = (("left", "right"), ("left",), ("right",))[int(rng.integers(3))]
+        side_roads = (("left", "right"), ("left",), ("right",))[int(rng.integers(3))]
         smallest = median / 2 + lanes * width + sidewalk + RING + 1.5
         # outer diameters of 26 to 50 m: the German guide to roundabouts (FGSV 242)
         if not car_park and rng.random() < district.roundabout and smallest < 25.0:
-            circle = rng.uniform(max(13.0, smallest), 25.0)
+            roundabout_radius = rng.uniform(max(13.0, smallest), 25.0)
             junction *= 0.6
             median = 0.0
     elif not car_park and rng.random() < district.bend:
@@ -156,8 +156,8 @@ def sample_road(
         sidewalk=sidewalk,
         curvature=curvature,
         junction=junction,
-        arms=arms,
+        side_roads=side_roads,
         reach=reach,
         median=median,
-        circle=circle,
+        roundabout_radius=roundabout_radius,
     )

@@ -55,10 +55,10 @@ def driven_lanes(
     for across, direction, outer in _offsets(road, parking, oneway):
         lanes += _road_lane(road, across, direction, district.speed, outer=outer, lights=lights)
     if road.junction is not None:
-        for side in road.arms:
+        for side in road.side_roads:
             lanes += _arm_lanes(road, road.junction, 1 if side == "left" else -1, district.speed, lights)
-    if road.circle is not None and road.junction is not None:
-        radius = road.circle - RING / 2
+    if road.roundabout_radius is not None and road.junction is not None:
+        radius = road.roundabout_radius - RING / 2
         turn = 2 * math.pi * radius
         lanes.append(
             Lane(name="ring", along=road.junction + radius, across=0.0, turn=math.pi / 2, length=turn,
@@ -67,8 +67,8 @@ def driven_lanes(
     if car_park is not None:
         for across in car_park.aisles:
             for way, turn in ((-1, 0.0), (1, math.pi)):
-                start = car_park.patch.along[0 if way < 0 else 1] - way * _LOT_END
-                length = car_park.patch.along[1] - car_park.patch.along[0] - 2 * _LOT_END
+                start = car_park.paved_area.along[0 if way < 0 else 1] - way * _LOT_END
+                length = car_park.paved_area.along[1] - car_park.paved_area.along[0] - 2 * _LOT_END
                 lanes.append(
                     Lane(name="aisle", along=start, across=across + way * 1.4, turn=turn, length=length,
                          speed=_LOT_SPEED)
@@ -106,13 +106,13 @@ def _road_lane(road: Road, across: float, direction: int, speed: float, *, outer
         )
         return [whole]
     to_junction = direction * (road.junction - start)
-    if road.circle is None:
+    if road.roundabout_radius is None:
         stop = to_junction - road.verge - 1.5 if lights else None
         return [
             Lane(name="road", along=start, across=across, turn=turn, length=2 * road.reach, speed=speed, stop=stop,
                  outer=outer)
         ]  # fmt: skip
-    gap = road.circle + 2.0
+    gap = road.roundabout_radius + 2.0
     after = road.junction + direction * gap
     pieces = ((start, to_junction - gap), (after, 2 * road.reach - to_junction - gap))
     return [
@@ -124,9 +124,9 @@ def _road_lane(road: Road, across: float, direction: int, speed: float, *, outer
 
 def _arm_lanes(road: Road, junction: float, side: int, speed: float, lights: bool) -> list[Lane]:
     """The two or four lanes of a side road; right-hand traffic: outwards on the right seen from the junction."""
-    near = (road.edge if road.circle is None else road.circle) + 2.0
+    near = (road.edge if road.roundabout_radius is None else road.roundabout_radius) + 2.0
     length = road.reach - near
-    stop = length - (road.verge - road.edge) - 1.5 if lights and road.circle is None else None
+    stop = length - (road.verge - road.edge) - 1.5 if lights and road.roundabout_radius is None else None
     speed = min(speed, 50 / 3.6)
     lanes = []
     shares = (0.5,) if road.edge < 6.5 else (0.75, 0.25)

@@ -63,7 +63,11 @@ def _lines(road: Road, lanes: tuple[Lane, ...], fast: bool) -> list[tuple[float,
 def _line(road: Road, across: float, dash: float, gap: float, width: float, first: float) -> list[Span]:
     """The dashes of a line from end to end, but for the junction."""
     low, high = across - width / 2, across + width / 2
-    clear = 0.0 if road.junction is None else (road.verge if road.circle is None else road.circle + road.sidewalk + 4.5)
+    clear = (
+        0.0
+        if road.junction is None
+        else (road.verge if road.roundabout_radius is None else road.roundabout_radius + road.sidewalk + 4.5)
+    )
     if gap == 0.0:
         if road.junction is None:
             return [(-road.reach, road.reach, low, high)]
@@ -97,13 +101,13 @@ def _zebra(road: Road, rng: np.random.Generator) -> list[Span]:
 
 def _bays(car_park: CarPark) -> list[Span]:
     spans = []
-    count = int((car_park.patch.along[1] - car_park.patch.along[0]) / BAY_WIDTH)
+    count = int((car_park.paved_area.along[1] - car_park.paved_area.along[0]) / BAY_WIDTH)
     half = BAY_LENGTH / 2 - 0.1
     for across, _ in car_park.rows:
         for number in range(count + 1):
-            along = car_park.patch.along[0] + number * BAY_WIDTH
+            along = car_park.paved_area.along[0] + number * BAY_WIDTH
             if (
-                car_park.patch.along[0] + 0.1 < along < car_park.patch.along[1] - 0.1
+                car_park.paved_area.along[0] + 0.1 < along < car_park.paved_area.along[1] - 0.1
                 and abs(along - car_park.gate) > 3.0
             ):
                 spans.append((along - _THIN / 2, along + _THIN / 2, across - half, across + half))

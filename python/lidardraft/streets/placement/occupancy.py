@@ -105,7 +105,7 @@ class Occupancy:
     def pave(self, drive: PavedArea) -> None:
         """Add a drive, which private things keep off from now on."""
         self.ground.pave(drive)
-        self._way.add(self._patch_space(drive))
+        self._way.add(self._paved_space(drive))
 
     def is_free(self, x: float, y: float, yaw: float, size: tuple[float, float, float]) -> bool:
         """Whether an upright box on the ground there touches nothing."""
@@ -166,24 +166,24 @@ class Occupancy:
             length = step * (1 + abs(road.curvature) * road.verge)
             spaces.append(box_space(x, y, yaw, (length, 2 * road.verge), -2.0, _HEADROOM))
         if road.junction is not None:
-            for arm in road.arms:
-                across = (road.verge + road.reach) / 2 * (1 if arm == "left" else -1)
+            for side in road.side_roads:
+                across = (road.verge + road.reach) / 2 * (1 if side == "left" else -1)
                 x, y, yaw = road.at(road.junction, across)
                 spaces.append(box_space(x, y, yaw, (2 * road.verge, road.reach), -2.0, _HEADROOM))
-            if road.circle is not None:
+            if road.roundabout_radius is not None:
                 x, y, yaw = road.at(road.junction, 0.0)
-                outer = road.circle + road.sidewalk
+                outer = road.roundabout_radius + road.sidewalk
                 # bars that together cover the disc
                 turns = [math.radians(15 * number) for number in range(7)]
                 for low, high in itertools.pairwise(turns):
                     size = (2 * math.cos(low) * outer, 2 * math.sin(high) * outer)
                     spaces.append(box_space(x, y, yaw, size, -2.0, _HEADROOM))
-        spaces += [self._patch_space(patch) for patch in road.patches]
+        spaces += [self._paved_space(area) for area in road.paved_areas]
         return spaces
 
-    def _patch_space(self, patch: PavedArea) -> Space:
-        length, width = patch.along[1] - patch.along[0], patch.across[1] - patch.across[0]
-        x, y, yaw = self.road.at(sum(patch.along) / 2, sum(patch.across) / 2)
+    def _paved_space(self, area: PavedArea) -> Space:
+        length, width = area.along[1] - area.along[0], area.across[1] - area.across[0]
+        x, y, yaw = self.road.at(sum(area.along) / 2, sum(area.across) / 2)
         return box_space(x, y, yaw, (length, width), -2.0, _HEADROOM)
 
 

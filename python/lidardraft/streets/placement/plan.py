@@ -18,7 +18,7 @@ from lidardraft.streets.placement.markings import road_markings
 from lidardraft.streets.placement.occupancy import Occupancy
 from lidardraft.streets.placement.roadside import furnish, plant_island, row_trees, sow
 from lidardraft.streets.placement.roadworks import guard, signal
-from lidardraft.streets.placement.side_roads import build_arms, furnish_arms
+from lidardraft.streets.placement.side_roads import build_side_roads, furnish_side_roads
 from lidardraft.streets.placement.traffic import drive, park
 from lidardraft.streets.placement.walkers import walk
 
@@ -39,19 +39,19 @@ def plan_street(rng: np.random.Generator, reach: float) -> tuple[Occupancy, tupl
     road = sample_road(district, parking, reach, rng, oneway=oneway, car_park=wants_lot)
     road, car_park = _with_car_park(road, rng) if wants_lot else (road, None)
     occupancy = Occupancy(road, _ground(road, district, rng))
-    lights = road.junction is not None and road.circle is None and bool(rng.random() < district.lights)
+    lights = road.junction is not None and road.roundabout_radius is None and bool(rng.random() < district.lights)
     lanes = driven_lanes(road, district, parking, car_park, oneway=oneway, lights=lights)
     occupancy.ground.paint(road_markings(road, lanes, car_park, district.speed, rng))
     if lights:
         signal(occupancy, rng)
     guard(occupancy, name, rng)
     build(occupancy, district, car_park, rng)
-    build_arms(occupancy, district, rng)
+    build_side_roads(occupancy, district, rng)
     drives = sample_driveways(occupancy, district, rng)
     fronts(occupancy, district, drives, car_park, rng)
     furnish(occupancy, district, car_park, rng)
     row_trees(occupancy, district, rng)
-    furnish_arms(occupancy, district, rng)
+    furnish_side_roads(occupancy, district, rng)
     plant_island(occupancy, rng)
     if car_park is not None:
         fill_car_park(occupancy, car_park, rng)
@@ -68,7 +68,7 @@ def plan_street(rng: np.random.Generator, reach: float) -> tuple[Occupancy, tupl
 
 def _with_car_park(road: Road, rng: np.random.Generator) -> tuple[Road, CarPark]:
     car_park = sample_car_park(road, 1 + int(rng.random() < 0.35), rng)
-    return replace(road, patches=(car_park.patch, car_park.access)), car_park
+    return replace(road, paved_areas=(car_park.paved_area, car_park.access)), car_park
 
 
 def _ground(road: Road, district: District, rng: np.random.Generator) -> Ground:
@@ -80,7 +80,7 @@ def _ground(road: Road, district: District, rng: np.random.Generator) -> Ground:
         bank=district.bank,
     )
     strip = rng.uniform(0.35, 0.5) * road.sidewalk if rng.random() < district.strip else 0.0
-    if road.circle is not None or road.sidewalk < 2.2:
+    if road.roundabout_radius is not None or road.sidewalk < 2.2:
         strip = 0.0
     ground = Ground(road, rng, land, strip=strip, paved=bool(rng.random() < district.paved))
     # about a quarter of German motorways are of concrete (BASt); the other shares are estimates of ours

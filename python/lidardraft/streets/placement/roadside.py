@@ -138,7 +138,7 @@ def row_trees(occupancy: Occupancy, district: District, rng: np.random.Generator
 def plant_island(occupancy: Occupancy, rng: np.random.Generator) -> None:
     """A tree or some bushes in the middle of a roundabout, and the signs that lead around it."""
     road = occupancy.road
-    if road.circle is None or road.junction is None:
+    if road.roundabout_radius is None or road.junction is None:
         return
     room = road.island - 2.0
     if rng.random() < 0.4:

@@ -30,7 +30,7 @@ class Flank:
     left: int
 
     def at(self, distance: float, off: float) -> tuple[float, float, float]:
-        """Along, across [m] and outward turn [rad], `distance` from the road's middle and `off` from the arm's."""
+        """Along, across [m] and outward turn [rad], `distance` from the road's middle, `off` from the side road's."""
         return self.junction - self.side * self.left * off, self.side * distance, self.side * math.pi / 2
 
 
@@ -38,30 +38,30 @@ def _flanks(occupancy: Occupancy) -> Iterator[Flank]:
     road = occupancy.road
     if road.junction is not None:
         for side in SIDES:
-            if ("left" if side > 0 else "right") in road.arms:
+            if ("left" if side > 0 else "right") in road.side_roads:
                 yield from (Flank(road.junction, side, left) for left in SIDES)
 
 
-def build_arms(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
+def build_side_roads(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
     """Buildings along the side roads, behind the corner; they look to them."""
     road = occupancy.road
     for flank in _flanks(occupancy):
         setback = rng.uniform(*district.setback)
-        distance = max(road.verge + _CORNER, 0.0 if road.circle is None else road.circle + 8.0)
+        distance = max(road.verge + _CORNER, 0.0 if road.roundabout_radius is None else road.roundabout_radius + 8.0)
         while distance < _FAR:
             kind, size, eaves = sample_building(district, rng)
             if rng.random() < district.built:
                 along, across, turn = flank.at(distance + size[0] / 2, road.verge + setback + size[1] / 2)
-                # the front (-y) looks to the arm
+                # the front (-y) looks to the side road
                 turn += 0.0 if flank.left > 0 else math.pi
                 occupancy.place(kind, along, across, size, turn=turn, stem=eaves, margin=0.02, private=True)
             distance += size[0] + rng.uniform(*district.gap) + 0.05
 
 
-def furnish_arms(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
+def furnish_side_roads(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
     """Fences, lamps, trees, parked cars and people beside the side roads."""
     road = occupancy.road
-    start = 6.0 + (road.verge if road.circle is None else road.circle + road.sidewalk)
+    start = 6.0 + (road.verge if road.roundabout_radius is None else road.roundabout_radius + road.sidewalk)
     for flank in _flanks(occupancy):
         if rng.random() < district.fronts:
             _front(occupancy, flank, start, rng)

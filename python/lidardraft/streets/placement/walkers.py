@@ -72,7 +72,7 @@ def _cluster(occupancy: Occupancy, spot: tuple[float, float], count: int, rng: n
 
 def _crosser(occupancy: Occupancy, rng: np.random.Generator) -> None:
     road = occupancy.road
-    gap = road.verge if road.circle is None else road.circle + road.sidewalk
+    gap = road.verge if road.roundabout_radius is None else road.roundabout_radius + road.sidewalk
     along = (
         road.junction + gap * (1 if rng.random() < 0.5 else -1) if road.junction is not None else rng.normal(0.0, 25.0)
     )
