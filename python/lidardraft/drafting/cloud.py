@@ -8,28 +8,29 @@ from dataclasses import replace
 
 import numpy as np
 
+from lidardraft.drafting.cloud_rules import (
+    ELLIPSE_SCALE,
+    FRONT_DEPTH,
+    HANGING_CLASSES,
+    HANGING_HEIGHT,
+    MAX_CROWN,
+    MIN_CROWN,
+    MIN_EXTENT,
+    MIN_POINTS,
+    OTHER_REACH,
+    POST_CLASSES,
+    REACH,
+    UNSPLIT_LENGTH,
+)
 from lidardraft.drafting.clustering import FittedBox, cluster, completions, fit_box, split
 from lidardraft.drafting.ground import Ground
 from lidardraft.errors import LayoutError
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import CLASSES, GROUND, NUM_CLASSES, SemanticClass
 
-_POSTS = ("pole", "trunk", "traffic-light")
-_HANGING = ("vegetation", "traffic-sign", "traffic-light")
-_REACH = {"building": 1.0, "vegetation": 0.8}  # m between neighbours
-_OTHER_REACH = 0.5
-_MIN_POINTS = 6
-_SMALLEST = 1.5  # m; parts no longer than this are not split
-_FRONT = 0.4  # m; points nearer to the front of their box than this are on it
 _STRAY = 10  # points; fewer of the ground within a thing are noise
-# Of 1.5, 2 and 3 m the one whose layouts agree best with two PandaSet scans (Xiao et al., ITSC 2021; CC BY 4.0).
-_LARGEST_CROWN = 1.5  # m
-_THINNEST_CROWN = 0.3  # m
-_ROUND = math.sqrt(4 / math.pi)  # an ellipse this much larger than the rectangle around it has the rectangle's area
 _SLICE = 0.3  # m of height
-_THINNEST = 0.1  # m
 _FURTHEST = 1000.0  # m; no sensor sees further
-_HANGS = 2.5  # m; what begins higher over the ground than this does not stand on it
 
 
 def layout_from_cloud(
@@ -64,7 +65,7 @@ def layout_from_cloud(
         others = points[~mine & (labels != 0)]
         for index, (shape, box) in enumerate(_shapes(row, points[mine], instances[mine], others, ground), start=1):
             number += row.is_thing
-            stands = row.name not in _HANGING
+            stands = row.name not in HANGING_CLASSES
             primitives.append(_primitive(shape, _grounded(box, ground) if stands else box, row, index, number))
     return Layout(primitives=tuple(primitives), provenance={"source": source, "sensor_height": sensor_height})
 
@@ -100,14 +101,14 @@ def _shapes(
     row: SemanticClass, points: np.ndarray, instances: np.ndarray, others: np.ndarray, ground: Ground
 ) -> Iterator[tuple[str, FittedBox]]:
     things: list[FittedBox] = []
-    for members in _groups(points, instances, _REACH.get(row.name, _OTHER_REACH)):
+    for members in _groups(points, instances, REACH.get(row.name, OTHER_REACH)):
         if row.size is not None:
             seen = fit_box(members)
             # A cluster in the middle of a larger thing, such as a seat behind a window, is a part of it.
             if not any(thing.contains(seen.center[None])[0] for thing in things):
                 things.append(_thing(seen, row.size, ground.points))
                 yield "box", things[-1]
-        elif row.name in _POSTS:
+        elif row.name in POST_CLASSES:
             yield "cylinder", _post(members)
         elif row.name == "vegetation":
             yield from (("ellipsoid", _crown(part)) for part, _ in split(members, _is_crown))
@@ -120,7 +121,7 @@ def _shapes(
 def _thing(seen: FittedBox, size: tuple[float, float, float], ground: np.ndarray) -> FittedBox:
     """The likeliest whole thing that does not stand on ground that was seen, or stands on the least of it."""
     boxes = completions(seen, size)
-    covered = [np.count_nonzero(box.contains(ground, _FRONT)) for box in boxes]
+    covered = [np.count_nonzero(box.contains(ground, FRONT_DEPTH)) for box in boxes]
     return boxes[int(np.argmin(np.maximum(covered, _STRAY)))]
 
 
@@ -129,20 +130,20 @@ def _groups(points: np.ndarray, instances: np.ndarray, reach: float) -> Iterator
     for number in np.unique(instances[instances > 0]):
         yield points[instances == number]
     rest = points[instances == 0]
-    yield from (rest[members] for members in cluster(rest, reach=reach, min_points=_MIN_POINTS))
+    yield from (rest[members] for members in cluster(rest, reach=reach, min_points=MIN_POINTS))
 
 
 def _is_facade(part: np.ndarray, box: FittedBox, others: np.ndarray) -> bool:
     """Whether the part lies on the front of its box, which holds neither the sensor nor points of another class."""
-    if box.size.max() <= _SMALLEST:
+    if box.size.max() <= UNSPLIT_LENGTH:
         return True
-    if box.contains(np.zeros((1, 3)))[0] or np.mean(box.depth_behind_front(part) > _FRONT) > 0.1:
+    if box.contains(np.zeros((1, 3)))[0] or np.mean(box.depth_behind_front(part) > FRONT_DEPTH) > 0.1:
         return False
-    return bool(np.count_nonzero(box.contains(others, margin=_FRONT)) <= 0.02 * len(part))
+    return bool(np.count_nonzero(box.contains(others, margin=FRONT_DEPTH)) <= 0.02 * len(part))
 
 
 def _is_crown(part: np.ndarray, box: FittedBox) -> bool:
-    return bool(box.size.max() <= _LARGEST_CROWN)
+    return bool(box.size.max() <= MAX_CROWN)
 
 
 def _crown(points: np.ndarray) -> FittedBox:
@@ -155,7 +156,7 @@ def _crown(points: np.ndarray) -> FittedBox:
     low, high = (np.percentile(local, end, axis=0) for end in (2, 98))
     low[0], high[0] = np.percentile(local[:, 0], [25, 75])
     along, across, up = (low + high) / 2
-    size = np.maximum((high - low) * [1.0, _ROUND, _ROUND], _THINNEST_CROWN)
+    size = np.maximum((high - low) * [1.0, ELLIPSE_SCALE, ELLIPSE_SCALE], MIN_CROWN)
     return FittedBox(
         center=np.array([*(along * away + across * sideways), up]), size=size, yaw=math.atan2(away[1], away[0])
     )
@@ -167,9 +168,9 @@ def _post(points: np.ndarray) -> FittedBox:
     low, high = points[:, 2].min(), points[:, 2].max()
     slices = np.floor((points[:, 2] - low) / _SLICE).astype(int)
     widths = [np.ptp(points[slices == index, :2] @ sideways) for index in np.unique(slices)]
-    width = max(float(np.median(widths)), _THINNEST)
+    width = max(float(np.median(widths)), MIN_EXTENT)
     along, across = np.median(points[:, :2] @ away) + width / 2, np.median(points[:, :2] @ sideways)
-    size = np.array([width, width, max(high - low, _THINNEST)])
+    size = np.array([width, width, max(high - low, MIN_EXTENT)])
     return FittedBox(center=np.array([*(along * away + across * sideways), (low + high) / 2]), size=size, yaw=0.0)
 
 
@@ -184,7 +185,7 @@ def _grounded(box: FittedBox, ground: Ground) -> FittedBox:
     """The box let down to the ground where it begins less than 2.5 m over it: its foot was hidden."""
     bottom, top = box.center[2] - box.size[2] / 2, box.center[2] + box.size[2] / 2
     height = float(ground.height(box.center[None, :2])[0])
-    if not height < bottom < height + _HANGS:
+    if not height < bottom < height + HANGING_HEIGHT:
         return box
     center, size = box.center.copy(), box.size.copy()
     center[2], size[2] = (height + top) / 2, top - height

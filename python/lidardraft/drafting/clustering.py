@@ -14,10 +14,10 @@ import numpy as np
 from sklearn.cluster import DBSCAN
 from sklearn.neighbors import radius_neighbors_graph, sort_graph_by_row_values
 
+from lidardraft.drafting.cloud_rules import MIN_EXTENT, REACH_PER_RANGE, SEEN_WHOLE
+
 _NOISE = 0.05  # m; nearer to an edge than this is as good as on it
-_MIN_EXTENT = 0.1  # m
 _OUTLIERS = 1.0  # % of the points at either end of an extent
-_SEEN_WHOLE = 0.7
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -62,7 +62,7 @@ def cluster(points: np.ndarray, *, reach: float, min_points: int) -> list[np.nda
         return []
     kept, cell, count = thin(points, reach / 4)
     thinned = points[kept]
-    reaches = reach + 0.01 * np.linalg.norm(thinned[:, :2], axis=1)
+    reaches = reach + REACH_PER_RANGE * np.linalg.norm(thinned[:, :2], axis=1)
     graph = radius_neighbors_graph(thinned, reaches.max(), mode="distance", include_self=True)
     rows = np.repeat(np.arange(len(thinned)), np.diff(graph.indptr))
     graph.data /= (reaches[rows] + reaches[graph.indices]) / 2
@@ -87,7 +87,7 @@ def fit_box(points: np.ndarray) -> FittedBox:
     low, high = np.percentile(local, [_OUTLIERS, 100 - _OUTLIERS], axis=0)
     (u, v, z), yaw = (low + high) / 2, float(headings[best])
     center = np.array([u * math.cos(yaw) - v * math.sin(yaw), u * math.sin(yaw) + v * math.cos(yaw), z])
-    return FittedBox(center=center, size=np.maximum(high - low, _MIN_EXTENT), yaw=yaw)
+    return FittedBox(center=center, size=np.maximum(high - low, MIN_EXTENT), yaw=yaw)
 
 
 def _distance_to_edge(positions: np.ndarray) -> np.ndarray:
@@ -111,7 +111,7 @@ def completions(box: FittedBox, size: tuple[float, float, float]) -> list[Fitted
 
 def _complete(box: FittedBox, size: tuple[float, float, float]) -> FittedBox:
     seen, whole = box.size[:2], np.array(size[:2])
-    grown = np.where(seen < _SEEN_WHOLE * whole, whole, seen)
+    grown = np.where(seen < SEEN_WHOLE * whole, whole, seen)
     cos, sin = math.cos(box.yaw), math.sin(box.yaw)
     axes = np.array([[cos, sin], [-sin, cos]])
     away = np.where(axes @ box.center[:2] < 0, -1.0, 1.0)

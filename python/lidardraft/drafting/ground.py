@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 from sklearn.neighbors import KNeighborsRegressor, NearestNeighbors
 
+from lidardraft.drafting.cloud_rules import GROUND_PLANE_DROP, GROUND_PLANE_SIZE
 from lidardraft.scene.layout import Primitive
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
 
 CELL = 1.0  # m
 GROUND_IDS = tuple(BY_NAME[name].id for name in GROUND)
 _BRIDGED = 4.0  # m; as far as this from a cell that was seen, the ground goes on
-_BELOW = 0.3  # m from the lowest cell down to the plane that stands for ground never seen
-_EXTENT = 400.0
 
 
 class Ground:
@@ -40,8 +39,10 @@ class Ground:
         """A mesh for each class, with the class's name as id, and the plane "ground" below all of them."""
         surfaces = self._surfaces() if len(self.points) else []
         lowest = min([0.0, *(s.center[2] - s.size[2] / 2 for s in surfaces)])
-        center = (0.0, 0.0, lowest - (_BELOW if surfaces else 0.0))
-        plane = Primitive(shape="plane", center=center, size=(_EXTENT, _EXTENT, 0.0), label="terrain", id="ground")
+        center = (0.0, 0.0, lowest - (GROUND_PLANE_DROP if surfaces else 0.0))
+        plane = Primitive(
+            shape="plane", center=center, size=(GROUND_PLANE_SIZE, GROUND_PLANE_SIZE, 0.0), label="terrain", id="ground"
+        )
         return [plane, *surfaces]
 
     def _surfaces(self) -> list[Primitive]:

@@ -14,6 +14,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lidardraft.drafting.cloud_rules import (
+    ELLIPSE_SCALE,
+    HANGING_CLASSES,
+    HANGING_HEIGHT,
+    MIN_CROWN,
+    MIN_EXTENT,
+    MIN_POINTS,
+    OTHER_REACH,
+    POST_CLASSES,
+    REACH_PER_RANGE,
+    SEEN_WHOLE,
+    UNSPLIT_LENGTH,
+)
 from lidardraft.scene.layout import SHAPES
 from lidardraft.semantics import BY_NAME, CLASSES, NUM_CLASSES
 from lidardraft.streets.coarse.point_groups import PointGroups, order_of, turned
@@ -27,22 +40,13 @@ def _any_of(*names: str) -> np.ndarray:
     return np.isin([row.name for row in CLASSES], names)
 
 
-_POSTS = _any_of("pole", "trunk", "traffic-light")
+_POSTS = _any_of(*POST_CLASSES)
 _RUNS = _any_of("wall", "fence")
-_HANGING = _any_of("vegetation", "traffic-sign", "traffic-light")
+_HANGING = _any_of(*HANGING_CLASSES)
 _THINGS = np.array([row.size is not None for row in CLASSES])
 _SIZES = np.array([row.size or (0.0, 0.0, 0.0) for row in CLASSES])
 _VEGETATION, _SIGN, _LIGHT = (BY_NAME[name].id for name in ("vegetation", "traffic-sign", "traffic-light"))
-# The rules of drafting.cloud and drafting.clustering.
-_MIN_POINTS = 6
-_SMALLEST = 1.5
-_THINNEST = 0.1
-_THINNEST_CROWN = 0.3
-_HANGS = 2.5
-_LINK = (0.5, 0.01)  # m between neighbours, and more with the distance
-_SEEN_WHOLE = 0.7
 _STAGES = (4, 1, 0)  # a facade is cut in four, each of these in pieces, and these stay as they are
-_ROUND = math.sqrt(4 / math.pi)
 # Fitted to what the real one draws on streets.
 _FRONT = 0.3  # m; 0.4 there, of a box that is turned as its points are and not as the thing is
 _DEEP = 0.08  # share of points that may lie behind the front
@@ -107,7 +111,7 @@ def clusters(
     parts = keys[order[starts]].astype(np.int64)
     groups = PointGroups(points.T[:, order], starts, parts, yaws[parts // NUM_CLASSES])
     labels = groups.labels
-    enough = visible.returns.ravel()[groups.keys] >= _MIN_POINTS
+    enough = visible.returns.ravel()[groups.keys] >= MIN_POINTS
     solid, post, crown = _THINGS[labels], _POSTS[labels], labels == _VEGETATION
     sign = labels == _SIGN
     if numbered:
@@ -137,8 +141,8 @@ def _back(points: np.ndarray, yaws: np.ndarray) -> np.ndarray:
 def _linked(groups: PointGroups, returns: np.ndarray) -> PointGroups:
     """Things in the pieces that DBSCAN finds; `returns` i64 [T, K] says how many returns the points stand for."""
     weights = returns.ravel()[groups.keys] / groups.counts
-    reach = _LINK[0] + _LINK[1] * np.hypot(*groups.points[:2])
-    return groups.linked(reach, weights, _MIN_POINTS)
+    reach = OTHER_REACH + REACH_PER_RANGE * np.hypot(*groups.points[:2])
+    return groups.linked(reach, weights, MIN_POINTS)
 
 
 def _merged(groups: PointGroups) -> PointGroups:
@@ -159,7 +163,7 @@ def _merged(groups: PointGroups) -> PointGroups:
 def _boxes(groups: PointGroups, returns: np.ndarray, rng: np.random.Generator) -> Clusters:
     """A box around the points of each group, with the sides that were not seen: `clustering.completions`."""
     middle, seen = groups.extents(groups.local())
-    seen = np.maximum(seen * [[_TRIMMED], [_TRIMMED], [1.0]], _THINNEST)
+    seen = np.maximum(seen * [[_TRIMMED], [_TRIMMED], [1.0]], MIN_EXTENT)
     whole = _SIZES[groups.labels].T
     # the longer side seen is the length where it is longer than the mean of the class, else the width
     first = (seen[0] > seen[1]) == (np.maximum(seen[0], seen[1]) > (whole[0] + whole[1]) / 2)
@@ -167,7 +171,7 @@ def _boxes(groups: PointGroups, returns: np.ndarray, rng: np.random.Generator) -
     complete = (whole[0] > _LONG) & (returns.ravel()[groups.keys] > _MANY) & (seen[:2].max(axis=0) > whole[0] / 4)
     first = np.where(complete, seen[0] > seen[1], first)
     whole = np.where(first, whole[:2], whole[1::-1])
-    grown = np.where((seen[:2] < _SEEN_WHOLE * whole) & ~complete, whole, seen[:2])
+    grown = np.where((seen[:2] < SEEN_WHOLE * whole) & ~complete, whole, seen[:2])
     middle[:2] += np.where(middle[:2] < 0, -0.5, 0.5) * (grown - seen[:2])
     # a sign's box, of no usual size, has the heading between 0 and 90 degrees
     aside = np.remainder(groups.yaws, math.pi) >= math.pi / 2
@@ -206,9 +210,9 @@ def _posts(groups: PointGroups, girths: np.ndarray, column: float, rng: np.rando
     groups.yaws = np.arctan2(mean[1], mean[0])
     middle, size = groups.extents(groups.local())
     narrow = girths[groups.keys // NUM_CLASSES] - column * distance * (_HIDDEN + rng.random(len(distance)))
-    girth = np.maximum(np.where(groups.labels == _LIGHT, size[1], narrow), _THINNEST)
+    girth = np.maximum(np.where(groups.labels == _LIGHT, size[1], narrow), MIN_EXTENT)
     centers = np.stack([*(mean * (1.0 + _NEAR * girth / distance)), middle[2]])
-    sizes = np.stack([girth, girth, np.maximum(size[2], _THINNEST)])
+    sizes = np.stack([girth, girth, np.maximum(size[2], MIN_EXTENT)])
     return Clusters(np.full(len(girth), _CYLINDER), centers, sizes, np.zeros(len(girth)), groups.keys)
 
 
@@ -238,9 +242,9 @@ def _crowns(groups: PointGroups) -> Clusters:
     along = groups.means(local[0])
     spread = np.sqrt(np.maximum(groups.means(local[0] ** 2) - along**2, 0.0))
     middle[0], size[0] = along, _QUARTILES * spread
-    size[1:] *= _ROUND
+    size[1:] *= ELLIPSE_SCALE
     shapes = np.full(len(along), _ELLIPSOID)
-    sizes = np.maximum(size, _THINNEST_CROWN)
+    sizes = np.maximum(size, MIN_CROWN)
     return Clusters(shapes, _back(middle, groups.yaws), sizes, groups.yaws, groups.keys)
 
 
@@ -257,7 +261,7 @@ def _facades(groups: PointGroups, *, bent: bool = False) -> list[Clusters]:
         middle, size = groups.extents(local)
         fits = _on_front(groups, local, middle, size) | (stage == 0)
         centers = _back(middle[:, fits], groups.yaws[fits])
-        sizes = np.maximum(size[:, fits], _THINNEST)
+        sizes = np.maximum(size[:, fits], MIN_EXTENT)
         done.append(Clusters(np.full(len(centers[0]), _BOX), centers, sizes, groups.yaws[fits], groups.keys[fits]))
         if fits.all():
             break
@@ -276,7 +280,7 @@ def _on_front(groups: PointGroups, local: np.ndarray, middle: np.ndarray, size: 
     depth = groups.each(size[:2] / 2 + front * middle[:2]) - groups.each(front) * local[:2]
     deep = groups.means((depth.min(axis=0) > _FRONT).astype(float))
     outside = (np.abs(middle[:2]) > size[:2] / 2).any(axis=0)
-    fits: np.ndarray = (size.max(axis=0) <= _SMALLEST) | (outside & (deep <= _DEEP))
+    fits: np.ndarray = (size.max(axis=0) <= UNSPLIT_LENGTH) | (outside & (deep <= _DEEP))
     return fits
 
 
@@ -286,6 +290,6 @@ def _grounded(found: Clusters, grounds: np.ndarray) -> Clusters:
     bottom = found.centers[2] - found.sizes[2] / 2
     top = bottom + found.sizes[2]
     stands = ~_HANGING[found.keys % NUM_CLASSES]
-    low = np.where(stands & (ground < bottom) & (bottom < ground + _HANGS), ground, bottom)
+    low = np.where(stands & (ground < bottom) & (bottom < ground + HANGING_HEIGHT), ground, bottom)
     found.centers[2], found.sizes[2] = (low + top) / 2, top - low
     return found

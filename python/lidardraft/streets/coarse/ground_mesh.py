@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from lidardraft.drafting.cloud_rules import GROUND_PLANE_DROP, GROUND_PLANE_SIZE
 from lidardraft.scene.layout import SHAPES, Layout, Primitive
 from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.scene.raycast import Raycaster
@@ -15,8 +16,6 @@ from lidardraft.streets.ground.relief import positions
 _STEP = 4.0  # m along the road
 _BESIDE = (*np.arange(1.5, 13.0, 2.5), *np.arange(14.0, 75.0, 5.0))  # m from the verge
 _ASIDE = 0.1  # m from a kerb to the lines on its sides
-_BELOW = 0.3  # m from the lowest ground to the plane under it, as in `drafting.ground`
-_EXTENT = 400.0  # m
 _SKY = 200.0  # m
 _SEEN = 80.0  # m; ground further off returns next to nothing
 
@@ -60,8 +59,8 @@ class GroundMesh:
         count = len(found)
         return ShapeTable(
             shapes=np.array([SHAPES.index("plane"), *[SHAPES.index("mesh")] * count]),
-            centers=np.array([(0.0, 0.0, bottom - _BELOW), *(center for center, _ in rows)]),
-            sizes=np.array([(_EXTENT, _EXTENT, 0.0), *(size for _, size in rows)]),
+            centers=np.array([(0.0, 0.0, bottom - GROUND_PLANE_DROP), *(center for center, _ in rows)]),
+            sizes=np.array([(GROUND_PLANE_SIZE, GROUND_PLANE_SIZE, 0.0), *(size for _, size in rows)]),
             yaws=np.zeros(1 + count),
             labels=np.array([BY_NAME["terrain"].id, *found]),
             instances=np.zeros(1 + count),

@@ -1,0 +1,33 @@
+"""The rules by which a labelled cloud becomes shapes, for the code that applies them and for what imitates it.
+
+Numbers without a source are estimates of ours. This module imports no scikit-learn.
+"""
+
+import math
+
+# Classes whose clusters become upright cylinders, and those that need not reach down to the ground.
+POST_CLASSES = ("pole", "trunk", "traffic-light")
+HANGING_CLASSES = ("vegetation", "traffic-sign", "traffic-light")
+
+# Clusters: points no further apart than a reach are neighbours; it grows with the range, as gaps between beams do.
+REACH = {"building": 1.0, "vegetation": 0.8}  # m, by class
+OTHER_REACH = 0.5  # m, of all other classes
+REACH_PER_RANGE = 0.01  # m more for each metre from the sensor
+MIN_POINTS = 6  # of a cluster
+
+# Boxes and facades.
+MIN_EXTENT = 0.1  # m, of any shape
+SEEN_WHOLE = 0.7  # of the usual extent of a class: a side at least this long was seen whole, and is not completed
+UNSPLIT_LENGTH = 1.5  # m; parts of facades no longer than this are not split
+FRONT_DEPTH = 0.4  # m; points nearer to the front of their box than this lie on it
+
+# Crowns. Of 1.5, 2 and 3 m the largest whose layouts agree best with two PandaSet scans (Xiao et al., ITSC 2021;
+# CC BY 4.0).
+MAX_CROWN = 1.5  # m
+MIN_CROWN = 0.3  # m
+ELLIPSE_SCALE = math.sqrt(4 / math.pi)  # an ellipse this much larger than the rectangle around it has the same area
+
+# Ground.
+HANGING_HEIGHT = 2.5  # m; what begins higher over the ground than this does not stand on it
+GROUND_PLANE_DROP = 0.3  # m from the lowest ground that was seen down to the plane under all of it
+GROUND_PLANE_SIZE = 400.0  # m, length and width of that plane
