@@ -1,5 +1,16 @@
 """The errors that bad input gets. Each message names the thing, the value and the limit."""
 
+from collections.abc import Iterable
+
+
+def one_of(names: Iterable[str], value: object) -> str:
+    """What a message says of a `value` that is none of `names`: all of them, and the one that was probably meant."""
+    import difflib  # only what has gone wrong waits for it
+
+    known = list(names)
+    similar = difflib.get_close_matches(str(value).lower(), known, n=1)
+    return f"one of {', '.join(known) or 'none'}" + "".join(f"; did you mean {name!r}?" for name in similar)
+
 
 class LidarDraftError(ValueError):
     """Something given to lidardraft cannot be used; the base of the family."""

@@ -39,7 +39,7 @@ def test_no_box_is_a_file_too(tmp_path):
         ({"center": [0.0, 1.0]}, r"box 0: center is \[0.0, 1.0\]; it must be 3 finite numbers"),
         ({"center": [0.0, 1.0, float("nan")]}, r"box 0: center is \[0.0, 1.0, nan\]; it must be 3 finite numbers"),
         ({"yaw": float("inf")}, r"box 0: yaw is inf; it must be a finite number of radians"),
-        ({"label": "cow"}, r"box 0: label is 'cow', which is no class"),
+        ({"label": "cow"}, r"box 0: label is 'cow'; it must be one of"),
         ({"num_points": -1}, r"box 0: num_points is -1; it must be a whole number >= 0"),
         ({"instance": 0.5}, r"box 0: instance is 0.5; it must be a whole number >= 0"),
         ({"colour": "red"}, r"box 0: 'colour' is missing or unknown"),

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from lidardraft.errors import LayoutError
+from lidardraft.errors import LayoutError, one_of
 
 KINDS = (
     "vehicle",
@@ -180,4 +180,4 @@ def _plain(value: Any) -> Any:
 
 def _one_of(name: str, value: object, choices: tuple[str, ...]) -> None:
     if value not in choices:
-        raise LayoutError(f"{name} is {value!r}; it must be one of {', '.join(choices) or 'none'}")
+        raise LayoutError(f"{name} is {value!r}; it must be {one_of(choices, value)}")

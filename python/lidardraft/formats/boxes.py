@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from lidardraft.errors import FormatError
+from lidardraft.errors import FormatError, one_of
 from lidardraft.files import written_whole
 from lidardraft.scene.layout import Box
 from lidardraft.semantics import BY_NAME
@@ -57,7 +57,7 @@ def _check(name: str, row: Any) -> None:
         wrong = sorted(_FIELDS.symmetric_difference(row))[0] if isinstance(row, dict) else "every field"
         raise FormatError(f"{name}: {wrong!r} is missing or unknown")
     if row["label"] not in BY_NAME:
-        raise FormatError(f"{name}: label is {row['label']!r}, which is no class")
+        raise FormatError(f"{name}: label is {row['label']!r}; it must be {one_of(BY_NAME, row['label'])}")
     for key in ("center", "size"):
         if not isinstance(row[key], list | tuple) or len(row[key]) != 3 or not all(map(_is_finite, row[key])):
             raise FormatError(f"{name}: {key} is {row[key]!r}; it must be 3 finite numbers")

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from lidardraft.errors import LayoutError
+from lidardraft.errors import LayoutError, one_of
 from lidardraft.scene import mesh
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import BY_NAME
@@ -33,7 +33,7 @@ def read_obj(
         raise LayoutError(f"scale is {scale}; it must be a finite number of metres > 0")
     for key, value in (labels or {}).items():
         if value not in BY_NAME or value == "none":
-            raise LayoutError(f"labels[{key!r}] is {value!r}; it must be one of {', '.join(list(BY_NAME)[1:])}")
+            raise LayoutError(f"labels[{key!r}] is {value!r}; it must be {one_of(list(BY_NAME)[1:], value)}")
     objects = mesh.read_obj(path)
     classes = [_class_of(name, material, labels or {}) for name, material, _ in objects]
     nameless = sorted(

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from lidardraft.errors import LayoutError
+from lidardraft.errors import LayoutError, one_of
 from lidardraft.files import written_whole
 from lidardraft.scene.materials import MATERIAL_BY_NAME
 from lidardraft.scene.mesh import TriangleMesh
@@ -57,17 +57,18 @@ class Primitive:
         if not isinstance(self.id, str) or not self.id:
             raise LayoutError(f"id is {self.id!r}; a primitive needs a non-empty string")
         if self.shape not in SHAPES:
-            raise LayoutError(f"{self.id}: shape is {self.shape!r}; it must be one of {', '.join(SHAPES)}")
+            raise LayoutError(f"{self.id}: shape is {self.shape!r}; it must be {one_of(SHAPES, self.shape)}")
         if not isinstance(self.label, str) or self.label not in BY_NAME or self.label == "none":
-            raise LayoutError(f"{self.id}: label is {self.label!r}; it must be one of {', '.join(list(BY_NAME)[1:])}")
+            known = one_of(list(BY_NAME)[1:], self.label)
+            raise LayoutError(f"{self.id}: label is {self.label!r}; it must be {known}")
         if not _is_number(self.yaw):
             raise LayoutError(f"{self.id}: yaw is {self.yaw!r}; it must be a finite number of radians")
         object.__setattr__(self, "yaw", float(self.yaw))
         if type(self.instance) is not int or not 0 <= self.instance <= _INSTANCE_LIMIT:
             raise LayoutError(f"{self.id}: instance is {self.instance!r}; it must be 0 to {_INSTANCE_LIMIT}")
         if self.material is not None and self.material not in MATERIAL_BY_NAME:
-            known = ", ".join(MATERIAL_BY_NAME)
-            raise LayoutError(f"{self.id}: material is {self.material!r}; it must be one of {known}")
+            known = one_of(MATERIAL_BY_NAME, self.material)
+            raise LayoutError(f"{self.id}: material is {self.material!r}; it must be {known}")
         self._check_size()
         self._check_extinction()
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from lidardraft import _core
-from lidardraft.errors import SensorError
+from lidardraft.errors import SensorError, one_of
 from lidardraft.scene import beam_tables
 from lidardraft.scene.pose import finite_array, rotations, upright
 
@@ -168,7 +168,7 @@ class Sensor:
                 return cls.from_json(Path(name).read_text())
             except (OSError, UnicodeDecodeError, SensorError) as error:
                 raise SensorError(f"{os.fspath(name)}: {error}") from None
-        raise SensorError(f"sensor is {os.fspath(name)!r}; it must be one of {', '.join(PRESETS)} or a .json file")
+        raise SensorError(f"sensor is {os.fspath(name)!r}; it must be a .json file or {one_of(PRESETS, name)}")
 
 
 def _beams(high: float, low: float, count: int) -> tuple[float, ...]:

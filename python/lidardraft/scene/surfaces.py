@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.errors import LayoutError, SensorError
+from lidardraft.errors import LayoutError, SensorError, one_of
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.materials import (
     CLASS_MATERIALS,
@@ -74,8 +74,8 @@ def _material(primitive: Primitive) -> Material:
     try:
         return MATERIAL_BY_NAME[primitive.material]
     except KeyError:
-        known = ", ".join(MATERIAL_BY_NAME)
-        raise LayoutError(f"{primitive.id}: material is {primitive.material!r}; it must be one of {known}") from None
+        known = one_of(MATERIAL_BY_NAME, primitive.material)
+        raise LayoutError(f"{primitive.id}: material is {primitive.material!r}; it must be {known}") from None
 
 
 def _responses(wetness: float) -> np.ndarray:
