@@ -36,7 +36,7 @@ class Peer:
         """Rays for the next casts, before the clock starts."""
         self.cast_rays = self._rays(pose)
 
-    def cast(self, pose: np.ndarray) -> object:
+    def cast(self, _pose: np.ndarray) -> object:
         """Cast the rays that `aim_cast` made; the answer stays in embreex's form."""
         return self.caster.run(*self.cast_rays, query="INTERSECT", output=True)
 

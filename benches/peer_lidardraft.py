@@ -72,7 +72,7 @@ class Peer:
         self.layout = layout_of(scene, triangles=self.triangles)
         self.caster = Raycaster(self.layout)
 
-    def compile(self, scene: Any) -> None:
+    def compile(self, _scene: Any) -> None:
         """Compile the layout that is there."""
         self.caster = Raycaster(self.layout)
 

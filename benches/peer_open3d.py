@@ -34,7 +34,7 @@ class Peer:
         """Rays for the next casts, before the clock starts."""
         self.cast_rays = self._rays(pose)
 
-    def cast(self, pose: np.ndarray) -> object:
+    def cast(self, _pose: np.ndarray) -> object:
         """Cast the rays that `aim_cast` made; the answer stays in Open3D's form."""
         return self.caster.cast_rays(self.cast_rays, nthreads=self.threads)
 

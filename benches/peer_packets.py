@@ -111,11 +111,11 @@ class Peer:
         """Single rays for the next cast, before the clock starts."""
         self._aim(pose, 1)
 
-    def cast(self, pose: np.ndarray) -> None:
+    def cast(self, _pose: np.ndarray) -> None:
         """Cast the packets that `aim_cast` made; the hits stay in Embree's layout."""
         self.library.tracer_cast(self.tracer, self.threads)
 
-    def single(self, pose: np.ndarray) -> None:
+    def single(self, _pose: np.ndarray) -> None:
         """Cast the rays that `aim_single` made; the hits stay in Embree's layout."""
         self.library.tracer_cast(self.tracer, self.threads)
 

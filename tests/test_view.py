@@ -6,6 +6,7 @@ from PIL import Image
 
 from lidardraft import Layout, Primitive, Sensor, raycast, view
 from lidardraft.errors import FormatError
+from lidardraft.scene.range_image import RangeImage
 
 CAR = Primitive(shape="box", center=(10, 0, 0.75), size=(4, 2, 1.5), label="car", id="car_1", instance=1)
 ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(100, 8, 0), label="road", id="road")
@@ -42,6 +43,16 @@ def test_a_layout_is_drawn_over_the_scan_from_above() -> None:
     assert (rows.min(), rows.max()) == (76, 84)
     assert (columns.min(), columns.max()) == (98, 102)
     assert (picture[76, 98:103] == view.PALETTE[13]).all()
+
+
+def test_a_top_view_reaches_as_far_as_it_is_asked_to() -> None:
+    empty = RangeImage.empty(SENSOR)
+    picture, bare = (
+        view.render_top_view(empty, layout, SENSOR.pose(), size=200, reach=25.0) for layout in (LAYOUT, Layout(()))
+    )
+    rows, _ = np.nonzero((picture != bare).any(axis=2))
+    # 8 to 12 m ahead is 32 to 48 of 100 pixels up from the middle
+    assert (rows.min(), rows.max()) == (52, 68)
 
 
 def test_no_return_is_black_and_no_class_white() -> None:

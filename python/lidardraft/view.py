@@ -111,9 +111,8 @@ def render_top_view(
 ) -> np.ndarray:
     """The returns of a scan from above, coloured by height, with the outlines of the layout's shapes over them.
 
-    uint8 [size, size, 3]; forward is up, and the edge is 50 m away.
+    uint8 [size, size, 3]; forward is up, and the edge is `reach` [m] away.
     """
-    reach = 50.0
     points = image.points() @ pose[:3, :3].T + pose[:3, 3]
     scale = size / 2 / reach
 

@@ -20,7 +20,7 @@ from lidardraft.training.pairs import PairFolder
 QUICK = ["--sensor", "small.json", "--steps", "2"]
 
 
-@pytest.fixture
+@pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty working directory with a small sensor."""
     monkeypatch.chdir(tmp_path)
@@ -40,7 +40,7 @@ def refused(capsys: pytest.CaptureFixture[str], *argv: str) -> str:
     return captured.err
 
 
-def test_draft_raycast_view(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_draft_raycast_view(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["draft", "--text", "a car ahead", "--seed", "0", "-o", "layout.json"]) == 0
     assert cli.main(["raycast", "layout.json", "--sensor", "hdl64e", "-o", "drawing.npz"]) == 0
     assert cli.main(["view", "drawing.npz"]) == 0
@@ -52,7 +52,7 @@ def test_draft_raycast_view(folder: Path, capsys: pytest.CaptureFixture[str]) ->
     assert Path("drawing.view.png").stat().st_size > 1000
 
 
-def test_generate_from_text(folder: Path) -> None:
+def test_generate_from_text() -> None:
     assert cli.main(["generate", "--text", "a car ahead", "--seed", "3", "-n", "2", "-o", "out", *QUICK]) == 0
     names = {
         f"{number}{end}"
@@ -71,7 +71,7 @@ def test_generate_from_text(folder: Path) -> None:
     assert {"shape", "center", "size", "yaw", "label", "id", "instance"} <= set(fields)
 
 
-def test_generate_again_gives_the_same_scan(folder: Path) -> None:
+def test_generate_again_gives_the_same_scan() -> None:
     cli.main(["draft", "--text", "two cars behind", "-o", "layout.json"])
     for out in ("a", "b"):
         assert cli.main(["generate", "--layout", "layout.json", "-o", out, *QUICK]) == 0
@@ -80,7 +80,7 @@ def test_generate_again_gives_the_same_scan(folder: Path) -> None:
     assert Path("a/000000.bin").read_bytes() != Path("c/000000.bin").read_bytes()
 
 
-def test_generate_from_a_labelled_scan(folder: Path) -> None:
+def test_generate_from_a_labelled_scan() -> None:
     cli.main(["generate", "--text", "a car ahead and houses on both sides", "-o", "out", *QUICK])
     source = ["--points", "out/000000.bin", "--labels", "out/000000.label"]
     assert cli.main(["generate", *source, "-o", "again", *QUICK]) == 0
@@ -90,12 +90,12 @@ def test_generate_from_a_labelled_scan(folder: Path) -> None:
     assert cli.main(["view", "again/000000.bin", "--sensor", "small.json"]) == 0
 
 
-def test_words_not_understood_are_said(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_words_not_understood_are_said(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["draft", "--text", "a car ahead and a purple dinosaur", "-o", "layout.json"]) == 0
     assert "dinosaur" in capsys.readouterr().err
 
 
-def test_bad_input_is_one_line(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_bad_input_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert "xyzzy" in refused(capsys, "draft", "--text", "xyzzy", "-o", "layout.json")
     assert "nowhere.json" in refused(capsys, "raycast", "nowhere.json", "-o", "a.npz")
     Path("broken.json").write_text('{"schema": ')
@@ -129,9 +129,7 @@ def test_bad_input_is_one_line(folder: Path, capsys: pytest.CaptureFixture[str])
         ({"shape": "mesh", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 7]]}, "face 0"),
     ],
 )
-def test_bad_layouts_are_one_line(
-    folder: Path, capsys: pytest.CaptureFixture[str], change: dict[str, object], said: str
-) -> None:
+def test_bad_layouts_are_one_line(capsys: pytest.CaptureFixture[str], change: dict[str, object], said: str) -> None:
     car = {
         "shape": "box",
         "center": [9, 0, 1],
@@ -149,7 +147,7 @@ def test_bad_layouts_are_one_line(
         assert said in message
 
 
-def test_truncated_files_are_one_line(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_truncated_files_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     cli.main(["generate", "--text", "a car ahead", "-o", "out", *QUICK])
     points, label = Path("out/000000.bin"), Path("out/000000.label")
     source = ["--points", str(points), "--labels", str(label), "-o", "again"]
@@ -174,7 +172,7 @@ def test_help_loads_nothing_heavy(argv: list[str]) -> None:
     assert result.stdout.endswith("[]\n")
 
 
-def test_streets_on_disk_go_on_where_they_stopped(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_streets_on_disk_go_on_where_they_stopped(capsys: pytest.CaptureFixture[str]) -> None:
     argv = ["streets", "--sensor", "small.json", "--seed", "3", "--workers", "1", "--out", "pairs"]
     assert cli.main([*argv, "--num", "2"]) == 0
     first = PairFolder("pairs")
@@ -189,14 +187,14 @@ def test_streets_on_disk_go_on_where_they_stopped(folder: Path, capsys: pytest.C
     assert "seed 3" in capsys.readouterr().err
 
 
-def test_streets_to_look_at(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_streets_to_look_at(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["streets", "--sensor", "small.json", "--workers", "1", "-n", "2", "--look"]) == 0
     assert capsys.readouterr().out == "streets.png\n"
     assert Path("streets.png").stat().st_size > 1000
     assert "say --out FOLDER" in refused(capsys, "streets", "-n", "2")
 
 
-def test_the_whole_training_in_small(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_whole_training_in_small(capsys: pytest.CaptureFixture[str]) -> None:
     argv = [
         "street",
         "--recipe",

@@ -49,7 +49,7 @@ def rewritten(path: Path, tensors: dict[str, torch.Tensor], **metadata: str) -> 
     return path
 
 
-def test_what_is_not_ours_is_refused(path: Path, tmp_path: Path) -> None:
+def test_what_is_not_ours_is_refused(tmp_path: Path) -> None:
     with pytest.raises(CheckpointError, match=r"nothing\.safetensors: no such file"):
         checkpoint.load(tmp_path / "nothing.safetensors")
     text = tmp_path / "text.safetensors"

@@ -124,10 +124,10 @@ def test_thinning_keeps_one_point_a_cell():
 def test_split_returns_every_point_once():
     random = np.random.default_rng(1)
     points = random.uniform(-4, 4, (500, 3))
-    parts = split(points, lambda part, box: box.size.max() <= 3.0)
+    parts = split(points, lambda _, box: box.size.max() <= 3.0)
     assert sum(len(part) for part, _ in parts) == 500
     assert all(box.size.max() <= 3.0 for _, box in parts)
 
 
 def test_split_ends_where_points_cannot_be_parted():
-    assert len(split(np.ones((5, 3)), lambda part, box: False)) == 1
+    assert len(split(np.ones((5, 3)), lambda *_: False)) == 1

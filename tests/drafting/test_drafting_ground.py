@@ -8,7 +8,7 @@ from lidardraft.semantics import BY_NAME
 ROAD, SIDEWALK, CAR = (BY_NAME[name].id for name in ("road", "sidewalk", "car"))
 
 
-def plain(height=lambda x, y: 0.0 * x):
+def plain(height=lambda x, _: 0.0 * x):
     """Points every 0.25 m of a 20 m square, road to the right and sidewalk to the left of y = 0."""
     x, y = (axis.ravel() for axis in np.meshgrid(np.arange(-10, 10, 0.25), np.arange(-10, 10, 0.25)))
     return np.column_stack([x, y, height(x, y)]), np.where(y < 0, ROAD, SIDEWALK)
@@ -33,7 +33,7 @@ def test_neighbouring_classes_meet_without_a_gap():
 
 
 def test_the_height_follows_the_points_and_ignores_other_classes():
-    points, labels = plain(lambda x, y: 0.1 * x)
+    points, labels = plain(lambda x, _: 0.1 * x)
     high = points + np.array([0.0, 0.0, 1.0])
     ground = Ground(np.concatenate([points, high]), np.concatenate([labels, np.full(len(high), CAR)]))
     places = np.array([[5.0, 3.0], [-7.0, -2.0], [0.0, 0.0]])

@@ -17,7 +17,7 @@ def mean_gap(first: lifelike.Features, second: lifelike.Features) -> float:
     return abs(float(np.mean(first)) - float(np.mean(second)))
 
 
-GAP = Row("gap", lambda sweep: np.zeros(1), mean_gap, lambda features: float(np.mean(features)))
+GAP = Row("gap", lambda _: np.zeros(1), mean_gap, lambda features: float(np.mean(features)))
 
 
 def values(*numbers: float) -> list[np.ndarray]:

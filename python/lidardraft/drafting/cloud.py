@@ -142,7 +142,7 @@ def _is_facade(part: np.ndarray, box: FittedBox, others: np.ndarray) -> bool:
     return bool(np.count_nonzero(box.contains(others, margin=FRONT_DEPTH)) <= 0.02 * len(part))
 
 
-def _is_crown(part: np.ndarray, box: FittedBox) -> bool:
+def _is_crown(_part: np.ndarray, box: FittedBox) -> bool:
     return bool(box.size.max() <= MAX_CROWN)
 
 

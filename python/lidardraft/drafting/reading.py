@@ -100,7 +100,7 @@ class Reader:
             return
         if self._is_ego(index, tokens, kind):
             self.has_ego = True
-        elif kind in ("bicycle", "motorcycle") and self._is_ridden(index, tokens):
+        elif kind in ("bicycle", "motorcycle") and self._is_ridden(index):
             self.open[-1].kind = kind
         else:
             self._put(index, Draft(kind, count_of(tokens), heading=_heading(tokens)))
@@ -195,7 +195,7 @@ class Reader:
         rest = [type for type in after if type not in _PASSED_ON_THE_WAY] + ["", ""]
         return after[:1] == ["MOVING"] and (rest[0] in _ROAD_OF or rest[0] == "BEND") and rest[1] not in _ASIDE
 
-    def _is_ridden(self, index: int, tokens: list[Token]) -> bool:
+    def _is_ridden(self, index: int) -> bool:
         """Whether a two-wheeler is that of a person just named, as in "a man riding a bike"."""
         said = [token for chunk in self.chunks[max(0, index - 1) : index + 1] for token in _tokens(chunk)]
         riding = any(token.type == "DOING" and token.startswith("rid") for token in said)

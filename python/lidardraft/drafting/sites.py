@@ -177,7 +177,7 @@ def _lane(road: Road, lanes: list[tuple[int, int]], kind: str) -> Pick:
 def _crossing_lane(road: Road) -> Pick:
     """On the crossing road, before, in or after the junction; `along` is the middle of that road."""
 
-    def pick(rng: np.random.Generator, along: float, number: int, effort: float) -> Spot:
+    def pick(rng: np.random.Generator, along: float, _number: int, effort: float) -> Spot:
         direction = 1 if rng.random() < 0.5 else -1
         far = 8.0 + 30.0 * effort
         low = -far if "right" in road.side_roads else -road.edge / 2
@@ -188,7 +188,7 @@ def _crossing_lane(road: Road) -> Pick:
 
 
 def _kerb(road: Road, sides: tuple[int, ...]) -> Pick:
-    def pick(rng: np.random.Generator, along: float, number: int, effort: float) -> Spot:
+    def pick(rng: np.random.Generator, along: float, number: int, _effort: float) -> Spot:
         side = _alternate(sides, number)
         turned = rng.random() < 0.1
         middle = side * (road.edge - road.parking / 2)
@@ -200,7 +200,7 @@ def _kerb(road: Road, sides: tuple[int, ...]) -> Pick:
 def _sidewalk(road: Road, sides: tuple[int, ...]) -> Pick:
     low, high = (road.edge + 0.4, road.verge - 0.4) if road.sidewalk > 0.9 else (road.verge + 0.4, road.verge + 2.0)
 
-    def pick(rng: np.random.Generator, along: float, number: int, effort: float) -> Spot:
+    def pick(rng: np.random.Generator, along: float, number: int, _effort: float) -> Spot:
         turn = float(rng.choice([0.0, math.pi])) + float(rng.normal(0.0, 0.2))
         return along, _alternate(sides, number) * float(rng.uniform(low, high)), turn
 
@@ -222,7 +222,7 @@ def _person(group: Group, fore: str, side: str, sides: tuple[int, ...], road: Ro
 
 
 def _carriageway(road: Road, sides: tuple[int, ...], turn: float) -> Pick:
-    def pick(rng: np.random.Generator, along: float, number: int, effort: float) -> Spot:
+    def pick(rng: np.random.Generator, along: float, _number: int, _effort: float) -> Spot:
         low, high = (-(road.edge - 0.5), road.edge - 0.5)
         if len(sides) == 1:
             low, high = (0.0, high) if sides[0] > 0 else (low, 0.0)
@@ -233,7 +233,7 @@ def _carriageway(road: Road, sides: tuple[int, ...], turn: float) -> Pick:
 
 
 def _ego_lane(road: Road) -> Pick:
-    def pick(rng: np.random.Generator, along: float, number: int, effort: float) -> Spot:
+    def pick(rng: np.random.Generator, along: float, _number: int, _effort: float) -> Spot:
         return along, road.lane(road.ego_lane) + float(rng.uniform(-1.2, 1.2)), float(rng.uniform(-math.pi, math.pi))
 
     return pick

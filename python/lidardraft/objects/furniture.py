@@ -37,7 +37,7 @@ def fence(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     return parts.primitives
 
 
-def mesh_fence(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def mesh_fence(placed: PlacedObject, _rng: np.random.Generator) -> list[Primitive]:
     """A wire mesh between posts: a thin medium."""
     length, width, height = placed.size
     parts = Parts(placed)
@@ -125,7 +125,7 @@ def shelter(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     return parts.primitives
 
 
-def bin(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def bin(placed: PlacedObject, _rng: np.random.Generator) -> list[Primitive]:
     """A wheeled waste bin that widens to its lid, or a round litter bin."""
     length, width, height = placed.size
     parts = Parts(placed)
@@ -152,7 +152,7 @@ def bench(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     return parts.primitives
 
 
-def cone(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def cone(placed: PlacedObject, _rng: np.random.Generator) -> list[Primitive]:
     """A traffic cone on its foot, with a reflecting sleeve."""
     length, width, _ = placed.size
     parts = Parts(placed)
@@ -163,7 +163,7 @@ def cone(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     return parts.primitives
 
 
-def letterbox(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def letterbox(placed: PlacedObject, _rng: np.random.Generator) -> list[Primitive]:
     """A letterbox on a post, its slot forward (+x)."""
     length, width, height = placed.size
     parts = Parts(placed)
@@ -172,7 +172,7 @@ def letterbox(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]
     return parts.primitives
 
 
-def hydrant(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def hydrant(placed: PlacedObject, _rng: np.random.Generator) -> list[Primitive]:
     """A pillar hydrant: a column with a bonnet and two outlets."""
     length, width, height = placed.size
     parts = Parts(placed)
@@ -183,7 +183,7 @@ def hydrant(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     return parts.primitives
 
 
-def cabinet(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def cabinet(placed: PlacedObject, _rng: np.random.Generator) -> list[Primitive]:
     """A distribution cabinet on a plinth, with a lid that sticks out and doors forward (+x)."""
     length, width, height = placed.size
     parts = Parts(placed)

@@ -69,7 +69,7 @@ def sign(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     return parts.primitives
 
 
-def traffic_light(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def traffic_light(placed: PlacedObject, _rng: np.random.Generator) -> list[Primitive]:
     """A housing with three lenses from `stem` to the top, facing forward, on a post.
 
     One wider than 1 m hangs from a mast arm: the post stands at the right end (-y) of its width, the arm reaches to the
