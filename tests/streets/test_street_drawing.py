@@ -8,8 +8,12 @@ import pytest
 
 from lidardraft import CLASSES
 from lidardraft.drafting.cloud import layout_from_cloud
+from lidardraft.drafting.spec import KINDS as WORDS
 from lidardraft.drafting.things import thing as solved_thing
 from lidardraft.errors import LayoutError
+from lidardraft.objects.coarse_shapes import MOST_LOBES
+from lidardraft.objects.kinds import KINDS as TABLE
+from lidardraft.objects.kinds import kind_of
 from lidardraft.objects.parts import PlacedObject
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.sensor import PRESETS
@@ -17,8 +21,7 @@ from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.streets.coarse.as_text import RANGES
-from lidardraft.streets.coarse.boxes import MOST_LOBES, OMITTED, SMALL, coarse_shapes
-from lidardraft.streets.coarse.style import FAMILIES, SOURCES, UNSPOKEN, Style, sample_style
+from lidardraft.streets.coarse.style import ALWAYS_NAMED, FAMILIES, SOURCES, Style, sample_style
 from lidardraft.streets.pairs import StreetScanner, scan_street
 from lidardraft.streets.street import make_street
 
@@ -76,21 +79,18 @@ def test_a_sentence_draws_the_nearest_that_its_solver_could_have_placed():
     assert (table.centers[:, 2] >= -0.05).all()
 
 
-SOLVED = {
-    "block": "building",
-    "garden_wall": "wall",
-    "lamp": "street-light",
-    **{kind: kind for kind in ("car", "van", "truck", "bus", "tram", "person", "house", "hedge", "fence", "bin")},
-    **{kind: kind for kind in ("bench", "bush", "pole")},
-}
+SOLVED = (
+    *("car", "van", "truck", "bus", "tram", "person", "house", "building", "hedge", "fence", "wall"),
+    *("bin", "bench", "bush", "pole", "street-light"),
+)
 
 
-@pytest.mark.parametrize("kind", sorted(SOLVED))
-def test_the_sizes_of_sentences_are_those_of_the_solver(kind: str):
+@pytest.mark.parametrize("word", SOLVED)
+def test_the_sizes_of_sentences_are_those_of_the_solver(word: str):
     rng = np.random.default_rng(0)
-    sizes = np.array([solved_thing(SOLVED[kind], rng, parked=True)[0].size for _ in range(300)])
-    low, high = np.array(RANGES[kind])
-    first = 1 if kind in ("hedge", "fence", "garden_wall") else 0  # strips are as long as they are
+    sizes = np.array([solved_thing(word, rng, parked=True)[0].size for _ in range(300)])
+    low, high = np.array(RANGES[word])
+    first = 1 if word in ("hedge", "fence", "wall") else 0  # strips are as long as they are
     assert (sizes[:, first:] >= low[first:] - 1e-9).all()
     assert (sizes[:, first:] <= high[first:] + 1e-9).all()
     reach = high[first:] - low[first:]
@@ -109,7 +109,7 @@ def test_what_a_style_leaves_out():
     assert "building" not in labels(Style(named=()))
     assert "car" in labels(Style(named=()))
     picture = Style(source="picture")
-    small = {t.id for t in THINGS if t.kind in SMALL} & ids(picture)
+    small = {t.id for t in THINGS if kind_of(t.kind).is_small} & ids(picture)
     assert small
     assert not small & ids(replace(picture, omit=1.0))
 
@@ -239,9 +239,9 @@ def test_an_outline_fills_the_extents_of_its_thing(kind: str):
     size, classes = KINDS[kind]
     stem = {"house": 6.0, "tree": 2.5, "gantry": 5.0, "billboard": 1.5}.get(kind, 0.0)
     placed = PlacedObject(kind=kind, id=kind, x=3.0, y=1.0, z=0.0, level=0.0, yaw=0.0, size=size, stem=stem, instance=4)
-    marks = coarse_shapes(placed)
+    marks = kind_of(kind).coarse(placed)
     assert {mark.label for mark in marks} == classes
-    assert (kind in OMITTED) == (not marks)
+    assert (kind == "grass") == (not marks)
     for lobes in range(1, MOST_LOBES + 1):
         chosen = [mark for mark in marks if mark.lobes in (0, lobes)]
         if not chosen or kind in ("cyclist", "motorcyclist", "house"):
@@ -257,13 +257,15 @@ def test_an_outline_fills_the_extents_of_its_thing(kind: str):
 
 def test_a_rider_sits_on_what_is_ridden():
     objects = [t for seed in range(12) for t in make_street(seed).occupancy.objects if t.kind == "cyclist"]
-    rider, bicycle = coarse_shapes(objects[0])
+    rider, bicycle = kind_of("cyclist").coarse(objects[0])
     assert (rider.label, bicycle.label) == ("rider", "bicycle")
     assert (rider.rank, bicycle.rank) == (0, 1)
     assert rider.center[2] > bicycle.center[2]
 
 
-def test_kinds_are_spoken_of_or_not():
-    named = [kind for _, kinds in FAMILIES.values() for kind in kinds]
+def test_every_word_of_a_kind_is_of_one_family_or_always_named():
+    named = [*ALWAYS_NAMED, *(word for _, words in FAMILIES.values() for word in words)]
     assert len(named) == len(set(named))
-    assert not set(named) & set(UNSPOKEN)
+    assert set(named) == {kind.word for kind in TABLE.values()} - {None}
+    assert set(named) <= set(WORDS)
+    assert set(RANGES) <= set(named)

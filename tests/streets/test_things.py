@@ -10,9 +10,9 @@ from lidardraft import CLASSES, Layout, Primitive, Raycaster
 from lidardraft.objects.buildings import BALCONY, EAVES, STOREY
 from lidardraft.objects.car_bodies import Body
 from lidardraft.objects.cars import BODIES, SHARES, car_body
+from lidardraft.objects.kinds import KINDS, kind_of
 from lidardraft.objects.parts import PlacedObject
 from lidardraft.scene.mesh import primitive_mesh
-from lidardraft.streets.street import _BUILDERS
 
 # Extents [m] and stem of each kind, smallest and largest.
 SIZES: dict[str, tuple[tuple[float, float, float, float], ...]] = {
@@ -115,7 +115,7 @@ def placed(
 
 
 def build(made: PlacedObject, seed: int) -> list[Primitive]:
-    return _BUILDERS[made.kind](made, np.random.default_rng(seed))
+    return kind_of(made.kind).build(made, np.random.default_rng(seed))
 
 
 def vertices(primitive: Primitive) -> np.ndarray:
@@ -123,7 +123,7 @@ def vertices(primitive: Primitive) -> np.ndarray:
 
 
 def test_every_kind_is_tested():
-    assert set(SIZES) == set(_BUILDERS) == set(LABELS)
+    assert set(SIZES) == set(KINDS) == set(LABELS)
     assert set(SHARES) == set(BODIES)
     assert sum(SHARES.values()) == pytest.approx(1.0)
 

@@ -11,10 +11,11 @@ from lidardraft.objects.mesh import Solid, box, hull, hull_solid, join, quads
 from lidardraft.objects.parts import Parts, Piece, PlacedObject, Vector
 from lidardraft.scene.layout import Primitive
 
-__all__ = ["BALCONY", "EAVES", "STOREY", "block", "house", "shed"]
+__all__ = ["BALCONY", "EAVES", "MOST_PLINTH", "STOREY", "block", "house", "shed"]
 
 EAVES = 0.35  # m that a roof overhangs
 BALCONY = 1.2  # m, its depth
+MOST_PLINTH = 0.7  # m that the ground floor may lie over the lowest ground under it, less than `PLINTH`
 _MANSARD = 2.6  # m, the height of a storey under a mansard roof
 _OPENINGS = (0.36, 0.45, 0.6)  # of a bay; window areas of 1/8 to 1/4 of the floor, as building codes ask for
 

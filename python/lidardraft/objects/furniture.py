@@ -12,7 +12,6 @@ import numpy as np
 
 from lidardraft.objects.mesh import box, join, lathe, loft, quads
 from lidardraft.objects.parts import Parts, Piece, PlacedObject
-from lidardraft.objects.poles import LAMP_ARM as LAMP_ARM
 from lidardraft.objects.poles import SINK
 from lidardraft.scene.layout import Primitive
 

@@ -28,7 +28,7 @@ def tree(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     """A trunk, boughs, and a crown between `stem` and the top: broadleaf of lobes, a column, a conifer, or bare."""
     length, width, height = placed.size
     parts = Parts(placed)
-    crown, girth = height - placed.stem, trunk_diameter(placed)
+    crown, girth = height - placed.stem, trunk_diameter(height)
     pick = rng.random()
     slim = crown / max(length, width)
     conifer = pick < (0.3 if slim > 1.2 else 0.06)
@@ -50,9 +50,9 @@ def tree(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     return parts.primitives
 
 
-def trunk_diameter(placed: PlacedObject) -> float:
-    """Growing with the height, 20 cm at 4.5 m and 39 cm at 13 m: an estimate of ours for street trees."""
-    return 0.10 + placed.size[2] / 45
+def trunk_diameter(height: float) -> float:
+    """Of a tree of that height [m]: 20 cm at 4.5 m and 39 cm at 13 m, an estimate of ours for street trees."""
+    return 0.10 + height / 45
 
 
 def bush(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:

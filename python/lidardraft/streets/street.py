@@ -3,58 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from lidardraft.errors import LayoutError
-from lidardraft.objects import buildings, cars, furniture, heavy, pedestrians, plants, poles, two_wheelers
-from lidardraft.objects.parts import PlacedObject
-from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.objects.kinds import kind_of
+from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.streets.coarse.coarse_layout import CoarseStreet
 from lidardraft.streets.placement.lanes import Lane
 from lidardraft.streets.placement.occupancy import Occupancy
 from lidardraft.streets.placement.plan import plan_street
-
-_BUILDERS: dict[str, Callable[[PlacedObject, np.random.Generator], list[Primitive]]] = {
-    **dict.fromkeys(cars.BODIES, cars.car),
-    "truck": heavy.truck,
-    "trailer_truck": heavy.trailer_truck,
-    "bus": heavy.bus,
-    "tram": heavy.tram,
-    "bicycle": two_wheelers.bicycle,
-    "cyclist": two_wheelers.cyclist,
-    "motorcycle": two_wheelers.motorcycle,
-    "motorcyclist": two_wheelers.motorcyclist,
-    "person": pedestrians.person,
-    "house": buildings.house,
-    "block": buildings.block,
-    "shed": buildings.shed,
-    "tree": plants.tree,
-    "bush": plants.bush,
-    "hedge": plants.hedge,
-    "grass": plants.grass,
-    "lamp": poles.lamp,
-    "pole": poles.pole,
-    "sign": poles.sign,
-    "traffic_light": poles.traffic_light,
-    "fence": furniture.fence,
-    "mesh_fence": furniture.mesh_fence,
-    "garden_wall": furniture.garden_wall,
-    "wall": furniture.wall,
-    "barrier": furniture.barrier,
-    "gantry": poles.gantry,
-    "billboard": poles.billboard,
-    "shelter": furniture.shelter,
-    "bin": furniture.bin,
-    "bench": furniture.bench,
-    "cone": furniture.cone,
-    "letterbox": furniture.letterbox,
-    "hydrant": furniture.hydrant,
-    "cabinet": furniture.cabinet,
-}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -102,7 +62,7 @@ def make_street(seed: int, config: StreetConfig | None = None, *, number: int = 
     occupancy, lanes, district = plan_street(rng, config.reach)
     primitives = occupancy.ground.surfaces()
     for placed in occupancy.objects:
-        primitives += _BUILDERS[placed.kind](placed, rng)
+        primitives += kind_of(placed.kind).build(placed, rng)
     provenance = {"source": "streets", "seed": seed, "number": number, "quarter": district}
     scene = Layout(primitives=tuple(primitives), provenance=provenance)
     middles = [lane.across for lane in lanes if abs(math.sin(lane.turn)) < 0.01]

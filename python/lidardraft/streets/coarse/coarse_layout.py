@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lidardraft.errors import LayoutError
+from lidardraft.objects.coarse_shapes import CoarseShape
+from lidardraft.objects.kinds import kind_of
 from lidardraft.objects.parts import PlacedObject
 from lidardraft.scene.layout import SHAPES, Layout, object_of
 from lidardraft.scene.road import Road
@@ -19,15 +21,18 @@ from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND, NUM_CLASSES
 from lidardraft.streets.coarse.as_clusters import clusters
 from lidardraft.streets.coarse.as_text import as_text
-from lidardraft.streets.coarse.boxes import POLES, SMALL, CoarseShape, coarse_shapes
 from lidardraft.streets.coarse.ground_mesh import GroundMesh
-from lidardraft.streets.coarse.style import FAMILIES, Style
+from lidardraft.streets.coarse.style import ALWAYS_NAMED, FAMILIES, Style
 from lidardraft.streets.coarse.visible import VisibleObjects, owners_of
 
 _SEEN = 5  # returns that a thing needs to be noticed in a picture
-_RIDDEN = ("cyclist", "motorcyclist")
 _RIDER = BY_NAME["rider"].id
 _FAMILIES = tuple(FAMILIES)
+# The number of a word's family; the last one, -1, is what is always named, and what no sentence speaks of.
+_FAMILY_OF: dict[str | None, int] = {
+    **{word: number for number, (_, words) in enumerate(FAMILIES.values()) for word in words},
+    **dict.fromkeys((*ALWAYS_NAMED, None), -1),
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,18 +88,22 @@ class CoarseStreet:
         names = {placed.id for placed in self.objects}
         self._flat = ShapeTable.from_primitives(road.surfaces())
         self._patches = GroundMesh(road, [p for p in scene if p.label in GROUND and object_of(p) not in names])
-        exact = [(i, mark, (t.x, t.y, t.yaw)) for i, t in enumerate(self.objects) for mark in coarse_shapes(t)]
+        kinds = [kind_of(t.kind) for t in self.objects]
+        exact = [
+            (i, shape, (t.x, t.y, t.yaw))
+            for i, (t, kind) in enumerate(zip(self.objects, kinds, strict=True))
+            for shape in kind.coarse(t)
+        ]
         self._exact = _ShapeColumns.from_rows(self.objects, exact)
         self._spoken = _ShapeColumns.from_rows(self.objects, as_text(self.objects, road, middles))
         self._places = np.array([(t.x, t.y, t.yaw) for t in self.objects], dtype=float).reshape(-1, 3)
         self._levels = np.array([t.level for t in self.objects], dtype=float)
         self._grounds = np.array([t.z for t in self.objects], dtype=float)
         self._instances = np.array([t.instance for t in self.objects], dtype=np.uint32)
-        self._ridden = np.array([t.kind in _RIDDEN for t in self.objects], dtype=bool)
-        self._small = np.array([t.kind in SMALL for t in self.objects], dtype=bool)
-        self._posts = np.array([t.kind in POLES for t in self.objects], dtype=bool)
-        family = {kind: number for number, (_, kinds) in enumerate(FAMILIES.values()) for kind in kinds}
-        self._families = np.array([family.get(t.kind, -1) for t in self.objects], dtype=np.int64)
+        self._ridden = np.array([kind.instances > 1 for kind in kinds], dtype=bool)
+        self._small = np.array([kind.is_small for kind in kinds], dtype=bool)
+        self._posts = np.array([kind.on_post for kind in kinds], dtype=bool)
+        self._families = np.array([_FAMILY_OF[kind.word] for kind in kinds], dtype=np.int64)
         post = self._exact.shapes == SHAPES.index("cylinder")
         self._girths = np.full(len(self.objects), 0.1)
         self._girths[self._exact.owners[post]] = self._exact.sizes[post, 0]

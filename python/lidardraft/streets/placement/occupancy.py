@@ -9,8 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lidardraft.objects.buildings import BALCONY, EAVES, STOREY
-from lidardraft.objects.furniture import LAMP_ARM
+from lidardraft.objects.kinds import kind_of
 from lidardraft.objects.parts import PlacedObject
 from lidardraft.scene.road import PavedArea, Road
 from lidardraft.streets.ground.ground import Ground
@@ -19,19 +18,7 @@ from lidardraft.streets.ground.ground import Ground
 Space = tuple[float, float, float, float, float, float, float, float]
 
 _CELL = 8.0  # m
-GANTRY_POST = 0.5  # m, how wide the posts of a gantry are
 _HEADROOM = 2.2  # m over the public way that stays free of private things
-_RIDDEN = ("cyclist", "motorcyclist")
-_BUILDINGS = ("house", "block", "shed")
-_PLINTH = 0.7  # m that a building's ground floor may lie over the lowest ground under it
-# what gets no instance
-_STUFF = frozenset(
-    (
-        *("house", "block", "shed", "tree", "bush", "hedge", "lamp", "pole", "sign", "traffic_light"),
-        *("fence", "garden_wall", "bin", "bench", "shelter", "cone", "barrier", "mesh_fence", "grass"),
-        *("gantry", "wall", "billboard", "letterbox", "hydrant", "cabinet"),
-    )
-)
 
 
 class _Standing(NamedTuple):
@@ -96,9 +83,9 @@ class Occupancy:
         for space in spaces:
             self._taken.add(space)
         self._names[kind] += 1
-        instance = 0 if kind in _STUFF else self._instances + 1
-        if instance:
-            self._instances += 2 if kind in _RIDDEN else 1
+        count = kind_of(kind).instances
+        instance = self._instances + 1 if count else 0
+        self._instances += count
         self._placed.append(_Standing(kind, self._names[kind], instance, along, across, x, y, yaw, turn, size, stem))
         return True
 
@@ -119,11 +106,10 @@ class Occupancy:
         """The things at their heights."""
         along, across = np.array([(p.along, p.across) for p in placed]).T
         heights = self.ground.heights(along, across)
-        over = {**dict.fromkeys(_BUILDINGS, _PLINTH), "grass": 0.0}
-        sunk = np.array([index for index, p in enumerate(placed) if p.kind in over], dtype=np.intp)
+        drops = np.array([kind_of(p.kind).most_drop for p in placed])
+        sunk = np.flatnonzero(np.isfinite(drops))
         if len(sunk):
-            lowest = self._lowest([placed[index] for index in sunk])
-            lowest += [over[placed[index].kind] for index in sunk]
+            lowest = self._lowest([placed[index] for index in sunk]) + drops[sunk]
             heights[sunk] = np.minimum(heights[sunk], lowest)
         levels = self.ground.levels(along, across)
         return [
@@ -198,32 +184,12 @@ def box_space(x: float, y: float, yaw: float, size: tuple[float, float], bottom:
 
 
 def spaces_of(kind: str, x: float, y: float, yaw: float, size: tuple[float, float, float], stem: float) -> list[Space]:
-    """The upright boxes a thing fills: a tree has its trunk's and its crown's, so that a car can stand under it."""
-    length, width, height = size
-    if kind == "tree":
-        girth = 0.10 + height / 45  # as `plants.trunk_diameter`
-        boxes = [((girth, girth), 0.0, stem), ((length, width), stem, height)]
-    elif kind == "house":
-        boxes = [((length, width), 0.0, height), ((length + 2 * EAVES, width + 2 * EAVES), stem - 0.2, height)]
-    elif kind == "block":
-        boxes = [((length, width), 0.0, height), ((length, width + 2 * BALCONY), 0.9 * STOREY, height)]
-    elif kind == "lamp":
-        # the arm reaches to its left
-        left = (x - math.sin(yaw) * LAMP_ARM / 2, y + math.cos(yaw) * LAMP_ARM / 2)
-        arm = box_space(*left, yaw, (0.3, LAMP_ARM + 0.3), height - 0.3, height)
-        return [box_space(x, y, yaw, (length, width), 0.0, height), arm]
-    elif kind == "billboard" or (kind == "sign" and width < 1.0):
-        boxes = [((0.2, 0.2), 0.0, stem), ((length, width), stem, height)]
-    elif kind == "gantry":
-        cos, sin, out = math.cos(yaw), math.sin(yaw), (width - GANTRY_POST) / 2
-        posts = [
-            box_space(x - side * out * sin, y + side * out * cos, yaw, (length, GANTRY_POST), 0.0, height)
-            for side in (-1, 1)
-        ]
-        return [*posts, box_space(x, y, yaw, (length, width), stem, height)]
-    else:
-        boxes = [((length, width), 0.0, height)]
-    return [box_space(x, y, yaw, box, bottom, top) for box, bottom, top in boxes]
+    """The upright boxes an object of a kind fills there."""
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    return [
+        box_space(x + cos * b.x - sin * b.y, y + sin * b.x + cos * b.y, yaw, (b.length, b.width), b.bottom, b.top)
+        for b in kind_of(kind).boxes(size, stem)
+    ]
 
 
 def touch(one: Space, two: Space, margin: float = 0.0) -> bool:

@@ -1,4 +1,7 @@
-"""Outlines: the few solid shapes that a drawing has for a thing, with the class of each."""
+"""The few solid shapes that a coarse layout has for an object, with the class of each.
+
+All are solid, also for what is porous in the detailed scene: neither a sentence nor a clustering makes a medium.
+"""
 
 from __future__ import annotations
 
@@ -9,40 +12,17 @@ from typing import NamedTuple
 from lidardraft.objects.parts import PlacedObject
 from lidardraft.objects.plants import trunk_diameter
 
-# The class of things that are drawn as one box; what is not named anywhere here is a car body.
-_BOXES = {
-    "truck": "truck",
-    "bus": "bus",
-    "tram": "train",
-    "person": "person",
-    "bicycle": "bicycle",
-    "motorcycle": "motorcycle",
-    "block": "building",
-    "shed": "building",
-    "hedge": "vegetation",
-    "fence": "fence",
-    "mesh_fence": "fence",
-    "barrier": "fence",
-    "garden_wall": "wall",
-    "wall": "wall",
-    **dict.fromkeys(("bin", "bench", "shelter", "cone", "letterbox", "hydrant", "cabinet"), "other"),
-}
-POLES = ("lamp", "pole", "sign", "traffic_light", "gantry", "billboard")
-SMALL = (
-    *("lamp", "pole", "sign", "traffic_light", "bin", "bench", "bush", "bicycle"),
-    *("cone", "letterbox", "hydrant", "cabinet", "barrier", "mesh_fence"),
-)
-OMITTED = ("grass",)  # a cover of the ground, not a thing
+_LAP = 0.75  # m; the knees and feet of a rider are drawn with what is ridden
 MOST_LOBES = 3  # ellipsoids of a crown
 _BROKEN = 2.4  # rad, the golden angle: lobes of neighbours do not line up
 _TRACTOR = 0.36  # of the length of a trailer truck: 6 of 16.5 m, Directive 96/53/EC
 
 
 class CoarseShape(NamedTuple):
-    """One shape of an outline: x forward, y left, z up from the ground under the middle of the thing [m].
+    """One shape of an object: x forward, y left, z up from the ground under the object's middle [m].
 
-    `rank` is what is added to the thing's instance. `lobes` is the number of ellipsoids in the crown that the shape is
-    one of, 0 for what is drawn whatever that number is.
+    `rank` is added to the object's instance. A crown is there once for each number of ellipsoids it may have: `lobes`
+    is that number for its ellipsoids, and 0 for all other shapes.
     """
 
     shape: str
@@ -53,16 +33,18 @@ class CoarseShape(NamedTuple):
     lobes: int = 0
 
 
-def coarse_shapes(placed: PlacedObject) -> list[CoarseShape]:
-    """The shapes that a drawing has for a thing; crowns in each of their numbers of lobes.
+def nothing(placed: PlacedObject) -> list[CoarseShape]:
+    """Nothing, for what only covers the ground."""
+    return []
 
-    All are solid, also for what is porous in the detailed scene: neither a sentence nor a clustering makes a medium.
-    """
-    if placed.kind in OMITTED:
-        return []
-    if placed.kind in _COMPOSED:
-        return _COMPOSED[placed.kind](placed)
-    return [_standing(placed.size, _BOXES.get(placed.kind, "car"))]
+
+def box_of(label: str) -> Callable[[PlacedObject], list[CoarseShape]]:
+    """What makes one box of a class, as large as the object."""
+
+    def shapes(placed: PlacedObject) -> list[CoarseShape]:
+        return [_standing(placed.size, label)]
+
+    return shapes
 
 
 def _standing(size: tuple[float, float, float], label: str, x: float = 0.0, rank: int = 0) -> CoarseShape:
@@ -78,17 +60,18 @@ def _plate(placed: PlacedObject, label: str, bottom: float) -> CoarseShape:
     return CoarseShape("box", (0.0, 0.0, (bottom + height) / 2), (length, width, height - bottom), label)
 
 
-def _house(placed: PlacedObject) -> list[CoarseShape]:
+def house(placed: PlacedObject) -> list[CoarseShape]:
     """A box to the middle of the roof."""
     length, width, height = placed.size
     return [_standing((length, width, (placed.stem + height) / 2), "building")]
 
 
-def _tree(placed: PlacedObject) -> list[CoarseShape]:
+def tree(placed: PlacedObject) -> list[CoarseShape]:
+    """A trunk, and the crown as one, two and three ellipsoids: `lobes` says which belong together."""
     length, width, height = placed.size
     crown = height - placed.stem
     bare = placed.stem + 0.1 * crown
-    marks = [_post(trunk_diameter(placed), 0.0, bare, "trunk")]
+    shapes = [_post(trunk_diameter(height), 0.0, bare, "trunk")]
     turn = _BROKEN * placed.x
     for lobes in range(1, MOST_LOBES + 1):
         # two or three balls around the middle that reach as far out, down and up as the whole crown
@@ -99,29 +82,33 @@ def _tree(placed: PlacedObject) -> list[CoarseShape]:
             up = 0.0 if lobes == 1 else (1.0 - 0.86) / 2 * (1 if lobe == 0 else -1)
             center = (out * length * math.cos(angle), out * width * math.sin(angle), placed.stem + crown * (0.5 + up))
             tall = crown if lobes == 1 else 0.86 * crown
-            marks.append(
+            shapes.append(
                 CoarseShape("ellipsoid", center, (share * length, share * width, tall), "vegetation", 0, lobes)
             )
-    return marks
+    return shapes
 
 
-def _bush(placed: PlacedObject) -> list[CoarseShape]:
+def bush(placed: PlacedObject) -> list[CoarseShape]:
+    """One ellipsoid."""
     return [CoarseShape("ellipsoid", (0.0, 0.0, placed.size[2] / 2), placed.size, "vegetation")]
 
 
-def _mast(placed: PlacedObject) -> list[CoarseShape]:
+def mast(placed: PlacedObject) -> list[CoarseShape]:
+    """A cylinder as thick as the extents are long."""
     return [_post(placed.size[0], 0.0, placed.size[2])]
 
 
-def _sign(placed: PlacedObject) -> list[CoarseShape]:
+def sign(placed: PlacedObject) -> list[CoarseShape]:
+    """A post up to `stem`, and the plate over it."""
     return [_post(0.08, 0.0, placed.stem), _plate(placed, "traffic-sign", placed.stem)]
 
 
-def _traffic_light(placed: PlacedObject) -> list[CoarseShape]:
+def traffic_light(placed: PlacedObject) -> list[CoarseShape]:
+    """A post up to `stem`, and the signal over it."""
     return [_post(0.11, 0.0, placed.stem), _plate(placed, "traffic-light", placed.stem)]
 
 
-def _gantry(placed: PlacedObject) -> list[CoarseShape]:
+def gantry(placed: PlacedObject) -> list[CoarseShape]:
     """Two posts and the signs between them, from `stem` up."""
     _, width, height = placed.size
     bottom = placed.stem if 0.0 < placed.stem < height else 0.75 * height
@@ -129,13 +116,13 @@ def _gantry(placed: PlacedObject) -> list[CoarseShape]:
     return [*posts, _plate(placed, "traffic-sign", bottom)]
 
 
-def _billboard(placed: PlacedObject) -> list[CoarseShape]:
+def billboard(placed: PlacedObject) -> list[CoarseShape]:
     """A board on its post, or down to the ground where it has no stem."""
     board = _plate(placed, "other", placed.stem)
     return [_post(0.2, 0.0, placed.stem, "other"), board] if placed.stem > 0.1 else [board]
 
 
-def _trailer_truck(placed: PlacedObject) -> list[CoarseShape]:
+def trailer_truck(placed: PlacedObject) -> list[CoarseShape]:
     """A tractor and its trailer, half a metre apart, the cab not as high as the load."""
     length, width, height = placed.size
     tractor, gap = _TRACTOR * length, 0.5
@@ -147,28 +134,17 @@ def _trailer_truck(placed: PlacedObject) -> list[CoarseShape]:
     ]
 
 
-def _ridden(label: str, top: float) -> Callable[[PlacedObject], list[CoarseShape]]:
-    lap = 0.75  # m; the knees and feet of a rider are drawn with what is ridden
-
-    def marks(placed: PlacedObject) -> list[CoarseShape]:
-        length, width, height = placed.size
-        rider = CoarseShape("box", (-0.02, 0.0, (lap + height) / 2), (0.75, width * 0.9, height - lap), "rider")
-        return [rider, _standing((length, 0.5 * width, top), label, rank=1)]
-
-    return marks
+def cyclist(placed: PlacedObject) -> list[CoarseShape]:
+    """A rider, and a bicycle as the next instance."""
+    return _ridden(placed, "bicycle", 1.06)
 
 
-_COMPOSED: dict[str, Callable[[PlacedObject], list[CoarseShape]]] = {
-    "house": _house,
-    "tree": _tree,
-    "bush": _bush,
-    "lamp": _mast,
-    "pole": _mast,
-    "sign": _sign,
-    "traffic_light": _traffic_light,
-    "gantry": _gantry,
-    "billboard": _billboard,
-    "trailer_truck": _trailer_truck,
-    "cyclist": _ridden("bicycle", 1.06),
-    "motorcyclist": _ridden("motorcycle", 1.1),
-}
+def motorcyclist(placed: PlacedObject) -> list[CoarseShape]:
+    """A rider, and a motorcycle as the next instance."""
+    return _ridden(placed, "motorcycle", 1.1)
+
+
+def _ridden(placed: PlacedObject, label: str, top: float) -> list[CoarseShape]:
+    length, width, height = placed.size
+    rider = CoarseShape("box", (-0.02, 0.0, (_LAP + height) / 2), (0.75, width * 0.9, height - _LAP), "rider")
+    return [rider, _standing((length, 0.5 * width, top), label, rank=1)]

@@ -1,0 +1,78 @@
+"""The upright boxes that an object fills, by which placement keeps one object out of another."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from lidardraft.objects.buildings import BALCONY, EAVES, STOREY
+from lidardraft.objects.parts import Vector
+from lidardraft.objects.plants import trunk_diameter
+from lidardraft.objects.poles import GANTRY_POST, LAMP_ARM
+
+_POST = 0.2  # m, how much room a post is given
+_NARROW_SIGN = 1.0  # m; wider signs stand on two posts
+
+
+class CollisionBox(NamedTuple):
+    """A box in the object's frame: its middle, its extents, and its bottom and top over the ground [m]."""
+
+    x: float
+    y: float
+    length: float
+    width: float
+    bottom: float
+    top: float
+
+
+def whole(size: Vector, stem: float) -> list[CollisionBox]:
+    """All of the extents, from the ground up."""
+    length, width, height = size
+    return [CollisionBox(0.0, 0.0, length, width, 0.0, height)]
+
+
+def tree(size: Vector, stem: float) -> list[CollisionBox]:
+    """A trunk and a crown, so that a car can stand under it."""
+    girth = trunk_diameter(size[2])
+    return [CollisionBox(0.0, 0.0, girth, girth, 0.0, stem), _above(size, stem)]
+
+
+def house(size: Vector, stem: float) -> list[CollisionBox]:
+    """Walls, and a roof that overhangs on all sides."""
+    length, width, height = size
+    roof = CollisionBox(0.0, 0.0, length + 2 * EAVES, width + 2 * EAVES, stem - 0.2, height)
+    return [*whole(size, stem), roof]
+
+
+def block(size: Vector, stem: float) -> list[CollisionBox]:
+    """Walls, and balconies from the first floor up."""
+    length, width, height = size
+    return [*whole(size, stem), CollisionBox(0.0, 0.0, length, width + 2 * BALCONY, 0.9 * STOREY, height)]
+
+
+def lamp(size: Vector, stem: float) -> list[CollisionBox]:
+    """A mast, and the longest arm to its left (+y)."""
+    height = size[2]
+    return [*whole(size, stem), CollisionBox(0.0, LAMP_ARM / 2, 0.3, LAMP_ARM + 0.3, height - 0.3, height)]
+
+
+def board(size: Vector, stem: float) -> list[CollisionBox]:
+    """A post and a board from `stem` to the top."""
+    return [CollisionBox(0.0, 0.0, _POST, _POST, 0.0, stem), _above(size, stem)]
+
+
+def sign(size: Vector, stem: float) -> list[CollisionBox]:
+    """A board on a post; a wide one stands on two, and nothing passes between."""
+    return board(size, stem) if size[1] < _NARROW_SIGN else whole(size, stem)
+
+
+def gantry(size: Vector, stem: float) -> list[CollisionBox]:
+    """Two posts and what is between them over the clearance `stem`."""
+    length, width, height = size
+    out = (width - GANTRY_POST) / 2
+    posts = [CollisionBox(0.0, side * out, length, GANTRY_POST, 0.0, height) for side in (-1, 1)]
+    return [*posts, _above(size, stem)]
+
+
+def _above(size: Vector, stem: float) -> CollisionBox:
+    length, width, height = size
+    return CollisionBox(0.0, 0.0, length, width, stem, height)

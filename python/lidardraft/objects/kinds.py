@@ -1,0 +1,224 @@
+"""The table of kinds: all that is known of each kind of object, in one row.
+
+Whatever needs to know something of an object's kind asks this table; nothing else lists kinds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from lidardraft.errors import LayoutError
+from lidardraft.objects import buildings, cars, furniture, heavy, pedestrians, plants, poles, two_wheelers
+from lidardraft.objects import coarse_shapes as coarse
+from lidardraft.objects import collision_boxes as boxes
+from lidardraft.objects.coarse_shapes import CoarseShape
+from lidardraft.objects.collision_boxes import CollisionBox
+from lidardraft.objects.parts import PlacedObject, Vector
+from lidardraft.scene.layout import Primitive
+from lidardraft.semantics import BY_NAME
+
+
+class Alignment(Enum):
+    """How the solver of sentences turns an object and puts it in line."""
+
+    LANE = "along the road, in the middle of a lane or a row of parked cars"
+    ROAD = "along the road or across it, wherever it stands"
+    SQUARE = "exactly along the road or across it, wherever it stands"
+    FREE = "turned as it is"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Kind:
+    """One kind of object. No field has a default: whoever adds a kind decides on all of them.
+
+    `build` makes the detailed primitives of an object, with random numbers of its generator; `labels` are the classes
+    that these have, in the order of their instances where they are counted. `coarse` makes the few solid shapes that a
+    coarse layout has for it, `boxes` the upright boxes that placement keeps free for extents (length, width, height)
+    and a `stem` [m].
+
+    `most_drop` is how far the ground may fall from under its base to its lowest corner [m]: an object on steeper ground
+    is let down; `math.inf` if only the ground under its middle matters. `is_small` objects are easily left out of a
+    picture, and those `on_post` are left out of coarse layouts without posts.
+
+    `word` is what the plan of a sentence calls it, of `lidardraft.drafting.spec.KINDS`, None where no sentence speaks
+    of it; `alignment` is how the solver of sentences places it.
+    """
+
+    build: Callable[[PlacedObject, np.random.Generator], list[Primitive]]
+    labels: tuple[str, ...]
+    coarse: Callable[[PlacedObject], list[CoarseShape]]
+    boxes: Callable[[Vector, float], list[CollisionBox]]
+    most_drop: float
+    is_small: bool
+    on_post: bool
+    word: str | None
+    alignment: Alignment
+
+    @property
+    def instances(self) -> int:
+        """How many instances an object has: 0 if it is not counted, 2 for a rider and what is ridden."""
+        return sum(BY_NAME[label].is_thing for label in self.labels)
+
+
+_ANY = math.inf
+_PLINTH = buildings.MOST_PLINTH
+_LANE, _ROAD, _SQUARE, _FREE = Alignment.LANE, Alignment.ROAD, Alignment.SQUARE, Alignment.FREE
+
+KINDS: dict[str, Kind] = {
+    **{
+        body: Kind(
+            build=cars.car, labels=("car",), coarse=coarse.box_of("car"), boxes=boxes.whole, most_drop=_ANY,
+            is_small=False, on_post=False, word="van" if body == "van" else "car", alignment=_LANE,
+        )
+        for body in cars.BODIES
+    },
+    "truck": Kind(
+        build=heavy.truck, labels=("truck",), coarse=coarse.box_of("truck"), boxes=boxes.whole, most_drop=_ANY,
+        is_small=False, on_post=False, word="truck", alignment=_LANE,
+    ),
+    "trailer_truck": Kind(
+        build=heavy.trailer_truck, labels=("truck",), coarse=coarse.trailer_truck, boxes=boxes.whole, most_drop=_ANY,
+        is_small=False, on_post=False, word="truck", alignment=_LANE,
+    ),
+    "bus": Kind(
+        build=heavy.bus, labels=("bus",), coarse=coarse.box_of("bus"), boxes=boxes.whole, most_drop=_ANY,
+        is_small=False, on_post=False, word="bus", alignment=_LANE,
+    ),
+    "tram": Kind(
+        build=heavy.tram, labels=("train",), coarse=coarse.box_of("train"), boxes=boxes.whole, most_drop=_ANY,
+        is_small=False, on_post=False, word="tram", alignment=_LANE,
+    ),
+    "bicycle": Kind(
+        build=two_wheelers.bicycle, labels=("bicycle",), coarse=coarse.box_of("bicycle"), boxes=boxes.whole,
+        most_drop=_ANY, is_small=True, on_post=False, word="bicycle", alignment=_FREE,
+    ),
+    "cyclist": Kind(
+        build=two_wheelers.cyclist, labels=("rider", "bicycle"), coarse=coarse.cyclist, boxes=boxes.whole,
+        most_drop=_ANY, is_small=False, on_post=False, word="bicycle", alignment=_FREE,
+    ),
+    "motorcycle": Kind(
+        build=two_wheelers.motorcycle, labels=("motorcycle",), coarse=coarse.box_of("motorcycle"), boxes=boxes.whole,
+        most_drop=_ANY, is_small=False, on_post=False, word="motorcycle", alignment=_LANE,
+    ),
+    "motorcyclist": Kind(
+        build=two_wheelers.motorcyclist, labels=("rider", "motorcycle"), coarse=coarse.motorcyclist, boxes=boxes.whole,
+        most_drop=_ANY, is_small=False, on_post=False, word="motorcycle", alignment=_LANE,
+    ),
+    "person": Kind(
+        build=pedestrians.person, labels=("person",), coarse=coarse.box_of("person"), boxes=boxes.whole,
+        most_drop=_ANY, is_small=False, on_post=False, word="person", alignment=_FREE,
+    ),
+    "house": Kind(
+        build=buildings.house, labels=("building",), coarse=coarse.house, boxes=boxes.house, most_drop=_PLINTH,
+        is_small=False, on_post=False, word="house", alignment=_ROAD,
+    ),
+    "block": Kind(
+        build=buildings.block, labels=("building",), coarse=coarse.box_of("building"), boxes=boxes.block,
+        most_drop=_PLINTH, is_small=False, on_post=False, word="building", alignment=_ROAD,
+    ),
+    "shed": Kind(
+        build=buildings.shed, labels=("building",), coarse=coarse.box_of("building"), boxes=boxes.whole,
+        most_drop=_PLINTH, is_small=False, on_post=False, word=None, alignment=_ROAD,
+    ),
+    "tree": Kind(
+        build=plants.tree, labels=("trunk", "vegetation"), coarse=coarse.tree, boxes=boxes.tree, most_drop=_ANY,
+        is_small=False, on_post=False, word="tree", alignment=_FREE,
+    ),
+    "bush": Kind(
+        build=plants.bush, labels=("vegetation",), coarse=coarse.bush, boxes=boxes.whole, most_drop=_ANY,
+        is_small=True, on_post=False, word="bush", alignment=_FREE,
+    ),
+    "hedge": Kind(
+        build=plants.hedge, labels=("vegetation",), coarse=coarse.box_of("vegetation"), boxes=boxes.whole,
+        most_drop=_ANY, is_small=False, on_post=False, word="hedge", alignment=_FREE,
+    ),
+    "grass": Kind(
+        build=plants.grass, labels=("terrain",), coarse=coarse.nothing, boxes=boxes.whole, most_drop=0.0,
+        is_small=False, on_post=False, word=None, alignment=_FREE,
+    ),
+    "lamp": Kind(
+        build=poles.lamp, labels=("pole",), coarse=coarse.mast, boxes=boxes.lamp, most_drop=_ANY,
+        is_small=True, on_post=True, word="street-light", alignment=_FREE,
+    ),
+    "pole": Kind(
+        build=poles.pole, labels=("pole",), coarse=coarse.mast, boxes=boxes.whole, most_drop=_ANY,
+        is_small=True, on_post=True, word="pole", alignment=_FREE,
+    ),
+    "sign": Kind(
+        build=poles.sign, labels=("pole", "traffic-sign"), coarse=coarse.sign, boxes=boxes.sign, most_drop=_ANY,
+        is_small=True, on_post=True, word="traffic-sign", alignment=_SQUARE,
+    ),
+    "traffic_light": Kind(
+        build=poles.traffic_light, labels=("pole", "traffic-light"), coarse=coarse.traffic_light, boxes=boxes.whole,
+        most_drop=_ANY, is_small=True, on_post=True, word="traffic-light", alignment=_SQUARE,
+    ),
+    "gantry": Kind(
+        build=poles.gantry, labels=("pole", "traffic-sign"), coarse=coarse.gantry, boxes=boxes.gantry, most_drop=_ANY,
+        is_small=False, on_post=True, word=None, alignment=_FREE,
+    ),
+    "billboard": Kind(
+        build=poles.billboard, labels=("other",), coarse=coarse.billboard, boxes=boxes.board, most_drop=_ANY,
+        is_small=False, on_post=True, word=None, alignment=_FREE,
+    ),
+    "fence": Kind(
+        build=furniture.fence, labels=("fence",), coarse=coarse.box_of("fence"), boxes=boxes.whole, most_drop=_ANY,
+        is_small=False, on_post=False, word="fence", alignment=_FREE,
+    ),
+    "mesh_fence": Kind(
+        build=furniture.mesh_fence, labels=("fence",), coarse=coarse.box_of("fence"), boxes=boxes.whole,
+        most_drop=_ANY, is_small=True, on_post=False, word="fence", alignment=_FREE,
+    ),
+    "barrier": Kind(
+        build=furniture.barrier, labels=("fence",), coarse=coarse.box_of("fence"), boxes=boxes.whole, most_drop=_ANY,
+        is_small=True, on_post=False, word="fence", alignment=_FREE,
+    ),
+    "garden_wall": Kind(
+        build=furniture.garden_wall, labels=("wall", "fence"), coarse=coarse.box_of("wall"), boxes=boxes.whole,
+        most_drop=_ANY, is_small=False, on_post=False, word="wall", alignment=_FREE,
+    ),
+    "wall": Kind(
+        build=furniture.wall, labels=("wall",), coarse=coarse.box_of("wall"), boxes=boxes.whole, most_drop=_ANY,
+        is_small=False, on_post=False, word="wall", alignment=_FREE,
+    ),
+    "shelter": Kind(
+        build=furniture.shelter, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole, most_drop=_ANY,
+        is_small=False, on_post=False, word=None, alignment=_FREE,
+    ),
+    "bin": Kind(
+        build=furniture.bin, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole, most_drop=_ANY,
+        is_small=True, on_post=False, word="bin", alignment=_SQUARE,
+    ),
+    "bench": Kind(
+        build=furniture.bench, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole, most_drop=_ANY,
+        is_small=True, on_post=False, word="bench", alignment=_SQUARE,
+    ),
+    "cone": Kind(
+        build=furniture.cone, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole, most_drop=_ANY,
+        is_small=True, on_post=False, word=None, alignment=_FREE,
+    ),
+    "letterbox": Kind(
+        build=furniture.letterbox, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole,
+        most_drop=_ANY, is_small=True, on_post=False, word=None, alignment=_FREE,
+    ),
+    "hydrant": Kind(
+        build=furniture.hydrant, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole, most_drop=_ANY,
+        is_small=True, on_post=False, word=None, alignment=_FREE,
+    ),
+    "cabinet": Kind(
+        build=furniture.cabinet, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole, most_drop=_ANY,
+        is_small=True, on_post=False, word=None, alignment=_FREE,
+    ),
+}  # fmt: skip
+
+
+def kind_of(name: str) -> Kind:
+    """The kind of that name; raises `LayoutError` if there is none."""
+    try:
+        return KINDS[name]
+    except KeyError:
+        raise LayoutError(f"kind is {name!r}; it must be one of {', '.join(KINDS)}") from None
