@@ -1,6 +1,8 @@
 """The house holds to its plan: who imports whom, how long things are, what they may be called."""
 
 import ast
+import graphlib
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -104,7 +106,37 @@ def test_rust_files_are_short_and_unsafe_stays_in_its_folder() -> None:
         lines = path.read_text().splitlines()
         assert len(lines) <= 400, f"{path.name} has {len(lines)} lines"
         code = [line for line in lines if not line.strip().startswith("//")]
-        assert path.parent.name == "lanes" or not [line for line in code if "unsafe " in line], path
+        assert path.parent.name == "simd" or not [line for line in code if "unsafe " in line], path
+
+
+def rust_names_used(text: str) -> set[str]:
+    """What follows `crate::` in a Rust file, in `use` lines and elsewhere: modules, and names that lib.rs re-exports."""
+    code = re.sub(r"//.*", "", text)
+    grouped = [names for group in re.findall(r"\bcrate::\{([^;]*)\};", code) for names in group.split(",")]
+    return set(re.findall(r"\bcrate::(\w+)", code)) | {name.strip().split("::")[0] for name in grouped}
+
+
+def test_modules_of_the_core_do_not_go_in_circles() -> None:
+    core = ROOT / "rust" / "core"
+    library = (core / "lib.rs").read_text()
+    modules = set(re.findall(r"^(?:pub )?mod (\w+);", library, re.MULTILINE)) - {"tests"}
+    home = {module: module for module in modules}
+    for module, names in re.findall(r"^pub use (\w+)::\{?([\w, \n]+)\}?;", library, re.MULTILINE):
+        home |= {name.strip(): module for name in names.split(",") if name.strip() and name.strip() not in modules}
+    uses: dict[str, set[str]] = {}
+    for path in core.rglob("*.rs"):
+        module = path.relative_to(core).parts[0].removesuffix(".rs")
+        if module in modules:
+            text = path.read_text()
+            assert "super::super" not in text, f"{path} should say crate::"
+            used = {home.get(name) for name in rust_names_used(text)} - {None, module}
+            uses[module] = uses.get(module, set()) | {name for name in used if name is not None}
+    assert uses.keys() == modules
+    assert "packed" in uses["scan"]
+    try:
+        graphlib.TopologicalSorter(uses).prepare()
+    except graphlib.CycleError as error:
+        pytest.fail("modules import each other: " + " <- ".join(error.args[1]))
 
 
 def test_the_ten_second_table_is_true() -> None:

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 
 use crate::bvh::Bvh;
 use crate::intersect::{Cuboid, Cylinder, Ellipsoid, Hit, Ray, Rectangle, Span, Triangle, rest};
-use crate::scan::Blocks;
+use crate::packed::{Blocks, Obb, Outline};
 use crate::{Bounds, TriangleMesh};
 
 /// Where a body stands: `p_scene = rotation * p_body + center`. Rigid, so that distances along a ray stay the same.
@@ -174,6 +174,24 @@ impl Body {
         // A turned cube reaches sqrt(3) times as far as an upright one.
         let bounds = solid.bounds(&place).grown(2.0 * slack);
         Body { place, solid, extinction, slack, bounds }
+    }
+
+    /// The box around it, relative to the origin of the scene, in the axes of the body; and how it fills that.
+    pub(crate) fn obb(&self) -> Obb {
+        let (center, half, outline) = match &self.solid {
+            Solid::Cuboid(shape) => (DVec3::ZERO, shape.half, Outline::Box),
+            Solid::Rectangle(shape) => (DVec3::ZERO, shape.half.extend(0.0), Outline::Box),
+            Solid::Ellipsoid(shape) => (DVec3::ZERO, shape.radii, Outline::Ellipsoid),
+            Solid::Cylinder(shape) => (DVec3::ZERO, shape.half, Outline::Cylinder),
+            Solid::Mesh(mesh) => (mesh.bounds.center(), (mesh.bounds.max - mesh.bounds.min) / 2.0, Outline::Box),
+        };
+        let half_axes = [0, 1, 2].map(|k| self.place.rotation.col(k) * half[k]);
+        Obb { center: self.place.outward(center), half_axes, outline }
+    }
+
+    /// How many surfaces it has: a mesh has one for each triangle.
+    pub(crate) fn surfaces(&self) -> usize {
+        if let Solid::Mesh(mesh) = &self.solid { mesh.faces.len() } else { 1 }
     }
 
     /// The bounds relative to the origin of the scene.

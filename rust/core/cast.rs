@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::image::Return;
 use crate::medium::COUNT;
-use crate::scan::threads::spread;
+use crate::threads::spread;
 use crate::{Chance, Error, ImagesMut, Result, Scene};
 
 /// What rays hit, one entry for each; a ray without hit has 0 in all of them and -1 in `primitive`.

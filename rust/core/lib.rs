@@ -38,6 +38,7 @@
 //! # Ok::<(), lidardraft_core::Error>(())
 //! ```
 
+mod backend;
 mod body;
 mod bounds;
 mod bvh;
@@ -48,17 +49,22 @@ pub mod intersect;
 mod medium;
 mod mesh;
 mod obj;
+mod packed;
 mod pose;
 mod primitive;
 mod projection;
 mod scan;
 mod scene;
-mod sensor;
 pub mod sensor_model;
+mod sensor_pattern;
+mod sensor_spec;
+mod simd;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod threads;
 
+pub use backend::Backend;
 pub use bounds::Bounds;
 pub use cast::{Hits, cast};
 pub use error::{Error, Result};
@@ -69,7 +75,8 @@ pub use obj::{ObjMesh, read_obj};
 pub use pose::Pose;
 pub use primitive::{Primitive, Shape};
 pub use projection::Projection;
-pub use scan::{Backend, scan, scan_batch};
+pub use scan::{scan, scan_batch};
 pub use scene::{Scene, SceneHit};
-pub use sensor::{SensorPattern, SensorSpec};
+pub use sensor_pattern::SensorPattern;
+pub use sensor_spec::SensorSpec;
 pub use tables::PrimitiveTables;

@@ -10,7 +10,7 @@
 
 use std::sync::OnceLock;
 
-use crate::scan::WIDEST;
+use crate::simd::WIDEST;
 
 /// How many different free paths there are.
 pub(crate) const COUNT: usize = 1 << 14;

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::SensorPattern;
-use crate::sensor::TURN_TOLERANCE;
+use crate::sensor_spec::TURN_TOLERANCE;
 
 /// The pixels of a list of points; a point outside the pattern has row and column -1 and distance 0.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::body::{Body, Place};
 use crate::bvh::Bvh;
 use crate::intersect::{Hit, Ray};
-use crate::scan::Stage;
+use crate::packed::BodyTable;
 use crate::{Bounds, Chance, Error, Pose, Primitive, Result};
 
 /// The closest surface along a ray.
@@ -37,7 +37,7 @@ pub struct Scene {
     /// Class and instance of each primitive.
     semantics: Vec<(u8, u32)>,
     bvh: Bvh,
-    stage: Stage,
+    body_table: BodyTable,
 }
 
 impl Scene {
@@ -55,8 +55,8 @@ impl Scene {
         let semantics = primitives.iter().map(|p| (p.label, p.instance)).collect();
         let bodies: Vec<Body> = primitives.into_iter().map(|p| p.body(origin)).collect();
         let bvh = Bvh::new(&boxes(&bodies));
-        let stage = Stage::new(&bodies);
-        Ok(Scene { origin, bodies, semantics, bvh, stage })
+        let body_table = BodyTable::new(bodies.iter().map(|body| (body.obb(), body.surfaces())));
+        Ok(Scene { origin, bodies, semantics, bvh, body_table })
     }
 
     /// The same scene with some primitives standing elsewhere: `world_from_primitive` says where the frame of each, its
@@ -75,8 +75,8 @@ impl Scene {
             *body = Body::new(body.solid.clone(), place, body.extinction);
         }
         let bvh = Bvh::new(&boxes(&bodies));
-        let stage = Stage::new(&bodies);
-        Ok(Scene { origin: self.origin, bodies, semantics: self.semantics.clone(), bvh, stage })
+        let body_table = BodyTable::new(bodies.iter().map(|body| (body.obb(), body.surfaces())));
+        Ok(Scene { origin: self.origin, bodies, semantics: self.semantics.clone(), bvh, body_table })
     }
 
     fn check_moved(&self, primitives: &[u32], poses: usize) -> Result<()> {
@@ -143,8 +143,8 @@ impl Scene {
     }
 
     /// The bodies as columns of numbers.
-    pub(crate) fn stage(&self) -> &Stage {
-        &self.stage
+    pub(crate) fn body_table(&self) -> &BodyTable {
+        &self.body_table
     }
 
     /// Class and instance of each primitive.

@@ -2,20 +2,11 @@
 //!
 //! Bounds are angles, not corner rays: rays of equal elevation form a cone, which no four planes bound.
 
-use std::f32::consts::{FRAC_PI_2, PI};
+use std::f32::consts::PI;
 
-use super::lanes::{Lanes, Mask, WIDEST};
-use super::vector::{Matrix, Vector};
 use super::view::View;
-
-/// How a body fills the box around it, which decides how far it reaches along a direction.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Outline {
-    Box,
-    /// Round about its third axis, flat along it.
-    Cylinder,
-    Ellipsoid,
-}
+use crate::packed::Outline;
+use crate::simd::{Lanes, Mask, Matrix, Vector, WIDEST, arctangent};
 
 /// The part of a view that a body may be seen in.
 pub(super) struct Bounds<L: Lanes> {
@@ -116,26 +107,6 @@ fn reach<L: Lanes>(Vector { x: a, y: b, z: c }: Vector<L>, outline: Outline) -> 
         Outline::Cylinder => a.mul_add(a, b * b).sqrt() + c.abs(),
         Outline::Ellipsoid => a.mul_add(a, b.mul_add(b, c * c)).sqrt(),
     }
-}
-
-/// The angle of (x, y) [rad], off by 1e-5 at most: Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.49.
-#[inline(always)]
-pub(super) fn arctangent<L: Lanes>(y: L, x: L) -> L {
-    let (across, along) = (y.abs(), x.abs());
-    let (small, large) = (across.min(along), across.max(along));
-    let angle = small_arctangent(small / large.max(L::splat(1e-30)));
-    let angle = L::select(across.gt(along), L::splat(FRAC_PI_2) - angle, angle);
-    let angle = L::select(L::splat(0.0).gt(x), L::splat(PI) - angle, angle);
-    angle.copysign(y)
-}
-
-/// The arctangent of what lies between -1 and 1, off by 1e-5 at most.
-#[inline(always)]
-pub(super) fn small_arctangent<L: Lanes>(tangent: L) -> L {
-    let square = tangent * tangent;
-    let sum = L::splat(0.020_835_1).mul_add(square, L::splat(-0.085_133));
-    let sum = sum.mul_add(square, L::splat(0.180_141)).mul_add(square, L::splat(-0.330_299_5));
-    sum.mul_add(square, L::splat(0.999_866)) * tangent
 }
 
 /// The pixels that a body may cover, as plain numbers.

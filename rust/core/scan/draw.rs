@@ -1,11 +1,10 @@
 //! Shapes onto pixels: the loop that everything else is there to keep short.
 
-use super::band::SWEEPS;
 use super::bounds::Area;
-use super::lanes::{Lanes, Mask, WIDEST};
 use super::solids::{Shape, Solid, Tolerance};
-use super::vector::Vector;
 use super::view::View;
+use crate::packed::SWEEPS;
+use crate::simd::{Lanes, Mask, Vector, WIDEST};
 
 /// What is nearest so far at each pixel of a view, by rows.
 ///

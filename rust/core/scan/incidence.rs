@@ -79,7 +79,7 @@ impl<'a> Faces<'a> {
     }
 
     fn look_up(&mut self, id: u32) -> Surface<'a> {
-        let (number, part) = self.scene.stage().body_of(id);
+        let (number, part) = self.scene.body_table().body_of(id);
         let body = &self.scene.bodies()[number];
         if body.extinction.is_some() {
             return Surface::Medium;

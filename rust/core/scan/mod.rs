@@ -1,12 +1,8 @@
 //! Whole scans: every ray of a sensor pattern, cast from one pose, or from one pose for each column.
 
-mod backend;
-mod band;
-mod blocks;
 mod bounds;
 mod draw;
 mod incidence;
-mod lanes;
 mod paint;
 mod porous;
 mod raster;
@@ -14,20 +10,11 @@ pub(crate) mod reference;
 mod resolve;
 mod solids;
 mod specks;
-mod stage;
-pub(crate) mod threads;
 mod triangles;
-mod vector;
 mod view;
 
-pub use backend::Backend;
-pub(crate) use band::Band;
-pub(crate) use blocks::Blocks;
-pub(crate) use lanes::WIDEST;
-pub(crate) use stage::Stage;
-
-use crate::{Error, ImagesMut, Pose, Result, Scene, SensorPattern};
-use threads::spread;
+use crate::threads::spread;
+use crate::{Backend, Error, ImagesMut, Pose, Result, Scene, SensorPattern};
 
 /// Casts a scan: the closest return of every ray of a pattern.
 ///

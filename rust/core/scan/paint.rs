@@ -2,18 +2,17 @@
 
 use glam::DVec3;
 
-use super::bounds::{Area, Outline, TOUCHING};
+use super::bounds::{Area, TOUCHING};
 use super::draw::{Canvas, draw, draw_doubt};
-use super::lanes::Lanes;
 use super::porous::{Medium, draw_medium};
 use super::solids::{self, Local, Porous, Shape};
-use super::stage::Hulls;
 use super::triangles::{Placed, Ready};
-use super::vector::{Matrix, Vector, rows};
 use super::view::View;
 use crate::Scene;
 use crate::body::{Body, MeshBody, Place, Solid};
 use crate::intersect::{Cuboid, Cylinder, Ellipsoid, Rectangle};
+use crate::packed::{ObbTable, Outline};
+use crate::simd::{Lanes, Matrix, Vector, rows};
 
 /// What paints a view: kept from view to view, so that nothing is allocated.
 #[derive(Default)]
@@ -37,11 +36,11 @@ impl Painter {
     /// Draws all that the view may see; an id is the number of a body or, if asked for, of a surface.
     #[inline(always)]
     pub(super) fn paint<L: Lanes>(&mut self, scene: &Scene, view: &View, seed: u64, surfaces: bool) {
-        let (bodies, stage) = (scene.bodies(), scene.stage());
+        let (bodies, table) = (scene.bodies(), scene.body_table());
         self.canvas.fit(view);
         self.order.clear();
-        for hulls in &stage.hulls {
-            self.find::<L>(hulls, bodies, view);
+        for obbs in &table.obbs {
+            self.find::<L>(obbs, bodies, view);
         }
         // Near things hide far ones without their being looked at. Equals go by number: the order of two bodies, and with
         // it every bit of the images, is the same however a scan is cut into views.
@@ -51,7 +50,7 @@ impl Painter {
                 continue;
             }
             let body = &bodies[seen.body as usize];
-            let id = if surfaces { stage.surface(seen.body as usize) } else { seen.body };
+            let id = if surfaces { table.surface(seen.body as usize) } else { seen.body };
             match &body.solid {
                 // Every triangle may be where a ray enters or leaves: that takes all of them at once.
                 Solid::Mesh(_) if body.extinction.is_some() => draw_doubt::<L>(&seen.area, view, &mut self.canvas),
@@ -76,24 +75,24 @@ impl Painter {
     }
 
     #[inline(always)]
-    fn find<L: Lanes>(&mut self, hulls: &Hulls, bodies: &[Body], view: &View) {
+    fn find<L: Lanes>(&mut self, obbs: &ObbTable, bodies: &[Body], view: &View) {
         for k in 0..3 {
             // From the view's origin, in f64: what is left is exact however far from the scene's origin both are.
             self.centers[k].clear();
-            self.centers[k].extend(hulls.center[k].iter().map(|x| (x - view.origin[k]) as f32));
+            self.centers[k].extend(obbs.center[k].iter().map(|x| (x - view.origin[k]) as f32));
         }
         let into_view = Matrix::splat(rows(&view.rotation.transpose()));
-        for at in (0..hulls.bodies.len()).step_by(L::N) {
+        for at in (0..obbs.bodies.len()).step_by(L::N) {
             let center = into_view.apply(Vector::<L>::load(&self.centers, at));
-            let [x, y, z] = &hulls.axes;
+            let [x, y, z] = &obbs.axes;
             let axes = Matrix {
                 x: into_view.apply(Vector::load(x, at)),
                 y: into_view.apply(Vector::load(y, at)),
                 z: into_view.apply(Vector::load(z, at)),
             };
-            let bounds = view.bounds(center, &axes, hulls.outline);
-            for (lane, area) in bounds.listed(hulls.bodies.len() - at).seen() {
-                let body = hulls.bodies[at + lane];
+            let bounds = view.bounds(center, &axes, obbs.outline);
+            for (lane, area) in bounds.listed(obbs.bodies.len() - at).seen() {
+                let body = obbs.bodies[at + lane];
                 match &bodies[body as usize] {
                     // A mesh of one part fills the box that was looked at.
                     Body { solid: Solid::Mesh(mesh), extinction, .. }

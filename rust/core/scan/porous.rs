@@ -1,13 +1,12 @@
 //! Media onto pixels: as `draw`, with a free path for every ray.
 
-use super::band::SWEEPS;
 use super::bounds::Area;
 use super::draw::{Canvas, DOUBT, steps};
-use super::lanes::{Lanes, Mask};
 use super::solids::{Porous, Shape};
-use super::vector::Vector;
 use super::view::View;
 use crate::medium::{COUNT, Paths};
+use crate::packed::SWEEPS;
+use crate::simd::{Lanes, Mask, Vector};
 
 /// What makes a body a medium.
 #[derive(Clone, Copy)]

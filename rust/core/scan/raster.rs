@@ -7,15 +7,15 @@
 use std::cell::RefCell;
 use std::ops::Range;
 
-use super::band::Band;
 use super::incidence::Faces;
-use super::lanes::{self, Kernel, Lanes, WIDEST};
 use super::paint::Painter;
+use super::reference;
 use super::resolve::{Doubts, Owners};
-use super::threads::spread;
 use super::view::View;
-use super::{Backend, reference};
-use crate::{ImagesMut, Pose, Scene, SensorPattern};
+use crate::packed::Band;
+use crate::simd::{self, Kernel, Lanes, WIDEST};
+use crate::threads::spread;
+use crate::{Backend, ImagesMut, Pose, Scene, SensorPattern};
 
 /// The columns that share bounds when each has a pose of its own, at most and at least: by how far the sensor moves
 /// meanwhile [m], and the fewest if it turns.
@@ -114,10 +114,10 @@ impl Kernel for Painting<'_, '_, '_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Painting { scan, view, painter, images, doubts } = self;
-        let (scene, stage) = (scan.scene, scan.scene.stage());
+        let (scene, table) = (scan.scene, scan.scene.body_table());
         let surfaces = images.first().is_some_and(|image| image.incidence.is_some() || image.normal.is_some());
         painter.paint::<L>(scene, view, scan.seed, surfaces);
-        let owners = Owners { surfaces: surfaces.then_some(stage), semantics: scene.semantics() };
+        let owners = Owners { surfaces: surfaces.then_some(table), semantics: scene.semantics() };
         painter.canvas.resolve::<L>(view, &owners, images, doubts);
         if surfaces {
             let mut faces = Faces::new(scene, view);
@@ -136,7 +136,7 @@ impl Scan<'_> {
         // Taken, so that a panic leaves no half a view behind.
         let mut painter = PAINTER.take();
         let painting = Painting { scan: self, view: &view, painter: &mut painter, images, doubts: &mut doubts };
-        lanes::run(self.backend, painting);
+        simd::run(self.backend, painting);
         PAINTER.set(painter);
         for (row, column) in doubts {
             let (beam, ray) = (job.band.rows[row] as usize, job.columns.start + column);

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::threads::spread;
 use crate::image::Return;
+use crate::threads::spread;
 use crate::{Chance, ImagesMut, Pose, Scene, SensorPattern};
 
 /// The closest return of every ray, one ray at a time; rows are spread over threads.

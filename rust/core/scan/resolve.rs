@@ -1,10 +1,10 @@
 //! A painted view as images.
 
 use super::draw::{Canvas, DOUBT};
-use super::lanes::{Lanes, Mask, WIDEST};
-use super::stage::Stage;
 use super::view::View;
 use crate::ImagesMut;
+use crate::packed::BodyTable;
+use crate::simd::{Lanes, Mask, WIDEST};
 
 /// The pixels that f32 could not decide: row and column of the view.
 pub(super) type Doubts = Vec<(usize, usize)>;
@@ -117,7 +117,7 @@ fn scatter(
 /// Whose an id is.
 pub(super) struct Owners<'a> {
     /// What numbered the surfaces, if ids are numbers of surfaces and not of bodies.
-    pub(super) surfaces: Option<&'a Stage>,
+    pub(super) surfaces: Option<&'a BodyTable>,
     /// Class and instance of each body.
     pub(super) semantics: &'a [(u8, u32)],
 }
@@ -126,7 +126,7 @@ impl Owners<'_> {
     /// The body of an id, its class and its instance.
     #[inline(always)]
     fn of(&self, id: u32) -> (usize, u8, u32) {
-        let body = self.surfaces.map_or(id as usize, |stage| stage.body_of(id).0);
+        let body = self.surfaces.map_or(id as usize, |table| table.body_of(id).0);
         let (label, instance) = self.semantics[body];
         (body, label, instance)
     }

@@ -2,10 +2,9 @@
 
 use super::bounds::{Bounds, Listed};
 use super::draw::Canvas;
-use super::lanes::{Lanes, Mask, WIDEST};
 use super::solids::{SeenTriangle, Solid};
-use super::vector::Vector;
 use super::view::{Motion, View};
+use crate::simd::{Lanes, Mask, Vector, WIDEST};
 
 /// Triangles that may cover more rays of a sweep are drawn one by one.
 const FEW: f32 = 4.0;

@@ -2,16 +2,14 @@
 
 use glam::{DMat3, DVec3, Vec2};
 
-use super::band::SWEEPS;
-use super::blocks::{Blocks, Boxes, Large, SIDE};
-use super::bounds::{Area, Bounds, Outline, TOUCHING, arctangent, small_arctangent};
+use super::bounds::{Area, Bounds, TOUCHING};
 use super::draw::{Canvas, draw, draw_seen};
-use super::lanes::{Lanes, Mask, WIDEST};
 use super::solids::{Facet, SeenTriangle, Triangle};
 use super::specks::Specks;
-use super::vector::{Matrix, Vector, rows};
 use super::view::View;
 use crate::body::Place;
+use crate::packed::{Blocks, Boxes, Large, Outline, SIDE, SWEEPS};
+use crate::simd::{Lanes, Mask, Matrix, Vector, WIDEST, arctangent, rows, small_arctangent};
 
 /// Where a mesh stands in a view.
 pub(super) struct Placed {

@@ -4,10 +4,9 @@ use std::ops::Range;
 
 use glam::{DMat3, DVec3};
 
-use super::band::{Band, padded};
-use super::lanes::Lanes;
 use super::solids::Tolerance;
-use super::vector::Vector;
+use crate::packed::{Band, padded};
+use crate::simd::{Lanes, Vector};
 use crate::{Pose, SensorPattern};
 
 /// The rays of a band in some columns, and where they start.

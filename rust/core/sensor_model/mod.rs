@@ -14,7 +14,7 @@ pub use model::SensorModel;
 pub use receiver::MOST_RAYS;
 pub use surfaces::{INCIDENCES, Surfaces};
 
-use crate::scan::threads::spread;
+use crate::threads::spread;
 use crate::{Error, Result};
 use effects::{
     dim_by_dust, hang_in_the_air, intensity, look_through_panes, range_noise, roughness, scatter_power, undetected,

@@ -2,8 +2,7 @@
 
 use super::slab::Slab;
 use super::{Local, Porous, Shape, Solid, Tolerance, three};
-use crate::scan::lanes::Lanes;
-use crate::scan::vector::Vector;
+use crate::simd::{Lanes, Vector};
 
 /// A box: Kay and Kajiya's slabs; `INSIDE` if rays start in it.
 #[derive(Clone, Copy)]

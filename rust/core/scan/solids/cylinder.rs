@@ -2,8 +2,7 @@
 
 use super::slab::Slab;
 use super::{ENDLESS, Local, Porous, Shape, Solid, Tolerance, blur, three};
-use crate::scan::lanes::Lanes;
-use crate::scan::vector::Vector;
+use crate::simd::{Lanes, Vector};
 
 /// An upright cylinder seen from outside, in the frame where its outline is the unit circle.
 #[derive(Clone, Copy)]

@@ -1,8 +1,7 @@
 //! Rays against an ellipsoid.
 
 use super::{ENDLESS, Local, Porous, Shape, Solid, Tolerance, blur, three};
-use crate::scan::lanes::Lanes;
-use crate::scan::vector::{Matrix, Vector};
+use crate::simd::{Lanes, Matrix, Vector};
 
 /// An ellipsoid, in the frame where it is the unit ball.
 #[derive(Clone, Copy)]

@@ -13,9 +13,7 @@ mod rectangle;
 mod slab;
 mod triangle;
 
-use super::lanes::Lanes;
-use super::vector::{Matrix, Vector};
-
+use crate::simd::{Lanes, Matrix, Vector};
 use slab::Slab;
 
 pub(super) use cuboid::Cuboid;

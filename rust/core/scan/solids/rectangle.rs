@@ -1,8 +1,7 @@
 //! Rays against a rectangle.
 
 use super::{Local, Shape, Solid, Tolerance, three};
-use crate::scan::lanes::Lanes;
-use crate::scan::vector::Vector;
+use crate::simd::{Lanes, Vector};
 
 /// A level rectangle.
 #[derive(Clone, Copy)]

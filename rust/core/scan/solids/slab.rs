@@ -1,7 +1,7 @@
 //! The space between two parallel planes.
 
 use super::ENDLESS;
-use crate::scan::lanes::Lanes;
+use crate::simd::Lanes;
 
 /// Closer to a plane than this share of the terms of its distance, rays start in it: some ten times f32's rounding.
 const IN_PLANE: f32 = 1e-6;

@@ -1,8 +1,7 @@
 //! Rays against a triangle.
 
 use super::{ENDLESS, Shape, Solid, Tolerance};
-use crate::scan::lanes::Lanes;
-use crate::scan::vector::Vector;
+use crate::simd::{Lanes, Vector};
 
 /// A triangle. Its corners are relative to the view, the edge from the last to the first is the longest.
 #[derive(Clone, Copy)]

@@ -41,7 +41,7 @@ impl Backend {
     }
 
     #[cfg(target_arch = "x86_64")]
-    pub(super) fn is_available(self) -> bool {
+    pub(crate) fn is_available(self) -> bool {
         let avx2 = || is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
         match self {
             Backend::Avx512 => {
@@ -57,7 +57,7 @@ impl Backend {
     }
 
     #[cfg(not(target_arch = "x86_64"))]
-    pub(super) fn is_available(self) -> bool {
+    pub(crate) fn is_available(self) -> bool {
         matches!(self, Backend::Portable | Backend::Reference)
     }
 }

@@ -2,30 +2,30 @@
 
 use glam::DVec3;
 
-use super::lanes::WIDEST;
 use crate::Bounds;
+use crate::simd::WIDEST;
 
 /// Triangles of a block, and blocks of a group: one to a lane.
-pub(super) const SIDE: usize = WIDEST;
+pub(crate) const SIDE: usize = WIDEST;
 
 /// A mesh in its own frame.
 #[derive(Debug)]
 pub(crate) struct Blocks {
-    pub(super) blocks: Vec<Block>,
+    pub(crate) blocks: Vec<Block>,
     /// The boxes around the blocks, and around each `SIDE` of them in a row.
-    pub(super) block_boxes: Boxes,
-    pub(super) group_boxes: Boxes,
+    pub(crate) block_boxes: Boxes,
+    pub(crate) group_boxes: Boxes,
     /// Triangles that are no part of a block, and the boxes around them.
-    pub(super) large: Vec<Large>,
-    pub(super) large_boxes: Boxes,
+    pub(crate) large: Vec<Large>,
+    pub(crate) large_boxes: Boxes,
 }
 
 /// A triangle so large that its corners may be much further away than its plane is: that takes f64.
 #[derive(Debug)]
-pub(super) struct Large {
-    pub(super) corners: [DVec3; 3],
+pub(crate) struct Large {
+    pub(crate) corners: [DVec3; 3],
     /// Its number in the mesh.
-    pub(super) triangle: u32,
+    pub(crate) triangle: u32,
 }
 
 /// Triangles that reach further than this are large [m]: some ten times the height of a sensor.
@@ -33,23 +33,23 @@ const LARGE: f64 = 16.0;
 
 /// Sixteen triangles or fewer.
 #[derive(Debug)]
-pub(super) struct Block {
+pub(crate) struct Block {
     /// Corner, axis, triangle: relative to the middle of the block's box, which keeps them exact far from the mesh's origin.
     /// The edge from the last corner to the first is the longest.
-    pub(super) corners: [[[f32; SIDE]; 3]; 3],
+    pub(crate) corners: [[[f32; SIDE]; 3]; 3],
     /// Their numbers in the mesh.
-    pub(super) triangles: [u32; SIDE],
-    pub(super) count: usize,
+    pub(crate) triangles: [u32; SIDE],
+    pub(crate) count: usize,
 }
 
 /// Boxes as columns of numbers, by axis and padded to whole vectors.
 #[derive(Debug)]
-pub(super) struct Boxes {
-    pub(super) center: [Vec<f32>; 3],
-    pub(super) half: [Vec<f32>; 3],
+pub(crate) struct Boxes {
+    pub(crate) center: [Vec<f32>; 3],
+    pub(crate) half: [Vec<f32>; 3],
     /// Lengths of the diagonals.
-    pub(super) size: Vec<f32>,
-    pub(super) count: usize,
+    pub(crate) size: Vec<f32>,
+    pub(crate) count: usize,
 }
 
 impl Blocks {
@@ -90,7 +90,7 @@ impl Blocks {
 
 impl Blocks {
     /// How many groups and large triangles there are.
-    pub(super) fn parts(&self) -> usize {
+    pub(crate) fn parts(&self) -> usize {
         self.group_boxes.count + self.large_boxes.count
     }
 }

@@ -8,6 +8,7 @@
 //! - every method, and everything generic over `Lanes`, is `#[inline(always)]`, so that it is compiled into those functions;
 //! - loads, stores and gathers check their bounds, on every backend.
 
+mod arctangent;
 #[cfg(target_arch = "x86_64")]
 #[expect(unsafe_code, reason = "processor instructions")]
 mod avx2;
@@ -15,14 +16,19 @@ mod avx2;
 #[expect(unsafe_code, reason = "processor instructions")]
 mod avx512;
 mod portable;
+mod vector;
 
-use super::Backend;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
+
+pub(crate) use arctangent::{arctangent, small_arctangent};
+pub(crate) use vector::{Matrix, Vector, rows};
+
+use crate::Backend;
 
 /// `N` numbers that are worked on at once.
 ///
 /// Comparisons with NaN are false. `a.min(b)` and `a.max(b)` are `b` where one of both is NaN.
-pub(super) trait Lanes:
+pub(crate) trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
     /// How many; a divisor of [`WIDEST`].
@@ -73,7 +79,7 @@ pub(super) trait Lanes:
 }
 
 /// One truth value a lane.
-pub(super) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
+pub(crate) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
     /// Bit i is lane i.
     fn bits(self) -> u32;
 
@@ -95,12 +101,12 @@ pub(super) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
 pub(crate) const WIDEST: usize = 16;
 
 /// Something to be done with vectors of any width.
-pub(super) trait Kernel {
+pub(crate) trait Kernel {
     fn run<L: Lanes>(self);
 }
 
 /// Runs a kernel with the vectors of a backend, or with portable ones where this machine has none of that kind.
-pub(super) fn run(backend: Backend, kernel: impl Kernel) {
+pub(crate) fn run(backend: Backend, kernel: impl Kernel) {
     match backend {
         #[cfg(target_arch = "x86_64")]
         Backend::Avx512 if backend.is_available() => avx512::run(kernel),

@@ -7,53 +7,53 @@ use std::ops::{Add, Mul, Sub};
 
 use glam::DMat3;
 
-use super::lanes::Lanes;
+use super::Lanes;
 
 #[derive(Clone, Copy)]
-pub(super) struct Vector<L> {
-    pub(super) x: L,
-    pub(super) y: L,
-    pub(super) z: L,
+pub(crate) struct Vector<L> {
+    pub(crate) x: L,
+    pub(crate) y: L,
+    pub(crate) z: L,
 }
 
 impl<L: Lanes> Vector<L> {
     #[inline(always)]
-    pub(super) fn new(x: L, y: L, z: L) -> Vector<L> {
+    pub(crate) fn new(x: L, y: L, z: L) -> Vector<L> {
         Vector { x, y, z }
     }
 
     /// The same vector in every lane.
     #[inline(always)]
-    pub(super) fn splat([x, y, z]: [f32; 3]) -> Vector<L> {
+    pub(crate) fn splat([x, y, z]: [f32; 3]) -> Vector<L> {
         Vector::new(L::splat(x), L::splat(y), L::splat(z))
     }
 
     /// One vector a lane, from columns of coordinates.
     #[inline(always)]
-    pub(super) fn load<T: AsRef<[f32]>>([x, y, z]: &[T; 3], at: usize) -> Vector<L> {
+    pub(crate) fn load<T: AsRef<[f32]>>([x, y, z]: &[T; 3], at: usize) -> Vector<L> {
         Vector::new(L::load(x.as_ref(), at), L::load(y.as_ref(), at), L::load(z.as_ref(), at))
     }
 
     /// One vector a lane, from these places in columns of coordinates.
     #[inline(always)]
-    pub(super) fn gather([x, y, z]: &[Vec<f32>; 3], at: L) -> Vector<L> {
+    pub(crate) fn gather([x, y, z]: &[Vec<f32>; 3], at: L) -> Vector<L> {
         Vector::new(at.gather(x), at.gather(y), at.gather(z))
     }
 
     #[inline(always)]
-    pub(super) fn store<const N: usize>(self, [x, y, z]: &mut [[f32; N]; 3]) {
+    pub(crate) fn store<const N: usize>(self, [x, y, z]: &mut [[f32; N]; 3]) {
         self.x.store(x, 0);
         self.y.store(y, 0);
         self.z.store(z, 0);
     }
 
     #[inline(always)]
-    pub(super) fn dot(self, other: Vector<L>) -> L {
+    pub(crate) fn dot(self, other: Vector<L>) -> L {
         self.x.mul_add(other.x, self.y.mul_add(other.y, self.z * other.z))
     }
 
     #[inline(always)]
-    pub(super) fn cross(self, other: Vector<L>) -> Vector<L> {
+    pub(crate) fn cross(self, other: Vector<L>) -> Vector<L> {
         Vector::new(
             self.z.neg_mul_add(other.y, self.y * other.z),
             self.x.neg_mul_add(other.z, self.z * other.x),
@@ -62,13 +62,13 @@ impl<L: Lanes> Vector<L> {
     }
 
     #[inline(always)]
-    pub(super) fn length(self) -> L {
+    pub(crate) fn length(self) -> L {
         self.dot(self).sqrt()
     }
 
     /// Coordinate by coordinate.
     #[inline(always)]
-    pub(super) fn times(self, other: Vector<L>) -> Vector<L> {
+    pub(crate) fn times(self, other: Vector<L>) -> Vector<L> {
         Vector::new(self.x * other.x, self.y * other.y, self.z * other.z)
     }
 }
@@ -99,32 +99,32 @@ impl<L: Lanes> Mul<L> for Vector<L> {
 
 /// Three rows.
 #[derive(Clone, Copy)]
-pub(super) struct Matrix<L> {
-    pub(super) x: Vector<L>,
-    pub(super) y: Vector<L>,
-    pub(super) z: Vector<L>,
+pub(crate) struct Matrix<L> {
+    pub(crate) x: Vector<L>,
+    pub(crate) y: Vector<L>,
+    pub(crate) z: Vector<L>,
 }
 
 impl<L: Lanes> Matrix<L> {
     /// The same matrix in every lane.
     #[inline(always)]
-    pub(super) fn splat([x, y, z]: [[f32; 3]; 3]) -> Matrix<L> {
+    pub(crate) fn splat([x, y, z]: [[f32; 3]; 3]) -> Matrix<L> {
         Matrix { x: Vector::splat(x), y: Vector::splat(y), z: Vector::splat(z) }
     }
 
     #[inline(always)]
-    pub(super) fn apply(&self, v: Vector<L>) -> Vector<L> {
+    pub(crate) fn apply(&self, v: Vector<L>) -> Vector<L> {
         Vector::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
     }
 
     /// The row vector `v` times this matrix.
     #[inline(always)]
-    pub(super) fn combine(&self, v: Vector<L>) -> Vector<L> {
+    pub(crate) fn combine(&self, v: Vector<L>) -> Vector<L> {
         self.x * v.x + self.y * v.y + self.z * v.z
     }
 }
 
 /// The rows of a matrix, as [`Matrix::splat`] takes them.
-pub(super) fn rows(matrix: &DMat3) -> [[f32; 3]; 3] {
+pub(crate) fn rows(matrix: &DMat3) -> [[f32; 3]; 3] {
     [0, 1, 2].map(|k| matrix.row(k).as_vec3().to_array())
 }

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::lanes::{Lanes, WIDEST};
 use crate::SensorSpec;
+use crate::simd::{Lanes, WIDEST};
 
 /// The beams of a pattern that start at the same place and look nearly the same way: a grid of rows and columns.
 ///
@@ -13,30 +13,30 @@ use crate::SensorSpec;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Band {
     /// The rows of the image, highest first.
-    pub(super) rows: Vec<u32>,
+    pub(crate) rows: Vec<u32>,
     /// Where the rays start: forward, to the left and up, seen along their azimuth [m].
-    pub(super) origin: [f64; 3],
+    pub(crate) origin: [f64; 3],
     /// The tangent of each row's elevation.
-    pub(super) slopes: Vec<f32>,
+    pub(crate) slopes: Vec<f32>,
     /// The length of each row's rays.
-    pub(super) secants: Vec<f32>,
+    pub(crate) secants: Vec<f32>,
     /// The sweep of each row, and that as lanes take it.
-    pub(super) sweeps: Vec<u8>,
-    pub(super) places: Vec<f32>,
+    pub(crate) sweeps: Vec<u8>,
+    pub(crate) places: Vec<f32>,
     /// How many sweeps there are.
-    pub(super) count: usize,
+    pub(crate) count: usize,
     /// Cosine and sine of each column's azimuth, sweep by sweep; padded so that any column begins a full vector.
-    pub(super) headings: [Vec<f32>; 2],
+    pub(crate) headings: [Vec<f32>; 2],
     /// The azimuth of the outer edge of column 0 [rad], of a ray between all sweeps.
-    pub(super) start: f64,
+    pub(crate) start: f64,
     /// How far any sweep is from that, in columns.
-    pub(super) spread: f32,
+    pub(crate) spread: f32,
     /// Columns a radian.
-    pub(super) density: f32,
+    pub(crate) density: f32,
     /// Columns in a turn, which is no whole number for some patterns of less than a turn.
-    pub(super) turn: f32,
+    pub(crate) turn: f32,
     /// The length of the longest ray.
-    pub(super) steepest: f32,
+    pub(crate) steepest: f32,
     lookup: RowLookup,
 }
 
@@ -52,7 +52,7 @@ struct RowLookup {
 }
 
 /// The most sweeps of a band: a power of two, of which a remainder is quickly taken.
-pub(super) const SWEEPS: usize = 4;
+pub(crate) const SWEEPS: usize = 4;
 /// Beams further apart are of different bands, in columns: bounds grow by as much.
 const APART: f64 = 1.0;
 /// The most columns of a pattern whose bands may have several sweeps.
@@ -148,7 +148,7 @@ impl Band {
 
     /// Cosines and sines of a sweep's azimuths, column by column.
     #[inline(always)]
-    pub(super) fn headings(&self, sweep: usize) -> [&[f32]; 2] {
+    pub(crate) fn headings(&self, sweep: usize) -> [&[f32]; 2] {
         let [cos, sin] = &self.headings;
         let padded = cos.len() / self.count;
         [&cos[sweep * padded..][..padded], &sin[sweep * padded..][..padded]]
@@ -156,7 +156,7 @@ impl Band {
 
     /// The first and the last row whose slope lies between two; first > last if there is none.
     #[inline(always)]
-    pub(super) fn rows_between<L: Lanes>(&self, low: L, high: L) -> (L, L) {
+    pub(crate) fn rows_between<L: Lanes>(&self, low: L, high: L) -> (L, L) {
         let RowLookup { lowest, cells, first, last } = &self.lookup;
         let top = L::splat((first.len() - 1) as f32);
         let (zero, lowest, cells) = (L::splat(0.0), L::splat(*lowest), L::splat(*cells));
@@ -167,7 +167,7 @@ impl Band {
 }
 
 /// How long a table of columns is: any of them begins a full vector.
-pub(super) fn padded(columns: usize) -> usize {
+pub(crate) fn padded(columns: usize) -> usize {
     columns.next_multiple_of(WIDEST) + WIDEST
 }
 
