@@ -35,7 +35,7 @@ from lidardraft.scene.surfaces import Surfaces
 from lidardraft.semantics import CLASSES, GROUND
 from lidardraft.streets.coarse.style import Style
 from lidardraft.streets.pairs import StreetScanner, scan_street
-from lidardraft.streets.placement.district import BAY
+from lidardraft.streets.placement.district import PARKING_STRIP
 from lidardraft.streets.street import Street, StreetConfig, make_street
 from tallies import IN_PIECES, Tallies, Tally, add_all, append, drift, new_tallies, read, rows
 
@@ -140,7 +140,7 @@ def compare_solver(streets: Iterable[Street]) -> Tallies:
             continue
         coarse = street.coarse.draw(Style(), np.random.default_rng(0), np.eye(4))
         kinds = {placed.id: SPOKEN[placed.kind] for placed in street.coarse.objects if placed.kind in SPOKEN}
-        middles = [lane.across for lane in street.lanes] + [street.occupancy.road.edge - BAY / 2]
+        middles = [lane.across for lane in street.lanes] + [street.occupancy.road.edge - PARKING_STRIP / 2]
         ego = street.occupancy.road.lane(0)
         for kind in sorted(set(kinds.values())):
             named = [row for row, id in enumerate(coarse.ids) if kinds.get(id.partition(".")[0]) == kind]

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from lidardraft.errors import LayoutError
 from lidardraft.scene.mesh import primitive_mesh
-from lidardraft.scene.road import KERB_HEIGHT, PavedArea, Road
+from lidardraft.scene.road import KERB_HEIGHT, LEFT, PavedArea, Road
 
 roads = st.builds(
     Road,
@@ -57,6 +57,7 @@ def test_lanes() -> None:
         ({"lane_width": math.nan}, "lane_width is nan m"),
         ({"parking": -1.0}, "parking is -1.0 m; it must be 0 to 5 m"),
         ({"sidewalk": 11.0}, "sidewalk is 11.0 m; it must be 0 to 10 m"),
+        ({"side_roads": ("left",)}, "side_roads is ('left',); sides are 1 (left) and -1 (right)"),
         ({"median": -1.0}, "median is -1.0 m; it must be 0 to 20 m"),
         ({"roundabout_radius": 20.0}, "a roundabout needs a junction on a straight road"),
         (
@@ -83,7 +84,7 @@ def test_no_such_lane() -> None:
 
 
 def test_junctions() -> None:
-    road = Road(junction=30.0, side_roads=("left",))
+    road = Road(junction=30.0, side_roads=(LEFT,))
     assert road.in_junction(30.0)
     assert road.in_junction(30.0 + road.verge + 0.5, margin=1.0)
     assert not road.in_junction(30.0 + road.verge + 0.5)
@@ -99,7 +100,7 @@ def test_junctions() -> None:
 def test_surfaces_reach_where_the_frame_says(road: Road) -> None:
     surfaces = {p.id: p for p in road.surfaces()}
     vertices = primitive_mesh(surfaces["road"]).vertices
-    for along in (-road.reach, road.reach):
+    for along in (-road.half_length, road.half_length):
         for across in (-road.edge, road.edge):
             corner = np.array(road.at(along, across)[:2])
             assert np.hypot(*(vertices[:, :2] - corner).T).min() < 1e-6

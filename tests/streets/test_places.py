@@ -9,6 +9,7 @@ import pytest
 
 from lidardraft import Layout, Raycaster
 from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.scene.road import LEFT, RIGHT
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.streets.ego import EGO_SIZE, Ego, mount, sample_ego
 from lidardraft.streets.ground.ground import _cut
@@ -43,14 +44,14 @@ def test_every_quarter_and_every_form_of_road_occurs():
     side_roads = Counter(
         road.side_roads for road in roads if road.junction is not None and road.roundabout_radius is None
     )
-    assert set(side_roads) == {("left", "right"), ("left",), ("right",)}
+    assert set(side_roads) == {(LEFT, RIGHT), (LEFT,), (RIGHT,)}
     assert {len(road.side_roads) for road in roads if road.roundabout_radius is not None} == {1, 2}
     assert any(road.curvature > 0 for road in roads)
     assert any(road.curvature < 0 for road in roads)
     assert any(road.paved_areas for road in roads)
     assert any(road.median > 1.5 and road.sidewalk > 0 for road in roads)
     assert {road.lanes for road in roads} == {1, 2, 3}
-    directions = [{math.cos(lane.turn) > 0 for lane in lanes if lane.name == "road"} for _, lanes, _ in PLACES]
+    directions = [{math.cos(lane.angle) > 0 for lane in lanes if lane.name == "road"} for _, lanes, _ in PLACES]
     assert {True} in directions  # one-way
     assert {True, False} in directions
     assert any(occupancy.ground.strip > 0 for occupancy in SITES)
@@ -78,7 +79,7 @@ def frame_corners(occupancy: Occupancy, index: int) -> np.ndarray:
     """Corners [4, 2] along and across of a thing as it was put."""
     placed = occupancy._placed[index]
     half = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)]) * placed.size[:2] / 2
-    cos, sin = math.cos(placed.turn), math.sin(placed.turn)
+    cos, sin = math.cos(placed.angle), math.sin(placed.angle)
     return half @ np.array([[cos, sin], [-sin, cos]]) + (placed.along, placed.across)
 
 
@@ -191,7 +192,7 @@ def test_the_ego_vehicle_is_free_and_on_the_road_of_its_lane():
         mine = box_space(ego.x, ego.y, ego.yaw, EGO_SIZE[:2], 0.0, EGO_SIZE[2])
         for placed in occupancy.objects:
             if math.hypot(placed.x - ego.x, placed.y - ego.y) < 30.0:
-                for space in spaces_of(placed.kind, placed.x, placed.y, placed.yaw, placed.size, placed.stem):
+                for space in spaces_of(placed.kind, placed.x, placed.y, placed.yaw, placed.size, placed.clearance):
                     assert not touch(mine, space), placed
         assert 0.0 <= ego.speed <= 1.1 * ego.lane.speed + 1e-9
     names = Counter(ego.lane.name for _, ego in EGOS)
@@ -252,7 +253,7 @@ def test_cars_in_a_car_park_stand_in_bays():
     for occupancy in SITES:
         for area in occupancy.road.paved_areas[:1]:
             for placed in occupancy._placed:
-                turned = abs(math.sin(placed.turn)) > 0.9
+                turned = abs(math.sin(placed.angle)) > 0.9
                 if turned and area.along[0] < placed.along < area.along[1] and placed.kind in ("suv", "hatchback"):
                     if not area.across[0] < placed.across < area.across[1]:
                         continue
@@ -322,7 +323,7 @@ def test_streets_of_any_reach():
 
 
 def test_an_arc_is_followed():
-    ring = Lane(name="ring", along=3.0, across=0.0, turn=math.pi / 2, length=20 * math.pi, speed=8.0, bend=0.1)
+    ring = Lane(name="ring", along=3.0, across=0.0, angle=math.pi / 2, length=20 * math.pi, speed=8.0, bend=0.1)
     assert ring.at(0.0) == pytest.approx((3.0, 0.0, math.pi / 2))
     # half way around a circle of 10 m about (-7, 0)
     assert ring.at(10 * math.pi)[:2] == pytest.approx((-17.0, 0.0))

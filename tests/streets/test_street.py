@@ -161,8 +161,8 @@ def test_free_places_exist_in_many_streets():
     ("fields", "message"),
     [
         ({"poses_per_street": 0}, "poses_per_street is 0; a street is scanned at least once"),
-        ({"reach": 10.0}, r"reach is 10\.0 m; it must be 40 to 200 m"),
-        ({"reach": float("nan")}, "reach is nan m"),
+        ({"half_length": 10.0}, r"half_length is 10\.0 m; it must be 40 to 200 m"),
+        ({"half_length": float("nan")}, "half_length is nan m"),
     ],
 )
 def test_config_errors(fields: dict, message: str):

@@ -237,8 +237,10 @@ KINDS = {
 @pytest.mark.parametrize("kind", sorted(KINDS))
 def test_an_outline_fills_the_extents_of_its_thing(kind: str):
     size, classes = KINDS[kind]
-    stem = {"house": 6.0, "tree": 2.5, "gantry": 5.0, "billboard": 1.5}.get(kind, 0.0)
-    placed = PlacedObject(kind=kind, id=kind, x=3.0, y=1.0, z=0.0, level=0.0, yaw=0.0, size=size, stem=stem, instance=4)
+    clearance = {"house": 6.0, "tree": 2.5, "gantry": 5.0, "billboard": 1.5}.get(kind, 0.0)
+    placed = PlacedObject(
+        kind=kind, id=kind, x=3.0, y=1.0, z=0.0, level=0.0, yaw=0.0, size=size, clearance=clearance, instance=4
+    )
     marks = kind_of(kind).coarse(placed)
     assert {mark.label for mark in marks} == classes
     assert (kind == "grass") == (not marks)

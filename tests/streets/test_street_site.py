@@ -8,7 +8,7 @@ import pytest
 
 from lidardraft import Layout, Primitive, Raycaster, Sensor
 from lidardraft.scene.mesh import primitive_mesh
-from lidardraft.scene.road import Road
+from lidardraft.scene.road import LEFT, Road
 from lidardraft.streets.ground.ground import Ground
 from lidardraft.streets.ground.relief import positions
 from lidardraft.streets.placement.occupancy import Occupancy, object_spaces
@@ -95,10 +95,10 @@ def test_a_site_refuses_what_has_no_room():
 def test_a_car_may_stand_under_a_crown_but_not_in_a_trunk():
     road = Road()
     occupancy = Occupancy(road, Ground(road, np.random.default_rng(0)))
-    assert occupancy.place("tree", 0.0, 12.0, (6.0, 6.0, 9.0), stem=2.5)
+    assert occupancy.place("tree", 0.0, 12.0, (6.0, 6.0, 9.0), clearance=2.5)
     assert not occupancy.place("suv", 0.0, 12.0, (4.0, 1.8, 1.5))
     assert occupancy.place("suv", 0.0, 14.0, (4.0, 1.8, 1.5))
-    assert not occupancy.place("house", 7.0, 12.0, (9.0, 9.0, 8.0), stem=6.0)
+    assert not occupancy.place("house", 7.0, 12.0, (9.0, 9.0, 8.0), clearance=6.0)
 
 
 def test_overlap_is_symmetric_and_right():
@@ -129,7 +129,7 @@ def test_positions_are_those_of_the_road(curvature: float):
 
 
 def test_the_ground_has_kerbs_and_covers_the_street():
-    road = Road(junction=20.0, side_roads=("left",))
+    road = Road(junction=20.0, side_roads=(LEFT,))
     ground = Ground(road, np.random.default_rng(2))
     assert ground.surface(0.0, 0.0) == "road"
     assert ground.surface(0.0, road.edge + 0.5) == "sidewalk"

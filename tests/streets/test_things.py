@@ -14,7 +14,7 @@ from lidardraft.objects.kinds import KINDS, kind_of
 from lidardraft.objects.parts import PlacedObject
 from lidardraft.scene.mesh import primitive_mesh
 
-# Extents [m] and stem of each kind, smallest and largest.
+# Extents [m] and clearance of each kind, smallest and largest.
 SIZES: dict[str, tuple[tuple[float, float, float, float], ...]] = {
     **{name: ((*body.size, 0.0),) for name, body in BODIES.items()},
     "truck": ((5.5, 2.1, 2.6, 0), (7.5, 2.3, 3.0, 0), (12.0, 2.55, 4.0, 0)),
@@ -106,11 +106,20 @@ def placed(
     kind: str, variant: int = 0, yaw: float = 0.0, at: tuple[float, float, float] = (0.0, 0.0, 0.0)
 ) -> PlacedObject:
     sizes = SIZES[kind]
-    *size, stem = (float(value) for value in sizes[variant % len(sizes)])
+    *size, clearance = (float(value) for value in sizes[variant % len(sizes)])
     instance = 5 if LABELS[kind] & THINGS else 0
     x, y, z = at
     return PlacedObject(
-        kind=kind, id=f"{kind}_1", x=x, y=y, z=z, level=z, yaw=yaw, size=tuple(size), stem=stem, instance=instance
+        kind=kind,
+        id=f"{kind}_1",
+        x=x,
+        y=y,
+        z=z,
+        level=z,
+        yaw=yaw,
+        size=tuple(size),
+        clearance=clearance,
+        instance=instance,
     )
 
 

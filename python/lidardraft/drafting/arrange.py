@@ -125,7 +125,7 @@ def _spots(scene: _Scene, site: Site, group: Group, number: int, wanted: int) ->
     for attempt in range(TRIES):
         if group.spacing is not None:
             along = near + math.copysign(group.spacing, far - near) * (number // site.sides)
-            if abs(along) > scene.road.reach:
+            if abs(along) > scene.road.half_length:
                 return
         elif near == far:
             along = near

@@ -11,7 +11,7 @@ import numpy as np
 from lidardraft.drafting.spec import ON_ROAD, VEHICLES, Group, SceneSpec
 from lidardraft.errors import LayoutError
 from lidardraft.scene.check import MAX_RANGE
-from lidardraft.scene.road import Road
+from lidardraft.scene.road import LEFT, RIGHT, Road
 
 PARKING = 2.2  # m; usual width of a parking strip, and of what lorries and buses need below
 WIDE_PARKING = 3.0
@@ -49,7 +49,7 @@ def lay_road(spec: SceneSpec, rng: np.random.Generator) -> Road:
     if farthest > MAX_RANGE - 10.0:
         raise LayoutError(f"distance is {farthest:g} m; things can be asked for up to {MAX_RANGE - 10.0:g} m away")
     queue = max((_queue(group) for group in spec.groups if group.kind in VEHICLES), default=0.0)
-    reach = max(80.0, farthest + 15.0, min(MAX_RANGE - 10.0, queue + 10.0))
+    half_length = max(80.0, farthest + 15.0, min(MAX_RANGE - 10.0, queue + 10.0))
     wanted = spec.road.sidewalk
     sidewalk = float(rng.uniform(1.8, 3.0)) if wanted or (wanted is None and not motorway) else 0.0
     bend = {"left-bend": 1.0, "right-bend": -1.0, "bend": float(rng.choice([-1, 1]))}.get(kind, 0.0)
@@ -65,8 +65,8 @@ def lay_road(spec: SceneSpec, rng: np.random.Generator) -> Road:
         sidewalk=sidewalk,
         curvature=bend / float(rng.uniform(90.0, 160.0)),
         junction=float(rng.uniform(near, near + 12.0)) if crossing else None,
-        side_roads=(str(rng.choice(["left", "right"])),) if kind == "t-junction" else ("left", "right"),
-        reach=reach,
+        side_roads=(int(rng.choice([LEFT, RIGHT])),) if kind == "t-junction" else (LEFT, RIGHT),
+        half_length=half_length,
     )
 
 
@@ -125,11 +125,11 @@ def _span(group: Group, fore: str, road: Road, usual: float) -> tuple[float, flo
     """The range along the road; a single distance for several things is where the first of them stands."""
     near, far = NEAR, usual
     if group.kind in VEHICLES:
-        far = min(road.reach - 10.0, max(far, _queue(group)))
+        far = min(road.half_length - 10.0, max(far, _queue(group)))
     if group.distance is not None and fore in ("front", "behind"):
         near, far = group.distance
         if near == far and group.count != 1:
-            far = min(road.reach - 10.0, near + 10.0 * (group.count if isinstance(group.count, int) else 4))
+            far = min(road.half_length - 10.0, near + 10.0 * (group.count if isinstance(group.count, int) else 4))
     if fore == "front":
         return near, far
     if fore == "behind":
@@ -180,8 +180,8 @@ def _crossing_lane(road: Road) -> Pick:
     def pick(rng: np.random.Generator, along: float, _number: int, effort: float) -> Spot:
         direction = 1 if rng.random() < 0.5 else -1
         far = 8.0 + 30.0 * effort
-        low = -far if "right" in road.side_roads else -road.edge / 2
-        high = far if "left" in road.side_roads else road.edge / 2
+        low = -far if RIGHT in road.side_roads else -road.edge / 2
+        high = far if LEFT in road.side_roads else road.edge / 2
         return along - road.lane(0, direction), float(rng.uniform(low, high)), direction * math.pi / 2
 
     return pick

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from lidardraft.objects.facades import BAY, PLINTH, RECESS, STOREY, walls
+from lidardraft.objects.facades import PLINTH, RECESS, STOREY, WINDOW_BAY, walls
 from lidardraft.objects.mesh import Solid, box, hull, hull_solid, join, quads
 from lidardraft.objects.parts import Parts, Piece, PlacedObject, Vector
 from lidardraft.scene.layout import Primitive
@@ -21,22 +21,24 @@ _OPENINGS = (0.36, 0.45, 0.6)  # of a bay; window areas of 1/8 to 1/4 of the flo
 
 
 def house(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
-    """A house whose front (-y) looks to the street; `stem` is the height of its eaves, the rest is a pitched roof."""
+    """A house whose front (-y) looks to the street; `clearance` is the height of its eaves, the rest a pitched roof."""
     length, width, height = placed.size
     parts = Parts(placed)
     material = str(rng.choice(("plaster", "brick", "wood", "stone"), p=(0.6, 0.28, 0.07, 0.05)))
-    _body(parts, (length, width, placed.stem), material, rng)
+    _body(parts, (length, width, placed.clearance), material, rng)
     along = length > 1.5 * width or rng.random() < 0.7
     hipped = along and length > 1.15 * width and rng.random() < 0.25
-    rise = height - placed.stem
+    rise = height - placed.clearance
     over = (length + 2 * EAVES, width + 2 * EAVES, rise)
-    eaves = (0.0, 0.0, placed.stem)
+    eaves = (0.0, 0.0, placed.clearance)
     tile = "metal" if rng.random() < 0.06 else "roof-tile"
     parts.add_piece(_roof(along, hipped), over, "building", tile, at=eaves)
     if not hipped:
         # the ends of the roof, in the plane of the walls, as high as the roof is there
         share = 1 - 2 * EAVES / over[1 if along else 0]
-        parts.add_piece(_gable(along), (length, width, share * rise), "building", material, at=(0.0, 0.0, placed.stem))
+        parts.add_piece(
+            _gable(along), (length, width, share * rise), "building", material, at=(0.0, 0.0, placed.clearance)
+        )
     if along and not hipped and rng.random() < 0.4:
         count = int(np.clip(length // 5, 1, 3))
         dormers, panes = _dormers(count)
@@ -57,7 +59,7 @@ def block(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     top = height - _MANSARD if mansard else height
     # the sides of blocks in a row are fire walls without windows
     _body(parts, (length, width, top), material, rng, blind=bool(rng.random() < 0.5))
-    bays = max(1, round(length / BAY))
+    bays = max(1, round(length / WINDOW_BAY))
     if mansard:
         size, at = (length, width, _MANSARD), (0.0, 0.0, top)
         parts.add_piece(_frustum(), size, "building", "roof-tile", at=at)
@@ -97,7 +99,7 @@ def shed(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
 def _body(parts: Parts, size: Vector, material: str, rng: np.random.Generator, *, blind: bool = False) -> None:
     """Walls, panes and a door."""
     length, width, height = size
-    bays, deep = (max(1, round(extent / BAY)) for extent in (length, width))
+    bays, deep = (max(1, round(extent / WINDOW_BAY)) for extent in (length, width))
     opening = _OPENINGS[int(rng.integers(3))]
     wall, panes = walls(bays, deep, max(1, round(height / STOREY)), opening, blind)
     parts.add_piece(wall, size, "building", material)

@@ -63,14 +63,14 @@ def _plate(placed: PlacedObject, label: str, bottom: float) -> CoarseShape:
 def house(placed: PlacedObject) -> list[CoarseShape]:
     """A box to the middle of the roof."""
     length, width, height = placed.size
-    return [_standing((length, width, (placed.stem + height) / 2), "building")]
+    return [_standing((length, width, (placed.clearance + height) / 2), "building")]
 
 
 def tree(placed: PlacedObject) -> list[CoarseShape]:
     """A trunk, and the crown as one, two and three ellipsoids: `lobes` says which belong together."""
     length, width, height = placed.size
-    crown = height - placed.stem
-    bare = placed.stem + 0.1 * crown
+    crown = height - placed.clearance
+    bare = placed.clearance + 0.1 * crown
     shapes = [_post(trunk_diameter(height), 0.0, bare, "trunk")]
     turn = _BROKEN * placed.x
     for lobes in range(1, MOST_LOBES + 1):
@@ -80,7 +80,11 @@ def tree(placed: PlacedObject) -> list[CoarseShape]:
             angle = turn + math.tau * lobe / lobes
             out = (1.0 - share) / 2
             up = 0.0 if lobes == 1 else (1.0 - 0.86) / 2 * (1 if lobe == 0 else -1)
-            center = (out * length * math.cos(angle), out * width * math.sin(angle), placed.stem + crown * (0.5 + up))
+            center = (
+                out * length * math.cos(angle),
+                out * width * math.sin(angle),
+                placed.clearance + crown * (0.5 + up),
+            )
             tall = crown if lobes == 1 else 0.86 * crown
             shapes.append(
                 CoarseShape("ellipsoid", center, (share * length, share * width, tall), "vegetation", 0, lobes)
@@ -99,27 +103,27 @@ def mast(placed: PlacedObject) -> list[CoarseShape]:
 
 
 def sign(placed: PlacedObject) -> list[CoarseShape]:
-    """A post up to `stem`, and the plate over it."""
-    return [_post(0.08, 0.0, placed.stem), _plate(placed, "traffic-sign", placed.stem)]
+    """A post up to `clearance`, and the plate over it."""
+    return [_post(0.08, 0.0, placed.clearance), _plate(placed, "traffic-sign", placed.clearance)]
 
 
 def traffic_light(placed: PlacedObject) -> list[CoarseShape]:
-    """A post up to `stem`, and the signal over it."""
-    return [_post(0.11, 0.0, placed.stem), _plate(placed, "traffic-light", placed.stem)]
+    """A post up to `clearance`, and the signal over it."""
+    return [_post(0.11, 0.0, placed.clearance), _plate(placed, "traffic-light", placed.clearance)]
 
 
 def gantry(placed: PlacedObject) -> list[CoarseShape]:
-    """Two posts and the signs between them, from `stem` up."""
+    """Two posts and the signs between them, from `clearance` up."""
     _, width, height = placed.size
-    bottom = placed.stem if 0.0 < placed.stem < height else 0.75 * height
+    bottom = placed.clearance if 0.0 < placed.clearance < height else 0.75 * height
     posts = [_post(0.3, 0.0, height, y=side * (width / 2 - 0.15)) for side in (-1, 1)]
     return [*posts, _plate(placed, "traffic-sign", bottom)]
 
 
 def billboard(placed: PlacedObject) -> list[CoarseShape]:
-    """A board on its post, or down to the ground where it has no stem."""
-    board = _plate(placed, "other", placed.stem)
-    return [_post(0.2, 0.0, placed.stem, "other"), board] if placed.stem > 0.1 else [board]
+    """A board on its post, or down to the ground where it has no clearance."""
+    board = _plate(placed, "other", placed.clearance)
+    return [_post(0.2, 0.0, placed.clearance, "other"), board] if placed.clearance > 0.1 else [board]
 
 
 def trailer_truck(placed: PlacedObject) -> list[CoarseShape]:

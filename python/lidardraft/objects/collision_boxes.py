@@ -24,55 +24,55 @@ class CollisionBox(NamedTuple):
     top: float
 
 
-def whole(size: Vector, stem: float) -> list[CollisionBox]:
+def whole(size: Vector, clearance: float) -> list[CollisionBox]:
     """All of the extents, from the ground up."""
     length, width, height = size
     return [CollisionBox(0.0, 0.0, length, width, 0.0, height)]
 
 
-def tree(size: Vector, stem: float) -> list[CollisionBox]:
+def tree(size: Vector, clearance: float) -> list[CollisionBox]:
     """A trunk and a crown, so that a car can stand under it."""
     girth = trunk_diameter(size[2])
-    return [CollisionBox(0.0, 0.0, girth, girth, 0.0, stem), _above(size, stem)]
+    return [CollisionBox(0.0, 0.0, girth, girth, 0.0, clearance), _above(size, clearance)]
 
 
-def house(size: Vector, stem: float) -> list[CollisionBox]:
+def house(size: Vector, clearance: float) -> list[CollisionBox]:
     """Walls, and a roof that overhangs on all sides."""
     length, width, height = size
-    roof = CollisionBox(0.0, 0.0, length + 2 * EAVES, width + 2 * EAVES, stem - 0.2, height)
-    return [*whole(size, stem), roof]
+    roof = CollisionBox(0.0, 0.0, length + 2 * EAVES, width + 2 * EAVES, clearance - 0.2, height)
+    return [*whole(size, clearance), roof]
 
 
-def block(size: Vector, stem: float) -> list[CollisionBox]:
+def block(size: Vector, clearance: float) -> list[CollisionBox]:
     """Walls, and balconies from the first floor up."""
     length, width, height = size
-    return [*whole(size, stem), CollisionBox(0.0, 0.0, length, width + 2 * BALCONY, 0.9 * STOREY, height)]
+    return [*whole(size, clearance), CollisionBox(0.0, 0.0, length, width + 2 * BALCONY, 0.9 * STOREY, height)]
 
 
-def lamp(size: Vector, stem: float) -> list[CollisionBox]:
+def lamp(size: Vector, clearance: float) -> list[CollisionBox]:
     """A mast, and the longest arm to its left (+y)."""
     height = size[2]
-    return [*whole(size, stem), CollisionBox(0.0, LAMP_ARM / 2, 0.3, LAMP_ARM + 0.3, height - 0.3, height)]
+    return [*whole(size, clearance), CollisionBox(0.0, LAMP_ARM / 2, 0.3, LAMP_ARM + 0.3, height - 0.3, height)]
 
 
-def board(size: Vector, stem: float) -> list[CollisionBox]:
-    """A post and a board from `stem` to the top."""
-    return [CollisionBox(0.0, 0.0, _POST, _POST, 0.0, stem), _above(size, stem)]
+def board(size: Vector, clearance: float) -> list[CollisionBox]:
+    """A post and a board from `clearance` to the top."""
+    return [CollisionBox(0.0, 0.0, _POST, _POST, 0.0, clearance), _above(size, clearance)]
 
 
-def sign(size: Vector, stem: float) -> list[CollisionBox]:
+def sign(size: Vector, clearance: float) -> list[CollisionBox]:
     """A board on a post; a wide one stands on two, and nothing passes between."""
-    return board(size, stem) if size[1] < _NARROW_SIGN else whole(size, stem)
+    return board(size, clearance) if size[1] < _NARROW_SIGN else whole(size, clearance)
 
 
-def gantry(size: Vector, stem: float) -> list[CollisionBox]:
-    """Two posts and what is between them over the clearance `stem`."""
+def gantry(size: Vector, clearance: float) -> list[CollisionBox]:
+    """Two posts and what is between them over the clearance `clearance`."""
     length, width, height = size
     out = (width - GANTRY_POST) / 2
     posts = [CollisionBox(0.0, side * out, length, GANTRY_POST, 0.0, height) for side in (-1, 1)]
-    return [*posts, _above(size, stem)]
+    return [*posts, _above(size, clearance)]
 
 
-def _above(size: Vector, stem: float) -> CollisionBox:
+def _above(size: Vector, clearance: float) -> CollisionBox:
     length, width, height = size
-    return CollisionBox(0.0, 0.0, length, width, stem, height)
+    return CollisionBox(0.0, 0.0, length, width, clearance, height)

@@ -10,7 +10,7 @@ from lidardraft.objects.mesh import quads
 from lidardraft.objects.parts import Piece
 
 STOREY = 2.9  # m, floor to floor of a dwelling, usually 2.8 to 3.2
-BAY = 3.0  # m from window to window that a form is made for
+WINDOW_BAY = 3.0  # m from window to window that a form is made for
 PLINTH = 0.8  # m that walls reach under the ground
 RECESS = 0.16  # m from the wall's face to the pane
 _SILL, _LINTEL = 0.9, 2.25  # m over the floor
@@ -25,7 +25,7 @@ def walls(bays: int, deep: int, storeys: int, opening: float, blind: bool) -> tu
     In shares of the building. `opening` is the share of windows in a bay. There is a recess for a door in the middle of
     the front; the back has half as many windows, flush with it; the sides of a `blind` building have none.
     """
-    length, width, height = bays * BAY, deep * BAY, storeys * STOREY
+    length, width, height = bays * WINDOW_BAY, deep * WINDOW_BAY, storeys * STOREY
     faces, panes = [], []
     for span, depth, count, turn in (
         (length, width, bays, 0),
@@ -88,7 +88,7 @@ def _facade(span: float, count: int, storeys: int, opening: float, door: int) ->
 def _flush(span: float, count: int, storeys: int, opening: float) -> np.ndarray:
     """Panes [Q, 4, 3] 3 cm before a wall."""
     step = span / count
-    half = min(opening * BAY, 0.5 * step) / 2
+    half = min(opening * WINDOW_BAY, 0.5 * step) / 2
     floor, bay = (a.ravel() for a in np.meshgrid(np.arange(storeys), np.arange(count), indexing="ij"))
     middle, low = (bay + 0.5) * step - span / 2, floor * STOREY
     return _upright(np.stack([middle - half, middle + half, low + _SILL, low + _LINTEL], axis=1), 0.03)

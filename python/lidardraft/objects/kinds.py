@@ -39,7 +39,7 @@ class Kind:
     `build` makes the detailed primitives of an object, with random numbers of its generator; `labels` are the classes
     that these have, in the order of their instances where they are counted. `coarse` makes the few solid shapes that a
     coarse layout has for it, `boxes` the upright boxes that placement keeps free for extents (length, width, height)
-    and a `stem` [m].
+    and a `clearance` [m].
 
     `most_drop` is how far the ground may fall from under its base to its lowest corner [m]: an object on steeper ground
     is let down; `math.inf` if only the ground under its middle matters. `is_small` objects are easily left out of a

@@ -18,8 +18,8 @@ class PlacedObject:
     """Something that stands in a street, before it has a shape.
 
     (`x`, `y`) is the middle of its footprint, `z` the ground there and `level` the height of the flat surface that a
-    drawing has there [m]. `size` holds full extents; `stem` the height under a crown, a plate or a roof. `instance` is
-    0 for stuff; a rider has `instance`, what is ridden `instance + 1`.
+    drawing has there [m]. `size` holds full extents; `clearance` the height under a crown, a plate or a roof.
+    `instance` is 0 for stuff; a rider has `instance`, what is ridden `instance + 1`.
     """
 
     kind: str
@@ -30,7 +30,7 @@ class PlacedObject:
     level: float
     yaw: float
     size: tuple[float, float, float]
-    stem: float = 0.0
+    clearance: float = 0.0
     instance: int = 0
 
 

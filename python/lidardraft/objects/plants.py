@@ -25,21 +25,21 @@ _BOUGHS = 6  # ways to branch
 
 
 def tree(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
-    """A trunk, boughs, and a crown between `stem` and the top: broadleaf of lobes, a column, a conifer, or bare."""
+    """Trunk, boughs, and a crown between `clearance` and the top: broadleaf of lobes, a column, a conifer, or bare."""
     length, width, height = placed.size
     parts = Parts(placed)
-    crown, girth = height - placed.stem, trunk_diameter(height)
+    crown, girth = height - placed.clearance, trunk_diameter(height)
     pick = rng.random()
     slim = crown / max(length, width)
     conifer = pick < (0.3 if slim > 1.2 else 0.06)
     bare = not conifer and pick > 0.93
-    top = placed.stem + (0.85 if conifer else 0.45) * crown
+    top = placed.clearance + (0.85 if conifer else 0.45) * crown
     parts.add("cylinder", (0.0, 0.0, (top - _SINK) / 2), (girth, girth, top + _SINK), "trunk")
     if conifer:
         _stack(parts, crown, 1.5 * _G * rng.uniform(4.0, 7.0) / crown)
         return parts.primitives
     form = int(rng.integers(_BOUGHS))
-    middle = (0.0, 0.0, placed.stem + crown / 2)
+    middle = (0.0, 0.0, placed.clearance + crown / 2)
     parts.add_piece(_boughs(form, bare), (length, width, crown), "trunk", at=middle)
     density = _G * rng.uniform(3.0, 5.0) / crown * (0.2 if bare else 1.0)
     if slim > 1.8 or height < 5.0 or bare:
@@ -131,7 +131,7 @@ def _stack(parts: Parts, crown: float, density: float) -> None:
     """The tiers of a conifer, narrower and denser towards the top."""
     length, width, _ = parts.placed.size
     for middle, share, tall in ((0.2, 1.0, 0.4), (0.42, 0.76, 0.42), (0.64, 0.52, 0.4), (0.84, 0.28, 0.32)):
-        at = (0.0, 0.0, parts.placed.stem + middle * crown)
+        at = (0.0, 0.0, parts.placed.clearance + middle * crown)
         size = (share * length, share * width, tall * crown)
         parts.add("ellipsoid", at, size, "vegetation", extinction=density / max(share, 0.4))
 

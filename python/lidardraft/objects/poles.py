@@ -48,39 +48,39 @@ def pole(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
 
 
 def sign(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
-    """A plate from `stem` to the top on a post: its face, to the front (+x), reflects back, its back is grey."""
+    """A plate from `clearance` to the top on a post: its face, to the front (+x), reflects back, its back is grey."""
     _, width, height = placed.size
     parts = Parts(placed)
-    tall = height - placed.stem
+    tall = height - placed.clearance
     post(parts, 0.076, height - 0.05)  # DIN EN 12767 tube, 76 mm
     if width > 1.5:  # a board on two posts
         parts.primitives.clear()
         for side in (-0.35, 0.35):
             at = (0.0, side * width, (height - SINK) / 2)
             parts.add("cylinder", at, (0.1, 0.1, height + SINK), "pole")
-        _plate(parts, "square", 0.0, width, placed.stem, tall)
+        _plate(parts, "square", 0.0, width, placed.clearance, tall)
     elif tall > 1.3 * width and rng.random() < 0.7:
         # two plates, one over the other
         _plate(parts, str(rng.choice(_FORMS[:2])), 0.0, width, height - width, width)
-        _plate(parts, "square", 0.0, width, placed.stem, tall - width - 0.03)
+        _plate(parts, "square", 0.0, width, placed.clearance, tall - width - 0.03)
     else:
         form = str(rng.choice(_FORMS, p=(0.4, 0.2, 0.36, 0.04))) if 0.8 < tall / width < 1.25 else "square"
-        _plate(parts, form, 0.0, width, placed.stem, tall)
+        _plate(parts, form, 0.0, width, placed.clearance, tall)
     return parts.primitives
 
 
 def traffic_light(placed: PlacedObject, _rng: np.random.Generator) -> list[Primitive]:
-    """A housing with three lenses from `stem` to the top, facing forward, on a post.
+    """A housing with three lenses from `clearance` to the top, facing forward, on a post.
 
     One wider than 1 m hangs from a mast arm: the post stands at the right end (-y) of its width, the arm reaches to the
     left end and carries a signal; another is on the post.
     """
     depth, width, height = placed.size
     parts = Parts(placed)
-    tall = height - placed.stem
+    tall = height - placed.clearance
     if width <= 1.0:
-        post(parts, 0.11, placed.stem + 0.1)
-        _signal(parts, 0.0, placed.stem, (depth, width, tall))
+        post(parts, 0.11, placed.clearance + 0.1)
+        _signal(parts, 0.0, placed.clearance, (depth, width, tall))
         return parts.primitives
     at = -width / 2 + 0.15
     post(parts, 0.2, height, y=at)
@@ -92,43 +92,47 @@ def traffic_light(placed: PlacedObject, _rng: np.random.Generator) -> list[Primi
 
 
 def billboard(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
-    """A poster (18/1: 3.56 x 2.52 m) from `stem` to the top, facing forward (+x), on one post or two."""
+    """A poster (18/1: 3.56 x 2.52 m) from `clearance` to the top, facing forward (+x), on one post or two."""
     depth, width, height = placed.size
     parts = Parts(placed)
-    tall = height - placed.stem
-    posts = (0.0,) if width < 2.0 or placed.stem > 2.0 else (-0.35 * width, 0.35 * width)
+    tall = height - placed.clearance
+    posts = (0.0,) if width < 2.0 or placed.clearance > 2.0 else (-0.35 * width, 0.35 * width)
     for y in posts:
         parts.add(
-            "box", (0.0, y, (placed.stem + 0.1 - SINK) / 2), (0.16, 0.2, placed.stem + 0.1 + SINK), "other", "metal"
+            "box",
+            (0.0, y, (placed.clearance + 0.1 - SINK) / 2),
+            (0.16, 0.2, placed.clearance + 0.1 + SINK),
+            "other",
+            "metal",
         )
-    parts.add("box", (0.0, 0.0, placed.stem + tall / 2), (min(depth, 0.3), width, tall), "other", "metal")
+    parts.add("box", (0.0, 0.0, placed.clearance + tall / 2), (min(depth, 0.3), width, tall), "other", "metal")
     out = min(depth, 0.3) / 2
     face = (0.02, 0.94 * width, 0.9 * tall)
     for side in (-1, 1) if rng.random() < 0.5 else (1,):
-        parts.add("box", (side * out, 0.0, placed.stem + tall / 2), face, "other", "plastic")
+        parts.add("box", (side * out, 0.0, placed.clearance + tall / 2), face, "other", "plastic")
     return parts.primitives
 
 
 def gantry(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     """A sign bridge over a road along x: posts at the ends of its width, a truss, boards that face forward (+x).
 
-    `stem` is the clearance under it.
+    `clearance` is the height under it.
     """
     depth, width, height = placed.size
     parts = Parts(placed)
-    tall = height - placed.stem
+    tall = height - placed.clearance
     for side in (-1, 1):
         y = side * (width - GANTRY_POST) / 2
         size = (min(depth, 0.5), GANTRY_POST, height + SINK)
         parts.add("box", (0.0, y, (height - SINK) / 2), size, "pole")
-    parts.add_piece(_truss(), (min(depth, 0.8), width, min(tall, 1.2)), "pole", "metal", at=(0, 0, placed.stem))
+    parts.add_piece(_truss(), (min(depth, 0.8), width, min(tall, 1.2)), "pole", "metal", at=(0, 0, placed.clearance))
     count = max(1, round(width / 4.5))
     for number in range(count):
         if rng.random() < 0.75 or number == count // 2:
             wide = 0.8 * (width - 2 * GANTRY_POST) / count
             y = (number + 0.5 - count / 2) * (width - 2 * GANTRY_POST) / count
             board = tall * rng.uniform(0.75, 1.0)
-            _plate(parts, "square", y, wide, placed.stem, board, ahead=min(depth, 0.8) / 2 + 0.02)
+            _plate(parts, "square", y, wide, placed.clearance, board, ahead=min(depth, 0.8) / 2 + 0.02)
     return parts.primitives
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from lidardraft.errors import LayoutError
 from lidardraft.scene.layout import Primitive
 
+LEFT, RIGHT = 1, -1  # sides of a road: the sign of `across`
 TERRAIN_HEIGHT = -0.05  # below the road, so that the road covers it
 KERB_HEIGHT = 0.12  # usual European kerb face, 10 to 15 cm
 _SEGMENT = 2.0  # m; the chord of a 50 m bend leaves the arc by 1 cm
@@ -34,9 +35,9 @@ class Road:
     at 0. `lanes` counts one direction; the ego drives in number `ego_lane`, counted from the kerb. `parking` is the
     width [m] of the strip for parked vehicles (or of the hard shoulder) along each kerb. `curvature` [1/m] is positive
     for a left bend. `junction` is the `along` of the middle of the crossing road, or None; `side_roads` are the sides
-    on which it leaves ("left", "right"). `median` is the width [m] of the strip between the directions,
-    `roundabout_radius` the outer radius [m] of a roundabout in the junction (or None), `paved_areas` what is paved
-    beside the road, such as a car park.
+    on which it leaves, `LEFT` or `RIGHT`. The road goes on `half_length` [m] either way. `median` is the width [m] of
+    the strip between the directions, `roundabout_radius` the outer radius [m] of a roundabout in the junction (or
+    None), `paved_areas` what is paved beside the road, such as a car park.
     """
 
     lanes: int = 1
@@ -46,8 +47,8 @@ class Road:
     sidewalk: float = 2.0
     curvature: float = 0.0
     junction: float | None = None
-    side_roads: tuple[str, ...] = ("left", "right")
-    reach: float = 80.0
+    side_roads: tuple[int, ...] = (LEFT, RIGHT)
+    half_length: float = 80.0
     median: float = 0.0
     roundabout_radius: float | None = None
     paved_areas: tuple[PavedArea, ...] = ()
@@ -63,8 +64,10 @@ class Road:
             raise LayoutError(f"parking is {self.parking} m; it must be 0 to 5 m")
         if not 0.0 <= self.sidewalk <= 10.0:
             raise LayoutError(f"sidewalk is {self.sidewalk} m; it must be 0 to 10 m")
-        if abs(self.curvature) * self.reach > 2.0:
-            raise LayoutError(f"curvature {self.curvature} over {self.reach} m turns the road back on itself")
+        if abs(self.curvature) * self.half_length > 2.0:
+            raise LayoutError(f"curvature {self.curvature} over {self.half_length} m turns the road back on itself")
+        if not set(self.side_roads) <= {LEFT, RIGHT}:
+            raise LayoutError(f"side_roads is {self.side_roads}; sides are {LEFT} (left) and {RIGHT} (right)")
         if not 0.0 <= self.median <= 20.0:
             raise LayoutError(f"median is {self.median} m; it must be 0 to 20 m")
         if self.roundabout_radius is not None:
@@ -135,7 +138,7 @@ class Road:
         return surfaces
 
     def _carriageways(self) -> list[Primitive]:
-        whole = (-self.reach, self.reach)
+        whole = (-self.half_length, self.half_length)
         if self.median < _SEEN_MEDIAN:
             return [self._strip("road", "road", whole, (-self.edge, self.edge), 0.0)]
         return [
@@ -157,9 +160,9 @@ class Road:
         return [disc, Primitive(shape="cylinder", center=center, size=size, label="terrain", id="island")]
 
     def _sidewalks(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
-        whole = (-self.reach, self.reach)
+        whole = (-self.half_length, self.half_length)
         strips = []
-        for side, across in (("right", (-self.verge, -self.edge)), ("left", (self.edge, self.verge))):
+        for side, across in ((RIGHT, (-self.verge, -self.edge)), (LEFT, (self.edge, self.verge))):
             if self.junction is None or (side not in self.side_roads and self.roundabout_radius is None):
                 strips.append((whole, across))
                 continue
@@ -168,17 +171,16 @@ class Road:
             strips += [(span, across) for span in spans if span[1] - span[0] > 1.0]
         return strips
 
-    def _side_road(self, side: str) -> Primitive:
+    def _side_road(self, side: int) -> Primitive:
         assert self.junction is not None
-        sign = 1.0 if side == "left" else -1.0
-        x, y, heading = self.at(self.junction, sign * (self.edge + self.reach) / 2)
+        x, y, heading = self.at(self.junction, side * (self.edge + self.half_length) / 2)
         return Primitive(
             shape="plane",
             center=(x, y, 0.0),
-            size=(self.reach - self.edge, 2 * self.edge, 0.0),
+            size=(self.half_length - self.edge, 2 * self.edge, 0.0),
             yaw=heading + math.pi / 2,
             label="road",
-            id=f"road_{side}",
+            id="road_left" if side == LEFT else "road_right",
         )
 
     def _strip(

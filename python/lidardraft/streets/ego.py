@@ -46,20 +46,20 @@ class Ego:
 
 def sample_ego(occupancy: Occupancy, lanes: tuple[Lane, ...], rng: np.random.Generator) -> Ego:
     """A free place in one of the lanes, near the middle of the street; raises `LayoutError` if there is none."""
-    near = _NEAR * occupancy.road.reach
+    near = _NEAR * occupancy.road.half_length
     middle = occupancy.road.lane(occupancy.road.ego_lane)
     for attempt in range(1000):
         lane = lanes[int(rng.integers(len(lanes)))]
         distance = rng.uniform(0.0, lane.length)
-        along, across, turn = lane.at(distance, min(max(rng.normal(0.0, 0.15), -0.4), 0.4))
+        along, across, angle = lane.at(distance, min(max(rng.normal(0.0, 0.15), -0.4), 0.4))
         spread = 14.0 + 0.1 * attempt  # the search widens when the middle is full
         off = math.hypot(along, 0.6 * (across - middle)) / spread
         if max(abs(along), abs(across)) > near or rng.random() > _LIKELY[lane.name] * math.exp(-0.5 * off * off) + 0.02:
             continue
         x, y, heading = occupancy.road.at(along, across)
-        yaw = math.remainder(heading + turn + rng.normal(0.0, 0.02), 2 * math.pi)
+        yaw = math.remainder(heading + angle + rng.normal(0.0, 0.02), 2 * math.pi)
         if occupancy.is_free(x, y, yaw, EGO_SIZE):
-            return _ego(occupancy, lane, (along, across, turn), (x, y, yaw), rng)
+            return _ego(occupancy, lane, (along, across, angle), (x, y, yaw), rng)
     raise LayoutError(f"no free place of {EGO_SIZE[0]} x {EGO_SIZE[1]} m for the ego vehicle")
 
 
@@ -70,12 +70,12 @@ def _ego(
     planar: tuple[float, float, float],
     rng: np.random.Generator,
 ) -> Ego:
-    along, across, turn = place
+    along, across, angle = place
     x, y, yaw = planar
     base, track = _WHEELS
     ahead = np.array([base, base, -base, -base]) / 2
     left = np.array([track, -track, track, -track]) / 2
-    cos, sin = math.cos(turn), math.sin(turn)
+    cos, sin = math.cos(angle), math.sin(angle)
     wheels = occupancy.ground.heights(along + ahead * cos - left * sin, across + ahead * sin + left * cos)
     rise, bank = float(ahead @ wheels / (ahead @ ahead)), float(left @ wheels / (left @ left))
     z = float(wheels.mean())
@@ -103,7 +103,7 @@ def _bend(occupancy: Occupancy, lane: Lane) -> float:
     """Curvature [1/m] of the way the ego vehicle takes, positive to the left."""
     if lane.bend or lane.name != "road":
         return lane.bend
-    return math.copysign(occupancy.road.curvature, occupancy.road.curvature * math.cos(lane.turn))
+    return math.copysign(occupancy.road.curvature, occupancy.road.curvature * math.cos(lane.angle))
 
 
 def _on_slope(place: tuple[float, float, float], yaw: float, rise: float, bank: float) -> np.ndarray:

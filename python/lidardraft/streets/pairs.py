@@ -84,14 +84,14 @@ def streets(
     config = config or StreetConfig()
     first, skip = divmod(start, config.poses_per_street)
     numbers = (number for number in itertools.count(first) if number % shards == mine)
-    drives = (_Drive(seed, config, number, skip if number == first else 0) for number in numbers)
+    runs = (_StreetRun(seed, config, number, skip if number == first else 0) for number in numbers)
     if workers > 1:
-        return _in_processes(drives, workers)
-    return (pair for drive in drives for pair in drive.pairs(None))
+        return _in_processes(runs, workers)
+    return (pair for run in runs for pair in run.pairs(None))
 
 
 @dataclass(frozen=True, slots=True)
-class _Drive:
+class _StreetRun:
     """The pairs of one street, from the pose numbered `first` on."""
 
     seed: int
@@ -105,13 +105,13 @@ class _Drive:
         return range(self.number * poses + self.first, (self.number + 1) * poses)
 
     def pairs(self, threads: int | None) -> Iterator[StreetPair]:
-        street, eye = _arrive(self.seed, self.config, self.number, threads)
-        return (_pair(street, eye, index) for index in self.indices())
+        street, scanner = _scanned_street(self.seed, self.config, self.number, threads)
+        return (_pair(street, scanner, index) for index in self.indices())
 
 
 @lru_cache(maxsize=1)
-def _arrive(seed: int, config: StreetConfig, number: int, threads: int | None) -> tuple[Street, StreetScanner]:
-    """A street, and what looks at it; the last one is kept for the next pair of its drive."""
+def _scanned_street(seed: int, config: StreetConfig, number: int, threads: int | None) -> tuple[Street, StreetScanner]:
+    """A street, and what looks at it; the last one is kept for the next pair of its run."""
     street = make_street(seed, config, number=number)
     # another unit of the sensor for each street
     model = replace(SensorModel.from_sensor(config.sensor), unit=number)
@@ -120,7 +120,7 @@ def _arrive(seed: int, config: StreetConfig, number: int, threads: int | None) -
     )
 
 
-def _in_processes(drives: Iterator[_Drive], workers: int) -> Generator[StreetPair, None, None]:
+def _in_processes(runs: Iterator[_StreetRun], workers: int) -> Generator[StreetPair, None, None]:
     # a fork would copy the threads' locks
     context = multiprocessing.get_context("spawn")
     # a pool each: all pairs of a street are made by the process that has built it
@@ -130,8 +130,8 @@ def _in_processes(drives: Iterator[_Drive], workers: int) -> Generator[StreetPai
     # Pairs come one by one: memory of a megabyte is used again and again, where that of more is asked of the system
     # each time, which takes longer than all the rest of the way.
     def submit() -> deque[Future[StreetPair]]:
-        drive, pool = next(drives), next(turns)
-        return deque(pool.submit(_driven, drive, index) for index in drive.indices())
+        run, pool = next(runs), next(turns)
+        return deque(pool.submit(_pair_in_worker, run, index) for index in run.indices())
 
     try:
         # one more street for each worker, so that none waits while a street is consumed
@@ -146,8 +146,8 @@ def _in_processes(drives: Iterator[_Drive], workers: int) -> Generator[StreetPai
             pool.shutdown(cancel_futures=True)
 
 
-def _driven(drive: _Drive, index: int) -> StreetPair:
-    return _pair(*_arrive(drive.seed, drive.config, drive.number, 1), index)
+def _pair_in_worker(run: _StreetRun, index: int) -> StreetPair:
+    return _pair(*_scanned_street(run.seed, run.config, run.number, 1), index)
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,28 +166,28 @@ class StreetScanner:
         return self.caster.scan(rays, poses=poses, primitive=True, incidence=True, seed=seed, threads=self.threads)
 
 
-def scan_street(street: Street, eye: StreetScanner, index: int) -> tuple[Ego, VisibleObjects, np.random.Generator]:
+def scan_street(street: Street, scanner: StreetScanner, index: int) -> tuple[Ego, VisibleObjects, np.random.Generator]:
     """Scan number `index` of a street: where it is taken, what it sees, and the generator for what follows."""
     rng = np.random.default_rng([street.seed, index, 1])
     ego = sample_ego(street.occupancy, street.lanes, rng)
-    pose = mount(eye.sensor, ego, rng)
-    poses = eye.sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
-    clean = eye.cast(ego, poses, seed=index)
-    scan = observe(clean, eye.surfaces, rng, sensor=eye.sensor, model=eye.model, threads=eye.threads)
+    pose = mount(scanner.sensor, ego, rng)
+    poses = scanner.sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
+    clean = scanner.cast(ego, poses, seed=index)
+    scan = observe(clean, scanner.surfaces, rng, sensor=scanner.sensor, model=scanner.model, threads=scanner.threads)
     coarse = street.coarse
     return ego, VisibleObjects(place_of(ego.pose), pose, scan, coarse.owners, len(coarse.objects)), rng
 
 
-def _pair(street: Street, eye: StreetScanner, index: int) -> StreetPair:
-    ego, visible, rng = scan_street(street, eye, index)
+def _pair(street: Street, scanner: StreetScanner, index: int) -> StreetPair:
+    ego, visible, rng = scan_street(street, scanner, index)
     style = sample_style(rng)
     shapes = street.coarse.draw(style, rng, ego.pose, visible)
-    poses = eye.sensor.poses_in_motion(visible.pose, (ego.speed, 0.0, 0.0))
-    condition_image = shapes.scan(eye.sensor, poses, threads=eye.threads)
+    poses = scanner.sensor.poses_in_motion(visible.pose, (ego.speed, 0.0, 0.0))
+    condition_image = shapes.scan(scanner.sensor, poses, threads=scanner.threads)
     # primitives of the detailed scene say nothing to who does not have it, and take time on the way there
     scan = visible.scan
     assert scan.intensity is not None
     seen = RangeImage.unchecked(
-        eye.sensor, depth=scan.depth, label=scan.label, instance=scan.instance, intensity=scan.intensity
+        scanner.sensor, depth=scan.depth, label=scan.label, instance=scan.instance, intensity=scan.intensity
     )
     return StreetPair(seen, condition_image, shapes, visible.pose, style, street.district, ego.speed, index)

@@ -19,17 +19,17 @@ from lidardraft.streets.placement.plan import plan_street
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class StreetConfig:
-    """`poses_per_street` scans are taken of each street; `reach` [m] is how far it goes either way."""
+    """`poses_per_street` scans are taken of each street; it goes on `half_length` [m] either way."""
 
     sensor: Sensor = PRESETS["hdl64e"]
     poses_per_street: int = 32
-    reach: float = 90.0
+    half_length: float = 90.0
 
     def __post_init__(self) -> None:
         if self.poses_per_street < 1:
             raise LayoutError(f"poses_per_street is {self.poses_per_street}; a street is scanned at least once")
-        if not 40.0 <= self.reach <= 200.0:
-            raise LayoutError(f"reach is {self.reach} m; it must be 40 to 200 m")
+        if not 40.0 <= self.half_length <= 200.0:
+            raise LayoutError(f"half_length is {self.half_length} m; it must be 40 to 200 m")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,13 +59,13 @@ def make_street(seed: int, config: StreetConfig | None = None, *, number: int = 
     check_number("number", number)
     config = config or StreetConfig()
     rng = np.random.default_rng([seed, number])
-    occupancy, lanes, district = plan_street(rng, config.reach)
+    occupancy, lanes, district = plan_street(rng, config.half_length)
     primitives = occupancy.ground.surfaces()
     for placed in occupancy.objects:
         primitives += kind_of(placed.kind).build(placed, rng)
-    provenance = {"source": "streets", "seed": seed, "number": number, "quarter": district}
+    provenance = {"source": "streets", "seed": seed, "number": number, "district": district}
     scene = Layout(primitives=tuple(primitives), provenance=provenance)
-    middles = [lane.across for lane in lanes if abs(math.sin(lane.turn)) < 0.01]
+    middles = [lane.across for lane in lanes if abs(math.sin(lane.angle)) < 0.01]
     return Street(
         seed, number, district, occupancy, lanes, scene, CoarseStreet(occupancy.road, occupancy.objects, scene, middles)
     )

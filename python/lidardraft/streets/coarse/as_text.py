@@ -12,7 +12,7 @@ from lidardraft.objects.coarse_shapes import CoarseShape, box_of
 from lidardraft.objects.kinds import Alignment, Kind, kind_of
 from lidardraft.objects.parts import PlacedObject
 from lidardraft.scene.road import Road
-from lidardraft.streets.placement.district import BAY
+from lidardraft.streets.placement.district import PARKING_STRIP
 
 _Size = tuple[float, float, float]
 
@@ -57,7 +57,9 @@ def as_text(
 
     `middles` are those of the lanes across the road [m]. A block longer than the solver's is several side by side.
     """
-    rows = np.unique(np.concatenate([np.asarray(middles, dtype=float), (road.edge - BAY / 2) * np.array([-1.0, 1.0])]))
+    rows = np.unique(
+        np.concatenate([np.asarray(middles, dtype=float), (road.edge - PARKING_STRIP / 2) * np.array([-1.0, 1.0])])
+    )
     coarse = []
     for index, placed in enumerate(objects):
         kind = kind_of(placed.kind)
@@ -75,13 +77,13 @@ def _resized(placed: PlacedObject, kind: Kind) -> PlacedObject:
         return placed
     size = np.array(placed.size)
     if kind.word == "house":
-        size[2] = (placed.stem + size[2]) / 2
+        size[2] = (placed.clearance + size[2]) / 2
     most = np.maximum(_FURTHEST * size, _CLOSE)
     nearest = np.clip(np.clip(size, *RANGES[kind.word]), size - most, size + most)
     length, width, height = nearest.tolist()
     if kind.word == "tree":
-        stem = min(max(placed.stem, _CLEAR[0]), _CLEAR[1], 0.6 * height)
-        return replace(placed, size=((length + width) / 2, (length + width) / 2, height), stem=stem)
+        clearance = min(max(placed.clearance, _CLEAR[0]), _CLEAR[1], 0.6 * height)
+        return replace(placed, size=((length + width) / 2, (length + width) / 2, height), clearance=clearance)
     if kind.word == "bush":
         return replace(placed, size=((length + width) / 2, (length + width) / 2, height))
     return replace(placed, size=(length, width, height))
@@ -92,11 +94,11 @@ def _shapes(placed: PlacedObject, kind: Kind) -> list[CoarseShape]:
     length, width, height = placed.size
     if kind.word == "tree":
         girth = float(np.clip(0.05 * height, *_GIRTH))
-        top = placed.stem + 0.25 * (height - placed.stem)
-        crown = height - placed.stem
+        top = placed.clearance + 0.25 * (height - placed.clearance)
+        crown = height - placed.clearance
         return [
             CoarseShape("cylinder", (0.0, 0.0, top / 2), (girth, girth, top), "trunk"),
-            CoarseShape("ellipsoid", (0.0, 0.0, placed.stem + crown / 2), (length, width, crown), "vegetation"),
+            CoarseShape("ellipsoid", (0.0, 0.0, placed.clearance + crown / 2), (length, width, crown), "vegetation"),
         ]
     if kind.word == "building" and length > RANGES["building"][1][0]:
         count = math.ceil(length / RANGES["building"][1][0])
@@ -109,8 +111,11 @@ def _shapes(placed: PlacedObject, kind: Kind) -> list[CoarseShape]:
         plate = CoarseShape("box", (-0.08, 0.0, height - width / 2), (0.05, width, width), "traffic-sign")
         return [CoarseShape("cylinder", (0.0, 0.0, height / 2), (0.08, 0.08, height), "pole"), plate]
     if kind.word == "traffic-light" and width <= 1.0:  # wider ones hang from an arm
-        light = CoarseShape("box", (0.0, 0.0, placed.stem + 0.45), (0.35, 0.35, 0.9), "traffic-light")
-        return [CoarseShape("cylinder", (0.0, 0.0, placed.stem / 2), (0.15, 0.15, placed.stem), "pole"), light]
+        light = CoarseShape("box", (0.0, 0.0, placed.clearance + 0.45), (0.35, 0.35, 0.9), "traffic-light")
+        return [
+            CoarseShape("cylinder", (0.0, 0.0, placed.clearance / 2), (0.15, 0.15, placed.clearance), "pole"),
+            light,
+        ]
     if kind.word == "street-light":
         arm = CoarseShape("box", (0.0, -0.5, height), (0.3, 1.2, 0.15), "pole")
         return [CoarseShape("cylinder", (0.0, 0.0, height / 2), (0.18, 0.18, height), "pole"), arm]

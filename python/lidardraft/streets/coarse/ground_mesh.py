@@ -70,7 +70,7 @@ class GroundMesh:
 
 
 def _lines(road: Road) -> tuple[np.ndarray, np.ndarray]:
-    end = road.reach + 2 * _STEP
+    end = road.half_length + 2 * _STEP
     along = np.linspace(-end, end, round(2 * end / _STEP) + 1)
     # on either side of a kerb is a line, or else it would be a slope as wide as a lane
     kerb = [road.edge - _ASIDE, road.edge + _ASIDE]

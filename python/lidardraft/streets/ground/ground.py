@@ -173,7 +173,7 @@ class Ground:
             kinds = np.where((side < road.median / 2) & (off > road.edge + 1.0), 3, kinds)
         if road.junction is not None:
             for side in road.side_roads:
-                here = (across > road.edge) if side == "left" else (across < -road.edge)
+                here = (across > road.edge) if side > 0 else (across < -road.edge)
                 if self.paved:
                     kinds = np.where(here & (off <= road.verge + SECTION[-1]) & (kinds > 1), 1, kinds)
                 kinds = np.where(here & (off <= road.verge) & (kinds > 1), 1, kinds)
@@ -189,7 +189,7 @@ class Ground:
 
     def _lines(self) -> tuple[np.ndarray, np.ndarray]:
         road = self.road
-        end = road.reach + _MARGIN
+        end = road.half_length + _MARGIN
         stations = np.linspace(-end, end, round(2 * end / _SPACING) + 1)
         ways = np.array([road.edge, *([road.edge + self.strip] if self.strip else []), road.verge])
         section = road.verge + np.array(SECTION)

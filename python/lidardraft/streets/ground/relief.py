@@ -98,8 +98,8 @@ class Relief:
         away = np.abs(across) - road.verge
         if road.junction is not None:
             arm = np.abs(along - road.junction) - road.verge
-            for name in road.side_roads:
-                here = across > 0 if name == "left" else across < 0
+            for side in road.side_roads:
+                here = across > 0 if side > 0 else across < 0
                 away = np.where(here, np.minimum(away, arm), away)
             if road.roundabout_radius is not None:
                 away = np.minimum(

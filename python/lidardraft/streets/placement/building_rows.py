@@ -17,7 +17,9 @@ _STEP_BACK = (0.2, 1.2)
 _ASKEW = 0.06  # rad by which the buildings of a row are turned at most against the road
 
 
-def build(occupancy: Occupancy, district: District, car_park: CarPark | None, rng: np.random.Generator) -> None:
+def place_buildings(
+    occupancy: Occupancy, district: District, car_park: CarPark | None, rng: np.random.Generator
+) -> None:
     """Two rows of buildings on both sides, and the hall that a car park belongs to."""
     if car_park is not None:
         _hall(occupancy, car_park, rng)
@@ -29,7 +31,7 @@ def build(occupancy: Occupancy, district: District, car_park: CarPark | None, rn
 
 
 def _facing(side: int) -> float:
-    """The turn of a building that looks to the road."""
+    """The angle of a building that looks to the road."""
     return 0.0 if side > 0 else math.pi
 
 
@@ -38,7 +40,7 @@ def _hall(occupancy: Occupancy, car_park: CarPark, rng: np.random.Generator) -> 
     far = max(abs(edge) for edge in car_park.paved_area.across)
     middle = (car_park.paved_area.along[0] + car_park.paved_area.along[1]) / 2
     across = car_park.side * (far + rng.uniform(2.0, 5.0) + size[1] / 2)
-    occupancy.place("shed", middle, across, size, turn=_facing(car_park.side), margin=0.02, private=True)
+    occupancy.place("shed", middle, across, size, angle=_facing(car_park.side), margin=0.02, private=True)
 
 
 def _open_rows(occupancy: Occupancy, district: District, side: int, rng: np.random.Generator) -> None:
@@ -46,14 +48,14 @@ def _open_rows(occupancy: Occupancy, district: District, side: int, rng: np.rand
     for row in range(2):
         setback = rng.uniform(*district.setback) + row * rng.uniform(16.0, 30.0)
         askew = rng.uniform(-_ASKEW, _ASKEW)
-        along = -road.reach - rng.uniform(0.0, 8.0)
-        while along < road.reach:
+        along = -road.half_length - rng.uniform(0.0, 8.0)
+        while along < road.half_length:
             kind, size, eaves = sample_building(district, rng)
             across = side * (road.verge + setback + rng.uniform(0.0, 1.0) + _step_back(rng) + size[1] / 2)
             if rng.random() < district.built:
-                turn = _facing(side) + askew + rng.normal(0.0, 0.01)
+                angle = _facing(side) + askew + rng.normal(0.0, 0.01)
                 occupancy.place(
-                    kind, along + size[0] / 2, across, size, turn=turn, stem=eaves, margin=0.02, private=True
+                    kind, along + size[0] / 2, across, size, angle=angle, clearance=eaves, margin=0.02, private=True
                 )
             along += size[0] + rng.uniform(*district.gap) * (1 if row == 0 else 2)
 
@@ -75,16 +77,16 @@ def _closed_front(occupancy: Occupancy, district: District, side: int, rng: np.r
     road = occupancy.road
     setback = rng.uniform(*district.setback)
     storeys, depth = int(rng.integers(3, 7)), rng.uniform(10.0, 13.0)
-    along = -road.reach - rng.uniform(0.0, 8.0)
-    while along < road.reach:
+    along = -road.half_length - rng.uniform(0.0, 8.0)
+    while along < road.half_length:
         length = rng.uniform(10.0, 24.0)
         height = max(3, storeys + int(rng.integers(-1, 2))) * STOREY + 0.4
         across = side * (road.verge + setback + _step_back(rng) + depth / 2)
-        turn = _facing(side)
+        angle = _facing(side)
         # before a side road a shorter one fits
         for tried in (length, 10.0, 0.0):
             size, middle = (tried, depth, height), along + tried / 2
-            if tried and occupancy.place("block", middle, across, size, turn=turn, margin=0.02, private=True):
+            if tried and occupancy.place("block", middle, across, size, angle=angle, margin=0.02, private=True):
                 break
         length = tried
         if length == 0.0:
@@ -94,12 +96,12 @@ def _closed_front(occupancy: Occupancy, district: District, side: int, rng: np.r
         if rng.random() > _CLOSED:
             along = _gap(occupancy, along, side, setback, rng)
     yard = rng.uniform(10.0, 18.0)
-    along = -road.reach
-    while along < road.reach:
+    along = -road.half_length
+    while along < road.half_length:
         size = (rng.uniform(10.0, 26.0), rng.uniform(8.0, 12.0), int(rng.integers(2, 6)) * STOREY + 0.4)
         across = side * (road.verge + setback + depth + yard + size[1] / 2)
         if rng.random() < 0.6:
-            occupancy.place("block", along + size[0] / 2, across, size, turn=_facing(side), margin=0.02, private=True)
+            occupancy.place("block", along + size[0] / 2, across, size, angle=_facing(side), margin=0.02, private=True)
         along += size[0] + rng.uniform(2.0, 14.0)
 
 

@@ -36,11 +36,11 @@ class CarPark:
 def sample_car_park(road: Road, modules: int, rng: np.random.Generator) -> CarPark:
     """A car park of so many double rows, near the middle of a straight road and clear of its side roads."""
     side = 1 if rng.random() < 0.5 else -1
-    length = rng.uniform(26.0, max(30.0, min(70.0, 0.7 * road.reach)))
+    length = rng.uniform(26.0, max(30.0, min(70.0, 0.7 * road.half_length)))
     start = rng.uniform(-0.75, -0.25) * length
     if road.junction is not None:
         if len(road.side_roads) == 1:
-            side = 1 if road.side_roads == ("right",) else -1
+            side = -road.side_roads[0]
         else:
             clear = road.verge + 3.0
             start = road.junction + clear if road.junction < 0 else road.junction - clear - length
@@ -65,7 +65,7 @@ def sample_car_park(road: Road, modules: int, rng: np.random.Generator) -> CarPa
     )
 
 
-def fill_car_park(occupancy: Occupancy, car_park: CarPark, rng: np.random.Generator) -> None:
+def place_in_car_park(occupancy: Occupancy, car_park: CarPark, rng: np.random.Generator) -> None:
     """Cars in the bays, nose to the aisle or from it; lamps and trees between the rows; people on the way."""
     occupied = rng.uniform(0.1, 0.65)
     count = int((car_park.paved_area.along[1] - car_park.paved_area.along[0]) / BAY_WIDTH)
@@ -77,9 +77,9 @@ def fill_car_park(occupancy: Occupancy, car_park: CarPark, rng: np.random.Genera
             kind, size = car_body(rng)
             # nose-in: three in four, an estimate of ours
             heading = -toward if rng.random() < 0.75 else toward
-            turn = heading * math.pi / 2 + rng.normal(0.0, 0.03)
+            angle = heading * math.pi / 2 + rng.normal(0.0, 0.03)
             off = rng.normal(0.0, 0.12)
-            occupancy.place(kind, along + off, across + toward * rng.uniform(-0.1, 0.4), size, turn=turn, margin=0.05)
+            occupancy.place(kind, along + off, across + toward * rng.uniform(-0.1, 0.4), size, angle=angle, margin=0.05)
     for edge in car_park.paved_area.across:
         if rng.random() < 0.5:
             height = rng.uniform(4.5, 8.0)
@@ -87,11 +87,11 @@ def fill_car_park(occupancy: Occupancy, car_park: CarPark, rng: np.random.Genera
                 car_park.paved_area.along[0] + 5.0, car_park.paved_area.along[1], rng.uniform(16.0, 24.0)
             ).tolist():
                 out = edge + math.copysign(0.5, edge - car_park.aisles[0])
-                occupancy.place("lamp", along, out, (0.15, 0.2, height), turn=rng.uniform(0.0, 3.0))
+                occupancy.place("lamp", along, out, (0.15, 0.2, height), angle=rng.uniform(0.0, 3.0))
     for _ in range(rng.poisson(2.0)):
         along, across = (
             rng.uniform(*car_park.paved_area.along),
             car_park.aisles[int(rng.integers(len(car_park.aisles)))],
         )
         size = person_size(rng, standing=False)
-        occupancy.place("person", along, across + rng.uniform(-2.0, 2.0), size, turn=rng.uniform(0, 6.28), margin=0.1)
+        occupancy.place("person", along, across + rng.uniform(-2.0, 2.0), size, angle=rng.uniform(0, 6.28), margin=0.1)

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.scene.road import RING, Road
+from lidardraft.scene.road import LEFT, RIGHT, RING, Road
 
-BAY = 2.2  # m, a parking bay along the kerb: RASt 06 has 2.0 m and 0.25 m to moving traffic
-SIDES = (-1, 1)  # right, left
+PARKING_STRIP = 2.2  # m, a parking bay along the kerb: RASt 06 has 2.0 m and 0.25 m to moving traffic
+SIDES = (RIGHT, LEFT)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -117,7 +117,7 @@ DISTRICTS: dict[str, District] = {
 def sample_road(
     district: District,
     parking: tuple[int, ...],
-    reach: float,
+    half_length: float,
     rng: np.random.Generator,
     *,
     oneway: bool = False,
@@ -130,16 +130,16 @@ def sample_road(
         # RASt 06: 3.0 to 3.5 m between parked cars, and now and then room for two lanes
         width = max(2.0, rng.uniform(3.5, 4.2) / 2) if rng.random() < 0.7 else width
     if lanes == 1:
-        width += BAY * len(parking) / 2
+        width += PARKING_STRIP * len(parking) / 2
     sidewalk = rng.uniform(*district.sidewalk)
     median = rng.uniform(*district.median) if lanes > 1 else 0.0
     median = median if median > 1.5 else 0.0
     junction, roundabout_radius, curvature = None, None, 0.0
-    side_roads: tuple[str, ...] = ("left", "right")
+    side_roads: tuple[int, ...] = (LEFT, RIGHT)
     if rng.random() < district.junction:
         # a side road leaves at a right angle, so the road is straight there
-        junction = float(rng.uniform(-0.4, 0.4) * reach)
-        side_roads = (("left", "right"), ("left",), ("right",))[int(rng.integers(3))]
+        junction = float(rng.uniform(-0.4, 0.4) * half_length)
+        side_roads = ((LEFT, RIGHT), (LEFT,), (RIGHT,))[int(rng.integers(3))]
         smallest = median / 2 + lanes * width + sidewalk + RING + 1.5
         # outer diameters of 26 to 50 m: the German guide to roundabouts (FGSV 242)
         if not car_park and rng.random() < district.roundabout and smallest < 25.0:
@@ -148,7 +148,7 @@ def sample_road(
             median = 0.0
     elif not car_park and rng.random() < district.bend:
         low, high = district.curvature
-        curvature = float(rng.choice((-1, 1)) * rng.uniform(low, min(high, 1.6 / reach)))
+        curvature = float(rng.choice((-1, 1)) * rng.uniform(low, min(high, 1.6 / half_length)))
     return Road(
         lanes=lanes,
         lane_width=width,
@@ -157,7 +157,7 @@ def sample_road(
         curvature=curvature,
         junction=junction,
         side_roads=side_roads,
-        reach=reach,
+        half_length=half_length,
         median=median,
         roundabout_radius=roundabout_radius,
     )

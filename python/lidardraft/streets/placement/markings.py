@@ -70,12 +70,12 @@ def _line(road: Road, across: float, dash: float, gap: float, width: float, firs
     )
     if gap == 0.0:
         if road.junction is None:
-            return [(-road.reach, road.reach, low, high)]
+            return [(-road.half_length, road.half_length, low, high)]
         return [
-            (-road.reach, road.junction - clear, low, high),
-            (road.junction + clear, road.reach, low, high),
+            (-road.half_length, road.junction - clear, low, high),
+            (road.junction + clear, road.half_length, low, high),
         ]
-    starts = np.arange(-road.reach + first, road.reach - dash, dash + gap).tolist()
+    starts = np.arange(-road.half_length + first, road.half_length - dash, dash + gap).tolist()
     middle = 1e9 if road.junction is None else road.junction
     return [(s, s + dash, low, high) for s in starts if abs(s + dash / 2 - middle) > clear + dash / 2]
 
@@ -92,7 +92,7 @@ def _stop_line(road: Road, lane: Lane) -> Span:
 
 def _zebra(road: Road, rng: np.random.Generator) -> list[Span]:
     """Bars of 0.5 m with gaps of 0.5 m, 4 m long (VwV-StVO: 3 m and more), from kerb to kerb."""
-    along = rng.uniform(-0.35, 0.35) * road.reach
+    along = rng.uniform(-0.35, 0.35) * road.half_length
     if road.in_junction(along, 6.0):
         return []
     bars = np.arange(-road.edge + 0.3, road.edge - 0.5, 1.0).tolist()

@@ -21,7 +21,7 @@ _CELL = 8.0  # m
 _HEADROOM = 2.2  # m over the public way that stays free of private things
 
 
-class _Standing(NamedTuple):
+class _Placement(NamedTuple):
     kind: str
     number: int
     instance: int
@@ -30,9 +30,9 @@ class _Standing(NamedTuple):
     x: float
     y: float
     yaw: float
-    turn: float
+    angle: float
     size: tuple[float, float, float]
-    stem: float
+    clearance: float
 
 
 class Occupancy:
@@ -41,13 +41,13 @@ class Occupancy:
     def __init__(self, road: Road, ground: Ground) -> None:
         self.road, self.ground = road, ground
         self.stops: list[tuple[float, float]] = []  # along and side of bus stops
-        self._placed: list[_Standing] = []
+        self._placed: list[_Placement] = []
         self._objects: list[PlacedObject] = []
         self._names: Counter[str] = Counter()
         self._instances = 0
-        self._taken, self._way = SpaceIndex(), SpaceIndex()
+        self._occupied, self._public = SpaceIndex(), SpaceIndex()
         for space in self._public_way():
-            self._way.add(space)
+            self._public.add(space)
 
     @property
     def objects(self) -> list[PlacedObject]:
@@ -63,46 +63,48 @@ class Occupancy:
         across: float,
         size: tuple[float, float, float],
         *,
-        turn: float = 0.0,
-        stem: float = 0.0,
+        angle: float = 0.0,
+        clearance: float = 0.0,
         margin: float = 0.15,
         private: bool = False,
     ) -> bool:
-        """Put a thing there, turned by `turn` against the road, if `margin` [m] around it is free; whether it was put.
+        """Put a thing there, turned by `angle` against the road, if `margin` [m] around it is free; whether it was put.
 
         A `private` thing keeps off the road and the sidewalks.
         """
         if not self.ground.reaches(along, across):
             return False
         x, y, heading = self.road.at(along, across)
-        yaw = math.remainder(heading + turn, 2 * math.pi)
-        spaces = spaces_of(kind, x, y, yaw, size, stem)
+        yaw = math.remainder(heading + angle, 2 * math.pi)
+        spaces = spaces_of(kind, x, y, yaw, size, clearance)
         for space in spaces:
-            if self._taken.touches(space, margin) or (private and self._way.touches(space)):
+            if self._occupied.touches(space, margin) or (private and self._public.touches(space)):
                 return False
         for space in spaces:
-            self._taken.add(space)
+            self._occupied.add(space)
         self._names[kind] += 1
         count = kind_of(kind).instances
         instance = self._instances + 1 if count else 0
         self._instances += count
-        self._placed.append(_Standing(kind, self._names[kind], instance, along, across, x, y, yaw, turn, size, stem))
+        self._placed.append(
+            _Placement(kind, self._names[kind], instance, along, across, x, y, yaw, angle, size, clearance)
+        )
         return True
 
     def pave(self, drive: PavedArea) -> None:
         """Add a drive, which private things keep off from now on."""
         self.ground.pave(drive)
-        self._way.add(self._paved_space(drive))
+        self._public.add(self._paved_space(drive))
 
     def is_free(self, x: float, y: float, yaw: float, size: tuple[float, float, float]) -> bool:
         """Whether an upright box on the ground there touches nothing."""
-        return not self._taken.touches(box_space(x, y, yaw, size[:2], 0.0, size[2]))
+        return not self._occupied.touches(box_space(x, y, yaw, size[:2], 0.0, size[2]))
 
     def is_private(self, x: float, y: float, yaw: float, size: tuple[float, float, float]) -> bool:
         """Whether an upright box on the ground there keeps off the road and the sidewalks."""
-        return not self._way.touches(box_space(x, y, yaw, size[:2], 0.0, size[2]))
+        return not self._public.touches(box_space(x, y, yaw, size[:2], 0.0, size[2]))
 
-    def _settled(self, placed: list[_Standing]) -> list[PlacedObject]:
+    def _settled(self, placed: list[_Placement]) -> list[PlacedObject]:
         """The things at their heights."""
         along, across = np.array([(p.along, p.across) for p in placed]).T
         heights = self.ground.heights(along, across)
@@ -122,21 +124,25 @@ class Occupancy:
                 level=level,
                 yaw=p.yaw,
                 size=p.size,
-                stem=p.stem,
+                clearance=p.clearance,
                 instance=p.instance,
             )
             for p, z, level in zip(placed, heights.tolist(), levels.tolist(), strict=True)
         ]
 
-    def _lowest(self, buildings: list[_Standing]) -> np.ndarray:
+    def _lowest(self, buildings: list[_Placement]) -> np.ndarray:
         """The lowest ground under the corners of each."""
         half = np.array([p.size[:2] for p in buildings])[:, None] * np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)]) / 2
-        turn = np.array([p.turn for p in buildings])[:, None]
+        angle = np.array([p.angle for p in buildings])[:, None]
         along = (
-            np.array([p.along for p in buildings])[:, None] + half[..., 0] * np.cos(turn) - half[..., 1] * np.sin(turn)
+            np.array([p.along for p in buildings])[:, None]
+            + half[..., 0] * np.cos(angle)
+            - half[..., 1] * np.sin(angle)
         )
         across = (
-            np.array([p.across for p in buildings])[:, None] + half[..., 0] * np.sin(turn) + half[..., 1] * np.cos(turn)
+            np.array([p.across for p in buildings])[:, None]
+            + half[..., 0] * np.sin(angle)
+            + half[..., 1] * np.cos(angle)
         )
         lowest: np.ndarray = self.ground.heights(along.ravel(), across.ravel()).reshape(-1, 4).min(axis=1)
         return lowest
@@ -144,24 +150,24 @@ class Occupancy:
     def _public_way(self) -> list[Space]:
         road = self.road
         spaces = []
-        pieces = math.ceil(2 * road.reach / 6.0)
-        step = 2 * road.reach / pieces
+        pieces = math.ceil(2 * road.half_length / 6.0)
+        step = 2 * road.half_length / pieces
         for number in range(pieces):
-            x, y, yaw = road.at((number + 0.5) * step - road.reach, 0.0)
+            x, y, yaw = road.at((number + 0.5) * step - road.half_length, 0.0)
             # the outer edge of a bend is longer
             length = step * (1 + abs(road.curvature) * road.verge)
             spaces.append(box_space(x, y, yaw, (length, 2 * road.verge), -2.0, _HEADROOM))
         if road.junction is not None:
             for side in road.side_roads:
-                across = (road.verge + road.reach) / 2 * (1 if side == "left" else -1)
+                across = (road.verge + road.half_length) / 2 * side
                 x, y, yaw = road.at(road.junction, across)
-                spaces.append(box_space(x, y, yaw, (2 * road.verge, road.reach), -2.0, _HEADROOM))
+                spaces.append(box_space(x, y, yaw, (2 * road.verge, road.half_length), -2.0, _HEADROOM))
             if road.roundabout_radius is not None:
                 x, y, yaw = road.at(road.junction, 0.0)
                 outer = road.roundabout_radius + road.sidewalk
                 # bars that together cover the disc
-                turns = [math.radians(15 * number) for number in range(7)]
-                for low, high in itertools.pairwise(turns):
+                angles = [math.radians(15 * number) for number in range(7)]
+                for low, high in itertools.pairwise(angles):
                     size = (2 * math.cos(low) * outer, 2 * math.sin(high) * outer)
                     spaces.append(box_space(x, y, yaw, size, -2.0, _HEADROOM))
         spaces += [self._paved_space(area) for area in road.paved_areas]
@@ -175,7 +181,7 @@ class Occupancy:
 
 def object_spaces(placed: PlacedObject) -> np.ndarray:
     """The upright boxes [n, 8] a thing fills: x, y, cos, sin, half length, half width, bottom, top over the ground."""
-    return np.array(spaces_of(placed.kind, placed.x, placed.y, placed.yaw, placed.size, placed.stem))
+    return np.array(spaces_of(placed.kind, placed.x, placed.y, placed.yaw, placed.size, placed.clearance))
 
 
 def box_space(x: float, y: float, yaw: float, size: tuple[float, float], bottom: float, top: float) -> Space:
@@ -183,12 +189,14 @@ def box_space(x: float, y: float, yaw: float, size: tuple[float, float], bottom:
     return (x, y, math.cos(yaw), math.sin(yaw), size[0] / 2, size[1] / 2, bottom, top)
 
 
-def spaces_of(kind: str, x: float, y: float, yaw: float, size: tuple[float, float, float], stem: float) -> list[Space]:
+def spaces_of(
+    kind: str, x: float, y: float, yaw: float, size: tuple[float, float, float], clearance: float
+) -> list[Space]:
     """The upright boxes an object of a kind fills there."""
     cos, sin = math.cos(yaw), math.sin(yaw)
     return [
         box_space(x + cos * b.x - sin * b.y, y + sin * b.x + cos * b.y, yaw, (b.length, b.width), b.bottom, b.top)
-        for b in kind_of(kind).boxes(size, stem)
+        for b in kind_of(kind).boxes(size, clearance)
     ]
 
 

@@ -18,7 +18,9 @@ _KINDS = ("sign", "pole", "bin", "bench", "hydrant", "cabinet", "letterbox", "bi
 _OFTEN = np.cumsum((0.42, 0.2, 0.14, 0.07, 0.04, 0.08, 0.02, 0.03))
 
 
-def furnish(occupancy: Occupancy, district: District, car_park: CarPark | None, rng: np.random.Generator) -> None:
+def place_street_furniture(
+    occupancy: Occupancy, district: District, car_park: CarPark | None, rng: np.random.Generator
+) -> None:
     """Lamps at even spacing, signs, poles, bins, benches, cabinets, and a bus stop."""
     _lamps(occupancy, district, rng)
     for _ in range(rng.poisson(9 if occupancy.road.sidewalk > 0 else 4)):
@@ -38,26 +40,26 @@ def _lamps(occupancy: Occupancy, district: District, rng: np.random.Generator) -
     spacing = height * rng.uniform(3.3, 4.5)
     off = road.edge + (0.45 if road.sidewalk > 0 else 1.6)
     for side in lit:
-        for along in np.arange(-road.reach + rng.uniform(0, spacing), road.reach, spacing).tolist():
+        for along in np.arange(-road.half_length + rng.uniform(0, spacing), road.half_length, spacing).tolist():
             if not road.in_junction(along, 1.0):
-                turn = 0.0 if side < 0 else math.pi
-                occupancy.place("lamp", along, side * off, (rng.uniform(0.12, 0.2), 0.2, height), turn=turn)
+                angle = 0.0 if side < 0 else math.pi
+                occupancy.place("lamp", along, side * off, (rng.uniform(0.12, 0.2), 0.2, height), angle=angle)
 
 
 def _post(occupancy: Occupancy, car_park: CarPark | None, rng: np.random.Generator) -> None:
     road = occupancy.road
-    side, along = SIDES[int(rng.integers(2))], rng.uniform(-road.reach, road.reach)
+    side, along = SIDES[int(rng.integers(2))], rng.uniform(-road.half_length, road.half_length)
     if road.in_junction(along, 0.5) or (
         car_park is not None and side == car_park.side and abs(along - car_park.gate) < 4.5
     ):
         return
     town = road.sidewalk > 0
     kind = _KINDS[int(np.searchsorted(_OFTEN, rng.random(), side="right"))] if town else "sign"
-    turn = (math.pi if side < 0 else 0.0) + rng.normal(0.0, 0.08)
+    angle = (math.pi if side < 0 else 0.0) + rng.normal(0.0, 0.08)
     plate = (0.42, 0.6, 0.6, 0.75)[int(rng.integers(4))] if town else rng.uniform(0.6, 1.5)
-    stem = rng.uniform(2.0, 2.5) if town else rng.uniform(1.5, 2.0)
+    clearance = rng.uniform(2.0, 2.5) if town else rng.uniform(1.5, 2.0)
     size = {
-        "sign": (0.12, plate, stem + plate),
+        "sign": (0.12, plate, clearance + plate),
         "pole": (rng.uniform(0.08, 0.3), 0.2, rng.uniform(0.9, 7.0)),
         "bin": BIN if rng.random() < 0.4 else (0.4, 0.4, 0.9),  # else a litter bin
         "bench": (1.8, 0.6, 0.85),
@@ -68,25 +70,27 @@ def _post(occupancy: Occupancy, car_park: CarPark | None, rng: np.random.Generat
     }[kind]
     off = road.edge + 0.45 if town else road.edge + rng.uniform(1.2, 1.8)
     if kind == "bench":
-        turn += math.pi  # it looks to the road
+        angle += math.pi  # it looks to the road
     if kind in ("bin", "bench", "cabinet") and town:
         off = road.verge - 0.45
     if kind == "billboard":
-        off, stem = road.verge + 2.4, 2.4
-    occupancy.place(kind, along, side * off, size, turn=turn, stem=stem if kind in ("sign", "billboard") else 0.0)
+        off, clearance = road.verge + 2.4, 2.4
+    occupancy.place(
+        kind, along, side * off, size, angle=angle, clearance=clearance if kind in ("sign", "billboard") else 0.0
+    )
 
 
 def _bus_stop(occupancy: Occupancy, rng: np.random.Generator) -> None:
     """A shelter, open (+y) to the road, and a place for people to wait."""
     road, side = occupancy.road, SIDES[int(rng.integers(2))]
-    along = rng.uniform(-0.6, 0.6) * road.reach
+    along = rng.uniform(-0.6, 0.6) * road.half_length
     if road.in_junction(along, 8.0):
         return
     off = road.verge + 0.85 if road.sidewalk < 3.2 else road.verge - 0.85
-    turn = math.pi if side > 0 else 0.0
-    if occupancy.place("shelter", along, side * off, (rng.uniform(3.5, 5.0), 1.5, 2.5), turn=turn):
+    angle = math.pi if side > 0 else 0.0
+    if occupancy.place("shelter", along, side * off, (rng.uniform(3.5, 5.0), 1.5, 2.5), angle=angle):
         occupancy.place(
-            "sign", along + 3.6, side * (road.edge + 0.45), (0.12, 0.5, 2.8), turn=turn + math.pi / 2, stem=2.3
+            "sign", along + 3.6, side * (road.edge + 0.45), (0.12, 0.5, 2.8), angle=angle + math.pi / 2, clearance=2.3
         )
         occupancy.stops.append((along, float(side)))
 
@@ -100,60 +104,66 @@ def _bicycle_stands(occupancy: Occupancy, rng: np.random.Generator) -> None:
         across = side * (road.verge - (1.0 if upright else 0.4))
         for number in range(int(rng.integers(2, 8))):
             step = 0.8 if upright else 2.1
-            turn = math.pi / 2 if upright else 0.0
+            angle = math.pi / 2 if upright else 0.0
             if not road.in_junction(along + number * step) and rng.random() < 0.8:
                 size = (1.78, 0.58, 1.06)
                 occupancy.place(
-                    "bicycle", along + number * step, across, size, turn=turn + rng.normal(0.0, 0.06), margin=0.03
+                    "bicycle", along + number * step, across, size, angle=angle + rng.normal(0.0, 0.06), margin=0.03
                 )
 
 
-def row_trees(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
+def place_street_trees(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
     """Trees in rows, 8 to 15 m apart as street trees are planted (GALK), with the crowns that there is room for."""
     road = occupancy.road
     for side in SIDES:
         if rng.random() > district.row_trees:
             continue
         off = road.edge + 0.8 if road.sidewalk > 2.0 else road.verge + rng.uniform(3.0, 4.5)
-        (length, width, height), stem = tree_size(rng)
+        (length, width, height), clearance = tree_size(rng)
         room = 2 * (road.verge - off + district.setback[0] - 1.3) if road.sidewalk > 2.0 else 9.0
         shrink = min(1.0, max(room, 1.8) / width)
         length, width, height = length * shrink, width * shrink, height * max(shrink, 0.6)
-        stem = max(stem, 2.6)
-        for along in np.arange(-road.reach + rng.uniform(0, 10), road.reach, rng.uniform(8.0, 15.0)).tolist():
+        clearance = max(clearance, 2.6)
+        for along in np.arange(
+            -road.half_length + rng.uniform(0, 10), road.half_length, rng.uniform(8.0, 15.0)
+        ).tolist():
             grown = rng.uniform(0.8, 1.15)
             place = along + rng.normal(0.0, 0.3)
             if not road.in_junction(place, 2.0) and rng.random() < 0.92:
-                size = (length * grown, width * grown, max(height * grown, stem + 1.5))
-                occupancy.place("tree", place, side * off, size, turn=rng.uniform(0, 3.0), stem=stem, margin=0.05)
+                size = (length * grown, width * grown, max(height * grown, clearance + 1.5))
+                occupancy.place(
+                    "tree", place, side * off, size, angle=rng.uniform(0, 3.0), clearance=clearance, margin=0.05
+                )
     if road.median > 2.4 and rng.random() < 0.5 * district.row_trees:
-        for along in np.arange(-road.reach, road.reach, rng.uniform(9.0, 15.0)).tolist():
-            size, stem = tree_size(rng)
+        for along in np.arange(-road.half_length, road.half_length, rng.uniform(9.0, 15.0)).tolist():
+            size, clearance = tree_size(rng)
             if not road.in_junction(along, 3.0):
                 # the crowns stay over what drives under them (4.5 m: RASt 06)
                 size = (size[0], size[1], max(size[2], 8.0))
-                occupancy.place("tree", along, 0.0, size, turn=rng.uniform(0, 3.0), stem=max(stem, 4.5), margin=0.05)
+                occupancy.place(
+                    "tree", along, 0.0, size, angle=rng.uniform(0, 3.0), clearance=max(clearance, 4.5), margin=0.05
+                )
 
 
-def plant_island(occupancy: Occupancy, rng: np.random.Generator) -> None:
+def place_island_plants(occupancy: Occupancy, rng: np.random.Generator) -> None:
     """A tree or some bushes in the middle of a roundabout, and the signs that lead around it."""
     road = occupancy.road
     if road.roundabout_radius is None or road.junction is None:
         return
     room = road.island - 2.0
     if rng.random() < 0.4:
-        size, stem = tree_size(rng)
-        occupancy.place("tree", road.junction, 0.0, size, stem=max(stem, 2.0), margin=0.05)
+        size, clearance = tree_size(rng)
+        occupancy.place("tree", road.junction, 0.0, size, clearance=max(clearance, 2.0), margin=0.05)
     for _ in range(rng.poisson(4.0)):
-        turn, out, width = rng.uniform(0.0, 6.28), rng.uniform(0.0, room), rng.uniform(0.8, 2.4)
-        along, across = road.junction + (out - width / 2) * math.cos(turn), (out - width / 2) * math.sin(turn)
-        occupancy.place("bush", along, across, (width, width, 0.7 * width), turn=rng.uniform(0, 3), margin=0.0)
-    for turn in (0.0, math.pi / 2, math.pi, 1.5 * math.pi):
-        along, across = road.junction + (road.island - 0.8) * math.cos(turn), (road.island - 0.8) * math.sin(turn)
-        occupancy.place("sign", along, across, (0.12, 0.6, 1.5), turn=turn, stem=0.8)
+        angle, out, width = rng.uniform(0.0, 6.28), rng.uniform(0.0, room), rng.uniform(0.8, 2.4)
+        along, across = road.junction + (out - width / 2) * math.cos(angle), (out - width / 2) * math.sin(angle)
+        occupancy.place("bush", along, across, (width, width, 0.7 * width), angle=rng.uniform(0, 3), margin=0.0)
+    for angle in (0.0, math.pi / 2, math.pi, 1.5 * math.pi):
+        along, across = road.junction + (road.island - 0.8) * math.cos(angle), (road.island - 0.8) * math.sin(angle)
+        occupancy.place("sign", along, across, (0.12, 0.6, 1.5), angle=angle, clearance=0.8)
 
 
-def sow(occupancy: Occupancy, rng: np.random.Generator) -> None:
+def place_high_grass(occupancy: Occupancy, rng: np.random.Generator) -> None:
     """High grass beside roads without sidewalks, in strips on the shoulder and patches in the fields."""
     road = occupancy.road
     if road.sidewalk > 0:
@@ -161,8 +171,8 @@ def sow(occupancy: Occupancy, rng: np.random.Generator) -> None:
     for side in SIDES:
         if rng.random() < 0.6:
             height, width = rng.uniform(0.12, 0.35), rng.uniform(0.5, 0.9)
-            along = -0.7 * road.reach
-            while along < 0.7 * road.reach:
+            along = -0.7 * road.half_length
+            while along < 0.7 * road.half_length:
                 length = rng.uniform(3.0, 7.0)
                 across = side * (road.edge + 0.15 + width / 2)
                 if rng.random() < 0.6:
@@ -172,4 +182,4 @@ def sow(occupancy: Occupancy, rng: np.random.Generator) -> None:
         for _ in range(rng.poisson(8)):
             along, across = rng.normal(0.0, 35.0), side * (road.verge + 7.0 + rng.exponential(10.0))
             size = (rng.uniform(1.5, 3.5), rng.uniform(1.2, 2.5), rng.uniform(0.2, 0.8))
-            occupancy.place("grass", along, across, size, turn=rng.normal(0.0, 0.3), margin=0.0, private=True)
+            occupancy.place("grass", along, across, size, angle=rng.normal(0.0, 0.3), margin=0.0, private=True)

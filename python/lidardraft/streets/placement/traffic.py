@@ -22,12 +22,14 @@ _GAP_MEDIAN, _GAP_SPREAD = 1.4, 0.45
 # registered vehicles in Germany (KBA, 2023: 6 % trucks with vans, 8 % motorcycles), since fewer are left in streets.
 
 
-def park(occupancy: Occupancy, parking: tuple[int, ...], car_park: CarPark | None, rng: np.random.Generator) -> None:
+def place_parked_vehicles(
+    occupancy: Occupancy, parking: tuple[int, ...], car_park: CarPark | None, rng: np.random.Generator
+) -> None:
     """Parked vehicles along the kerbs of the sides in `parking`, a few of them the wrong way round."""
     road = occupancy.road
     for side in parking:
-        along, density = -road.reach + rng.uniform(0, 6), rng.uniform(0.1, 0.75)
-        while along < road.reach - 3.0:
+        along, density = -road.half_length + rng.uniform(0, 6), rng.uniform(0.1, 0.75)
+        while along < road.half_length - 3.0:
             kind, size = car_body(rng)
             if rng.random() < 0.025:
                 kind, size = "truck", (rng.uniform(5.5, 7.5), 2.1, rng.uniform(2.6, 3.0))
@@ -38,12 +40,12 @@ def park(occupancy: Occupancy, parking: tuple[int, ...], car_park: CarPark | Non
             # StVO: no parking within 5 m of a junction
             if rng.random() < density and not gate and not road.in_junction(middle, 5.0):
                 across = side * (road.edge - rng.uniform(0.12, 0.3) - size[1] / 2)
-                turn = (0.0 if side < 0 else math.pi) + math.pi * (rng.random() < 0.08) + rng.normal(0.0, 0.015)
-                occupancy.place(kind, middle, across, size, turn=turn, margin=0.05)
+                angle = (0.0 if side < 0 else math.pi) + math.pi * (rng.random() < 0.08) + rng.normal(0.0, 0.015)
+                occupancy.place(kind, middle, across, size, angle=angle, margin=0.05)
             along += size[0] + rng.uniform(0.6, 2.0)
 
 
-def drive(occupancy: Occupancy, district: District, lanes: tuple[Lane, ...], rng: np.random.Generator) -> None:
+def place_traffic(occupancy: Occupancy, district: District, lanes: tuple[Lane, ...], rng: np.random.Generator) -> None:
     """Vehicles and riders in all lanes, now and then a tram; at a red light they wait in a queue."""
     road = occupancy.road
     if road.curvature == 0.0 and road.lanes > 1 and road.sidewalk > 0 and rng.random() < 0.1:
@@ -61,8 +63,8 @@ def drive(occupancy: Occupancy, district: District, lanes: tuple[Lane, ...], rng
         outer = [lane for lane in lanes if lane.outer and lane.name == "road"]
         lane = outer[int(rng.integers(len(outer)))]
         distance = np.clip(rng.normal(0.5, 0.25), 0.05, 0.95) * lane.length
-        along, across, turn = lane.at(float(distance), -0.9)
-        occupancy.place("cyclist", along, across, (1.75, 0.58, rng.uniform(1.65, 1.8)), turn=turn)
+        along, across, angle = lane.at(float(distance), -0.9)
+        occupancy.place("cyclist", along, across, (1.75, 0.58, rng.uniform(1.65, 1.8)), angle=angle)
 
 
 def _queue(occupancy: Occupancy, district: District, lane: Lane, rng: np.random.Generator) -> None:
@@ -102,8 +104,8 @@ def _put(
     rng: np.random.Generator,
 ) -> None:
     left = min(max(rng.normal(0.0, 0.12), -0.25), 0.25)
-    along, across, turn = lane.at(distance, left)
-    occupancy.place(kind, along, across, size, turn=turn + rng.normal(0.0, 0.012), margin=0.2)
+    along, across, angle = lane.at(distance, left)
+    occupancy.place(kind, along, across, size, angle=angle + rng.normal(0.0, 0.012), margin=0.2)
 
 
 def _vehicle(rng: np.random.Generator, district: District, lane: Lane) -> tuple[str, tuple[float, float, float]]:

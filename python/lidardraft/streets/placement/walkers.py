@@ -21,7 +21,7 @@ def person_size(rng: np.random.Generator, *, standing: bool) -> tuple[float, flo
     return stride, 0.28 * height, height
 
 
-def walk(occupancy: Occupancy, district: District, lights: bool, rng: np.random.Generator) -> None:
+def place_people(occupancy: Occupancy, district: District, lights: bool, rng: np.random.Generator) -> None:
     """People on the sidewalks, alone or together, and some who cross the road."""
     for _ in range(rng.poisson(district.people)):
         _walkers(occupancy, rng)
@@ -30,9 +30,9 @@ def walk(occupancy: Occupancy, district: District, lights: bool, rng: np.random.
     for along, side in occupancy.stops:
         for _ in range(rng.poisson(1.5)):
             across = side * (occupancy.road.edge + rng.uniform(0.5, max(0.9, occupancy.road.sidewalk - 1.9)))
-            turn = -side * math.pi / 2 + rng.normal(0.0, 0.6)
+            angle = -side * math.pi / 2 + rng.normal(0.0, 0.6)
             size = person_size(rng, standing=True)
-            occupancy.place("person", along + rng.normal(0.0, 2.0), across, size, turn=turn, margin=0.05)
+            occupancy.place("person", along + rng.normal(0.0, 2.0), across, size, angle=angle, margin=0.05)
     for _ in range(rng.poisson(district.people / 8)):
         _crosser(occupancy, rng)
     if lights:
@@ -49,12 +49,12 @@ def _walkers(occupancy: Occupancy, rng: np.random.Generator) -> None:
     """One to three side by side; three in ten walk in company: an estimate of ours."""
     along, across = _spot(occupancy, rng)
     road = occupancy.road
-    turn = (0.0 if rng.random() < 0.5 else math.pi) + rng.normal(0.0, 0.2)
+    angle = (0.0 if rng.random() < 0.5 else math.pi) + rng.normal(0.0, 0.2)
     inward = -0.65 if abs(across) > (road.edge + road.verge) / 2 else 0.65
     for companion in range(1 + int(rng.random() < 0.3) + int(rng.random() < 0.1)):
         beside = across + companion * math.copysign(inward, inward * across)
         if not road.in_junction(along):
-            occupancy.place("person", along, beside, person_size(rng, standing=False), turn=turn, margin=0.05)
+            occupancy.place("person", along, beside, person_size(rng, standing=False), angle=angle, margin=0.05)
 
 
 def _cluster(occupancy: Occupancy, spot: tuple[float, float], count: int, rng: np.random.Generator) -> None:
@@ -67,7 +67,7 @@ def _cluster(occupancy: Occupancy, spot: tuple[float, float], count: int, rng: n
         along, across = spot[0] + radius * math.cos(heading), spot[1] + radius * math.sin(heading)
         if abs(across) > occupancy.road.edge + 0.3:
             size = person_size(rng, standing=True)
-            occupancy.place("person", along, across, size, turn=heading + math.pi, margin=0.03)
+            occupancy.place("person", along, across, size, angle=heading + math.pi, margin=0.03)
 
 
 def _crosser(occupancy: Occupancy, rng: np.random.Generator) -> None:
@@ -77,9 +77,9 @@ def _crosser(occupancy: Occupancy, rng: np.random.Generator) -> None:
         road.junction + gap * (1 if rng.random() < 0.5 else -1) if road.junction is not None else rng.normal(0.0, 25.0)
     )
     along += rng.normal(0.0, 0.8)
-    turn = (1 if rng.random() < 0.5 else -1) * math.pi / 2 + rng.normal(0.0, 0.15)
+    angle = (1 if rng.random() < 0.5 else -1) * math.pi / 2 + rng.normal(0.0, 0.15)
     size = person_size(rng, standing=False)
-    occupancy.place("person", along, rng.uniform(-road.edge, road.edge), size, turn=turn)
+    occupancy.place("person", along, rng.uniform(-road.edge, road.edge), size, angle=angle)
 
 
 def _waiting(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
@@ -91,6 +91,6 @@ def _waiting(occupancy: Occupancy, district: District, rng: np.random.Generator)
             for _ in range(rng.poisson(min(district.people / 8, 1.0))):
                 along = road.junction + ahead * (road.edge + rng.uniform(1.0, max(1.3, road.sidewalk - 0.3)))
                 across = side * (road.edge + rng.uniform(0.5, 1.0))
-                turn = -side * math.pi / 2 + rng.normal(0.0, 0.3)
+                angle = -side * math.pi / 2 + rng.normal(0.0, 0.3)
                 size = person_size(rng, standing=True)
-                occupancy.place("person", along, across, size, turn=turn, margin=0.05)
+                occupancy.place("person", along, across, size, angle=angle, margin=0.05)
