@@ -33,7 +33,7 @@ class CoarseShape(NamedTuple):
     lobes: int = 0
 
 
-def nothing(placed: PlacedObject) -> list[CoarseShape]:
+def nothing(_placed: PlacedObject) -> list[CoarseShape]:
     """Nothing, for what only covers the ground."""
     return []
 

@@ -24,7 +24,7 @@ class CollisionBox(NamedTuple):
     top: float
 
 
-def whole(size: Vector, clearance: float) -> list[CollisionBox]:
+def whole(size: Vector, _clearance: float) -> list[CollisionBox]:
     """All of the extents, from the ground up."""
     length, width, height = size
     return [CollisionBox(0.0, 0.0, length, width, 0.0, height)]
