@@ -14,7 +14,7 @@ from lidardraft.errors import LayoutError
 from lidardraft.objects.coarse_shapes import MOST_LOBES
 from lidardraft.objects.kinds import KINDS as TABLE
 from lidardraft.objects.kinds import kind_of
-from lidardraft.objects.parts import PlacedObject
+from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.scene.sensor_model import SensorModel
@@ -261,7 +261,7 @@ def test_a_rider_sits_on_what_is_ridden():
     objects = [t for seed in range(12) for t in make_street(seed).occupancy.objects if t.kind == "cyclist"]
     rider, bicycle = kind_of("cyclist").coarse(objects[0])
     assert (rider.label, bicycle.label) == ("rider", "bicycle")
-    assert (rider.rank, bicycle.rank) == (0, 1)
+    assert (rider.instance_offset, bicycle.instance_offset) == (0, 1)
     assert rider.center[2] > bicycle.center[2]
 
 

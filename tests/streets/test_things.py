@@ -8,10 +8,10 @@ import pytest
 
 from lidardraft import CLASSES, Layout, Primitive, Raycaster
 from lidardraft.objects.buildings import BALCONY, EAVES, STOREY
-from lidardraft.objects.car_bodies import Body
-from lidardraft.objects.cars import BODIES, SHARES, car_body
+from lidardraft.objects.car_bodies import VehicleBody
+from lidardraft.objects.cars import BODIES, SHARES, sample_car
 from lidardraft.objects.kinds import KINDS, kind_of
-from lidardraft.objects.parts import PlacedObject
+from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.mesh import primitive_mesh
 
 # Extents [m] and clearance of each kind, smallest and largest.
@@ -251,10 +251,10 @@ def test_things_of_one_form_share_their_meshes():
 
 def test_cars_are_of_many_bodies_and_sizes():
     rng = np.random.default_rng(0)
-    coarse = [car_body(rng) for _ in range(1000)]
+    coarse = [sample_car(rng) for _ in range(1000)]
     assert {name for name, _ in coarse} == set(BODIES)
     for name, size in coarse:
-        body: Body = BODIES[name]
+        body: VehicleBody = BODIES[name]
         assert np.array(size) / body.size == pytest.approx(np.ones(3), abs=0.101)
 
 

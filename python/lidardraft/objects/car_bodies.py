@@ -10,8 +10,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from lidardraft.objects.mesh import Solid, box, framed, hull, join, quads
-from lidardraft.objects.parts import Parts, Piece, Vector
+from lidardraft.objects.mesh import Triangles, box, frustum_corners, join, quads, window_frame
+from lidardraft.objects.mesh_template import MeshTemplate
+from lidardraft.objects.object_builder import ObjectBuilder
+from lidardraft.objects.placed_object import Vector
 
 TYRE = 0.125  # of the width: 0.22 m of 1.8 m (cars), 0.31 m of 2.5 m (trucks)
 _BELT_WIDTH = 0.94  # of the vehicle, how wide the cabin is at its foot
@@ -23,7 +25,7 @@ GLAZING = 1.4  # 1/m
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Body:
+class VehicleBody:
     """The side view of a body in shares of length (rear -0.5, front 0.5) and height, for a vehicle of `size` [m].
 
     `cabin` is where the cabin meets the body (rear, front), `roof` where the roof begins and ends, `slab` its share of
@@ -50,31 +52,31 @@ class Body:
     round: float = 0.14
 
 
-def coachwork(
-    parts: Parts, body: Body, size: Vector, label: str, paint: str, *, at: Vector = (0.0, 0.0, 0.0), rank: int = 0
+def add_vehicle(
+    builder: ObjectBuilder, body: VehicleBody, size: Vector, label: str, paint: str, *, at: Vector = (0.0, 0.0, 0.0)
 ) -> None:
     """Add a body stretched to `size` [m], its glass, and wheels that stay round however long it is."""
-    parts.add_piece(bodywork(body), size, label, paint, at=at, rank=rank)
-    glaze(parts, body, size, label, x=at[0], rank=rank)
+    builder.add_mesh(body_mesh(body), size, label, paint, at=at)
+    add_glazing(builder, body, size, label, x=at[0])
     for axle in body.axles:
-        wheels(parts, label, (at[0] + axle * size[0], at[1]), size[1], body.wheel, rank=rank)
+        add_axle(builder, label, (at[0] + axle * size[0], at[1]), size[1], body.wheel)
 
 
-def wheels(parts: Parts, label: str, at: tuple[float, float], width: float, diameter: float, *, rank: int = 0) -> None:
+def add_axle(builder: ObjectBuilder, label: str, at: tuple[float, float], width: float, diameter: float) -> None:
     """Add the tyres of an axle, and their rims, to a body of that width [m]."""
     center = (at[0], at[1], diameter / 2)
     extents = (diameter, width, diameter)
-    parts.add_piece(_tyres(), extents, label, "rubber", at=center, rank=rank)
-    parts.add_piece(_rims(), extents, label, "metal", at=center, rank=rank)
+    builder.add_mesh(_tyres(), extents, label, "rubber", at=center)
+    builder.add_mesh(_rims(), extents, label, "metal", at=center)
 
 
 @lru_cache(maxsize=128)
-def bodywork(body: Body) -> Piece:
+def body_mesh(body: VehicleBody) -> MeshTemplate:
     """All that is painted: shell, pillars and roof."""
-    return Piece.from_triangles(*join(_shell(body), _frame(body)))
+    return MeshTemplate.from_triangles(*join(_shell(body), _frame(body)))
 
 
-def _shell(body: Body) -> Solid:
+def _shell(body: VehicleBody) -> Triangles:
     """The lower body: sides with wheel arches, bonnet, boot, ends and the floor; open where the cabin is."""
     length, _, height = body.size
     sill, reach, tall = body.clearance / height, (body.wheel / 2 + _ARCH) / length, (body.wheel / 2 + _ARCH) / height
@@ -111,19 +113,19 @@ def _shell(body: Body) -> Solid:
     return join(quads(np.concatenate(skins)), inner)
 
 
-def _cabin(body: Body) -> np.ndarray:
-    return hull(
+def _cabin(body: VehicleBody) -> np.ndarray:
+    return frustum_corners(
         (body.cabin[0], body.cabin[1], _BELT_WIDTH, body.belt),
         (body.roof[0], body.roof[1], body.slab, 0.965),
     )
 
 
-def _frame(body: Body) -> Solid:
+def _frame(body: VehicleBody) -> Triangles:
     """Pillars, rails and a roof that is a little higher in its middle."""
     corners = _cabin(body)
     mirrored = tuple((1 - b, 1 - a) for a, b in reversed(body.panes))
     sides = [
-        framed(corners, side, spans, body.rise)
+        window_frame(corners, side, spans, body.rise)
         for side, spans in ((0, body.front), (1, mirrored), (2, body.back), (3, body.panes))
     ]
     x = np.interp([0.0, 0.25, 0.75, 1.0], [0.0, 1.0], body.roof)
@@ -138,7 +140,9 @@ def _frame(body: Body) -> Solid:
     return quads(np.concatenate([*sides, *roof]))
 
 
-def glaze(parts: Parts, body: Body, size: Vector, label: str, *, x: float = 0.0, way: int = 1, rank: int = 0) -> None:
+def add_glazing(
+    builder: ObjectBuilder, body: VehicleBody, size: Vector, label: str, *, x: float = 0.0, way: int = 1
+) -> None:
     """Add what the cabin holds: its panes, and whatever else stops a ray, as a porous box, or two under slanted ones.
 
     The body's middle is at `x` [m]; `way` is -1 for one that looks back.
@@ -151,33 +155,32 @@ def glaze(parts: Parts, body: Body, size: Vector, label: str, *, x: float = 0.0,
         # each as long and wide as the cabin is at its top
         rear, front = (share * roof + (1 - share) * cabin for roof, cabin in zip(body.roof, body.cabin, strict=True))
         wide = share * body.slab + (1 - share) * _BELT_WIDTH
-        parts.add(
+        builder.add(
             "box",
             (x + way * (rear + front) / 2 * length, 0.0, (low + high) / 2 * height),
             ((front - rear) * length - 0.04, wide * width - 0.04, (high - low) * height),
             label,
             "car-glass",
-            rank=rank,
             extinction=GLAZING,
         )
 
 
 @lru_cache(maxsize=128)
-def running_gear(body: Body) -> tuple[Piece, Piece]:
+def wheel_meshes(body: VehicleBody) -> tuple[MeshTemplate, MeshTemplate]:
     """Tyres and rims of all axles, in shares of the vehicle."""
     shares = np.array([body.wheel / body.size[0], 1.0, body.wheel / body.size[2]])
 
-    def at_axles(piece: Piece) -> Piece:
-        wheel = piece.mesh.vertices * piece.size * shares + np.array([0.0, 0.0, shares[2] / 2])
-        return Piece.from_triangles(
-            *join(*((wheel + np.array([axle, 0.0, 0.0]), piece.mesh.faces) for axle in body.axles))
+    def at_axles(mesh: MeshTemplate) -> MeshTemplate:
+        wheel = mesh.mesh.vertices * mesh.size * shares + np.array([0.0, 0.0, shares[2] / 2])
+        return MeshTemplate.from_triangles(
+            *join(*((wheel + np.array([axle, 0.0, 0.0]), mesh.mesh.faces) for axle in body.axles))
         )
 
     return at_axles(_tyres()), at_axles(_rims())
 
 
 @lru_cache(maxsize=1)
-def _tyres(sides: int = 10) -> Piece:
+def _tyres(sides: int = 10) -> MeshTemplate:
     """Treads and outer faces of the two wheels of an axle, their lowest edges on the ground."""
     angle = 2 * np.pi * (np.arange(sides) + 0.5) / sides
     # the sides, not the corners, touch the circle
@@ -194,13 +197,13 @@ def _tyres(sides: int = 10) -> Piece:
             np.stack([np.zeros(sides - 2, dtype=np.int64), fan, fan + 1], axis=1),
         ]
         solids.append((np.concatenate([face, inner]), np.concatenate(faces)))
-    return Piece.from_triangles(*join(*solids))
+    return MeshTemplate.from_triangles(*join(*solids))
 
 
 @lru_cache(maxsize=1)
-def _rims() -> Piece:
+def _rims() -> MeshTemplate:
     """A hexagon on each wheel of an axle."""
     angle = np.pi * np.arange(6) / 3
     disc = 0.33 * np.stack([np.cos(angle), np.zeros(6), np.sin(angle)], axis=1)
     hexagons = [disc + np.array([0.0, side * 0.503, 0.0]) for side in (-1, 1)]
-    return Piece.from_triangles(*quads(np.concatenate([h[[[0, 1, 2, 3], [0, 3, 4, 5]]] for h in hexagons])))
+    return MeshTemplate.from_triangles(*quads(np.concatenate([h[[[0, 1, 2, 3], [0, 3, 4, 5]]] for h in hexagons])))

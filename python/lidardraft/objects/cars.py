@@ -11,56 +11,58 @@ from functools import lru_cache
 
 import numpy as np
 
-from lidardraft.objects.car_bodies import Body, bodywork, glaze, running_gear
+from lidardraft.objects.car_bodies import VehicleBody, add_glazing, body_mesh, wheel_meshes
 from lidardraft.objects.mesh import box, join, quads
-from lidardraft.objects.parts import Parts, Piece, PlacedObject
+from lidardraft.objects.mesh_template import MeshTemplate
+from lidardraft.objects.object_builder import ObjectBuilder
+from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.layout import Primitive
 
 _THREE = ((0.05, 0.30), (0.35, 0.62), (0.66, 0.94))
 
-BODIES: dict[str, Body] = {
-    "city_car": Body(
+BODIES: dict[str, VehicleBody] = {
+    "city_car": VehicleBody(
         size=(3.60, 1.64, 1.49), cabin=(-0.49, 0.33), roof=(-0.44, 0.14), belt=0.61, nose=0.50, tail=0.60,
         axles=(-0.34, 0.34), wheel=0.58, panes=((0.06, 0.34), (0.40, 0.86)),
     ),
-    "hatchback": Body(
+    "hatchback": VehicleBody(
         size=(4.15, 1.77, 1.47), cabin=(-0.48, 0.27), roof=(-0.40, 0.07), belt=0.62, nose=0.50, tail=0.58,
         axles=(-0.31, 0.31), wheel=0.62,
     ),
-    "saloon": Body(
+    "saloon": VehicleBody(
         size=(4.70, 1.83, 1.45), cabin=(-0.37, 0.22), roof=(-0.22, 0.04), belt=0.64, nose=0.51, tail=0.68,
         axles=(-0.29, 0.31), wheel=0.64, slab=0.76,
     ),
-    "estate": Body(
+    "estate": VehicleBody(
         size=(4.70, 1.83, 1.50), cabin=(-0.49, 0.21), roof=(-0.43, 0.04), belt=0.62, nose=0.50, tail=0.58,
         axles=(-0.29, 0.31), wheel=0.64, panes=_THREE,
     ),
-    "suv": Body(
+    "suv": VehicleBody(
         size=(4.50, 1.85, 1.67), cabin=(-0.485, 0.26), roof=(-0.42, 0.09), belt=0.62, nose=0.55, tail=0.60,
         axles=(-0.30, 0.31), wheel=0.70, clearance=0.22,
     ),
-    "off_roader": Body(
+    "off_roader": VehicleBody(
         size=(4.60, 1.92, 1.90), cabin=(-0.49, 0.21), roof=(-0.48, 0.14), belt=0.60, nose=0.56, tail=0.60,
         axles=(-0.29, 0.33), wheel=0.78, clearance=0.26, slab=0.88, panes=_THREE, round=0.06,
     ),
-    "minivan": Body(
+    "minivan": VehicleBody(
         size=(4.55, 1.83, 1.68), cabin=(-0.49, 0.35), roof=(-0.45, 0.13), belt=0.57, nose=0.46, tail=0.56,
         axles=(-0.30, 0.31), wheel=0.65, panes=_THREE,
     ),
-    "coupe": Body(
+    "coupe": VehicleBody(
         size=(4.55, 1.82, 1.36), cabin=(-0.41, 0.20), roof=(-0.19, -0.01), belt=0.65, nose=0.51, tail=0.69,
         axles=(-0.30, 0.32), wheel=0.66, clearance=0.15, slab=0.74, panes=((0.30, 0.90),),
     ),
-    "pickup": Body(
+    "pickup": VehicleBody(
         size=(5.30, 1.90, 1.82), cabin=(-0.12, 0.26), roof=(-0.09, 0.10), belt=0.60, nose=0.56, tail=0.58,
         axles=(-0.29, 0.32), wheel=0.76, clearance=0.28, round=0.08,
     ),
-    "van": Body(
+    "van": VehicleBody(
         size=(5.10, 1.92, 1.97), cabin=(-0.50, 0.38), roof=(-0.49, 0.19), belt=0.52, nose=0.46, tail=0.52,
         axles=(-0.29, 0.31), wheel=0.66, slab=0.88, panes=((0.74, 0.95),),
         back=((0.08, 0.47), (0.53, 0.92)), round=0.08,
     ),
-    "large_van": Body(
+    "large_van": VehicleBody(
         size=(5.95, 2.02, 2.62), cabin=(-0.50, 0.41), roof=(-0.495, 0.24), belt=0.42, nose=0.37, tail=0.42,
         axles=(-0.30, 0.32), wheel=0.70, slab=0.90, panes=((0.80, 0.96),), back=(), rise=(0.06, 0.62), round=0.08,
     ),
@@ -81,7 +83,7 @@ SHARES = {
 }
 
 
-def car_body(rng: np.random.Generator) -> tuple[str, tuple[float, float, float]]:
+def sample_car(rng: np.random.Generator) -> tuple[str, tuple[float, float, float]]:
     """The name of a body and the extents of one car of it [m]."""
     name = str(rng.choice(list(SHARES), p=list(SHARES.values())))
     spread = np.clip(rng.normal(0.0, (0.035, 0.015, 0.02)), (-0.1, -0.04, -0.05), (0.1, 0.04, 0.05))
@@ -89,7 +91,7 @@ def car_body(rng: np.random.Generator) -> tuple[str, tuple[float, float, float]]
     return name, (float(length), float(width), float(height))
 
 
-def paint(rng: np.random.Generator) -> str:
+def sample_paint(rng: np.random.Generator) -> str:
     """The lacquer of a vehicle, bright, dark or between, a third each.
 
     Of new cars in Germany 30 % are grey or silver, 26 % black, 21 % white, the others coloured (KBA, by colour, 2022).
@@ -100,24 +102,24 @@ def paint(rng: np.random.Generator) -> str:
 def car(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     """A car, its body named by `thing.kind`; mirrors stick out of its extents by 0.1 m."""
     body = BODIES[placed.kind]
-    parts = Parts(placed)
-    parts.add_piece(bodywork(body), placed.size, "car", paint(rng))
-    glaze(parts, body, placed.size, "car")
-    tyres, rims = running_gear(body)
+    builder = ObjectBuilder(placed)
+    builder.add_mesh(body_mesh(body), placed.size, "car", sample_paint(rng))
+    add_glazing(builder, body, placed.size, "car")
+    tyres, rims = wheel_meshes(body)
     seats, trim, plates = _fittings(body)
-    for piece, material in (
+    for mesh, material in (
         (tyres, "rubber"),
         (rims, "metal"),
         (seats, "dark-cloth"),
         (trim, "plastic"),
         (plates, "retroreflector"),
     ):
-        parts.add_piece(piece, placed.size, "car", material)
-    return parts.primitives
+        builder.add_mesh(mesh, placed.size, "car", material)
+    return builder.primitives
 
 
 @lru_cache(maxsize=32)
-def _fittings(body: Body) -> tuple[Piece, Piece, Piece]:
+def _fittings(body: VehicleBody) -> tuple[MeshTemplate, MeshTemplate, MeshTemplate]:
     """Seats; grille, bumper and mirrors; number plates and rear reflectors."""
     length, width, height = body.size
     rear, front = body.cabin
@@ -149,9 +151,9 @@ def _fittings(body: Body) -> tuple[Piece, Piece, Piece]:
     ears = [box((at, side * (0.47 + 0.09 / width), body.belt + 0.06), (0.12 / length, 0.18 / width, 0.13 / height))
             for side in (-1, 1)]  # fmt: skip
     return (
-        Piece.from_triangles(*quads(np.concatenate([*backs, dash]))),
-        Piece.from_triangles(*join(quads(np.concatenate(grille)), *ears)),
-        Piece.from_triangles(*quads(np.concatenate(ends))),
+        MeshTemplate.from_triangles(*quads(np.concatenate([*backs, dash]))),
+        MeshTemplate.from_triangles(*join(quads(np.concatenate(grille)), *ears)),
+        MeshTemplate.from_triangles(*quads(np.concatenate(ends))),
     )
 
 

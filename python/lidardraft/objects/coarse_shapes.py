@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-from lidardraft.objects.parts import PlacedObject
+from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.objects.plants import trunk_diameter
 
 _LAP = 0.75  # m; the knees and feet of a rider are drawn with what is ridden
@@ -21,15 +21,15 @@ _TRACTOR = 0.36  # of the length of a trailer truck: 6 of 16.5 m, Directive 96/5
 class CoarseShape(NamedTuple):
     """One shape of an object: x forward, y left, z up from the ground under the object's middle [m].
 
-    `rank` is added to the object's instance. A crown is there once for each number of ellipsoids it may have: `lobes`
-    is that number for its ellipsoids, and 0 for all other shapes.
+    `instance_offset` is added to the object's instance. A crown is there once for each number of ellipsoids it may
+    have: `lobes` is that number for its ellipsoids, and 0 for all other shapes.
     """
 
     shape: str
     center: tuple[float, float, float]
     size: tuple[float, float, float]
     label: str
-    rank: int = 0
+    instance_offset: int = 0
     lobes: int = 0
 
 
@@ -47,12 +47,12 @@ def box_of(label: str) -> Callable[[PlacedObject], list[CoarseShape]]:
     return shapes
 
 
-def _standing(size: tuple[float, float, float], label: str, x: float = 0.0, rank: int = 0) -> CoarseShape:
-    return CoarseShape("box", (x, 0.0, size[2] / 2), size, label, rank)
+def _standing(size: tuple[float, float, float], label: str, x: float = 0.0, instance_offset: int = 0) -> CoarseShape:
+    return CoarseShape("box", (x, 0.0, size[2] / 2), size, label, instance_offset)
 
 
-def _post(girth: float, bottom: float, top: float, label: str = "pole", y: float = 0.0) -> CoarseShape:
-    return CoarseShape("cylinder", (0.0, y, (bottom + top) / 2), (girth, girth, top - bottom), label)
+def _post(diameter: float, bottom: float, top: float, label: str = "pole", y: float = 0.0) -> CoarseShape:
+    return CoarseShape("cylinder", (0.0, y, (bottom + top) / 2), (diameter, diameter, top - bottom), label)
 
 
 def _plate(placed: PlacedObject, label: str, bottom: float) -> CoarseShape:
@@ -151,4 +151,4 @@ def motorcyclist(placed: PlacedObject) -> list[CoarseShape]:
 def _ridden(placed: PlacedObject, label: str, top: float) -> list[CoarseShape]:
     length, width, height = placed.size
     rider = CoarseShape("box", (-0.02, 0.0, (_LAP + height) / 2), (0.75, width * 0.9, height - _LAP), "rider")
-    return [rider, _standing((length, 0.5 * width, top), label, rank=1)]
+    return [rider, _standing((length, 0.5 * width, top), label, instance_offset=1)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from lidardraft.objects.buildings import BALCONY, EAVES, STOREY
-from lidardraft.objects.parts import Vector
+from lidardraft.objects.placed_object import Vector
 from lidardraft.objects.plants import trunk_diameter
 from lidardraft.objects.poles import GANTRY_POST, LAMP_ARM
 
@@ -32,8 +32,8 @@ def whole(size: Vector, _clearance: float) -> list[CollisionBox]:
 
 def tree(size: Vector, clearance: float) -> list[CollisionBox]:
     """A trunk and a crown, so that a car can stand under it."""
-    girth = trunk_diameter(size[2])
-    return [CollisionBox(0.0, 0.0, girth, girth, 0.0, clearance), _above(size, clearance)]
+    diameter = trunk_diameter(size[2])
+    return [CollisionBox(0.0, 0.0, diameter, diameter, 0.0, clearance), _above(size, clearance)]
 
 
 def house(size: Vector, clearance: float) -> list[CollisionBox]:

@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from lidardraft.objects.mesh import quads
-from lidardraft.objects.parts import Piece
+from lidardraft.objects.mesh_template import MeshTemplate
 
 STOREY = 2.9  # m, floor to floor of a dwelling, usually 2.8 to 3.2
 WINDOW_BAY = 3.0  # m from window to window that a form is made for
@@ -19,7 +19,7 @@ _SILL_STONE, _LEDGE = (0.07, 0.045), (0.18, 0.04)
 
 
 @lru_cache(maxsize=512)
-def walls(bays: int, deep: int, storeys: int, opening: float, blind: bool) -> tuple[Piece, Piece]:
+def walls(bays: int, deep: int, storeys: int, opening: float, blind: bool) -> tuple[MeshTemplate, MeshTemplate]:
     """Walls and panes of a building of that many windows along its front (-y) and its sides, and storeys.
 
     In shares of the building. `opening` is the share of windows in a bay. There is a recess for a door in the middle of
@@ -46,8 +46,8 @@ def walls(bays: int, deep: int, storeys: int, opening: float, blind: bool) -> tu
     lid = np.array([[(sx * length / 2, sy * width / 2, height) for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))]])
     extents = np.array([length, width, height])
     return (
-        Piece.from_triangles(*quads(np.concatenate([*faces, lid]) / extents)),
-        Piece.from_triangles(*quads(np.concatenate(panes) / extents)),
+        MeshTemplate.from_triangles(*quads(np.concatenate([*faces, lid]) / extents)),
+        MeshTemplate.from_triangles(*quads(np.concatenate(panes) / extents)),
     )
 
 
@@ -63,7 +63,7 @@ def _facade(span: float, count: int, storeys: int, opening: float, door: int) ->
     above = np.concatenate([sill, [storeys * STOREY]])
     strips = [(-span / 2, span / 2, a, b) for a, b in zip(below, above, strict=True)]
     if door >= 0:
-        # the strip under the lowest windows parts around the door
+        # the strip under the lowest windows is parted around the door
         strips[0] = (-span / 2, span / 2, -PLINTH, 0.0)
         strips += [(-span / 2, middle[door] - half, 0.0, sill[0]), (middle[door] + half, span / 2, 0.0, sill[0])]
     piers = [(edges[k], edges[k + 1], a, b) for a, b in zip(sill, lintel, strict=True) for k in range(0, len(edges), 2)]

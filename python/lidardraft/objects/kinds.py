@@ -18,7 +18,7 @@ from lidardraft.objects import coarse_shapes as coarse
 from lidardraft.objects import collision_boxes as boxes
 from lidardraft.objects.coarse_shapes import CoarseShape
 from lidardraft.objects.collision_boxes import CollisionBox
-from lidardraft.objects.parts import PlacedObject, Vector
+from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.scene.layout import Primitive
 from lidardraft.semantics import BY_NAME
 

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
-Solid = tuple[np.ndarray, np.ndarray]
+Triangles = tuple[np.ndarray, np.ndarray]
 
 
-def quads(corners: np.ndarray) -> Solid:
+def quads(corners: np.ndarray) -> Triangles:
     """Quadrilaterals [Q, 4, 3] as vertices [4 Q, 3] and triangles [2 Q, 3]."""
     first = 4 * np.arange(len(corners))[:, None, None]
     return corners.reshape(-1, 3), (first + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
 
 
-def join(*solids: Solid) -> Solid:
+def join(*solids: Triangles) -> Triangles:
     """Several solids as one."""
     offsets = np.cumsum([0] + [len(vertices) for vertices, _ in solids])
     faces = [faces + offset for (_, faces), offset in zip(solids, offsets, strict=False)]
     return np.concatenate([vertices for vertices, _ in solids]), np.concatenate(faces)
 
 
-def hull(bottom: tuple[float, float, float, float], top: tuple[float, float, float, float]) -> np.ndarray:
+def frustum_corners(bottom: tuple[float, float, float, float], top: tuple[float, float, float, float]) -> np.ndarray:
     """The corners [8, 3] of a body between two rectangles, each (rear x, front x, width, z): bottom, then top ring."""
     corners = []
     for rear, front, width, z in (bottom, top):
@@ -29,31 +29,31 @@ def hull(bottom: tuple[float, float, float, float], top: tuple[float, float, flo
     return np.array(corners)
 
 
-def hull_solid(corners: np.ndarray) -> Solid:
-    """The six faces of a `hull`, closed, their front outside."""
+def frustum(corners: np.ndarray) -> Triangles:
+    """The six faces of a `frustum_corners`, closed, their front outside."""
     rings = np.array([(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)])
     return corners, rings[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
 
 
-def box(center: tuple[float, float, float], size: tuple[float, float, float]) -> Solid:
+def box(center: tuple[float, float, float], size: tuple[float, float, float]) -> Triangles:
     """The six faces of an upright box."""
     half = np.array(size) / 2
     signs = np.array([(x, y, z) for z in (-1, 1) for x, y in ((1, -1), (1, 1), (-1, 1), (-1, -1))])
-    return hull_solid(np.array(center) + signs * half)
+    return frustum(np.array(center) + signs * half)
 
 
-def tube(start: tuple[float, ...], end: tuple[float, ...], girths: tuple[float, float], sides: int = 6) -> Solid:
-    """A round bar between two points, `girths` its diameters there, with caps."""
+def tube(start: tuple[float, ...], end: tuple[float, ...], diameters: tuple[float, float], sides: int = 6) -> Triangles:
+    """A round bar between two points, `diameters` its diameters there, with caps."""
     a, b = np.array(start), np.array(end)
     axis = (b - a) / np.linalg.norm(b - a)
     across = np.cross(axis, (0.0, 1.0, 0.0) if abs(axis[1]) < 0.9 else (1.0, 0.0, 0.0))
     across /= np.linalg.norm(across)
     angle = 2 * np.pi * np.arange(sides) / sides
     ring = np.cos(angle)[:, None] * across + np.sin(angle)[:, None] * np.cross(axis, across)
-    return loft(np.stack([a + girths[0] / 2 * ring, b + girths[1] / 2 * ring]))
+    return loft(np.stack([a + diameters[0] / 2 * ring, b + diameters[1] / 2 * ring]))
 
 
-def loft(rings: np.ndarray) -> Solid:
+def loft(rings: np.ndarray) -> Triangles:
     """A closed skin over rings [n, m, 3] of points, one after the other, each end closed by a fan."""
     n, m, _ = rings.shape
     i, j = np.meshgrid(np.arange(n - 1), np.arange(m), indexing="ij")
@@ -68,7 +68,7 @@ def loft(rings: np.ndarray) -> Solid:
     return rings.reshape(-1, 3), np.concatenate(faces)
 
 
-def lathe(profile: np.ndarray, sides: int, across: float = 1.0) -> Solid:
+def lathe(profile: np.ndarray, sides: int, across: float = 1.0) -> Triangles:
     """A side view [n, 2] of (radius, z) turned about z, `across` times as wide in y as in x."""
     angle = 2 * np.pi * np.arange(sides) / sides
     ring = np.stack([np.cos(angle), across * np.sin(angle)], axis=1)
@@ -78,10 +78,10 @@ def lathe(profile: np.ndarray, sides: int, across: float = 1.0) -> Solid:
     return loft(rings)
 
 
-def framed(
+def window_frame(
     corners: np.ndarray, side: int, spans: tuple[tuple[float, float], ...], rise: tuple[float, float]
 ) -> np.ndarray:
-    """What is left [Q, 4, 3] of one side of a `hull` around its windows: 0 front, 1 left, 2 rear, 3 right.
+    """What is left [Q, 4, 3] of one side of a `frustum_corners` around its windows: 0 front, 1 left, 2 rear, 3 right.
 
     `spans` are shares of the side's width, in order, `rise` of its height.
     """

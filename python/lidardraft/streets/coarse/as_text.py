@@ -10,7 +10,7 @@ import numpy as np
 
 from lidardraft.objects.coarse_shapes import CoarseShape, box_of
 from lidardraft.objects.kinds import Alignment, Kind, kind_of
-from lidardraft.objects.parts import PlacedObject
+from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.road import Road
 from lidardraft.streets.placement.district import PARKING_STRIP
 

@@ -14,7 +14,7 @@ import numpy as np
 from lidardraft.errors import LayoutError
 from lidardraft.objects.coarse_shapes import CoarseShape
 from lidardraft.objects.kinds import kind_of
-from lidardraft.objects.parts import PlacedObject
+from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.layout import SHAPES, Layout, object_of
 from lidardraft.scene.road import Road
 from lidardraft.scene.shape_table import ShapeTable
@@ -61,7 +61,7 @@ class _ShapeColumns:
             number[key] = number.get(key, number.get((index, 0), 0) if mark.lobes else 0) + 1
             ids.append(f"{objects[index].id}.{number[key] - 1}" if number[key] > 1 else objects[index].id)
         marks = [mark for _, mark, _ in rows]
-        instances = [objects[i].instance + mark.rank if objects[i].instance else 0 for i, mark, _ in rows]
+        instances = [objects[i].instance + mark.instance_offset if objects[i].instance else 0 for i, mark, _ in rows]
         return cls(
             owners=np.array([index for index, _, _ in rows], dtype=np.int64),
             shapes=np.array([SHAPES.index(mark.shape) for mark in marks], dtype=np.uint8),

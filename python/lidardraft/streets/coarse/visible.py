@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from lidardraft.objects.parts import PlacedObject
+from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.layout import Layout, object_of
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor

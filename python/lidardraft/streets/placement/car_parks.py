@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.objects.cars import car_body
+from lidardraft.objects.cars import sample_car
 from lidardraft.scene.road import PavedArea, Road
 from lidardraft.streets.placement.occupancy import Occupancy
 from lidardraft.streets.placement.walkers import person_size
@@ -74,7 +74,7 @@ def place_in_car_park(occupancy: Occupancy, car_park: CarPark, rng: np.random.Ge
             along = car_park.paved_area.along[0] + (bay + 0.5) * BAY_WIDTH
             if abs(along - car_park.gate) < (ACCESS + BAY_WIDTH) / 2 or rng.random() > occupied:
                 continue
-            kind, size = car_body(rng)
+            kind, size = sample_car(rng)
             # nose-in: three in four, an estimate of ours
             heading = -toward if rng.random() < 0.75 else toward
             angle = heading * math.pi / 2 + rng.normal(0.0, 0.03)

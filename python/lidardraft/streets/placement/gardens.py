@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from lidardraft.objects.cars import car_body
+from lidardraft.objects.cars import sample_car
 from lidardraft.scene.road import PavedArea
 from lidardraft.streets.placement.car_parks import CarPark
 from lidardraft.streets.placement.district import SIDES, District
@@ -54,7 +54,7 @@ def place_driveways(occupancy: Occupancy, district: District, rng: np.random.Gen
                 continue  # no drive leads through a ditch
             drives.append((side, float(along)))
             if rng.random() < 0.7:
-                kind, car = car_body(rng)
+                kind, car = sample_car(rng)
                 across = side * (road.verge + 0.5 + car[0] / 2)
                 angle = (math.pi / 2 if rng.random() < 0.5 else -math.pi / 2) + rng.normal(0.0, 0.03)
                 occupancy.place(kind, along, across, car, angle=angle, private=True)

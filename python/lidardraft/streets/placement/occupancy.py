@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lidardraft.objects.kinds import kind_of
-from lidardraft.objects.parts import PlacedObject
+from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.road import PavedArea, Road
 from lidardraft.streets.ground.ground import Ground
 

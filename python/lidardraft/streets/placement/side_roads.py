@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.objects.cars import car_body
+from lidardraft.objects.cars import sample_car
 from lidardraft.streets.placement.building_rows import sample_building
 from lidardraft.streets.placement.district import SIDES, District
 from lidardraft.streets.placement.gardens import tree_size
@@ -113,7 +113,7 @@ def _trees(occupancy: Occupancy, edge: SideRoadEdge, start: float, rng: np.rando
 def _parked(occupancy: Occupancy, edge: SideRoadEdge, start: float, rng: np.random.Generator) -> None:
     distance, density = start, rng.uniform(0.3, 0.8)
     while distance < _FAR:
-        kind, size = car_body(rng)
+        kind, size = sample_car(rng)
         if rng.random() < density:
             along, across, angle = edge.at(distance + size[0] / 2, occupancy.road.edge - 0.2 - size[1] / 2)
             angle += (math.pi if edge.left > 0 else 0.0) + rng.normal(0.0, 0.015)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from lidardraft.objects.cars import car_body
+from lidardraft.objects.cars import sample_car
 from lidardraft.streets.placement.car_parks import CarPark
 from lidardraft.streets.placement.district import District
 from lidardraft.streets.placement.lanes import Lane
@@ -30,7 +30,7 @@ def place_parked_vehicles(
     for side in parking:
         along, density = -road.half_length + rng.uniform(0, 6), rng.uniform(0.1, 0.75)
         while along < road.half_length - 3.0:
-            kind, size = car_body(rng)
+            kind, size = sample_car(rng)
             if rng.random() < 0.025:
                 kind, size = "truck", (rng.uniform(5.5, 7.5), 2.1, rng.uniform(2.6, 3.0))
             elif rng.random() < 0.025:
@@ -113,7 +113,7 @@ def _vehicle(rng: np.random.Generator, district: District, lane: Lane) -> tuple[
     pick = rng.random()
     heavy = district.heavy if lane.outer and lane.name == "road" else 0.04 if lane.name == "arm" else 0.01
     if lane.name in ("ring", "aisle"):
-        return car_body(rng)
+        return sample_car(rng)
     long_haul = 0.55 if district.speed > 25.0 else 0.12
     if pick < heavy * long_haul:
         return "trailer_truck", (rng.uniform(15.5, 16.5), 2.55, rng.uniform(3.7, 4.0))
@@ -123,4 +123,4 @@ def _vehicle(rng: np.random.Generator, district: District, lane: Lane) -> tuple[
         return "bus", (rng.uniform(10.0, 12.5), 2.55, rng.uniform(3.0, 3.3))
     if pick < heavy + 0.02:
         return "motorcyclist", (2.1, 0.8, rng.uniform(1.5, 1.65))
-    return car_body(rng)
+    return sample_car(rng)

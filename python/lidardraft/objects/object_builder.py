@@ -1,0 +1,88 @@
+"""The builder of one object: takes parts in the object's frame and makes primitives at its place."""
+
+from __future__ import annotations
+
+import math
+
+from lidardraft.objects.mesh_template import MeshTemplate
+from lidardraft.objects.placed_object import PlacedObject, Vector
+from lidardraft.scene.layout import Primitive
+from lidardraft.scene.mesh import TriangleMesh
+
+EMBEDMENT = 0.3  # m that posts, stems and walls reach into the ground, so that no slope shows a gap: estimate of ours
+
+
+class ObjectBuilder:
+    """Collects the `primitives` of one object, given in its frame: x forward, y left, z up from the ground."""
+
+    def __init__(self, placed: PlacedObject) -> None:
+        self.placed = placed
+        self.primitives: list[Primitive] = []
+        self._instance = placed.instance
+        self._cos, self._sin = math.cos(placed.yaw), math.sin(placed.yaw)
+
+    def next_instance(self) -> None:
+        """What is added from now on belongs to the object's second instance: what a rider rides."""
+        self._instance += 1 if self._instance else 0
+
+    def add(
+        self,
+        shape: str,
+        center: Vector,
+        size: Vector,
+        label: str,
+        material: str | None = None,
+        *,
+        yaw: float = 0.0,
+        mesh: TriangleMesh | None = None,
+        extinction: float | None = None,
+    ) -> None:
+        """Add one primitive; `extinction` [1/m] makes it a medium.
+
+        A street has hundreds: tests check that they are right, not this.
+        """
+        placed = self.placed
+        x, y, z = center
+        name = f"{placed.id}.{len(self.primitives)}" if self.primitives else placed.id
+        self.primitives.append(
+            Primitive.unchecked(
+                shape=shape,
+                center=(
+                    placed.x + self._cos * x - self._sin * y,
+                    placed.y + self._sin * x + self._cos * y,
+                    placed.z + z,
+                ),
+                size=size,
+                label=label,
+                id=name,
+                yaw=placed.yaw + yaw,
+                instance=self._instance,
+                material=material,
+                mesh=mesh,
+                extinction=extinction,
+            )
+        )
+
+    def add_mesh(
+        self,
+        template: MeshTemplate,
+        extents: Vector,
+        label: str,
+        material: str | None = None,
+        *,
+        at: Vector = (0.0, 0.0, 0.0),
+        backward: bool = False,
+    ) -> None:
+        """Add a template stretched to `extents` [m] in a frame with its origin `at`, turned round if `backward`."""
+        (a, b, c), (u, v, w), (x, y, z) = template.center, template.size, extents
+        if backward:
+            a, b = -a, -b
+        self.add(
+            "mesh",
+            (at[0] + a * x, at[1] + b * y, at[2] + c * z),
+            (u * x, v * y, w * z),
+            label,
+            material,
+            mesh=template.mesh,
+            yaw=math.pi if backward else 0.0,
+        )

@@ -1,0 +1,30 @@
+"""An object before it has a shape: what it is, where it stands and how large it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class PlacedObject:
+    """An object at its place, from which a builder of `lidardraft.objects.kinds.KINDS` makes primitives.
+
+    `kind` is a key of that table and `id` the prefix of the ids of its primitives. (`x`, `y`) is the middle of its
+    footprint, `z` the ground there and `level` the height that a coarse layout with flat ground has there [m]; `yaw` is
+    its heading [rad]. `size` holds the extents (length, width, height) [m] and `clearance` the height under a crown,
+    a plate or a roof, 0 where there is none [m]. `instance` is 0 for what is not counted; a rider has `instance`, and
+    what is ridden `instance + 1`.
+    """
+
+    kind: str
+    id: str
+    x: float
+    y: float
+    z: float
+    level: float
+    yaw: float
+    size: Vector
+    clearance: float = 0.0
+    instance: int = 0
