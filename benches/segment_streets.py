@@ -31,6 +31,7 @@ from scipy.spatial import cKDTree
 
 from lidardraft.formats.kitti import read_bin
 from lidardraft.metrics.iou import ClassScores, confusion_matrix
+from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter
 from lidardraft.semantics import CLASSES
 from lidardraft.training.pairs import PairFolder
@@ -154,7 +155,7 @@ def main() -> int:
     parser.add_argument("--data", default=os.environ.get("LIDARDRAFT_DATA", ""), help="folder with kitti/ in it")
     parser.add_argument("--json", help="file for the confusion matrices")
     arguments = parser.parse_args()
-    segmenter, sets = Segmenter.load(arguments.weights), {}
+    segmenter, sets = weight_file.load(arguments.weights, Segmenter), {}
     if arguments.pairs:
         folder = PairFolder(arguments.pairs)
         sets["Held-out streets"] = measure(segmenter, held_out(folder), folder.sensor.mount_height)

@@ -23,16 +23,18 @@ ALLOWED = {
     "drafting": BASE | {"scene"},
     "objects": BASE | {"scene"},
     "streets": BASE | {"scene", "drafting", "objects"},
-    "diffusion": BASE | {"scene"},
+    "networks": BASE,
+    "diffusion": BASE | {"scene", "networks"},
     "metrics": BASE | {"scene"},
-    "perception": BASE | {"scene", "diffusion"},
-    "training": BASE | {"scene", "streets", "formats", "drafting", "diffusion", "metrics", "perception"},
+    "perception": BASE | {"scene", "networks"},
+    "training": BASE | {"scene", "streets", "formats", "drafting", "networks", "diffusion", "metrics", "perception"},
     "view": BASE | {"scene", "formats"},
-    "pipeline": BASE | {"scene", "formats", "drafting", "streets", "diffusion", "metrics", "view"},
+    "pipeline": BASE | {"scene", "formats", "drafting", "streets", "networks", "diffusion", "metrics", "view"},
     "evaluation": BASE | {"scene", "streets", "diffusion", "metrics", "pipeline"},
-    "cli": BASE | {"scene", "formats", "drafting", "streets", "diffusion", "metrics", "view", "pipeline", "evaluation"},
+    "cli": BASE
+    | {"scene", "formats", "drafting", "streets", "networks", "diffusion", "metrics", "view", "pipeline", "evaluation"},
 }
-TORCH_ROOMS = {"diffusion", "perception", "training", "pipeline", "evaluation"}
+TORCH_ROOMS = {"networks", "diffusion", "perception", "training", "pipeline", "evaluation"}
 FORBIDDEN_NAMES = {"utils", "util", "helpers", "helper", "misc", "common", "tools", "base"}
 LONGEST_FILE, LONGEST_FUNCTION = 320, 60
 

@@ -19,9 +19,9 @@ from lidardraft.streets import StreetConfig, StreetPair, streets
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
-    """One kind of scan of the same streets: adherence to the drawings (means over the streets), and the Jensen-Shannon
-    distance of the top views from those of the detailed scans."""
+class Scores:
+    """Those of one kind of scan of the same streets: adherence to the condition images (means over the streets), and
+    the Jensen-Shannon distance of the top views from those of the detailed scans."""
 
     name: str
     objects: float
@@ -37,13 +37,15 @@ def unseen_streets(num: int, *, sensor: Sensor, seed: int = 1_000_000) -> list[S
     return list(itertools.islice(streets(seed, config), num))
 
 
-def evaluate(pipeline: Pipeline, pairs: list[StreetPair]) -> Iterator[Row]:
-    """The detailed scans, the drawings, the pipeline's scans, and those of the same network with random weights."""
+def evaluate(pipeline: Pipeline, pairs: list[StreetPair]) -> Iterator[Scores]:
+    """The scores of the detailed scans, the condition images, the pipeline's scans, and those of random weights."""
     random = Pipeline(_random_weights(pipeline.denoiser), steps=pipeline.steps)
-    yield _row("detailed scan", pairs, (pair.scan for pair in pairs))
-    yield _row("drawing", pairs, (pair.condition_image for pair in pairs))
+    yield _scores("detailed scan", pairs, (pair.scan for pair in pairs))
+    yield _scores("condition image", pairs, (pair.condition_image for pair in pairs))
     for name, generator in (("generated", pipeline), ("random weights", random)):
-        yield _row(name, pairs, (_last(generator.denoising(pair.condition_image, seed=pair.index)) for pair in pairs))
+        yield _scores(
+            name, pairs, (_last(generator.denoising(pair.condition_image, seed=pair.index)) for pair in pairs)
+        )
 
 
 def _random_weights(denoiser: Denoiser) -> Denoiser:
@@ -57,10 +59,10 @@ def _random_weights(denoiser: Denoiser) -> Denoiser:
     return network.to(next(denoiser.parameters()).device)
 
 
-def _row(name: str, pairs: list[StreetPair], scans: Iterable[RangeImage]) -> Row:
+def _scores(name: str, pairs: list[StreetPair], scans: Iterable[RangeImage]) -> Scores:
     images = list(scans)
     scores = [adherence(image, pair.condition_image) for image, pair in zip(images, pairs, strict=True)]
-    return Row(
+    return Scores(
         name=name,
         objects=_mean([score.objects for score in scores]),
         overall=_mean([score.overall for score in scores]),

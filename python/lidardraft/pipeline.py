@@ -12,7 +12,6 @@ import numpy as np
 import torch
 
 from lidardraft import view
-from lidardraft.diffusion import checkpoint
 from lidardraft.diffusion.codec import decode_scan, encode_condition
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.sampler import sample
@@ -20,6 +19,7 @@ from lidardraft.drafting.text import layout_from_text
 from lidardraft.errors import CheckpointError
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
+from lidardraft.networks import weight_file
 from lidardraft.scene.labelling import label_from_condition_image
 from lidardraft.scene.layout import Box, Layout
 from lidardraft.scene.range_image import RangeImage
@@ -110,7 +110,7 @@ class Pipeline:
         if not path.exists():
             names = ", ".join(sorted(file.stem for file in WEIGHTS.glob("*.safetensors")))
             raise CheckpointError(f"weights are {os.fspath(name)!r}; they must be a file or one of: {names}")
-        denoiser = checkpoint.load(path)
+        denoiser = weight_file.load(path, Denoiser)
         try:
             return cls(denoiser.to(device), steps=steps)
         except (RuntimeError, AssertionError) as error:  # torch's, for a device it does not have

@@ -8,8 +8,9 @@ import torch
 
 import segment_streets
 from lidardraft.metrics.iou import confusion_matrix
-from lidardraft.perception.grid import Grid
+from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter, SegmenterConfig
+from lidardraft.perception.spherical_grid import SphericalGrid
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
@@ -56,8 +57,8 @@ def test_the_table_counts_absent_classes_as_nothing():
 
 def test_it_runs_on_held_out_streets_and_says_what_is_missing(tmp_path, monkeypatch, capsys):
     torch.manual_seed(0)
-    config = SegmenterConfig(grid=Grid(rows=16, columns=64), widths=(8, 8))
-    Segmenter(config).save(tmp_path / "weights.safetensors", {})
+    config = SegmenterConfig(grid=SphericalGrid(rows=16, columns=64), widths=(8, 8))
+    weight_file.save(Segmenter(config), tmp_path / "weights.safetensors", {})
     sensor = Sensor(name="small", elevations=tuple(np.linspace(0.03, -0.4, 16).tolist()), columns=64)
     road = Primitive(shape="plane", center=(0, 0, 0), size=(60, 60, 0), label="road", id="road")
     image = raycast(Layout(primitives=(road,)), sensor)

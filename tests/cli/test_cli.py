@@ -10,8 +10,6 @@ import pytest
 
 from lidardraft import Layout, RangeImage, Sensor, pipeline
 from lidardraft.cli import main as cli
-from lidardraft.cli import train
-from lidardraft.diffusion import checkpoint
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.semantics import BY_NAME
 from lidardraft.streets.coarse.style import SOURCES
@@ -192,32 +190,3 @@ def test_streets_to_look_at(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out == "streets.png\n"
     assert Path("streets.png").stat().st_size > 1000
     assert "say --out FOLDER" in refused(capsys, "streets", "-n", "2")
-
-
-def test_the_whole_training_in_small(capsys: pytest.CaptureFixture[str]) -> None:
-    argv = [
-        "street",
-        "--recipe",
-        "tiny",
-        "--num",
-        "2",
-        "--sensor",
-        "small.json",
-        "--work",
-        "work",
-        "-o",
-        "tiny.safetensors",
-    ]
-    assert (
-        train.main([*argv, "--base-steps", "2", "--control-steps", "2"]) == 2
-    )  # crops of 256 do not fit in 128 columns
-    assert "crop is 256" in capsys.readouterr().err
-    argv[argv.index("small.json")] = "hdl32e"
-    argv[argv.index("work")] = "work32"
-    assert train.main([*argv, "--base-steps", "2", "--control-steps", "2", "--evaluate", "1"]) == 0
-    card = checkpoint.read_card("tiny.safetensors")
-    assert card["control"]["step"] == 2
-    assert [row["name"] for row in card["scores"]] == ["detailed scan", "drawing", "generated", "random weights"]
-    assert train.main([*argv, "--seed", "5"]) == 2  # the folder holds pairs of another seed
-    assert "seed 0" in capsys.readouterr().err
-    assert cli.main(["generate", "--text", "a car ahead", "--weights", "tiny.safetensors", "-o", "out", *QUICK]) == 0

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from lidardraft.cli import train
+from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.raycast import raycast
@@ -22,9 +23,9 @@ def test_pairs_become_a_segmenter(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert train.main([*argv, "--steps", "2", "--minutes", "0"]) == 0
     assert train.main([*argv, "--steps", "2"]) == 0
     assert "2/2" in capsys.readouterr().err
-    label = Segmenter.load(tmp_path / "run" / "weights.safetensors").label(image)
+    label = weight_file.load(tmp_path / "run" / "weights.safetensors", Segmenter).label(image)
     np.testing.assert_array_equal(label > 0, image.valid)
     assert train.main([*argv, "--steps", "2", "--seed", "1"]) == 2
-    assert "another config" in capsys.readouterr().err
+    assert "another config: its seed is 0, not 1" in capsys.readouterr().err
     assert train.main([*argv, "--steps", "0"]) == 2
     assert "steps is 0" in capsys.readouterr().err

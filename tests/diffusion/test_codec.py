@@ -1,3 +1,5 @@
+import dataclasses
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -69,6 +71,17 @@ def test_dropped_pixels_take_the_depth_to_their_left_around_the_ring() -> None:
     np.testing.assert_array_equal(state[DEPTH, 0], expected)
     np.testing.assert_array_equal(state[DEPTH, 1], 1.0)
     np.testing.assert_array_equal(state[VALIDITY, 0], [-1, -1, 1, -1, -1, 1, -1, 1])
+
+
+def test_dropped_pixels_of_a_sector_do_not_look_around_the_ring() -> None:
+    sector = dataclasses.replace(SENSOR, name="sector", azimuth_start=1.0, azimuth_span=2.0)
+    depth = np.full(SENSOR.shape, 20.0)
+    depth[0] = [0, 0, 5, 0, 0, 7, 0, 9]
+    depth[1] = 0
+    state = encode_scan(dataclasses.replace(image(depth), sensor=sector))
+    expected = encode_scan(image(np.broadcast_to([5, 5, 5, 5, 5, 7, 7, 9], SENSOR.shape)))[DEPTH, 0]
+    np.testing.assert_array_equal(state[DEPTH, 0], expected)
+    np.testing.assert_array_equal(state[DEPTH, 1], 1.0)
 
 
 def test_rolling_the_scan_rolls_the_state() -> None:

@@ -49,24 +49,52 @@ def test_rolling_the_state_by_whole_cells_rolls_the_denoised(controlled: bool) -
     x, sigma = torch.randn(2, 3, 16, 64), torch.tensor([0.1, 2.0])
     condition = a_condition() if controlled else None
     rolled = None if condition is None else condition.roll(16, dims=-1)
-    y = denoiser.denoise(x, sigma, BEAMS, condition)
-    torch.testing.assert_close(denoiser.denoise(x.roll(16, dims=-1), sigma, BEAMS, rolled), y.roll(16, dims=-1))
+    y = denoiser.denoise(x, sigma, BEAMS, condition, wraps=True)
+    torch.testing.assert_close(
+        denoiser.denoise(x.roll(16, dims=-1), sigma, BEAMS, rolled, wraps=True), y.roll(16, dims=-1)
+    )
     assert not torch.allclose(y, y.roll(16, dims=-1), atol=1e-3)
+
+
+@pytest.mark.parametrize("controlled", [False, True])
+@torch.no_grad()
+def test_only_a_ring_knows_the_other_end(controlled: bool) -> None:
+    """The denoised first columns of a sector do not change with its last ones, but for the norms over all pixels."""
+    denoiser = shaken(Denoiser.from_config(dataclasses.replace(TINY, controlnet=True)))
+    for module in denoiser.modules():
+        if isinstance(module, torch.nn.GroupNorm):
+            module.forward = lambda x: x  # type: ignore[method-assign]
+    x, sigma = torch.randn(1, 3, 16, 512), torch.tensor([0.5])
+    changed = x.clone()
+    changed[..., -8:] += 1
+    condition = a_condition(1, 512) if controlled else None
+    gap = {
+        wraps: (
+            denoiser.denoise(x, sigma, BEAMS, condition, wraps=wraps)
+            - denoiser.denoise(changed, sigma, BEAMS, condition, wraps=wraps)
+        )
+        for wraps in (True, False)
+    }
+    assert gap[True][..., :8].abs().max() > 1e-3
+    assert not gap[False][..., :8].any()
+    assert gap[False][..., -8:].any()
 
 
 @torch.no_grad()
 def test_the_network_knows_its_beams() -> None:
     denoiser = shaken(Denoiser.from_config(TINY))
     x, sigma = torch.randn(1, 3, 16, 64), torch.tensor([0.5])
-    assert not torch.allclose(denoiser.denoise(x, sigma, BEAMS), denoiser.denoise(x, sigma, BEAMS.flip(-1)), atol=1e-3)
+    assert not torch.allclose(
+        denoiser.denoise(x, sigma, BEAMS, wraps=True), denoiser.denoise(x, sigma, BEAMS.flip(-1), wraps=True), atol=1e-3
+    )
 
 
 @torch.no_grad()
 def test_a_sample_does_not_depend_on_its_batch() -> None:
     denoiser = shaken(Denoiser.from_config(dataclasses.replace(TINY, controlnet=True)))
     x, sigma, condition = torch.randn(3, 3, 16, 64), torch.tensor([0.1, 1.0, 9.0]), a_condition(3)
-    together = denoiser.denoise(x, sigma, BEAMS, condition)
-    alone = denoiser.denoise(x[1:2], sigma[1:2], BEAMS, condition[1:2])
+    together = denoiser.denoise(x, sigma, BEAMS, condition, wraps=True)
+    alone = denoiser.denoise(x[1:2], sigma[1:2], BEAMS, condition[1:2], wraps=True)
     torch.testing.assert_close(together[1:2], alone, atol=1e-5, rtol=1e-4)
 
 
@@ -75,10 +103,10 @@ def test_a_sample_does_not_depend_on_its_batch() -> None:
 def test_a_fresh_controlnet_leaves_the_base_bit_identical(copy_gate: bool) -> None:
     base = shaken(Denoiser.from_config(dataclasses.replace(TINY, copy_gate=copy_gate)))
     x, sigma = torch.randn(2, 3, 16, 64), torch.tensor([0.1, 2.0])
-    before = base.denoise(x, sigma, BEAMS)
+    before = base.denoise(x, sigma, BEAMS, wraps=True)
     controlled = base.with_controlnet()
-    assert torch.equal(controlled.denoise(x, sigma, BEAMS, a_condition()), before)
-    assert torch.equal(controlled.denoise(x, sigma, BEAMS), before)
+    assert torch.equal(controlled.denoise(x, sigma, BEAMS, a_condition(), wraps=True), before)
+    assert torch.equal(controlled.denoise(x, sigma, BEAMS, wraps=True), before)
     assert controlled.controlnet is not None
     for copy, original in zip(
         controlled.controlnet.encoder.parameters(), base.network.encoder.parameters(), strict=True
@@ -98,8 +126,8 @@ def test_an_open_gate_copies_the_drawn_depth_where_there_is_a_hit() -> None:
     condition = a_condition()
     condition[:, CONDITION_VALIDITY, :, 10:20] = -1
     x, sigma = torch.randn(2, 3, 16, 64), torch.tensor([0.5, 2.0])
-    without = denoiser.denoise(x, sigma, BEAMS)
-    y = denoiser.denoise(x, sigma, BEAMS, condition)
+    without = denoiser.denoise(x, sigma, BEAMS, wraps=True)
+    y = denoiser.denoise(x, sigma, BEAMS, condition, wraps=True)
     hit = condition[:, CONDITION_VALIDITY] > 0
     torch.testing.assert_close(y[:, DEPTH][hit], condition[:, CONDITION_DEPTH][hit], atol=2e-3, rtol=0)
     torch.testing.assert_close(y[:, DEPTH][~hit], without[:, DEPTH][~hit])
@@ -108,7 +136,7 @@ def test_an_open_gate_copies_the_drawn_depth_where_there_is_a_hit() -> None:
 
 def test_a_condition_needs_a_controlnet() -> None:
     with pytest.raises(CheckpointError, match="a condition was given, but these weights have no ControlNet"):
-        Denoiser.from_config(TINY).denoise(torch.zeros(2, 3, 16, 64), torch.ones(2), BEAMS, a_condition())
+        Denoiser.from_config(TINY).denoise(torch.zeros(2, 3, 16, 64), torch.ones(2), BEAMS, a_condition(), wraps=True)
 
 
 @torch.no_grad()
@@ -119,11 +147,11 @@ def test_an_untrained_network_is_the_best_guess_for_white_data_and_loses_one() -
     clean = SIGMA_DATA * torch.randn(4, 3, 16, 64)
     clean[:, VALIDITY] = clean[:, VALIDITY].abs() + 1e-3  # every pixel has a return
     noise, sigma = torch.randn_like(clean), torch.tensor([0.02, 0.2, 1.0, 10.0])
-    torch.testing.assert_close(denoiser.loss(clean, sigma, noise, BEAMS), torch.ones(4), atol=0.1, rtol=0)
+    torch.testing.assert_close(denoiser.loss(clean, sigma, noise, BEAMS, wraps=True), torch.ones(4), atol=0.1, rtol=0)
 
 
 @torch.no_grad()
-def test_dropped_pixels_and_margins_do_not_count() -> None:
+def test_dropped_pixels_do_not_count() -> None:
     denoiser = Denoiser.from_config(TINY).eval()
     clean = torch.zeros(1, 3, 16, 64)
     clean[:, VALIDITY] = 1
@@ -132,20 +160,18 @@ def test_dropped_pixels_and_margins_do_not_count() -> None:
     # A network that is silent (its head starts at zero, but for the bias) answers for each pixel alone.
     with torch.no_grad():
         denoiser.network.head.bias.zero_()
-    loss = denoiser.loss(clean, sigma, noise, BEAMS, margin=4)
+    loss = denoiser.loss(clean, sigma, noise, BEAMS, wraps=True)
     ignored = noise.clone()
     ignored[:, [DEPTH, INTENSITY], :, 20:30] += 5
-    ignored[..., :4] += 5
-    ignored[..., -4:] += 5
-    torch.testing.assert_close(denoiser.loss(clean, sigma, ignored, BEAMS, margin=4), loss)
+    torch.testing.assert_close(denoiser.loss(clean, sigma, ignored, BEAMS, wraps=True), loss)
     counted = noise.clone()
     counted[:, VALIDITY, :, 20:30] += 5
-    assert denoiser.loss(clean, sigma, counted, BEAMS, margin=4) > loss + 0.1
+    assert denoiser.loss(clean, sigma, counted, BEAMS, wraps=True) > loss + 0.1
 
 
 def test_the_loss_of_a_crop_without_any_return_is_finite() -> None:
     clean = -torch.ones(1, 3, 16, 64)
-    loss = Denoiser.from_config(TINY).loss(clean, torch.ones(1), torch.randn_like(clean), BEAMS, margin=4)
+    loss = Denoiser.from_config(TINY).loss(clean, torch.ones(1), torch.randn_like(clean), BEAMS, wraps=True)
     assert loss.isfinite().all()
 
 
@@ -174,10 +200,12 @@ def test_a_config_that_cannot_be_is_refused(fields: dict[str, Any], message: str
 
 def test_widths_that_no_group_divides_are_fine() -> None:
     config = dataclasses.replace(TINY, widths=(6, 10, 7, 9), controlnet=True)
-    y = Denoiser.from_config(config).denoise(torch.zeros(1, 3, 16, 64), torch.ones(1), BEAMS, a_condition(1))
+    y = Denoiser.from_config(config).denoise(
+        torch.zeros(1, 3, 16, 64), torch.ones(1), BEAMS, a_condition(1), wraps=True
+    )
     assert y.shape == (1, 3, 16, 64)
 
 
 def test_odd_numbers_of_cells_are_fine() -> None:
-    y = Denoiser.from_config(TINY).denoise(torch.zeros(1, 3, 16, 60), torch.ones(1), BEAMS)
+    y = Denoiser.from_config(TINY).denoise(torch.zeros(1, 3, 16, 60), torch.ones(1), BEAMS, wraps=True)
     assert y.shape == (1, 3, 16, 60)

@@ -4,9 +4,9 @@ import pytest
 import torch
 from torch import Tensor
 
-from lidardraft.diffusion.codec import CONDITION_CHANNELS
+from lidardraft.diffusion.codec import CONDITION_CHANNELS, encode_elevations
 from lidardraft.diffusion.denoiser import Denoiser, DenoiserConfig
-from lidardraft.diffusion.noise import karras_levels
+from lidardraft.diffusion.noise import gaussian, karras_levels
 from lidardraft.diffusion.sampler import Denoise, sample, sample_multistep
 from lidardraft.errors import SensorError
 from lidardraft.scene.sensor import Sensor
@@ -91,3 +91,24 @@ def test_a_sensor_that_cannot_be_cut_into_cells_is_refused() -> None:
     sensor = Sensor(name="odd", elevations=(0.1, 0.0, -0.1), columns=16)
     with pytest.raises(SensorError, match=r"odd is \(3, 16\); these weights need multiples of \(2, 4\)"):
         sample(Denoiser.from_config(config), sensor, seeds=[0])
+
+
+@torch.no_grad()
+def test_whether_the_columns_wrap_follows_from_the_sensor() -> None:
+    torch.manual_seed(0)
+    config = DenoiserConfig(cell=(2, 4), widths=(8,), strides=(1,), dilations=(1,), blocks=1)
+    denoiser = Denoiser.from_config(config).eval()
+    with torch.no_grad():
+        for weight in denoiser.parameters():
+            weight += 0.05 * torch.randn_like(weight)
+    elevations = (0.1, 0.0, -0.1, -0.2)
+    ring = Sensor(name="ring", elevations=elevations, columns=16)
+    sector = Sensor(name="sector", elevations=elevations, columns=16, azimuth_start=1.0, azimuth_span=2.0)
+    ends = [list(sample(denoiser, sensor, seeds=[3], steps=3))[-1] for sensor in (ring, sector)]
+    beams = torch.from_numpy(encode_elevations(ring))
+    for end, wraps in zip(ends, (True, False), strict=True):
+        sigmas = karras_levels(3)
+        x = sigmas[0] * torch.stack([gaussian((3, 4, 16), 3)])
+        *_, expected = sample_multistep(lambda x, s, w=wraps: denoiser.denoise(x, s, beams, wraps=w), x, sigmas)
+        assert torch.equal(end, expected)
+    assert not torch.allclose(ends[0], ends[1], atol=1e-3)

@@ -12,6 +12,12 @@ from lidardraft.scene.sensor import PRESETS, Sensor
 SMALL = Sensor(name="small", elevations=(0.1, 0.0, -0.1), columns=8)
 
 
+def test_columns_wrap_where_they_make_a_full_turn():
+    assert all(sensor.wraps for sensor in PRESETS.values())
+    for span, wraps in ((2 * math.pi, True), (2 * math.pi - 1e-12, True), (2 * math.pi * 7 / 8, False), (1.0, False)):
+        assert dataclasses.replace(SMALL, azimuth_span=span).wraps == wraps
+
+
 @pytest.mark.parametrize("name", sorted(PRESETS))
 def test_presets_have_their_name_and_descending_beams(name):
     sensor = Sensor.preset(name)

@@ -6,12 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from made_pairs import SENSOR
+from made_pairs import SENSOR, noted
 from safetensors.torch import load_file
 
 from lidardraft.errors import TrainingError
-from lidardraft.perception.grid import Grid
+from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter, SegmenterConfig
+from lidardraft.perception.spherical_grid import SphericalGrid
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.semantics import BY_NAME, NUM_CLASSES
 from lidardraft.training.augmentation import Augmentation, augmented
@@ -40,7 +41,7 @@ STILL = Augmentation(
     blind=0,
 )  # turned and mirrored all the same
 TINY = SegmentationConfig(
-    segmenter=SegmenterConfig(grid=Grid(rows=16, columns=128), widths=(8, 16)),
+    segmenter=SegmenterConfig(grid=SphericalGrid(rows=16, columns=128), widths=(8, 16)),
     steps=6,
     learning_rate=5e-3,
     warmup=2,
@@ -57,7 +58,7 @@ def test_a_tiny_network_learns_a_few_scans(pairs: PairFolder, tmp_path: Path) ->
     assert reports[-1].loss < 0.3 * reports[0].loss
     log = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
     assert log == [dataclasses.asdict(report) for report in reports]
-    segmenter = Segmenter.load(tmp_path / "weights.safetensors")
+    segmenter = weight_file.load(tmp_path / "weights.safetensors", Segmenter)
     for i in range(len(pairs)):
         scan, _ = pairs[i]
         right = (segmenter.label(scan) == scan.label)[scan.valid]
@@ -80,7 +81,7 @@ def test_a_run_in_slices_is_the_run_in_one(pairs: PairFolder, tmp_path: Path) ->
 
 def test_the_state_of_another_run_is_refused(pairs: PairFolder, tmp_path: Path) -> None:
     list(train_segmenter(TINY, pairs, tmp_path))
-    with pytest.raises(TrainingError, match="is the state of a run with another config"):
+    with pytest.raises(TrainingError, match="with another config: its seed is 0, not 1"):
         list(train_segmenter(dataclasses.replace(TINY, seed=1), pairs, tmp_path))
     state = tmp_path / "state.safetensors"
     state.write_bytes(state.read_bytes()[:100])
@@ -101,7 +102,7 @@ def test_a_device_that_is_not_there(pairs: PairFolder, tmp_path: Path) -> None:
 
 def test_a_loss_that_is_no_number_ends_the_run(pairs: PairFolder, tmp_path: Path) -> None:
     config = dataclasses.replace(TINY, learning_rate=1e30, steps=20)
-    with pytest.raises(TrainingError, match=r"the loss is (nan|inf) at step"):
+    with pytest.raises(TrainingError, match=r"the loss is \S+ and its gradient (nan|inf) at step"):
         list(train_segmenter(config, pairs, tmp_path))
 
 
@@ -197,6 +198,25 @@ def two(tmp_path: Path) -> PairFolder:
     road, pole = plain(ROAD, 10, 128), plain(POLE, 5, 64)
     list(write_pairs(tmp_path / "two", [(road, road, {}), (pole, pole, {})]))
     return PairFolder(tmp_path / "two")
+
+
+def test_the_scan_of_a_sensor_that_sees_a_sector_stays_in_it(tmp_path: Path) -> None:
+    sector = dataclasses.replace(SENSOR, name="sector", azimuth_start=1.5, azimuth_span=1.0)
+    list(write_pairs(tmp_path, [noted(seed, sector) for seed in range(3)]))
+    folder = PairFolder(tmp_path)
+    mirrored = set()
+    for seed in range(8):
+        points = augmented(folder, 0, np.random.default_rng(seed), STILL).points
+        azimuth = np.arctan2(points[:, 1], points[:, 0])
+        assert 0.5 <= azimuth.min() <= azimuth.max() <= 1.5
+        original = folder[0][0].depth
+        rows = [
+            np.array_equal(np.linalg.norm(points, axis=1).round(2), side[side > 0].round(2))
+            for side in (original, original[:, ::-1])
+        ]
+        assert any(rows)  # not torn into two parts
+        mirrored.add(rows[1])
+    assert mirrored == {False, True}
 
 
 def test_a_sector_of_a_mixed_scan_is_of_another(two: PairFolder) -> None:

@@ -5,15 +5,18 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lidardraft.cli import streets
 from lidardraft.cli.main import commands_of, run
+from lidardraft.errors import TrainingError
+from lidardraft.scene.sensor import Sensor
 
 if TYPE_CHECKING:
-    from lidardraft.training.trainer import TrainingConfig
+    from lidardraft.training.denoising import DenoisingConfig
+    from lidardraft.training.loop import Report
 
 
 def unconditional(arguments: argparse.Namespace) -> None:
@@ -23,7 +26,7 @@ def unconditional(arguments: argparse.Namespace) -> None:
 
 
 def controlnet(arguments: argparse.Namespace) -> None:
-    """Stage two: a ControlNet learns to obey the drawing, on the frozen network of stage one."""
+    """Stage two: a ControlNet learns to obey the condition image, on the frozen network of stage one."""
     config = _config(arguments.recipe, "control", arguments.steps)
     base = Path(arguments.base)
     _train(config, arguments.pairs, arguments.run, base=base, device=arguments.device, minutes=arguments.minutes)
@@ -31,61 +34,68 @@ def controlnet(arguments: argparse.Namespace) -> None:
 
 def segmenter(arguments: argparse.Namespace) -> None:
     """A segmenter learns from the scans of pairs what each return is; an interrupted run goes on."""
-    from tqdm import tqdm
-
     from lidardraft.training.pairs import PairFolder
     from lidardraft.training.segmentation import SegmentationConfig, train_segmenter
 
     config = SegmentationConfig(steps=arguments.steps, batch=arguments.batch, seed=arguments.seed)
     minutes = float("inf") if arguments.minutes is None else arguments.minutes
     folder = PairFolder(arguments.pairs)
-    with tqdm(total=config.steps, unit="step", desc="segmenter") as bar:
-        for report in train_segmenter(config, folder, arguments.run, device=arguments.device, max_minutes=minutes):
-            bar.update(report.step - bar.n)
-            bar.set_postfix_str(
-                f"loss {report.loss:.3f}, right {report.accuracy:.3f}, {report.scans_per_second:.1f} scans/s"
-            )
+    reports = train_segmenter(config, folder, arguments.run, device=arguments.device, max_minutes=minutes)
+    _show(reports, config.steps, "segmenter")
 
 
 def street(arguments: argparse.Namespace) -> None:
     """All of it: pairs, both stages, scores, and the weight file with its card; an interrupted run goes on."""
-    from lidardraft.diffusion import checkpoint
+    from lidardraft.diffusion.denoiser import Denoiser
     from lidardraft.evaluation import evaluate, unseen_streets
+    from lidardraft.networks import weight_file
     from lidardraft.pipeline import Pipeline
+    from lidardraft.training.loop import device_for_training
     from lidardraft.training.pairs import PairFolder
 
     base = _config(arguments.recipe, "base", arguments.base_steps)
     control = _config(arguments.recipe, "control", arguments.control_steps)
+    sensor = Sensor.preset(arguments.sensor)
+    # what cannot be is refused before hours of work
+    if arguments.evaluate < 1:
+        raise TrainingError(f"evaluate is {arguments.evaluate}; it must be at least 1 street")
+    for config in (base, control):
+        config.check(sensor)
+    device_for_training(arguments.device)
+    Path(arguments.output).parent.mkdir(parents=True, exist_ok=True)
     work, arguments.pairs = Path(arguments.work), str(Path(arguments.work) / "pairs")
     streets.write_pairs_of_streets(arguments.pairs, arguments)
     _train(base, arguments.pairs, work / "base", device=arguments.device)
     trained = work / "base" / "weights.safetensors"
     _train(control, arguments.pairs, work / "control", base=trained, device=arguments.device)
     weights = work / "control" / "weights.safetensors"
+    # What is scored is what ships: float16.
+    half = work / "half.safetensors"
+    weight_file.save(weight_file.load(weights, Denoiser), half, {}, half=True)
+    pipeline = Pipeline.from_pretrained(half, device=arguments.device)
     folder = PairFolder(arguments.pairs)
     unseen = unseen_streets(arguments.evaluate, sensor=folder.sensor)
     card = {
         "command": " ".join(["lidardraft-train", *sys.argv[1:]]),
         "data": f"{len(folder)} scans: {folder.source}",
-        "base": checkpoint.read_card(trained),
-        "control": checkpoint.read_card(weights),
-        "scores": [dataclasses.asdict(row) for row in evaluate(Pipeline(checkpoint.load(weights)), unseen)],
+        "base": weight_file.read_card(trained),
+        "control": weight_file.read_card(weights),
+        "scores": [dataclasses.asdict(scores) for scores in evaluate(pipeline, unseen)],
     }
-    Path(arguments.output).parent.mkdir(parents=True, exist_ok=True)
-    checkpoint.save(checkpoint.load(weights), arguments.output, card, half=True)
+    weight_file.save(pipeline.denoiser, arguments.output, card, half=True)
     print(arguments.output)
 
 
-def _config(recipe: str, stage: str, steps: int | None) -> TrainingConfig:
+def _config(recipe: str, stage: str, steps: int | None) -> DenoisingConfig:
     from lidardraft.training import recipes
 
     configs = {"small": recipes.small, "tiny": recipes.tiny, "paper": recipes.paper}[recipe]()
-    config: TrainingConfig = getattr(configs, stage)
+    config: DenoisingConfig = getattr(configs, stage)
     return config if steps is None else dataclasses.replace(config, steps=steps)
 
 
 def _train(
-    config: TrainingConfig,
+    config: DenoisingConfig,
     pairs: str | Path,
     run: str | Path,
     *,
@@ -93,24 +103,30 @@ def _train(
     device: str,
     minutes: float | None = None,
 ) -> None:
-    from tqdm import tqdm
-
-    from lidardraft.diffusion import checkpoint
+    from lidardraft.diffusion.denoiser import Denoiser
+    from lidardraft.networks import weight_file
+    from lidardraft.training.denoising import train_denoiser
     from lidardraft.training.pairs import PairFolder
-    from lidardraft.training.trainer import train
 
-    reports = train(
+    reports = train_denoiser(
         config,
         PairFolder(pairs),
         run,
-        base=checkpoint.load(base) if base else None,
+        base=weight_file.load(base, Denoiser) if base else None,
         device=device,
         max_minutes=float("inf") if minutes is None else minutes,
     )
-    with tqdm(total=config.steps, unit="step", desc="control" if base else "base") as bar:
+    _show(reports, config.steps, "control" if base else "base")
+
+
+def _show(reports: Iterator[Report], steps: int, name: str) -> None:
+    """A progress bar of a training."""
+    from tqdm import tqdm
+
+    with tqdm(total=steps, unit="step", desc=name) as bar:
         for report in reports:
             bar.update(report.step - bar.n)
-            bar.set_postfix_str(f"loss {report.loss:.3f}, {report.crops_per_second:.1f} crops/s")
+            bar.set_postfix_str(f"loss {report.loss:.3f}, {report.samples_per_second:.1f} samples/s")
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -27,12 +27,12 @@ _SCALE = 2 / math.log2(MAX_DEPTH + 1)
 def encode_scan(image: RangeImage) -> np.ndarray:
     """The state of a scan, f32 [3, H, W]: log depth and intensity in [-1, 1], validity +-1.
 
-    A pixel without a return has the depth of the next return to its left around the ring, or 1 in an empty row. A scan
-    without intensities has the intensity 0.
+    A pixel without a return has the depth of the next return to its left, around the ring where the sensor wraps; left
+    of a sector's first return, that one's; in an empty row, 1. A scan without intensities has the intensity 0.
     """
     valid = image.valid
     state = np.empty((STATE_CHANNELS, *image.sensor.shape), dtype=np.float32)
-    state[DEPTH] = _fill_from_left(_encode_depth(image.depth), valid)
+    state[DEPTH] = _fill_from_left(_encode_depth(image.depth), valid, image.sensor.wraps)
     state[INTENSITY] = -1.0 if image.intensity is None else 2 * image.intensity - 1
     state[VALIDITY] = 2.0 * valid - 1.0
     return state
@@ -58,7 +58,8 @@ def decode_scan(state: np.ndarray, sensor: Sensor) -> RangeImage:
 
 
 def encode_condition(condition_image: RangeImage) -> np.ndarray:
-    """The condition of a drawing, f32 [K + 2, H, W]: one-hot label with "none", log depth (1 without hit), validity."""
+    """The condition that an image gives, f32 [K + 2, H, W]: one-hot label with "none", log depth (1 without hit),
+    validity."""
     valid = condition_image.valid
     condition = np.zeros((CONDITION_CHANNELS, *condition_image.sensor.shape), dtype=np.float32)
     np.put_along_axis(condition, condition_image.label[None].astype(np.intp), 1.0, axis=0)
@@ -79,11 +80,12 @@ def _encode_depth(depth: np.ndarray) -> np.ndarray:
     return state
 
 
-def _fill_from_left(image: np.ndarray, valid: np.ndarray) -> np.ndarray:
-    """`image` [H, W] with the value of the last valid column to the left, around the ring; 1 in rows without one."""
+def _fill_from_left(image: np.ndarray, valid: np.ndarray, wraps: bool) -> np.ndarray:
+    """`image` [H, W] with the value of the last valid column to the left; 1 in rows without one."""
     width = image.shape[1]
-    # The last valid column up to each column; before a row's first one it is the row's last, around the ring.
+    # The last valid column up to each column; before the first one it is the row's last if it wraps, else the first.
     source = np.maximum.accumulate(np.where(valid, np.arange(width, dtype=np.int32), -1), axis=1)
-    source = np.where(source < 0, source[:, -1:], source)
+    before = source[:, -1:] if wraps else np.where(valid.any(axis=1), valid.argmax(axis=1), -1)[:, None]
+    source = np.where(source < 0, before, source)
     filled = np.take_along_axis(image, np.maximum(source, 0), axis=1)
     return np.where(source < 0, np.float32(1), filled)

@@ -8,14 +8,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 
 from lidardraft.diffusion.codec import STATE_CHANNELS, VALIDITY
 from lidardraft.diffusion.controlnet import ControlNet
-from lidardraft.diffusion.layers import ring_pad
 from lidardraft.diffusion.noise import add_noise
 from lidardraft.diffusion.score_network import ScoreNetwork
 from lidardraft.errors import CheckpointError, LidarDraftError
+from lidardraft.networks.convolution import pad_columns
+from lidardraft.networks.weight_file import Network
 
 SIGMA_DATA = 0.5  # standard deviation of a state
 
@@ -26,7 +27,7 @@ class DenoiserConfig:
 
     `cell` is the (rows, columns) of pixels that the stem folds into channels; `widths`, `strides` and `dilations` hold
     one value a stage; `blocks` residual blocks make a stage; `refine_units` and `pools` are those of a refine block.
-    `controlnet` says whether a condition can be given, `copy_gate` whether the drawn depth is gated in (the paper: no).
+    `controlnet` says whether a condition can be given, `copy_gate` whether its depth is gated in (the paper: no).
     """
 
     cell: tuple[int, int]
@@ -65,12 +66,14 @@ class DenoiserConfig:
         return cls(**values)
 
 
-class Denoiser(nn.Module):
+class Denoiser(Network):
     """D(x, sigma): the clean state expected behind x = clean + sigma * noise, with or without a condition."""
+
+    SCHEMA = "lidardraft.denoiser/1"
 
     def __init__(self, config: DenoiserConfig, network: ScoreNetwork, controlnet: ControlNet | None) -> None:
         super().__init__()
-        self.config = config
+        self.config: DenoiserConfig = config
         self.network = network
         self.controlnet = controlnet
 
@@ -91,6 +94,11 @@ class Denoiser(nn.Module):
         controlnet = ControlNet(network.encoder, copy_gate=config.copy_gate) if config.controlnet else None
         return cls(config, network, controlnet)
 
+    @classmethod
+    def from_dict(cls, fields: dict[str, Any]) -> Denoiser:
+        """`from_config` of `DenoiserConfig.to_dict`."""
+        return cls.from_config(DenoiserConfig.from_dict(fields))
+
     def with_controlnet(self) -> Denoiser:
         """The same network, frozen, with a fresh ControlNet that starts as a copy of its encoder."""
         config = dataclasses.replace(self.config, controlnet=True)
@@ -98,30 +106,32 @@ class Denoiser(nn.Module):
         self.network.requires_grad_(False)
         return Denoiser(config, self.network, controlnet)
 
-    def denoise(self, x: Tensor, sigma: Tensor, beams: Tensor, condition: Tensor | None = None) -> Tensor:
+    def denoise(
+        self, x: Tensor, sigma: Tensor, beams: Tensor, condition: Tensor | None = None, *, wraps: bool
+    ) -> Tensor:
         """D(x, sigma) for x f32 [B, 3, H, W], sigma [B], beams f32 [2, H] (`encode_elevations`).
 
-        `condition` is f32 [B, K + 2, H, W] (`encode_condition`); without it the ControlNet is not called.
-        Preconditioned as in Karras et al., NeurIPS 2022, Table 1. Raises `CheckpointError` on a condition without a
-        ControlNet.
+        `wraps` says whether the last column is the first one's neighbour (`Sensor.wraps`; a crop's is not). `condition`
+        is f32 [B, K + 2, H, W] (`encode_condition`); without it the ControlNet is not called. Preconditioned as in
+        Karras et al., NeurIPS 2022, Table 1. Raises `CheckpointError` on a condition without a ControlNet.
         """
         level = sigma.log() / 4
         sigma = sigma.reshape(-1, 1, 1, 1)
         variance = sigma**2 + SIGMA_DATA**2
         # Low noise is a small part of the state; it shows in what sets a pixel off from its neighbours, in sigmas.
-        padded = ring_pad(x, 1)
+        padded = pad_columns(x, 1, wraps)
         detail = torch.tanh((x - (padded[..., :-2] + padded[..., 2:]) / 2) / (2 * sigma))
         seen = torch.cat([x / variance.sqrt(), detail], dim=1)
         control, hint = None, None
         if condition is not None:
             if self.controlnet is None:
                 raise CheckpointError("a condition was given, but these weights have no ControlNet")
-            control, hint = self.controlnet(seen, level, beams, condition)
-        features = self.network.features(seen, level, beams, control)
-        output = self.network.output(features, seen).float()
+            control, hint = self.controlnet(seen, level, beams, wraps, condition)
+        features = self.network.features(seen, level, beams, wraps, control)
+        output = self.network.output(features, seen, wraps).float()
         denoised = SIGMA_DATA**2 / variance * x + sigma * SIGMA_DATA / variance.sqrt() * output
         if condition is not None and self.controlnet is not None and self.controlnet.gate is not None:
-            denoised = self.controlnet.gate(denoised, x, sigma, condition, features, hint)
+            denoised = self.controlnet.gate(denoised, x, sigma, wraps, condition, features, hint)
         return denoised
 
     def loss(
@@ -131,20 +141,17 @@ class Denoiser(nn.Module):
         noise: Tensor,
         beams: Tensor,
         condition: Tensor | None = None,
-        margin: int = 0,
+        *,
+        wraps: bool,
     ) -> Tensor:
         """The loss of each sample [B]: EDM's weight times the squared error of D, over the pixels that count.
 
         With D - x = sigma^2 S this is the paper's sigma^2 |S - target|^2, normalised to be about 1 at every noise level
-        for an untrained network. Depth and intensity count only where the scan has a return; `margin` columns at either
-        end, where a crop is no ring, do not count.
+        for an untrained network. Depth and intensity count only where the scan has a return.
         """
-        denoised = self.denoise(add_noise(clean, sigma, noise), sigma, beams, condition)
+        denoised = self.denoise(add_noise(clean, sigma, noise), sigma, beams, condition, wraps=wraps)
         weight = (sigma**2 + SIGMA_DATA**2) / (sigma * SIGMA_DATA) ** 2
         counts = (clean[:, VALIDITY : VALIDITY + 1] > 0).expand_as(clean).clone()
         counts[:, VALIDITY] = True
-        if margin:
-            counts[..., :margin] = False
-            counts[..., -margin:] = False
         error = ((denoised - clean) ** 2 * counts).sum(dim=(1, 2, 3)) / counts.sum(dim=(1, 2, 3))
         return weight * error

@@ -35,7 +35,11 @@ def sample(
     noise = torch.stack([gaussian((STATE_CHANNELS, *sensor.shape), seed) for seed in seeds]).to(device)
     if condition is not None:
         condition = condition.to(device).expand(len(seeds), -1, -1, -1)
-    return sample_multistep(lambda x, sigma: denoiser.denoise(x, sigma, beams, condition), sigmas[0] * noise, sigmas)
+
+    def denoise(x: Tensor, sigma: Tensor) -> Tensor:
+        return denoiser.denoise(x, sigma, beams, condition, wraps=sensor.wraps)
+
+    return sample_multistep(denoise, sigmas[0] * noise, sigmas)
 
 
 def sample_multistep(denoise: Denoise, x: Tensor, sigmas: Sequence[float]) -> Iterator[Tensor]:

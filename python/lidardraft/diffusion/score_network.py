@@ -8,17 +8,27 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from lidardraft.diffusion.layers import (
-    NoiseEmbedding,
-    RefineBlock,
-    ResidualBlock,
-    RingConv,
-    fold,
-    group_norm,
-    unfold,
-)
+from lidardraft.diffusion.refine import RefineBlock
+from lidardraft.networks.convolution import RangeImageConv, fold, unfold
+from lidardraft.networks.residual import ResidualBlock, group_norm, modulated
 
 EMBEDDING = 64
+
+
+class NoiseEmbedding(nn.Module):
+    """ln(sigma) / 4 as Fourier features and a small network: [B] -> [B, width]."""
+
+    frequencies: Tensor
+
+    def __init__(self, width: int) -> None:
+        super().__init__()
+        self.register_buffer("frequencies", torch.pi * torch.linspace(0.25, 8.0, width // 2), persistent=False)
+        self.net = nn.Sequential(nn.Linear(width, width), nn.SiLU(), nn.Linear(width, width), nn.SiLU())
+
+    def forward(self, level: Tensor) -> Tensor:
+        """Embed c_noise [B]."""
+        phase = level[:, None] * self.frequencies
+        return self.net(torch.cat([phase.cos(), phase.sin()], dim=1))
 
 
 class Encoder(nn.Module):
@@ -38,28 +48,28 @@ class Encoder(nn.Module):
         self.cell = cell
         self.widths = tuple(widths)
         self.embedding = NoiseEmbedding(EMBEDDING)
-        self.stem = RingConv((channels + 2) * cell[0] * cell[1], widths[0])
+        self.stem = RangeImageConv((channels + 2) * cell[0] * cell[1], widths[0])
         self.stages = nn.ModuleList()
         inputs = widths[0]
         for width, stride, dilation in zip(widths, strides, dilations, strict=True):
-            stage = [ResidualBlock(inputs, width, EMBEDDING, stride=stride, dilation=dilation)]
-            stage += [ResidualBlock(width, width, EMBEDDING, dilation=dilation) for _ in range(blocks - 1)]
+            stage = [ResidualBlock(inputs, width, embedding=EMBEDDING, stride=stride, dilation=dilation)]
+            stage += [ResidualBlock(width, width, embedding=EMBEDDING, dilation=dilation) for _ in range(blocks - 1)]
             self.stages.append(nn.ModuleList(stage))
             inputs = width
 
-    def forward(self, x: Tensor, level: Tensor, beams: Tensor, hint: Tensor | None = None) -> list[Tensor]:
+    def forward(self, x: Tensor, level: Tensor, beams: Tensor, wraps: bool, hint: Tensor | None = None) -> list[Tensor]:
         """Each stage's output for x [B, channels, H, W]; `hint` [B, widths[0], H / h, W / w] is added to the stem's."""
         rows = beams[None, :, :, None].expand(len(x), -1, -1, x.shape[-1])
         embedding = self.embedding(level)
         # In bfloat16 the state would lose all noise below about 0.01: the stem sees it in float32, whatever follows.
         with torch.autocast(x.device.type, enabled=False):
-            h = self.stem(fold(torch.cat([x, rows], dim=1), self.cell))
+            h = self.stem(fold(torch.cat([x, rows], dim=1), self.cell), wraps)
         if hint is not None:
             h = h + hint
         outputs = []
         for stage in self.stages:
             for block in stage:  # type: ignore[attr-defined]
-                h = block(h, embedding)
+                h = block(h, wraps, embedding)
             outputs.append(h)
         return outputs
 
@@ -90,25 +100,28 @@ class ScoreNetwork(nn.Module):
         self.norm = group_norm(widths[0])
         self.modulation = nn.Linear(EMBEDDING, 2 * widths[0])
         pixels = cell[0] * cell[1]
-        self.head = RingConv(widths[0] + inputs * pixels, outputs * pixels)
+        self.head = RangeImageConv(widths[0] + inputs * pixels, outputs * pixels)
         nn.init.zeros_(self.head.weight)
 
-    def features(self, x: Tensor, level: Tensor, beams: Tensor, control: Sequence[Tensor] | None = None) -> Tensor:
+    def features(
+        self, x: Tensor, level: Tensor, beams: Tensor, wraps: bool, control: Sequence[Tensor] | None = None
+    ) -> Tensor:
         """The decoder's last features [B, widths[0], H / h, W / w]; `control` is added to its skips, stage by stage."""
-        skips = self.encoder(x, level, beams)
+        skips = self.encoder(x, level, beams, wraps)
         if control is not None:
             skips = [skip + residual for skip, residual in zip(skips, control, strict=True)]
         h = None
         for refine, skip in zip(self.refine, reversed(skips), strict=True):
-            h = refine(skip, h)
-        scale, shift = self.modulation(self.encoder.embedding(level))[:, :, None, None].chunk(2, dim=1)
-        return functional.silu(self.norm(h) * (1 + scale) + shift)
+            h = refine(skip, h, wraps)
+        return functional.silu(modulated(self.norm(h), self.modulation(self.encoder.embedding(level))))
 
-    def output(self, features: Tensor, x: Tensor) -> Tensor:
+    def output(self, features: Tensor, x: Tensor, wraps: bool) -> Tensor:
         """The output [B, outputs, H, W] from the last features and, for the finest detail, the input again."""
         cell = self.encoder.cell
-        return unfold(self.head(torch.cat([features, fold(x, cell).to(features)], dim=1)), cell)
+        return unfold(self.head(torch.cat([features, fold(x, cell).to(features)], dim=1), wraps), cell)
 
-    def forward(self, x: Tensor, level: Tensor, beams: Tensor, control: Sequence[Tensor] | None = None) -> Tensor:
+    def forward(
+        self, x: Tensor, level: Tensor, beams: Tensor, wraps: bool, control: Sequence[Tensor] | None = None
+    ) -> Tensor:
         """`output` of `features`: x [B, inputs, H, W], level [B], beams [2, H]."""
-        return self.output(self.features(x, level, beams, control), x)
+        return self.output(self.features(x, level, beams, wraps, control), x, wraps)

@@ -106,6 +106,11 @@ class Sensor:
         """(H, W) of this sensor's images."""
         return len(self.elevations), self.columns
 
+    @property
+    def wraps(self) -> bool:
+        """Whether the columns make a full turn, so that the last one is the first one's neighbour."""
+        return self.azimuth_span > 2 * math.pi - 1e-9  # the core's tolerance
+
     def pose(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> np.ndarray:
         """`world_from_sensor` [4, 4] of the sensor on its mount, over the point (x, y) of a flat road."""
         return upright((x, y, self.mount_height), yaw)

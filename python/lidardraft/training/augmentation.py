@@ -22,7 +22,7 @@ _HILLS = (25.0, 100.0)  # m, shortest and longest wave
 class Augmentation:
     """How far scans are changed; the figures are estimates of ours, of how far sensors and mounts differ.
 
-    `mix` is the probability that a sector comes from another scan, `paste` that rare things come from another scan;
+    `mix` is the probability that a sector comes from another scan, `paste` that rare objects come from another scan;
     `tilt` [rad] and `height` [m] are standard deviations of the sensor's pose, `hills` [m] that of each of two waves of
     25 to 100 m that the ground bends by, `beam` [rad] that of each beam's elevation, `noise` [m] of the ranges; up to
     about `drop` of the returns go missing at random, and up to `drop_rows` of the beams. Intensities are raised to a
@@ -82,10 +82,12 @@ def _another(pairs: PairFolder, random: np.random.Generator) -> tuple[np.ndarray
 
 
 def _turned(pairs: PairFolder, i: int, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Depth, label and intensity of a scan, from any column on, mirrored half the time."""
+    """Depth, label and intensity of a scan, from any column on where these wrap, mirrored half the time."""
     scan, _ = pairs[i]
     assert scan.intensity is not None
-    start, mirrored = int(random.integers(scan.sensor.columns)), bool(random.random() < 0.5)
+    # A sector that is turned would be torn apart; its place on the grid is the sensor's.
+    columns = scan.sensor.columns if scan.sensor.wraps else 1
+    start, mirrored = int(random.integers(columns)), bool(random.random() < 0.5)
     # The mirror image of staggered beams is another sensor.
     step = -1 if mirrored and not any(scan.sensor.azimuth_offsets) else 1
     depth, label, intensity = (

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import torch
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save as serialise
-from torch import Tensor, nn
+from torch import Tensor
+from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
 from lidardraft.errors import TrainingError
 from lidardraft.files import written_whole
+from lidardraft.networks.weight_file import Network
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,56 +45,82 @@ class LearningConfig:
         fall = (self.steps - step) / max(self.decay * self.steps, 1)
         return self.learning_rate * min(1.0, rise, fall)
 
+    def check_counts(self) -> None:
+        """Raise `TrainingError` on a count that must be 1 or more and is not."""
+        for name in ("steps", "batch", "save_every", "report_every"):
+            if getattr(self, name) < 1:
+                raise TrainingError(f"{name} is {getattr(self, name)}; it must be at least 1")
+
     def of_any_length(self) -> dict[str, Any]:
-        """The fields but for those that may differ between the slices of one run: its length, and how it reports."""
-        return {**dataclasses.asdict(self), **dict.fromkeys(("steps", "save_every", "report_every"))}
+        """The fields as JSON types, but for those that may differ between the slices of a run."""
+        fields: dict[str, Any] = json.loads(json.dumps(dataclasses.asdict(self)))
+        return {name: v for name, v in fields.items() if name not in ("steps", "save_every", "report_every")}
+
+
+@dataclass(frozen=True)
+class RunIdentity:
+    """What must be the same in all slices of a run: the config, and checksums of the frozen weights and of the pairs.
+
+    `folder` says where the pairs lay; they may be moved.
+    """
+
+    config: dict[str, Any]
+    frozen: int
+    pairs: int
+    folder: str = field(compare=False)
+
+    def check(self, path: Path, begun: RunIdentity) -> None:
+        """Raise `TrainingError` where the run that wrote `path` had `begun` with something else."""
+        if begun.pairs != self.pairs:
+            difference = f"begun with the pairs of {begun.folder}, which are not those of {self.folder}"
+        elif begun.frozen != self.frozen:
+            difference = "with another base"
+        elif begun.config != self.config:
+            names = sorted({*self.config, *begun.config})
+            name = next(name for name in names if self.config.get(name) != begun.config.get(name))
+            difference = f"with another config: its {name} is {begun.config.get(name)}, not {self.config.get(name)}"
+        else:
+            return
+        raise TrainingError(f"{path} is the state of a run {difference}; use another folder")
 
 
 class Learner:
-    """Those weights of a module that learn, their average and the optimiser; `identity` says of which run."""
+    """Those weights of a network that learn, their average and the optimiser."""
 
-    def __init__(self, module: nn.Module, config: LearningConfig, identity: Any) -> None:
-        self.config, self.identity = config, json.dumps(identity)
-        self.weights = {name: p for name, p in module.named_parameters() if p.requires_grad}
-        self.average = {name: p.detach().clone() for name, p in self.weights.items()}
+    def __init__(self, network: Network, config: LearningConfig) -> None:
+        self.config, self.network = config, network
+        self.weights = [p for p in network.parameters() if p.requires_grad]
+        self.average = AveragedModel(network, multi_avg_fn=self._update_average)
         self.optimiser = torch.optim.AdamW(
-            self.weights.values(), lr=config.learning_rate, betas=(0.9, 0.99), weight_decay=config.weight_decay
+            self.weights, lr=config.learning_rate, betas=(0.9, 0.99), weight_decay=config.weight_decay
         )
 
     def step(self, step: int, loss: Tensor) -> float:
-        """One gradient step; the norm of the gradient."""
+        """One gradient step; the norm of the gradient. Raises `TrainingError`, and changes nothing, where loss or
+        gradient is not finite."""
         for group in self.optimiser.param_groups:
             group["lr"] = self.config.rate(step)
         self.optimiser.zero_grad(set_to_none=True)
         loss.backward()  # type: ignore[no-untyped-call]
-        gradient = torch.nn.utils.clip_grad_norm_(self.weights.values(), self.config.max_gradient)
+        gradient = torch.nn.utils.clip_grad_norm_(self.weights, self.config.max_gradient)
+        if not (loss.isfinite() and gradient.isfinite()):
+            raise TrainingError(f"the loss is {loss.item()} and its gradient {gradient.item()} at step {step + 1}")
         self.optimiser.step()
-        # A young average is short, so that it forgets its random start.
-        decay = min(self.config.ema, (1 + step) / (10 + step))
-        torch._foreach_lerp_(list(self.average.values()), [p.detach() for p in self.weights.values()], 1 - decay)
+        self.average.update_parameters(self.network)
         return gradient.item()
 
-    @contextmanager
-    def averaged(self) -> Iterator[None]:
-        """Let the module have the averaged weights meanwhile."""
-        trained = {name: p.detach().clone() for name, p in self.weights.items()}
-        self._put(self.average)
-        try:
-            yield
-        finally:
-            self._put(trained)
-
-    def save(self, path: Path, step: int) -> None:
+    def save(self, path: Path, step: int, identity: RunIdentity) -> None:
         """Write what the next slice of the run goes on from."""
-        tensors = {f"weight.{name}": p.detach() for name, p in self.weights.items()}
-        tensors |= {f"average.{name}": p for name, p in self.average.items()}
-        for name, p in self.weights.items():
-            tensors |= {f"{key}.{name}": value for key, value in self.optimiser.state.get(p, {}).items()}
-        metadata = {"step": str(step), "run": self.identity}
+        tensors = {f"network.{name}": t for name, t in self.network.state_dict().items()}
+        tensors |= {f"average.{name}": t for name, t in self.average.state_dict().items()}
+        for number, state in self.optimiser.state_dict()["state"].items():
+            tensors |= {f"optimiser.{number}.{name}": t for name, t in state.items()}
+        metadata = {"step": str(step), "run": json.dumps(dataclasses.asdict(identity))}
         with written_whole(path) as temporary:
-            temporary.write_bytes(serialise({name: t.cpu().contiguous() for name, t in tensors.items()}, metadata))
+            whole = {name: t.detach().cpu().contiguous() for name, t in tensors.items()}
+            temporary.write_bytes(serialise(whole, metadata))
 
-    def resume(self, path: Path) -> int:
+    def resume(self, path: Path, identity: RunIdentity) -> int:
         """Take over the state of an earlier slice of the same run, if there is one; the step to go on from.
 
         Raises `TrainingError` where the file is no state, or that of another run.
@@ -104,22 +130,35 @@ class Learner:
         try:
             with safe_open(path, framework="pt") as file:
                 metadata, tensors = file.metadata(), {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-            identity, step = metadata["run"], int(metadata["step"])
+            begun, step = RunIdentity(**json.loads(metadata["run"])), int(metadata["step"])
         except (SafetensorError, OSError, KeyError, TypeError, ValueError) as error:
             raise TrainingError(f"{path} is no state of a run: {error}") from None
-        if identity != self.identity:
-            raise TrainingError(f"{path} is the state of a run with another config or base; use another folder")
-        self._put({name: tensors[f"weight.{name}"] for name in self.weights})
-        for name, p in self.weights.items():
-            self.average[name].copy_(tensors[f"average.{name}"])
-            self.optimiser.state[p] = {
-                key: tensors[f"{key}.{name}"].to(p.device if key != "step" else "cpu")
-                for key in ("step", "exp_avg", "exp_avg_sq")
-                if f"{key}.{name}" in tensors
-            }
+        identity.check(path, begun)
+        self.network.load_state_dict(_below("network.", tensors))
+        self.average.load_state_dict(_below("average.", tensors))
+        state: dict[int, dict[str, Tensor]] = {}
+        for name, tensor in _below("optimiser.", tensors).items():
+            number, key = name.split(".")
+            state.setdefault(int(number), {})[key] = tensor
+        groups = self.optimiser.state_dict()["param_groups"]
+        self.optimiser.load_state_dict({"state": state, "param_groups": groups})
         return step
 
-    @torch.no_grad()
-    def _put(self, values: dict[str, Tensor]) -> None:
-        for name, p in self.weights.items():
-            p.copy_(values[name])
+    @property
+    def averaged(self) -> Network:
+        """The network with the averaged weights."""
+        return cast(Network, self.average.module)
+
+    def _update_average(
+        self,
+        average: tuple[Tensor, ...] | list[Tensor],
+        weights: tuple[Tensor, ...] | list[Tensor],
+        count: Tensor | int,
+    ) -> None:
+        # A young average is short, so that it forgets its random start.
+        decay = min(self.config.ema, (1 + int(count)) / (10 + int(count)))
+        get_ema_multi_avg_fn(decay)(average, weights, count)  # type: ignore[no-untyped-call]
+
+
+def _below(prefix: str, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
+    return {name.removeprefix(prefix): t for name, t in tensors.items() if name.startswith(prefix)}

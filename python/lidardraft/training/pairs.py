@@ -6,6 +6,7 @@ import itertools
 import json
 import os
 import zipfile
+import zlib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -77,15 +78,17 @@ class PairFolder:
     """The pairs of a prepared folder, held in memory: 0.46 MB for each pair of 64 x 1024.
 
     `folder[i]` is a (scan, drawing) pair with depth to the millimetre, label, and the scan's intensity; instances are
-    not kept. `notes[i]` is what was noted of it. Raises `FormatError` naming the file that is missing, truncated or not
-    ours.
+    not kept. `notes[i]` is what was noted of it, `checksum` that of all images. Raises `FormatError` naming the file
+    that is missing, truncated or not ours.
     """
 
     def __init__(self, directory: str | os.PathLike[str]) -> None:
         folder = Path(directory)
         index = _read_index(folder / "index.json")
         self.sensor = _sensor(folder, index)
+        self.path = folder.resolve()
         self.source: str = index["source"]
+        self.checksum = zlib.crc32(self.sensor.to_json().encode())
         counts = index["shards"]
         self._images = {name: np.empty((sum(counts), *self.sensor.shape), dtype) for name, dtype in _IMAGES.items()}
         self.notes: list[dict[str, Any]] = []
@@ -95,6 +98,7 @@ class PairFolder:
             self.notes += notes
             for name, images in shard.items():
                 self._images[name][start : start + count] = images
+                self.checksum = zlib.crc32(images.tobytes(), self.checksum)
             start += count
 
     def __len__(self) -> int:

@@ -5,26 +5,26 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from lidardraft.diffusion.denoiser import DenoiserConfig
-from lidardraft.training.trainer import TrainingConfig
+from lidardraft.training.denoising import DenoisingConfig
 
 
 @dataclass(frozen=True, kw_only=True)
 class Recipe:
     """The paper's two stages: `base` learns scans without a condition, `control` the ControlNet on the frozen base."""
 
-    base: TrainingConfig
-    control: TrainingConfig
+    base: DenoisingConfig
+    control: DenoisingConfig
 
 
 def small() -> Recipe:
     """What ships: 3.95 million weights, 7.9 MB as float16, for two CPU cores.
 
-    On 50 unseen streets 0.834 of the returns on objects keep to the drawing (the detailed scans: 0.848).
+    On 50 unseen streets 0.834 of the returns on objects keep to the condition image (the detailed scans: 0.848).
     """
     denoiser = DenoiserConfig(cell=(2, 4), widths=(64, 64, 96, 96), strides=(1, 2, 2, 1), dilations=(1, 1, 1, 2))
     return Recipe(
-        base=TrainingConfig(denoiser=denoiser, steps=1_400, batch=16, learning_rate=2e-3),
-        control=TrainingConfig(denoiser=denoiser, steps=1_250, batch=16, learning_rate=2e-3, zero_conv_steps=50),
+        base=DenoisingConfig(denoiser=denoiser, steps=1_400, batch=16, learning_rate=2e-3),
+        control=DenoisingConfig(denoiser=denoiser, steps=1_250, batch=16, learning_rate=2e-3, zero_conv_steps=50),
     )
 
 
@@ -44,8 +44,8 @@ def paper() -> Recipe:
         copy_gate=False,
     )
     return Recipe(
-        base=TrainingConfig(denoiser=denoiser, steps=100_000, batch=24, learning_rate=1e-4, ema=0.999),
-        control=TrainingConfig(denoiser=denoiser, steps=5_000, batch=24, learning_rate=1e-4, zero_conv_steps=500),
+        base=DenoisingConfig(denoiser=denoiser, steps=100_000, batch=24, learning_rate=1e-4, ema=0.999),
+        control=DenoisingConfig(denoiser=denoiser, steps=5_000, batch=24, learning_rate=1e-4, zero_conv_steps=500),
     )
 
 
@@ -55,8 +55,8 @@ def tiny() -> Recipe:
         cell=(2, 4), widths=(8, 8, 16, 16), strides=(1, 2, 2, 1), dilations=(1, 1, 1, 2), blocks=1
     )
     return Recipe(
-        base=TrainingConfig(denoiser=denoiser, steps=20, batch=4, learning_rate=3e-3, warmup=5, ema=0.9),
-        control=TrainingConfig(
+        base=DenoisingConfig(denoiser=denoiser, steps=20, batch=4, learning_rate=3e-3, warmup=5, ema=0.9),
+        control=DenoisingConfig(
             denoiser=denoiser, steps=20, batch=4, learning_rate=3e-3, warmup=5, ema=0.9, zero_conv_steps=5
         ),
     )

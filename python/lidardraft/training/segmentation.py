@@ -1,14 +1,10 @@
-"""The training loop of the segmenter: labelled scans of streets become weights on disk."""
+"""Training the segmenter: labelled scans of pairs become weights on disk."""
 
 from __future__ import annotations
 
-import dataclasses
-import json
 import os
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 import torch
@@ -16,11 +12,12 @@ from torch import Tensor
 from torch.nn import functional
 
 from lidardraft.errors import TrainingError
-from lidardraft.perception.grid import features
 from lidardraft.perception.segmenter import Segmenter, SegmenterConfig
+from lidardraft.perception.spherical_grid import features
 from lidardraft.semantics import NUM_CLASSES
 from lidardraft.training.augmentation import Augmentation, augmented
-from lidardraft.training.learner import Learner, LearningConfig
+from lidardraft.training.learner import LearningConfig
+from lidardraft.training.loop import Batch, Measures, Report, device_for_training, train
 from lidardraft.training.pairs import PairFolder
 
 _COUNTED = 256  # scans that the share of each class is taken from
@@ -41,18 +38,6 @@ class SegmentationConfig(LearningConfig):
     save_every: int = 100
 
 
-@dataclass(frozen=True)
-class SegmentationReport:
-    """Means since the last report: the loss, the share of returns that are labelled right, the gradient's norm."""
-
-    step: int
-    loss: float
-    accuracy: float
-    gradient: float
-    scans_per_second: float
-    minutes: float
-
-
 def train_segmenter(
     config: SegmentationConfig,
     pairs: PairFolder,
@@ -60,44 +45,33 @@ def train_segmenter(
     *,
     device: str = "cpu",
     max_minutes: float = float("inf"),
-) -> Iterator[SegmentationReport]:
-    """Train a segmenter on the scans of pairs; the drawings are not looked at.
+) -> Iterator[Report]:
+    """Train a segmenter on the scans of pairs; the condition images are not looked at.
 
-    The folder `run` receives `log.jsonl`, `state.safetensors` to go on from after an interruption or `max_minutes`, and
-    `weights.safetensors`, the average of weights. Batch t depends on the seed, the pairs and t only, so that a run in
-    slices gives the weights of a run in one. Raises `TrainingError` where the run in the folder is another, the config
-    or the device cannot be, or the training has gone wrong.
+    What the folder `run` receives, and how a run goes on, is said at `training.loop.train`; the accuracy, the share of
+    returns that are labelled right, is also reported. Raises `TrainingError` as that does, and where the pairs or the
+    device cannot be.
     """
-    _check(config, pairs)
-    run = Path(run)
-    try:
-        trainer = _Trainer(config, class_weights(pairs), torch.device(device))
-    except (RuntimeError, AssertionError) as error:  # torch's, for a device it does not have
-        raise TrainingError(f"device is {device!r}: {str(error).splitlines()[0]}") from None
-    start = trainer.learner.resume(run / "state.safetensors")
-    run.mkdir(parents=True, exist_ok=True)
-    began, reported = time.monotonic(), time.monotonic()
-    window: list[tuple[float, float, float]] = []
-    for step in range(start, config.steps):
-        window.append(trainer.step(step, *_batch(config, pairs, step)))
-        minutes = (time.monotonic() - began) / 60
-        last = step + 1 == config.steps or minutes > max_minutes
-        report = None
-        if last or (step + 1) % config.report_every == 0:
-            rate = len(window) * config.batch / (time.monotonic() - reported)
-            loss, accuracy, gradient = np.mean(window, axis=0).tolist()
-            report = SegmentationReport(step + 1, loss, accuracy, gradient, rate, minutes)
-            with (run / "log.jsonl").open("a") as log:
-                log.write(json.dumps(dataclasses.asdict(report)) + "\n")
-            if not np.isfinite(report.loss):
-                raise TrainingError(f"the loss is {report.loss} at step {step + 1}")
-            window, reported = [], time.monotonic()
-        if last or (step + 1) % config.save_every == 0:
-            trainer.save(run, step + 1, pairs.source)
-        if report:
-            yield report
-        if last:
-            return
+    config.check_counts()
+    if len(pairs) == 0:
+        raise TrainingError("the folder holds no pairs")
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(config.seed)
+        segmenter = Segmenter(config.segmenter)
+    on = device_for_training(device)
+    weights = class_weights(pairs).to(on)
+
+    def batch(step: int) -> Batch:
+        return _batch(config, pairs, step)
+
+    def loss(_: int, batch: Batch) -> tuple[Tensor, Measures]:
+        x, target = batch
+        with torch.autocast(on.type, dtype=torch.bfloat16, enabled=on.type == "cuda"):
+            logits = segmenter(x)
+        right = (logits.argmax(1) + 1 == target)[target > 0]
+        return segmentation_loss(logits.float(), target, weights), {"accuracy": right.float()}
+
+    yield from train(config, segmenter, batch, loss, pairs, run, device=on, max_minutes=max_minutes)
 
 
 def class_weights(pairs: PairFolder) -> Tensor:
@@ -130,45 +104,7 @@ def segmentation_loss(logits: Tensor, target: Tensor, weights: Tensor) -> Tensor
     return entropy + 1 - jaccard[size > 0].mean()
 
 
-class _Trainer:
-    """A segmenter that learns."""
-
-    def __init__(self, config: SegmentationConfig, weights: Tensor, device: torch.device) -> None:
-        with torch.random.fork_rng(devices=[]):
-            torch.manual_seed(config.seed)
-            segmenter = Segmenter(config.segmenter)
-        self.config, self.device = config, device
-        self.segmenter = segmenter.to(device).train()
-        self.class_weights = weights.to(device)
-        self.learner = Learner(self.segmenter, config, config.of_any_length())
-
-    def step(self, step: int, x: Tensor, target: Tensor) -> tuple[float, float, float]:
-        """One gradient step; the loss, the share of labels that were right, and the norm of the gradient."""
-        x, target = x.to(self.device), target.to(self.device)
-        with torch.autocast(self.device.type, dtype=torch.bfloat16, enabled=self.device.type == "cuda"):
-            logits = self.segmenter(x)
-        loss = segmentation_loss(logits.float(), target, self.class_weights)
-        gradient = self.learner.step(step, loss)
-        right = (logits.argmax(1) + 1 == target)[target > 0].float().mean()
-        return loss.item(), right.item(), gradient
-
-    def save(self, run: Path, step: int, source: str) -> None:
-        """Write the state, then the averaged weights."""
-        self.learner.save(run / "state.safetensors", step)
-        with self.learner.averaged():
-            card = {"training": dataclasses.asdict(self.config), "step": step, "data": source}
-            self.segmenter.save(run / "weights.safetensors", card)
-
-
-def _check(config: SegmentationConfig, pairs: PairFolder) -> None:
-    for name in ("steps", "batch", "save_every", "report_every"):
-        if getattr(config, name) < 1:
-            raise TrainingError(f"{name} is {getattr(config, name)}; it must be at least 1")
-    if len(pairs) == 0:
-        raise TrainingError("the folder holds no pairs")
-
-
-def _batch(config: SegmentationConfig, pairs: PairFolder, step: int) -> tuple[Tensor, Tensor]:
+def _batch(config: SegmentationConfig, pairs: PairFolder, step: int) -> Batch:
     """Features f32 [B, FEATURES, H, W] and class ids i64 [B, H, W] of a step."""
     random = np.random.default_rng((config.seed, step))
     grid, inputs, targets = config.segmenter.grid, [], []

@@ -2,43 +2,50 @@ import dataclasses
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 import torch
+from made_pairs import SENSOR, make_pair, noted
 from safetensors.torch import load_file
 
-from lidardraft.diffusion import checkpoint
+from lidardraft.diffusion.codec import DEPTH
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.errors import TrainingError
-from lidardraft.training import recipes
-from lidardraft.training.pairs import PairFolder
-from lidardraft.training.trainer import TrainingConfig, train
+from lidardraft.networks import weight_file
+from lidardraft.training import denoising, recipes
+from lidardraft.training.denoising import train_denoiser
+from lidardraft.training.pairs import PairFolder, write_pairs
 
-BASE = dataclasses.replace(recipes.tiny().base, crop=64, margin=8, report_every=1, save_every=1000)
-CONTROL = dataclasses.replace(recipes.tiny().control, crop=64, margin=8, report_every=1, save_every=1000)
+BASE = dataclasses.replace(recipes.tiny().base, crop=64, report_every=1, save_every=1000)
+CONTROL = dataclasses.replace(recipes.tiny().control, crop=64, report_every=1, save_every=1000)
 
 
 @pytest.fixture(scope="session")
 def base(pairs: PairFolder, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Weights of a short first stage."""
     run = tmp_path_factory.mktemp("base")
-    list(train(BASE, pairs, run))
+    list(train_denoiser(BASE, pairs, run))
     return run / "weights.safetensors"
 
 
 def test_the_loss_falls(pairs: PairFolder, tmp_path: Path) -> None:
     config = dataclasses.replace(BASE, steps=60, report_every=15, batch=8)
-    reports = list(train(config, pairs, tmp_path))
+    reports = list(train_denoiser(config, pairs, tmp_path))
     assert [report.step for report in reports] == [15, 30, 45, 60]
     assert reports[-1].loss < 0.85 * reports[0].loss
-    assert reports[-1].crops_per_second > 0
+    assert reports[-1].samples_per_second > 0
     log = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
     assert [row["loss"] for row in log] == [report.loss for report in reports]
-    assert checkpoint.read_card(tmp_path / "weights.safetensors") == {"training": config.to_dict(), "step": 60}
+    assert weight_file.read_card(tmp_path / "weights.safetensors") == {
+        "training": json.loads(json.dumps(dataclasses.asdict(config))),
+        "step": 60,
+        "data": pairs.source,
+    }
 
 
 def test_the_control_learns_and_the_base_stays(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
     config = dataclasses.replace(CONTROL, steps=40, report_every=10, batch=8)
-    reports = list(train(config, pairs, tmp_path, base=checkpoint.load(base)))
+    reports = list(train_denoiser(config, pairs, tmp_path, base=weight_file.load(base, Denoiser)))
     assert reports[-1].loss < 0.85 * reports[0].loss
     before, after = load_file(base), load_file(tmp_path / "weights.safetensors")
     for name, weight in before.items():
@@ -48,13 +55,13 @@ def test_the_control_learns_and_the_base_stays(pairs: PairFolder, base: Path, tm
 
 
 def test_the_control_uses_the_condition(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
-    list(train(dataclasses.replace(CONTROL, steps=20), pairs, tmp_path, base=checkpoint.load(base)))
-    denoiser = checkpoint.load(tmp_path / "weights.safetensors")
+    list(train_denoiser(dataclasses.replace(CONTROL, steps=20), pairs, tmp_path, base=weight_file.load(base, Denoiser)))
+    denoiser = weight_file.load(tmp_path / "weights.safetensors", Denoiser)
     x, sigma, beams = torch.randn(1, 3, 16, 128), torch.ones(1), torch.zeros(2, 16)
     condition = torch.rand(1, 23, 16, 128)
     with torch.no_grad():
         denoised, mirrored, free = (
-            denoiser.denoise(x, sigma, beams, given) for given in (condition, condition.flip(-1), None)
+            denoiser.denoise(x, sigma, beams, given, wraps=True) for given in (condition, condition.flip(-1), None)
         )
     assert not torch.allclose(denoised, mirrored, atol=1e-4)
     assert not torch.allclose(denoised, free, atol=1e-4)
@@ -62,7 +69,7 @@ def test_the_control_uses_the_condition(pairs: PairFolder, base: Path, tmp_path:
 
 def test_at_first_only_the_zero_convolutions_learn(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
     config = dataclasses.replace(CONTROL, steps=4, zero_conv_steps=4)
-    list(train(config, pairs, tmp_path, base=checkpoint.load(base)))
+    list(train_denoiser(config, pairs, tmp_path, base=weight_file.load(base, Denoiser)))
     before, after = load_file(base), load_file(tmp_path / "weights.safetensors")
     for name in before:
         if name.startswith("network.encoder."):
@@ -75,57 +82,57 @@ def test_a_run_in_slices_is_the_run_in_one(stage: str, pairs: PairFolder, base: 
     config = dataclasses.replace(BASE if stage == "base" else CONTROL, steps=8, save_every=3)
 
     def denoiser() -> Denoiser | None:
-        return None if stage == "base" else checkpoint.load(base)
+        return None if stage == "base" else weight_file.load(base, Denoiser)
 
-    whole = list(train(config, pairs, tmp_path / "whole", base=denoiser()))
+    whole = list(train_denoiser(config, pairs, tmp_path / "whole", base=denoiser()))
     first = []
-    for report in train(config, pairs, tmp_path / "sliced", base=denoiser()):
+    for report in train_denoiser(config, pairs, tmp_path / "sliced", base=denoiser()):
         first.append(report)
         if report.step == 5:  # interrupted two steps after the state was saved
             break
-    rest = list(train(config, pairs, tmp_path / "sliced", base=denoiser()))
+    rest = list(train_denoiser(config, pairs, tmp_path / "sliced", base=denoiser()))
     assert [report.step for report in rest] == [4, 5, 6, 7, 8]
     assert [report.loss for report in first[:3] + rest] == [report.loss for report in whole]
     one, other = (load_file(tmp_path / run / "weights.safetensors") for run in ("whole", "sliced"))
     assert all(torch.equal(one[name], other[name]) for name in one)
-    assert list(train(config, pairs, tmp_path / "sliced", base=denoiser())) == []
+    assert list(train_denoiser(config, pairs, tmp_path / "sliced", base=denoiser())) == []
 
 
 def test_a_run_stops_when_its_minutes_are_over(pairs: PairFolder, tmp_path: Path) -> None:
-    assert [report.step for report in train(BASE, pairs, tmp_path, max_minutes=0)] == [1]
-    assert [report.step for report in train(BASE, pairs, tmp_path, max_minutes=0)] == [2]
+    assert [report.step for report in train_denoiser(BASE, pairs, tmp_path, max_minutes=0)] == [1]
+    assert [report.step for report in train_denoiser(BASE, pairs, tmp_path, max_minutes=0)] == [2]
 
 
 def test_another_run_in_the_folder_is_refused(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
-    list(train(dataclasses.replace(BASE, steps=1), pairs, tmp_path))
-    with pytest.raises(TrainingError, match="is the state of a run with another config or base"):
-        list(train(dataclasses.replace(BASE, seed=1), pairs, tmp_path))
-    with pytest.raises(TrainingError, match="is the state of a run with another config or base"):
-        list(train(dataclasses.replace(BASE, seed=1), pairs, tmp_path, base=checkpoint.load(base)))
+    list(train_denoiser(dataclasses.replace(BASE, steps=1), pairs, tmp_path))
+    with pytest.raises(TrainingError, match="with another config: its seed is 0, not 1"):
+        list(train_denoiser(dataclasses.replace(BASE, seed=1), pairs, tmp_path))
+    with pytest.raises(TrainingError, match="is the state of a run with another base"):
+        list(train_denoiser(dataclasses.replace(BASE, seed=1), pairs, tmp_path, base=weight_file.load(base, Denoiser)))
     (tmp_path / "state.safetensors").write_bytes(b"half a fi")
     with pytest.raises(TrainingError, match="is no state of a run"):
-        list(train(BASE, pairs, tmp_path))
+        list(train_denoiser(BASE, pairs, tmp_path))
 
 
 def test_a_control_does_not_go_on_with_another_base(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
-    list(train(dataclasses.replace(CONTROL, steps=1), pairs, tmp_path, base=checkpoint.load(base)))
-    other = checkpoint.load(base)
+    list(train_denoiser(dataclasses.replace(CONTROL, steps=1), pairs, tmp_path, base=weight_file.load(base, Denoiser)))
+    other = weight_file.load(base, Denoiser)
     with torch.no_grad():
         other.network.head.bias += 0.1
-    with pytest.raises(TrainingError, match="is the state of a run with another config or base"):
-        list(train(CONTROL, pairs, tmp_path, base=other))
+    with pytest.raises(TrainingError, match="is the state of a run with another base"):
+        list(train_denoiser(CONTROL, pairs, tmp_path, base=other))
 
 
 def test_zero_convolutions_that_stay_zero_are_reported(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
     # A learning rate of nothing is the simplest way to a ControlNet that never speaks.
     silent = dataclasses.replace(CONTROL, steps=20, batch=1, learning_rate=0.0)
     with pytest.raises(TrainingError, match="zero convolution 'enter' is still zero after 20 steps"):
-        list(train(silent, pairs, tmp_path, base=checkpoint.load(base)))
+        list(train_denoiser(silent, pairs, tmp_path, base=weight_file.load(base, Denoiser)))
 
 
 def test_a_loss_that_is_not_finite_stops_the_run(pairs: PairFolder, tmp_path: Path) -> None:
-    with pytest.raises(TrainingError, match="the loss is nan at step"):
-        list(train(dataclasses.replace(BASE, learning_rate=1e30, warmup=0), pairs, tmp_path))
+    with pytest.raises(TrainingError, match=r"the loss is \S+ and its gradient nan at step"):
+        list(train_denoiser(dataclasses.replace(BASE, learning_rate=1e30, warmup=0), pairs, tmp_path))
     assert not (tmp_path / "weights.safetensors").exists()
 
 
@@ -134,9 +141,8 @@ def test_a_loss_that_is_not_finite_stops_the_run(pairs: PairFolder, tmp_path: Pa
     [
         ({"steps": 0}, "steps is 0; it must be at least 1"),
         ({"batch": 0}, "batch is 0; it must be at least 1"),
-        ({"margin": -1}, "margin is -1; it must be at least 0"),
-        ({"crop": 256}, "crop is 256; it must exceed two margins of 8 and fit in 128"),
-        ({"margin": 32}, "crop is 64; it must exceed two margins of 32 and fit in 128"),
+        ({"crop": 256}, "crop is 256; it must be 1 to 128, the columns of small"),
+        ({"crop": 0}, "crop is 0; it must be 1 to 128"),
         ({"crop": 66}, "16 rows and crops of 66 columns must be whole cells of 2 x 4"),
     ],
 )
@@ -144,14 +150,47 @@ def test_a_config_that_cannot_be_trained_is_refused(
     fields: dict[str, int], message: str, pairs: PairFolder, tmp_path: Path
 ) -> None:
     with pytest.raises(TrainingError, match=message):
-        next(train(dataclasses.replace(BASE, **fields), pairs, tmp_path / "run"))
+        next(train_denoiser(dataclasses.replace(BASE, **fields), pairs, tmp_path / "run"))
     assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize(
+    ("span", "crop", "wraps"), [(2 * np.pi, 128, True), (2 * np.pi, 64, False), (2.0, 128, False), (2.0, 64, False)]
+)
+def test_only_a_full_turn_is_trained_as_a_ring(
+    span: float, crop: int, wraps: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sensor = dataclasses.replace(SENSOR, azimuth_start=span / 2, azimuth_span=span)
+    list(write_pairs(tmp_path / "pairs", [noted(0, sensor)]))
+    told, loss = [], Denoiser.loss
+
+    def noticed(denoiser: Denoiser, *batch: torch.Tensor, wraps: bool) -> torch.Tensor:
+        told.append(wraps)
+        return loss(denoiser, *batch, wraps=wraps)
+
+    monkeypatch.setattr(Denoiser, "loss", noticed)
+    config = dataclasses.replace(BASE, steps=2, crop=crop)
+    list(train_denoiser(config, PairFolder(tmp_path / "pairs"), tmp_path / "run"))
+    assert told == [wraps] * 2
+
+
+@pytest.mark.parametrize("span", [2 * np.pi, 2.0])
+def test_a_crop_of_a_sector_does_not_go_around_its_end(span: float, tmp_path: Path) -> None:
+    sensor = dataclasses.replace(SENSOR, azimuth_start=span / 2, azimuth_span=span)
+    scan, condition_image = make_pair(0, sensor)
+    ramp = np.broadcast_to(np.linspace(5, 50, 128, dtype=np.float32), sensor.shape)  # falls only at the seam
+    scan = dataclasses.replace(scan, depth=ramp, intensity=None)
+    list(write_pairs(tmp_path, [(scan, condition_image, {})]))
+    config = dataclasses.replace(BASE, crop=96, batch=32)
+    clean, *_ = denoising._batch(config, PairFolder(tmp_path), 0, conditional=False)
+    torn = [len(row.diff().sign().unique()) > 1 for row in clean[:, DEPTH, 0]]
+    assert any(torn) == (span > 6)
 
 
 def test_a_base_of_another_shape_is_refused(pairs: PairFolder, tmp_path: Path) -> None:
     other = Denoiser.from_config(dataclasses.replace(BASE.denoiser, blocks=2))
     with pytest.raises(TrainingError, match=r"the base is a DenoiserConfig\(.*blocks=2.*needs a .*blocks=1"):
-        next(train(CONTROL, pairs, tmp_path, base=other))
+        next(train_denoiser(CONTROL, pairs, tmp_path, base=other))
 
 
 def test_the_rate_rises_stays_and_falls() -> None:
@@ -160,11 +199,8 @@ def test_the_rate_rises_stays_and_falls() -> None:
 
 
 @pytest.mark.parametrize("recipe", [recipes.small, recipes.paper, recipes.tiny])
-def test_recipes_survive_json_and_share_a_network(recipe: "type[recipes.Recipe]") -> None:
-    made = recipe()
-    for config in (made.base, made.control):
-        assert TrainingConfig.from_dict(json.loads(json.dumps(config.to_dict()))) == config
-    assert made.base.denoiser == made.control.denoiser
+def test_both_stages_of_a_recipe_share_a_network(recipe: "type[recipes.Recipe]") -> None:
+    assert recipe().base.denoiser == recipe().control.denoiser
 
 
 def test_the_recipe_that_ships_fits_in_eight_megabytes() -> None:

@@ -13,7 +13,7 @@ _WINDOW = 2  # columns and rows around a point's pixel where its label may come 
 
 
 @dataclass(frozen=True, kw_only=True)
-class Grid:
+class SphericalGrid:
     """`rows` by `columns` pixels over all azimuths and the elevations `top` to `bottom` [degrees].
 
     The default is the 64 x 1024 image of +3 to -25 degrees that RangeNet++ projects SemanticKITTI to.
@@ -111,5 +111,5 @@ def _difference(xyz: np.ndarray, valid: np.ndarray, axis: int) -> tuple[np.ndarr
     (after, is_after), (before, is_before) = neighbour(1), neighbour(-1)
     there = is_after & is_before
     if axis == 0:
-        there[:2] = there[-2:] = False  # the height is no ring
+        there[:2] = there[-2:] = False  # rows do not wrap
     return after - before, there

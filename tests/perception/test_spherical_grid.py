@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from lidardraft.errors import SensorError
-from lidardraft.perception.grid import FEATURES, Grid, features
+from lidardraft.perception.spherical_grid import FEATURES, SphericalGrid, features
 
-GRID = Grid(rows=4, columns=8, top=10.0, bottom=-10.0)
+GRID = SphericalGrid(rows=4, columns=8, top=10.0, bottom=-10.0)
 
 
 def towards(azimuth, elevation, depth=10.0):
@@ -49,7 +49,7 @@ def test_a_neighbour_across_the_seam_counts():
 
 
 def test_a_flat_road_points_upwards():
-    grid = Grid()
+    grid = SphericalGrid()
     azimuth, elevation = np.meshgrid(np.linspace(179.9, -179.9, 1024), np.linspace(-5, -24, 60))
     points = np.stack(
         [towards(a, e, 1.73 / np.sin(np.deg2rad(-e))) for a, e in zip(azimuth.flat, elevation.flat, strict=True)]
@@ -71,7 +71,7 @@ def test_a_flat_road_points_upwards():
 def test_a_wall_stands_upright():
     azimuth, height = np.meshgrid(np.linspace(20, -20, 114), np.linspace(1.5, -1.5, 40))
     points = np.stack([np.full(azimuth.size, 10.0), np.tan(np.deg2rad(azimuth.ravel())) * 10, height.ravel()], axis=1)
-    grid = Grid(top=9, bottom=-9)
+    grid = SphericalGrid(top=9, bottom=-9)
     index = grid.nearest(points, grid.pixels(points))
     image = features(points.astype(np.float32), None, 1.73, index)
     known = image[9] > 0
@@ -100,4 +100,4 @@ def test_no_points_are_an_empty_image():
 @pytest.mark.parametrize("wrong", [{"rows": 0}, {"columns": 0}, {"top": -25.0}])
 def test_a_grid_that_cannot_be(wrong):
     with pytest.raises(SensorError, match="it needs a row, a column and a top above its bottom"):
-        Grid(**wrong)
+        SphericalGrid(**wrong)

@@ -1,0 +1,53 @@
+"""Convolutions on range images, whose columns may close to a ring, and cells of pixels folded into channels.
+
+`wraps` says whether they do: whether the last column is the first one's neighbour. A full turn wraps; a crop of one, or
+a sensor that sees a sector, does not.
+"""
+
+from __future__ import annotations
+
+import torch
+from torch import Tensor, nn
+
+
+class RangeImageConv(nn.Conv2d):
+    """A convolution of odd size that sees `pad_columns` to the left and right, and zeros above and below the image."""
+
+    def __init__(self, inputs: int, outputs: int, size: int = 3, *, stride: int = 1, dilation: int = 1) -> None:
+        reach = dilation * (size // 2)
+        super().__init__(inputs, outputs, size, stride=stride, dilation=dilation, padding=(reach, 0))
+        self.reach = reach
+
+    def forward(self, x: Tensor, wraps: bool) -> Tensor:  # type: ignore[override]
+        """[B, inputs, H, W] -> [B, outputs, ceil(H / stride), ceil(W / stride)]."""
+        return super().forward(pad_columns(x, self.reach, wraps))
+
+
+def pad_columns(x: Tensor, columns: int, wraps: bool) -> Tensor:
+    """`x` [..., W] with `columns` more on either side: those of the other end if it wraps, else the outermost repeated.
+
+    Where it wraps, more than W columns go round again.
+    """
+    if columns == 0:
+        return x
+    width = x.shape[-1]
+    if wraps and columns <= width:
+        return torch.cat([x[..., -columns:], x, x[..., :columns]], dim=-1)
+    places = torch.arange(-columns, width + columns, device=x.device)
+    return x[..., places % width if wraps else places.clamp(0, width - 1)]
+
+
+def fold(x: Tensor, cell: tuple[int, int]) -> Tensor:
+    """[B, C, H, W] -> [B, C h w, H / h, W / w]: the pixels of a cell (h, w) become channels."""
+    b, c, height, width = x.shape
+    h, w = cell
+    x = x.reshape(b, c, height // h, h, width // w, w)
+    return x.permute(0, 1, 3, 5, 2, 4).reshape(b, c * h * w, height // h, width // w)
+
+
+def unfold(x: Tensor, cell: tuple[int, int]) -> Tensor:
+    """The inverse of `fold`."""
+    b, c, height, width = x.shape
+    h, w = cell
+    x = x.reshape(b, c // (h * w), h, w, height, width)
+    return x.permute(0, 1, 4, 2, 5, 3).reshape(b, c // (h * w), height * h, width * w)

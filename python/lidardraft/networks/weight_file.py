@@ -1,0 +1,106 @@
+"""Weight files: one safetensors file, with the network's config and a card in its metadata. Nothing is ever unpickled.
+
+The schema says which network the weights are of.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, ClassVar, Protocol, TypeVar
+
+import torch
+from safetensors import SafetensorError, safe_open
+from safetensors.torch import save as serialise
+from torch import nn
+
+from lidardraft.errors import CheckpointError
+from lidardraft.files import written_whole
+
+
+class Config(Protocol):
+    """What decides the shape of a network."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields as JSON types."""
+
+
+class Network(nn.Module):
+    """A torch module that a weight file can hold: its config builds it."""
+
+    SCHEMA: ClassVar[str]
+    config: Config
+
+    @classmethod
+    def from_dict(cls: type[NetworkT], fields: dict[str, Any]) -> NetworkT:
+        """The network of `config.to_dict()`, with fresh weights."""
+        raise NotImplementedError
+
+
+NetworkT = TypeVar("NetworkT", bound=Network)
+
+
+def save(network: Network, path: str | os.PathLike[str], card: dict[str, Any], *, half: bool = False) -> None:
+    """Write the weights, as float16 if `half`. `card` holds JSON types: what `read_card` gives."""
+    dtype = torch.float16 if half else torch.float32
+    tensors = {name: t.detach().to("cpu", dtype).contiguous() for name, t in network.state_dict().items()}
+    metadata = {
+        "schema": network.SCHEMA,
+        "config": json.dumps(network.config.to_dict()),
+        "card": json.dumps(card),
+    }
+    with written_whole(path) as temporary:
+        temporary.write_bytes(serialise(tensors, metadata))
+
+
+def load(path: str | os.PathLike[str], network: type[NetworkT]) -> NetworkT:
+    """The network of a weight file, float32 on the CPU, in evaluation mode; raises `CheckpointError`."""
+    name = os.fspath(path)
+    with _opened(path) as (file, metadata):
+        if metadata.get("schema") != network.SCHEMA:
+            raise CheckpointError(f"{name}: schema is {metadata.get('schema')!r}; it must be {network.SCHEMA!r}")
+        try:
+            built = network.from_dict(json.loads(metadata["config"]))
+        except (KeyError, TypeError, ValueError, RuntimeError) as error:
+            raise CheckpointError(f"{name}: its config makes no {network.__name__}: {error}") from None
+        weights, names = built.state_dict(), set(file.keys())
+        for problem, found in (("missing", set(weights) - names), ("unknown", names - set(weights))):
+            if found:
+                raise CheckpointError(f"{name}: tensor {min(found)!r} is {problem}")
+        for key, weight in weights.items():
+            tensor = file.get_tensor(key)
+            if tensor.shape != weight.shape:
+                raise CheckpointError(
+                    f"{name}: tensor {key!r} is {list(tensor.shape)}; it must be {list(weight.shape)}"
+                )
+            if not tensor.isfinite().all():
+                raise CheckpointError(f"{name}: tensor {key!r} holds values that are not finite")
+            weight.copy_(tensor)
+    return built.eval()
+
+
+def read_card(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """The card of a weight file; raises `CheckpointError`."""
+    with _opened(path) as (_, metadata):
+        if not metadata.get("schema", "").startswith("lidardraft."):
+            raise CheckpointError(f"{os.fspath(path)}: schema is {metadata.get('schema')!r}; it must be of lidardraft")
+        try:
+            card = json.loads(metadata.get("card", "{}"))
+        except json.JSONDecodeError as error:
+            raise CheckpointError(f"{os.fspath(path)}: the card is not JSON: {error}") from None
+        return card if isinstance(card, dict) else {}
+
+
+@contextmanager
+def _opened(path: str | os.PathLike[str]) -> Iterator[tuple[Any, dict[str, str]]]:
+    """The tensors and the metadata of a safetensors file."""
+    try:
+        opened = safe_open(path, framework="pt")
+    except FileNotFoundError:
+        raise CheckpointError(f"{os.fspath(path)}: no such file") from None
+    except (SafetensorError, OSError) as error:
+        raise CheckpointError(f"{os.fspath(path)} is no whole safetensors file: {error}") from None
+    with opened as file:
+        yield file, file.metadata() or {}

@@ -1,0 +1,156 @@
+"""The training loop: a network, a loss and a batch function become weights on disk, in one run or in slices."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import time
+import zlib
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from lidardraft.errors import TrainingError
+from lidardraft.files import written_whole
+from lidardraft.networks import weight_file
+from lidardraft.networks.weight_file import Network
+from lidardraft.training.learner import Learner, LearningConfig, RunIdentity
+from lidardraft.training.pairs import PairFolder
+
+Batch = tuple[Tensor, ...]
+Measures = dict[str, Tensor]
+LossFunction = Callable[[int, Batch], tuple[Tensor, Measures]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Report:
+    """Means since the last report: the loss, the norm of the gradient, and what else the loss function has measured,
+    None where it has measured nothing."""
+
+    step: int
+    loss: float
+    gradient: float
+    measures: dict[str, float | None]
+    samples_per_second: float
+    minutes: float
+
+
+def train(
+    config: LearningConfig,
+    network: Network,
+    batch: Callable[[int], Batch],
+    loss: LossFunction,
+    pairs: PairFolder,
+    run: str | os.PathLike[str],
+    *,
+    device: torch.device,
+    max_minutes: float = float("inf"),
+) -> Iterator[Report]:
+    """Train a `network` and yield reports.
+
+    `batch(step)` gives the tensors of a step on the CPU, from the step alone, so that a run in slices gives the weights
+    of a run in one. `loss(step, batch)` gives the losses of the samples, whose mean is stepped on, and tensors of
+    numbers by name whose means are reported.
+
+    The folder `run` receives `log.jsonl`, `state.safetensors` to go on from after an interruption or `max_minutes`, and
+    `weights.safetensors`, the average of weights. A report is yielded after what is due at its step is on disk. Raises
+    `TrainingError` where the run in the folder is another, or the training has gone wrong.
+    """
+    run = Path(run)
+    identity = _identity(config, network, pairs)
+    learner = Learner(network.to(device).train(), config)
+    start = learner.resume(run / "state.safetensors", identity)
+    if start >= config.steps:
+        return
+    run.mkdir(parents=True, exist_ok=True)
+    _cut_log(run / "log.jsonl", start)
+    began, window = time.monotonic(), _Window()
+    with ThreadPoolExecutor(1) as loader:
+        upcoming = loader.submit(batch, start)
+        for step in range(start, config.steps):
+            tensors, upcoming = upcoming.result(), loader.submit(batch, step + 1)
+            losses, measures = loss(step, tuple(tensor.to(device) for tensor in tensors))
+            window.add(losses, learner.step(step, losses.mean()), measures)
+            minutes = (time.monotonic() - began) / 60
+            last = step + 1 == config.steps or minutes > max_minutes
+            report = None
+            if last or (step + 1) % config.report_every == 0:
+                report, window = window.report(step + 1, config.batch, minutes), _Window()
+                with (run / "log.jsonl").open("a") as log:
+                    log.write(json.dumps(dataclasses.asdict(report)) + "\n")
+            if last or (step + 1) % config.save_every == 0:
+                learner.save(run / "state.safetensors", step + 1, identity)
+                card = {"training": dataclasses.asdict(config), "step": step + 1, "data": pairs.source}
+                weight_file.save(learner.averaged, run / "weights.safetensors", card)
+            if report:
+                yield report
+            if last:
+                return
+
+
+def device_for_training(name: str) -> torch.device:
+    """The torch device of that name; raises `TrainingError` where there is none."""
+    try:
+        device = torch.device(name)
+        torch.empty(0, device=device)
+    except (RuntimeError, AssertionError, NotImplementedError) as error:  # torch's, for a device it does not have
+        raise TrainingError(f"device is {name!r}: {str(error).splitlines()[0]}") from None
+    return device
+
+
+class _Window:
+    """What has been measured since the last report."""
+
+    def __init__(self) -> None:
+        self.began = time.monotonic()
+        self.losses: list[float] = []
+        self.gradients: list[float] = []
+        self.sums: dict[str, tuple[float, int]] = {}
+
+    def add(self, losses: Tensor, gradient: float, measures: Measures) -> None:
+        self.losses.append(losses.mean().item())
+        self.gradients.append(gradient)
+        for name, values in measures.items():
+            total, count = self.sums.get(name, (0.0, 0))
+            self.sums[name] = total + values.sum().item(), count + values.numel()
+
+    def report(self, step: int, batch: int, minutes: float) -> Report:
+        return Report(
+            step=step,
+            loss=float(np.mean(self.losses)),
+            gradient=float(np.mean(self.gradients)),
+            measures={name: total / count if count else None for name, (total, count) in self.sums.items()},
+            samples_per_second=len(self.losses) * batch / (time.monotonic() - self.began),
+            minutes=minutes,
+        )
+
+
+def _identity(config: LearningConfig, network: nn.Module, pairs: PairFolder) -> RunIdentity:
+    frozen = 0
+    for p in network.parameters():
+        if not p.requires_grad:
+            frozen = zlib.crc32(p.detach().cpu().numpy().tobytes(), frozen)
+    return RunIdentity(config.of_any_length(), frozen, pairs.checksum, str(pairs.path))
+
+
+def _cut_log(path: Path, step: int) -> None:
+    """Drop the reports after `step`: a run that was killed has reported steps that its state does not hold."""
+    if not path.exists():
+        return
+    kept = []
+    for line in path.read_text().splitlines():
+        try:
+            report: dict[str, Any] = json.loads(line)
+        except json.JSONDecodeError:  # killed while it wrote the line
+            continue
+        if report["step"] <= step:
+            kept.append(line + "\n")
+    with written_whole(path) as temporary:
+        temporary.write_text("".join(kept))

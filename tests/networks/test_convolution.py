@@ -1,0 +1,55 @@
+import pytest
+import torch
+
+from lidardraft.networks.convolution import RangeImageConv, fold, pad_columns, unfold
+
+
+@pytest.fixture(autouse=True)
+def seeded() -> None:
+    torch.manual_seed(0)
+
+
+@pytest.mark.parametrize("dilation", [1, 2, 4])
+def test_the_convolution_of_a_ring_turns_with_it(dilation: int) -> None:
+    conv, x = RangeImageConv(3, 5, dilation=dilation), torch.randn(2, 3, 8, 12)
+    y = conv(x, True)
+    assert y.shape == (2, 5, 8, 12)
+    torch.testing.assert_close(conv(x.roll(5, dims=-1), True), y.roll(5, dims=-1))
+
+
+@pytest.mark.parametrize("dilation", [1, 2, 4])
+def test_the_last_column_of_a_sector_does_not_reach_the_first(dilation: int) -> None:
+    conv, x = RangeImageConv(1, 1, dilation=dilation), torch.zeros(1, 1, 8, 12)
+    last = x.clone()
+    last[..., -1] = 1
+    changed = [(conv(last, wraps) != conv(x, wraps)).any(dim=2)[0, 0] for wraps in (True, False)]
+    assert changed[0][dilation - 1]
+    assert not changed[1][: 12 - 1 - dilation].any()
+
+
+def test_rows_do_not_wrap() -> None:
+    conv, x = RangeImageConv(1, 1), torch.zeros(1, 1, 8, 12)
+    bottom = x.clone()
+    bottom[0, 0, -1] = 1
+    changed = (conv(bottom, True) != conv(x, True)).any(dim=-1)[0, 0]
+    assert changed.tolist() == [False] * 6 + [True] * 2
+
+
+def test_a_stride_rounds_odd_sizes_up() -> None:
+    assert RangeImageConv(1, 1, stride=2)(torch.zeros(1, 1, 5, 9), True).shape == (1, 1, 3, 5)
+
+
+@pytest.mark.parametrize("columns", [0, 1, 4, 9])
+def test_padding_may_be_wider_than_the_image(columns: int) -> None:
+    x = torch.arange(4.0)[None]
+    places = range(-columns, 4 + columns)
+    assert pad_columns(x, columns, True)[0].tolist() == [i % 4 for i in places]
+    assert pad_columns(x, columns, False)[0].tolist() == [min(max(i, 0), 3) for i in places]
+
+
+def test_unfold_undoes_fold() -> None:
+    x = torch.randn(2, 3, 8, 12)
+    folded = fold(x, (2, 4))
+    assert folded.shape == (2, 24, 4, 3)
+    assert torch.equal(unfold(folded, (2, 4)), x)
+    assert torch.equal(fold(x.roll(4, dims=-1), (2, 4)), folded.roll(1, dims=-1))
