@@ -112,7 +112,7 @@ def test_rust_files_are_short_and_unsafe_stays_in_its_folder() -> None:
 
 
 def rust_names_used(text: str) -> set[str]:
-    """What follows `crate::` in a Rust file, in `use` lines and elsewhere: modules, and names that lib.rs re-exports."""
+    """What follows `crate::` in a Rust file, in `use` lines and elsewhere: modules and names that lib.rs re-exports."""
     code = re.sub(r"//.*", "", text)
     grouped = [names for group in re.findall(r"\bcrate::\{([^;]*)\};", code) for names in group.split(",")]
     return set(re.findall(r"\bcrate::(\w+)", code)) | {name.strip().split("::")[0] for name in grouped}
