@@ -9,9 +9,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from lidardraft.drafting.object_shapes import ObjectPart
+from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.drafting.sites import Site, Spot, lay_road, site_of
-from lidardraft.drafting.spec import ON_ROAD, VEHICLES, Group, SceneSpec
-from lidardraft.drafting.things import STRIPS, Part, thing
+from lidardraft.drafting.spec import Group, SceneSpec
 from lidardraft.errors import LayoutError
 from lidardraft.scene.check import EGO, LayoutGround, Solid, penetration
 from lidardraft.scene.layout import Layout, Primitive
@@ -21,38 +22,6 @@ from lidardraft.semantics import BY_NAME
 TRIES = 60
 GAP = 0.25  # m between any two things
 FOLLOWING_GAP = 2.0  # m before and behind whatever drives
-
-_FAMILIES = {
-    "vehicle": (*VEHICLES, "bicycle"),
-    "building": ("house", "building"),
-    "strip": STRIPS,
-    "person": ("person",),
-}
-# How many are meant by few, some and many, at each place.
-_COUNTS = {
-    "vehicle": {"few": (2, 3), "some": (2, 4), "many": (5, 7)},
-    "building": {"few": (2, 3), "some": (3, 5), "many": (5, 7)},
-    "strip": {"few": (1, 2), "some": (2, 3), "many": (3, 4)},
-    "person": {"few": (2, 3), "some": (2, 4), "many": (6, 9)},
-    "": {"few": (2, 3), "some": (4, 6), "many": (8, 11)},
-}
-_MIX = {"car": 0.76, "van": 0.12, "truck": 0.08, "bus": 0.04}
-# What needs most room, or has least choice, goes first.
-_ORDER = (
-    "building",
-    "house",
-    "tram",
-    "bus",
-    "truck",
-    "van",
-    "vehicle",
-    "car",
-    "wall",
-    "fence",
-    "hedge",
-    "garden",
-    "tree",
-)
 
 
 def arrange(spec: SceneSpec, seed: int = 0) -> Layout:
@@ -74,8 +43,7 @@ def arrange(spec: SceneSpec, seed: int = 0) -> Layout:
 
 
 def _rank(group: Group) -> tuple[bool, bool, int]:
-    order = _ORDER.index(group.kind) if group.kind in _ORDER else len(_ORDER)
-    return group.distance is None, group.spacing is None, order
+    return group.distance is None, group.spacing is None, -SENTENCE_KINDS[group.kind].precedence
 
 
 def _fill(scene: _Scene, spec: SceneSpec, group: Group, place: str) -> None:
@@ -98,23 +66,24 @@ def _fill(scene: _Scene, spec: SceneSpec, group: Group, place: str) -> None:
 def _count(group: Group, place: str, rng: np.random.Generator) -> int:
     if isinstance(group.count, int):
         return group.count
-    family = next((name for name, kinds in _FAMILIES.items() if group.kind in kinds), "")
-    low, high = _COUNTS[family][group.count]
+    low, high = getattr(SENTENCE_KINDS[group.kind].counts, group.count)
     if group.spacing is not None:
         return max(low, min(40, int(100.0 / group.spacing)))
     return int(rng.integers(low, high + 1)) * (1 if place else 2)
 
 
-def _kind(group: Group, spec: SceneSpec, rng: np.random.Generator) -> str:
-    if group.kind != "vehicle":
-        return group.kind
-    allowed = [
-        kind for kind in _MIX if kind not in spec.absent and (group.heading != "parked" or kind in ("car", "van"))
-    ]
-    if not allowed:
-        raise LayoutError(f"vehicle: every kind of it is absent: {', '.join(spec.absent)}")
-    weights = np.array([_MIX[kind] for kind in allowed])
-    return str(rng.choice(allowed, p=weights / weights.sum()))
+def _kind(group: Group, spec: SceneSpec, rng: np.random.Generator) -> SentenceKind:
+    """The kind of one object of a group: its own, or one of the mix that traffic is."""
+    kind = SENTENCE_KINDS[group.kind]
+    if kind.sizes is not None:
+        return kind
+    mix = [one for one in SENTENCE_KINDS.values() if one.traffic_share and one.name not in spec.absent]
+    if group.heading == "parked":  # what a usual parking strip takes
+        mix = [one for one in mix if one.parking_width < kind.parking_width]
+    if not mix:
+        raise LayoutError(f"{kind.name}: every kind of it is absent: {', '.join(spec.absent)}")
+    shares = np.array([one.traffic_share for one in mix])
+    return SENTENCE_KINDS[str(rng.choice([one.name for one in mix], p=shares / shares.sum()))]
 
 
 def _spots(scene: _Scene, site: Site, group: Group, number: int, wanted: int) -> Iterator[Spot]:
@@ -150,20 +119,20 @@ class _Scene:
         self.numbers: Counter[str] = Counter()
         self.instances = 0
 
-    def settle(self, kind: str, group: Group, spot: Spot) -> bool:
+    def settle(self, kind: SentenceKind, group: Group, spot: Spot) -> bool:
         """Place one thing there if there is room for it."""
         parked = group.heading == "parked"
-        parts = thing(kind, self.rng, parked=parked, bent=self.road.curvature != 0.0)
-        if kind not in ON_ROAD and any(_reaches(part, spot[1], self.road) for part in parts):
+        parts = kind.sample_parts(self.rng, parked=parked, bent=self.road.curvature != 0.0)
+        if "road" not in kind.surfaces and any(_reaches(part, spot[1], self.road) for part in parts):
             return False
         primitives = [self._primitive(kind, part, spot) for part in parts]
-        moving = kind in _FAMILIES["vehicle"] and not parked
+        moving = kind.drives and not parked
         wide = [Solid.from_primitive(_widened(p, FOLLOWING_GAP if moving else GAP, GAP)) for p in primitives]
-        obstacles = self.solids if moving or kind == "person" else self.solids + self.side_roads
+        obstacles = self.solids if moving or kind.walks else self.solids + self.side_roads
         if any(penetration(solid, other) > 0 for solid in wide for other in obstacles):
             return False
-        self.numbers[kind] += 1
-        name = f"{kind}_{self.numbers[kind]}"
+        self.numbers[kind.name] += 1
+        name = f"{kind.name}_{self.numbers[kind.name]}"
         numbers: dict[str, int] = {}  # a rider and what he rides are two things of one name
         for part, primitive in zip(parts, primitives, strict=True):
             if BY_NAME[part.label].is_thing and part.label not in numbers:
@@ -174,11 +143,11 @@ class _Scene:
         self.solids += map(Solid.from_primitive, primitives)
         return True
 
-    def _primitive(self, kind: str, part: Part, spot: Spot) -> Primitive:
+    def _primitive(self, kind: SentenceKind, part: ObjectPart, spot: Spot) -> Primitive:
         along, across, turn = spot
         length, width, height = part.size
         dx, dy, dz = part.center
-        if kind in STRIPS:  # each segment follows the bend, as long as the arc is there
+        if kind.follows_road:  # each segment follows the bend, as long as the arc is there
             along, dx, length = along + dx, 0.0, length * (1.0 - self.road.curvature * across)
         x, y, heading = self.road.at(along, across)
         z = self.ground.height(x, y)
@@ -186,10 +155,10 @@ class _Scene:
         cos, sin = math.cos(yaw), math.sin(yaw)
         center = (x + cos * dx - sin * dy, y + sin * dx + cos * dy, z + dz)
         size = (length, width, height)
-        return Primitive(shape=part.shape, center=center, size=size, yaw=yaw, label=part.label, id=kind)
+        return Primitive(shape=part.shape, center=center, size=size, yaw=yaw, label=part.label, id=kind.name)
 
 
-def _reaches(part: Part, across: float, road: Road) -> bool:
+def _reaches(part: ObjectPart, across: float, road: Road) -> bool:
     """Whether a part that stands beside the road would stand on it; what hangs over it, as a crown does, may."""
     low = part.center[2] - part.size[2] / 2 < 0.5
     return low and abs(across) - part.size[1] / 2 < road.edge

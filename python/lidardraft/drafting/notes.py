@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from lidardraft.drafting.spec import ON_SIDEWALK, VEHICLES, Group, RoadSpec, SceneSpec
+from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
+from lidardraft.drafting.spec import Group, RoadSpec, SceneSpec
 from lidardraft.drafting.words import Position
 
 _SIDES = ("left", "right")
@@ -24,15 +25,15 @@ class Draft:
 
     def group(self) -> Group:
         """As a group of the plan; vehicles along the sides of a road are parked."""
-        heading = self.heading
-        if self.kind in VEHICLES and heading is None and (self.at.beside_road or self.at.both_sides):
+        heading, kind = self.heading, SENTENCE_KINDS[self.kind]
+        if kind.is_vehicle and heading is None and (self.at.beside_road or self.at.both_sides):
             heading = "parked"
-        surface = "road" if self.on_road and self.kind in ("person", "bicycle") else None
+        surface = "road" if self.on_road and {"road", "sidewalk"} <= set(kind.surfaces) else None
         return Group(
             kind=self.kind,
             count=self.count,
             places=tuple(dict.fromkeys("-".join(filter(None, place)) for place in self.at.places if any(place))),
-            surface="sidewalk" if self.at.sidewalk and self.kind in ON_SIDEWALK else surface,
+            surface="sidewalk" if self.at.sidewalk and "sidewalk" in kind.surfaces else surface,
             heading=heading,
             distance=self.at.distance,
             spacing=self.at.spacing,
@@ -98,4 +99,4 @@ class Notes:
 
 
 def _drives(kind: str, heading: str | None) -> bool:
-    return kind in VEHICLES and heading != "parked"
+    return SENTENCE_KINDS[kind].is_vehicle and heading != "parked"

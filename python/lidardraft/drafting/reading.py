@@ -7,12 +7,12 @@ import dataclasses
 from lark import Token, Tree
 
 from lidardraft.drafting.notes import Draft, Notes
-from lidardraft.drafting.spec import KINDS, ON_SIDEWALK, VEHICLES
+from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.words import Position, count_of, number, read_position
 
 Chunk = Tree[Token] | Token
 
-_KIND_OF = {kind.upper().replace("-", "_"): kind for kind in KINDS}
+_KIND_OF = {kind.upper().replace("-", "_"): kind for kind in SENTENCE_KINDS}
 _ROAD_OF = {"ROAD": "straight", "MOTORWAY": "motorway", "CROSSROADS": "crossroads", "T_JUNCTION": "t-junction"}
 _SETTINGS = {"BUSY", "QUIET", "URBAN", "RESIDENTIAL", "RURAL", "TREE_LINED"}
 _HEADING_OF = {"PARKED": "parked", "MOVING": "with", "CROSSING": "across", "ONCOMING": "against"}
@@ -100,7 +100,7 @@ class Reader:
             return
         if self._is_ego(index, tokens, kind):
             self.has_ego = True
-        elif kind in ("bicycle", "motorcycle") and self._is_ridden(index):
+        elif SENTENCE_KINDS[kind].is_ridden and self._is_ridden(index):
             self.open[-1].kind = kind
         else:
             self._put(index, Draft(kind, count_of(tokens), heading=_heading(tokens)))
@@ -154,7 +154,7 @@ class Reader:
     def _attach(self, position: Position, listed: bool) -> None:
         """To the open drafts: a further place after "and", a closer description of the same place otherwise."""
         for draft in list(self.open):
-            if position.sidewalk and draft.kind not in ON_SIDEWALK:
+            if position.sidewalk and "sidewalk" not in SENTENCE_KINDS[draft.kind].surfaces:
                 self.notes.not_understood.append("sidewalk")
             if not draft.placed or draft.weak:
                 draft.at = position
@@ -189,7 +189,7 @@ class Reader:
 
     def _is_ego(self, index: int, tokens: list[Token], kind: str) -> bool:
         """Whether the first thing of a sentence is who looks: a vehicle that drives on a road, and nowhere else."""
-        if self.notes.drafts or self.has_ego or kind not in VEHICLES or count_of(tokens) != 1:
+        if self.notes.drafts or self.has_ego or not SENTENCE_KINDS[kind].is_vehicle or count_of(tokens) != 1:
             return False
         after = [token.type for chunk in self.chunks[index + 1 :] for token in _tokens(chunk)]
         rest = [type for type in after if type not in _PASSED_ON_THE_WAY] + ["", ""]
@@ -199,7 +199,7 @@ class Reader:
         """Whether a two-wheeler is that of a person just named, as in "a man riding a bike"."""
         said = [token for chunk in self.chunks[max(0, index - 1) : index + 1] for token in _tokens(chunk)]
         riding = any(token.type == "DOING" and token.startswith("rid") for token in said)
-        return riding and bool(self.open) and self.open[-1].kind == "person"
+        return riding and bool(self.open) and SENTENCE_KINDS[self.open[-1].kind].walks
 
     def _type_before(self, index: int) -> str | None:
         """The type of the link before a chunk; None at the start, "" after anything but a link."""

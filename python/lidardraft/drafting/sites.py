@@ -8,20 +8,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.drafting.spec import ON_ROAD, VEHICLES, Group, SceneSpec
+from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS, SentenceKind
+from lidardraft.drafting.spec import Group, SceneSpec
 from lidardraft.errors import LayoutError
 from lidardraft.scene.check import MAX_RANGE
 from lidardraft.scene.road import LEFT, RIGHT, Road
 
-PARKING = 2.2  # m; usual width of a parking strip, and of what lorries and buses need below
-WIDE_PARKING = 3.0
+HARD_SHOULDER = 3.0  # m, estimate of ours
+LANE_OFFSET = 0.15  # m from the middle of a lane, at most; estimate of ours
+YAW_DEVIATION = 0.01  # rad, standard deviation of the heading in a lane or along a kerb; estimate of ours
 NEAR = 8.0  # m; the nearest that the middle of a thing in front or behind may be without a distance asked for
-
-_DRIVEN = (*VEHICLES, "bicycle")
-
-# What a driving vehicle takes of its lane, with the gaps that people leave [m].
-_ROOM = {"truck": 18.0, "bus": 21.0, "tram": 38.0}
-_USUAL_ROOM = 12.0
 
 Spot = tuple[float, float, float]  # along [m], across [m], turn [rad] from the road's heading
 Pick = Callable[[np.random.Generator, float, int, float], Spot]
@@ -48,14 +44,14 @@ def lay_road(spec: SceneSpec, rng: np.random.Generator) -> Road:
     farthest = max((group.distance[1] for group in spec.groups if group.distance), default=0.0)
     if farthest > MAX_RANGE - 10.0:
         raise LayoutError(f"distance is {farthest:g} m; things can be asked for up to {MAX_RANGE - 10.0:g} m away")
-    queue = max((_queue(group) for group in spec.groups if group.kind in VEHICLES), default=0.0)
+    queue = max((_queue(group) for group in spec.groups if SENTENCE_KINDS[group.kind].is_vehicle), default=0.0)
     half_length = max(80.0, farthest + 15.0, min(MAX_RANGE - 10.0, queue + 10.0))
     wanted = spec.road.sidewalk
     sidewalk = float(rng.uniform(1.8, 3.0)) if wanted or (wanted is None and not motorway) else 0.0
     bend = {"left-bend": 1.0, "right-bend": -1.0, "bend": float(rng.choice([-1, 1]))}.get(kind, 0.0)
     crossing = kind in ("crossroads", "t-junction") or any(_crosses(group) for group in spec.groups)
     lane_width = 3.75 if motorway else float(rng.uniform(3.3, 3.7))
-    parking = WIDE_PARKING if motorway else _parking(spec, lanes)
+    parking = HARD_SHOULDER if motorway else _parking(spec, lanes)
     near = lanes * lane_width + parking + sidewalk + 6.0
     return Road(
         lanes=lanes,
@@ -70,32 +66,32 @@ def lay_road(spec: SceneSpec, rng: np.random.Generator) -> Road:
     )
 
 
-def site_of(group: Group, kind: str, place: str, road: Road) -> Site:
+def site_of(group: Group, kind: SentenceKind, place: str, road: Road) -> Site:
     """Where things of a kind go that a group wants at a place."""
     fore, side = _split(place)
-    if group.distance is not None and not fore and kind in ON_ROAD:
+    if group.distance is not None and not fore and "road" in kind.surfaces:
         fore = "front"
     sides = {"left": (1,), "right": (-1,)}.get(side, (1, -1))
     if _crosses(group) and road.junction is not None:
         return Site((road.junction, road.junction), _crossing_lane(road))
-    if kind in _DRIVEN:
+    if kind.drives:
         if group.heading == "parked" or (
-            side == "right" and road.ego_lane == 0 and kind in VEHICLES and not group.heading
+            side == "right" and road.ego_lane == 0 and kind.is_vehicle and not group.heading
         ):
-            pick = _kerb(road, sides) if kind in VEHICLES else _sidewalk(road, sides)
+            pick = _kerb(road, sides) if kind.is_vehicle else _sidewalk(road, sides)
             return Site(_span(group, fore, road, 45.0), pick, len(sides))
         if group.surface == "sidewalk":
             return Site(_span(group, fore, road, 45.0), _sidewalk(road, sides), len(sides))
         return Site(
             _span(group, fore, road, 45.0 if fore else 60.0), _lane(road, _lanes(group, fore, side, road), kind)
         )
-    if kind == "person":
+    if kind.walks:
         return _person(group, fore, side, sides, road)
     span = _span(group, fore, road, 65.0)
     if group.surface == "sidewalk":
         return Site(span, _sidewalk(road, sides), len(sides))
     lateral = group.distance if not fore else None
-    if kind == "traffic-light" and road.junction is not None and not fore and lateral is None:
+    if kind.at_junction and road.junction is not None and not fore and lateral is None:
         span = (road.junction - road.edge - 5.0, road.junction - road.edge - 1.0)
     return Site(span, _roadside(kind, road, sides, lateral), len(sides))
 
@@ -106,25 +102,27 @@ def _split(place: str) -> tuple[str, str]:
 
 
 def _crosses(group: Group) -> bool:
-    return group.heading == "across" and group.kind in _DRIVEN
+    return group.heading == "across" and SENTENCE_KINDS[group.kind].drives
 
 
 def _on_the_right(group: Group) -> bool:
     right = any(_split(place)[1] == "right" for place in group.places)
-    return right and group.kind in _DRIVEN and group.heading in (None, "with")
+    return right and SENTENCE_KINDS[group.kind].drives and group.heading in (None, "with")
 
 
 def _parking(spec: SceneSpec, lanes: int) -> float:
-    kinds = [g.kind for g in spec.groups if g.heading == "parked" or (lanes == 1 and _on_the_right(g))]
-    if any(kind in ("truck", "bus", "tram", "vehicle") for kind in kinds):
-        return WIDE_PARKING
-    return PARKING if any(kind in VEHICLES for kind in kinds) else 0.0
+    parked = [
+        SENTENCE_KINDS[group.kind]
+        for group in spec.groups
+        if group.heading == "parked" or (lanes == 1 and _on_the_right(group))
+    ]
+    return max((kind.parking_width for kind in parked if kind.is_vehicle), default=0.0)
 
 
 def _span(group: Group, fore: str, road: Road, usual: float) -> tuple[float, float]:
     """The range along the road; a single distance for several things is where the first of them stands."""
     near, far = NEAR, usual
-    if group.kind in VEHICLES:
+    if SENTENCE_KINDS[group.kind].is_vehicle:
         far = min(road.half_length - 10.0, max(far, _queue(group)))
     if group.distance is not None and fore in ("front", "behind"):
         near, far = group.distance
@@ -144,7 +142,7 @@ def _span(group: Group, fore: str, road: Road, usual: float) -> tuple[float, flo
 def _queue(group: Group) -> float:
     """How far a lane with all the vehicles of a group reaches [m]."""
     count = group.count if isinstance(group.count, int) else 4
-    return NEAR + count * _ROOM.get(group.kind, _USUAL_ROOM)
+    return NEAR + count * SENTENCE_KINDS[group.kind].lane_length
 
 
 def _lanes(group: Group, fore: str, side: str, road: Road) -> list[tuple[int, int]]:
@@ -163,13 +161,13 @@ def _lanes(group: Group, fore: str, side: str, road: Road) -> list[tuple[int, in
     return own if fore or group.heading == "with" else own + oncoming
 
 
-def _lane(road: Road, lanes: list[tuple[int, int]], kind: str) -> Pick:
+def _lane(road: Road, lanes: list[tuple[int, int]], kind: SentenceKind) -> Pick:
     def pick(rng: np.random.Generator, along: float, number: int, effort: float) -> Spot:
         lane, direction = lanes[0] if number == 0 and effort < 0.5 else lanes[int(rng.integers(len(lanes)))]
-        middle = road.lane(lane, direction) + float(rng.uniform(-0.15, 0.15))
-        if kind == "bicycle":  # keeps to the right of its lane
+        middle = road.lane(lane, direction) + float(rng.uniform(-LANE_OFFSET, LANE_OFFSET))
+        if kind.cycles:  # keeps to the right of its lane
             middle -= direction * (road.lane_width / 2 - 0.7)
-        return along, middle, (0.0 if direction > 0 else math.pi) + float(rng.normal(0.0, 0.01))
+        return along, middle, (0.0 if direction > 0 else math.pi) + float(rng.normal(0.0, YAW_DEVIATION))
 
     return pick
 
@@ -192,7 +190,7 @@ def _kerb(road: Road, sides: tuple[int, ...]) -> Pick:
         side = _alternate(sides, number)
         turned = rng.random() < 0.1
         middle = side * (road.edge - road.parking / 2)
-        return along, middle, (math.pi if (side > 0) != turned else 0.0) + float(rng.normal(0.0, 0.01))
+        return along, middle, (math.pi if (side > 0) != turned else 0.0) + float(rng.normal(0.0, YAW_DEVIATION))
 
     return pick
 
@@ -239,33 +237,21 @@ def _ego_lane(road: Road) -> Pick:
     return pick
 
 
-# Smallest and largest distance [m] of the middle of a thing behind the verge, and how far it may move back for room.
-_SETBACKS = {
-    "house": (9.0, 12.0, 22.0),
-    "building": (8.0, 11.0, 24.0),
-    "tree": (1.3, 3.0, 14.0),
-    "bush": (1.4, 3.0, 10.0),
-    "garden": (0.6, 1.0, 4.0),
-    "hedge": (0.9, 1.2, 5.0),
-    "fence": (0.4, 0.8, 5.0),
-    "wall": (0.5, 0.9, 5.0),
-    "bench": (0.7, 1.0, 3.0),
-}
-
-
-def _roadside(kind: str, road: Road, sides: tuple[int, ...], distance: tuple[float, float] | None) -> Pick:
+def _roadside(kind: SentenceKind, road: Road, sides: tuple[int, ...], distance: tuple[float, float] | None) -> Pick:
     """Behind the verge, or right at the kerb for what has no setback; `distance` [m] from the ego overrules both."""
-    ego = road.lane(road.ego_lane)
+    ego, setback = road.lane(road.ego_lane), kind.setback
 
     def pick(rng: np.random.Generator, along: float, number: int, effort: float) -> Spot:
         side = _alternate(sides, number)
-        turn = (0.0 if side > 0 else math.pi) + (float(rng.normal(0.0, 0.02)) if kind in ("house", "building") else 0.0)
+        turn = (0.0 if side > 0 else math.pi) + (
+            float(rng.normal(0.0, kind.yaw_deviation)) if kind.yaw_deviation else 0.0
+        )
         if distance is not None:
             return along, ego + side * float(rng.uniform(*distance)), turn
-        if kind not in _SETBACKS:
+        if setback is None:
             return along, side * (road.edge + 0.5 if road.sidewalk > 0.9 else road.verge + 0.6), turn
-        low, high, last = _SETBACKS[kind]
-        return along, side * (road.verge + float(rng.uniform(low, high + (last - high) * effort))), turn
+        farthest = setback.usual + (setback.farthest - setback.usual) * effort
+        return along, side * (road.verge + float(rng.uniform(setback.nearest, farthest))), turn
 
     return pick
 

@@ -9,55 +9,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from lidardraft.drafting.sentence_kinds import COUNTS, SENTENCE_KINDS
 from lidardraft.errors import LayoutError, one_of
 
-KINDS = (
-    "vehicle",
-    "car",
-    "van",
-    "truck",
-    "bus",
-    "tram",
-    "motorcycle",
-    "bicycle",
-    "person",
-    "house",
-    "building",
-    "tree",
-    "bush",
-    "garden",
-    "hedge",
-    "fence",
-    "wall",
-    "pole",
-    "street-light",
-    "traffic-light",
-    "traffic-sign",
-    "bin",
-    "bench",
-)
-VEHICLES = ("vehicle", "car", "van", "truck", "bus", "tram", "motorcycle")
 ROADS = ("straight", "bend", "left-bend", "right-bend", "crossroads", "t-junction", "motorway")
-COUNTS = ("few", "some", "many")
 PLACES = tuple(
     "-".join(filter(None, (fore, side)))
     for fore in ("", "front", "behind", "beside")
     for side in ("", "left", "right")
     if fore or side
 )
-ON_ROAD = (*VEHICLES, "bicycle", "person")
-ON_SIDEWALK = (
-    "person",
-    "bicycle",
-    "tree",
-    "bush",
-    "pole",
-    "street-light",
-    "traffic-light",
-    "traffic-sign",
-    "bin",
-    "bench",
-)
+SURFACES = ("road", "sidewalk")
 HEADINGS = ("with", "against", "across", "parked")
 MAX_COUNT = 200
 
@@ -98,7 +60,7 @@ class Group:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "places", tuple(self.places))
-        _one_of("group: kind", self.kind, KINDS)
+        _one_of("group: kind", self.kind, tuple(SENTENCE_KINDS))
         if isinstance(self.count, str):
             _one_of(f"{self.kind}: count", self.count, COUNTS)
         elif type(self.count) is not int or not 1 <= self.count <= MAX_COUNT:
@@ -106,8 +68,7 @@ class Group:
         for place in self.places:
             _one_of(f"{self.kind}: place", place, PLACES)
         if self.surface is not None:
-            fitting = {"road": ON_ROAD, "sidewalk": ON_SIDEWALK}
-            _one_of(f"{self.kind}: surface", self.surface, tuple(s for s in fitting if self.kind in fitting[s]))
+            _one_of(f"{self.kind}: surface", self.surface, SENTENCE_KINDS[self.kind].surfaces)
         if self.heading is not None:
             _one_of(f"{self.kind}: heading", self.heading, HEADINGS)
         if self.distance is not None:
@@ -135,7 +96,7 @@ class SceneSpec:
         for name in ("groups", "absent", "not_understood"):
             object.__setattr__(self, name, tuple(getattr(self, name)))
         for kind in self.absent:
-            _one_of("absent: kind", kind, KINDS)
+            _one_of("absent: kind", kind, tuple(SENTENCE_KINDS))
 
     def to_dict(self) -> dict[str, Any]:
         """The spec as JSON types; fields that say nothing are left out."""

@@ -45,8 +45,8 @@ class Kind:
     is let down; `math.inf` if only the ground under its middle matters. `is_small` objects are easily left out of a
     picture, and those `on_post` are left out of coarse layouts without posts.
 
-    `word` is what the plan of a sentence calls it, of `lidardraft.drafting.spec.KINDS`, None where no sentence speaks
-    of it; `alignment` is how the solver of sentences places it.
+    `word` is what the plan of a sentence calls it, a name in `lidardraft.drafting.sentence_kinds`, None where no
+    sentence speaks of it; `alignment` is how the solver of sentences places it.
     """
 
     build: Callable[[PlacedObject, np.random.Generator], list[Primitive]]

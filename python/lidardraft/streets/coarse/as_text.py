@@ -8,46 +8,46 @@ from dataclasses import replace
 
 import numpy as np
 
+from lidardraft.drafting.arrange import GAP
+from lidardraft.drafting.object_shapes import (
+    CROWN_BASE,
+    TRUNK_DIAMETER,
+    TRUNK_IN_CROWN,
+    ObjectPart,
+    Size,
+    street_light_parts,
+    traffic_light_parts,
+    traffic_sign_parts,
+)
+from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS, SentenceKind
+from lidardraft.drafting.sites import LANE_OFFSET, YAW_DEVIATION
 from lidardraft.objects.coarse_shapes import CoarseShape, box_of
 from lidardraft.objects.kinds import Alignment, Kind, kind_of
 from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.road import Road
 from lidardraft.streets.placement.district import PARKING_STRIP
 
-_Size = tuple[float, float, float]
-
-# Smallest and largest extents that `drafting.things` makes of each word [m]; strips are as long as they are.
-_ANY = math.inf
-RANGES: dict[str, tuple[_Size, _Size]] = {
-    "car": ((3.78, 1.728, 1.38), (4.62, 1.872, 1.62)),
-    "van": ((4.77, 1.92, 2.024), (5.83, 2.08, 2.376)),
-    "truck": ((8.1, 2.4, 3.036), (9.9, 2.6, 3.564)),
-    "bus": ((10.8, 2.448, 2.852), (13.2, 2.652, 3.348)),
-    "tram": ((25.2, 2.544, 3.312), (30.8, 2.756, 3.888)),
-    "motorcycle": ((1.932, 0.72, 1.222), (2.268, 0.88, 1.378)),
-    "bicycle": ((1.656, 0.54, 1.034), (1.944, 0.66, 1.166)),
-    "person": ((0.4, 0.45, 1.5), (0.8, 0.65, 1.9)),
-    "house": ((8.0, 7.0, 5.0), (13.0, 10.0, 8.5)),
-    "building": ((12.0, 10.0, 9.0), (22.0, 14.0, 20.0)),
-    "tree": ((2.8, 2.8, 5.0), (5.0, 5.0, 10.0)),
-    "bush": ((0.8, 0.8, 0.7), (2.2, 2.2, 1.8)),
-    "hedge": ((0.0, 0.6, 0.9), (_ANY, 1.2, 2.0)),
-    "fence": ((0.0, 0.06, 0.9), (_ANY, 0.15, 1.8)),
-    "wall": ((0.0, 0.2, 1.5), (_ANY, 0.4, 3.0)),
-    "pole": ((0.1, 0.1, 2.5), (0.2, 0.2, 5.0)),
-    "street-light": ((0.18, 0.18, 6.0), (0.18, 0.18, 8.5)),
-    "traffic-sign": ((0.0, 0.6, 2.0), (_ANY, 0.9, 2.6)),
-    "bin": ((0.5, 0.5, 0.9), (0.8, 0.7, 1.2)),
-    "bench": ((1.4, 0.5, 0.75), (1.9, 0.6, 0.9)),
-}
-_CLEAR = (1.6, 2.4)  # m under a crown
-_GIRTH = (0.25, 0.5)  # m, a trunk
 # What the solver cannot come nearer to than this it cannot mean: a drawing that is further off than a quarter would
 # only teach that drawings lie.
 _FURTHEST, _CLOSE = 0.25, 0.12  # of the size; m, which is as good as nothing
 _ONE_BOX = {"house": "building", "truck": "truck"}  # a sentence knows no roofs, and one kind of lorry
-_DRIFT = 0.15  # m that the solver leaves the middle of a lane by
-_VEER = 0.03  # rad, three deviations of the solver's headings
+_VEER = 3 * YAW_DEVIATION  # rad
+
+
+def _extents(kind: SentenceKind) -> tuple[Size, Size]:
+    """The smallest and the largest extents [m] of a kind; strips are as long as they are."""
+    assert kind.sizes is not None
+    smallest, largest = kind.sizes.smallest, kind.sizes.largest
+    if kind.follows_road:
+        return (0.0, *smallest[1:]), (math.inf, *largest[1:])
+    return smallest, largest
+
+
+# A traffic light keeps its size: an arm makes it wide, and its pole is as high as it is.
+_EXTENTS = {
+    name: _extents(kind) for name, kind in SENTENCE_KINDS.items() if kind.sizes is not None and name != "traffic-light"
+}
+_LONGEST_BUILDING = _EXTENTS["building"][1][0]
 
 
 def as_text(
@@ -72,17 +72,17 @@ def as_text(
 
 
 def _resized(placed: PlacedObject, kind: Kind) -> PlacedObject:
-    """The object in the nearest size that its word has in `RANGES`; who rides keeps the size of both."""
-    if kind.word not in RANGES or kind.instances > 1:
+    """The object in the nearest size that its word has in sentences; who rides keeps the size of both."""
+    if kind.word not in _EXTENTS or kind.instances > 1:
         return placed
     size = np.array(placed.size)
     if kind.word == "house":
         size[2] = (placed.clearance + size[2]) / 2
     most = np.maximum(_FURTHEST * size, _CLOSE)
-    nearest = np.clip(np.clip(size, *RANGES[kind.word]), size - most, size + most)
+    nearest = np.clip(np.clip(size, *_EXTENTS[kind.word]), size - most, size + most)
     length, width, height = nearest.tolist()
     if kind.word == "tree":
-        clearance = min(max(placed.clearance, _CLEAR[0]), _CLEAR[1], 0.6 * height)
+        clearance = min(max(placed.clearance, CROWN_BASE[0]), CROWN_BASE[1], 0.6 * height)
         return replace(placed, size=((length + width) / 2, (length + width) / 2, height), clearance=clearance)
     if kind.word == "bush":
         return replace(placed, size=((length + width) / 2, (length + width) / 2, height))
@@ -90,38 +90,34 @@ def _resized(placed: PlacedObject, kind: Kind) -> PlacedObject:
 
 
 def _shapes(placed: PlacedObject, kind: Kind) -> list[CoarseShape]:
-    """What `drafting.things` draws by the word of a kind, at the size of the object."""
+    """What `drafting.object_shapes` draws by the word of a kind, at the size of the object."""
     length, width, height = placed.size
     if kind.word == "tree":
-        girth = float(np.clip(0.05 * height, *_GIRTH))
-        top = placed.clearance + 0.25 * (height - placed.clearance)
+        trunk = float(np.clip(0.05 * height, *TRUNK_DIAMETER))
         crown = height - placed.clearance
+        top = placed.clearance + TRUNK_IN_CROWN * crown
         return [
-            CoarseShape("cylinder", (0.0, 0.0, top / 2), (girth, girth, top), "trunk"),
+            CoarseShape("cylinder", (0.0, 0.0, top / 2), (trunk, trunk, top), "trunk"),
             CoarseShape("ellipsoid", (0.0, 0.0, placed.clearance + crown / 2), (length, width, crown), "vegetation"),
         ]
-    if kind.word == "building" and length > RANGES["building"][1][0]:
-        count = math.ceil(length / RANGES["building"][1][0])
+    if kind.word == "building" and length > _LONGEST_BUILDING:
+        count = math.ceil(length / _LONGEST_BUILDING)
         step = length / count
         along = (np.arange(count) + 0.5) * step - length / 2
-        return [
-            CoarseShape("box", (float(x), 0.0, height / 2), (step - 0.25, width, height), "building") for x in along
-        ]
+        return [CoarseShape("box", (float(x), 0.0, height / 2), (step - GAP, width, height), "building") for x in along]
     if kind.word == "traffic-sign":
-        plate = CoarseShape("box", (-0.08, 0.0, height - width / 2), (0.05, width, width), "traffic-sign")
-        return [CoarseShape("cylinder", (0.0, 0.0, height / 2), (0.08, 0.08, height), "pole"), plate]
+        return _as_coarse(traffic_sign_parts(height, width))
     if kind.word == "traffic-light" and width <= 1.0:  # wider ones hang from an arm
-        light = CoarseShape("box", (0.0, 0.0, placed.clearance + 0.45), (0.35, 0.35, 0.9), "traffic-light")
-        return [
-            CoarseShape("cylinder", (0.0, 0.0, placed.clearance / 2), (0.15, 0.15, placed.clearance), "pole"),
-            light,
-        ]
+        return _as_coarse(traffic_light_parts(placed.clearance))
     if kind.word == "street-light":
-        arm = CoarseShape("box", (0.0, -0.5, height), (0.3, 1.2, 0.15), "pole")
-        return [CoarseShape("cylinder", (0.0, 0.0, height / 2), (0.18, 0.18, height), "pole"), arm]
+        return _as_coarse(street_light_parts(height))
     if kind.word in _ONE_BOX:
         return box_of(_ONE_BOX[kind.word])(placed)
     return kind.coarse(placed)
+
+
+def _as_coarse(parts: list[ObjectPart]) -> list[CoarseShape]:
+    return [CoarseShape(part.shape, part.center, part.size, part.label) for part in parts]
 
 
 def _settled(placed: PlacedObject, alignment: Alignment, road: Road, rows: np.ndarray) -> tuple[float, float, float]:
@@ -140,7 +136,7 @@ def _settled(placed: PlacedObject, alignment: Alignment, road: Road, rows: np.nd
     if alignment is Alignment.LANE and round(district / (math.pi / 2)) % 2 == 0:
         row = rows[int(np.argmin(np.abs(rows - across)))]
         if abs(row - across) < 0.5:
-            across = float(np.clip(across, row - _DRIFT, row + _DRIFT))
+            across = float(np.clip(across, row - LANE_OFFSET, row + LANE_OFFSET))
     x, y, heading = road.at(along, across)
     return x, y, heading + turn
 
