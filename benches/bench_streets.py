@@ -21,14 +21,13 @@ from lidardraft import Sensor
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.streets import StreetConfig, pairs, streets
-from lidardraft.streets.coarse.coarse_layout import CoarseStreet
 
 # What is timed: the owners and names of the functions that do it. None of them calls another.
 STAGES: dict[str, tuple[tuple[Any, str], ...]] = {
     "building": ((pairs, "make_street"), (pairs, "Raycaster"), (Surfaces, "from_layout")),
     "casting": ((pairs.StreetScanner, "cast"), (ShapeTable, "scan")),
     "sensor model": ((pairs, "observe"),),
-    "drawing": ((CoarseStreet, "draw"),),
+    "coarse layout": ((pairs, "coarse_layout"),),
 }
 
 

@@ -33,7 +33,9 @@ from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.semantics import CLASSES, GROUND
-from lidardraft.streets.coarse.style import Style
+from lidardraft.streets.coarse.as_boxes import BoxStyle, as_boxes
+from lidardraft.streets.coarse.as_clusters import ClusterStyle, as_clusters
+from lidardraft.streets.coarse.as_text import TextStyle, as_text
 from lidardraft.streets.pairs import StreetScanner, scan_street
 from lidardraft.streets.placement.district import PARKING_STRIP
 from lidardraft.streets.street import Street, StreetConfig, make_street
@@ -97,14 +99,13 @@ def compare_clusters(streets: Iterable[Street], config: StreetConfig) -> Tallies
         ego, visible, rng = scan_street(street, eye, 0)
         scan, pose = visible.scan, visible.pose
         poses = config.sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
-        truth = street.coarse.draw(Style(source="boxes", ground="patches"), rng, ego.pose)
+        truth = as_boxes(street.coarse, BoxStyle(relief=True), ego.pose)
         points = scan.points() @ pose[:3, :3].T
         labels = scan.label[scan.valid]
         for numbered in (True, False):
             instances = scan.instance[scan.valid] if numbered else None
             real = layout_from_cloud(points, labels, instances=instances, sensor_height=float(pose[2, 3]))
-            style = Style(source="cloud", ground="patches", numbered=numbered)
-            quick = street.coarse.draw(style, rng, ego.pose, visible)
+            quick = as_clusters(street.coarse, ClusterStyle(numbered=numbered), rng, ego.pose, visible)
             suffix = " numbered" if numbered else ""
             for name, coarse in ((f"clusters{suffix}", ShapeTable.from_primitives(real)), (f"quick{suffix}", quick)):
                 measure(tallies, name, coarse, truth)
@@ -116,7 +117,7 @@ def compare_clusters(streets: Iterable[Street], config: StreetConfig) -> Tallies
 
 
 # What the solver calls the kinds of streets.
-SPOKEN = {
+NAMED = {
     **{body: "van" if body == "van" else "car" for body in BODIES},
     **{kind: kind for kind in ("truck", "bus", "tram", "person", "house", "tree", "bush", "pole", "bin", "bench")},
     "block": "building",
@@ -138,8 +139,8 @@ def compare_solver(streets: Iterable[Street]) -> Tallies:
     for street in streets:
         if street.occupancy.road.curvature:
             continue
-        coarse = street.coarse.draw(Style(), np.random.default_rng(0), np.eye(4))
-        kinds = {placed.id: SPOKEN[placed.kind] for placed in street.coarse.objects if placed.kind in SPOKEN}
+        coarse = as_text(street.coarse, TextStyle(), np.eye(4))
+        kinds = {placed.id: NAMED[placed.kind] for placed in street.coarse.objects if placed.kind in NAMED}
         middles = [lane.across for lane in street.lanes] + [street.occupancy.road.edge - PARKING_STRIP / 2]
         ego = street.occupancy.road.lane(0)
         for kind in sorted(set(kinds.values())):
@@ -147,7 +148,7 @@ def compare_solver(streets: Iterable[Street]) -> Tallies:
             objects = {coarse.ids[row].partition(".")[0] for row in named}
             if not objects:
                 continue
-            _measure_spoken(tallies, "quick", kind, coarse, named, len(objects), ego, middles)
+            _measure_named(tallies, "quick", kind, coarse, named, len(objects), ego, middles)
             parked = {"heading": "parked"} if kind in ("bicycle", "motorcycle") else {}
             spec = SceneSpec(groups=(Group(kind=kind, count=min(len(objects), _MOST), **parked),))
             try:
@@ -158,11 +159,11 @@ def compare_solver(streets: Iterable[Street]) -> Tallies:
             theirs = [road.lane(n, d) for n in range(road.lanes) for d in (-1, 1)] + [road.edge - road.parking / 2]
             mine = [row for row, id in enumerate(solved.ids) if id.partition(".")[0].rpartition("_")[0] == kind]
             count = min(len(objects), _MOST)
-            _measure_spoken(tallies, "solver", kind, solved, mine, count, road.lane(road.ego_lane), theirs)
+            _measure_named(tallies, "solver", kind, solved, mine, count, road.lane(road.ego_lane), theirs)
     return tallies
 
 
-def _measure_spoken(
+def _measure_named(
     tallies: Tallies,
     by: str,
     kind: str,
@@ -217,9 +218,9 @@ def main() -> None:
         (objects, "clusters numbered", "quick numbered"),
     ):
         print(f"{real} / {quick}\n")
-        as_text = real == "solver"
-        print("\n".join(rows(tallies, real, quick, spoken=as_text)))
-        print("\n".join(["", *(f"- {text}" for text in drift(tallies, real, quick, spoken=as_text)), ""]))
+        sized = real == "solver"
+        print("\n".join(rows(tallies, real, quick, sized=sized)))
+        print("\n".join(["", *(f"- {text}" for text in drift(tallies, real, quick, sized=sized)), ""]))
 
 
 if __name__ == "__main__":

@@ -95,20 +95,20 @@ def append(path: Path, number: int, tallies: Tallies) -> None:
         file.write(json.dumps({"street": number, "tallies": values}) + "\n")
 
 
-def drift(tallies: Tallies, real: str, quick: str, *, spoken: bool = False) -> list[str]:
+def drift(tallies: Tallies, real: str, quick: str, *, sized: bool = False) -> list[str]:
     """Where `quick` draws otherwise than `real`, by more than is tolerated and chance explains.
 
-    Of what is `spoken` the sizes are those of the street as far as the other could have drawn them, so that is asked.
+    Of what is `sized` the sizes are those of the street as far as the other could have drawn them, so that is asked.
     """
-    return [text for label, by in tallies.items() for text in _drift(label, by[quick], by[real], spoken)]
+    return [text for label, by in tallies.items() for text in _drift(label, by[quick], by[real], sized)]
 
 
-def _drift(label: str, mine: Tally, theirs: Tally, spoken: bool) -> Iterator[str]:
+def _drift(label: str, mine: Tally, theirs: Tally, sized: bool) -> Iterator[str]:
     number = min(len(mine.values["length"]), len(theirs.values["length"]))
     if number >= FEWEST:
         yield from _other_count(label, mine, theirs, number)
         yield from _other_places(label, mine, theirs, 2 / math.sqrt(number))
-        if spoken:
+        if sized:
             if mine.possible(theirs) < POSSIBLE:
                 yield f"{label}: {mine.possible(theirs):.2f} of the sizes possible"
         else:
@@ -151,17 +151,17 @@ def _other_places(label: str, mine: Tally, theirs: Tally, chance: float) -> Iter
         yield f"{label}: turned {mine.mean('turned'):.2f}, not {theirs.mean('turned'):.2f}"
 
 
-def rows(tallies: Tallies, real: str, quick: str, *, spoken: bool = False) -> Iterator[str]:
+def rows(tallies: Tallies, real: str, quick: str, *, sized: bool = False) -> Iterator[str]:
     """The table, line by line: each cell is that of `real` and that of `quick`; what has no value has no column."""
     fields = [name for name in FIELDS if any(by[quick].values[name] for by in tallies.values())]
-    yield f"| class | {' | '.join([*fields, 'possible'] if spoken else fields)} |"
-    yield "|---" * (len(fields) + 1 + spoken) + "|"
+    yield f"| class | {' | '.join([*fields, 'possible'] if sized else fields)} |"
+    yield "|---" * (len(fields) + 1 + sized) + "|"
     classes = [row.name for row in CLASSES if row.name in tallies]
     for label in classes or sorted(tallies):
         theirs, mine = tallies[label][real], tallies[label][quick]
         pairs = [(_cell(theirs, name), _cell(mine, name)) for name in fields]
         cells = [" / ".join(cell or "-" for cell in pair) if any(pair) else "" for pair in pairs]
-        yield f"| {label} | {' | '.join([*cells, f'{mine.possible(theirs):.2f}'] if spoken else cells)} |"
+        yield f"| {label} | {' | '.join([*cells, f'{mine.possible(theirs):.2f}'] if sized else cells)} |"
 
 
 def _cell(tally: Tally, name: str) -> str:

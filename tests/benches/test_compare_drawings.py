@@ -22,13 +22,13 @@ def test_things_are_drawn_as_the_solver_of_sentences_draws_them():
     tallies = compare_solver(make_street(seed, CONFIG) for seed in range(8))
     alike = {name: by for name, by in tallies.items() if name not in OTHERWISE}
     assert {"car: car", "van: car", "house: building", "building: building", "tree: trunk"} <= set(alike)
-    assert drift(alike, "solver", "quick", spoken=True) == []
-    places = [text for text in drift(tallies, "solver", "quick", spoken=True) if not text.endswith("possible")]
+    assert drift(alike, "solver", "quick", sized=True) == []
+    places = [text for text in drift(tallies, "solver", "quick", sized=True) if not text.endswith("possible")]
     assert places == []
 
 
 def test_every_line_of_the_table_has_every_column():
-    table = list(rows(compare_solver(make_street(seed, CONFIG) for seed in range(2)), "solver", "quick", spoken=True))
+    table = list(rows(compare_solver(make_street(seed, CONFIG) for seed in range(2)), "solver", "quick", sized=True))
     assert len(table) > 10
     assert {line.count("|") for line in table} == {table[0].count("|")}
 

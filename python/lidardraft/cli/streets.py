@@ -40,7 +40,15 @@ def write_pairs_of_streets(folder: str | Path, arguments: argparse.Namespace) ->
         return
     pairs = streets(seed, config, start=start, workers=arguments.workers)
     noted = (
-        (pair.scan, pair.condition_image, {"index": pair.index, "district": pair.district, "style": asdict(pair.style)})
+        (
+            pair.scan,
+            pair.condition_image,
+            {
+                "index": pair.index,
+                "district": pair.district,
+                "style": {"source": pair.style.source} | asdict(pair.style),
+            },
+        )
         for pair in itertools.islice(pairs, num - start)
     )
     with tqdm(total=num, initial=start, unit="pair", desc="streets") as bar:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 import multiprocessing
 from collections import deque
 from collections.abc import Generator, Iterator
@@ -22,8 +21,8 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel, sub_rays
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.scene.surfaces import Surfaces
-from lidardraft.streets.coarse.coarse_layout import place_of
-from lidardraft.streets.coarse.style import Style, sample_style
+from lidardraft.streets.coarse.coarse_layout import Style, coarse_layout, sample_style
+from lidardraft.streets.coarse.coarse_street import place_of
 from lidardraft.streets.coarse.visible import VisibleObjects
 from lidardraft.streets.ego import Ego, mount, sample_ego
 from lidardraft.streets.street import Street, StreetConfig, check_number, make_street
@@ -54,8 +53,7 @@ class StreetPair:
     @property
     def layout(self) -> Layout:
         """The shapes as a layout; `raycast(layout, sensor, poses=pair.poses())` gives `drawing` too."""
-        half = self.style.view / 2
-        return self.shapes.layout({"source": self.style.source}, None if half >= math.pi else (-half, half))
+        return self.shapes.layout({"source": self.style.source}, self.style.coverage)
 
 
 def streets(
@@ -181,7 +179,7 @@ def scan_street(street: Street, scanner: StreetScanner, index: int) -> tuple[Ego
 def _pair(street: Street, scanner: StreetScanner, index: int) -> StreetPair:
     ego, visible, rng = scan_street(street, scanner, index)
     style = sample_style(rng)
-    shapes = street.coarse.draw(style, rng, ego.pose, visible)
+    shapes = coarse_layout(street.coarse, style, rng, ego.pose, visible)
     poses = scanner.sensor.poses_in_motion(visible.pose, (ego.speed, 0.0, 0.0))
     condition_image = shapes.scan(scanner.sensor, poses, threads=scanner.threads)
     # primitives of the detailed scene say nothing to who does not have it, and take time on the way there

@@ -11,7 +11,8 @@ from lidardraft.errors import LayoutError
 from lidardraft.objects.kinds import kind_of
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import PRESETS, Sensor
-from lidardraft.streets.coarse.coarse_layout import CoarseStreet
+from lidardraft.streets.coarse.as_boxes import BoxStyle, as_boxes
+from lidardraft.streets.coarse.coarse_street import CoarseStreet
 from lidardraft.streets.placement.lanes import Lane
 from lidardraft.streets.placement.occupancy import Occupancy
 from lidardraft.streets.placement.plan import plan_street
@@ -50,7 +51,8 @@ class Street:
     @property
     def layout(self) -> Layout:
         """Everything as it is, as simple shapes on flat ground."""
-        return self.coarse.whole()
+        style = BoxStyle()
+        return as_boxes(self.coarse, style, np.eye(4)).layout({"source": style.source})
 
 
 def make_street(seed: int, config: StreetConfig | None = None, *, number: int = 0) -> Street:

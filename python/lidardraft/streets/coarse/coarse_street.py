@@ -1,0 +1,156 @@
+"""What all coarse layouts of one street have in common: its ground and the coarse shapes of its objects, as columns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lidardraft.objects.coarse_shapes import CoarseShape
+from lidardraft.objects.kinds import kind_of
+from lidardraft.objects.placed_object import PlacedObject
+from lidardraft.scene.layout import SHAPES, Layout, object_of
+from lidardraft.scene.road import Road
+from lidardraft.scene.shape_table import ShapeTable
+from lidardraft.semantics import BY_NAME, GROUND
+from lidardraft.streets.coarse.families import FAMILY_OF
+from lidardraft.streets.coarse.ground_mesh import GroundMesh
+from lidardraft.streets.coarse.solver_shapes import solver_shapes
+from lidardraft.streets.coarse.visible import owners_of
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ShapeColumns:
+    """M coarse shapes as columns: `owners` i64 [M], the object each belongs to; its shape, `centers` and `sizes` f64
+    [M, 3], label and instance in the frame of that object; `lobes` i64 [M], as `CoarseShape` has them; `places` f64
+    [M, 3], the x, y and yaw of the object; `ids` [M].
+    """
+
+    owners: np.ndarray
+    shapes: np.ndarray
+    centers: np.ndarray
+    sizes: np.ndarray
+    labels: np.ndarray
+    instances: np.ndarray
+    lobes: np.ndarray
+    places: np.ndarray
+    ids: np.ndarray
+
+    @classmethod
+    def from_rows(
+        cls, objects: Sequence[PlacedObject], rows: list[tuple[int, CoarseShape, tuple[float, float, float]]]
+    ) -> ShapeColumns:
+        """From (index of the object, one of its shapes, x, y and yaw of the object)."""
+        number: dict[tuple[int, int], int] = {}
+        ids = []
+        for index, mark, _ in rows:
+            # the crowns of one thing have the same ids whatever the number of their lobes
+            key = (index, mark.lobes)
+            number[key] = number.get(key, number.get((index, 0), 0) if mark.lobes else 0) + 1
+            ids.append(f"{objects[index].id}.{number[key] - 1}" if number[key] > 1 else objects[index].id)
+        marks = [mark for _, mark, _ in rows]
+        instances = [objects[i].instance + mark.instance_offset if objects[i].instance else 0 for i, mark, _ in rows]
+        return cls(
+            owners=np.array([index for index, _, _ in rows], dtype=np.int64),
+            shapes=np.array([SHAPES.index(mark.shape) for mark in marks], dtype=np.uint8),
+            centers=np.array([mark.center for mark in marks], dtype=float).reshape(-1, 3),
+            sizes=np.array([mark.size for mark in marks], dtype=float).reshape(-1, 3),
+            labels=np.array([BY_NAME[mark.label].id for mark in marks], dtype=np.uint8),
+            instances=np.array(instances, dtype=np.uint32),
+            lobes=np.array([mark.lobes for mark in marks], dtype=np.int64),
+            places=np.array([place for _, _, place in rows], dtype=float).reshape(-1, 3),
+            ids=np.array(ids, dtype=object),
+        )
+
+
+class CoarseStreet:
+    """The ground of a street and the coarse shapes of its objects, in the frame of the road.
+
+    `scene` is the detailed scene of the `objects` along `road`, `middles` are those of the lanes across the road [m].
+    Of the T objects, as columns: `places` f64 [T, 3] x, y, yaw; `levels` and `heights` f64 [T], of the ground under
+    them without and with its relief; `instances` u32 [T]; `ridden`, `small` and `poles` bool [T]; `families` i64 [T],
+    the number in `FAMILIES` or -1; `girths` f64 [T], the diameter of a pole [m]. `exact` are their shapes as they are,
+    `solved` the nearest ones that the solver of sentences could have placed. `owners` is `owners_of` the scene.
+    """
+
+    def __init__(self, road: Road, objects: Sequence[PlacedObject], scene: Layout, middles: Sequence[float]) -> None:
+        self.objects = tuple(objects)
+        self.owners = owners_of(scene, self.objects)
+        names = {placed.id for placed in self.objects}
+        self._flat = ShapeTable.from_primitives(road.surfaces())
+        self._mesh = GroundMesh(road, [p for p in scene if p.label in GROUND and object_of(p) not in names])
+        kinds = [kind_of(t.kind) for t in self.objects]
+        exact = [
+            (i, shape, (t.x, t.y, t.yaw))
+            for i, (t, kind) in enumerate(zip(self.objects, kinds, strict=True))
+            for shape in kind.coarse(t)
+        ]
+        self.exact = ShapeColumns.from_rows(self.objects, exact)
+        self.solved = ShapeColumns.from_rows(self.objects, solver_shapes(self.objects, road, middles))
+        self.places = np.array([(t.x, t.y, t.yaw) for t in self.objects], dtype=float).reshape(-1, 3)
+        self.levels = np.array([t.level for t in self.objects], dtype=float)
+        self.heights = np.array([t.z for t in self.objects], dtype=float)
+        self.instances = np.array([t.instance for t in self.objects], dtype=np.uint32)
+        self.ridden = np.array([kind.instances > 1 for kind in kinds], dtype=bool)
+        self.small = np.array([kind.is_small for kind in kinds], dtype=bool)
+        self.poles = np.array([kind.on_post for kind in kinds], dtype=bool)
+        self.families = np.array([FAMILY_OF[kind.word] for kind in kinds], dtype=np.int64)
+        pole = self.exact.shapes == SHAPES.index("cylinder")
+        self.girths = np.full(len(self.objects), 0.1)
+        self.girths[self.exact.owners[pole]] = self.exact.sizes[pole, 0]
+
+    def ground(self, pose: np.ndarray, *, relief: bool, sidewalks: bool = True) -> ShapeTable:
+        """The ground in the frame of the ego vehicle at street_from_ego `pose` [4, 4].
+
+        With `relief` it rises and falls, without it is the plane of the road under the ego vehicle.
+        """
+        ground = (self._mesh.around(pose) if relief else self._flat).seen_from(*place_of(pose))
+        return ground if sidewalks else ground.select(ground.labels != BY_NAME["sidewalk"].id)
+
+    def heights_over(self, pose: np.ndarray) -> np.ndarray:
+        """Heights [T] of the ground under the objects over the plane of the road under the ego vehicle [m]."""
+        heights: np.ndarray = (np.column_stack([self.places[:, :2], self.heights]) - pose[:3, 3]) @ pose[:3, 2]
+        return heights
+
+    def standing(
+        self,
+        columns: ShapeColumns,
+        chosen: np.ndarray,
+        pose: np.ndarray,
+        *,
+        relief: bool,
+        lobes: int = 1,
+        errors: tuple[np.ndarray, np.ndarray] | None = None,
+    ) -> ShapeTable:
+        """The shapes of the `chosen` objects, bool [T], on the ground, in the frame of the ego vehicle.
+
+        `lobes` is the number of ellipsoids in a crown; `errors` are added to the places [T, 3] and multiply the extents
+        [T, 3].
+        """
+        kept = np.flatnonzero(chosen[columns.owners] & ((columns.lobes == 0) | (columns.lobes == lobes)))
+        owners = columns.owners[kept]
+        centers, sizes, places = columns.centers[kept], columns.sizes[kept], columns.places[kept]
+        if errors is not None:
+            off, scale = errors
+            places = places + off[owners]
+            centers, sizes = centers * scale[owners], sizes * scale[owners]
+        cos, sin = np.cos(places[:, 2]), np.sin(places[:, 2])
+        x = places[:, 0] + cos * centers[:, 0] - sin * centers[:, 1]
+        y = places[:, 1] + sin * centers[:, 0] + cos * centers[:, 1]
+        heights = self.heights_over(pose) if relief else self.levels
+        return ShapeTable(
+            shapes=columns.shapes[kept],
+            centers=np.column_stack([x, y, heights[owners] + centers[:, 2]]),
+            sizes=sizes,
+            yaws=places[:, 2],
+            labels=columns.labels[kept],
+            instances=columns.instances[kept],
+            ids=tuple(columns.ids[kept].tolist()),
+        ).seen_from(*place_of(pose))
+
+
+def place_of(pose: np.ndarray) -> tuple[float, float, float]:
+    """x, y [m] and yaw [rad] of a pose [4, 4]."""
+    return float(pose[0, 3]), float(pose[1, 3]), math.atan2(pose[1, 0], pose[0, 0])

@@ -1,0 +1,151 @@
+"""Things as a sentence has them: the nearest to the real ones that the solver of sentences could have placed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from lidardraft.drafting.arrange import GAP
+from lidardraft.drafting.object_shapes import (
+    CROWN_BASE,
+    TRUNK_DIAMETER,
+    TRUNK_IN_CROWN,
+    ObjectPart,
+    Size,
+    street_light_parts,
+    traffic_light_parts,
+    traffic_sign_parts,
+)
+from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS, SentenceKind
+from lidardraft.drafting.sites import LANE_OFFSET, YAW_DEVIATION
+from lidardraft.objects.coarse_shapes import CoarseShape, box_of
+from lidardraft.objects.kinds import Alignment, Kind, kind_of
+from lidardraft.objects.placed_object import PlacedObject
+from lidardraft.scene.road import Road
+from lidardraft.streets.placement.district import PARKING_STRIP
+
+# What the solver cannot come nearer to than this it cannot mean: a drawing that is further off than a quarter would
+# only teach that drawings lie.
+_FURTHEST, _CLOSE = 0.25, 0.12  # of the size; m, which is as good as nothing
+_ONE_BOX = {"house": "building", "truck": "truck"}  # a sentence knows no roofs, and one kind of lorry
+_VEER = 3 * YAW_DEVIATION  # rad
+
+
+def _extents(kind: SentenceKind) -> tuple[Size, Size]:
+    """The smallest and the largest extents [m] of a kind; strips are as long as they are."""
+    assert kind.sizes is not None
+    smallest, largest = kind.sizes.smallest, kind.sizes.largest
+    if kind.follows_road:
+        return (0.0, *smallest[1:]), (math.inf, *largest[1:])
+    return smallest, largest
+
+
+# A traffic light keeps its size: an arm makes it wide, and its pole is as high as it is.
+_EXTENTS = {
+    name: _extents(kind) for name, kind in SENTENCE_KINDS.items() if kind.sizes is not None and name != "traffic-light"
+}
+_LONGEST_BUILDING = _EXTENTS["building"][1][0]
+
+
+def solver_shapes(
+    objects: Iterable[PlacedObject], road: Road, middles: Sequence[float]
+) -> list[tuple[int, CoarseShape, tuple[float, float, float]]]:
+    """What a sentence would draw of each thing: its index, a shape of it, and the place (x, y, yaw) it has that from.
+
+    `middles` are those of the lanes across the road [m]. A block longer than the solver's is several side by side.
+    """
+    rows = np.unique(
+        np.concatenate([np.asarray(middles, dtype=float), (road.edge - PARKING_STRIP / 2) * np.array([-1.0, 1.0])])
+    )
+    coarse = []
+    for index, placed in enumerate(objects):
+        kind = kind_of(placed.kind)
+        if kind.word is None:
+            continue
+        standard = _resized(placed, kind)
+        place = _settled(standard, kind.alignment, road, rows)
+        coarse += [(index, shape, place) for shape in _shapes(standard, kind)]
+    return coarse
+
+
+def _resized(placed: PlacedObject, kind: Kind) -> PlacedObject:
+    """The object in the nearest size that its word has in sentences; who rides keeps the size of both."""
+    if kind.word not in _EXTENTS or kind.instances > 1:
+        return placed
+    size = np.array(placed.size)
+    if kind.word == "house":
+        size[2] = (placed.clearance + size[2]) / 2
+    most = np.maximum(_FURTHEST * size, _CLOSE)
+    nearest = np.clip(np.clip(size, *_EXTENTS[kind.word]), size - most, size + most)
+    length, width, height = nearest.tolist()
+    if kind.word == "tree":
+        clearance = min(max(placed.clearance, CROWN_BASE[0]), CROWN_BASE[1], 0.6 * height)
+        return replace(placed, size=((length + width) / 2, (length + width) / 2, height), clearance=clearance)
+    if kind.word == "bush":
+        return replace(placed, size=((length + width) / 2, (length + width) / 2, height))
+    return replace(placed, size=(length, width, height))
+
+
+def _shapes(placed: PlacedObject, kind: Kind) -> list[CoarseShape]:
+    """What `drafting.object_shapes` draws by the word of a kind, at the size of the object."""
+    length, width, height = placed.size
+    if kind.word == "tree":
+        trunk = float(np.clip(0.05 * height, *TRUNK_DIAMETER))
+        crown = height - placed.clearance
+        top = placed.clearance + TRUNK_IN_CROWN * crown
+        return [
+            CoarseShape("cylinder", (0.0, 0.0, top / 2), (trunk, trunk, top), "trunk"),
+            CoarseShape("ellipsoid", (0.0, 0.0, placed.clearance + crown / 2), (length, width, crown), "vegetation"),
+        ]
+    if kind.word == "building" and length > _LONGEST_BUILDING:
+        count = math.ceil(length / _LONGEST_BUILDING)
+        step = length / count
+        along = (np.arange(count) + 0.5) * step - length / 2
+        return [CoarseShape("box", (float(x), 0.0, height / 2), (step - GAP, width, height), "building") for x in along]
+    if kind.word == "traffic-sign":
+        return _as_coarse(traffic_sign_parts(height, width))
+    if kind.word == "traffic-light" and width <= 1.0:  # wider ones hang from an arm
+        return _as_coarse(traffic_light_parts(placed.clearance))
+    if kind.word == "street-light":
+        return _as_coarse(street_light_parts(height))
+    if kind.word in _ONE_BOX:
+        return box_of(_ONE_BOX[kind.word])(placed)
+    return kind.coarse(placed)
+
+
+def _as_coarse(parts: list[ObjectPart]) -> list[CoarseShape]:
+    return [CoarseShape(part.shape, part.center, part.size, part.label) for part in parts]
+
+
+def _settled(placed: PlacedObject, alignment: Alignment, road: Road, rows: np.ndarray) -> tuple[float, float, float]:
+    """x, y [m] and yaw [rad] of the thing along the road, near the middle of a row if it stands in one."""
+    if alignment is Alignment.FREE:
+        return placed.x, placed.y, placed.yaw
+    along, across = _along_across(road, placed.x, placed.y)
+    heading = road.curvature * along
+    turn = math.remainder(placed.yaw - heading, math.tau)
+    district = round(turn / (math.pi / 2)) * math.pi / 2
+    if alignment is Alignment.SQUARE:
+        return placed.x, placed.y, heading + district
+    if abs(turn - district) > 0.2:
+        return placed.x, placed.y, placed.yaw
+    turn = district + float(np.clip(turn - district, -_VEER, _VEER))
+    if alignment is Alignment.LANE and round(district / (math.pi / 2)) % 2 == 0:
+        row = rows[int(np.argmin(np.abs(rows - across)))]
+        if abs(row - across) < 0.5:
+            across = float(np.clip(across, row - LANE_OFFSET, row + LANE_OFFSET))
+    x, y, heading = road.at(along, across)
+    return x, y, heading + turn
+
+
+def _along_across(road: Road, x: float, y: float) -> tuple[float, float]:
+    """The inverse of `Road.at`."""
+    ego, bend = road.lane(road.ego_lane), road.curvature
+    if abs(bend) < 1e-9:
+        return x, y + ego
+    sign = math.copysign(1.0, bend)
+    inward = 1.0 / bend - (y + ego)
+    return math.atan2(sign * x, sign * inward) / bend, 1.0 / bend - sign * math.hypot(x, inward)
