@@ -206,13 +206,13 @@ def _kitti(points: np.ndarray, intensity: np.ndarray, columns: int) -> Sweep:
     """KITTI stores laser by laser, from the top, each once around to the left from straight ahead."""
     azimuth = np.arctan2(points[:, 1], points[:, 0]) % (2 * np.pi)
     rows = np.concatenate([[0], np.cumsum(np.diff(azimuth) < -np.pi)])
-    return Sweep.unfolded(points, rows, height=64, columns=columns, intensity=intensity)
+    return Sweep.from_points(points, rows, height=64, columns=columns, intensity=intensity)
 
 
 def _pjlab(path: Path, columns: int) -> Sweep:
     fields = pcd_columns(path.name, path.read_bytes())
     points = np.stack([fields[axis] for axis in "xyz"], axis=1)
-    return Sweep.unfolded(points, 63 - fields["ring"].astype(int), height=64, columns=columns)
+    return Sweep.from_points(points, 63 - fields["ring"].astype(int), height=64, columns=columns)
 
 
 def _pandaset(path: Path, angles: np.ndarray, columns: int) -> Sweep:
@@ -225,7 +225,7 @@ def _pandaset(path: Path, angles: np.ndarray, columns: int) -> Sweep:
     seen = _from_sensor(points, angles)
     elevation = np.arctan2(seen[:, 2], np.hypot(seen[:, 0], seen[:, 1]))
     rows = np.searchsorted(-(angles[1:] + angles[:-1]) / 2, -elevation)
-    return Sweep.unfolded(seen, rows, height=64, columns=columns, label=label[raw], intensity=intensity)
+    return Sweep.from_points(seen, rows, height=64, columns=columns, label=label[raw], intensity=intensity)
 
 
 def _from_sensor(points: np.ndarray, angles: np.ndarray) -> np.ndarray:

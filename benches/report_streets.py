@@ -1,9 +1,10 @@
 """Procedural streets beside recorded scans, property by property: `make report-streets`.
 
 For each sensor of which there are recordings, and which is a preset: streets scanned with its pattern, measured as the
-recordings are, in one table, worst row first. "Real vs real" is the mean distance between recordings of two drives or
-places, "streets vs real" that between as many streets and each of them; a ratio of 1 says that streets differ from a
-drive as another drive does. The recordings are looked for in the folder LIDARDRAFT_DATA or --data.
+recordings are, in one table, worst property first. "Recorded vs recorded" is the mean distance between recordings of
+two drives or places, "streets vs recorded" that between as many streets and each of them; a ratio of 1 says that
+streets differ from a drive as another drive does. The recordings are looked for in the folder LIDARDRAFT_DATA or
+--data.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ import numpy as np
 
 import recordings
 from lidardraft.metrics import lifelike
-from lidardraft.metrics.lifelike import Line, Row
+from lidardraft.metrics.lifelike import Comparison, Property
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import PRESETS, Sensor
@@ -74,8 +75,8 @@ def _section(name: str, folder: Path, num: int) -> tuple[str, Pooled]:
         reason = real.why
     if reason:
         return f"### {name}\n\nSkipped: {reason}.\n", {}
-    lines, pooled = report(real, PRESETS[name], num)
-    return markdown(real, lines, num), pooled
+    comparisons, pooled = report(real, PRESETS[name], num)
+    return markdown(real, comparisons, num), pooled
 
 
 def _missing(name: str, folder: Path) -> str:
@@ -84,14 +85,13 @@ def _missing(name: str, folder: Path) -> str:
     return "" if folder.name and folder.is_dir() else "no recordings; name their folder in LIDARDRAFT_DATA or --data"
 
 
-def report(real: Recordings, sensor: Sensor, num: int) -> tuple[list[Line], Pooled]:
-    """All lines, and what they are made of: sums over the sweeps of each group and of the streets, by row."""
+def report(real: Recordings, sensor: Sensor, num: int) -> tuple[list[Comparison], Pooled]:
+    """All comparisons, and what they are of: sums over the sweeps of each group and of the streets, by property."""
     with_intensity = all(sweep.intensity is not None for sweeps in real.plain.values() for sweep in sweeps)
-    whole = [row for row in lifelike.ROWS if not (real.halves and row.name.startswith("top view"))]
-    plain = whole + (list(lifelike.INTENSITY_ROWS) if with_intensity else [])
-    labelled = list(lifelike.class_rows()) + ([] if with_intensity else list(lifelike.INTENSITY_ROWS))
-    rows = {row.name: row for row in (*plain, *labelled)}
-    made: dict[str, list[np.ndarray]] = {name: [] for name in (*rows, "class counts")}
+    plain = [one for one in lifelike.PROPERTIES if not (real.halves and one.name.startswith("top view"))]
+    labelled = list(lifelike.class_properties())
+    (plain if with_intensity else labelled).extend(lifelike.INTENSITY_PROPERTIES)
+    generated: dict[str, list[np.ndarray]] = {one.name: [] for one in (*plain, *labelled)} | {"class counts": []}
     open_plain = unhidden(real.plain, sensor, real.fov)
     open_labelled = open_plain if real.spherical else unhidden(real.labelled, sensor, real.fov)
     for number, image in enumerate(_progress(sensor, num)):
@@ -104,18 +104,19 @@ def report(real: Recordings, sensor: Sensor, num: int) -> tuple[list[Line], Pool
             )
             values |= {**_measured(labelled, sweep), "class counts": lifelike.class_counts(sweep)}
         for name, value in values.items():
-            made[name].append(value)
-    groups = {name: _by_group(real.plain, row) for name, row in rows.items() if row in plain}
-    groups |= {name: _by_group(real.labelled, row) for name, row in rows.items() if row in labelled and real.labelled}
-    lines = [lifelike.compare(rows[name], measured, made[name]) for name, measured in groups.items()]
+            generated[name].append(value)
+    properties = {one.name: (one, real.plain) for one in plain}
+    properties |= {one.name: (one, real.labelled) for one in labelled if real.labelled}
+    groups = {name: _by_group(recorded, one) for name, (one, recorded) in properties.items()}
+    found = [lifelike.compare(properties[name][0], measured, generated[name]) for name, measured in groups.items()]
     if real.labelled:
         shares = {name: [lifelike.class_counts(sweep) for sweep in sweeps] for name, sweeps in real.labelled.items()}
         # published shares are those of very many scans
         shares |= {name: [1e6 * lifelike.counts_by_set(share)] * num for name, share in real.shares.items()}
-        lines += [lifelike.compare(row, shares, made["class counts"]) for row in lifelike.share_rows(shares)]
+        found += [lifelike.compare(one, shares, generated["class counts"]) for one in lifelike.share_properties(shares)]
         groups["class counts"] = shares
-    pooled = {name: _pooled({**measured, "streets": made[name]}) for name, measured in groups.items()}
-    return sorted(lines, key=lambda line: math.inf if math.isnan(line.ratio) else -line.ratio), pooled
+    pooled = {name: _pooled({**measured, "streets": generated[name]}) for name, measured in groups.items()}
+    return sorted(found, key=lambda one: math.inf if math.isnan(one.ratio) else -one.ratio), pooled
 
 
 def unhidden(groups: Groups, sensor: Sensor, fov: float | None) -> np.ndarray:
@@ -137,7 +138,7 @@ def unhidden(groups: Groups, sensor: Sensor, fov: float | None) -> np.ndarray:
 
 
 def by_azimuth(image: RangeImage) -> Sweep:
-    """The sweep with each laser's firings in the columns that they look to, as recordings are unfolded.
+    """The sweep with each laser's firings in the columns that they look to, as `Sweep.from_points` has them.
 
     Lasers that fire together look up to 10 degrees apart: by firing, what lies in one column would not be neighbours.
     """
@@ -174,19 +175,19 @@ def _progress(sensor: Sensor, num: int) -> Iterator[RangeImage]:
             )
 
 
-def _measured(rows: list[Row], sweep: Sweep) -> dict[str, np.ndarray]:
-    return {row.name: row.measure(sweep) for row in rows}
+def _measured(properties: list[Property], sweep: Sweep) -> dict[str, np.ndarray]:
+    return {one.name: one.measure(sweep) for one in properties}
 
 
-def _by_group(groups: Groups, row: Row) -> dict[str, list[np.ndarray]]:
-    return {name: [row.measure(sweep) for sweep in sweeps] for name, sweeps in groups.items()}
+def _by_group(groups: Groups, measured: Property) -> dict[str, list[np.ndarray]]:
+    return {name: [measured.measure(sweep) for sweep in sweeps] for name, sweeps in groups.items()}
 
 
 def _windowed(sweep: Sweep, real: Recordings, number: int) -> Sweep:
     """As much of a sweep of streets as the recordings have; of halves, the left and the right one in turn."""
     columns = sweep.points.shape[1]
     if real.halves:
-        right = number // 3 % 2  # in an order of its own, for every so manieth is drawn from what is made
+        right = number // 3 % 2  # in an order of its own: `compare` takes sweeps at a stride
         return sweep.part(right * columns // 2, (right + 1) * columns // 2)
     if real.fov is None:
         return sweep
@@ -205,14 +206,17 @@ def _pooled(groups: dict[str, list[np.ndarray]]) -> dict[str, list[float]]:
     return {name: np.sum(values, axis=0).tolist() for name, values in groups.items() if len(values)}
 
 
-def markdown(real: Recordings, lines: list[Line], num: int) -> str:
+def markdown(real: Recordings, comparisons: list[Comparison], num: int) -> str:
     """The table of a sensor, in Markdown."""
     said = [f"{name} ({len(sweeps)})" for name, sweeps in {**real.plain, **real.labelled}.items()] + list(real.shares)
     text = [f"### {real.sensor}", "", f"{num} scans of streets beside {', '.join(said)}.", ""]
-    text += ["| row | real | streets | real vs real | streets vs real | ratio |", "|---|---:|---:|---:|---:|---:|"]
-    for line in lines:
-        cells = (line.real, line.made, line.real_vs_real, line.made_vs_real, line.ratio)
-        text.append(f"| {line.name} | {' | '.join(_digits(value) for value in cells)} |")
+    text += [
+        "| property | recorded | streets | recorded vs recorded | streets vs recorded | ratio |",
+        "|---|---:|---:|---:|---:|---:|",
+    ]
+    for one in comparisons:
+        cells = (one.recorded, one.generated, one.recorded_vs_recorded, one.generated_vs_recorded, one.ratio)
+        text.append(f"| {one.name} | {' | '.join(_digits(value) for value in cells)} |")
     return "\n".join(text) + "\n"
 
 

@@ -1,4 +1,4 @@
-"""The report of streets beside recordings: on recordings where there are some, on made-up ones where not."""
+"""The report of streets beside recordings: on recordings where there are some, on streets where not."""
 
 import os
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 
 import recordings
 import report_streets
-from lidardraft.metrics.lifelike import Line
+from lidardraft.metrics.lifelike import Comparison
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.semantics import BY_NAME
@@ -25,13 +25,13 @@ def data() -> Path:
     return Path(os.environ["LIDARDRAFT_DATA"])
 
 
-def made_sweeps(seed: int, count: int) -> list[Sweep]:
+def street_sweeps(seed: int, count: int) -> list[Sweep]:
     pairs = streets(seed, StreetConfig(sensor=PRESETS["vlp16"], poses_per_street=count))
     return [Sweep.from_image(next(pairs).scan) for _ in range(count)]
 
 
 def test_other_streets_are_as_lifelike_as_streets() -> None:
-    groups = {"a": made_sweeps(1, 3), "b": made_sweeps(3, 3)}
+    groups = {"a": street_sweeps(1, 3), "b": street_sweeps(3, 3)}
     real = Recordings(sensor="vlp16", plain=groups, labelled=groups)
     lines, pooled = report_streets.report(real, PRESETS["vlp16"], 8)
     ratios = {line.name: line.ratio for line in lines}
@@ -43,11 +43,11 @@ def test_other_streets_are_as_lifelike_as_streets() -> None:
 
 
 def test_the_table_says_what_was_compared() -> None:
-    real = Recordings(sensor="vlp16", plain={"a": made_sweeps(1, 1)})
+    real = Recordings(sensor="vlp16", plain={"a": street_sweeps(1, 1)})
     text = report_streets.markdown(
         real,
         [
-            Line(
+            Comparison(
                 "range (JSD)",
                 9.17,
                 8.5,

@@ -26,26 +26,26 @@ def test_distances_of_3_to_70_metres_count_height_included():
 
 
 def test_jsd_of_equal_and_of_disjoint_sets():
-    real = [scan(HERE, THERE), scan(HERE)]
-    assert bev_jsd(real, real) == pytest.approx(0.0, abs=1e-9)
-    assert bev_jsd(real, [scan(AWAY)]) == pytest.approx(math.sqrt(math.log(2)))
+    recorded = [scan(HERE, THERE), scan(HERE)]
+    assert bev_jsd(recorded, recorded) == pytest.approx(0.0, abs=1e-9)
+    assert bev_jsd(recorded, [scan(AWAY)]) == pytest.approx(math.sqrt(math.log(2)))
 
 
 def test_jsd_weighs_scans_by_their_points():
     # p = (3/4, 1/4), q = (1/2, 1/2), by hand.
-    real, generated = [scan(HERE, HERE, HERE), scan(THERE)], [scan(HERE, THERE)]
+    recorded, generated = [scan(HERE, HERE, HERE), scan(THERE)], [scan(HERE, THERE)]
     p, q = np.array([0.75, 0.25]), np.array([0.5, 0.5])
     m = (p + q) / 2
     divergence = 0.5 * np.sum(p * np.log(p / m)) + 0.5 * np.sum(q * np.log(q / m))
-    assert bev_jsd(real, generated) == pytest.approx(math.sqrt(divergence))
+    assert bev_jsd(recorded, generated) == pytest.approx(math.sqrt(divergence))
 
 
 def test_jsd_agrees_with_scipy():
     distance = pytest.importorskip("scipy.spatial.distance")
     random = np.random.default_rng(0)
-    real, generated = ([random.normal(0, s, (500, 3)) for _ in range(3)] for s in (10, 14))
-    sums = [sum(bev_histogram(points) for points in scans).ravel() for scans in (real, generated)]
-    assert bev_jsd(real, generated) == pytest.approx(distance.jensenshannon(*sums))
+    recorded, generated = ([random.normal(0, s, (500, 3)) for _ in range(3)] for s in (10, 14))
+    sums = [sum(bev_histogram(points) for points in scans).ravel() for scans in (recorded, generated)]
+    assert bev_jsd(recorded, generated) == pytest.approx(distance.jensenshannon(*sums))
 
 
 def test_mmd_of_equal_and_of_disjoint_scans():
@@ -61,11 +61,11 @@ def test_mmd_takes_the_largest_singular_value_not_the_euclidean_norm():
 
 
 def test_mmd_is_a_mean_over_all_pairs_with_the_diagonal():
-    real = [scan(HERE), scan(AWAY)]
+    recorded = [scan(HERE), scan(AWAY)]
     kernel = math.exp(-2)
     expected = (1 + kernel) / 2 + 1 - 2 * (1 + kernel) / 2
-    assert bev_mmd(real, [scan(HERE)]) == pytest.approx(expected)
-    assert bev_mmd([scan(HERE)], real) == pytest.approx(expected)
+    assert bev_mmd(recorded, [scan(HERE)]) == pytest.approx(expected)
+    assert bev_mmd([scan(HERE)], recorded) == pytest.approx(expected)
 
 
 def test_sets_without_a_score():

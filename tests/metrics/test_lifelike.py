@@ -1,4 +1,4 @@
-"""What is compared with what, on measurements that are made up."""
+"""What is compared with what, on measurements by hand."""
 
 import math
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lidardraft.metrics import lifelike
-from lidardraft.metrics.lifelike import CLASS_SETS, ROWS, Row, compare
+from lidardraft.metrics.lifelike import CLASS_SETS, PROPERTIES, Property, compare
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import PRESETS
@@ -17,44 +17,44 @@ def mean_gap(first: lifelike.Features, second: lifelike.Features) -> float:
     return abs(float(np.mean(first)) - float(np.mean(second)))
 
 
-GAP = Row("gap", lambda _: np.zeros(1), mean_gap, lambda features: float(np.mean(features)))
+GAP = Property("gap", lambda _: np.zeros(1), mean_gap, lambda features: float(np.mean(features)))
 
 
 def values(*numbers: float) -> list[np.ndarray]:
     return [np.array([number]) for number in numbers]
 
 
-def test_made_sweeps_stand_in_for_each_group() -> None:
-    line = compare(GAP, {"a": values(1, 1), "b": values(3, 3)}, values(*[4.0] * 8))
-    assert (line.real, line.made) == (2.0, 4.0)
-    assert line.real_vs_real == 2.0
-    assert line.made_vs_real == pytest.approx((3 + 1) / 2)
-    assert line.ratio == 1.0
+def test_generated_sweeps_stand_in_for_each_group() -> None:
+    found = compare(GAP, {"a": values(1, 1), "b": values(3, 3)}, values(*[4.0] * 8))
+    assert (found.recorded, found.generated) == (2.0, 4.0)
+    assert found.recorded_vs_recorded == 2.0
+    assert found.generated_vs_recorded == pytest.approx((3 + 1) / 2)
+    assert found.ratio == 1.0
 
 
 def test_drives_that_are_equal_by_chance_differ_as_their_halves_do() -> None:
     groups = {"a": values(0, 0, 2, 2), "b": values(1, 1, 1, 1)}
-    assert compare(GAP, groups, values(1, 1)).real_vs_real == 1.0
+    assert compare(GAP, groups, values(1, 1)).recorded_vs_recorded == 1.0
 
 
-def test_only_as_many_made_sweeps_as_the_group_has() -> None:
+def test_only_as_many_generated_sweeps_as_the_group_has() -> None:
     sizes = []
 
     def counted(first: lifelike.Features, second: lifelike.Features) -> float:
         sizes.append((len(first), len(second)))
         return 1.0
 
-    row = Row("counted", GAP.measure, counted, GAP.summary)
+    row = Property("counted", GAP.measure, counted, GAP.summary)
     compare(row, {"a": values(*[1.0] * 3), "b": values(*[1.0] * 2)}, values(*range(13)))
-    # real against real, then 2 for b's place beside a and 3 for a's place beside b, each several times
+    # recorded against recorded, then 2 for b's place beside a and 3 for a's place beside b, each several times
     assert sizes == [(3, 2), *[(2, 3)] * 6, *[(3, 2)] * 4]
 
 
 def test_a_group_without_any_count_is_left_out() -> None:
-    line = compare(GAP, {"a": values(1, 1), "b": values(0, 0)}, values(2, 2))
-    assert math.isnan(line.real_vs_real)
-    assert math.isnan(line.ratio)
-    assert line.made_vs_real == 1.0
+    found = compare(GAP, {"a": values(1, 1), "b": values(0, 0)}, values(2, 2))
+    assert math.isnan(found.recorded_vs_recorded)
+    assert math.isnan(found.ratio)
+    assert found.generated_vs_recorded == 1.0
 
 
 def test_pooled_means_use_bins_that_both_have() -> None:
@@ -72,14 +72,14 @@ def test_values_that_are_not_known_are_left_out() -> None:
 
 def test_shares_are_of_the_classes_that_the_recordings_know() -> None:
     names = list(CLASS_SETS)
-    real = {"a": [counts(road=30, car=10)], "b": [counts(road=10, car=10)]}
-    everything, *classes = lifelike.share_rows(real)
+    recorded = {"a": [counts(road=30, car=10)], "b": [counts(road=10, car=10)]}
+    everything, *classes = lifelike.share_properties(recorded)
     assert [row.name for row in classes] == ["share of road", "share of car"]
-    made = [counts(road=10, car=30, fence=1000)]
-    assert classes[0].summary(made) == 0.25
-    assert classes[0].distance(real["a"], made) == pytest.approx(0.5)
-    assert everything.distance(real["a"], made) == pytest.approx(0.5)
-    assert len(real["a"][0]) == len(names)
+    generated = [counts(road=10, car=30, fence=1000)]
+    assert classes[0].summary(generated) == 0.25
+    assert classes[0].distance(recorded["a"], generated) == pytest.approx(0.5)
+    assert everything.distance(recorded["a"], generated) == pytest.approx(0.5)
+    assert len(recorded["a"][0]) == len(names)
 
 
 def counts(**by_set: float) -> np.ndarray:
@@ -93,11 +93,11 @@ def test_class_counts_sum_members_and_leave_out_the_rest() -> None:
     assert lifelike.class_counts(Sweep(points, label)).tolist() == counts(fence=2, person=1).tolist()
 
 
-def test_every_row_is_at_peace_with_itself(street_sweep: Sweep) -> None:
-    for row in (*ROWS, *lifelike.INTENSITY_ROWS, *lifelike.class_rows()):
-        measured = row.measure(street_sweep)
+def test_every_property_has_no_distance_to_itself(street_sweep: Sweep) -> None:
+    for one in (*PROPERTIES, *lifelike.INTENSITY_PROPERTIES, *lifelike.class_properties()):
+        measured = one.measure(street_sweep)
         if np.nansum(np.abs(measured)) > 0:
-            assert row.distance([measured], [measured]) == pytest.approx(0.0, abs=1e-6), row.name
+            assert one.distance([measured], [measured]) == pytest.approx(0.0, abs=1e-6), one.name
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,7 @@ def fired(firings: int, lost: np.ndarray, *, phase: float = 0.3, drift: float = 
 @pytest.mark.parametrize("drift", [0.0, 0.02])
 def test_a_full_turn_leaves_no_hole(firings: int, drift: float) -> None:
     points, _ = fired(firings, np.zeros(firings, dtype=bool), drift=drift)
-    sweep = Sweep.unfolded(points, np.zeros(firings, dtype=int), height=1, columns=360)
+    sweep = Sweep.from_points(points, np.zeros(firings, dtype=int), height=1, columns=360)
     assert sweep.valid.all()
     np.testing.assert_allclose(sweep.depth, 10.0, rtol=1e-6)
 
@@ -33,7 +33,7 @@ def test_lost_firings_are_lost_at_their_rate_and_not_hidden_by_their_neighbours(
     rng = np.random.default_rng(0)
     lost = rng.random(2004) < 0.3
     points, _ = fired(2004, lost, drift=0.02)
-    sweep = Sweep.unfolded(points, np.zeros(len(points), dtype=int), height=1, columns=1002)
+    sweep = Sweep.from_points(points, np.zeros(len(points), dtype=int), height=1, columns=1002)
     # every second firing, whichever comes nearest; the nearest of two returns would leave 9 % of holes
     assert sweep.valid.mean() == pytest.approx(0.7, abs=0.04)
 
@@ -42,7 +42,7 @@ def test_each_firing_comes_to_its_column() -> None:
     lost = np.zeros(360, dtype=bool)
     lost[[0, 100, 101, 359]] = True
     points, kept = fired(360, lost, phase=0.5)
-    sweep = Sweep.unfolded(points, np.zeros(len(points), dtype=int), height=1, columns=360, intensity=kept / 360)
+    sweep = Sweep.from_points(points, np.zeros(len(points), dtype=int), height=1, columns=360, intensity=kept / 360)
     np.testing.assert_array_equal(sweep.valid[0], ~lost)
     assert sweep.intensity is not None
     np.testing.assert_allclose(sweep.intensity[0], np.where(lost, 0, np.arange(360) / 360), rtol=1e-6)
@@ -52,7 +52,7 @@ def test_rows_and_labels_stay_together() -> None:
     points, _ = fired(90, np.zeros(90, dtype=bool), phase=0.5)
     both = np.concatenate([points, 2 * points])
     rows = np.repeat([2, 0], 90)
-    sweep = Sweep.unfolded(both, rows, height=3, columns=90, label=np.repeat([5, 7], 90))
+    sweep = Sweep.from_points(both, rows, height=3, columns=90, label=np.repeat([5, 7], 90))
     assert sweep.label is not None
     np.testing.assert_array_equal(sweep.depth.round(3), np.repeat([[20.0], [0.0], [10.0]], 90, axis=1))
     np.testing.assert_array_equal(sweep.label, np.repeat([[7], [0], [5]], 90, axis=1))
@@ -68,7 +68,7 @@ def test_the_step_does_not_count_gaps() -> None:
 
 def test_a_row_that_is_not_there() -> None:
     with pytest.raises(LidarDraftError, match="rows are 0 to 4; they must be 0 to 3"):
-        Sweep.unfolded(np.ones((2, 3)), np.array([0, 4]), height=4, columns=8)
+        Sweep.from_points(np.ones((2, 3)), np.array([0, 4]), height=4, columns=8)
 
 
 def test_a_range_image_keeps_its_points() -> None:

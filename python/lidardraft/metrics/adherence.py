@@ -1,7 +1,7 @@
-"""Layout adherence: how much of a scan stands where the drawing of its layout says.
+"""Layout adherence: how much of a scan stands where the condition image, the cast of its layout, says.
 
-The definition is our own; no published score compares a scan with the layout it was made from. A return agrees with the
-drawing where `scene.labelling.agrees` says so: within 0.5 m or 5 % of the drawn distance, whichever is more.
+The definition is our own; no published score compares a scan with the layout it was generated from. A return agrees
+with the condition where `scene.labelling.agrees` says so: within 0.5 m or 5 % of its depth, whichever is more.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ _NO_OBJECT = [BY_NAME[name].id for name in ("none", *GROUND)]
 class Adherence:
     """Shares in [0, 1]; NaN where there is no pixel to count.
 
-    `objects`, `overall` and `by_class` are the shares of the scan's returns that agree with the drawing, among those
-    whose ray hits an object of the drawing (not road, sidewalk or terrain), anything drawn, or the class of that name
-    in the drawing. `drop` is the share of drawn pixels without a return.
+    `objects`, `overall` and `by_class` are the shares of the scan's returns that agree with the condition image, among
+    those whose ray hits an object there (not road, sidewalk or terrain), anything, or the class of that name. `drop` is
+    the share of the condition's hits without a return.
     """
 
     objects: float
@@ -33,7 +33,7 @@ class Adherence:
 
 
 def adherence(scan: RangeImage, condition_image: RangeImage) -> Adherence:
-    """How well `scan` keeps to `drawing`, the layout as cast by the same sensor."""
+    """How well `scan` keeps to `condition_image`, the layout as cast by the same sensor."""
     good = agrees(scan, condition_image)
     both = scan.valid & condition_image.valid
     objects = both & ~np.isin(condition_image.label, _NO_OBJECT)

@@ -28,24 +28,24 @@ def bev_histogram(points: np.ndarray) -> np.ndarray:
     return np.histogram2d(x, y, bins=BINS, range=(span, span))[0]
 
 
-def bev_jsd(real: Iterable[np.ndarray], generated: Iterable[np.ndarray]) -> float:
+def bev_jsd(recorded: Iterable[np.ndarray], generated: Iterable[np.ndarray]) -> float:
     """Jensen-Shannon distance (square root of the divergence in nats) of the summed histograms of scans [N, 3]."""
-    p, q = (_normalised(_histograms(scans).sum(axis=0, keepdims=True))[0] for scans in (real, generated))
+    p, q = (_normalised(_histograms(scans).sum(axis=0, keepdims=True))[0] for scans in (recorded, generated))
     return jensen_shannon(p, q)
 
 
-def bev_mmd(real: Iterable[np.ndarray], generated: Iterable[np.ndarray]) -> float:
+def bev_mmd(recorded: Iterable[np.ndarray], generated: Iterable[np.ndarray]) -> float:
     """Squared maximum mean discrepancy of the histograms of scans [N, 3], each divided by its sum.
 
     The kernel is Gaussian in the matrix 2-norm (the largest singular value) of the difference of two histograms; the
     means are over all pairs, those of a scan with itself included.
     """
-    return histogram_mmd(_histograms(real), _histograms(generated))
+    return histogram_mmd(_histograms(recorded), _histograms(generated))
 
 
-def histogram_mmd(real: np.ndarray, generated: np.ndarray) -> float:
+def histogram_mmd(recorded: np.ndarray, generated: np.ndarray) -> float:
     """`bev_mmd` of histograms [N, 100, 100] that `bev_histogram` has counted."""
-    p, q = _normalised(real), _normalised(generated)
+    p, q = _normalised(recorded), _normalised(generated)
     return _mean_kernel(p, p) + _mean_kernel(q, q) - 2 * _mean_kernel(p, q)
 
 

@@ -1,9 +1,9 @@
-"""How lifelike made scans are: what is measured of sweeps, and made against real beside real against real.
+"""How lifelike generated scans are: properties measured of sweeps, and the distances between generated and recorded.
 
-Each row measures one property of a sweep, and a distance between two sets of sweeps in it. Real recordings come in
-groups of one drive or place each. Real against real is the mean distance between two groups, or between the two halves
-of one where that is more: two drives can be equal by chance. For made against real, made sweeps take the place of one
-of two groups, as many as it has, so that both figures suffer alike from small numbers. The protocol is our own.
+Each property has a measure of one sweep, and a distance between two sets of sweeps. Recordings come in groups of one
+drive or place each. Recorded against recorded is the mean distance between two groups, or between the two halves of one
+where that is more: two drives can be equal by chance. For generated against recorded, generated sweeps take the place
+of one of two groups, as many as it has, so that both figures suffer alike from small numbers. The protocol is our own.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from lidardraft.semantics import BY_NAME
 Features = Sequence[np.ndarray]
 _FEWEST = 50.0  # firings or returns that a mean is taken of
 _FEWEST_TO_HALVE = 4  # sweeps
-_MOST_DRAWS = 8  # disjoint sets of made sweeps that stand in for one group
+_MOST_SUBSETS = 8  # disjoint sets of generated sweeps that stand in for one group
 
 # What sensors' label sets can tell apart.
 CLASS_SETS: dict[str, tuple[str, ...]] = {
@@ -45,8 +45,8 @@ CLASS_SETS: dict[str, tuple[str, ...]] = {
 
 
 @dataclass(frozen=True)
-class Row:
-    """One property: how it is measured on a sweep, how two sets of measurements differ, and one number for a set."""
+class Property:
+    """How it is measured on a sweep, how two sets of measurements differ, and one number for a set."""
 
     name: str
     measure: Callable[[Sweep], np.ndarray]
@@ -55,39 +55,44 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Line:
-    """A row as measured; NaN where there is nothing to measure. `real` and `made` are its summaries."""
+class Comparison:
+    """A property as measured; NaN where there is nothing to measure. `recorded` and `generated` are its summaries."""
 
     name: str
-    real: float
-    made: float
-    real_vs_real: float
-    made_vs_real: float
+    recorded: float
+    generated: float
+    recorded_vs_recorded: float
+    generated_vs_recorded: float
 
     @property
     def ratio(self) -> float:
-        """How many times farther the made sweeps are from the real ones than these from each other."""
-        return self.made_vs_real / self.real_vs_real if self.real_vs_real > 0 else math.nan
+        """How many times farther the generated sweeps are from the recorded ones than these from each other."""
+        return self.generated_vs_recorded / self.recorded_vs_recorded if self.recorded_vs_recorded > 0 else math.nan
 
 
-def compare(row: Row, groups: Mapping[str, Features], made: Features) -> Line:
-    """`row` of measurements by group of real sweeps, and of made ones; groups without a count are left out."""
+def compare(measured: Property, groups: Mapping[str, Features], generated: Features) -> Comparison:
+    """Measurements of a property by group of recorded sweeps, beside generated ones; groups without a count are left
+    out."""
     known = [list(features) for features in groups.values() if sum(np.abs(f).sum() for f in features) > 0]
-    between = [row.distance(first, second) for first, second in itertools.combinations(known, 2)]
-    within = [row.distance(g[: len(g) // 2], g[len(g) // 2 :]) for g in known if len(g) >= _FEWEST_TO_HALVE]
-    real = max(_mean(between), _mean(within)) if len(known) > 1 and not math.isnan(_mean(within)) else _mean(between)
+    between = [measured.distance(first, second) for first, second in itertools.combinations(known, 2)]
+    halves = [(g[: len(g) // 2], g[len(g) // 2 :]) for g in known if len(g) >= _FEWEST_TO_HALVE]
+    within = [measured.distance(first, second) for first, second in halves]
+    recorded = _mean(between)
+    if len(known) > 1 and not math.isnan(_mean(within)):
+        recorded = max(recorded, _mean(within))
     others = []
     for number, features in enumerate(known):
         sizes = [len(other) for at, other in enumerate(known) if at != number] or [len(features)]
-        others += [row.distance(part, features) for part in _stand_ins(made, round(float(np.mean(sizes))))]
-    return Line(row.name, _mean([row.summary(features) for features in known]), row.summary(made), real, _mean(others))
+        others += [measured.distance(part, features) for part in _subsets(generated, round(float(np.mean(sizes))))]
+    summaries = _mean([measured.summary(features) for features in known]), measured.summary(generated)
+    return Comparison(measured.name, *summaries, recorded, _mean(others))
 
 
-def _stand_ins(made: Features, count: int) -> list[Features]:
-    draws = max(1, min(_MOST_DRAWS, len(made) // max(count, 1)))
-    # spread over all that was made, so that a few draws see all kinds of places
-    stride = len(made) // draws
-    return [made[start * stride : start * stride + count] for start in range(draws)]
+def _subsets(generated: Features, count: int) -> list[Features]:
+    """Disjoint sets of `count` each, spread over all that was generated: a few of them have all kinds of places."""
+    number = max(1, min(_MOST_SUBSETS, len(generated) // max(count, 1)))
+    stride = len(generated) // number
+    return [generated[start * stride : start * stride + count] for start in range(number)]
 
 
 def _mean(values: Sequence[float]) -> float:
@@ -136,56 +141,56 @@ def _middles(borders: np.ndarray) -> np.ndarray:
     return np.concatenate([(borders[1:-1] + borders[:-2]) / 2, borders[-2:-1]])
 
 
-def _histogram_row(name: str, measure: Callable[[Sweep], np.ndarray], borders: np.ndarray) -> Row:
-    return Row(name, measure, pooled_divergence, _median_of(_middles(borders)))
+def _histogram_property(name: str, measure: Callable[[Sweep], np.ndarray], borders: np.ndarray) -> Property:
+    return Property(name, measure, pooled_divergence, _median_of(_middles(borders)))
 
 
 def _nothing(_: Features) -> float:
     return math.nan
 
 
-ROWS: tuple[Row, ...] = (
-    Row("return rate", lambda sweep: sweep.valid.mean(), value_difference, _mean_value),
-    Row("return rate by laser", returns.returns_by_row, mean_difference, _mean_of_bins),
-    Row("return rate on surfaces by range", returns.returns_by_range, mean_difference, _mean_of_bins),
-    _histogram_row("runs of dropped firings (JSD)", returns.hole_lengths, returns.RUN_EDGES),
-    _histogram_row("range (JSD)", profiles.range_histogram, profiles.RANGE_BINS),
-    _histogram_row("height over the road (JSD)", profiles.height_histogram, profiles.HEIGHT_BINS),
-    Row("top view (BEV JSD)", lambda sweep: bev_histogram(sweep.points[sweep.valid]), pooled_divergence, _nothing),
-    Row(
+PROPERTIES: tuple[Property, ...] = (
+    Property("return rate", lambda sweep: sweep.valid.mean(), value_difference, _mean_value),
+    Property("return rate by laser", returns.returns_by_row, mean_difference, _mean_of_bins),
+    Property("return rate on surfaces by range", returns.returns_by_range, mean_difference, _mean_of_bins),
+    _histogram_property("runs of dropped firings (JSD)", returns.hole_lengths, returns.RUN_EDGES),
+    _histogram_property("range (JSD)", profiles.range_histogram, profiles.RANGE_BINS),
+    _histogram_property("height over the road (JSD)", profiles.height_histogram, profiles.HEIGHT_BINS),
+    Property("top view (BEV JSD)", lambda sweep: bev_histogram(sweep.points[sweep.valid]), pooled_divergence, _nothing),
+    Property(
         "top view (BEV MMD)",
         lambda sweep: bev_histogram(sweep.points[sweep.valid]),
         lambda first, second: histogram_mmd(np.stack(first), np.stack(second)),
         _nothing,
     ),
-    Row("edges with a hanging return", lambda s: np.float64(edges.mixed_share(s)), value_difference, _mean_value),
-    _histogram_row("steps between firings (JSD)", edges.range_steps, edges.STEP_EDGES),
-    _histogram_row("bends between firings (JSD)", edges.range_bends, edges.STEP_EDGES),
+    Property("edges with a hanging return", lambda s: np.float64(edges.mixed_share(s)), value_difference, _mean_value),
+    _histogram_property("steps between firings (JSD)", edges.range_steps, edges.STEP_EDGES),
+    _histogram_property("bends between firings (JSD)", edges.range_bends, edges.STEP_EDGES),
 )
 
 _INTENSITY_BORDERS = np.arange(profiles.INTENSITY_BINS + 1) / profiles.INTENSITY_BINS
-INTENSITY_ROWS: tuple[Row, ...] = (
-    _histogram_row("intensity (JSD)", profiles.intensity_histogram, _INTENSITY_BORDERS),
-    Row("intensity by range", profiles.intensity_by_range, mean_difference, _mean_of_bins),
-    Row("intensity by laser", profiles.intensity_by_row, mean_difference, _mean_of_bins),
+INTENSITY_PROPERTIES: tuple[Property, ...] = (
+    _histogram_property("intensity (JSD)", profiles.intensity_histogram, _INTENSITY_BORDERS),
+    Property("intensity by range", profiles.intensity_by_range, mean_difference, _mean_of_bins),
+    Property("intensity by laser", profiles.intensity_by_row, mean_difference, _mean_of_bins),
 )
 
 
-def class_rows() -> tuple[Row, ...]:
-    """Rows of labelled sweeps: intensity by class, its fall with range on two surfaces, roughness by class."""
-    rows = []
+def class_properties() -> tuple[Property, ...]:
+    """Properties of labelled sweeps: intensity by class, its fall with range on two surfaces, roughness by class."""
+    found = []
     for name, members in CLASS_SETS.items():
         ids = tuple(BY_NAME[member].id for member in members)
-        rows.append(
-            _histogram_row(
+        found.append(
+            _histogram_property(
                 f"intensity of {name} (JSD)",
                 lambda sweep, ids=ids: profiles.intensity_histogram(sweep, ids),  # type: ignore[misc]
                 _INTENSITY_BORDERS,
             )
         )
         if name in ("road", "building", "vegetation", "car"):
-            rows.append(
-                Row(
+            found.append(
+                Property(
                     f"intensity of {name} by range",
                     lambda sweep, ids=ids: profiles.intensity_by_range(sweep, ids),  # type: ignore[misc]
                     mean_difference,
@@ -193,14 +198,14 @@ def class_rows() -> tuple[Row, ...]:
                 )
             )
         if name in ("road", "sidewalk", "terrain", "building", "fence", "vegetation", "car"):
-            rows.append(
-                _histogram_row(
+            found.append(
+                _histogram_property(
                     f"roughness of {name} (JSD)",
                     lambda sweep, ids=ids: roughness.residual_histogram(sweep, ids),  # type: ignore[misc]
                     roughness.RESIDUAL_EDGES,
                 )
             )
-    return tuple(rows)
+    return tuple(found)
 
 
 def class_counts(sweep: Sweep) -> np.ndarray:
@@ -214,26 +219,26 @@ def counts_by_set(counts: np.ndarray) -> np.ndarray:
     return np.array([sum(counts[BY_NAME[member].id] for member in members) for members in CLASS_SETS.values()])
 
 
-def share_rows(groups: Mapping[str, Features]) -> tuple[Row, ...]:
-    """Rows of the shares of `class_counts`: all together (total variation), then each class that a group knows."""
+def share_properties(groups: Mapping[str, Features]) -> tuple[Property, ...]:
+    """The shares of `class_counts`: all together (total variation), then each class that a group knows."""
     known = np.sum([np.sum(features, axis=0) for features in groups.values()], axis=0) > 0
 
     def shares(features: Features) -> np.ndarray:
         counts = np.where(known, np.sum(features, axis=0), 0.0)
         return counts / max(counts.sum(), 1.0)
 
-    def share_row(name: str, at: int) -> Row:
-        return Row(
+    def share_of(name: str, at: int) -> Property:
+        return Property(
             f"share of {name}",
             class_counts,
             lambda first, second: float(abs(shares(first)[at] - shares(second)[at])),
             lambda features: float(shares(features)[at]),
         )
 
-    everything = Row(
+    everything = Property(
         "shares of all classes (total variation)",
         class_counts,
         lambda first, second: float(np.abs(shares(first) - shares(second)).sum() / 2),
         _nothing,
     )
-    return (everything, *(share_row(name, at) for at, name in enumerate(CLASS_SETS) if known[at]))
+    return (everything, *(share_of(name, at) for at, name in enumerate(CLASS_SETS) if known[at]))

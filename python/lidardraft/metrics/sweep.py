@@ -32,7 +32,7 @@ class Sweep:
         return cls(points, image.label, image.intensity)
 
     @classmethod
-    def unfolded(
+    def from_points(
         cls,
         points: np.ndarray,
         rows: np.ndarray,
