@@ -7,7 +7,7 @@ is drawn in pieces, and for the solver: in metres); how far the middle is off al
 yaw [deg]; how often it is "turned", length and width taken for each other; the share of the scan's pixels of the class
 that the cast drawing "agrees" with. A cell is the median and the half width of the middle 68 %, of the real code and of
 what stands in for it. "clusters" is `drafting.cloud.layout_from_cloud`, with the numbers of things or without; "solver"
-is `drafting.arrange.arrange` on plans with the kinds that the street has; "quick" stands in for them in
+is `drafting.solver.layout_from_spec` on specs with the kinds that the street has; "quick" stands in for them in
 `lidardraft.streets`; "possible" is the share of its shapes in sizes that the real code drew too. Below each table
 stands what differs by more than `tallies.py` tolerates.
 """
@@ -21,10 +21,10 @@ from pathlib import Path
 
 import numpy as np
 
-from lidardraft.drafting.arrange import arrange
 from lidardraft.drafting.cloud import layout_from_cloud
-from lidardraft.drafting.sites import lay_road
-from lidardraft.drafting.spec import Group, SceneSpec
+from lidardraft.drafting.road_from_spec import road_from_spec
+from lidardraft.drafting.scene_spec import ObjectGroup, SceneSpec
+from lidardraft.drafting.solver import layout_from_spec
 from lidardraft.errors import LayoutError
 from lidardraft.objects.cars import BODIES
 from lidardraft.scene.labelling import agrees
@@ -134,7 +134,7 @@ _MOST = 5  # things of a kind that surely find room
 
 
 def compare_solver(streets: Iterable[Street]) -> Tallies:
-    """`arrange` and its stand-in: each kind that a street has, asked for alone on a straight road."""
+    """`layout_from_spec` and its stand-in: each kind that a street has, asked for alone on a straight road."""
     tallies = new_tallies()
     for street in streets:
         if street.occupancy.road.curvature:
@@ -150,12 +150,12 @@ def compare_solver(streets: Iterable[Street]) -> Tallies:
                 continue
             _measure_named(tallies, "quick", kind, coarse, named, len(objects), ego, middles)
             parked = {"heading": "parked"} if kind in ("bicycle", "motorcycle") else {}
-            spec = SceneSpec(groups=(Group(kind=kind, count=min(len(objects), _MOST), **parked),))
+            spec = SceneSpec(groups=(ObjectGroup(kind=kind, count=min(len(objects), _MOST), **parked),))
             try:
-                solved = ShapeTable.from_primitives(arrange(spec, street.seed))
+                solved = ShapeTable.from_primitives(layout_from_spec(spec, street.seed))
             except LayoutError:  # now and then there is no room for as many
                 continue
-            road = lay_road(spec, np.random.default_rng(street.seed))
+            road = road_from_spec(spec, np.random.default_rng(street.seed))
             theirs = [road.lane(n, d) for n in range(road.lanes) for d in (-1, 1)] + [road.edge - road.parking / 2]
             mine = [row for row, id in enumerate(solved.ids) if id.partition(".")[0].rpartition("_")[0] == kind]
             count = min(len(objects), _MOST)

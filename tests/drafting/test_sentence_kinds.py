@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from lidardraft.drafting.scene_spec import SURFACES
 from lidardraft.drafting.sentence_kinds import COUNTS, SENTENCE_KINDS, SentenceKind
-from lidardraft.drafting.spec import SURFACES
 from lidardraft.semantics import BY_NAME, GROUND
 
 SLACK = 0.08  # m; half of a lamp is over its mast

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lidardraft.drafting.spec import Group, RoadSpec, SceneSpec
-from lidardraft.drafting.text import layout_from_text, parse_text
+from lidardraft.drafting.scene_spec import ObjectGroup, RoadSpec, SceneSpec
+from lidardraft.drafting.text import layout_from_text, spec_from_text
 from lidardraft.errors import LayoutError, TextError
 from lidardraft.scene.check import check, objects
 from lidardraft.scene.layout import Layout
@@ -18,12 +18,12 @@ PAPER = (
 SIDES = ("left", "right")
 
 
-def group(kind: str, count: int | str = "some", *places: str, **fields: object) -> Group:
-    return Group(kind=kind, count=count, places=places, **fields)  # type: ignore[arg-type]
+def group(kind: str, count: int | str = "some", *places: str, **fields: object) -> ObjectGroup:
+    return ObjectGroup(kind=kind, count=count, places=places, **fields)  # type: ignore[arg-type]
 
 
 # Sentence, road, groups: understood to the last word.
-UNDERSTOOD: list[tuple[str, RoadSpec, list[Group]]] = [
+UNDERSTOOD: list[tuple[str, RoadSpec, list[ObjectGroup]]] = [
     (
         PAPER,
         RoadSpec(),
@@ -142,8 +142,8 @@ UNDERSTOOD: list[tuple[str, RoadSpec, list[Group]]] = [
 
 
 @pytest.mark.parametrize(("sentence", "road", "groups"), UNDERSTOOD, ids=[row[0] for row in UNDERSTOOD])
-def test_sentence_is_understood_to_the_last_word(sentence: str, road: RoadSpec, groups: list[Group]) -> None:
-    spec = parse_text(sentence, strict=True)
+def test_sentence_is_understood_to_the_last_word(sentence: str, road: RoadSpec, groups: list[ObjectGroup]) -> None:
+    spec = spec_from_text(sentence, strict=True)
     assert spec.road == road
     assert list(spec.groups) == groups
     assert spec.not_understood == ()
@@ -166,7 +166,7 @@ def test_sentence_is_understood_to_the_last_word(sentence: str, road: RoadSpec, 
     ],
 )
 def test_what_is_not_understood_is_returned(sentence: str, left: tuple[str, ...], kinds: list[str]) -> None:
-    spec = parse_text(sentence)
+    spec = spec_from_text(sentence)
     assert spec.not_understood == left
     assert [found.kind for found in spec.groups] == kinds
     assert layout_from_text(sentence).provenance["not_understood"] == list(left)
@@ -191,9 +191,9 @@ def test_nothing_understood(sentence: str) -> None:
 
 def test_too_many_lanes_and_things() -> None:
     with pytest.raises(LayoutError, match="lanes is 20; a road has 1 to 6"):
-        parse_text("a motorway with 20 lanes")
+        spec_from_text("a motorway with 20 lanes")
     with pytest.raises(LayoutError, match="car: count is 1000; it must be 1 to 200"):
-        parse_text("1000 cars")
+        spec_from_text("1000 cars")
 
 
 @pytest.mark.parametrize("sentence", [row[0] for row in UNDERSTOOD])
@@ -203,7 +203,7 @@ def test_layouts_pass_every_check_and_survive_json(sentence: str) -> None:
         assert check(layout) == []
     assert Layout.from_json(layout.to_json()) == layout
     assert layout.provenance["sentence"] == sentence
-    assert SceneSpec.from_dict(layout.provenance["spec"]) == parse_text(sentence)
+    assert SceneSpec.from_dict(layout.provenance["spec"]) == spec_from_text(sentence)
 
 
 def test_nothing_is_invented() -> None:
@@ -312,7 +312,7 @@ WORDS += [
 @given(st.lists(st.sampled_from(WORDS), min_size=1, max_size=14))
 def test_any_run_of_words_is_read_or_refused(words: list[str]) -> None:
     try:
-        spec = parse_text(" ".join(words))
+        spec = spec_from_text(" ".join(words))
     except (TextError, LayoutError):
         return
     assert SceneSpec.from_json(spec.to_json()) == spec
@@ -322,4 +322,4 @@ def test_any_run_of_words_is_read_or_refused(words: list[str]) -> None:
 @given(st.text(max_size=60))
 def test_any_text_is_read_or_refused(text: str) -> None:
     with contextlib.suppress(TextError, LayoutError):
-        parse_text(text)
+        spec_from_text(text)

@@ -23,7 +23,7 @@ from lidardraft.drafting.cloud_rules import (
     UNSPLIT_LENGTH,
 )
 from lidardraft.drafting.clustering import FittedBox, cluster, completions, fit_box, split
-from lidardraft.drafting.ground import Ground
+from lidardraft.drafting.height_field import HeightField
 from lidardraft.errors import LayoutError
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import CLASSES, GROUND, NUM_CLASSES, SemanticClass
@@ -55,7 +55,7 @@ def layout_from_cloud(
     if not math.isfinite(sensor_height):
         raise LayoutError(f"sensor_height is {sensor_height} m; it must be finite")
     points = points.astype(np.float64) + np.array([0.0, 0.0, sensor_height])
-    ground = Ground(points, labels)
+    ground = HeightField(points, labels)
     primitives = ground.primitives()
     number = 0
     for row in CLASSES:
@@ -98,7 +98,7 @@ def _primitive(shape: str, box: FittedBox, row: SemanticClass, index: int, numbe
 
 
 def _shapes(
-    row: SemanticClass, points: np.ndarray, instances: np.ndarray, others: np.ndarray, ground: Ground
+    row: SemanticClass, points: np.ndarray, instances: np.ndarray, others: np.ndarray, ground: HeightField
 ) -> Iterator[tuple[str, FittedBox]]:
     things: list[FittedBox] = []
     for members in _groups(points, instances, REACH.get(row.name, OTHER_REACH)):
@@ -181,7 +181,7 @@ def _line_of_sight(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.array([x, y]), np.array([-y, x])
 
 
-def _grounded(box: FittedBox, ground: Ground) -> FittedBox:
+def _grounded(box: FittedBox, ground: HeightField) -> FittedBox:
     """The box let down to the ground where it begins less than 2.5 m over it: its foot was hidden."""
     bottom, top = box.center[2] - box.size[2] / 2, box.center[2] + box.size[2] / 2
     height = float(ground.height(box.center[None, :2])[0])

@@ -8,9 +8,9 @@ from functools import cache
 
 from lark import Lark, Token, Tree
 
-from lidardraft.drafting.arrange import arrange
-from lidardraft.drafting.reading import Reader
-from lidardraft.drafting.spec import SceneSpec
+from lidardraft.drafting.scene_spec import SceneSpec
+from lidardraft.drafting.sentence_reader import SentenceReader
+from lidardraft.drafting.solver import layout_from_spec
 from lidardraft.errors import TextError
 from lidardraft.scene.layout import Layout
 
@@ -22,18 +22,18 @@ def layout_from_text(sentence: str, seed: int = 0, *, strict: bool = False) -> L
     Raises `TextError` where nothing was understood or, with `strict`, anything was not; `LayoutError` where a thing
     that is asked for finds no room.
     """
-    spec = parse_text(sentence, strict=strict)
-    layout = arrange(spec, seed)
+    spec = spec_from_text(sentence, strict=strict)
+    layout = layout_from_spec(spec, seed)
     said = {"source": "text", "sentence": sentence, "not_understood": list(spec.not_understood)}
     return dataclasses.replace(layout, provenance=layout.provenance | said)
 
 
-def parse_text(sentence: str, *, strict: bool = False) -> SceneSpec:
+def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
     """The plan that a sentence describes, with what was not understood of it; raises `TextError` as above."""
     if not sentence.strip():
         raise TextError("the sentence is empty")
     chunks = [chunk for chunk in _parser().parse(_normalised(sentence)).children if not _is_article(chunk)]
-    notes = Reader(chunks).read()
+    notes = SentenceReader(chunks).read()
     if notes.empty:
         raise TextError(f"nothing of {sentence!r} was understood; name a road, or things and where they are")
     if strict and notes.not_understood:

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from lidardraft.drafting.arrange import GAP
 from lidardraft.drafting.object_shapes import (
     CROWN_BASE,
     TRUNK_DIAMETER,
@@ -19,8 +18,9 @@ from lidardraft.drafting.object_shapes import (
     traffic_light_parts,
     traffic_sign_parts,
 )
+from lidardraft.drafting.road_zones import LANE_OFFSET, YAW_DEVIATION
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS, SentenceKind
-from lidardraft.drafting.sites import LANE_OFFSET, YAW_DEVIATION
+from lidardraft.drafting.solver import GAP
 from lidardraft.objects.coarse_shapes import CoarseShape, box_of
 from lidardraft.objects.kinds import Alignment, Kind, kind_of
 from lidardraft.objects.placed_object import PlacedObject

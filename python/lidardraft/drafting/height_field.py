@@ -14,7 +14,7 @@ GROUND_IDS = tuple(BY_NAME[name].id for name in GROUND)
 _BRIDGED = 4.0  # m; as far as this from a cell that was seen, the ground goes on
 
 
-class Ground:
+class HeightField:
     """Median height and most frequent class of the ground points in each cell of a grid.
 
     `points` [N, 3] and `labels` [N] may hold other classes, which are ignored. Without a ground point it is z = 0.

@@ -2,33 +2,32 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lidardraft.drafting import spec as specs
+from lidardraft.drafting.scene_spec import HEADINGS, MAX_COUNT, PLACES, ROADS, ObjectGroup, RoadSpec, SceneSpec
 from lidardraft.drafting.sentence_kinds import COUNTS, SENTENCE_KINDS
-from lidardraft.drafting.spec import Group, RoadSpec, SceneSpec
 from lidardraft.errors import LayoutError
 
 kinds_and_surfaces = st.sampled_from(sorted(SENTENCE_KINDS)).map(lambda kind: (kind, None)) | st.sampled_from(
     [("person", "road"), ("person", "sidewalk"), ("bicycle", "sidewalk"), ("car", "road"), ("bench", "sidewalk")]
 )
 groups = st.builds(
-    lambda on, **fields: Group(kind=on[0], surface=on[1], **fields),
+    lambda on, **fields: ObjectGroup(kind=on[0], surface=on[1], **fields),
     on=kinds_and_surfaces,
-    count=st.integers(1, specs.MAX_COUNT) | st.sampled_from(COUNTS),
-    places=st.lists(st.sampled_from(specs.PLACES), max_size=3, unique=True).map(tuple),
-    heading=st.none() | st.sampled_from(specs.HEADINGS),
+    count=st.integers(1, MAX_COUNT) | st.sampled_from(COUNTS),
+    places=st.lists(st.sampled_from(PLACES), max_size=3, unique=True).map(tuple),
+    heading=st.none() | st.sampled_from(HEADINGS),
     distance=st.none() | st.tuples(st.floats(0, 50), st.floats(50, 100)),
     spacing=st.none() | st.floats(0.1, 50),
 )
 roads = st.builds(
     RoadSpec,
-    kind=st.sampled_from(specs.ROADS),
+    kind=st.sampled_from(ROADS),
     lanes=st.none() | st.integers(1, 6),
     sidewalk=st.none() | st.booleans(),
 )
 
 
 @given(roads, st.lists(groups, max_size=4), st.lists(st.sampled_from(sorted(SENTENCE_KINDS)), max_size=2))
-def test_json_round_trip(road: RoadSpec, wanted: list[Group], absent: list[str]) -> None:
+def test_json_round_trip(road: RoadSpec, wanted: list[ObjectGroup], absent: list[str]) -> None:
     spec = SceneSpec(road=road, groups=tuple(wanted), absent=tuple(absent), not_understood=("bus stop",))
     assert SceneSpec.from_json(spec.to_json()) == spec
 

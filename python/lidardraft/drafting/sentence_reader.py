@@ -6,9 +6,10 @@ import dataclasses
 
 from lark import Token, Tree
 
-from lidardraft.drafting.notes import Draft, Notes
+from lidardraft.drafting.number_words import count_of, number
+from lidardraft.drafting.positions import Position, read_position
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
-from lidardraft.drafting.words import Position, count_of, number, read_position
+from lidardraft.drafting.sentence_notes import Mention, SentenceNotes
 
 Chunk = Tree[Token] | Token
 
@@ -20,19 +21,19 @@ _COUNTS = {"NO", "NUMBER", "PAIR", "DOZEN", "FEW", "SOME", "MANY"}
 _LISTED = ("AND", "OR", "COMMA")
 
 
-class Reader:
+class SentenceReader:
     """Reads the chunks of a parsed sentence from left to right."""
 
     def __init__(self, chunks: list[Chunk]) -> None:
         self.chunks = chunks
-        self.notes = Notes()
-        self.open: list[Draft] = []  # what the next position or state belongs to
+        self.notes = SentenceNotes()
+        self.open: list[Mention] = []  # what the next position or state belongs to
         self.prefix: Position | None = None  # introduces the things that follow
         self.prefix_weak = False
         self.denial = ""  # the word that denies a list of things
         self.has_ego = False
 
-    def read(self) -> Notes:
+    def read(self) -> SentenceNotes:
         """The notes on all chunks."""
         for index, chunk in enumerate(self.chunks):
             if isinstance(chunk, Token):
@@ -103,15 +104,15 @@ class Reader:
         elif SENTENCE_KINDS[kind].is_ridden and self._is_ridden(index):
             self.open[-1].kind = kind
         else:
-            self._put(index, Draft(kind, count_of(tokens), heading=_heading(tokens)))
+            self._put(index, Mention(kind, count_of(tokens), heading=_heading(tokens)))
 
     def _traffic(self, index: int, tokens: list[Token]) -> None:
         types = {token.type for token in tokens}
         many, few = types & {"BUSY", "MANY"} or tokens[-1] != "traffic", types & {"QUIET", "FEW"}
         count: int | str = 0 if "NO" in types else "few" if few else "many" if many else "some"
-        self._put(index, Draft("vehicle", count, heading=_heading(tokens)))
+        self._put(index, Mention("vehicle", count, heading=_heading(tokens)))
 
-    def _put(self, index: int, draft: Draft) -> None:
+    def _put(self, index: int, draft: Mention) -> None:
         """Open a draft: alone, or beside those that a list has opened and no position has closed."""
         listed = self._type_before(index) in _LISTED
         if not listed or any(other.placed for other in self.open):

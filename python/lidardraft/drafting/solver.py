@@ -1,4 +1,4 @@
-"""The solver: a plan and a seed become a layout in which nothing overlaps and everything stands on its ground."""
+"""The solver: a spec and a seed become a layout in which nothing overlaps and everything stands on its ground."""
 
 from __future__ import annotations
 
@@ -10,29 +10,32 @@ from collections.abc import Iterator
 import numpy as np
 
 from lidardraft.drafting.object_shapes import ObjectPart
+from lidardraft.drafting.road_from_spec import road_from_spec
+from lidardraft.drafting.road_zones import RoadPose, Zone, zone_of
+from lidardraft.drafting.scene_spec import ObjectGroup, SceneSpec
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS, SentenceKind
-from lidardraft.drafting.sites import Site, Spot, lay_road, site_of
-from lidardraft.drafting.spec import Group, SceneSpec
 from lidardraft.errors import LayoutError
 from lidardraft.scene.check import EGO, LayoutGround, Solid, penetration
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.road import Road
 from lidardraft.semantics import BY_NAME
 
-TRIES = 60
-GAP = 0.25  # m between any two things
+TRIES = 60  # of places for one object
+# Estimates of ours.
+GAP = 0.25  # m between any two objects
 FOLLOWING_GAP = 2.0  # m before and behind whatever drives
 
 
-def arrange(spec: SceneSpec, seed: int = 0) -> Layout:
-    """A layout that satisfies the plan and passes every check; the same for the same plan and seed.
+def layout_from_spec(spec: SceneSpec, seed: int = 0) -> Layout:
+    """A layout that satisfies the spec and passes every check; the same for the same spec and seed.
 
-    Raises `LayoutError` where a thing that is asked for finds no room, naming how many of how many did.
+    Raises `LayoutError` on a seed that is no integer >= 0, and where an object that is asked for finds no room, naming
+    how many of how many did.
     """
     if type(seed) is not int or seed < 0:
         raise LayoutError(f"seed is {seed!r}; it must be an integer >= 0")
     rng = np.random.default_rng(seed)
-    road = lay_road(spec, rng)
+    road = road_from_spec(spec, rng)
     scene = _Scene(road, rng)
     for group in sorted(spec.groups, key=_rank):
         for place in group.places or ("",):
@@ -42,18 +45,18 @@ def arrange(spec: SceneSpec, seed: int = 0) -> Layout:
     )
 
 
-def _rank(group: Group) -> tuple[bool, bool, int]:
-    return group.distance is None, group.spacing is None, -SENTENCE_KINDS[group.kind].precedence
+def _rank(group: ObjectGroup) -> tuple[bool, bool, int]:
+    return group.distance is None, group.spacing is None, -group.record.precedence
 
 
-def _fill(scene: _Scene, spec: SceneSpec, group: Group, place: str) -> None:
+def _fill(scene: _Scene, spec: SceneSpec, group: ObjectGroup, place: str) -> None:
     """Place what a group wants at one place; a number is met exactly, a word by at least one."""
     wanted = _count(group, place, scene.rng)
     placed = 0
     for number in range(wanted):
         kind = _kind(group, spec, scene.rng)
-        site = site_of(group, kind, place, scene.road)
-        if any(scene.settle(kind, group, spot) for spot in _spots(scene, site, group, number, wanted)):
+        zone = zone_of(group, kind, place, scene.road)
+        if any(scene.place(kind, group, pose) for pose in _poses(scene, zone, group, number, wanted)):
             placed += 1
         elif isinstance(group.count, int):
             break
@@ -63,18 +66,18 @@ def _fill(scene: _Scene, spec: SceneSpec, group: Group, place: str) -> None:
         raise LayoutError(f"{group.kind}{where}: {placed} of {asked} found room; ask for fewer or for another place")
 
 
-def _count(group: Group, place: str, rng: np.random.Generator) -> int:
+def _count(group: ObjectGroup, place: str, rng: np.random.Generator) -> int:
     if isinstance(group.count, int):
         return group.count
-    low, high = getattr(SENTENCE_KINDS[group.kind].counts, group.count)
+    low, high = getattr(group.record.counts, group.count)
     if group.spacing is not None:
         return max(low, min(40, int(100.0 / group.spacing)))
     return int(rng.integers(low, high + 1)) * (1 if place else 2)
 
 
-def _kind(group: Group, spec: SceneSpec, rng: np.random.Generator) -> SentenceKind:
+def _kind(group: ObjectGroup, spec: SceneSpec, rng: np.random.Generator) -> SentenceKind:
     """The kind of one object of a group: its own, or one of the mix that traffic is."""
-    kind = SENTENCE_KINDS[group.kind]
+    kind = group.record
     if kind.sizes is not None:
         return kind
     mix = [one for one in SENTENCE_KINDS.values() if one.traffic_share and one.name not in spec.absent]
@@ -86,14 +89,14 @@ def _kind(group: Group, spec: SceneSpec, rng: np.random.Generator) -> SentenceKi
     return SENTENCE_KINDS[str(rng.choice([one.name for one in mix], p=shares / shares.sum()))]
 
 
-def _spots(scene: _Scene, site: Site, group: Group, number: int, wanted: int) -> Iterator[Spot]:
-    """The spots to try in order: the thing's own slot first, then, unless it is bound to it, anywhere."""
+def _poses(scene: _Scene, zone: Zone, group: ObjectGroup, number: int, wanted: int) -> Iterator[RoadPose]:
+    """The poses to try in order: in the object's own slot first, then, unless it is bound to it, anywhere."""
     rng = scene.rng
-    near, far = site.span
+    near, far = zone.span
     step = (far - near) / wanted
     for attempt in range(TRIES):
         if group.spacing is not None:
-            along = near + math.copysign(group.spacing, far - near) * (number // site.sides)
+            along = near + math.copysign(group.spacing, far - near) * (number // zone.sides)
             if abs(along) > scene.road.half_length:
                 return
         elif near == far:
@@ -102,7 +105,7 @@ def _spots(scene: _Scene, site: Site, group: Group, number: int, wanted: int) ->
             along = near + step * (number + float(rng.uniform(0.25, 0.75)))
         else:
             along = near + (far - near) * float(rng.random())
-        yield site.pick(rng, along, number, attempt / TRIES)
+        yield zone.sample_pose(rng, along, number, attempt / TRIES)
 
 
 class _Scene:
@@ -119,13 +122,13 @@ class _Scene:
         self.numbers: Counter[str] = Counter()
         self.instances = 0
 
-    def settle(self, kind: SentenceKind, group: Group, spot: Spot) -> bool:
-        """Place one thing there if there is room for it."""
+    def place(self, kind: SentenceKind, group: ObjectGroup, pose: RoadPose) -> bool:
+        """Place one object there if there is room for it."""
         parked = group.heading == "parked"
         parts = kind.sample_parts(self.rng, parked=parked, bent=self.road.curvature != 0.0)
-        if "road" not in kind.surfaces and any(_reaches(part, spot[1], self.road) for part in parts):
+        if "road" not in kind.surfaces and any(_reaches(part, pose.across, self.road) for part in parts):
             return False
-        primitives = [self._primitive(kind, part, spot) for part in parts]
+        primitives = [self._primitive(kind, part, pose) for part in parts]
         moving = kind.drives and not parked
         wide = [Solid.from_primitive(_widened(p, FOLLOWING_GAP if moving else GAP, GAP)) for p in primitives]
         obstacles = self.solids if moving or kind.walks else self.solids + self.side_roads
@@ -133,7 +136,7 @@ class _Scene:
             return False
         self.numbers[kind.name] += 1
         name = f"{kind.name}_{self.numbers[kind.name]}"
-        numbers: dict[str, int] = {}  # a rider and what he rides are two things of one name
+        numbers: dict[str, int] = {}  # a rider and what is ridden are two instances of one name
         for part, primitive in zip(parts, primitives, strict=True):
             if BY_NAME[part.label].is_thing and part.label not in numbers:
                 self.instances += 1
@@ -143,15 +146,15 @@ class _Scene:
         self.solids += map(Solid.from_primitive, primitives)
         return True
 
-    def _primitive(self, kind: SentenceKind, part: ObjectPart, spot: Spot) -> Primitive:
-        along, across, turn = spot
+    def _primitive(self, kind: SentenceKind, part: ObjectPart, pose: RoadPose) -> Primitive:
+        along, across, yaw = pose
         length, width, height = part.size
         dx, dy, dz = part.center
         if kind.follows_road:  # each segment follows the bend, as long as the arc is there
             along, dx, length = along + dx, 0.0, length * (1.0 - self.road.curvature * across)
         x, y, heading = self.road.at(along, across)
         z = self.ground.height(x, y)
-        yaw = heading + turn
+        yaw += heading
         cos, sin = math.cos(yaw), math.sin(yaw)
         center = (x + cos * dx - sin * dy, y + sin * dx + cos * dy, z + dz)
         size = (length, width, height)

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from lidardraft.drafting.positions import Position
+from lidardraft.drafting.scene_spec import ObjectGroup, RoadSpec, SceneSpec
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
-from lidardraft.drafting.spec import Group, RoadSpec, SceneSpec
-from lidardraft.drafting.words import Position
 
 _SIDES = ("left", "right")
 
 
 @dataclass
-class Draft:
+class Mention:
     """A group while its modifiers are being read; count 0 denies it, a `weak` position is overruled by the next one."""
 
     kind: str
@@ -23,13 +23,13 @@ class Draft:
     placed: bool = False
     weak: bool = False
 
-    def group(self) -> Group:
+    def group(self) -> ObjectGroup:
         """As a group of the plan; vehicles along the sides of a road are parked."""
         heading, kind = self.heading, SENTENCE_KINDS[self.kind]
         if kind.is_vehicle and heading is None and (self.at.beside_road or self.at.both_sides):
             heading = "parked"
         surface = "road" if self.on_road and {"road", "sidewalk"} <= set(kind.surfaces) else None
-        return Group(
+        return ObjectGroup(
             kind=self.kind,
             count=self.count,
             places=tuple(dict.fromkeys("-".join(filter(None, place)) for place in self.at.places if any(place))),
@@ -41,10 +41,10 @@ class Draft:
 
 
 @dataclass
-class Notes:
+class SentenceNotes:
     """The road, the drafts, and the setting ("BUSY", "RESIDENTIAL", ...: terminals of the grammar)."""
 
-    drafts: list[Draft] = field(default_factory=list)
+    drafts: list[Mention] = field(default_factory=list)
     road: str | None = None
     lanes: int = 0
     each_way: bool = False
@@ -83,18 +83,18 @@ class Notes:
         sidewalk = self.sidewalk if self.sidewalk is not None or "RURAL" not in self.settings else False
         return RoadSpec(kind=kind, lanes=lanes or None, sidewalk=True if needs_sidewalk else sidewalk)
 
-    def _implied(self, groups: list[Group]) -> list[Group]:
+    def _implied(self, groups: list[ObjectGroup]) -> list[ObjectGroup]:
         """What the setting means where the sentence does not say it itself."""
         kinds = {group.kind for group in groups}
         implied = []
         if "RESIDENTIAL" in self.settings and not kinds & {"house", "building"}:
-            implied.append(Group(kind="house", count="some", places=_SIDES))
+            implied.append(ObjectGroup(kind="house", count="some", places=_SIDES))
         if "URBAN" in self.settings and not kinds & {"house", "building"}:
-            implied.append(Group(kind="building", count="some", places=_SIDES))
+            implied.append(ObjectGroup(kind="building", count="some", places=_SIDES))
         if "TREE_LINED" in self.settings and "tree" not in kinds:
-            implied.append(Group(kind="tree", count="many", places=_SIDES))
+            implied.append(ObjectGroup(kind="tree", count="many", places=_SIDES))
         if "BUSY" in self.settings and not any(_drives(group.kind, group.heading) for group in groups):
-            implied.append(Group(kind="vehicle", count="some"))
+            implied.append(ObjectGroup(kind="vehicle", count="some"))
         return implied
 
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from lidardraft.drafting.sentence_kinds import COUNTS, SENTENCE_KINDS
+from lidardraft.drafting.sentence_kinds import COUNTS, SENTENCE_KINDS, SentenceKind
 from lidardraft.errors import LayoutError, one_of
 
 ROADS = ("straight", "bend", "left-bend", "right-bend", "crossroads", "t-junction", "motorway")
@@ -22,6 +22,12 @@ PLACES = tuple(
 SURFACES = ("road", "sidewalk")
 HEADINGS = ("with", "against", "across", "parked")
 MAX_COUNT = 200
+
+
+def split_place(place: str) -> tuple[str, str]:
+    """What one of PLACES says of before and behind, and of the side; "" where it says nothing."""
+    fore, _, side = place.partition("-")
+    return ("", fore) if fore in ("left", "right") else (fore, side)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -41,7 +47,7 @@ class RoadSpec:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Group:
+class ObjectGroup:
     """Things of one kind.
 
     `count` is a number or one of COUNTS, meant for each of `places`; no places is anywhere on or beside the road.
@@ -79,16 +85,26 @@ class Group:
         if self.spacing is not None and not 0.0 < self.spacing < math.inf:
             raise LayoutError(f"{self.kind}: spacing is {self.spacing!r} m; it must be > 0")
 
+    @property
+    def record(self) -> SentenceKind:
+        """What is known of its kind."""
+        return SENTENCE_KINDS[self.kind]
+
+    @property
+    def crosses(self) -> bool:
+        """Whether it drives on a road that crosses the ego's."""
+        return self.heading == "across" and self.record.drives
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SceneSpec:
-    """What a scene holds, in relations and counts; `arrange` turns it into metres.
+    """What a scene holds, in relations and counts; `layout_from_spec` turns it into metres.
 
     `absent` are kinds that nothing in the scene may be; `not_understood` the parts of the source that say nothing here.
     """
 
     road: RoadSpec = field(default_factory=RoadSpec)
-    groups: tuple[Group, ...] = ()
+    groups: tuple[ObjectGroup, ...] = ()
     absent: tuple[str, ...] = ()
     not_understood: tuple[str, ...] = ()
 
@@ -110,7 +126,7 @@ class SceneSpec:
         try:
             if "road" in fields:
                 fields["road"] = RoadSpec(**fields["road"])
-            fields["groups"] = tuple(Group(**group) for group in fields.get("groups", ()))
+            fields["groups"] = tuple(ObjectGroup(**group) for group in fields.get("groups", ()))
             return cls(**fields)
         except LayoutError:
             raise
