@@ -144,7 +144,7 @@ def test_no_room_is_said() -> None:
 
 
 def test_too_far() -> None:
-    with pytest.raises(LayoutError, match="distance is 300 m; things can be asked for up to 110 m away"):
+    with pytest.raises(LayoutError, match="distance is 300 m; objects can be asked for up to 110 m away"):
         layout_from_spec(one("car", 1, "front", distance=(300, 300)), 0)
     assert layout_from_spec(one("car", 1, "front", distance=(105, 105)), 0).boxes()[0].center[0] == pytest.approx(105)
 
