@@ -1,4 +1,4 @@
-"""What was measured of drawings, by class and draughtsman: statistics, tables, and where two draughtsmen differ."""
+"""What was measured of coarse layouts, by class and by what made them: statistics, tables, and where two differ."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Tally:
         mine, theirs = (np.array([tally.values[name] for name in SIZES]) for tally in (self, other))
         if not mine.size or not theirs.size:
             return math.nan
-        # a few draws do not reach the ends of a range
+        # a few samples do not reach the ends of a range
         low, high = 0.95 * theirs.min(axis=1), 1.05 * theirs.max(axis=1)
         return float((mine.T.clip(low, high) == mine.T).all(axis=1).mean())
 
@@ -96,9 +96,9 @@ def append(path: Path, number: int, tallies: Tallies) -> None:
 
 
 def drift(tallies: Tallies, real: str, quick: str, *, sized: bool = False) -> list[str]:
-    """Where `quick` draws otherwise than `real`, by more than is tolerated and chance explains.
+    """Where `quick` differs from `real`, by more than is tolerated and chance explains.
 
-    Of what is `sized` the sizes are those of the street as far as the other could have drawn them, so that is asked.
+    Of what is `sized` the sizes are those of the street as far as the other could have made them, so that is asked.
     """
     return [text for label, by in tallies.items() for text in _drift(label, by[quick], by[real], sized)]
 

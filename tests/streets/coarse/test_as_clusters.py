@@ -10,7 +10,7 @@ from lidardraft.streets.coarse.as_clusters import ClusterStyle
 
 
 def share_of_cars(table: ShapeTable) -> float:
-    """How many of the returns from cars the cast drawing has within 0.5 m."""
+    """How many of the returns from cars the cast layout has within 0.5 m."""
     coarse = table.scan(SENSOR, SENSOR.poses_in_motion(VISIBLE.pose, (EGO.speed, 0.0, 0.0)))
     both = SCAN.valid & coarse.valid & (SCAN.label == NAMES.index("car"))
     return float((np.abs(coarse.depth - SCAN.depth)[both] < 0.5).mean())
@@ -20,7 +20,7 @@ def test_clusters_are_of_the_classes_of_real_clusters_and_where_they_were_seen()
     table = made(ClusterStyle())
     numbers = set(SCAN.instance[SCAN.valid].tolist()) - {0}
     assert set(table.instances.tolist()) - {0} <= numbers
-    # the drawing of what was seen agrees with it nearly as far as that of real clusters, as one street's few cars tell
+    # the layout of what was seen agrees with it nearly as far as that of real clusters, as one street's few cars tell
     points, found = SCAN.points() @ VISIBLE.pose[:3, :3].T, SCAN.valid
     height = float(VISIBLE.pose[2, 3])
     labels, numbers = SCAN.label[found], SCAN.instance[found]

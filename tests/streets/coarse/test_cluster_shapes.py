@@ -5,7 +5,7 @@ import pytest
 from scanned import EGO, OBJECTS, STREET, VISIBLE
 
 from lidardraft.semantics import BY_NAME, NUM_CLASSES
-from lidardraft.streets.coarse.cluster_shapes import clusters
+from lidardraft.streets.coarse.cluster_shapes import cluster_shapes
 
 
 @pytest.mark.parametrize("numbered", [True, False])
@@ -13,7 +13,7 @@ def test_shapes_are_of_what_was_seen(numbered: bool):
     street = STREET.coarse
     grounds = street.heights_over(EGO.pose)
     yaws = street.places[:, 2] - VISIBLE.place[2]
-    found = clusters(VISIBLE, yaws, grounds, street.girths, np.random.default_rng(0), numbered=numbered)
+    found = cluster_shapes(VISIBLE, yaws, grounds, street.diameters, np.random.default_rng(0), numbered=numbered)
     owners, labels = found.keys // NUM_CLASSES, found.keys % NUM_CLASSES
     assert (VISIBLE.returns[owners, labels] > 0).all()
     assert (found.sizes > 0).all()

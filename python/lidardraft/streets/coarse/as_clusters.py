@@ -9,7 +9,7 @@ import numpy as np
 
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.semantics import BY_NAME, CLASSES, NUM_CLASSES
-from lidardraft.streets.coarse.cluster_shapes import clusters
+from lidardraft.streets.coarse.cluster_shapes import cluster_shapes
 from lidardraft.streets.coarse.coarse_street import CoarseStreet
 from lidardraft.streets.coarse.visible import VisibleObjects
 
@@ -31,7 +31,7 @@ def as_clusters(
 ) -> ShapeTable:
     """What was seen of the objects on ground that rises and falls, in the frame of the ego vehicle at `pose` [4, 4]."""
     yaws = street.places[:, 2] - visible.place[2]
-    found = clusters(visible, yaws, street.heights_over(pose), street.girths, rng, numbered=style.numbered)
+    found = cluster_shapes(visible, yaws, street.heights_over(pose), street.diameters, rng, numbered=style.numbered)
     order = np.argsort(found.keys % NUM_CLASSES, kind="stable")
     labels, owners = found.keys[order] % NUM_CLASSES, found.keys[order] // NUM_CLASSES
     # what is ridden has the instance after its rider's

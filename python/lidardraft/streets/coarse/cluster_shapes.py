@@ -1,8 +1,8 @@
-"""A quick stand-in for `drafting.cloud`: the shapes that clustering would fit to a scan of things that are known.
+"""A quick imitation of `drafting.cloud`: the shapes that clustering would fit to a scan whose objects are known.
 
-What costs a second there is to find out which points belong together and how a thing is turned. Here both are known,
-so that only the rules are left: extents of the points, unseen sides completed, halves of halves where a box does not
-fit. The errors of the search are drawn at random, as large as `benches/compare_drawings.py` measured them on streets.
+Clustering takes a second to find which points belong together and which way an object is turned. Here both are known,
+so only the rules are left: extents of the points, unseen sides completed, boxes halved until they fit. The errors of
+the search are sampled at random, as large as `benches/compare_coarse_layouts.py` measured them on streets.
 
 Points are [3, N] in here: a row each for x, y and z.
 """
@@ -40,43 +40,43 @@ def _any_of(*names: str) -> np.ndarray:
     return np.isin([row.name for row in CLASSES], names)
 
 
-_POSTS = _any_of(*POST_CLASSES)
+_POLES = _any_of(*POST_CLASSES)
 _RUNS = _any_of("wall", "fence")
 _HANGING = _any_of(*HANGING_CLASSES)
 _THINGS = np.array([row.size is not None for row in CLASSES])
 _SIZES = np.array([row.size or (0.0, 0.0, 0.0) for row in CLASSES])
 _VEGETATION, _SIGN, _LIGHT = (BY_NAME[name].id for name in ("vegetation", "traffic-sign", "traffic-light"))
 _STAGES = (4, 1, 0)  # a facade is cut in four, each of these in pieces, and these stay as they are
-# Fitted to what the real one draws on streets.
-_FRONT = 0.3  # m; 0.4 there, of a box that is turned as its points are and not as the thing is
-_DEEP = 0.08  # share of points that may lie behind the front
-_LARGEST_CROWN = 1.8  # m; there points are halved in tighter boxes than the even ones here
+# All below is fitted to what `drafting.cloud` makes of scans of streets: benches/compare_coarse_layouts.py.
+_FRONT_DEPTH = 0.3  # m; 0.4 there, where a box is turned as its points are and not as its object
+_MOST_BEHIND_FRONT = 0.08  # share of the points that may lie behind the front
+_LARGEST_CROWN = 1.8  # m; there points are halved in tighter boxes than here
 _LARGEST_PIECE = 2.5  # m, of facades
-_REACH = (0.35, 0.007)  # m between the boxes of neighbours that are merged, and more with the distance
+_MERGING_REACH = (0.35, 0.007)  # m between the boxes of neighbours that are merged; plus this share of the range
 _TRIMMED = 0.96  # of the length and the width, without the points furthest out
-_LONG, _MANY = 6.0, 300  # m, returns
-_SPREAD = 0.45  # m; points 1.5 m long
+_LONG, _WELL_SEEN = 6.0, 300  # m and returns of objects whose seen length is their length
+_SPREAD = 0.45  # m, standard deviation of points along a line of 1.5 m
 _QUARTILES = 1.5  # deviations between the quartiles; 1.35 of a normal, 1.73 of an even spread
-_HIDDEN = 0.5  # columns that at least lie between the outermost points and the sides of a post
-_QUEUE = 4  # steps to the end of a queue of neighbours
-_NEAR = 0.1  # of the girth, from the mean of the points to the middle of a post
-# Deviations of yaw [rad] of what was well seen, and of one point's share more.
-_MISREAD = np.full(NUM_CLASSES, np.deg2rad(1.8))
+_HIDDEN_COLUMNS = 0.5  # columns at least between the outermost points and the sides of a pole
+_MERGING_STEPS = 4  # each doubles how many neighbours in a row are merged
+_MEAN_BEFORE_AXIS = 0.1  # of the diameter, from the mean of the points to the axis of a pole
+# Standard deviation of yaw [rad] of an object well seen, and what one point's share adds.
+_YAW_ERROR = np.full(NUM_CLASSES, np.deg2rad(1.8))
 for _name, _degrees in (
     *(("truck", 0.5), ("bus", 0.5), ("train", 0.5), ("traffic-sign", 0.5)),
     *(("person", 26.0), ("rider", 20.0), ("motorcycle", 8.0), ("bicycle", 4.0)),
 ):
-    _MISREAD[BY_NAME[_name].id] = np.deg2rad(_degrees)
-_MISREAD_OF_FEW = np.full(NUM_CLASSES, np.deg2rad(45.0))
-_MISREAD_OF_FEW[_SIGN] = np.deg2rad(25.0)
+    _YAW_ERROR[BY_NAME[_name].id] = np.deg2rad(_degrees)
+_YAW_ERROR_OF_ONE = np.full(NUM_CLASSES, np.deg2rad(45.0))
+_YAW_ERROR_OF_ONE[_SIGN] = np.deg2rad(25.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Clusters:
-    """G upright shapes with the class and thing of each.
+class ClusterShapes:
+    """G upright shapes with the class and object of each.
 
     `shapes` i64 [G] indices of `SHAPES`, `centers` and `sizes` f64 [3, G] [m], `yaws` f64 [G] [rad], `keys` i64 [G]:
-    thing times K plus class.
+    object times K plus class.
     """
 
     shapes: np.ndarray
@@ -85,24 +85,24 @@ class Clusters:
     yaws: np.ndarray
     keys: np.ndarray
 
-    def select(self, chosen: np.ndarray) -> Clusters:
+    def select(self, chosen: np.ndarray) -> ClusterShapes:
         """The chosen shapes [G] alone."""
-        return Clusters(*(getattr(self, name)[..., chosen] for name in self.__dataclass_fields__))
+        return ClusterShapes(*(getattr(self, name)[..., chosen] for name in self.__dataclass_fields__))
 
 
-def clusters(
+def cluster_shapes(
     visible: VisibleObjects,
     yaws: np.ndarray,
     grounds: np.ndarray,
-    girths: np.ndarray,
+    diameters: np.ndarray,
     rng: np.random.Generator,
     *,
     numbered: bool,
-) -> Clusters:
-    """The shapes of what was seen of each thing.
+) -> ClusterShapes:
+    """The shapes of what was seen of each object.
 
-    `yaws` [T], in the frame of the ego vehicle, `grounds` [T], the height under each thing, and `girths` [T], of its
-    post, are those of the things. `numbered` says whether the points come with the numbers of their things: if not,
+    `yaws` [T], in the frame of the ego vehicle, `grounds` [T], the height under each, and `diameters` [T], of its pole,
+    are those of the objects. `numbered` says whether the points come with instance numbers: if not,
     neighbours are merged, and of few points is made nothing.
     """
     points, keys = visible.points()
@@ -112,7 +112,7 @@ def clusters(
     groups = PointGroups(points.T[:, order], starts, parts, yaws[parts // NUM_CLASSES])
     labels = groups.labels
     enough = visible.returns.ravel()[groups.keys] >= MIN_POINTS
-    solid, post, crown = _THINGS[labels], _POSTS[labels], labels == _VEGETATION
+    solid, post, crown = _THINGS[labels], _POLES[labels], labels == _VEGETATION
     sign = labels == _SIGN
     if numbered:
         objects = groups.select(solid | (sign & enough))
@@ -122,13 +122,16 @@ def clusters(
     run = _RUNS[labels]  # of pieces that follow the ground
     found = [
         _boxes(objects, visible.returns, rng),
-        _posts(groups.select(post & enough), girths, sensor.azimuth_span / sensor.columns, rng),
+        _poles(groups.select(post & enough), diameters, sensor.azimuth_span / sensor.columns, rng),
         _crowns(groups.select(crown & enough)),
         *_facades(groups.select(front & ~run)),
         *_facades(_merged(_linked(groups.select(front & run), visible.returns)), bent=True),
     ]
-    whole = Clusters(
-        *(np.concatenate([getattr(part, name) for part in found], axis=-1) for name in Clusters.__dataclass_fields__)
+    whole = ClusterShapes(
+        *(
+            np.concatenate([getattr(part, name) for part in found], axis=-1)
+            for name in ClusterShapes.__dataclass_fields__
+        )
     )
     return _grounded(whole, grounds)
 
@@ -139,7 +142,7 @@ def _back(points: np.ndarray, yaws: np.ndarray) -> np.ndarray:
 
 
 def _linked(groups: PointGroups, returns: np.ndarray) -> PointGroups:
-    """Things in the pieces that DBSCAN finds; `returns` i64 [T, K] says how many returns the points stand for."""
+    """Objects in the pieces that DBSCAN finds; `returns` i64 [T, K] says how many returns the points stand for."""
     weights = returns.ravel()[groups.keys] / groups.counts
     reach = OTHER_REACH + REACH_PER_RANGE * np.hypot(*groups.points[:2])
     return groups.linked(reach, weights, MIN_POINTS)
@@ -150,40 +153,42 @@ def _merged(groups: PointGroups) -> PointGroups:
     middle, size = groups.extents(groups.points)
     gap = np.abs(middle[:2, :, None] - middle[:2, None]) - (size[:2, :, None] + size[:2, None]) / 2
     distance = np.hypot(*np.maximum(gap, 0.0))
-    reach = _REACH[0] + _REACH[1] * np.hypot(middle[0], middle[1])
+    reach = _MERGING_REACH[0] + _MERGING_REACH[1] * np.hypot(middle[0], middle[1])
     near = (distance < reach) & (groups.labels[:, None] == groups.labels)
     number = np.arange(len(reach))
-    for _ in range(_QUEUE):
+    for _ in range(_MERGING_STEPS):
         # the lowest number within reach, and that of the neighbour of that number: each step goes twice as far
         number = np.where(near, number, len(reach)).min(axis=1, initial=len(reach))
         number = number[number]
     return groups.regrouped(groups.each(number))
 
 
-def _boxes(groups: PointGroups, returns: np.ndarray, rng: np.random.Generator) -> Clusters:
+def _boxes(groups: PointGroups, returns: np.ndarray, rng: np.random.Generator) -> ClusterShapes:
     """A box around the points of each group, with the sides that were not seen: `clustering.completions`."""
     middle, seen = groups.extents(groups.local())
     seen = np.maximum(seen * [[_TRIMMED], [_TRIMMED], [1.0]], MIN_EXTENT)
     whole = _SIZES[groups.labels].T
     # the longer side seen is the length where it is longer than the mean of the class, else the width
     first = (seen[0] > seen[1]) == (np.maximum(seen[0], seen[1]) > (whole[0] + whole[1]) / 2)
-    # what would be added to a long thing, of which much was seen, would stand on ground that was seen
-    complete = (whole[0] > _LONG) & (returns.ravel()[groups.keys] > _MANY) & (seen[:2].max(axis=0) > whole[0] / 4)
-    first = np.where(complete, seen[0] > seen[1], first)
+    # of a long object that was well seen, what would be added would stand on ground that was seen
+    seen_whole = (
+        (whole[0] > _LONG) & (returns.ravel()[groups.keys] > _WELL_SEEN) & (seen[:2].max(axis=0) > whole[0] / 4)
+    )
+    first = np.where(seen_whole, seen[0] > seen[1], first)
     whole = np.where(first, whole[:2], whole[1::-1])
-    grown = np.where((seen[:2] < SEEN_WHOLE * whole) & ~complete, whole, seen[:2])
+    grown = np.where((seen[:2] < SEEN_WHOLE * whole) & ~seen_whole, whole, seen[:2])
     middle[:2] += np.where(middle[:2] < 0, -0.5, 0.5) * (grown - seen[:2])
     # a sign's box, of no usual size, has the heading between 0 and 90 degrees
     aside = np.remainder(groups.yaws, math.pi) >= math.pi / 2
     turned = np.where(groups.labels == _SIGN, aside, ~first)
     sizes = np.stack([*np.where(turned, grown[::-1], grown), seen[2]])
     shapes = np.full(len(turned), _BOX)
-    yaws = groups.yaws + _misread(groups, rng) + turned * math.pi / 2
-    boxes = Clusters(shapes, _back(middle, groups.yaws), sizes, yaws, groups.keys)
+    yaws = groups.yaws + _yaw_errors(groups, rng) + turned * math.pi / 2
+    boxes = ClusterShapes(shapes, _back(middle, groups.yaws), sizes, yaws, groups.keys)
     return boxes.select(~_within(boxes, groups))
 
 
-def _within(boxes: Clusters, groups: PointGroups) -> np.ndarray:
+def _within(boxes: ClusterShapes, groups: PointGroups) -> np.ndarray:
     """Which groups [G] have their middle in the box of a larger one of their class, and are parts of that."""
     seen = groups.extents(groups.points)[0]
     off = seen[:2, :, None] - boxes.centers[:2, None]
@@ -195,25 +200,25 @@ def _within(boxes: Clusters, groups: PointGroups) -> np.ndarray:
     return within
 
 
-def _misread(groups: PointGroups, rng: np.random.Generator) -> np.ndarray:
+def _yaw_errors(groups: PointGroups, rng: np.random.Generator) -> np.ndarray:
     """How far off [G, rad] the yaw is that the search over headings finds."""
     turn = rng.normal(0.0, 1.0, len(groups.keys)) * (
-        _MISREAD[groups.labels] + _MISREAD_OF_FEW[groups.labels] / groups.counts
+        _YAW_ERROR[groups.labels] + _YAW_ERROR_OF_ONE[groups.labels] / groups.counts
     )
     return np.remainder(turn + math.pi / 4, math.pi / 2) - math.pi / 4
 
 
-def _posts(groups: PointGroups, girths: np.ndarray, column: float, rng: np.random.Generator) -> Clusters:
-    """Cylinders whose near side holds the points, thinner than the posts: columns are `column` [rad] apart."""
+def _poles(groups: PointGroups, diameters: np.ndarray, column: float, rng: np.random.Generator) -> ClusterShapes:
+    """Cylinders whose near side holds the points, thinner than the poles: columns are `column` [rad] apart."""
     mean = groups.means(groups.points[:2])
     distance = np.maximum(np.hypot(*mean), 1e-6)
     groups.yaws = np.arctan2(mean[1], mean[0])
     middle, size = groups.extents(groups.local())
-    narrow = girths[groups.keys // NUM_CLASSES] - column * distance * (_HIDDEN + rng.random(len(distance)))
-    girth = np.maximum(np.where(groups.labels == _LIGHT, size[1], narrow), MIN_EXTENT)
-    centers = np.stack([*(mean * (1.0 + _NEAR * girth / distance)), middle[2]])
-    sizes = np.stack([girth, girth, np.maximum(size[2], MIN_EXTENT)])
-    return Clusters(np.full(len(girth), _CYLINDER), centers, sizes, np.zeros(len(girth)), groups.keys)
+    narrow = diameters[groups.keys // NUM_CLASSES] - column * distance * (_HIDDEN_COLUMNS + rng.random(len(distance)))
+    diameter = np.maximum(np.where(groups.labels == _LIGHT, size[1], narrow), MIN_EXTENT)
+    centers = np.stack([*(mean * (1.0 + _MEAN_BEFORE_AXIS * diameter / distance)), middle[2]])
+    sizes = np.stack([diameter, diameter, np.maximum(size[2], MIN_EXTENT)])
+    return ClusterShapes(np.full(len(diameter), _CYLINDER), centers, sizes, np.zeros(len(diameter)), groups.keys)
 
 
 def _cut(groups: PointGroups, local: np.ndarray, pieces: np.ndarray) -> PointGroups:
@@ -232,7 +237,7 @@ def _halvings(size: np.ndarray, largest: float) -> np.ndarray:
     return 2 ** np.ceil(np.log2(np.maximum(size / largest, 1.0))).astype(np.int64)
 
 
-def _crowns(groups: PointGroups) -> Clusters:
+def _crowns(groups: PointGroups) -> ClusterShapes:
     """Ellipsoids of the pieces of foliage, as large as their points look, around the middle half of them."""
     groups = _cut(groups, groups.points, _halvings(groups.extents(groups.points)[1], _LARGEST_CROWN))
     mean = groups.means(groups.points[:2])
@@ -245,15 +250,15 @@ def _crowns(groups: PointGroups) -> Clusters:
     size[1:] *= ELLIPSE_SCALE
     shapes = np.full(len(along), _ELLIPSOID)
     sizes = np.maximum(size, MIN_CROWN)
-    return Clusters(shapes, _back(middle, groups.yaws), sizes, groups.yaws, groups.keys)
+    return ClusterShapes(shapes, _back(middle, groups.yaws), sizes, groups.yaws, groups.keys)
 
 
-def _facades(groups: PointGroups, *, bent: bool = False) -> list[Clusters]:
+def _facades(groups: PointGroups, *, bent: bool = False) -> list[ClusterShapes]:
     """Boxes of parts that lie on the front of theirs, or are small: `clustering.split`, several halvings at a time.
 
     `bent` ones turn with the road: each part has a heading of its own.
     """
-    done: list[Clusters] = []
+    done: list[ClusterShapes] = []
     for stage in _STAGES:
         if bent:
             groups.yaws = groups.headings(_SPREAD)
@@ -262,7 +267,7 @@ def _facades(groups: PointGroups, *, bent: bool = False) -> list[Clusters]:
         fits = _on_front(groups, local, middle, size) | (stage == 0)
         centers = _back(middle[:, fits], groups.yaws[fits])
         sizes = np.maximum(size[:, fits], MIN_EXTENT)
-        done.append(Clusters(np.full(len(centers[0]), _BOX), centers, sizes, groups.yaws[fits], groups.keys[fits]))
+        done.append(ClusterShapes(np.full(len(centers[0]), _BOX), centers, sizes, groups.yaws[fits], groups.keys[fits]))
         if fits.all():
             break
         groups, local, size = groups.select(~fits), local[:, groups.each(~fits)], size[:, ~fits]
@@ -278,13 +283,13 @@ def _on_front(groups: PointGroups, local: np.ndarray, middle: np.ndarray, size: 
     """Whether each group [G] is small, or lies on the front of its box, with the sensor outside."""
     front = np.sign(-middle[:2])
     depth = groups.each(size[:2] / 2 + front * middle[:2]) - groups.each(front) * local[:2]
-    deep = groups.means((depth.min(axis=0) > _FRONT).astype(float))
+    deep = groups.means((depth.min(axis=0) > _FRONT_DEPTH).astype(float))
     outside = (np.abs(middle[:2]) > size[:2] / 2).any(axis=0)
-    fits: np.ndarray = (size.max(axis=0) <= UNSPLIT_LENGTH) | (outside & (deep <= _DEEP))
+    fits: np.ndarray = (size.max(axis=0) <= UNSPLIT_LENGTH) | (outside & (deep <= _MOST_BEHIND_FRONT))
     return fits
 
 
-def _grounded(found: Clusters, grounds: np.ndarray) -> Clusters:
+def _grounded(found: ClusterShapes, grounds: np.ndarray) -> ClusterShapes:
     """What stands, let down to the ground where it begins less than 2.5 m over it."""
     ground = grounds[found.keys // NUM_CLASSES]
     bottom = found.centers[2] - found.sizes[2] / 2

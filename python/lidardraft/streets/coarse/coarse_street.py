@@ -46,7 +46,7 @@ class ShapeColumns:
         number: dict[tuple[int, int], int] = {}
         ids = []
         for index, mark, _ in rows:
-            # the crowns of one thing have the same ids whatever the number of their lobes
+            # the crowns of one object have the same ids whatever the number of their lobes
             key = (index, mark.lobes)
             number[key] = number.get(key, number.get((index, 0), 0) if mark.lobes else 0) + 1
             ids.append(f"{objects[index].id}.{number[key] - 1}" if number[key] > 1 else objects[index].id)
@@ -71,8 +71,8 @@ class CoarseStreet:
     `scene` is the detailed scene of the `objects` along `road`, `middles` are those of the lanes across the road [m].
     Of the T objects, as columns: `places` f64 [T, 3] x, y, yaw; `levels` and `heights` f64 [T], of the ground under
     them without and with its relief; `instances` u32 [T]; `ridden`, `small` and `poles` bool [T]; `families` i64 [T],
-    the number in `FAMILIES` or -1; `girths` f64 [T], the diameter of a pole [m]. `exact` are their shapes as they are,
-    `solved` the nearest ones that the solver of sentences could have placed. `owners` is `owners_of` the scene.
+    the number in `FAMILIES` or -1; `diameters` f64 [T] of poles [m]. `exact` are their shapes as they are, `solved` the
+    nearest ones that the solver of sentences could have placed. `owners` is `owners_of` the scene.
     """
 
     def __init__(self, road: Road, objects: Sequence[PlacedObject], scene: Layout, middles: Sequence[float]) -> None:
@@ -98,8 +98,8 @@ class CoarseStreet:
         self.poles = np.array([kind.on_post for kind in kinds], dtype=bool)
         self.families = np.array([FAMILY_OF[kind.word] for kind in kinds], dtype=np.int64)
         pole = self.exact.shapes == SHAPES.index("cylinder")
-        self.girths = np.full(len(self.objects), 0.1)
-        self.girths[self.exact.owners[pole]] = self.exact.sizes[pole, 0]
+        self.diameters = np.full(len(self.objects), 0.1)
+        self.diameters[self.exact.owners[pole]] = self.exact.sizes[pole, 0]
 
     def ground(self, pose: np.ndarray, *, relief: bool, sidewalks: bool = True) -> ShapeTable:
         """The ground in the frame of the ego vehicle at street_from_ego `pose` [4, 4].

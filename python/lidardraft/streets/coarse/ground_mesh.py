@@ -1,4 +1,4 @@
-"""The ground of a street as a clustering draws it: a coarse mesh for each class, that rises and falls."""
+"""The ground of a street as a clustering finds it: a coarse mesh for each class, with its relief."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Things as a sentence has them: the nearest to the real ones that the solver of sentences could have placed."""
+"""Objects as a sentence has them: the nearest to the real ones that the solver of sentences could have placed."""
 
 from __future__ import annotations
 
@@ -27,11 +27,15 @@ from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.road import Road
 from lidardraft.streets.placement.district import PARKING_STRIP
 
-# What the solver cannot come nearer to than this it cannot mean: a drawing that is further off than a quarter would
-# only teach that drawings lie.
-_FURTHEST, _CLOSE = 0.25, 0.12  # of the size; m, which is as good as nothing
+# Sizes are changed by no more than this: a network that learned from layouts further off would learn to ignore them.
+_MOST_RESIZED, _ALWAYS_RESIZED = 0.25, 0.12  # share of the size; m that are always allowed
 _ONE_BOX = {"house": "building", "truck": "truck"}  # a sentence knows no roofs, and one kind of lorry
-_VEER = 3 * YAW_DEVIATION  # rad
+_MOST_YAW = 3 * YAW_DEVIATION  # rad
+_CROOKED = 0.2  # rad; what is turned by more stands as it does
+_IN_LANE = 0.5  # m from the middle of a lane that is still in it
+_TRUNK_SHARE = 0.05  # of the height of a tree, before the limits of the solver
+_WIDEST_ON_POLE = 1.0  # m; wider traffic lights hang from an arm
+_LEAST_CROWN = 0.6  # of the height of a tree, the highest that its crown begins
 
 
 def _extents(kind: SentenceKind) -> tuple[Size, Size]:
@@ -53,7 +57,7 @@ _LONGEST_BUILDING = _EXTENTS["building"][1][0]
 def solver_shapes(
     objects: Iterable[PlacedObject], road: Road, middles: Sequence[float]
 ) -> list[tuple[int, CoarseShape, tuple[float, float, float]]]:
-    """What a sentence would draw of each thing: its index, a shape of it, and the place (x, y, yaw) it has that from.
+    """The shapes of each object that a sentence can name: index of the object, shape, and its place (x, y, yaw).
 
     `middles` are those of the lanes across the road [m]. A block longer than the solver's is several side by side.
     """
@@ -78,11 +82,11 @@ def _resized(placed: PlacedObject, kind: Kind) -> PlacedObject:
     size = np.array(placed.size)
     if kind.word == "house":
         size[2] = (placed.clearance + size[2]) / 2
-    most = np.maximum(_FURTHEST * size, _CLOSE)
+    most = np.maximum(_MOST_RESIZED * size, _ALWAYS_RESIZED)
     nearest = np.clip(np.clip(size, *_EXTENTS[kind.word]), size - most, size + most)
     length, width, height = nearest.tolist()
     if kind.word == "tree":
-        clearance = min(max(placed.clearance, CROWN_BASE[0]), CROWN_BASE[1], 0.6 * height)
+        clearance = min(max(placed.clearance, CROWN_BASE[0]), CROWN_BASE[1], _LEAST_CROWN * height)
         return replace(placed, size=((length + width) / 2, (length + width) / 2, height), clearance=clearance)
     if kind.word == "bush":
         return replace(placed, size=((length + width) / 2, (length + width) / 2, height))
@@ -90,10 +94,10 @@ def _resized(placed: PlacedObject, kind: Kind) -> PlacedObject:
 
 
 def _shapes(placed: PlacedObject, kind: Kind) -> list[CoarseShape]:
-    """What `drafting.object_shapes` draws by the word of a kind, at the size of the object."""
+    """The parts that `drafting.object_shapes` makes for the word of a kind, at the size of the object."""
     length, width, height = placed.size
     if kind.word == "tree":
-        trunk = float(np.clip(0.05 * height, *TRUNK_DIAMETER))
+        trunk = float(np.clip(_TRUNK_SHARE * height, *TRUNK_DIAMETER))
         crown = height - placed.clearance
         top = placed.clearance + TRUNK_IN_CROWN * crown
         return [
@@ -107,7 +111,7 @@ def _shapes(placed: PlacedObject, kind: Kind) -> list[CoarseShape]:
         return [CoarseShape("box", (float(x), 0.0, height / 2), (step - GAP, width, height), "building") for x in along]
     if kind.word == "traffic-sign":
         return _as_coarse(traffic_sign_parts(height, width))
-    if kind.word == "traffic-light" and width <= 1.0:  # wider ones hang from an arm
+    if kind.word == "traffic-light" and width <= _WIDEST_ON_POLE:
         return _as_coarse(traffic_light_parts(placed.clearance))
     if kind.word == "street-light":
         return _as_coarse(street_light_parts(height))
@@ -121,21 +125,21 @@ def _as_coarse(parts: list[ObjectPart]) -> list[CoarseShape]:
 
 
 def _settled(placed: PlacedObject, alignment: Alignment, road: Road, rows: np.ndarray) -> tuple[float, float, float]:
-    """x, y [m] and yaw [rad] of the thing along the road, near the middle of a row if it stands in one."""
+    """x, y [m] and yaw [rad] of the object along the road, near the middle of a row if it stands in one."""
     if alignment is Alignment.FREE:
         return placed.x, placed.y, placed.yaw
     along, across = _along_across(road, placed.x, placed.y)
     heading = road.curvature * along
     turn = math.remainder(placed.yaw - heading, math.tau)
-    district = round(turn / (math.pi / 2)) * math.pi / 2
+    square = round(turn / (math.pi / 2)) * math.pi / 2
     if alignment is Alignment.SQUARE:
-        return placed.x, placed.y, heading + district
-    if abs(turn - district) > 0.2:
+        return placed.x, placed.y, heading + square
+    if abs(turn - square) > _CROOKED:
         return placed.x, placed.y, placed.yaw
-    turn = district + float(np.clip(turn - district, -_VEER, _VEER))
-    if alignment is Alignment.LANE and round(district / (math.pi / 2)) % 2 == 0:
+    turn = square + float(np.clip(turn - square, -_MOST_YAW, _MOST_YAW))
+    if alignment is Alignment.LANE and round(square / (math.pi / 2)) % 2 == 0:
         row = rows[int(np.argmin(np.abs(rows - across)))]
-        if abs(row - across) < 0.5:
+        if abs(row - across) < _IN_LANE:
             across = float(np.clip(across, row - LANE_OFFSET, row + LANE_OFFSET))
     x, y, heading = road.at(along, across)
     return x, y, heading + turn

@@ -1,4 +1,4 @@
-"""What a scan saw of a street: how much of each thing, and where."""
+"""What a scan saw of a street: how much of each object, and where."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, NUM_CLASSES
 
-_FEW = 200  # returns; of more, one in four says as much
-_MANY = 1200  # returns; of more, one in sixteen
-_VEGETATION = BY_NAME["vegetation"].id  # of which every part counts
+_FEW = 200  # returns; of objects with more, one in four is used
+_MANY = 1200  # returns; of objects with more, one in sixteen is used
+_VEGETATION = BY_NAME["vegetation"].id  # always one in four at least: every part of a plant counts
 
 
 @dataclass(frozen=True, eq=False)
 class VisibleObjects:
-    """The returns of one scan on things, from a sensor at `pose` [4, 4] over the ego vehicle at `place` (x, y, yaw).
+    """The returns of one scan on objects, from a sensor at `pose` [4, 4] over the ego vehicle at `place` (x, y, yaw).
 
-    `scan` says which primitive each return is of; `owners` i32 [P + 1] is `owners_of` the scene, and `things` says how
-    many there are.
+    `scan` says which primitive each return is of; `owners` i32 [P + 1] is `owners_of` the scene, and `count` says
+    how many objects there are.
     """
 
     place: tuple[float, float, float]
     pose: np.ndarray
     scan: RangeImage
     owners: np.ndarray
-    objects: int
+    count: int
 
     @cached_property
     def _all(self) -> tuple[np.ndarray, np.ndarray]:
-        """Pixels [M] that show a thing, and the number [M] of that thing's part of that class."""
+        """Pixels [M] that show an object, and for each [M] the object times K plus its class."""
         assert self.scan.primitive is not None
         owner = self.owners[self.scan.primitive.ravel()]
         pixels = np.flatnonzero((owner >= 0) & (self.scan.depth.ravel() > 0))
@@ -43,14 +43,14 @@ class VisibleObjects:
 
     @cached_property
     def returns(self) -> np.ndarray:
-        """How many returns each thing has in each class, i64 [T, K]."""
-        counts: np.ndarray = np.bincount(self._all[1], minlength=self.objects * NUM_CLASSES)
-        return counts.reshape(self.objects, NUM_CLASSES)
+        """How many returns each object has in each class, i64 [T, K]."""
+        counts: np.ndarray = np.bincount(self._all[1], minlength=self.count * NUM_CLASSES)
+        return counts.reshape(self.count, NUM_CLASSES)
 
     def points(self) -> tuple[np.ndarray, np.ndarray]:
-        """Points f64 [N, 3] in the frame of the ego vehicle, and for each, [N], thing times K plus class.
+        """Points f64 [N, 3] in the frame of the ego vehicle, and for each [N] the object times K plus its class.
 
-        All of what returned little; of what returned much an even share.
+        All points of objects with few returns; an even share of those with many.
         """
         pixels, keys = self._all
         counts = self.returns.ravel()
@@ -66,7 +66,7 @@ class VisibleObjects:
 
 
 def owners_of(scene: Layout, objects: Sequence[PlacedObject]) -> np.ndarray:
-    """The index [P + 1] of the thing that each primitive is a part of, -1 for ground and for the last, no primitive."""
+    """The index [P + 1] of the object that each primitive is part of; -1 for ground, and last for no primitive."""
     index = {placed.id: number for number, placed in enumerate(objects)}
     owners = [index.get(object_of(primitive), -1) for primitive in scene]
     return np.array([*owners, -1], dtype=np.int32)

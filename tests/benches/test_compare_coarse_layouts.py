@@ -1,17 +1,17 @@
-"""The quick drawings of streets have the statistics of the real drafting code that they stand in for."""
+"""The quick coarse layouts of streets have the statistics of the drafting code that they imitate."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from compare_drawings import compare_clusters, compare_solver, pooled
+from compare_coarse_layouts import compare_clusters, compare_solver, pooled
 from lidardraft.semantics import CLASSES
 from lidardraft.streets.street import StreetConfig, make_street
 from tallies import FEWEST, Tallies, Tally, append, drift, new_tallies, read, rows
 
 CONFIG = StreetConfig()
-# What streets have in sizes that the solver cannot draw; docs/drawings.md says why.
+# What streets have in sizes that the solver cannot make; docs/coarse-layouts.md says why.
 OTHERWISE = {
     *("fence: fence", "wall: wall", "hedge: vegetation", "bush: vegetation", "pole: pole", "truck: truck"),
     "traffic-sign: traffic-sign",

@@ -1,12 +1,12 @@
-"""The quick drawings of streets beside those of the real drafting code, on the same scans: Markdown tables.
+"""The quick coarse layouts of streets beside those of the drafting code, on the same scans: Markdown tables.
 
-    python benches/compare_drawings.py [streets] [--keep FOLDER]
+    python benches/compare_coarse_layouts.py [streets] [--keep FOLDER]
 
-For every class: shapes a scan; length, width and height as shares of those of the nearest thing of the class (of what
-is drawn in pieces, and for the solver: in metres); how far the middle is off along and across that thing [m], and the
+For every class: shapes a scan; length, width and height as shares of those of the nearest object of the class (of what
+comes in pieces, and for the solver: in metres); how far the middle is off along and across that object [m], and the
 yaw [deg]; how often it is "turned", length and width taken for each other; the share of the scan's pixels of the class
-that the cast drawing "agrees" with. A cell is the median and the half width of the middle 68 %, of the real code and of
-what stands in for it. "clusters" is `drafting.cloud.layout_from_cloud`, with the numbers of things or without; "solver"
+that the cast layout "agrees" with. A cell is the median and the half width of the middle 68 %, of the drafting code
+and of its quick imitation. "clusters" is `drafting.cloud.layout_from_cloud`, with instance numbers or without; "solver"
 is `drafting.solver.layout_from_spec` on specs with the kinds that the street has; "quick" stands in for them in
 `lidardraft.streets`; "possible" is the share of its shapes in sizes that the real code drew too. Below each table
 stands what differs by more than `tallies.py` tolerates.
@@ -41,11 +41,11 @@ from lidardraft.streets.placement.district import PARKING_STRIP
 from lidardraft.streets.street import Street, StreetConfig, make_street
 from tallies import IN_PIECES, Tallies, Tally, add_all, append, drift, new_tallies, read, rows
 
-_NEAREST = 4.0  # m; further than this a shape is of no thing
+_NEAREST = 4.0  # m; further than this a shape is of no object
 
 
 def measure(tallies: Tallies, name: str, coarse: ShapeTable, truth: ShapeTable) -> None:
-    """Add the shapes of one drawing to those of `name`, compared with the exact ones of the same place."""
+    """Add the shapes of one layout to those of `name`, compared with the exact ones of the same place."""
     for row in CLASSES[1:]:
         mine, true = np.flatnonzero(coarse.labels == row.id), np.flatnonzero(truth.labels == row.id)
         if row.name in GROUND or not (len(true) or len(mine)):
@@ -59,10 +59,10 @@ def measure(tallies: Tallies, name: str, coarse: ShapeTable, truth: ShapeTable) 
             flat = np.sort(sizes[:, :2], axis=1)
             tally.add(length=flat[:, 1], width=flat[:, 0], height=sizes[:, 2])
         elif len(true):
-            _measure_things(tally, coarse, mine, truth, true, has_front=row.size is not None)
+            _measure_objects(tally, coarse, mine, truth, true, has_front=row.size is not None)
 
 
-def _measure_things(
+def _measure_objects(
     tally: Tally, coarse: ShapeTable, mine: np.ndarray, truth: ShapeTable, true: np.ndarray, *, has_front: bool
 ) -> None:
     gap = coarse.centers[mine, None, :2] - truth.centers[None, true, :2]
@@ -75,7 +75,7 @@ def _measure_things(
     turned = np.abs(turn) > math.pi / 4
     sizes = coarse.sizes[mine]
     if not has_front:
-        # turned by 90 degrees, with length and width exchanged, it is the same box: that is no way of drawing it
+        # turned by 90 degrees, with length and width exchanged, it is the same box: that is no error
         sizes = np.where(turned[:, None], sizes[:, [1, 0, 2]], sizes)
     ratio = sizes / truth.sizes[true]
     tally.add(
@@ -130,7 +130,7 @@ NAMED = {
     "fence": "fence",
     "garden_wall": "wall",
 }
-_MOST = 5  # things of a kind that surely find room
+_MOST = 5  # objects of a kind that surely find room
 
 
 def compare_solver(streets: Iterable[Street]) -> Tallies:
@@ -202,7 +202,7 @@ def pooled(name: str, count: int, folder: Path | None, compare: Callable[[Street
 
 
 def main() -> None:
-    """Print the tables, and below each what is drawn otherwise."""
+    """Print the tables, and below each what differs."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("streets", type=int, nargs="?", default=200)
     parser.add_argument("--keep", type=Path, help="folder for what was measured of each street; the next run goes on")
