@@ -117,12 +117,12 @@ def test_a_fresh_controlnet_leaves_the_base_bit_identical(copy_gate: bool) -> No
 
 
 @torch.no_grad()
-def test_an_open_gate_copies_the_drawn_depth_where_there_is_a_hit() -> None:
+def test_an_open_gate_copies_the_depth_of_the_condition_where_there_is_a_hit() -> None:
     denoiser = Denoiser.from_config(dataclasses.replace(TINY, controlnet=True)).eval()
     assert denoiser.controlnet is not None
     assert denoiser.controlnet.gate is not None
     denoiser.controlnet.gate.head.bias[:8] = 20.0  # fully open
-    denoiser.controlnet.gate.head.bias[8:16] = 1e4  # and sure of the drawing whatever the pixel says
+    denoiser.controlnet.gate.head.bias[8:16] = 1e4  # and sure of the condition whatever the pixel says
     condition = a_condition()
     condition[:, CONDITION_VALIDITY, :, 10:20] = -1
     x, sigma = torch.randn(2, 3, 16, 64), torch.tensor([0.5, 2.0])

@@ -57,7 +57,7 @@ def test_nothing_to_count_is_nan():
     assert result.by_class == {}
 
 
-def test_a_drawing_adheres_to_itself_and_not_to_another_layout():
+def test_a_condition_image_adheres_to_itself_and_not_to_another_layout():
     sensor = Sensor.preset("vlp16")
     car = Primitive(shape="box", center=(8, 0, 0.75), size=(4, 2, 1.5), label="car", id="car", instance=1)
     road = Primitive(shape="plane", center=(0, 0, 0), size=(100, 100, 0), label="road", id="road")

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 import torch
-from made_pairs import noted
+from box_pairs import noted
 
 from lidardraft.training.pairs import PairFolder, write_pairs
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from made_pairs import SENSOR, make_pair, noted
+from box_pairs import SENSOR, make_pair, noted
 from safetensors.torch import load_file
 
 from lidardraft.diffusion.codec import DEPTH
@@ -124,7 +124,7 @@ def test_a_control_does_not_go_on_with_another_base(pairs: PairFolder, base: Pat
 
 
 def test_zero_convolutions_that_stay_zero_are_reported(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
-    # A learning rate of nothing is the simplest way to a ControlNet that never speaks.
+    # A learning rate of 0 is the simplest way to a ControlNet that adds nothing.
     silent = dataclasses.replace(CONTROL, steps=20, batch=1, learning_rate=0.0)
     with pytest.raises(TrainingError, match="zero convolution 'enter' is still zero after 20 steps"):
         list(train_denoiser(silent, pairs, tmp_path, base=weight_file.load(base, Denoiser)))

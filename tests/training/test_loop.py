@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 import torch
-from made_pairs import noted
+from box_pairs import noted
 from safetensors.torch import load_file
 from torch import Tensor, nn
 
-from lidardraft.errors import TrainingError
+from lidardraft.errors import FormatError, TrainingError
 from lidardraft.networks.weight_file import Network
 from lidardraft.training.learner import LearningConfig
 from lidardraft.training.loop import Batch, Measures, Report, device_for_training, train
@@ -111,6 +111,16 @@ def test_the_average_is_short_at_first_and_then_the_configs(pairs: PairFolder, t
         expected = number if expected is None else decay * expected + (1 - decay) * number
         seen.append((load_file(tmp_path / "weights.safetensors")["number"].item(), expected))
     assert [average for average, _ in seen] == pytest.approx([value for _, value in seen])
+
+
+def test_what_is_killed_while_it_saves_is_done_again(pairs: PairFolder, tmp_path: Path) -> None:
+    (tmp_path / "weights.safetensors" / "in the way").mkdir(parents=True)
+    with pytest.raises(FormatError, match=r"weights\.safetensors cannot be written"):
+        list(run(CONFIG, pairs, tmp_path))
+    (tmp_path / "weights.safetensors" / "in the way").rmdir()
+    (tmp_path / "weights.safetensors").rmdir()
+    assert [report.step for report in run(CONFIG, pairs, tmp_path)] == list(range(1, CONFIG.steps + 1))
+    assert load_file(tmp_path / "weights.safetensors")
 
 
 def test_a_run_stops_when_its_minutes_are_over(pairs: PairFolder, tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_pairs import SENSOR, make_pair, noted
+from box_pairs import SENSOR, make_pair, noted
 
 from lidardraft.errors import FormatError
 from lidardraft.scene.range_image import RangeImage

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from made_pairs import SENSOR, noted
+from box_pairs import SENSOR, noted
 from safetensors.torch import load_file
 
 from lidardraft.errors import TrainingError
@@ -38,8 +38,8 @@ STILL = Augmentation(
     gamma=0,
     surface=0,
     speckle=0,
-    blind=0,
-)  # turned and mirrored all the same
+    no_intensity=0,
+)  # rotated and mirrored all the same
 TINY = SegmentationConfig(
     segmenter=SegmenterConfig(grid=SphericalGrid(rows=16, columns=128), widths=(8, 16)),
     steps=6,
@@ -162,8 +162,10 @@ def test_scans_are_changed_as_asked(pairs: PairFolder) -> None:
     assert not moved[:, :2].any()
     rows = dataclasses.replace(STILL, drop_rows=1.0)
     assert len(augmented(pairs, 0, np.random.default_rng(1), rows).points) < 0.9 * count
-    blind = [augmented(pairs, 0, np.random.default_rng(s), dataclasses.replace(STILL, blind=0.5)) for s in range(40)]
-    assert 8 < sum(scan.intensity is None for scan in blind) < 32
+    unknown = [
+        augmented(pairs, 0, np.random.default_rng(s), dataclasses.replace(STILL, no_intensity=0.5)) for s in range(40)
+    ]
+    assert 8 < sum(scan.intensity is None for scan in unknown) < 32
 
 
 def test_surfaces_are_brighter_or_darker_class_by_class(two: PairFolder) -> None:
@@ -232,7 +234,7 @@ def test_a_sector_of_a_mixed_scan_is_of_another(two: PairFolder) -> None:
         np.testing.assert_allclose(scan.intensity, depth / 20, atol=0.01)
 
 
-def test_pasted_things_hide_what_is_behind_them(two: PairFolder) -> None:
+def test_pasted_objects_hide_what_is_behind_them(two: PairFolder) -> None:
     how = dataclasses.replace(STILL, paste=1.0)
     shares = set()
     for seed in range(20):

@@ -1,4 +1,4 @@
-"""Scans made unlike each other on purpose, so that what learns from streets does not learn the streets' own manner."""
+"""Scans changed at random, so that a network does not learn what only the scans of streets have in common."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class Augmentation:
     25 to 100 m that the ground bends by, `beam` [rad] that of each beam's elevation, `noise` [m] of the ranges; up to
     about `drop` of the returns go missing at random, and up to `drop_rows` of the beams. Intensities are raised to a
     power of spread `gamma`, scaled class by class with the spread `surface` and return by return with `speckle`, all in
-    natural logarithms, and are unknown with the probability `blind`: roads of PandaSet (Xiao et al., ITSC 2021) have
-    0.15 to 1.04 of the mean intensity of their scans (5 to 95 %), far more spread than a world of few materials has.
+    natural logarithms, and are unknown with the probability `no_intensity`: roads of PandaSet (Xiao et al., ITSC 2021)
+    have 0.15 to 1.04 of the mean intensity of their scans (5 to 95 %), far more spread than a world of few materials.
     """
 
     mix: float = 0.5
@@ -43,7 +43,7 @@ class Augmentation:
     gamma: float = 0.25
     surface: float = 0.4
     speckle: float = 0.25
-    blind: float = 0.3
+    no_intensity: float = 0.3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,8 +56,8 @@ class LabelledPoints:
 
 
 def augmented(pairs: PairFolder, i: int, random: np.random.Generator, how: Augmentation) -> LabelledPoints:
-    """The scan of pair `i`, turned, mirrored, mixed with others, and seen by another, worse sensor."""
-    scan = _turned(pairs, i, random)
+    """The scan of pair `i`, rotated, mirrored, mixed with others, and seen by another, worse sensor."""
+    scan = _rotated(pairs, i, random)
     depth, label, intensity = scan
     if random.random() < how.mix:
         width = depth.shape[1]
@@ -73,19 +73,23 @@ def augmented(pairs: PairFolder, i: int, random: np.random.Generator, how: Augme
                 image[nearer] = source[nearer]
     depth[_dropped(depth.shape, random, how)] = 0
     valid = depth > 0
-    known = None if random.random() < how.blind else _recoloured(intensity[valid], label[valid], random, how)
-    return LabelledPoints(_moved(pairs.sensor, depth, random, how)[valid], label[valid], known)
+    known = (
+        None
+        if random.random() < how.no_intensity
+        else _with_other_intensities(intensity[valid], label[valid], random, how)
+    )
+    return LabelledPoints(_displaced(pairs.sensor, depth, random, how)[valid], label[valid], known)
 
 
 def _another(pairs: PairFolder, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    return _turned(pairs, int(random.integers(len(pairs))), random)
+    return _rotated(pairs, int(random.integers(len(pairs))), random)
 
 
-def _turned(pairs: PairFolder, i: int, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _rotated(pairs: PairFolder, i: int, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Depth, label and intensity of a scan, from any column on where these wrap, mirrored half the time."""
     scan, _ = pairs[i]
     assert scan.intensity is not None
-    # A sector that is turned would be torn apart; its place on the grid is the sensor's.
+    # A sector that is rotated would be torn apart; its place on the grid is the sensor's.
     columns = scan.sensor.columns if scan.sensor.wraps else 1
     start, mirrored = int(random.integers(columns)), bool(random.random() < 0.5)
     # The mirror image of staggered beams is another sensor.
@@ -105,14 +109,16 @@ def _dropped(shape: tuple[int, ...], random: np.random.Generator, how: Augmentat
     return dropped
 
 
-def _recoloured(intensity: np.ndarray, label: np.ndarray, random: np.random.Generator, how: Augmentation) -> np.ndarray:
+def _with_other_intensities(
+    intensity: np.ndarray, label: np.ndarray, random: np.random.Generator, how: Augmentation
+) -> np.ndarray:
     """Intensities [N] of surfaces that are a little brighter or darker, to a sensor of another scale."""
     surface = random.normal(0, how.surface, NUM_CLASSES)[label]
     gain = np.exp(surface + how.speckle * random.standard_normal(len(label))).astype(np.float32)
     return np.minimum(intensity ** np.float32(np.exp(random.normal(0, how.gamma))) * gain, np.float32(1))
 
 
-def _moved(sensor: Sensor, depth: np.ndarray, random: np.random.Generator, how: Augmentation) -> np.ndarray:
+def _displaced(sensor: Sensor, depth: np.ndarray, random: np.random.Generator, how: Augmentation) -> np.ndarray:
     """The points f32 [H, W, 3] of a depth image for beams that point, and a sensor that stands, a little elsewhere."""
     noise = random.standard_normal(depth.shape, dtype=np.float32) * np.float32(how.noise)
     points = sensor.pattern.points(np.maximum(depth + noise, np.float32(0.1))).astype(np.float32)

@@ -98,7 +98,7 @@ def train_denoiser(
 
 def _has_bfloat16(device: torch.device) -> bool:
     """Whether bfloat16 is faster than float32: a CPU without the instructions emulates them."""
-    capabilities: dict[str, Any] = getattr(torch.cpu, "get_capabilities", dict)()  # of torch 2.10 and later
+    capabilities: dict[str, Any] = getattr(torch.cpu, "get_capabilities", dict)()  # newer torch
     return device.type == "cuda" or bool(capabilities.get("avx512_bf16"))
 
 

@@ -86,9 +86,10 @@ def train(
                 with (run / "log.jsonl").open("a") as log:
                     log.write(json.dumps(dataclasses.asdict(report)) + "\n")
             if last or (step + 1) % config.save_every == 0:
-                learner.save(run / "state.safetensors", step + 1, identity)
                 card = {"training": dataclasses.asdict(config), "step": step + 1, "data": pairs.source}
                 weight_file.save(learner.averaged, run / "weights.safetensors", card)
+                # The state last: what is killed before it is done again.
+                learner.save(run / "state.safetensors", step + 1, identity)
             if report:
                 yield report
             if last:

@@ -12,7 +12,7 @@ SENSOR = Sensor(name="small", elevations=tuple(np.linspace(0.05, -0.4, 16).tolis
 
 
 def make_pair(seed: int, sensor: Sensor = SENSOR) -> Pair:
-    """Boxes on a road, drawn, and scanned with range noise and drops."""
+    """Boxes on a road: a scan of them with range noise and drops, and the condition image."""
     rng = np.random.default_rng(seed)
     primitives = [Primitive(shape="plane", center=(0, 0, 0), size=(200, 200, 0), label="road", id="road")]
     for number in range(12):
