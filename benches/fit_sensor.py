@@ -95,11 +95,11 @@ def fit_noise(power: np.ndarray, noise: np.ndarray) -> tuple[float, float, list[
 
 
 def holes(ranges: np.ndarray, ground: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Range of each ground return [N] and how many columns after it are lost before the next of its like.
+    """Range of each ground return [N] and how many columns after it are dropped before the next of its like.
 
     `ranges` [H, W] are distances of returns, 0 where there is none; `ground` says which are of the ground.
     """
-    before, lost = [], []
+    before, dropped = [], []
     for row, flat in zip(ranges, ground, strict=True):
         seen = np.flatnonzero(row)
         first, second = row[seen[:-1]], row[seen[1:]]
@@ -107,8 +107,8 @@ def holes(ranges: np.ndarray, ground: np.ndarray) -> tuple[np.ndarray, np.ndarra
         alike = (np.abs(first - second) < 0.03 * first + 0.1) & (width <= LONGEST)
         alike &= flat[seen[:-1]] & flat[seen[1:]]
         before.append(first[alike])
-        lost.append(width[alike])
-    return np.concatenate(before), np.concatenate(lost)
+        dropped.append(width[alike])
+    return np.concatenate(before), np.concatenate(dropped)
 
 
 def read_pcd(path: Path) -> dict[str, np.ndarray]:
@@ -211,7 +211,7 @@ def report_noise(name: str, sweeps: list[Sweep], model: SensorModel, labels: tup
         off += rng.uniform(-0.5, 0.5, len(off)) * model.range_step / 2  # its steps would show in the quartiles
         read = np.maximum(sweep.intensity[where], 0.5 / 255)
         response = read / model.knee if model.knee < 1.0 else read * model.full_scale
-        found.append((response / sweep.depth[where] ** 2 / model.faintest, np.abs(off) / np.sqrt(1.5)))
+        found.append((response / sweep.depth[where] ** 2 / model.detection_threshold, np.abs(off) / np.sqrt(1.5)))
     power, noise = (np.concatenate(parts) for parts in zip(*found, strict=True))
     sigma, jitter, rows = fit_noise(power, noise)
     print(f"\n| {name}: power | range noise [m] | fit |\n|---:|---:|---:|")
@@ -255,18 +255,18 @@ def report_leaves(folder: Path) -> None:
 
 
 def report_holes(name: str, found: list[tuple[np.ndarray, np.ndarray]], model: SensorModel) -> None:
-    """Share and runs of lost rays on the ground by range, of images' `holes`."""
-    before, lost = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    print(f"\n| {name}: ground at [m] | rays | lost | model | mean run |\n|---|---:|---:|---:|---:|")
+    """Share and runs of dropped rays to the ground by range, of images' `holes`."""
+    before, dropped = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    print(f"\n| {name}: ground at [m] | rays | dropped | model | mean run |\n|---|---:|---:|---:|---:|")
     for low, high in pairwise(RANGES):
         inside = (before >= low) & (before < high)
-        rays, gone = inside.sum() + lost[inside].sum(), lost[inside].sum()
+        rays, gone = inside.sum() + dropped[inside].sum(), dropped[inside].sum()
         if rays < 1000:
             continue
         distance = before[inside]
         echo = response(MATERIAL_BY_NAME["asphalt"], HEIGHT / np.maximum(distance, HEIGHT))
-        said = 1.0 - np.exp(-model.faintest * distance**2 / echo - model.chance)
-        run = gone / (lost[inside] > 0).sum()
+        said = 1.0 - np.exp(-model.detection_threshold * distance**2 / echo - model.drop_probability)
+        run = gone / (dropped[inside] > 0).sum()
         print(f"| {low:g} to {high:g} | {rays} | {gone / rays:.4f} | {said.mean():.4f} | {run:.2f} |")
 
 

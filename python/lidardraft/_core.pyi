@@ -20,8 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lidardraft.scene.range_image import RangeImage
-from lidardraft.scene.sensor import Sensor
-from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.surfaces import Surfaces
 
 DEBUG: bool  # whether this is a debug build: correct, and many times slower
@@ -92,8 +90,9 @@ class Scene:
         instances: NDArray[np.uint32],  # [P]
         # Unit vertices [V, 3] and faces [F, 3] of the shapes that are 4, in their order.
         meshes: list[tuple[NDArray[np.float64], NDArray[np.uint32]]],
-        # [P], 1/m, 0 for what is solid; None if everything is. A ray enters a medium, and comes to rest after a free
-        # path that is exponential with mean 1 / extinction, or leaves it. No plane and no open mesh is a medium.
+        # [P], 1/m, 0 for what is solid; None if everything is. The first interaction of a ray with a medium comes after
+        # a free path that is exponential with mean 1 / extinction, or the ray leaves it. No plane and no open mesh is a
+        # medium.
         extinctions: NDArray[np.float64] | None = None,
     ) -> Scene: ...
     def moved(self, primitives: NDArray[np.uint32], world_from_primitive: NDArray[np.float64]) -> Scene:
@@ -123,8 +122,8 @@ class Scene:
 
         No hit within [min_range, max_range] is depth 0, label 0, instance 0, primitive -1, incidence 0, normal 0. Both
         sides of every surface are seen. Of two hits at the same float32 distance the primitive with the lower index
-        wins. What comes to rest in a medium has incidence 1 and a normal that looks back along the ray. A pose that is
-        not rigid raises `LayoutError`, images of another shape `SensorError`.
+        wins. A first interaction with a medium has incidence 1 and a normal that looks back along the ray. A pose
+        that is not rigid raises `LayoutError`, images of another shape `SensorError`.
         """
     def cast(
         self,
@@ -152,16 +151,51 @@ def read_obj(
     shared.
     """
 
+@final
+class SensorModel:
+    """The effects of one unit of a sensor, checked: `SensorError` names a number that cannot be, and its limit.
+
+    The numbers are those of `lidardraft.scene.sensor_model.SensorModel`.
+    """
+
+    def __new__(
+        cls,
+        *,
+        shares: list[float],  # [S], 1 to 32, of the power of a beam: those of its sub-rays
+        pulse_duration: float,  # s, > 0
+        detection_threshold: float,  # 1/m2
+        last_return: bool,
+        glass_transmission: bool,
+        speckle: float,
+        texture: float,
+        material_noise: bool,
+        dust: float,
+        fading: float,
+        drop_probability: float,  # 0 to 1
+        unit: int,
+        offset_spread: float,  # m
+        gain_spread: float,
+        jitter: float,  # m
+        range_step: float,  # m
+        full_scale: float,  # > 0
+        knee: float,  # (0, 1]
+        levels: float,
+        compensation_range: float,  # m, > 0, inf for all ranges
+    ) -> SensorModel: ...
+    @property
+    def pulse_length(self) -> float:
+        """Echoes closer than this are one [m]."""
+
 def observe(
     image: RangeImage,  # of the sub-rays, [H * S, W]: row h * S + s is sub-ray s of beam h; with primitive, incidence
     surfaces: Surfaces,
     *,
-    sensor: Sensor,
+    pattern: SensorPattern,
+    range_sigma: float,  # m, noise of strong echoes
     model: SensorModel,
-    shares: list[float],  # [S], of the power of a beam
-    extinction: float = 0.0,  # 1/m, light lost in the air
-    # Range and response of things in the air before the beams, f32 [H, W]; 0 where there is none.
-    aloft: list[tuple[NDArray[np.float32], NDArray[np.float32]]] = ...,
+    extinction: float = 0.0,  # 1/m, of the air
+    # Range and response of what is in the air in front of each surface, f32 [H, W]; 0 where there is nothing.
+    backscatter: list[tuple[NDArray[np.float32], NDArray[np.float32]]] = ...,
     scan: RangeImage,  # [H, W], with primitive, incidence and intensity: written in place
     seed: int = 0,
     threads: int = 0,

@@ -152,6 +152,9 @@ pub enum Error {
     /// A beam of no sub-rays, or of more than a receiver sums up.
     #[error("a beam has {rays} sub-rays; it must be 1 to {limit}")]
     Rays { rays: usize, limit: usize },
+    /// A number of a sensor model that cannot be.
+    #[error("{field} is {value}; it must be {limit}")]
+    SensorModel { field: &'static str, value: f32, limit: &'static str },
     /// An image of more or fewer pixels than a sensor with these sub-rays has.
     #[error("the {image} image has {pixels} pixels; the sensor model needs {expected}")]
     ObservedSize { image: &'static str, pixels: usize, expected: usize },

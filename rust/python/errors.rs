@@ -40,6 +40,7 @@ impl From<CoreError> for PyErr {
             | Error::OutputShape { .. }
             | Error::Depth { .. }
             | Error::Rays { .. }
+            | Error::SensorModel { .. }
             | Error::ObservedSize { .. }
             | Error::SurfaceColumn { .. }
             | Error::ImagePrimitive { .. } => SensorError::new_err(message),

@@ -269,6 +269,7 @@ fn triangle_mesh(
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<SensorPattern>()?;
     module.add_class::<Scene>()?;
+    module.add_class::<sensor_model::SensorModel>()?;
     module.add_function(wrap_pyfunction!(backends, module)?)?;
     module.add_function(wrap_pyfunction!(sensor_model::observe, module)?)?;
     module.add_function(wrap_pyfunction!(read_obj, module)?)?;

@@ -1,80 +1,116 @@
-//! The sensor model: objects with arrays and numbers as attributes in, images written in place.
+//! The sensor model: its constants, checked once; arrays of images and surfaces in, images written in place.
 
+use lidardraft_core::Error;
 use lidardraft_core::sensor_model as core;
 use numpy::ndarray::Ix2;
-use numpy::{Element, PyReadonlyArray2, PyReadwriteArray2, PyUntypedArrayMethods};
+use numpy::{Element, PyReadonlyArray2, PyReadwriteArray2};
 use pyo3::prelude::*;
 
 use crate::arrays::{Column, Table, array, misaligned, rows, writable};
 use crate::errors::{CoreError, CoreResult};
-use crate::{checked_seed, thread_count};
+use crate::{SensorPattern, checked_seed, thread_count};
+
+/// The effects of one unit of a sensor.
+#[pyclass(frozen, module = "lidardraft._core")]
+pub(crate) struct SensorModel(core::SensorModel);
+
+#[pymethods]
+impl SensorModel {
+    #[new]
+    #[pyo3(signature = (*, shares, pulse_duration, detection_threshold, last_return, glass_transmission, speckle, texture, material_noise, dust, fading, drop_probability, unit, offset_spread, gain_spread, jitter, range_step, full_scale, knee, levels, compensation_range))]
+    #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
+    fn new(
+        shares: Vec<f32>,
+        pulse_duration: f64,
+        detection_threshold: f32,
+        last_return: bool,
+        glass_transmission: bool,
+        speckle: f32,
+        texture: f32,
+        material_noise: bool,
+        dust: f32,
+        fading: f32,
+        drop_probability: f32,
+        unit: i64,
+        offset_spread: f32,
+        gain_spread: f32,
+        jitter: f32,
+        range_step: f32,
+        full_scale: f32,
+        knee: f32,
+        levels: f32,
+        compensation_range: f32,
+    ) -> CoreResult<Self> {
+        let model = core::SensorModel {
+            shares,
+            pulse_duration,
+            detection_threshold,
+            last_return,
+            glass_transmission,
+            speckle,
+            texture,
+            material_noise,
+            dust,
+            fading,
+            drop_probability,
+            unit: u64::try_from(unit).map_err(|_| negative_unit(unit))?,
+            offset_spread,
+            gain_spread,
+            jitter,
+            range_step,
+            full_scale,
+            knee,
+            levels,
+            compensation_range,
+        };
+        model.check()?;
+        Ok(SensorModel(model))
+    }
+
+    #[getter]
+    fn pulse_length(&self) -> f64 {
+        self.0.pulse_length()
+    }
+}
 
 #[pyfunction]
-#[pyo3(signature = (image, surfaces, *, sensor, model, shares, extinction=0.0, aloft=Vec::new(), scan, seed=0, threads=0))]
+#[pyo3(signature = (image, surfaces, *, pattern, range_sigma, model, extinction=0.0, backscatter=Vec::new(), scan, seed=0, threads=0))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
 pub(crate) fn observe(
     py: Python<'_>,
     image: &Bound<'_, PyAny>,
     surfaces: &Bound<'_, PyAny>,
-    sensor: &Bound<'_, PyAny>,
-    model: &Bound<'_, PyAny>,
-    shares: Vec<f32>,
+    pattern: &SensorPattern,
+    range_sigma: f32,
+    model: &SensorModel,
     extinction: f32,
-    aloft: Vec<(Bound<'_, PyAny>, Bound<'_, PyAny>)>,
+    backscatter: Vec<(Bound<'_, PyAny>, Bound<'_, PyAny>)>,
     scan: &Bound<'_, PyAny>,
     seed: i64,
     threads: i64,
 ) -> PyResult<()> {
-    let model = sensor_model(sensor, model, shares, extinction)?;
     let (seed, threads) = (checked_seed(seed)?, thread_count(threads)?);
     let (image, surfaces) = (Image::of(image)?, Surfaces::of(surfaces)?);
-    let aloft = aloft.iter().map(Aloft::of).collect::<PyResult<Vec<_>>>()?;
-    let aloft = aloft.iter().map(Aloft::slices).collect::<PyResult<Vec<_>>>()?;
+    let backscatter = backscatter.iter().map(Backscatter::of).collect::<PyResult<Vec<_>>>()?;
+    let backscatter = backscatter.iter().map(Backscatter::slices).collect::<PyResult<Vec<_>>>()?;
     let mut scan = Scan::of(scan)?;
-    let shape = [scan.depth.shape()[0], scan.depth.shape()[1]];
-    let light = core::Light { returns: image.slices()?, surfaces: surfaces.slices()?, aloft: &aloft, shape };
+    let light = core::Light {
+        returns: image.slices()?,
+        surfaces: surfaces.slices()?,
+        backscatter: &backscatter,
+        extinction,
+        shape: [pattern.0.rows(), pattern.0.columns()],
+    };
+    let (min, max) = (pattern.0.spec().min_range as f32, pattern.0.spec().max_range as f32);
+    let ranging = core::Ranging { sigma: range_sigma, min, max };
     let mut written = scan.slices()?;
     let done: CoreResult<()> =
-        py.detach(|| core::observe(&light, &model, seed, &mut written, threads)).map_err(CoreError::from);
+        py.detach(|| core::observe(&light, ranging, &model.0, seed, &mut written, threads)).map_err(CoreError::from);
     Ok(done?)
 }
 
-/// The numbers of a `Sensor` and a `SensorModel`.
-fn sensor_model(
-    sensor: &Bound<'_, PyAny>,
-    model: &Bound<'_, PyAny>,
-    shares: Vec<f32>,
-    extinction: f32,
-) -> PyResult<core::SensorModel> {
-    let number = |name: &str| model.getattr(name)?.extract::<f32>();
-    let switch = |name: &str| model.getattr(name)?.extract::<bool>();
-    let of_sensor = |name: &str| sensor.getattr(name)?.extract::<f32>();
-    Ok(core::SensorModel {
-        shares,
-        pulse_length: number("pulse_length")?,
-        faintest: number("faintest")?,
-        extinction,
-        last: switch("last")?,
-        panes: switch("panes")?,
-        speckle: number("speckle")?,
-        texture: number("texture")?,
-        grainy: switch("grainy")?,
-        dust: number("dust")?,
-        fading: number("fading")?,
-        chance: number("chance")?,
-        unit: model.getattr("unit")?.extract()?,
-        offset_spread: number("offset_spread")?,
-        gain_spread: number("gain_spread")?,
-        range_sigma: of_sensor("range_sigma")?,
-        jitter: number("jitter")?,
-        range_step: number("range_step")?,
-        min_range: of_sensor("min_range")?,
-        max_range: of_sensor("max_range")?,
-        full_scale: number("full_scale")?,
-        knee: number("knee")?,
-        levels: number("levels")?,
-        compensated: number("compensated")?,
-    })
+fn negative_unit(unit: i64) -> Error {
+    Error::SensorModel { field: "unit", value: unit as f32, limit: "0 or more" }
 }
 
 /// The arrays of the `RangeImage` of sub-rays.
@@ -113,7 +149,7 @@ struct Surfaces<'py> {
     table: Table<'py, f32>,
     transmission: Column<'py, f32>,
     grain: Column<'py, f32>,
-    relief: Column<'py, f32>,
+    rms_height: Column<'py, f32>,
 }
 
 impl<'py> Surfaces<'py> {
@@ -122,7 +158,7 @@ impl<'py> Surfaces<'py> {
             table: read(surfaces, "table")?,
             transmission: array("transmission", &surfaces.getattr("transmission")?)?,
             grain: array("grain", &surfaces.getattr("grain")?)?,
-            relief: array("relief", &surfaces.getattr("relief")?)?,
+            rms_height: array("rms_height", &surfaces.getattr("rms_height")?)?,
         })
     }
 
@@ -131,25 +167,29 @@ impl<'py> Surfaces<'py> {
             table: rows("table", &self.table, "[P + 1, 128]")?,
             transmission: self.transmission.as_slice()?,
             grain: self.grain.as_slice()?,
-            relief: self.relief.as_slice()?,
+            rms_height: self.rms_height.as_slice()?,
         })
     }
 }
 
-/// Range and response of what hangs in the air.
-struct Aloft<'py> {
+/// Range and response of what is in the air.
+struct Backscatter<'py> {
     depth: PyReadonlyArray2<'py, f32>,
     response: PyReadonlyArray2<'py, f32>,
 }
 
-impl<'py> Aloft<'py> {
-    fn of((depth, response): &(Bound<'py, PyAny>, Bound<'py, PyAny>)) -> PyResult<Aloft<'py>> {
-        Ok(Aloft { depth: array("aloft depth", depth)?, response: array("aloft response", response)? })
+impl<'py> Backscatter<'py> {
+    fn of((depth, response): &(Bound<'py, PyAny>, Bound<'py, PyAny>)) -> PyResult<Backscatter<'py>> {
+        Ok(Backscatter {
+            depth: array("backscatter depth", depth)?,
+            response: array("backscatter response", response)?,
+        })
     }
 
-    fn slices(&self) -> PyResult<core::Aloft<'_>> {
-        let (depth, response) = (flat("aloft depth", &self.depth)?, flat("aloft response", &self.response)?);
-        Ok(core::Aloft { depth, response })
+    fn slices(&self) -> PyResult<core::Backscatter<'_>> {
+        let (depth, response) =
+            (flat("backscatter depth", &self.depth)?, flat("backscatter response", &self.response)?);
+        Ok(core::Backscatter { depth, response })
     }
 }
 

@@ -55,15 +55,15 @@ def test_the_two_parts_of_noise_come_back():
     assert len(rows) == 6
 
 
-def test_holes_in_the_ground_are_counted_and_gaps_between_things_are_not():
+def test_holes_in_the_ground_are_counted_and_gaps_between_objects_are_not():
     ranges, ground = np.full((2, 64), 20.0), np.ones((2, 64), bool)
     ranges[0, [5, 6, 30]] = 0.0
     ranges[1, 10 : 10 + LONGEST + 1] = 0.0
     ranges[1, 40:] = 35.0
     ranges[0, 50], ground[0, 51] = 0.0, False
-    before, lost = holes(ranges, ground)
-    assert lost.sum() == 3
-    assert sorted(lost[lost > 0].tolist()) == [1, 2]
+    before, dropped = holes(ranges, ground)
+    assert dropped.sum() == 3
+    assert sorted(dropped[dropped > 0].tolist()) == [1, 2]
     assert set(before.tolist()) == {20.0, 35.0}
 
 

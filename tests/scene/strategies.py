@@ -64,7 +64,7 @@ def sensors(draw: st.DrawFn) -> Sensor:
         return tuple(draw(st.lists(st.floats(-reach, reach), min_size=beams, max_size=beams)))
 
     return Sensor(
-        name="drawn",
+        name="random",
         elevations=tuple(draw(st.floats(-0.3, 1.5)) - np.cumsum(steps)),
         columns=draw(st.integers(1, 40)),
         azimuth_offsets=table(0.1) if draw(st.booleans()) else (),

@@ -13,10 +13,11 @@ from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.sensor_model import SensorModel, sub_rays
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.scene.weather import Weather
+from lidardraft.semantics import BY_NAME
 
 SENSOR = Sensor(name="small", elevations=(0.04, 0.02, -0.02, -0.04), columns=1024, range_sigma=0.0, max_range=200.0)
 IDEAL = SensorModel.ideal()
-FAINTEST = 0.10 / 50.0**2
+THRESHOLD = 0.10 / 50.0**2
 
 
 def wall(distance: float, material: str | None = "plaster") -> Layout:
@@ -33,7 +34,7 @@ def wall(distance: float, material: str | None = "plaster") -> Layout:
 
 
 def seen(layout: Layout, model: SensorModel, *, sensor: Sensor = SENSOR, seed: int = 0, weather=None) -> RangeImage:
-    """What the sensor reports of a layout, whose things do not vary."""
+    """What the sensor reports of a layout, whose materials do not vary."""
     image = raycast(layout, sub_rays(sensor, model), primitive=True, incidence=True)
     wetness = 0.0 if weather is None else weather.wetness
     surfaces = Surfaces.from_layout(layout, variation=False, wetness=wetness)
@@ -52,44 +53,46 @@ def test_with_every_effect_off_the_scan_is_the_cast():
 
 def test_power_falls_with_the_square_of_range():
     # what is not corrected for range shows the power
-    model = replace(IDEAL, compensated=1e-3, full_scale=1e-8)
+    model = replace(IDEAL, compensation_range=1e-3, full_scale=1e-8)
     near, far = (seen(wall(distance), model).intensity for distance in (10.0, 20.0))
     np.testing.assert_allclose(near, 0.45 * (1e-3 / 10.0) ** 2 / 1e-8, rtol=0.01)
     np.testing.assert_allclose(far, near / 4, rtol=1e-5)
 
 
 def test_fog_takes_its_share_there_and_back():
-    model = replace(IDEAL, divergence_h=1e-6, divergence_v=1e-6, pulse=1e-15)  # an echo of fog itself is of no power
+    model = replace(
+        IDEAL, divergence_h=1e-6, divergence_v=1e-6, pulse_duration=1e-15
+    )  # an echo of fog itself is of no power
     clear, fog = (seen(wall(30.0), model, weather=Weather(visibility=v)) for v in (math.inf, 150.0))
     np.testing.assert_allclose(fog.intensity / clear.intensity, np.exp(-2 * 3.91 / 150.0 * clear.depth), rtol=1e-5)
 
 
 @pytest.mark.parametrize("distance", [20.0, 50.0, 100.0])
-def test_what_is_lost_follows_the_power(distance: float):
-    scan = seen(wall(distance, "plaster"), replace(IDEAL, faintest=FAINTEST))
-    power = 0.45 * (1 / distance**2) / FAINTEST
+def test_ray_drop_follows_the_power(distance: float):
+    scan = seen(wall(distance, "plaster"), replace(IDEAL, detection_threshold=THRESHOLD))
+    power = 0.45 * (1 / distance**2) / THRESHOLD
     assert scan.valid.mean() == pytest.approx(math.exp(-1 / power), abs=0.02)
 
 
-def test_a_faintest_of_0_sees_everything():
+def test_a_threshold_of_0_detects_everything():
     assert seen(wall(190.0, "rubber"), IDEAL).valid.all()
 
 
-def test_chance_takes_its_share_of_near_white_things():
-    assert seen(wall(3.0), replace(IDEAL, chance=0.1)).valid.mean() == pytest.approx(math.exp(-0.1), abs=0.01)
+def test_the_drop_probability_holds_for_near_bright_surfaces():
+    assert seen(wall(3.0), replace(IDEAL, drop_probability=0.1)).valid.mean() == pytest.approx(math.exp(-0.1), abs=0.01)
 
 
-def test_fading_keeps_the_share_of_lost_rays_and_makes_runs_of_them():
+def test_fading_keeps_the_share_of_dropped_rays_and_makes_runs_of_them():
     layout = wall(40.0, "rubber")
     lengths = []
     for fading in (0.0, 1.6):
-        lost = np.concatenate(
-            [~seen(layout, replace(IDEAL, faintest=1e-6, fading=fading), seed=s).valid for s in range(12)]
+        dropped = np.concatenate(
+            [~seen(layout, replace(IDEAL, detection_threshold=1e-6, fading=fading), seed=s).valid for s in range(12)]
         )
-        starts = lost[:, 1:] & ~lost[:, :-1]
-        lengths.append(lost.sum() / starts.sum())
+        starts = dropped[:, 1:] & ~dropped[:, :-1]
+        lengths.append(dropped.sum() / starts.sum())
         # power 0.03 / 40^2 / 1e-6
-        assert lost.mean() == pytest.approx(1 - math.exp(-1 / 18.75), abs=0.015)
+        assert dropped.mean() == pytest.approx(1 - math.exp(-1 / 18.75), abs=0.015)
     assert lengths[0] == pytest.approx(1.0 / (1 - 1 / 18.75), abs=0.05)
     assert lengths[1] > lengths[0] + 0.1
 
@@ -102,7 +105,7 @@ def test_intensity_is_calibrated_saturates_and_is_rounded():
     for distance in (5.0, 40.0):
         assert seen(wall(distance), IDEAL).intensity.mean() == pytest.approx(0.45, rel=0.01)
     # what is corrected to 40 m has half left there
-    assert seen(wall(40.0), replace(IDEAL, compensated=40.0)).intensity.mean() == pytest.approx(0.225, rel=0.01)
+    assert seen(wall(40.0), replace(IDEAL, compensation_range=40.0)).intensity.mean() == pytest.approx(0.225, rel=0.01)
 
 
 def test_a_knee_keeps_the_upper_scale_for_retroreflectors():
@@ -115,7 +118,7 @@ def test_a_knee_keeps_the_upper_scale_for_retroreflectors():
 
 def test_a_single_surface_is_the_same_through_sub_rays():
     one, three, seven = (
-        seen(wall(15.0), replace(IDEAL, rays=rays, divergence_h=2e-3, divergence_v=2e-3)) for rays in (1, 3, 7)
+        seen(wall(15.0), replace(IDEAL, rays_per_beam=rays, divergence_h=2e-3, divergence_v=2e-3)) for rays in (1, 3, 7)
     )
     for many in (three, seven):
         np.testing.assert_allclose(many.depth, one.depth, atol=2e-3)
@@ -132,7 +135,7 @@ def step(gap: float) -> Layout:
 
 
 def test_mixed_pixels_at_an_edge_lie_between_and_far_edges_do_not_mix():
-    model = replace(IDEAL, rays=7, divergence_h=6e-3, divergence_v=6e-3)
+    model = replace(IDEAL, rays_per_beam=7, divergence_h=6e-3, divergence_v=6e-3)
     for gap, mixes in ((0.4, True), (3.0, False)):
         ahead = replace(SENSOR, azimuth_start=0.3, azimuth_span=0.6)
         scan = seen(step(gap), model, sensor=ahead)
@@ -146,10 +149,23 @@ def test_mixed_pixels_at_an_edge_lie_between_and_far_edges_do_not_mix():
             assert along.max() < 10.01 + gap
 
 
+def test_the_return_mode_is_strongest_or_last():
+    model = replace(IDEAL, rays_per_beam=7, divergence_h=6e-3, divergence_v=6e-3, detection_threshold=1e-9)
+    ahead = replace(SENSOR, azimuth_start=0.3, azimuth_span=0.6)
+    strongest, last = (
+        seen(step(3.0), replace(model, last_return=on, fading=0.0), sensor=ahead) for on in (False, True)
+    )
+    changed = strongest.label != last.label
+    assert changed.any()
+    assert (strongest.label[changed] == BY_NAME["fence"].id).all()
+    assert (last.label[changed] == BY_NAME["wall"].id).all()
+    assert (last.depth >= strongest.depth).all()
+
+
 def test_a_thin_pole_gives_a_weak_echo():
     pole = Primitive(shape="cylinder", center=(20.0, 0.0, 0.0), size=(0.06, 0.06, 9.0), label="pole", id="pole")
     layout = Layout(primitives=(replace(pole, material="concrete"),))
-    model = replace(IDEAL, rays=3, divergence_h=3e-3, divergence_v=3e-3)
+    model = replace(IDEAL, rays_per_beam=3, divergence_h=3e-3, divergence_v=3e-3)
     narrow = replace(SENSOR, azimuth_start=0.02, azimuth_span=0.04)
     thin, whole = (seen(layout, each, sensor=narrow) for each in (model, IDEAL))
     assert thin.valid.sum() >= whole.valid.sum()
@@ -157,7 +173,7 @@ def test_a_thin_pole_gives_a_weak_echo():
 
 
 def test_range_noise_grows_as_power_falls():
-    model = replace(IDEAL, jitter=0.1, faintest=1e-5)
+    model = replace(IDEAL, jitter=0.1, detection_threshold=1e-5)
     noisy = replace(SENSOR, range_sigma=0.02)
     for distance, material in ((5.0, "plaster"), (50.0, "plaster"), (50.0, "rubber")):
         scan = seen(wall(distance, material), model, sensor=noisy)
@@ -169,7 +185,7 @@ def test_range_noise_grows_as_power_falls():
 
 
 def test_a_rough_surface_scatters_ranges_by_its_heights():
-    model = replace(IDEAL, grainy=True)
+    model = replace(IDEAL, material_noise=True)
     flat = Layout((Primitive(shape="plane", center=(0, 0, -2), size=(200, 200, 0), label="terrain", id="lawn"),))
     steep = replace(SENSOR, elevations=(-0.8, -0.9, -1.0, -1.1))
     for layout, sensor, cosine in (
@@ -201,7 +217,7 @@ def test_each_beam_of_a_unit_has_an_offset_and_a_gain_of_its_own():
 
 
 def test_speckle_texture_and_grain_scatter_the_intensity():
-    for change, spread in (({"speckle": 0.1}, 0.1), ({"texture": 0.1}, 0.1), ({"grainy": True}, 0.08)):
+    for change, spread in (({"speckle": 0.1}, 0.1), ({"texture": 0.1}, 0.1), ({"material_noise": True}, 0.08)):
         logarithm = np.log(seen(wall(10.0), replace(IDEAL, **change)).intensity / 0.45)
         assert logarithm.std() == pytest.approx(spread, rel=0.2)
         beside = np.corrcoef(logarithm[:, 1:].ravel(), logarithm[:, :-1].ravel())[0, 1]
@@ -216,13 +232,13 @@ def test_dust_darkens_the_same_places_in_every_scan():
     assert (stained[0] <= 0.46).all()
 
 
-def test_panes_are_seen_through_in_places_and_not_when_that_is_off():
+def test_glass_is_seen_through_in_places_and_not_when_that_is_off():
     layout = wall(15.0, "window")
-    # looked at askew: a pane that faces the sensor is brighter than what is behind it
+    # looked at askew: glass that faces the sensor is brighter than what is behind it
     askew = replace(SENSOR, elevations=(0.6, 0.5))
-    model = replace(IDEAL, faintest=FAINTEST / 20)
+    model = replace(IDEAL, detection_threshold=THRESHOLD / 20)
     clean = raycast(layout, askew).depth
-    behind, closed = (seen(layout, replace(model, panes=panes), sensor=askew).depth for panes in (True, False))
+    behind, closed = (seen(layout, replace(model, glass_transmission=on), sensor=askew).depth for on in (True, False))
     np.testing.assert_array_equal(closed[closed > 0], clean[closed > 0])
     deeper = (behind - clean)[behind > clean]
     assert 0.3 < len(deeper) / clean.size < 0.45
@@ -231,11 +247,11 @@ def test_panes_are_seen_through_in_places_and_not_when_that_is_off():
     assert (seen_through[:, 1:] == seen_through[:, :-1]).mean() > 0.8  # in patches, not here and there
 
 
-def test_glass_that_is_turned_away_is_lost_where_plaster_is_not():
+def test_glass_that_is_turned_away_is_dropped_where_plaster_is_not():
     # a ring seen from far below its axis: 60 degrees of incidence
     steep = replace(SENSOR, elevations=(-1.0, -1.05))
     for material, most in (("glass", 0.65), ("plaster", 0.0)):
-        scan = seen(wall(15.0, material), replace(IDEAL, faintest=FAINTEST), sensor=steep)
+        scan = seen(wall(15.0, material), replace(IDEAL, detection_threshold=THRESHOLD), sensor=steep)
         assert (~scan.valid).mean() >= most
     assert scan.valid.mean() > 0.9
 
@@ -246,9 +262,9 @@ def road() -> Layout:
     ))  # fmt: skip
 
 
-def test_grazing_incidence_and_a_wet_road_lose_returns():
+def test_grazing_incidence_and_a_wet_road_drop_returns():
     down = replace(SENSOR, elevations=(-0.06, -0.15, -0.3), columns=16384)
-    model = replace(IDEAL, faintest=FAINTEST / 10)
+    model = replace(IDEAL, detection_threshold=THRESHOLD / 10)
     dry, wet = (seen(road(), model, sensor=down, weather=Weather(wetness=w)).valid.mean(axis=1) for w in (0.0, 1.0))
     assert (np.diff(dry) > 0).all()
     assert (wet < dry).all()
@@ -256,22 +272,22 @@ def test_grazing_incidence_and_a_wet_road_lose_returns():
 
 
 def test_rain_snow_and_fog_bring_echoes_of_nothing_from_near_by():
-    model = replace(IDEAL, rays=3, divergence_h=3e-3, divergence_v=3e-3, faintest=0.1 / 200**2)
+    model = replace(IDEAL, rays_per_beam=3, divergence_h=3e-3, divergence_v=3e-3, detection_threshold=0.1 / 200**2)
     for weather in (Weather(visibility=30.0), Weather(snow=5.0), Weather(rain=100.0)):
         clear, scan = seen(wall(60.0), model), seen(wall(60.0), model, weather=weather)
-        aloft = scan.valid & (scan.label == 0)
-        assert (scan.depth[aloft] < 40.1).all()
-        assert aloft.mean() > 0.01
-        assert (scan.primitive[aloft] == -1).all()
+        backscatter = scan.valid & (scan.label == 0)
+        assert (scan.depth[backscatter] < 40.1).all()
+        assert backscatter.mean() > 0.01
+        assert (scan.primitive[backscatter] == -1).all()
         assert not (clear.valid & (clear.label == 0)).any()
 
 
 def test_a_return_from_nothing_is_no_return_in_every_image():
-    scan = seen(wall(100.0, "rubber"), replace(IDEAL, faintest=FAINTEST))
-    lost = ~scan.valid
-    assert lost.mean() > 0.9
+    scan = seen(wall(100.0, "rubber"), replace(IDEAL, detection_threshold=THRESHOLD))
+    dropped = ~scan.valid
+    assert dropped.mean() > 0.9
     for name, blank in (("label", 0), ("instance", 0), ("intensity", 0), ("incidence", 0), ("primitive", -1)):
-        assert (getattr(scan, name)[lost] == blank).all()
+        assert (getattr(scan, name)[dropped] == blank).all()
 
 
 def test_an_empty_image_stays_empty():

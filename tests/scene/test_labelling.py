@@ -1,3 +1,5 @@
+"""Labels of a generated scan."""
+
 import dataclasses
 
 import numpy as np
@@ -22,7 +24,7 @@ def moved(depth: np.ndarray):  # type: ignore[no-untyped-def]
     return label_from_condition_image(scan, condition_image, LAYOUT, POSE), condition_image
 
 
-def test_a_scan_like_the_drawing_gets_its_labels() -> None:
+def test_a_scan_like_the_condition_image_gets_its_labels() -> None:
     condition_image = raycast(LAYOUT, SENSOR)
     labelled, _ = moved(condition_image.depth + np.where(condition_image.valid, 0.3, 0.0))
     assert np.array_equal(labelled.label, condition_image.label)
@@ -42,7 +44,7 @@ def test_a_return_from_inside_a_crown_is_vegetation() -> None:
     assert (labelled.label[inside] == BY_NAME["vegetation"].id).all()
 
 
-def test_a_return_where_nothing_was_drawn_stays_without_class() -> None:
+def test_a_return_where_the_condition_image_has_nothing_stays_without_class() -> None:
     condition_image = raycast(LAYOUT, SENSOR)
     car = condition_image.label == BY_NAME["car"].id
     labelled, _ = moved(np.where(car, 40.0, condition_image.depth))
@@ -68,6 +70,6 @@ def test_a_bend_does_not_label_the_gardens_beside_it() -> None:
 def test_tolerance_is_half_a_metre_or_five_percent() -> None:
     row = Sensor(name="row", elevations=(0.0,), columns=6)
     nothing = {"label": np.zeros((1, 6), np.uint8), "instance": np.zeros((1, 6), np.uint32)}
-    drawn = RangeImage(sensor=row, depth=np.array([[5.0, 5.0, 40.0, 40.0, 0.0, 5.0]], np.float32), **nothing)
+    condition_image = RangeImage(sensor=row, depth=np.array([[5.0, 5.0, 40.0, 40.0, 0.0, 5.0]], np.float32), **nothing)
     scan = RangeImage(sensor=row, depth=np.array([[5.4, 5.6, 41.9, 42.1, 5.0, 0.0]], np.float32), **nothing)
-    assert agrees(scan, drawn).tolist() == [[True, False, True, False, False, False]]
+    assert agrees(scan, condition_image).tolist() == [[True, False, True, False, False, False]]

@@ -90,7 +90,7 @@ def test_a_clear_coat_takes_fresnels_share_twice():
 
 
 def test_a_mirror_shines_only_at_what_it_faces():
-    glossy = Material("glossy", 0.0, specular=0.04, spread=0.1)
+    glossy = Material("glossy", 0.0, specular=0.04, rms_slope=0.1)
     # F / (4 m^2) where the facets stand flat
     assert specular_response(glossy, FACING) == pytest.approx(1.0)
     assert specular_response(glossy, np.array([math.cos(0.4)])) < 1e-5

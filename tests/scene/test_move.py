@@ -1,4 +1,4 @@
-"""Things that stand elsewhere in a caster, against casters of layouts in which they were drawn there."""
+"""Objects that stand elsewhere in a caster, against casters of layouts that have them there."""
 
 import dataclasses
 
@@ -43,9 +43,9 @@ def test_moving_is_drawing_elsewhere(name, object):
         )
         for part in object
     }
-    drawn = Layout(tuple(moved.get(part.id, part) for part in LAYOUT))
+    there = Layout(tuple(moved.get(part.id, part) for part in LAYOUT))
     assert differing(caster.scan(SENSOR), raycast(LAYOUT, SENSOR)) > 0.01
-    assert differing(caster.scan(SENSOR), raycast(drawn, SENSOR)) < 0.001
+    assert differing(caster.scan(SENSOR), raycast(there, SENSOR)) < 0.001
 
 
 def test_moving_is_moving_in_the_layout():

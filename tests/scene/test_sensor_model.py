@@ -1,6 +1,7 @@
 """Models of sensors, their presets and the rays of a beam."""
 
 import math
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -17,9 +18,32 @@ def test_every_preset_has_a_model_and_another_sensor_a_typical_one():
     assert SensorModel.from_sensor(Sensor(name="mine", elevations=(0.0,), columns=8)) == SensorModel()
 
 
+def test_the_name_of_a_preset_with_other_beams_is_another_sensor():
+    vlp16 = PRESETS["vlp16"]
+    half = replace(vlp16, elevations=vlp16.elevations[::2])
+    wide = replace(vlp16, elevations=tuple(2 * elevation for elevation in vlp16.elevations))
+    for other in (half, wide, replace(vlp16, name="mine")):
+        assert SensorModel.from_sensor(other) == SensorModel() != MODELS["vlp16"]
+
+
+def test_settings_and_rounding_do_not_make_another_sensor():
+    vlp32c = PRESETS["vlp32c"]
+    ahead = replace(vlp32c, columns=360, azimuth_start=0.5, azimuth_span=1.0, mount_height=2.0, max_range=80.0)
+    rounded = replace(vlp32c, elevations=tuple(round(elevation, 4) for elevation in vlp32c.elevations))
+    for same in (ahead, rounded, replace(vlp32c, azimuth_offsets=())):
+        assert SensorModel.from_sensor(same) is MODELS["vlp32c"]
+
+
+def test_a_model_goes_to_another_process():
+    model = replace(MODELS["os1-32"], unit=7)
+    there = pickle.loads(pickle.dumps(model))
+    assert there == model
+    assert there.pulse_length == model.pulse_length
+
+
 @pytest.mark.parametrize("name", sorted(MODELS))
 def test_a_facing_surface_of_a_tenth_is_seen_to_some_tens_of_metres(name):
-    reach = math.sqrt(0.10 / MODELS[name].faintest)
+    reach = math.sqrt(0.10 / MODELS[name].detection_threshold)
     assert 20.0 <= reach <= 200.0 * (1 + 1e-9)
 
 
@@ -37,7 +61,7 @@ def test_the_sub_rays_of_every_preset_are_a_sensor(name):
 
 @pytest.mark.parametrize("rays", [1, 3, 4, 7, 19])
 def test_the_fan_has_the_power_and_the_width_of_a_gaussian_beam(rays):
-    model = SensorModel(rays=rays, divergence_h=4e-3, divergence_v=2e-3)
+    model = SensorModel(rays_per_beam=rays, divergence_h=4e-3, divergence_v=2e-3)
     across, up, share = beam_fan(model).T
     assert share.sum() == pytest.approx(1.0)
     assert share @ across == pytest.approx(0.0, abs=1e-12)
@@ -51,7 +75,7 @@ def test_the_fan_has_the_power_and_the_width_of_a_gaussian_beam(rays):
 def test_one_ray_that_looks_where_it_should_is_the_sensor_itself():
     sensor = PRESETS["hdl64e"]
     assert sub_rays(sensor, SensorModel.ideal()) is sensor
-    askew = sub_rays(sensor, SensorModel(rays=1, tilt_spread=1e-3))
+    askew = sub_rays(sensor, SensorModel(rays_per_beam=1, tilt_spread=1e-3))
     assert askew.shape == sensor.shape
     assert (np.array(askew.elevations) != sensor.elevations).all()
 
@@ -71,25 +95,34 @@ def test_each_unit_has_tilts_of_its_own_less_where_beams_are_close():
 
 def test_beams_that_overlap_are_refused():
     close = Sensor(name="close", elevations=(0.001, 0.0), columns=8)
-    with pytest.raises(SensorError, match=r"close: beams 1\.00 mrad apart overlap at a divergence of 3\.00 mrad; rays"):
+    with pytest.raises(
+        SensorError, match=r"close: beams 1\.00 mrad apart overlap at a divergence of 3\.00 mrad; rays_per_beam"
+    ):
         sub_rays(close, SensorModel(divergence_v=3e-3))
 
 
 def test_a_pulse_of_5_ns_is_75_cm_long():
-    assert SensorModel(pulse=5e-9).pulse_length == pytest.approx(0.7495, abs=1e-4)
+    assert SensorModel(pulse_duration=5e-9).pulse_length == pytest.approx(0.7495, abs=1e-4)
 
 
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"faintest": -1.0}, r"faintest is -1\.0; it must be a finite number of 0 or more"),
-        ({"speckle": math.nan}, "speckle is nan; it must be a finite number of 0 or more"),
-        ({"jitter": math.inf}, "jitter is inf; it must be a finite number of 0 or more"),
-        ({"chance": 1.5}, r"chance is 1\.5; it must be 0 to 1"),
-        ({"knee": 0.0}, r"knee is 0\.0; it must be more than 0"),
-        ({"pulse": 0.0}, r"pulse is 0\.0; it must be more than 0"),
-        ({"rays": 2}, "rays is 2; a beam is 1 ray or 3 to 19 sub-rays"),
-        ({"divergence_v": 0.0}, r"divergence is 0\.003 by 0\.0 rad; sub-rays need more than 0, or rays 1"),
+        ({"detection_threshold": -1.0}, "detection_threshold is -1; it must be finite and 0 or more"),
+        ({"speckle": math.nan}, "speckle is NaN; it must be finite and 0 or more"),
+        ({"tilt_spread": math.nan}, "tilt_spread is nan; it must be finite and 0 or more"),
+        ({"jitter": math.inf}, "jitter is inf; it must be finite and 0 or more"),
+        ({"drop_probability": 1.5}, r"drop_probability is 1\.5; it must be 0 to 1"),
+        ({"knee": 0.0}, "knee is 0; it must be greater than 0 and at most 1"),
+        ({"compensation_range": 0.0}, "compensation_range is 0; it must be greater than 0"),
+        ({"pulse_duration": 0.0}, "pulse_duration is 0; it must be finite and greater than 0"),
+        ({"unit": -1}, "unit is -1; it must be 0 or more"),
+        ({"rays_per_beam": 2}, "rays_per_beam is 2; it must be 1, or 3 to 19"),
+        ({"divergence_h": -1.0}, r"divergence_h is -1\.0; it must be finite and 0 or more"),
+        (
+            {"divergence_v": 0.0},
+            r"divergence is 0\.003 by 0\.0 rad; it must be greater than 0, or rays_per_beam 1",
+        ),
     ],
 )
 def test_a_model_that_cannot_be(wrong, message):

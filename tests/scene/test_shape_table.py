@@ -32,9 +32,9 @@ def test_a_table_is_the_layout_of_its_primitives():
 
 def test_a_table_is_cast_as_its_layout():
     pose = SENSOR.pose(1.0, 2.0, 0.3)
-    drawn, cast = TABLE.scan(SENSOR, pose), raycast(Layout(PRIMITIVES), SENSOR, pose)
+    scan, cast = TABLE.scan(SENSOR, pose), raycast(Layout(PRIMITIVES), SENSOR, pose)
     for name in ("depth", "label", "instance"):
-        assert (getattr(drawn, name) == getattr(cast, name)).all(), name
+        assert (getattr(scan, name) == getattr(cast, name)).all(), name
 
 
 def test_who_moves_sees_what_he_saw_before():

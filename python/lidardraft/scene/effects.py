@@ -6,6 +6,8 @@ of the light.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from lidardraft import _core
@@ -13,9 +15,9 @@ from lidardraft.errors import SensorError
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import IMAGES, RangeImage
 from lidardraft.scene.sensor import Sensor
-from lidardraft.scene.sensor_model import SensorModel, beam_fan, sub_rays
+from lidardraft.scene.sensor_model import SensorModel, sub_rays
 from lidardraft.scene.surfaces import Surfaces
-from lidardraft.scene.weather import Weather, first_drop, fog_echo
+from lidardraft.scene.weather import Weather, first_particle, fog_echo
 
 _OBSERVED = ("depth", "intensity", "incidence", "instance", "primitive", "label")
 
@@ -33,9 +35,10 @@ def observe(
     """What `sensor` reports of the clean image cast of `layout`, with intensity, primitive and incidence.
 
     The image is cast by `sub_rays(sensor, model)`, with primitive and incidence; or by the sensor itself, which needs
-    no `sensor` here: then a beam is one ray. `model` is by default the preset of the sensor's name. `Surfaces.of`
-    the layout, made once, saves time where one layout is scanned often (and holds the wetness of its ground). `threads`
-    is how many threads may be used, by default as many as there are cores; the scan is the same for any number.
+    no `sensor` here: then a beam is one ray. `model` is by default `SensorModel.from_sensor(sensor)`.
+    `Surfaces.from_layout(layout)`, made once and given instead of the layout, saves time where one layout is scanned
+    often (and holds the wetness of its ground). `threads` is how many threads may be used, by default as many as there
+    are cores; the scan is the same for any number.
 
     Raises `SensorError` for an image of another sensor or without primitive and incidence, `LayoutError` for a material
     that is unknown.
@@ -44,9 +47,8 @@ def observe(
     weather = weather or Weather()
     model = model or SensorModel.from_sensor(sensor or image.sensor)
     if sensor is None:
-        sensor, fan = image.sensor, np.array([[0.0, 0.0, 1.0]])
+        sensor, model = image.sensor, replace(model, rays_per_beam=1)
     else:
-        fan = beam_fan(model)
         rays = sub_rays(sensor, model)
         if image.sensor is not rays and image.sensor != rays:
             raise SensorError(f"the image is of {image.sensor.name}; sub_rays of {sensor.name} are {rays.name}")
@@ -56,11 +58,11 @@ def observe(
     _core.observe(
         image,
         layout if isinstance(layout, Surfaces) else Surfaces.from_layout(layout, wetness=weather.wetness),
-        sensor=sensor,
-        model=model,
-        shares=fan[:, 2].tolist(),
+        pattern=sensor.pattern,
+        range_sigma=sensor.range_sigma,
+        model=model.core,
         extinction=weather.extinction,
-        aloft=_in_the_air(weather, sensor, model, rng) if weather.scatters else [],
+        backscatter=_backscatter(weather, sensor, model, rng) if weather.scatters else [],
         scan=scan,
         seed=int(rng.bit_generator.random_raw()) >> 1,
         threads=threads or 0,
@@ -68,9 +70,12 @@ def observe(
     return scan
 
 
-def _in_the_air(
+def _backscatter(
     weather: Weather, sensor: Sensor, model: SensorModel, rng: np.random.Generator
 ) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Range and response, f32 [H, W], of the fog and of the first drop or flake before each beam."""
+    """Range and response, f32 [H, W], of the fog and of the first raindrop or snowflake in each beam."""
     width = (model.divergence_h, model.divergence_v)
-    return [fog_echo(weather, model.pulse_length, sensor.shape, rng), first_drop(weather, width, sensor.shape, rng)]
+    return [
+        fog_echo(weather, model.pulse_length, sensor.shape, rng),
+        first_particle(weather, width, sensor.shape, rng),
+    ]

@@ -1,4 +1,4 @@
-"""Labels for a generated scan, from the drawing and the layout it was generated from."""
+"""Labels for a generated scan, from the condition image and the layout it was generated from."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from lidardraft.semantics import BY_NAME
 
 ABSOLUTE_TOLERANCE = 0.5  # m
 RELATIVE_TOLERANCE = 0.05
-_GROWTH = 0.3  # m; how far outside a drawn shape a point still belongs to it
+_GROWTH = 0.3  # m; how far outside a shape of the layout a point still belongs to it
 
 
 def agrees(scan: RangeImage, condition_image: RangeImage) -> np.ndarray:
-    """bool [H, W]: where both have a return, and at the same distance within 0.5 m or 5 % of the drawn one."""
+    """bool [H, W]: where both have a return, and at the same distance within 0.5 m or 5 % of the condition image's."""
     if scan.sensor.shape != condition_image.sensor.shape:
         raise SensorError(
             f"the scan is {scan.sensor.shape}, the condition image {condition_image.sensor.shape}; both need one sensor"
@@ -29,8 +29,8 @@ def agrees(scan: RangeImage, condition_image: RangeImage) -> np.ndarray:
 def label_from_condition_image(
     scan: RangeImage, condition_image: RangeImage, layout: Layout, pose: np.ndarray
 ) -> RangeImage:
-    """`scan` with label and instance: the drawing's where the ranges agree, else those of the smallest shape of the
-    layout around the point (grown by 0.3 m), else none. `pose` is world_from_sensor [4, 4] of both images.
+    """`scan` with label and instance: the condition image's where the ranges agree, else those of the smallest shape of
+    the layout around the point (grown by 0.3 m), else none. `pose` is world_from_sensor [4, 4] of both images.
 
     A mesh is not known to fill the box around it, so it labels only where the ranges agree.
     """

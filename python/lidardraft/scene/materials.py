@@ -8,16 +8,16 @@ Sources of `MATERIALS`, by column; where several are named the value is typical 
   such that the medians and quartiles of the Pandar64 in PandaSet come out, see docs/sensor-model.md.
 - `roughness`: Oren and Nayar's slope spread [rad]; 0.35 of walls and 1 of asphalt are fitted to the fall of PandaSet's
   intensities with incidence, the others lie between by analogy.
-- `specular`, `spread`: Fresnel reflectance at normal incidence (0.04 for an index of 1.5, clear coats and glass; 0.6
+- `specular`, `rms_slope`: Fresnel reflectance at normal incidence (0.04 for an index of 1.5, clear coats and glass; 0.6
   for chromium) and root mean square slope of the facets, as in the laser radar cross-sections of Steinvall (Applied
-  Optics 39, 2000). Metallic paint (mid-paint) is a lobe of flakes, fitted to PandaSet's cars; other spreads are
+  Optics 39, 2000). Metallic paint (mid-paint) is a lobe of flakes, fitted to PandaSet's cars; other slopes are
   estimates of ours.
 - `transmission`: float glass of 4 to 6 mm at 905 nm, two-way for what is seen behind; solar control coatings take more.
   Car glass absorbs heat: of visible light at least 0.70 passes (UN regulation 43), at 905 nm less; 0.45, its diffuse
-  share and that of rays that end in cabins (streets/coachwork.py) are such that PandaSet's holes in cars come out.
-- `retro`: the coefficients of retroreflection of EN 12899-1 (class RA2, white, 0.2 and 5 degrees: 250 cd/lx/m2); a
-  white surface that faces the sensor has 1 / pi of these units.
-- `relief`: of grass from the planes of terrain in PandaSet (17 mm), of bark, gravel and soil estimates of ours.
+  share and that of rays that end in cabins (objects/car_bodies.py) are such that PandaSet's holes in cars come out.
+- `retroreflection`: the coefficients of EN 12899-1 (class RA2, white, 0.2 and 5 degrees: 250 cd/lx/m2); a white surface
+  that faces the sensor has 1 / pi of these units.
+- `rms_height`: of grass from the planes of terrain in PandaSet (17 mm), of bark, gravel and soil estimates of ours.
 - `variation`, `grain`: the spread between objects of one material (dirt, age, colour), an estimate of ours, and within
   one, from the local scatter of PandaSet's intensities (walls 0.09, roads 0.18, leaves 0.22).
 """
@@ -43,55 +43,55 @@ _RETRO_FALL = 3.3
 class Material:
     """Shares of the light of 905 nm; see the module for units and sources.
 
-    `reflectance` is the diffuse share, `specular` that of a mirror whose facets tilt by `spread`, `transmission` what
-    passes through once, `retro` the peak of what is sent back to its source over that of a white surface. `variation`
-    is the relative spread of the whole between objects, `grain` that from pixel to pixel of one object; `relief` [m] is
-    the standard deviation of the heights of its surface from return to return.
+    `reflectance` is the diffuse share, `specular` that of a mirror whose facets have slopes of `rms_slope` (root mean
+    square), `transmission` what passes through once, `retroreflection` the peak of what is sent back to its source over
+    that of a white surface. `variation` is the relative spread of the whole between objects, `grain` that from pixel to
+    pixel of one object; `rms_height` [m] is the standard deviation of the heights of its surface from return to return.
     """
 
     name: str
     reflectance: float
     roughness: float = 0.4
     specular: float = 0.0
-    spread: float = 0.2
+    rms_slope: float = 0.2
     transmission: float = 0.0
-    retro: float = 0.0
+    retroreflection: float = 0.0
     variation: float = 0.2
     grain: float = 0.08
-    relief: float = 0.0
+    rms_height: float = 0.0
 
 
 MATERIALS: tuple[Material, ...] = (
     Material("asphalt", 0.12, roughness=1.0, grain=0.18),
     Material("concrete", 0.32, roughness=0.5),
     Material("paving", 0.22, roughness=0.8, grain=0.12),
-    Material("gravel", 0.25, roughness=1.0, grain=0.2, relief=0.008),
+    Material("gravel", 0.25, roughness=1.0, grain=0.2, rms_height=0.008),
     Material("plaster", 0.45, roughness=0.35),
     Material("brick", 0.36, roughness=0.35),
     Material("stone", 0.33),
     Material("roof-tile", 0.28),
     Material("wood", 0.45, roughness=0.3, grain=0.12),
-    Material("metal", 0.25, roughness=0.3, specular=0.3, spread=0.25, variation=0.35),
+    Material("metal", 0.25, roughness=0.3, specular=0.3, rms_slope=0.25, variation=0.35),
     Material("rusty-metal", 0.25, roughness=0.5),
-    Material("chrome", 0.03, specular=0.6, spread=0.05),
+    Material("chrome", 0.03, specular=0.6, rms_slope=0.05),
     Material("foliage", 0.50, variation=0.15, grain=0.2),
-    Material("bark", 0.32, roughness=0.6, grain=0.15, relief=0.01),
-    Material("grass", 0.45, roughness=0.8, variation=0.25, grain=0.2, relief=0.017),
-    Material("soil", 0.27, roughness=0.8, grain=0.15, relief=0.008),
+    Material("bark", 0.32, roughness=0.6, grain=0.15, rms_height=0.01),
+    Material("grass", 0.45, roughness=0.8, variation=0.25, grain=0.2, rms_height=0.017),
+    Material("soil", 0.27, roughness=0.8, grain=0.15, rms_height=0.008),
     Material("cloth", 0.48, roughness=0.6, variation=0.3, grain=0.15),
     Material("dark-cloth", 0.22, roughness=0.6, variation=0.4, grain=0.15),
     Material("skin", 0.55),
-    Material("light-paint", 0.45, roughness=0.3, specular=_COAT, spread=0.1),
-    Material("mid-paint", 0.06, roughness=0.3, specular=0.25, spread=0.4, variation=0.4),
-    Material("dark-paint", 0.013, roughness=0.3, specular=_COAT, spread=0.15, variation=0.4),
+    Material("light-paint", 0.45, roughness=0.3, specular=_COAT, rms_slope=0.1),
+    Material("mid-paint", 0.06, roughness=0.3, specular=0.25, rms_slope=0.4, variation=0.4),
+    Material("dark-paint", 0.013, roughness=0.3, specular=_COAT, rms_slope=0.15, variation=0.4),
     Material("rubber", 0.03, roughness=0.6),
-    Material("plastic", 0.10, specular=_COAT, spread=0.3, variation=0.5),
-    Material("glass", 0.01, specular=2 * _COAT, spread=0.03, transmission=0.75, variation=0.5),
-    Material("car-glass", 0.003, specular=2 * _COAT, spread=0.03, transmission=0.45, variation=0.5),
-    Material("window", 0.02, specular=2 * _COAT, spread=0.05, transmission=0.70, variation=0.5),
-    Material("retroreflector", 0.30, retro=math.pi * 250.0, variation=0.3),
+    Material("plastic", 0.10, specular=_COAT, rms_slope=0.3, variation=0.5),
+    Material("glass", 0.01, specular=2 * _COAT, rms_slope=0.03, transmission=0.75, variation=0.5),
+    Material("car-glass", 0.003, specular=2 * _COAT, rms_slope=0.03, transmission=0.45, variation=0.5),
+    Material("window", 0.02, specular=2 * _COAT, rms_slope=0.05, transmission=0.70, variation=0.5),
+    Material("retroreflector", 0.30, retroreflection=math.pi * 250.0, variation=0.3),
     Material("road-paint", 0.28, roughness=1.0, variation=0.4, grain=0.3),
-    Material("sign-back", 0.35, roughness=0.3, specular=0.3, spread=0.2),
+    Material("sign-back", 0.35, roughness=0.3, specular=0.3, rms_slope=0.2),
 )
 
 MATERIAL_BY_NAME: dict[str, Material] = {material.name: material for material in MATERIALS}
@@ -141,13 +141,13 @@ def specular_response(material: Material, cosine: np.ndarray) -> np.ndarray:
     if not material.specular:
         return np.zeros_like(cosine)
     cosine = np.maximum(cosine, 1e-3)
-    slope = (1.0 / cosine**2 - 1.0) / material.spread**2
-    return material.specular * np.exp(-slope) / (4.0 * material.spread**2 * cosine**5)
+    slope = (1.0 / cosine**2 - 1.0) / material.rms_slope**2
+    return material.specular * np.exp(-slope) / (4.0 * material.rms_slope**2 * cosine**5)
 
 
 def retro_response(material: Material, cosine: np.ndarray) -> np.ndarray:
     """What cube corners and glass beads send back, less the further they are turned away."""
-    return material.retro * cosine**_RETRO_FALL
+    return material.retroreflection * cosine**_RETRO_FALL
 
 
 def response(material: Material, cosine: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ from lidardraft.scene.batch import RangeImageBatch
 from lidardraft.scene.hits import Hits
 from lidardraft.scene.layout import SHAPES, Layout, Primitive, box_around, object_of
 from lidardraft.scene.pose import as_array, finite_array, inverse, upright
-from lidardraft.scene.range_image import RangeImage, new_images
+from lidardraft.scene.range_image import IMAGES, RangeImage, new_images
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME
 
@@ -23,7 +23,7 @@ _OPTIONAL = ("primitive", "incidence", "normal")
 class Raycaster:
     """A layout compiled once, to be scanned from many poses.
 
-    `layout` is the layout as it was drawn: `move` changes what is cast, not the drawing.
+    `layout` is the layout as it was compiled: `move` changes what is cast, and leaves `layout` as it is.
 
     `seed` decides how far rays travel in media (`Primitive.extinction`): a pure function of seed, primitive, row and
     column of a scan, or number of a ray. `threads` is how many threads a call may use, by default as many as there are
@@ -68,25 +68,10 @@ class Raycaster:
         block of memory, which each of them keeps alive.
         """
         world_from_sensor = _pose_of_scan(sensor, pose, poses)
-        if out is None:
-            out = RangeImage.unchecked(sensor, **new_images(sensor.shape, primitive, incidence, normal))
-        else:
-            _check_out(out, RangeImage, sensor, (primitive, incidence, normal))
-            if out.intensity is not None:
-                raise SensorError("out has an intensity; a scan writes none, and would leave that of another scan")
-        self._scene.scan(
-            sensor.pattern,
-            world_from_sensor,
-            depth=out.depth[None],
-            label=out.label[None],
-            instance=out.instance[None],
-            primitive=None if out.primitive is None else out.primitive[None],
-            incidence=None if out.incidence is None else out.incidence[None],
-            normal=None if out.normal is None else out.normal[None],
-            seed=seed,
-            threads=threads or 0,
-        )
-        return out
+        optional = (primitive, incidence, normal)
+        one = None if out is None else _batch_of_one(out)
+        batch = cast_scans(self._scene, sensor, world_from_sensor, one, optional, seed, threads)
+        return batch[0] if out is None else out
 
     def scan_batch(
         self,
@@ -105,28 +90,9 @@ class Raycaster:
         Image i is that of `scan` with pose i and `seed` + i, bit for bit; the threads share the scans.
         """
         world_from_sensor = _poses_of_batch(sensor, poses)
-        count = len(world_from_sensor)
-        if out is None:
-            shape = (count, *sensor.shape)
-            out = RangeImageBatch.unchecked(sensor, **new_images(shape, primitive, incidence, normal))
-        else:
-            _check_out(out, RangeImageBatch, sensor, (primitive, incidence, normal))
-            if len(out) != count:
-                raise SensorError(f"out holds {len(out)} images; there are {count} poses")
-        if count:  # images without a pixel all lie at one address, which looks like memory that is shared
-            self._scene.scan(
-                sensor.pattern,
-                world_from_sensor,
-                depth=out.depth,
-                label=out.label,
-                instance=out.instance,
-                primitive=out.primitive,
-                incidence=out.incidence,
-                normal=out.normal,
-                seed=seed,
-                threads=threads or 0,
-            )
-        return out
+        if out is not None:
+            _check_kind(out, RangeImageBatch)
+        return cast_scans(self._scene, sensor, world_from_sensor, out, (primitive, incidence, normal), seed, threads)
 
     def cast(
         self,
@@ -137,13 +103,17 @@ class Raycaster:
         seed: int = 0,
         threads: int | None = None,
     ) -> Hits:
-        """What any rays hit first, up to `max_range` [m]: `origins` and `directions` [R, 3] in the world frame.
+        """What any rays hit first, up to `max_range` [m].
 
+        `directions` are [R, 3], `origins` one for all of them [3], or one for each [R, 3], in the world frame.
         Directions need not have length 1. Raises `LayoutError` on a ray that is not finite or has no direction, and on
         a `max_range` that is not more than 0.
         """
-        origins = as_array("origins", origins, "R", 3)
         directions = as_array("directions", directions, "R", 3)
+        if _axes(origins) == 1:
+            origins = np.tile(as_array("origins", origins, 3), (len(directions), 1))
+        else:
+            origins = as_array("origins", origins, "R", 3)
         if len(origins) != len(directions):
             raise LayoutError(
                 f"there are {len(origins)} origins and {len(directions)} directions; a ray has one of each"
@@ -165,9 +135,9 @@ class Raycaster:
         """Let an object (all parts that share `id` up to the dot), or the one primitive `id`, stand elsewhere.
 
         `pose` is where it stands in the world, world_from_object [4, 4], rigid, tilted if need be. The object's frame
-        is that of its box: the centre and yaw of a primitive, and of several parts those of the box around them as
-        drawn, which `Layout.boxes` gives. Nothing else is compiled anew. Raises `LayoutError` on an id that the layout
-        does not have and on a pose that is not rigid.
+        is that of its box: the centre and yaw of a primitive, and of several parts those of the box around them in
+        `layout`, which `Layout.boxes` gives. Nothing else is compiled anew. Raises `LayoutError` on an id that the
+        layout does not have and on a pose that is not rigid.
         """
         pose = finite_array("pose", pose, 4, 4)
         indices = self._indices(id)
@@ -219,6 +189,41 @@ def raycast(
     )
 
 
+def cast_scans(
+    scene: _core.Scene,
+    sensor: Sensor,
+    world_from_sensor: np.ndarray,
+    out: RangeImageBatch | None = None,
+    optional: tuple[bool, bool, bool] = (False, False, False),
+    seed: int = 0,
+    threads: int | None = None,
+) -> RangeImageBatch:
+    """The scans from poses [N, K, 4, 4], in `out` or in a new batch with the `optional` images: primitive, incidence
+    and normal.
+    """
+    count = len(world_from_sensor)
+    if out is None:
+        out = RangeImageBatch.unchecked(sensor, **new_images((count, *sensor.shape), *optional))
+    else:
+        _check_out(out, sensor, optional)
+        if len(out) != count:
+            raise SensorError(f"out holds {len(out)} images; there are {count} poses")
+    if count:  # images without a pixel all lie at one address, which looks like memory that is shared
+        scene.scan(
+            sensor.pattern,
+            world_from_sensor,
+            depth=out.depth,
+            label=out.label,
+            instance=out.instance,
+            primitive=out.primitive,
+            incidence=out.incidence,
+            normal=out.normal,
+            seed=seed,
+            threads=threads or 0,
+        )
+    return out
+
+
 def _pose_of_scan(sensor: Sensor, pose: np.ndarray | None, poses: np.ndarray | None) -> np.ndarray:
     if poses is None:
         return as_array("pose", sensor.pose() if pose is None else pose, 4, 4)[None, None]
@@ -228,23 +233,33 @@ def _pose_of_scan(sensor: Sensor, pose: np.ndarray | None, poses: np.ndarray | N
 
 
 def _poses_of_batch(sensor: Sensor, poses: np.ndarray) -> np.ndarray:
-    try:
-        axes = np.ndim(poses)
-    except ValueError:  # a ragged list: the error is that of three
-        axes = 3
-    if axes == 4:
+    if _axes(poses) == 4:
         return as_array("poses", poses, "N", sensor.columns, 4, 4)
     return as_array("poses", poses, "N", 4, 4)[:, None]
 
 
-def _check_out(
-    out: RangeImage | RangeImageBatch,
-    kind: type[RangeImage | RangeImageBatch],
-    sensor: Sensor,
-    asked: tuple[bool, bool, bool],
-) -> None:
+def _axes(values: np.ndarray) -> int:
+    try:
+        return np.ndim(values)
+    except ValueError:  # a ragged list, of which `as_array` tells
+        return 0
+
+
+def _batch_of_one(out: RangeImage) -> RangeImageBatch:
+    """An image as a batch, in the same memory."""
+    _check_kind(out, RangeImage)
+    if out.intensity is not None:
+        raise SensorError("out has an intensity; a scan writes none, and would leave that of another scan")
+    images = {name: array[None] for name in IMAGES if (array := getattr(out, name)) is not None}
+    return RangeImageBatch.unchecked(out.sensor, **images)
+
+
+def _check_kind(out: object, kind: type) -> None:
     if not isinstance(out, kind):
         raise TypeError(f"out is a {type(out).__name__}; it must be a {kind.__name__}")
+
+
+def _check_out(out: RangeImageBatch, sensor: Sensor, asked: tuple[bool, bool, bool]) -> None:
     if out.sensor is not sensor and out.sensor != sensor:
         which = "another sensor of that name" if out.sensor.name == sensor.name else out.sensor.name
         raise SensorError(f"out is of {which}; the scan is of {sensor.name}")
@@ -254,7 +269,7 @@ def _check_out(
 
 
 def _parts_in_object(parts: list[Primitive]) -> np.ndarray:
-    """object_from_part [M, 4, 4] of the parts as drawn."""
+    """object_from_part [M, 4, 4] of the parts as the layout has them."""
     box = box_around(parts)
     poses: np.ndarray = inverse(upright(box.center, box.yaw)) @ np.array([upright(p.center, p.yaw) for p in parts])
     return poses

@@ -3,61 +3,66 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 
+from lidardraft import _core
 from lidardraft.errors import SensorError
-from lidardraft.scene.sensor import Sensor
+from lidardraft.scene.sensor import PRESETS, Sensor
 
-_LIGHT = 299_792_458.0  # m/s
 _FWHM = math.sqrt(2.0 / math.log(2.0))  # of a Gaussian: full width at 1 / e^2 over full width at half maximum
 # Where the sub-rays of a ring stand: turned a little, as no two may have one elevation.
 _TURN = 0.17
+# Elevations closer than this are of the same beam [rad]: tables are rounded, and the beams of every preset are further
+# apart.
+_SAME_BEAM = 1e-3
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, kw_only=True)
 class SensorModel:
     """The effects of one sensor; a number at 0 (or as its line says) switches an effect off.
 
-    Optics: `rays` sub-rays stand for each beam (1 is off), whose full width at 1 / e^2 is `divergence_h` by
-    `divergence_v` [rad]; a pulse lasts `pulse` [s].
+    Optics: `rays_per_beam` sub-rays stand for each beam (1 is off), whose full width at 1 / e^2 is `divergence_h` by
+    `divergence_v` [rad]; a pulse lasts `pulse_duration` [s].
 
-    Receiver: `faintest` is the response over range squared [1/m2] of power 1 (0: everything is detected), a response of
-    1 being a white surface that faces the sensor; of several echoes the strongest counts, or the `last`. Echoes of
-    power P are lost with 1 - exp(-1 / P), by `fading` more in some patches than in others (the spread of its
-    logarithm), and all by `chance`.
+    Receiver: `detection_threshold` is the response over range squared [1/m2] of power 1 (0: everything is detected). A
+    response of 1 is that of a white surface that faces the sensor. Return mode: of several echoes the strongest is
+    reported, or with `last_return` the last one above the threshold. Ray drop: an echo of power P is dropped with
+    probability 1 - exp(-1 / P - `drop_probability`); `fading` is by how much 1 / P differs from patch to patch of a
+    surface (the spread of its logarithm).
 
     Scatter: `speckle` of the power from pulse to pulse, `texture` of it over patches of a surface (both relative),
-    `grainy` whether materials add their own grain, `dust` the depth of the stains on the window, `panes` whether rays
-    pass through glass.
+    `material_noise` whether materials add their own grain and roughness, `dust` the depth of the stains on the window,
+    `glass_transmission` whether rays pass through glass.
 
     Range: `jitter` [m] is the noise of an echo of power 1, on top of the sensor's `range_sigma`; `range_step` [m]
-    rounds it. One unit differs from another: `unit` draws each beam's range offset with `offset_spread` [m], its gain
-    with `gain_spread` (relative), and by how much its elevation differs from the sensor's table with `tilt_spread`
-    [rad].
+    rounds it. One unit differs from another: the number `unit` decides each beam's range offset, which has the standard
+    deviation `offset_spread` [m], its gain, `gain_spread` (relative), and how far its elevation is off the sensor's
+    table, `tilt_spread` [rad].
 
     Output: an intensity of 1 is a response of `full_scale`, in `levels` steps (0: smooth). With a `knee` below 1 the
-    response 1 reads `knee`, and what is brighter climbs from there by its logarithm. It is corrected for range up to
-    `compensated` [m] (inf: at all ranges).
+    response 1 reads `knee`, and brighter ones climb from there by their logarithm. Intensity is corrected for range up
+    to `compensation_range` [m] (inf: at all ranges).
+
     Raises `SensorError` naming the value that cannot be.
     """
 
-    rays: int = 3
+    rays_per_beam: int = 3
     divergence_h: float = 3.0e-3
     divergence_v: float = 1.5e-3
-    pulse: float = 5e-9
-    faintest: float = 0.10 / 100.0**2
-    last: bool = False
+    pulse_duration: float = 5e-9
+    detection_threshold: float = 0.10 / 100.0**2
+    last_return: bool = False
     speckle: float = 0.05
     texture: float = 0.06
-    grainy: bool = True
+    material_noise: bool = True
     dust: float = 0.0
     fading: float = 1.6
-    chance: float = 0.0003
-    panes: bool = True
+    drop_probability: float = 0.0003
+    glass_transmission: bool = True
     jitter: float = 0.07
     range_step: float = 0.002
     unit: int = 0
@@ -67,36 +72,69 @@ class SensorModel:
     full_scale: float = 1.0
     knee: float = 1.0
     levels: int = 255
-    compensated: float = math.inf
+    compensation_range: float = math.inf
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if isinstance(value, bool) or (0 <= value < math.inf) or (field.name == "compensated" and value > 0):
-                continue
-            raise SensorError(f"{field.name} is {value}; it must be a finite number of 0 or more")
-        for name, limit in (("chance", 1.0), ("knee", 1.0)):
-            if getattr(self, name) > limit:
-                raise SensorError(f"{name} is {getattr(self, name)}; it must be 0 to {limit:g}")
-        for name in ("pulse", "full_scale", "knee", "compensated"):
-            if not getattr(self, name) > 0:
-                raise SensorError(f"{name} is {getattr(self, name)}; it must be more than 0")
-        if self.rays not in (1, *range(3, 20)):
-            raise SensorError(f"rays is {self.rays}; a beam is 1 ray or 3 to 19 sub-rays")
-        if self.rays > 1 and not min(self.divergence_h, self.divergence_v) > 0:
+        for name in ("divergence_h", "divergence_v", "tilt_spread"):
+            if not 0 <= getattr(self, name) < math.inf:
+                raise SensorError(f"{name} is {getattr(self, name)}; it must be finite and 0 or more")
+        if self.rays_per_beam not in (1, *range(3, 20)):
+            raise SensorError(f"rays_per_beam is {self.rays_per_beam}; it must be 1, or 3 to 19")
+        if self.rays_per_beam > 1 and not min(self.divergence_h, self.divergence_v) > 0:
             raise SensorError(
-                f"divergence is {self.divergence_h} by {self.divergence_v} rad; sub-rays need more than 0, or rays 1"
+                f"divergence is {self.divergence_h} by {self.divergence_v} rad; "
+                "it must be greater than 0, or rays_per_beam 1"
             )
+        _ = self.core  # which checks everything else
+
+    @cached_property
+    def core(self) -> _core.SensorModel:
+        """The model as the core has it."""
+        return _core.SensorModel(
+            shares=beam_fan(self)[:, 2].tolist(),
+            pulse_duration=self.pulse_duration,
+            detection_threshold=self.detection_threshold,
+            last_return=self.last_return,
+            glass_transmission=self.glass_transmission,
+            speckle=self.speckle,
+            texture=self.texture,
+            material_noise=self.material_noise,
+            dust=self.dust,
+            fading=self.fading,
+            drop_probability=self.drop_probability,
+            unit=self.unit,
+            offset_spread=self.offset_spread,
+            gain_spread=self.gain_spread,
+            jitter=self.jitter,
+            range_step=self.range_step,
+            full_scale=self.full_scale,
+            knee=self.knee,
+            levels=self.levels,
+            compensation_range=self.compensation_range,
+        )
+
+    def __getstate__(self) -> dict[str, Any]:
+        # the core's model cannot go to another process; it is made again there
+        return {name: value for name, value in vars(self).items() if name != "core"}
 
     @property
     def pulse_length(self) -> float:
-        """Echoes closer than this are one [m]."""
-        return _LIGHT * self.pulse / 2
+        """Echoes closer than this are one [m]: half the way of light in a pulse."""
+        return self.core.pulse_length
 
     @classmethod
     def from_sensor(cls, sensor: Sensor) -> SensorModel:
-        """The preset of the sensor's name, or typical values for a sensor of another."""
-        return MODELS.get(sensor.name, cls())
+        """The preset of the same sensor, or typical values for any other.
+
+        The same sensor has the name of a preset and its beams: as many, each within 1 mrad of the preset's elevation.
+        Columns, azimuths, origins, range limits and mounting may differ: they are settings of a sensor, or calibrated
+        for one unit.
+        """
+        preset = PRESETS.get(sensor.name)
+        if preset is None or len(sensor.elevations) != len(preset.elevations):
+            return cls()
+        off = np.abs(np.subtract(sensor.elevations, preset.elevations))
+        return MODELS[sensor.name] if off.max() <= _SAME_BEAM else cls()
 
     @classmethod
     def ideal(cls) -> SensorModel:
@@ -105,14 +143,14 @@ class SensorModel:
         What noise there is is the sensor's own `range_sigma`.
         """
         return cls(
-            rays=1,
-            faintest=0.0,
+            rays_per_beam=1,
+            detection_threshold=0.0,
             speckle=0.0,
             texture=0.0,
-            grainy=False,
+            material_noise=False,
             fading=0.0,
-            chance=0.0,
-            panes=False,
+            drop_probability=0.0,
+            glass_transmission=False,
             jitter=0.0,
             range_step=0.0,
             offset_spread=0.0,
@@ -131,14 +169,15 @@ def beam_fan(model: SensorModel) -> np.ndarray:
     A Gaussian beam as a cubature: three rays of a ring have its second moments, a centre of one half and a ring at the
     1 / e^2 radius its fourth as well.
     """
-    if model.rays == 1:
+    rays = model.rays_per_beam
+    if rays == 1:
         return _read_only(np.array([[0.0, 0.0, 1.0]]))
-    ring = model.rays if model.rays == 3 else model.rays - 1
+    ring = rays if rays == 3 else rays - 1
     angle = 2 * math.pi * np.arange(ring) / ring + math.pi / 2 + _TURN
-    radius, share = (math.sqrt(0.5), 1.0) if model.rays == 3 else (1.0, 0.5)
+    radius, share = (math.sqrt(0.5), 1.0) if rays == 3 else (1.0, 0.5)
     across = radius * np.stack([model.divergence_h * np.cos(angle), model.divergence_v * np.sin(angle)], axis=1) / 2
     fan = np.column_stack([across, np.full(ring, share / ring)])
-    if model.rays > 3:
+    if rays > 3:
         fan = np.vstack([fan, [0.0, 0.0, 1.0 - share]])
     return _read_only(fan[np.argsort(-fan[:, 1])])
 
@@ -157,7 +196,7 @@ def sub_rays(sensor: Sensor, model: SensorModel) -> Sensor:
     is not quite where the table says and `observe` puts the returns. Raises `SensorError` where the beams of `sensor`
     are so close that their sub-rays would cross.
     """
-    if model.rays == 1 and not model.tilt_spread:
+    if model.rays_per_beam == 1 and not model.tilt_spread:
         return sensor
     fan = beam_fan(model)
     beams = len(sensor.elevations)
@@ -167,17 +206,17 @@ def sub_rays(sensor: Sensor, model: SensorModel) -> Sensor:
         closest = -np.diff(sensor.elevations).max()
         raise SensorError(
             f"{sensor.name}: beams {1e3 * closest:.2f} mrad apart overlap at a divergence of "
-            f"{1e3 * model.divergence_v:.2f} mrad; rays must be 1"
+            f"{1e3 * model.divergence_v:.2f} mrad; rays_per_beam must be 1"
         )
     offsets = np.add.outer(sensor.azimuth_offsets or np.zeros(beams), fan[:, 0]).ravel()
     return replace(
         sensor,
-        name=f"{sensor.name} x {model.rays}",
+        name=f"{sensor.name} x {model.rays_per_beam}",
         elevations=tuple(elevations.tolist()),
         azimuth_offsets=tuple(offsets.tolist()),
-        origin_forwards=_repeated(sensor.origin_forwards, model.rays),
-        origin_lefts=_repeated(sensor.origin_lefts, model.rays),
-        origin_heights=_repeated(sensor.origin_heights, model.rays),
+        origin_forwards=_repeated(sensor.origin_forwards, model.rays_per_beam),
+        origin_lefts=_repeated(sensor.origin_lefts, model.rays_per_beam),
+        origin_heights=_repeated(sensor.origin_heights, model.rays_per_beam),
     )
 
 
@@ -188,8 +227,8 @@ def beam_tilts(sensor: Sensor, model: SensorModel) -> np.ndarray:
     """
     steps = -np.diff(sensor.elevations)
     step = np.minimum(np.append(steps, np.inf), np.append(np.inf, steps))
-    drawn = np.random.default_rng([model.unit, 3]).standard_normal(len(step))
-    tilts: np.ndarray = np.clip(drawn, -2.5, 2.5) * model.tilt_spread * np.minimum(step / math.radians(1.0), 1.0)
+    sampled = np.random.default_rng([model.unit, 3]).standard_normal(len(step))
+    tilts: np.ndarray = np.clip(sampled, -2.5, 2.5) * model.tilt_spread * np.minimum(step / math.radians(1.0), 1.0)
     return tilts
 
 
@@ -211,7 +250,7 @@ def _ouster(degrees: float, reach: float, jitter: float) -> SensorModel:
     return SensorModel(
         divergence_h=width,
         divergence_v=width,
-        faintest=0.10 / reach**2,
+        detection_threshold=0.10 / reach**2,
         range_step=0.001,
         offset_spread=0.003,
         tilt_spread=0.0,  # each unit's own table comes with it
@@ -220,40 +259,47 @@ def _ouster(degrees: float, reach: float, jitter: float) -> SensorModel:
     )
 
 
-# The share of rays that a VLP-32C of ika loses at any range (benches/fit_sensor.py), some perhaps by the projection.
-_CHANCE = 0.022
-
 # HDL-64E S2 manual: 905 nm, 5 ns, 2 cm; pavement of 0.10 is seen to 50 m, from a roof: at 2 degrees, where it sends
 # back two thirds and its echo is stretched over three sub-rays. Of the 2 cm, a part is noise (`Sensor`); the rest stays
 # in a laser, as the 1 to 3 cm of Glennie and Lichti (Remote Sensing 2, 2010), who have the divergence too. Its units of
-# 2 mm are lost in a correction that differs along the range. Its intensity is corrected by a focal distance and slope
+# 2 mm disappear in a correction that differs along the range. Its intensity is corrected by a focal distance and slope
 # for each laser, of 3 to 20 m in published calibrations (ros-drivers/velodyne), so not beyond some tens of metres;
 # KITTI stores hundredths.
 _HDL64E = SensorModel(
     divergence_h=2.0e-3,
     divergence_v=2.0e-3,
-    faintest=0.10 * 0.67 / 3 / 50.0**2,
+    detection_threshold=0.10 * 0.67 / 3 / 50.0**2,
     range_step=0.0,
     offset_spread=0.018,
     gain_spread=0.12,
     levels=100,
-    compensated=40.0,
+    compensation_range=40.0,
 )
 
 MODELS: dict[str, SensorModel] = {
     "hdl64e": _HDL64E,
     "hdl64e-linear": _HDL64E,
-    # Manuals: 3.0 by 1.5 mrad; 100 m, and 200 m of the VLP-32C, without a reflectance. ika's VLP-32C loses rays on the
-    # ground as if that were 0.10 (benches/fit_sensor.py), so it is taken for all three.
-    "hdl32e": SensorModel(faintest=0.10 / 100.0**2, **_REFLECTIVITY),
-    "vlp16": SensorModel(faintest=0.10 / 100.0**2, **_REFLECTIVITY),
+    # Manuals: 3.0 by 1.5 mrad; 100 m, and 200 m of the VLP-32C, without a reflectance. ika's VLP-32C drops rays to the
+    # ground as if that were 0.10 (benches/fit_sensor.py), so it is taken for all three; and 0.022 of them at any range,
+    # some perhaps by the projection.
+    "hdl32e": SensorModel(detection_threshold=0.10 / 100.0**2, **_REFLECTIVITY),
+    "vlp16": SensorModel(detection_threshold=0.10 / 100.0**2, **_REFLECTIVITY),
     "vlp32c": SensorModel(
-        faintest=0.10 / 200.0**2, chance=_CHANCE, jitter=0.04, range_step=0.004, tilt_spread=2.6e-3, **_REFLECTIVITY
+        detection_threshold=0.10 / 200.0**2,
+        drop_probability=0.022,
+        jitter=0.04,
+        range_step=0.004,
+        tilt_spread=2.6e-3,
+        **_REFLECTIVITY,
     ),
     # Pandar64 manual: 905 nm, 2 cm, 200 m at 0.10. Divergence: an estimate after sensors of its kind. Scale and noise
     # are fitted to PandaSet by benches/fit_sensor.py.
     "pandar64": SensorModel(
-        faintest=0.10 / 200.0**2, offset_spread=0.007, range_step=0.004, tilt_spread=1.8e-3, full_scale=255.0 / 66.0
+        detection_threshold=0.10 / 200.0**2,
+        offset_spread=0.007,
+        range_step=0.004,
+        tilt_spread=1.8e-3,
+        full_scale=255.0 / 66.0,
     ),
     "os0-128": _ouster(0.35, 20.0, 0.03),
     "os1-128": _ouster(0.18, 40.0, 0.035),

@@ -14,7 +14,8 @@ from lidardraft.errors import LayoutError
 from lidardraft.scene.layout import SHAPES, Layout, Primitive
 from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.scene.pose import as_array
-from lidardraft.scene.range_image import RangeImage, new_images
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.raycast import cast_scans
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, CLASSES, NUM_CLASSES
 
@@ -148,13 +149,4 @@ class ShapeTable:
             instances=self.instances,
             meshes=[(mesh.vertices, mesh.faces) for mesh in self.meshes],
         )
-        out = RangeImage.unchecked(sensor, **new_images(sensor.shape, False, False, False))
-        scene.scan(
-            sensor.pattern,
-            poses.reshape(1, -1, 4, 4),
-            depth=out.depth[None],
-            label=out.label[None],
-            instance=out.instance[None],
-            threads=threads or 0,
-        )
-        return out
+        return cast_scans(scene, sensor, poses.reshape(1, -1, 4, 4), threads=threads)[0]

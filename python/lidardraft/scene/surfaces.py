@@ -22,7 +22,7 @@ from lidardraft.semantics import BY_NAME
 _BINS = 128  # of incidence, as many as the core looks up; 0.9 degrees each
 _INDEX = {material.name: i for i, material in enumerate(MATERIALS)}
 # A film of water fills the pores of what is porous: it sends back about half as much (Lekner and Dorf, Applied Optics
-# 27, 1988), and what the film mirrors is lost to a sensor that does not face it.
+# 27, 1988), and what the film mirrors never comes back to a sensor that does not face it.
 _WET_SHARE = 0.5
 _WETTED = frozenset({"asphalt", "concrete", "paving", "gravel", "soil", "road-paint", "stone"})
 
@@ -32,20 +32,20 @@ class Surfaces:
     """`table` f32 [P + 1, 128]: the response of each primitive in bins of the root of 1 - cosine of incidence, which is
     nearly linear in the angle; 1 is a white surface that faces the sensor. Row 0 is that of no return.
 
-    `transmission`, `grain` and `relief`, f32 [P + 1], are those of the primitives' materials. Made once for a layout
-    that is scanned often.
+    `transmission`, `grain` and `rms_height`, f32 [P + 1], are those of the primitives' materials. Made once for a
+    layout that is scanned often.
     """
 
     table: np.ndarray
     transmission: np.ndarray
     grain: np.ndarray
-    relief: np.ndarray
+    rms_height: np.ndarray
 
     @classmethod
     def from_layout(cls, layout: Layout, *, wetness: float = 0.0, variation: bool = True) -> Surfaces:
         """The surfaces of `layout`, its ground wet by `wetness`, 0 to 1.
 
-        Without `variation` the things of one material are all alike.
+        Without `variation` the primitives of one material are all alike.
         Raises `LayoutError` for a material that is unknown, `SensorError` for a `wetness` that is no share.
         """
         if not 0.0 <= wetness <= 1.0:
@@ -60,12 +60,12 @@ class Surfaces:
         if variation and primitives:
             spread = np.array([m.variation for m in MATERIALS])[index]
             table[1:] *= np.exp(spread * _scatter(primitives)).astype(np.float32)[:, None]
-        transmission, grain, relief = np.zeros((3, len(primitives) + 1), np.float32)
+        transmission, grain, rms_height = np.zeros((3, len(primitives) + 1), np.float32)
         transmission[1:] = np.array([m.transmission for m in MATERIALS])[index]
         grain[1:] = np.array([m.grain for m in MATERIALS])[index]
-        relief[1:] = np.array([m.relief for m in MATERIALS])[index]
-        relief[1 + np.array(media, dtype=np.intp)] = 0.0
-        return cls(table, transmission, grain, relief)
+        rms_height[1:] = np.array([m.rms_height for m in MATERIALS])[index]
+        rms_height[1 + np.array(media, dtype=np.intp)] = 0.0
+        return cls(table, transmission, grain, rms_height)
 
 
 def _material(primitive: Primitive) -> Material:

@@ -1,9 +1,9 @@
-"""Rain, fog and snow between sensor and target: light that is lost, and light that comes back too soon.
+"""Rain, fog and snow between sensor and target: extinction of light, and backscatter from the air.
 
 Extinction per metre follows ITU-R P.1814 (2007): fog by visibility (Koschmieder's law with the wavelength law of Kruse
 as Kim amends it), rain after Carbonneau, snow wet or dry. Backscatter of fog is that of Hahner et al. (ICCV 2021);
-drops and flakes are met one by one, as many as Marshall and Palmer (1948) and Gunn and Marshall (1958) counted, the way
-Hahner et al. (CVPR 2022) sample snow.
+raindrops and snowflakes are met one by one, as many as Marshall and Palmer (1948) and Gunn and Marshall (1958) counted,
+the way Hahner et al. (CVPR 2022) sample snow.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ _WAVELENGTH = 905.0  # nm
 _PER_DECIBEL_KM = math.log(10.0) / 10.0 / 1000.0  # dB/km to 1/m
 _OVERLAP = 0.95  # m before which the receiver does not see the beam (Hahner et al., 2021: 0.9 to 1.0)
 _APERTURE = 0.02  # m, width of the beam at the window: an estimate of ours
-_REACH = 40.0  # m beyond which no drop or flake is bright enough alone
-_WATER, _ICE = 0.05, 0.8  # share of a hemisphere's light that a drop and a flake send back: estimates of ours
+_REACH = 40.0  # m beyond which no raindrop or snowflake is bright enough alone
+_WATER, _ICE = 0.05, 0.8  # share of a hemisphere's light that a raindrop and a snowflake send back: estimates of ours
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -51,7 +51,7 @@ class Weather:
 
     @property
     def scatters(self) -> bool:
-        """Whether anything hangs in the air."""
+        """Whether anything in the air sends light back."""
         return self.rain > 0 or self.snow > 0 or not math.isinf(self.visibility)
 
 
@@ -79,11 +79,11 @@ def snow_extinction(rate: float) -> float:
     return float((1.023e-4 * _WAVELENGTH + 3.7855) * rate**0.72 * _PER_DECIBEL_KM)
 
 
-def drops(weather: Weather) -> tuple[float, float, float]:
-    """How many drops or flakes a cubic metre holds, their mean diameter [m] and the share each sends back.
+def particles(weather: Weather) -> tuple[float, float, float]:
+    """How many raindrops or snowflakes a cubic metre holds, their mean diameter [m] and the share each sends back.
 
-    Exponential distributions of diameters, N0 exp(-L D), cut at half a millimetre for drops and one for flakes, below
-    which one alone is never seen. In sleet the flakes count.
+    Exponential distributions of diameters, N0 exp(-L D), cut at half a millimetre for raindrops and one for snowflakes,
+    below which one alone is never seen. In sleet the snowflakes count.
     """
     if weather.snow > 0:
         slope = 2550.0 * weather.snow**-0.48  # 1/m
@@ -97,14 +97,14 @@ def _exponential(most: float, slope: float, smallest: float, share: float) -> tu
     return most / slope * math.exp(-slope * smallest), smallest + 1.0 / slope, share
 
 
-def first_drop(
+def first_particle(
     weather: Weather, width: tuple[float, float], shape: tuple[int, ...], rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Range [m] of the first drop or flake each beam meets and its response, f32 [*shape]; 0 and 0 where none is met.
+    """Range [m] of the first raindrop or snowflake in each beam and its response, f32 [*shape]; 0 and 0 without one.
 
-    `width` is the divergence of the beam [rad]. A drop sends back its own share of the beam's cross-section.
+    `width` is the divergence of the beam [rad]. It sends back its own share of the beam's cross-section.
     """
-    density, diameter, share = drops(weather)
+    density, diameter, share = particles(weather)
     steps = np.linspace(_OVERLAP, _REACH, 256)
     area = math.pi / 4 * (_APERTURE + width[0] * steps) * (_APERTURE + width[1] * steps)
     met = np.concatenate([[0.0], np.cumsum((area[1:] + area[:-1]) / 2 * np.diff(steps))]) * density
@@ -117,10 +117,10 @@ def first_drop(
 def fog_echo(
     weather: Weather, pulse_length: float, shape: tuple[int, ...], rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Range [m] and response of the fog just before each beam, f32 [*shape]; response 0 without fog.
+    """Range [m] and response of the fog just in front of each beam, f32 [*shape]; response 0 without fog.
 
     A pulse lights its own length of fog, whose backscatter is 0.046 / V per metre and steradian; against the 1 / pi of
-    a white surface. The range is drawn from where the light comes from, 1 / r^2 from the overlap on.
+    a white surface. The range is sampled where the light comes from, 1 / r^2 from the overlap on.
     """
     if math.isinf(weather.visibility):
         return np.zeros(shape, np.float32), np.zeros(shape, np.float32)

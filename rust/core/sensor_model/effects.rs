@@ -1,12 +1,12 @@
 //! What happens to echoes, one function an effect, for a row of pixels at once, in the order of the light.
 
 use super::elementary::{exp, larger, ln, rounded, smaller};
-use super::noise::{Key, share};
+use super::noise::{Key, uniform};
 use super::receiver::{Echoes, received_power};
 use super::surfaces::entry;
-use super::{Aloft, SensorModel, Surfaces};
+use super::{Backscatter, Ranging, SensorModel, Surfaces};
 
-/// Behind a pane: above how many standard deviations of the patches there is something within reach, its mean depth [m]
+/// Behind glass: above how many standard deviations of the patches there is something within reach, its mean depth [m]
 /// and response (seats, curtains, frames): estimates of ours.
 const BEHIND: f32 = 0.3;
 const BEHIND_DEPTH: f32 = 0.3;
@@ -16,23 +16,23 @@ const GRAZING: f32 = 0.3;
 /// Standard deviations of the dust's pattern above which there is a stain.
 const STAINED: f32 = 1.2;
 
-/// Lets rays that meet glass see, in some of its `patches`, what is a little behind it, through the pane twice.
+/// Lets rays pass through glass, in some of its `patches`, to what is a little behind it, and back.
 ///
-/// The stronger echo counts: that of the pane, which is faint unless it faces the sensor, or that from behind.
-pub(crate) fn look_through_panes(
+/// The stronger echo counts: that of the glass, which is weak unless it faces the sensor, or that from behind.
+pub(crate) fn transmit_through_glass(
     echoes: &mut Echoes,
     patches: &[f32],
     surfaces: &Surfaces<'_>,
     model: &SensorModel,
     key: Key,
 ) {
-    if !model.panes {
+    if !model.glass_transmission {
         return;
     }
     for (column, &primitive) in echoes.primitive.iter().enumerate() {
         let through = surfaces.transmission[entry(primitive)];
         if through > 0.0 && patches[column] > BEHIND {
-            let deeper = echoes.depth[column] - BEHIND_DEPTH * ln(share(key.bits(column) as u32));
+            let deeper = echoes.depth[column] - BEHIND_DEPTH * ln(uniform(key.bits(column) as u32));
             // the little way behind it is in clear air
             let behind = through * through * BEHIND_RESPONSE / (deeper * deeper * model.threshold());
             if behind > echoes.power[column] {
@@ -59,7 +59,7 @@ pub(crate) fn scatter_power(
     for (grain, &primitive) in grain.iter_mut().zip(&echoes.primitive) {
         *grain = surfaces.grain[entry(primitive)];
     }
-    let (grainy, speckle) = (if model.grainy { 1.0 } else { 0.0 }, model.speckle * model.speckle);
+    let (grainy, speckle) = (if model.material_noise { 1.0 } else { 0.0 }, model.speckle * model.speckle);
     let pulses = echoes.power.iter_mut().zip(grain.iter());
     for (((power, &grain), &normal), &patch) in pulses.zip(normal).zip(patches) {
         let spread = (grainy * grain * grain + speckle).sqrt();
@@ -77,12 +77,18 @@ pub(crate) fn dim_by_dust(echoes: &mut Echoes, stains: &[f32], model: &SensorMod
     }
 }
 
-/// Lets the echo of fog, of a drop or a flake take the place of those that are weaker and further away.
+/// Lets the echo of fog, of a raindrop or a snowflake take the place of those that are weaker and further away.
 ///
-/// What it is the echo of is nothing that the layout has. `white`, which is written, is the power if that were white.
-pub(crate) fn hang_in_the_air(echoes: &mut Echoes, aloft: &Aloft<'_>, white: &mut [f32], model: &SensorModel) {
-    received_power(aloft.depth, 1.0, model, white);
-    for (column, (&depth, &response)) in aloft.depth.iter().zip(aloft.response).enumerate() {
+/// It comes from no primitive of the layout. `white`, which is written, is its power if all light came back.
+pub(crate) fn add_backscatter(
+    echoes: &mut Echoes,
+    backscatter: &Backscatter<'_>,
+    white: &mut [f32],
+    extinction: f32,
+    model: &SensorModel,
+) {
+    received_power(backscatter.depth, 1.0, extinction, model, white);
+    for (column, (&depth, &response)) in backscatter.depth.iter().zip(backscatter.response).enumerate() {
         let power = white[column] * response;
         let nearer = depth < echoes.depth[column] || echoes.depth[column] == 0.0;
         if nearer && power > echoes.power[column] {
@@ -92,29 +98,29 @@ pub(crate) fn hang_in_the_air(echoes: &mut Echoes, aloft: &Aloft<'_>, white: &mu
     }
 }
 
-/// Where there is no echo, or one that is not detected.
+/// Ray drop: where there is no echo, or one that is not detected.
 ///
-/// An echo of power P is lost with 1 - exp(-f / P - chance): as if its power were that of developed speckle, which is
-/// distributed as the `exponential` numbers. This is how the ground's rays are lost in recordings of a Pandar64, see
-/// docs/sensor-model.md. The fading f has the mean 1 and follows the `patches` of surfaces, so that lost rays come in
-/// runs.
-pub(crate) fn undetected(
+/// An echo of power P is dropped with probability 1 - exp(-f / P - drop_probability): as if its power were that of
+/// developed speckle, which is distributed as the `exponential` numbers. This is how rays to the ground are dropped in
+/// recordings of a Pandar64, see docs/sensor-model.md. The fading f has the mean 1 and follows the `patches` of
+/// surfaces, so that dropped rays come in runs.
+pub(crate) fn drop_rays(
     echoes: &Echoes,
     patches: &[f32],
     exponential: &[f32],
     model: &SensorModel,
-    lost: &mut [bool],
+    dropped: &mut [bool],
 ) {
-    let pulses = lost.iter_mut().zip(&echoes.power);
-    for (((lost, &power), &patch), &exponential) in pulses.zip(patches).zip(exponential) {
+    let pulses = dropped.iter_mut().zip(&echoes.power);
+    for (((dropped, &power), &patch), &exponential) in pulses.zip(patches).zip(exponential) {
         let fading = exp(-model.fading * patch - model.fading * model.fading / 2.0);
-        *lost = (exponential - model.chance) * power <= fading;
+        *dropped = (exponential - model.drop_probability) * power <= fading;
     }
 }
 
 /// The stored intensity, 0 to 1: the power on the sensor's scale, as far as that corrects for range.
 pub(crate) fn intensity(echoes: &Echoes, model: &SensorModel, shown: &mut [f32]) {
-    let (threshold, far) = (model.threshold(), 1.0 / model.compensated);
+    let (threshold, far) = (model.threshold(), 1.0 / model.compensation_range);
     for ((shown, &depth), &power) in shown.iter_mut().zip(&echoes.depth).zip(&echoes.power) {
         *shown = depth * depth * power * threshold / (1.0 + depth * far * (depth * far));
     }
@@ -138,16 +144,16 @@ pub(crate) fn intensity(echoes: &Echoes, model: &SensorModel, shown: &mut [f32])
     }
 }
 
-/// Variance of ranges to surfaces whose heights vary by their relief.
+/// Variance of ranges to rough surfaces, whose heights vary by their `rms_height`.
 ///
 /// Along the ray it is the height over the cosine of incidence, but for grazing rays, which meet the tops.
 pub(crate) fn roughness(echoes: &Echoes, surfaces: &Surfaces<'_>, model: &SensorModel, variance: &mut [f32]) {
-    if !model.grainy {
+    if !model.material_noise {
         return variance.fill(0.0);
     }
     let pixels = echoes.primitive.iter().zip(&echoes.incidence);
     for (variance, (&primitive, &incidence)) in variance.iter_mut().zip(pixels) {
-        let height = surfaces.relief[entry(primitive)] / larger(incidence, GRAZING);
+        let height = surfaces.rms_height[entry(primitive)] / larger(incidence, GRAZING);
         *variance = height * height;
     }
 }
@@ -156,9 +162,16 @@ pub(crate) fn roughness(echoes: &Echoes, surfaces: &Surfaces<'_>, model: &Sensor
 /// of the surface, `rough`, and of the timing.
 ///
 /// The timing error of a pulse grows with the inverse root of its signal-to-noise ratio (Jutzi and Stilla, ISPRS 2006),
-/// here from `range_sigma` of strong echoes by `jitter` at the threshold.
-pub(crate) fn range_noise(echoes: &mut Echoes, offset: f32, rough: &[f32], normal: &[f32], model: &SensorModel) {
-    let (strong, timing) = (model.range_sigma * model.range_sigma, model.jitter * model.jitter);
+/// here from `ranging.sigma` of strong echoes by `jitter` at the detection threshold.
+pub(crate) fn range_noise(
+    echoes: &mut Echoes,
+    offset: f32,
+    rough: &[f32],
+    normal: &[f32],
+    ranging: &Ranging,
+    model: &SensorModel,
+) {
+    let (strong, timing) = (ranging.sigma * ranging.sigma, model.jitter * model.jitter);
     let pulses = echoes.depth.iter_mut().zip(&echoes.power);
     for (((depth, &power), &rough), &normal) in pulses.zip(rough).zip(normal) {
         let variance = timing / larger(power, 1.0) + strong + rough;
@@ -171,6 +184,6 @@ pub(crate) fn range_noise(echoes: &mut Echoes, offset: f32, rough: &[f32], norma
         }
     }
     for depth in &mut echoes.depth {
-        *depth = smaller(larger(*depth, model.min_range), model.max_range);
+        *depth = smaller(larger(*depth, ranging.min), ranging.max);
     }
 }

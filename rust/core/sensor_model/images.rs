@@ -36,9 +36,9 @@ pub struct ReturnsMut<'a> {
     pub intensity: &'a mut [f32],
 }
 
-/// The echo of something in the air before each beam.
+/// The echo of something in the air in front of each beam.
 #[derive(Clone, Copy, Debug)]
-pub struct Aloft<'a> {
+pub struct Backscatter<'a> {
     /// Distances [m], 0 where there is nothing.
     pub depth: &'a [f32],
     /// The share of the light that comes back.
@@ -67,15 +67,15 @@ impl Returns<'_> {
     }
 }
 
-impl Aloft<'_> {
+impl Backscatter<'_> {
     pub(super) fn check(&self, pixels: usize) -> Result<()> {
-        same_size("aloft depth", self.depth.len(), pixels)?;
-        same_size("aloft response", self.response.len(), pixels)
+        same_size("backscatter depth", self.depth.len(), pixels)?;
+        same_size("backscatter response", self.response.len(), pixels)
     }
 
-    pub(super) fn row(&self, number: usize, columns: usize) -> Aloft<'_> {
+    pub(super) fn row(&self, number: usize, columns: usize) -> Backscatter<'_> {
         let row = number * columns..(number + 1) * columns;
-        Aloft { depth: &self.depth[row.clone()], response: &self.response[row] }
+        Backscatter { depth: &self.depth[row.clone()], response: &self.response[row] }
     }
 }
 
@@ -106,9 +106,9 @@ impl ReturnsMut<'_> {
         .collect()
     }
 
-    /// Writes a row: the echoes, what the sub-rays behind them saw, and nothing where they are `lost`.
-    pub(super) fn write(&mut self, returns: &Returns<'_>, echoes: &Echoes, lost: &[bool]) {
-        let columns = lost.len();
+    /// Writes a row: the echoes, what the sub-rays behind them saw, and nothing where they are `dropped`.
+    pub(super) fn write(&mut self, returns: &Returns<'_>, echoes: &Echoes, dropped: &[bool]) {
+        let columns = dropped.len();
         self.label.copy_from_slice(&returns.label[..columns]);
         self.instance.copy_from_slice(&returns.instance[..columns]);
         for (&column, &winner) in echoes.mixed.columns.iter().zip(&echoes.mixed.echo.winner) {
@@ -118,27 +118,29 @@ impl ReturnsMut<'_> {
         self.depth.copy_from_slice(&echoes.depth);
         self.primitive.copy_from_slice(&echoes.primitive);
         self.incidence.copy_from_slice(&echoes.incidence);
-        // what hangs in the air is no primitive
+        // what is in the air is no primitive
         let (label, instance) = (self.label.iter_mut(), self.instance.iter_mut());
         for ((label, instance), &primitive) in label.zip(instance).zip(&echoes.primitive) {
             *label = if primitive < 0 { 0 } else { *label };
             *instance = if primitive < 0 { 0 } else { *instance };
         }
-        blank(self.depth, lost, 0.0);
-        blank(self.label, lost, 0);
-        blank(self.instance, lost, 0);
-        blank(self.primitive, lost, -1);
-        blank(self.incidence, lost, 0.0);
-        blank(self.intensity, lost, 0.0);
+        blank(self.depth, dropped, 0.0);
+        blank(self.label, dropped, 0);
+        blank(self.instance, dropped, 0);
+        blank(self.primitive, dropped, -1);
+        blank(self.incidence, dropped, 0.0);
+        blank(self.intensity, dropped, 0.0);
     }
 }
 
 impl Surfaces<'_> {
     pub(super) fn check(&self, primitive: &[i32]) -> Result<()> {
         let entries = self.table.len();
-        for (column, found) in
-            [("transmission", self.transmission.len()), ("grain", self.grain.len()), ("relief", self.relief.len())]
-        {
+        for (column, found) in [
+            ("transmission", self.transmission.len()),
+            ("grain", self.grain.len()),
+            ("rms_height", self.rms_height.len()),
+        ] {
             if found != entries {
                 return Err(Error::SurfaceColumn { column, found, entries });
             }
@@ -156,8 +158,8 @@ fn same_size(image: &'static str, pixels: usize, expected: usize) -> Result<()> 
     if pixels == expected { Ok(()) } else { Err(Error::ObservedSize { image, pixels, expected }) }
 }
 
-fn blank<T: Copy>(image: &mut [T], lost: &[bool], nothing: T) {
-    for (pixel, &lost) in image.iter_mut().zip(lost) {
-        *pixel = if lost { nothing } else { *pixel };
+fn blank<T: Copy>(image: &mut [T], dropped: &[bool], nothing: T) {
+    for (pixel, &dropped) in image.iter_mut().zip(dropped) {
+        *pixel = if dropped { nothing } else { *pixel };
     }
 }

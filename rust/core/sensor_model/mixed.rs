@@ -51,7 +51,7 @@ impl Mixed {
         }
     }
 
-    /// Finds the echo of each beam: the strongest, or the `last` of those above the threshold.
+    /// Finds the echo of each beam: the strongest, or with `last_return` the last above the threshold.
     ///
     /// Sub-rays whose ranges lie within the length of a pulse of each other make one echo at their mean range.
     pub(crate) fn separate(&mut self, model: &SensorModel) {
@@ -60,6 +60,7 @@ impl Mixed {
             return;
         }
         self.choose(model);
+        let pulse_length = model.pulse_length() as f32;
         for numbers in [&mut self.echo.depth, &mut self.echo.power, &mut self.brightest] {
             restart(numbers, beams, 0.0);
         }
@@ -69,7 +70,7 @@ impl Mixed {
         for (ray, (depth, power)) in (0..).zip(rays) {
             // loops over few columns each: the compiler makes no vectors of one over all of them
             for ((power, &depth), &middle) in power.iter_mut().zip(depth).zip(&self.middle) {
-                *power = if together(depth, middle, model) { *power } else { 0.0 };
+                *power = if together(depth, middle, pulse_length) { *power } else { 0.0 };
             }
             for ((mean, &power), (&depth, &middle)) in mean.iter_mut().zip(&*power).zip(depth.iter().zip(&self.middle))
             {
@@ -91,18 +92,19 @@ impl Mixed {
     /// Finds the range in the middle of each echo that is reported: that of a sub-ray.
     fn choose(&mut self, model: &SensorModel) {
         let beams = self.columns.len();
+        let pulse_length = model.pulse_length() as f32;
         restart(&mut self.most, beams, f32::NEG_INFINITY);
         restart(&mut self.middle, beams, 0.0);
         for at in self.depth.chunks_exact(beams) {
             restart(&mut self.sum, beams, 0.0);
             for (depth, power) in self.depth.chunks_exact(beams).zip(self.power.chunks_exact(beams)) {
                 for (((sum, &depth), &power), &at) in self.sum.iter_mut().zip(depth).zip(power).zip(at) {
-                    *sum += if together(depth, at, model) { power } else { 0.0 };
+                    *sum += if together(depth, at, pulse_length) { power } else { 0.0 };
                 }
             }
-            if model.last {
+            if model.last_return {
                 for (sum, &at) in self.sum.iter_mut().zip(at) {
-                    // the furthest that is loud enough, or else, below 0, the strongest
+                    // the furthest above the threshold, or else, below 0, the strongest
                     *sum = if *sum > 1.0 { at } else { -1.0 / (1.0 + *sum) };
                 }
             }
@@ -117,8 +119,8 @@ impl Mixed {
 
 /// Whether echoes at two ranges are one.
 #[inline(always)]
-fn together(a: f32, b: f32, model: &SensorModel) -> bool {
-    (a - b).abs() <= model.pulse_length
+fn together(a: f32, b: f32, pulse_length: f32) -> bool {
+    (a - b).abs() <= pulse_length
 }
 
 /// So many times the same value, in the memory of what was there before.

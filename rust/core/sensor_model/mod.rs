@@ -9,17 +9,16 @@ pub(crate) mod noise;
 pub(crate) mod receiver;
 mod surfaces;
 
-pub use images::{Aloft, Returns, ReturnsMut};
-pub use model::SensorModel;
-pub use receiver::MOST_RAYS;
+pub use images::{Backscatter, Returns, ReturnsMut};
+pub use model::{MOST_RAYS, Ranging, SensorModel};
 pub use surfaces::{INCIDENCES, Surfaces};
 
+use crate::Result;
 use crate::threads::spread;
-use crate::{Error, Result};
 use effects::{
-    dim_by_dust, hang_in_the_air, intensity, look_through_panes, range_noise, roughness, scatter_power, undetected,
+    add_backscatter, dim_by_dust, drop_rays, intensity, range_noise, roughness, scatter_power, transmit_through_glass,
 };
-use noise::{Draws, Key, Patches, Stream};
+use noise::{Key, Numbers, Patches, Stream};
 use receiver::{Echoes, receive};
 
 /// Rows that one thread takes at once.
@@ -30,10 +29,12 @@ const BAND: usize = 8;
 pub struct Light<'a> {
     /// Where the sub-rays ended.
     pub returns: Returns<'a>,
-    /// What the things there send back.
+    /// What the surfaces there send back.
     pub surfaces: Surfaces<'a>,
-    /// What hangs in the air before them.
-    pub aloft: &'a [Aloft<'a>],
+    /// What the air in front of them sends back.
+    pub backscatter: &'a [Backscatter<'a>],
+    /// Light lost on a metre of air [1/m]; there and back it is twice that.
+    pub extinction: f32,
     /// Rows and columns of the sensor.
     pub shape: [usize; 2],
 }
@@ -45,26 +46,24 @@ pub struct Light<'a> {
 /// number.
 ///
 /// # Errors
-/// [`Error::Rays`], [`Error::ObservedSize`], [`Error::SurfaceColumn`] or [`Error::ImagePrimitive`], before anything is
-/// written.
+/// Those of [`SensorModel::check`], and [`Error::ObservedSize`], [`Error::SurfaceColumn`] or [`Error::ImagePrimitive`],
+/// before anything is written.
 pub fn observe(
     light: &Light<'_>,
+    ranging: Ranging,
     model: &SensorModel,
     seed: u64,
     scan: &mut ReturnsMut<'_>,
     threads: usize,
 ) -> Result<()> {
     let [rows, columns] = light.shape;
-    let rays = model.shares.len();
-    if !(1..=MOST_RAYS).contains(&rays) {
-        return Err(Error::Rays { rays, limit: MOST_RAYS });
-    }
-    light.returns.check(rows * columns * rays)?;
+    model.check()?;
+    light.returns.check(rows * columns * model.shares.len())?;
     light.surfaces.check(light.returns.primitive)?;
-    light.aloft.iter().try_for_each(|echoes| echoes.check(rows * columns))?;
+    light.backscatter.iter().try_for_each(|echoes| echoes.check(rows * columns))?;
     scan.check(rows * columns)?;
 
-    let observer = Observer::new(light, model, seed);
+    let observer = Observer::new(light, ranging, model, seed);
     let bands = scan.bands(BAND * columns).into_iter().enumerate().collect();
     spread(threads, bands, |(band, mut scan): (usize, ReturnsMut<'_>)| observer.observe_rows(band * BAND, &mut scan));
     Ok(())
@@ -73,6 +72,7 @@ pub fn observe(
 /// What is the same for all rows of a scan.
 struct Observer<'a> {
     light: &'a Light<'a>,
+    ranging: Ranging,
     model: &'a SensorModel,
     seed: u64,
     /// The texture of surfaces.
@@ -80,40 +80,40 @@ struct Observer<'a> {
     /// The dust on the window.
     stains: Option<Patches>,
     /// Two normal numbers for each beam of the unit.
-    beams: Draws,
+    beams: Numbers,
 }
 
 /// What is worked on in a row.
 struct Row {
     echoes: Echoes,
-    draws: Draws,
+    numbers: Numbers,
     patches: Vec<f32>,
     stains: Vec<f32>,
     work: Vec<f32>,
-    lost: Vec<bool>,
+    dropped: Vec<bool>,
 }
 
 impl Row {
     fn new(columns: usize) -> Row {
         Row {
             echoes: Echoes::default(),
-            draws: Draws::default(),
+            numbers: Numbers::default(),
             patches: vec![0.0; columns],
             stains: vec![0.0; columns],
             work: vec![0.0; columns],
-            lost: vec![false; columns],
+            dropped: vec![false; columns],
         }
     }
 }
 
 impl<'a> Observer<'a> {
-    fn new(light: &'a Light<'a>, model: &'a SensorModel, seed: u64) -> Observer<'a> {
+    fn new(light: &'a Light<'a>, ranging: Ranging, model: &'a SensorModel, seed: u64) -> Observer<'a> {
         let [rows, columns] = light.shape;
         let patches = Patches::new(seed, Stream::Texture, rows, columns);
         let stains = (model.dust > 0.0).then(|| Patches::new(model.unit, Stream::Stains, rows, columns));
-        let mut beams = Draws::default();
-        beams.draw(Key::new(model.unit, Stream::Beams, 0), rows);
-        Observer { light, model, seed, patches, stains, beams }
+        let mut beams = Numbers::default();
+        beams.sample(Key::new(model.unit, Stream::Beams, 0), rows);
+        Observer { light, ranging, model, seed, patches, stains, beams }
     }
 
     fn observe_rows(&self, first: usize, scan: &mut ReturnsMut<'_>) {
@@ -126,27 +126,35 @@ impl<'a> Observer<'a> {
 
     /// The effects in the order of the light.
     fn observe_row(&self, number: usize, row: &mut Row, scan: &mut ReturnsMut<'_>) {
-        let (model, surfaces, columns) = (self.model, &self.light.surfaces, self.light.shape[1]);
-        let Row { echoes, draws, patches, stains, work, lost } = row;
+        let (model, surfaces, extinction) = (self.model, &self.light.surfaces, self.light.extinction);
+        let columns = self.light.shape[1];
+        let Row { echoes, numbers, patches, stains, work, dropped } = row;
         let returns = self.light.returns.row(number, columns * model.shares.len());
-        draws.draw(Key::new(self.seed, Stream::Pulses, number), columns);
+        numbers.sample(Key::new(self.seed, Stream::Pulses, number), columns);
         self.patches.blend(number, patches);
         if let Some(dust) = &self.stains {
             dust.blend(number, stains);
         }
 
-        receive(&returns, surfaces, model, echoes);
-        look_through_panes(echoes, patches, surfaces, model, Key::new(self.seed, Stream::Panes, number));
+        receive(&returns, surfaces, extinction, model, echoes);
+        transmit_through_glass(echoes, patches, surfaces, model, Key::new(self.seed, Stream::Glass, number));
         let gain = self.beams.other[number] * model.gain_spread;
-        scatter_power(echoes, gain, patches, work, &draws.normal, surfaces, model);
+        scatter_power(echoes, gain, patches, work, &numbers.normal, surfaces, model);
         dim_by_dust(echoes, stains, model);
-        for aloft in self.light.aloft {
-            hang_in_the_air(echoes, &aloft.row(number, columns), work, model);
+        for backscatter in self.light.backscatter {
+            add_backscatter(echoes, &backscatter.row(number, columns), work, extinction, model);
         }
-        undetected(echoes, patches, &draws.exponential, model, lost);
+        drop_rays(echoes, patches, &numbers.exponential, model, dropped);
         intensity(echoes, model, scan.intensity);
         roughness(echoes, surfaces, model, work);
-        range_noise(echoes, self.beams.normal[number] * model.offset_spread, work, &draws.other, model);
-        scan.write(&returns, echoes, lost);
+        range_noise(
+            echoes,
+            self.beams.normal[number] * model.offset_spread,
+            work,
+            &numbers.other,
+            &self.ranging,
+            model,
+        );
+        scan.write(&returns, echoes, dropped);
     }
 }

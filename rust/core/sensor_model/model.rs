@@ -1,62 +1,111 @@
 //! The constants of a sensor model.
 
-/// What one unit of a sensor makes of light, in this weather; a number at 0 switches an effect off, if its line does
-/// not say otherwise.
+use crate::{Error, Result};
+
+/// The most sub-rays that a beam can have.
+pub const MOST_RAYS: usize = 32;
+
+const LIGHT: f64 = 299_792_458.0; // m/s
+
+/// The effects of one unit of a sensor; a number at 0 switches an effect off, if its line does not say otherwise.
 #[derive(Clone, Debug)]
 pub struct SensorModel {
     /// The shares that the sub-rays of a beam have of its power.
     pub shares: Vec<f32>,
-    /// Echoes closer than this are one [m].
-    pub pulse_length: f32,
+    /// How long a pulse lasts [s].
+    pub pulse_duration: f64,
     /// The response over range squared of power 1 [1/m2]; 0: everything is detected.
-    pub faintest: f32,
-    /// Light lost on a metre of the way [1/m]; there and back it is twice that.
-    pub extinction: f32,
-    /// Whether the last of several echoes counts, and not the strongest.
-    pub last: bool,
+    pub detection_threshold: f32,
+    /// The return mode: whether the last of several echoes is reported, and not the strongest.
+    pub last_return: bool,
     /// Whether rays pass through glass.
-    pub panes: bool,
+    pub glass_transmission: bool,
     /// Relative scatter of the power from pulse to pulse.
     pub speckle: f32,
     /// Relative scatter of the power over patches of a surface.
     pub texture: f32,
-    /// Whether materials add their own grain and relief.
-    pub grainy: bool,
+    /// Whether materials add their own grain and roughness.
+    pub material_noise: bool,
     /// Depth of the stains on the window.
     pub dust: f32,
-    /// By how much more echoes are lost in some patches than in others: the spread of its logarithm.
+    /// By how much ray drop differs from patch to patch: the spread of its logarithm.
     pub fading: f32,
-    /// The share of echoes that is lost at any power.
-    pub chance: f32,
+    /// What ray drop adds to the exponent at any power.
+    pub drop_probability: f32,
     /// Which unit of the sensor this is.
     pub unit: u64,
     /// How the range offsets of beams differ [m].
     pub offset_spread: f32,
     /// How the gains of beams differ (relative).
     pub gain_spread: f32,
-    /// Noise of strong echoes [m].
-    pub range_sigma: f32,
-    /// Noise of an echo of power 1 on top of it [m].
+    /// Range noise of an echo of power 1, on top of that of strong echoes [m].
     pub jitter: f32,
     /// What ranges are rounded to [m].
     pub range_step: f32,
-    /// The shortest range that is told [m].
-    pub min_range: f32,
-    /// The longest range that is told [m].
-    pub max_range: f32,
-    /// The response that an intensity of 1 stands for.
+    /// The response that an intensity of 1 stands for; more than 0.
     pub full_scale: f32,
     /// What a response of 1 reads, if it is less than 1: brighter ones climb from there by their logarithm.
     pub knee: f32,
     /// Steps of the intensity.
     pub levels: f32,
     /// Up to which range the intensity is corrected for range [m]; infinite: at all ranges.
-    pub compensated: f32,
+    pub compensation_range: f32,
 }
 
 impl SensorModel {
+    /// Looks at every number once.
+    ///
+    /// # Errors
+    /// [`Error::Rays`] or [`Error::SensorModel`].
+    pub fn check(&self) -> Result<()> {
+        let rays = self.shares.len();
+        if !(1..=MOST_RAYS).contains(&rays) {
+            return Err(Error::Rays { rays, limit: MOST_RAYS });
+        }
+        let held = |field, value, holds, limit| {
+            if holds { Ok(()) } else { Err(Error::SensorModel { field, value, limit }) }
+        };
+        for (field, value) in [
+            ("detection_threshold", self.detection_threshold),
+            ("speckle", self.speckle),
+            ("texture", self.texture),
+            ("dust", self.dust),
+            ("fading", self.fading),
+            ("offset_spread", self.offset_spread),
+            ("gain_spread", self.gain_spread),
+            ("jitter", self.jitter),
+            ("range_step", self.range_step),
+            ("levels", self.levels),
+        ] {
+            held(field, value, value >= 0.0 && value.is_finite(), "finite and 0 or more")?;
+        }
+        for (field, value) in [("pulse_duration", self.pulse_duration as f32), ("full_scale", self.full_scale)] {
+            held(field, value, value > 0.0 && value.is_finite(), "finite and greater than 0")?;
+        }
+        let (drop, knee, range) = (self.drop_probability, self.knee, self.compensation_range);
+        held("drop_probability", drop, (0.0..=1.0).contains(&drop), "0 to 1")?;
+        held("knee", knee, knee > 0.0 && knee <= 1.0, "greater than 0 and at most 1")?;
+        held("compensation_range", range, range > 0.0, "greater than 0")
+    }
+
+    /// Echoes closer than this are one [m].
+    pub fn pulse_length(&self) -> f64 {
+        LIGHT * self.pulse_duration / 2.0
+    }
+
     /// The response over range squared of power 1; where everything is detected, one that nothing is below.
     pub(super) fn threshold(&self) -> f32 {
-        if self.faintest > 0.0 { self.faintest } else { 1e-20 }
+        if self.detection_threshold > 0.0 { self.detection_threshold } else { 1e-20 }
     }
+}
+
+/// How a sensor reports ranges [m].
+#[derive(Clone, Copy, Debug)]
+pub struct Ranging {
+    /// Standard deviation of the noise of strong echoes.
+    pub sigma: f32,
+    /// The shortest range.
+    pub min: f32,
+    /// The longest range.
+    pub max: f32,
 }

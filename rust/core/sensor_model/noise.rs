@@ -8,10 +8,10 @@ use crate::medium::mix;
 /// What random numbers are for; each stream is independent of the others.
 #[derive(Clone, Copy)]
 pub(crate) enum Stream {
-    /// Speckle, loss and range of each pulse.
+    /// Speckle, ray drop and range of each pulse.
     Pulses,
-    /// What is behind panes.
-    Panes,
+    /// What is behind glass.
+    Glass,
     /// Patches of surfaces.
     Texture,
     /// Offsets and gains of a unit's beams.
@@ -38,7 +38,7 @@ impl Key {
 
 /// Three independent random numbers for each pixel of a row.
 #[derive(Default)]
-pub(crate) struct Draws {
+pub(crate) struct Numbers {
     /// Of a normal distribution, which ends at 5.8 standard deviations.
     pub(crate) normal: Vec<f32>,
     /// Another one.
@@ -49,8 +49,8 @@ pub(crate) struct Draws {
     low: Vec<u32>,
 }
 
-impl Draws {
-    pub(crate) fn draw(&mut self, key: Key, columns: usize) {
+impl Numbers {
+    pub(crate) fn sample(&mut self, key: Key, columns: usize) {
         for numbers in [&mut self.normal, &mut self.other, &mut self.exponential] {
             numbers.resize(columns, 0.0);
         }
@@ -66,7 +66,7 @@ impl Draws {
             (*normal, *other) = two_normal(high, low);
         }
         for (exponential, &high) in self.exponential.iter_mut().zip(&self.high) {
-            *exponential = -ln(share(high >> 9));
+            *exponential = -ln(uniform(high >> 9));
         }
     }
 }
@@ -77,7 +77,7 @@ impl Draws {
 /// circle, and a sign of each. The middle of the quarter is 0 here, which turns (cos, sin) by an eighth.
 #[inline(always)]
 fn two_normal(high: u32, low: u32) -> (f32, f32) {
-    let radius = (-ln(share(low >> 9))).sqrt();
+    let radius = (-ln(uniform(low >> 9))).sqrt();
     let steps = (high & 0x1ff) << 7 | low >> 2 & 0x7f;
     let angle = (steps as i32 as f32 + 0.5) * (FRAC_PI_2 / 65536.0) - FRAC_PI_2 / 2.0;
     let (cosine, sine) = cos_sin(angle);
@@ -87,7 +87,7 @@ fn two_normal(high: u32, low: u32) -> (f32, f32) {
 
 /// A number within (0, 1), in 2^23 steps, out of the lower 23 bits.
 #[inline(always)]
-pub(crate) fn share(bits: u32) -> f32 {
+pub(crate) fn uniform(bits: u32) -> f32 {
     ((bits & 0x7f_ffff) as i32 as f32 + 0.5) * (1.0 / 8_388_608.0)
 }
 
@@ -102,10 +102,10 @@ const PATCH: usize = 8;
 
 impl Patches {
     pub(crate) fn new(seed: u64, stream: Stream, rows: usize, columns: usize) -> Patches {
-        let mut draws = Draws::default();
+        let mut numbers = Numbers::default();
         let coarse_row = |row| {
-            draws.draw(Key::new(seed, stream, row), columns / PATCH + 2);
-            draws.normal.clone()
+            numbers.sample(Key::new(seed, stream, row), columns / PATCH + 2);
+            numbers.normal.clone()
         };
         Patches { coarse: (0..rows / (PATCH / 2) + 2).map(coarse_row).collect() }
     }

@@ -4,15 +4,12 @@ use super::elementary::{exp, larger, smaller};
 use super::mixed::{Mixed, restart};
 use super::{Returns, SensorModel, Surfaces};
 
-/// The most sub-rays that a beam can have.
-pub const MOST_RAYS: usize = 32;
-
 /// The echo of each beam of a row.
 #[derive(Default)]
 pub(crate) struct Echoes {
     /// Ranges [m], 0 where there is none.
     pub(crate) depth: Vec<f32>,
-    /// Powers over that of the faintest.
+    /// Powers over the detection threshold.
     pub(crate) power: Vec<f32>,
     /// Primitives, -1 where there is none.
     pub(crate) primitive: Vec<i32>,
@@ -34,18 +31,18 @@ struct Spread {
     primitive: Vec<i32>,
 }
 
-/// The power of echoes from these ranges, 1 being the faintest that are detected (one in e); depth 0 is no range.
+/// The power of echoes from these ranges, 1 being the detection threshold (1 in e is detected); depth 0 is no range.
 ///
 /// The lidar equation for surfaces that fill the (sub-)beam: response over range squared, less the extinction there and
 /// back.
-pub(crate) fn received_power(depth: &[f32], response: f32, model: &SensorModel, power: &mut [f32]) {
+pub(crate) fn received_power(depth: &[f32], response: f32, extinction: f32, model: &SensorModel, power: &mut [f32]) {
     let scale = 1.0 / model.threshold();
     for (power, &depth) in power.iter_mut().zip(depth) {
         *power = response * scale / larger(depth * depth, 1e-6);
     }
-    if model.extinction > 0.0 {
+    if extinction > 0.0 {
         for (power, &depth) in power.iter_mut().zip(depth) {
-            *power *= exp(-2.0 * model.extinction * depth);
+            *power *= exp(-2.0 * extinction * depth);
         }
     }
 }
@@ -53,12 +50,18 @@ pub(crate) fn received_power(depth: &[f32], response: f32, model: &SensorModel, 
 /// One echo a beam out of a row of sub-rays, of which each brings its share of the power.
 ///
 /// Where all of them met one surface, its response is that at their mean incidence.
-pub(crate) fn receive(rays: &Returns<'_>, surfaces: &Surfaces<'_>, model: &SensorModel, echoes: &mut Echoes) {
+pub(crate) fn receive(
+    rays: &Returns<'_>,
+    surfaces: &Surfaces<'_>,
+    extinction: f32,
+    model: &SensorModel,
+    echoes: &mut Echoes,
+) {
     let columns = rays.depth.len() / model.shares.len();
     echoes.white.resize(rays.depth.len(), 0.0);
     let pieces = echoes.white.chunks_exact_mut(columns).zip(rays.depth.chunks_exact(columns));
     for ((white, depth), &share) in pieces.zip(&model.shares) {
-        received_power(depth, share, model, white);
+        received_power(depth, share, extinction, model, white);
     }
     echoes.sum_up(rays, columns);
     echoes.find_mixed(rays, columns, model);
@@ -124,9 +127,9 @@ impl Echoes {
                 *differs |= met ^ first;
             }
         }
-        let differs = &mut *primitive;
+        let (differs, pulse_length) = (&mut *primitive, model.pulse_length() as f32);
         for ((differs, &nearest), &furthest) in differs.iter_mut().zip(&*nearest).zip(&*furthest) {
-            *differs = i32::from(*differs != 0) | i32::from(furthest - nearest > model.pulse_length);
+            *differs = i32::from(*differs != 0) | i32::from(furthest - nearest > pulse_length);
         }
         // without a branch, for what nobody can foretell
         let mut found = 0;

@@ -15,7 +15,7 @@ pub struct Surfaces<'a> {
     /// Relative scatter of the response from pixel to pixel.
     pub grain: &'a [f32],
     /// Standard deviation of the heights of the surface [m].
-    pub relief: &'a [f32],
+    pub rms_height: &'a [f32],
 }
 
 impl Surfaces<'_> {

@@ -4,7 +4,7 @@ use std::f32::consts::FRAC_PI_4;
 
 use super::Random;
 use crate::sensor_model::elementary::{cos_sin, exp, ln, rounded};
-use crate::sensor_model::noise::{Draws, Key, Patches, Stream};
+use crate::sensor_model::noise::{Key, Numbers, Patches, Stream};
 
 const ROWS: usize = 256;
 const COLUMNS: usize = 2048;
@@ -16,11 +16,11 @@ fn error(count: usize) -> f64 {
 }
 
 /// The first normal, the other normal and the exponential numbers of all rows.
-fn drawn(seed: u64, stream: Stream) -> [Vec<f64>; 3] {
-    let (mut draws, mut all) = (Draws::default(), [const { Vec::new() }; 3]);
+fn sampled(seed: u64, stream: Stream) -> [Vec<f64>; 3] {
+    let (mut numbers, mut all) = (Numbers::default(), [const { Vec::new() }; 3]);
     for row in 0..ROWS {
-        draws.draw(Key::new(seed, stream, row), COLUMNS);
-        for (all, row) in all.iter_mut().zip([&draws.normal, &draws.other, &draws.exponential]) {
+        numbers.sample(Key::new(seed, stream, row), COLUMNS);
+        for (all, row) in all.iter_mut().zip([&numbers.normal, &numbers.other, &numbers.exponential]) {
             all.extend(row.iter().map(|&x| f64::from(x)));
         }
     }
@@ -62,7 +62,7 @@ fn follows(mut numbers: Vec<f64>, distribution: impl Fn(f64) -> f64) {
 #[test]
 fn normal_numbers_have_the_moments_the_shape_and_the_tails_of_a_normal_distribution() {
     for (seed, stream) in [(0, Stream::Pulses), (0, Stream::Texture), (u64::MAX, Stream::Pulses)] {
-        let [one, other, _] = drawn(seed, stream);
+        let [one, other, _] = sampled(seed, stream);
         for numbers in [one, other] {
             let moment = |power: i32| mean(numbers.iter().map(|x| x.powi(power)));
             // the moments 1 to 4 and their standard deviations, roots of 1, 2, 15 and 96
@@ -88,7 +88,7 @@ fn normal_numbers_have_the_moments_the_shape_and_the_tails_of_a_normal_distribut
 
 #[test]
 fn exponential_numbers_have_the_moments_and_the_shape_of_an_exponential_distribution() {
-    let [_, _, numbers] = drawn(3, Stream::Pulses);
+    let [_, _, numbers] = sampled(3, Stream::Pulses);
     assert!((mean(numbers.iter().copied()) - 1.0).abs() < error(COUNT));
     assert!((mean(numbers.iter().map(|x| x * x)) - 2.0).abs() < 20_f64.sqrt() * error(COUNT));
     assert!(numbers.iter().all(|&x| x > 0.0 && x < 16.7));
@@ -97,9 +97,9 @@ fn exponential_numbers_have_the_moments_and_the_shape_of_an_exponential_distribu
 
 #[test]
 fn numbers_are_independent_of_each_other_in_both_directions_and_from_stream_to_stream() {
-    let [one, other, exponential] = drawn(5, Stream::Pulses);
+    let [one, other, exponential] = sampled(5, Stream::Pulses);
     let exponential: Vec<f64> = exponential.iter().map(|x| x - 1.0).collect();
-    let ([seeded, ..], [texture, ..]) = (drawn(6, Stream::Pulses), drawn(5, Stream::Texture));
+    let ([seeded, ..], [texture, ..]) = (sampled(6, Stream::Pulses), sampled(5, Stream::Texture));
     for (a, b) in [(&one, &other), (&one, &exponential), (&other, &exponential), (&one, &seeded), (&one, &texture)] {
         assert!(correlation(a, b).abs() < error(COUNT));
         // nor is one wide where the other is

@@ -1,35 +1,33 @@
 //! The sensor model as a whole: what it checks, and that threads change nothing.
 
 use crate::Error;
-use crate::sensor_model::{Aloft, INCIDENCES, Light, Returns, ReturnsMut, SensorModel, Surfaces, observe};
+use crate::sensor_model::{
+    Backscatter, INCIDENCES, Light, Ranging, Returns, ReturnsMut, SensorModel, Surfaces, observe,
+};
 
 /// A model with every effect off.
 pub(super) fn ideal() -> SensorModel {
     SensorModel {
         shares: vec![1.0],
-        pulse_length: 0.75,
-        faintest: 0.0,
-        extinction: 0.0,
-        last: false,
-        panes: false,
+        pulse_duration: 5e-9,
+        detection_threshold: 0.0,
+        last_return: false,
+        glass_transmission: false,
         speckle: 0.0,
         texture: 0.0,
-        grainy: false,
+        material_noise: false,
         dust: 0.0,
         fading: 0.0,
-        chance: 0.0,
+        drop_probability: 0.0,
         unit: 0,
         offset_spread: 0.0,
         gain_spread: 0.0,
-        range_sigma: 0.0,
         jitter: 0.0,
         range_step: 0.0,
-        min_range: 0.5,
-        max_range: 120.0,
         full_scale: 1.0,
         knee: 1.0,
         levels: 0.0,
-        compensated: f32::INFINITY,
+        compensation_range: f32::INFINITY,
     }
 }
 
@@ -37,28 +35,29 @@ pub(super) fn ideal() -> SensorModel {
 fn lively() -> SensorModel {
     SensorModel {
         shares: vec![0.2, 0.3, 0.5],
-        faintest: 1e-4,
-        extinction: 0.001,
-        panes: true,
+        detection_threshold: 1e-4,
+        glass_transmission: true,
         speckle: 0.05,
         texture: 0.06,
-        grainy: true,
+        material_noise: true,
         dust: 1.0,
         fading: 1.6,
-        chance: 0.01,
+        drop_probability: 0.01,
         unit: 3,
         offset_spread: 0.02,
         gain_spread: 0.1,
-        range_sigma: 0.02,
         jitter: 0.09,
         range_step: 0.002,
         knee: 0.4,
         full_scale: 300.0,
         levels: 255.0,
-        compensated: 40.0,
+        compensation_range: 40.0,
         ..ideal()
     }
 }
+
+/// A sensor with noise.
+const RANGING: Ranging = Ranging { sigma: 0.02, min: 0.5, max: 120.0 };
 
 /// Rows and columns, and rows that no number of threads divides.
 const SHAPE: [usize; 2] = [19, 61];
@@ -92,10 +91,10 @@ fn seen(model: &SensorModel, seed: u64, threads: usize, spoil: impl Fn(&mut Ligh
         table: &table,
         transmission: &[0.0, 0.0, 0.7, 0.0],
         grain: &[0.0, 0.1, 0.05, 0.2],
-        relief: &[0.0, 0.0, 0.0, 0.02],
+        rms_height: &[0.0, 0.0, 0.0, 0.02],
     };
-    let aloft = [Aloft { depth: &fog, response: &weak }];
-    let mut light = Light { returns, surfaces, aloft: &aloft, shape: SHAPE };
+    let backscatter = [Backscatter { depth: &fog, response: &weak }];
+    let mut light = Light { returns, surfaces, backscatter: &backscatter, extinction: 0.001, shape: SHAPE };
     spoil(&mut light);
     let mut scan = Scan {
         depth: vec![9.0; pixels],
@@ -113,7 +112,7 @@ fn seen(model: &SensorModel, seed: u64, threads: usize, spoil: impl Fn(&mut Ligh
         incidence: &mut scan.incidence,
         intensity: &mut scan.intensity,
     };
-    observe(&light, model, seed, &mut written, threads)?;
+    observe(&light, RANGING, model, seed, &mut written, threads)?;
     Ok(scan)
 }
 
@@ -130,15 +129,15 @@ fn a_scan_is_the_same_for_any_number_of_threads_and_another_for_another_seed() {
 
 #[test]
 fn no_return_is_nothing_in_every_image() {
-    let scan = seen(&SensorModel { chance: 0.5, ..lively() }, 0, 1, |_| ()).unwrap();
-    let lost = |k: &usize| scan.depth[*k] == 0.0;
-    assert!((0..scan.depth.len()).filter(lost).count() > scan.depth.len() / 3);
-    for k in (0..scan.depth.len()).filter(lost) {
+    let scan = seen(&SensorModel { drop_probability: 0.5, ..lively() }, 0, 1, |_| ()).unwrap();
+    let dropped = |k: &usize| scan.depth[*k] == 0.0;
+    assert!((0..scan.depth.len()).filter(dropped).count() > scan.depth.len() / 3);
+    for k in (0..scan.depth.len()).filter(dropped) {
         assert_eq!((scan.label[k], scan.instance[k], scan.primitive[k]), (0, 0, -1));
         assert_eq!((scan.incidence[k], scan.intensity[k]), (0.0, 0.0));
     }
-    // and what returns is a thing, or the air
-    for k in (0..scan.depth.len()).filter(|k| !lost(k)) {
+    // and what returns is a surface, or the air
+    for k in (0..scan.depth.len()).filter(|k| !dropped(k)) {
         assert_eq!(i32::from(scan.label[k]), scan.primitive[k] + 1);
         assert_eq!(scan.instance[k], u32::from(scan.label[k]) * 100);
         assert!(scan.primitive[k] >= 0 || scan.depth[k] < 3.0);
@@ -164,7 +163,7 @@ fn what_does_not_fit_is_refused() {
     let short = |light: &mut Light<'_>| {
         let surfaces = &mut light.surfaces;
         (surfaces.table, surfaces.transmission) = (&surfaces.table[..3], &surfaces.transmission[..3]);
-        (surfaces.grain, surfaces.relief) = (&surfaces.grain[..3], &surfaces.relief[..3]);
+        (surfaces.grain, surfaces.rms_height) = (&surfaces.grain[..3], &surfaces.rms_height[..3]);
     };
     assert_eq!(refused(&model, short), "the image shows primitive 2; the layout has 2");
     let many = SensorModel { shares: vec![0.03; 33], ..ideal() };
@@ -173,4 +172,20 @@ fn what_does_not_fit_is_refused() {
         refused(&SensorModel { shares: Vec::new(), ..ideal() }, |_| ()),
         "a beam has 0 sub-rays; it must be 1 to 32"
     );
+}
+
+#[test]
+fn a_number_that_cannot_be_is_named_with_its_limit() {
+    let says = |model: SensorModel, message: &str| assert_eq!(model.check().unwrap_err().to_string(), message);
+    says(SensorModel { speckle: -1.0, ..ideal() }, "speckle is -1; it must be finite and 0 or more");
+    says(SensorModel { levels: f32::NAN, ..ideal() }, "levels is NaN; it must be finite and 0 or more");
+    says(SensorModel { jitter: f32::INFINITY, ..ideal() }, "jitter is inf; it must be finite and 0 or more");
+    says(SensorModel { pulse_duration: 0.0, ..ideal() }, "pulse_duration is 0; it must be finite and greater than 0");
+    says(SensorModel { full_scale: 0.0, ..ideal() }, "full_scale is 0; it must be finite and greater than 0");
+    says(SensorModel { drop_probability: 1.5, ..ideal() }, "drop_probability is 1.5; it must be 0 to 1");
+    says(SensorModel { knee: 1.25, ..ideal() }, "knee is 1.25; it must be greater than 0 and at most 1");
+    says(SensorModel { compensation_range: 0.0, ..ideal() }, "compensation_range is 0; it must be greater than 0");
+    let broken = SensorModel { knee: 0.0, ..ideal() };
+    assert_eq!(seen(&broken, 0, 1, |_| ()).unwrap_err(), broken.check().unwrap_err());
+    assert!(ideal().check().is_ok() && lively().check().is_ok());
 }

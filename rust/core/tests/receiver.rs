@@ -6,16 +6,16 @@ use crate::sensor_model::mixed::Mixed;
 use crate::sensor_model::receiver::{Echoes, receive, received_power};
 use crate::sensor_model::{INCIDENCES, Returns, SensorModel, Surfaces};
 
-/// A model that sums up sub-rays of these shares in pulses of 75 cm.
+/// A model that sums up sub-rays of these shares in pulses of 75 cm, which last 5 ns.
 fn model(shares: Vec<f32>) -> SensorModel {
-    SensorModel { shares, pulse_length: 0.75, ..ideal() }
+    SensorModel { shares, ..ideal() }
 }
 
 /// The range, power and winning sub-ray of one beam.
-fn echo(depth: &[f32], power: &[f32], last: bool) -> (f32, f32, u32) {
+fn echo(depth: &[f32], power: &[f32], last_return: bool) -> (f32, f32, u32) {
     let mut mixed = Mixed::default();
     (mixed.columns, mixed.depth, mixed.power) = (vec![0], depth.to_vec(), power.to_vec());
-    mixed.separate(&SensorModel { last, ..model(Vec::new()) });
+    mixed.separate(&SensorModel { last_return, ..model(Vec::new()) });
     (mixed.echo.depth[0], mixed.echo.power[0], mixed.echo.winner[0])
 }
 
@@ -25,24 +25,24 @@ fn close(found: (f32, f32, u32), (depth, power, winner): (f32, f32, u32)) {
 }
 
 /// The powers of echoes of these responses and ranges.
-fn power(depth: f32, response: f32, model: &SensorModel) -> f32 {
+fn power(depth: f32, response: f32, extinction: f32, model: &SensorModel) -> f32 {
     let mut power = [0.0];
-    received_power(&[depth], response, model, &mut power);
+    received_power(&[depth], response, extinction, model, &mut power);
     power[0]
 }
 
 #[test]
 fn power_falls_with_the_square_of_range() {
-    let model = SensorModel { faintest: 0.1 / 50.0_f32.powi(2), ..ideal() };
+    let model = SensorModel { detection_threshold: 0.1 / 50.0_f32.powi(2), ..ideal() };
     for (depth, response, expected) in [(10.0, 0.1, 25.0), (20.0, 0.1, 6.25), (0.0, 0.0, 0.0)] {
-        let found = power(depth, response, &model);
+        let found = power(depth, response, 0.0, &model);
         assert!((found - expected).abs() <= 1e-6 * expected, "{found}, not {expected}");
     }
 }
 
 #[test]
 fn the_air_takes_its_share_there_and_back() {
-    let through = |extinction| power(30.0, 1.0, &SensorModel { extinction, faintest: 1e-4, ..ideal() });
+    let through = |extinction| power(30.0, 1.0, extinction, &SensorModel { detection_threshold: 1e-4, ..ideal() });
     let (passed, expected) = (through(0.02) / through(0.0), (-2.0 * 0.02 * 30.0_f32).exp());
     assert!((passed / expected - 1.0).abs() < 1e-6);
 }
@@ -59,7 +59,7 @@ fn of_echoes_apart_the_strongest_counts_though_a_single_ray_is_brighter() {
 }
 
 #[test]
-fn the_last_echo_counts_if_it_is_loud_enough() {
+fn the_last_return_counts_if_it_is_above_the_threshold() {
     close(echo(&[10.0, 30.0, 30.0], &[5.0, 0.6, 0.7], true), (30.0, 1.3, 2));
     close(echo(&[10.0, 30.0, 30.0], &[5.0, 0.2, 0.3], true), (10.0, 5.0, 0));
     close(echo(&[10.0, 30.0, 30.0], &[0.4, 0.2, 0.3], true), (30.0, 0.5, 2));
@@ -80,11 +80,11 @@ fn a_single_ray_is_its_own_echo() {
 /// A row of beams of five sub-rays, which met these primitives; all surfaces send back half of the light.
 fn received(depth: &[f32], primitive: &[i32], model: &SensorModel) -> Echoes {
     let (table, column) = (vec![[0.5; INCIDENCES]; 7], vec![0.0; 7]);
-    let surfaces = Surfaces { table: &table, transmission: &column, grain: &column, relief: &column };
+    let surfaces = Surfaces { table: &table, transmission: &column, grain: &column, rms_height: &column };
     let (label, instance, incidence) = (vec![1; depth.len()], vec![0; depth.len()], vec![1.0; depth.len()]);
     let rays = Returns { depth, label: &label, instance: &instance, primitive, incidence: &incidence };
     let mut echoes = Echoes::default();
-    receive(&rays, &surfaces, model, &mut echoes);
+    receive(&rays, &surfaces, 0.0, model, &mut echoes);
     echoes
 }
 
