@@ -8,7 +8,7 @@ import pytest
 
 from lidardraft import CLASSES, Layout, Primitive, Raycaster
 from lidardraft.objects.buildings import BALCONY, EAVES, STOREY
-from lidardraft.objects.car_bodies import VehicleBody
+from lidardraft.objects.vehicle_bodies import VehicleBody
 from lidardraft.objects.cars import BODIES, SHARES, sample_car
 from lidardraft.objects.kinds import KINDS, kind_of
 from lidardraft.objects.placed_object import PlacedObject

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -11,44 +12,115 @@ from lidardraft.objects.mesh import Triangles, box, frustum, frustum_corners, jo
 from lidardraft.objects.mesh_template import MeshTemplate
 from lidardraft.objects.object_builder import ObjectBuilder
 from lidardraft.objects.placed_object import PlacedObject, Vector
+from lidardraft.objects.shares import sample_name
 from lidardraft.scene.layout import Primitive
 
 __all__ = ["BALCONY", "EAVES", "MOST_PLINTH", "STOREY", "block", "house", "shed"]
 
-EAVES = 0.35  # m that a roof overhangs
-BALCONY = 1.2  # m, its depth
+EAVES = 0.35  # m that a roof overhangs: estimate of ours
+BALCONY = 1.2  # m, its depth: estimate of ours
 MOST_PLINTH = 0.7  # m that the ground floor may lie over the lowest ground under it, less than `PLINTH`
-_MANSARD = 2.6  # m, the height of a storey under a mansard roof
-_OPENINGS = (0.36, 0.45, 0.6)  # of a bay; window areas of 1/8 to 1/4 of the floor, as building codes ask for
+# Share of a bay that is window: window areas of 1/8 to 1/4 of the floor, as building codes ask for.
+_OPENINGS = (0.36, 0.45, 0.6)
+# Materials of walls, and how often each is taken: estimates of ours, of Germany.
+_MATERIALS = {
+    "house": {"plaster": 0.6, "brick": 0.28, "wood": 0.07, "stone": 0.05},
+    "block": {"plaster": 0.6, "brick": 0.2, "concrete": 0.12, "stone": 0.08},
+    "shed": {"plaster": 0.45, "wood": 0.2, "metal": 0.2, "concrete": 0.15},
+}
+
+
+@dataclass(frozen=True, slots=True)
+class _House:
+    """Dwellings of one or two families: estimates of ours, of houses in Germany.
+
+    Lengths are in metres, `*_p` are probabilities; chimneys lie anywhere within `chimney_off` shares of length and
+    width from the middle.
+    """
+
+    slender: float = 1.5  # times as long as wide: its ridge always runs along
+    ridge_along_p: float = 0.7
+    hip_slender: float = 1.15  # times as long as wide: it may have a hipped roof
+    hipped_p: float = 0.25
+    metal_roof_p: float = 0.06
+    dormers_p: float = 0.4
+    per_dormer: float = 5.0
+    most_dormers: int = 3
+    chimney_p: float = 0.75
+    chimney_off: tuple[float, float] = (0.3, 0.06)
+    chimney: Vector = (0.7, 0.55, 1.6)
+    chimney_middle: float = 0.3  # under the ridge
+
+
+@dataclass(frozen=True, slots=True)
+class _Block:
+    """Blocks of flats and offices: estimates of ours, of inner cities in Germany; fields as in `_House`."""
+
+    mansard: float = 2.6  # height of the storey under a mansard roof
+    mansard_from: int = 3  # storeys
+    mansard_p: float = 0.35
+    blind_p: float = 0.5  # sides without windows: those of blocks in a row are fire walls
+    ventilation_p: float = 0.5
+    ventilation: Vector = (2.4, 1.8, 0.7)
+    ventilation_off: tuple[float, float] = (0.3, 0.2)
+    balconies_p: float = 0.45
+    every_bay_p: float = 0.5  # balconies at every bay, not at every other
+    glass_rail_p: float = 0.2
+    rail: float = 1.0  # height of a balustrade: 0.9 to 1.1 by the building codes of Germany's states
+    slab: float = 0.18
+    balcony_share: float = 0.84  # of a bay
+
+
+@dataclass(frozen=True, slots=True)
+class _Shed:
+    """Garages, workshops and halls; gates as DIN EN 13241 has them for cars (2.5 x 2.2 m), others estimates of ours."""
+
+    roof: float = 0.16  # thickness
+    roof_over: float = 0.2  # longer and wider than the walls
+    per_gate: float = 3.0
+    most_gates: int = 4
+    gate: tuple[float, float] = (2.5, 2.2)  # width and height at most
+    gate_share: float = 0.85  # of the wall that it has, at most
+    gate_depth: float = 0.06
+
+
+@dataclass(frozen=True, slots=True)
+class _Door:
+    """A door of a house: 2.2 m high with its frame; others estimates of ours."""
+
+    height: float = 2.2
+    depth: float = 0.06
+    recess: float = 0.8  # of the windows' recess
+
+
+_HOUSE, _BLOCK, _SHED, _DOOR = _House(), _Block(), _Shed(), _Door()
 
 
 def house(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     """A house, its front (-y) to the street; `clearance` is the height of its eaves, the rest is a pitched roof."""
     length, width, height = placed.size
     builder = ObjectBuilder(placed)
-    material = str(rng.choice(("plaster", "brick", "wood", "stone"), p=(0.6, 0.28, 0.07, 0.05)))
-    _body(builder, (length, width, placed.clearance), material, rng)
-    along = length > 1.5 * width or rng.random() < 0.7
-    hipped = along and length > 1.15 * width and rng.random() < 0.25
+    material = sample_name(_MATERIALS["house"], rng)
+    _walls(builder, (length, width, placed.clearance), material, rng)
+    along = length > _HOUSE.slender * width or rng.random() < _HOUSE.ridge_along_p
+    hipped = along and length > _HOUSE.hip_slender * width and rng.random() < _HOUSE.hipped_p
     rise = height - placed.clearance
     over = (length + 2 * EAVES, width + 2 * EAVES, rise)
     eaves = (0.0, 0.0, placed.clearance)
-    tile = "metal" if rng.random() < 0.06 else "roof-tile"
-    builder.add_mesh(_roof(along, hipped), over, "building", tile, at=eaves)
+    roofing = "metal" if rng.random() < _HOUSE.metal_roof_p else "roof-tile"
+    builder.add_mesh(_roof(along, hipped), over, "building", roofing, at=eaves)
     if not hipped:
         # the ends of the roof, in the plane of the walls, as high as the roof is there
         share = 1 - 2 * EAVES / over[1 if along else 0]
-        builder.add_mesh(
-            _gable(along), (length, width, share * rise), "building", material, at=(0.0, 0.0, placed.clearance)
-        )
-    if along and not hipped and rng.random() < 0.4:
-        count = int(np.clip(length // 5, 1, 3))
-        dormers, panes = _dormers(count)
-        builder.add_mesh(dormers, (length, width, rise), "building", tile, at=eaves)
+        builder.add_mesh(_gable(along), (length, width, share * rise), "building", material, at=eaves)
+    if along and not hipped and rng.random() < _HOUSE.dormers_p:
+        dormers, panes = _dormers(int(np.clip(length // _HOUSE.per_dormer, 1, _HOUSE.most_dormers)))
+        builder.add_mesh(dormers, (length, width, rise), "building", roofing, at=eaves)
         builder.add_mesh(panes, (length, width, rise), "building", "window", at=eaves)
-    if rng.random() < 0.75:
-        x, y = rng.uniform(-0.3, 0.3) * length, rng.uniform(-0.06, 0.06) * width
-        builder.add("box", (x, y, height - 0.3), (0.7, 0.55, 1.6), "building", "brick")
+    if rng.random() < _HOUSE.chimney_p:
+        along_off, across_off = _HOUSE.chimney_off
+        x, y = rng.uniform(-along_off, along_off) * length, rng.uniform(-across_off, across_off) * width
+        builder.add("box", (x, y, height - _HOUSE.chimney_middle), _HOUSE.chimney, "building", "brick")
     return builder.primitives
 
 
@@ -56,30 +128,31 @@ def block(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     """A block of flats or offices, its front (-y) to the street: a flat or a mansard roof, balconies or none."""
     length, width, height = placed.size
     builder = ObjectBuilder(placed)
-    material = str(rng.choice(("plaster", "brick", "concrete", "stone"), p=(0.6, 0.2, 0.12, 0.08)))
-    mansard = height > 3 * STOREY and rng.random() < 0.35
-    top = height - _MANSARD if mansard else height
-    # the sides of blocks in a row are fire walls without windows
-    _body(builder, (length, width, top), material, rng, blind=bool(rng.random() < 0.5))
+    material = sample_name(_MATERIALS["block"], rng)
+    mansard = height > _BLOCK.mansard_from * STOREY and rng.random() < _BLOCK.mansard_p
+    top = height - _BLOCK.mansard if mansard else height
+    _walls(builder, (length, width, top), material, rng, blind=bool(rng.random() < _BLOCK.blind_p))
     bays = max(1, round(length / WINDOW_BAY))
     if mansard:
-        size, at = (length, width, _MANSARD), (0.0, 0.0, top)
-        builder.add_mesh(_frustum(), size, "building", "roof-tile", at=at)
-        gables, panes = _attic(max(1, bays // 2))
-        builder.add_mesh(gables, size, "building", "roof-tile", at=at)
+        size, at = (length, width, _BLOCK.mansard), (0.0, 0.0, top)
+        builder.add_mesh(_mansard_roof(), size, "building", "roof-tile", at=at)
+        dormers, panes = _mansard_dormers(max(1, bays // 2))
+        builder.add_mesh(dormers, size, "building", "roof-tile", at=at)
         builder.add_mesh(panes, size, "building", "window", at=at)
     else:
         builder.add_mesh(_parapet(), (length, width, 1.0), "building", "concrete", at=(0.0, 0.0, height))
-        if rng.random() < 0.5:  # ventilation
-            at = (rng.uniform(-0.3, 0.3) * length, rng.uniform(-0.2, 0.2) * width, height + 0.35)
-            builder.add("box", at, (2.4, 1.8, 0.7), "building", "metal")
+        if rng.random() < _BLOCK.ventilation_p:
+            along_off, across_off = _BLOCK.ventilation_off
+            x, y = rng.uniform(-along_off, along_off) * length, rng.uniform(-across_off, across_off) * width
+            at = (x, y, height + _BLOCK.ventilation[2] / 2)
+            builder.add("box", at, _BLOCK.ventilation, "building", "metal")
     floors = max(1, round(top / STOREY))
-    if floors > 1 and rng.random() < 0.45:
-        slabs, rails = _balconies(bays, floors, bool(rng.random() < 0.5))
+    if floors > 1 and rng.random() < _BLOCK.balconies_p:
+        slabs, rails = _balconies(bays, floors, bool(rng.random() < _BLOCK.every_bay_p))
         size = (length, BALCONY, top)
         at = (0.0, -width / 2, 0.0)
         builder.add_mesh(slabs, size, "building", "concrete", at=at)
-        builder.add_mesh(rails, size, "building", "glass" if rng.random() < 0.2 else "metal", at=at)
+        builder.add_mesh(rails, size, "building", "glass" if rng.random() < _BLOCK.glass_rail_p else "metal", at=at)
     return builder.primitives
 
 
@@ -87,36 +160,38 @@ def shed(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     """A garage or a hall: plain walls, gates in the front (-y), a flat roof with an edge."""
     length, width, height = placed.size
     builder = ObjectBuilder(placed)
-    material = str(rng.choice(("plaster", "wood", "metal", "concrete"), p=(0.45, 0.2, 0.2, 0.15)))
+    material = sample_name(_MATERIALS["shed"], rng)
     builder.add("box", (0.0, 0.0, (height - PLINTH) / 2), (length, width, height + PLINTH), "building", material)
-    builder.add("box", (0.0, 0.0, height - 0.08), (length + 0.2, width + 0.2, 0.16), "building", "concrete")
-    gates = int(np.clip(length // 3.0, 1, 4))
+    roof = (length + _SHED.roof_over, width + _SHED.roof_over, _SHED.roof)
+    builder.add("box", (0.0, 0.0, height - _SHED.roof / 2), roof, "building", "concrete")
+    gates = int(np.clip(length // _SHED.per_gate, 1, _SHED.most_gates))
+    wide, tall = min(_SHED.gate[0], _SHED.gate_share * length / gates), min(_SHED.gate[1], _SHED.gate_share * height)
     for number in range(gates):
         x = ((number + 0.5) / gates - 0.5) * length
-        gate = (min(2.5, 0.85 * length / gates), 0.06, min(2.2, 0.85 * height))
-        builder.add("box", (x, -width / 2, gate[2] / 2), gate, "building", "metal")
+        builder.add("box", (x, -width / 2, tall / 2), (wide, _SHED.gate_depth, tall), "building", "metal")
     return builder.primitives
 
 
-def _body(
+def _walls(
     builder: ObjectBuilder, size: Vector, material: str, rng: np.random.Generator, *, blind: bool = False
 ) -> None:
     """Walls, panes and a door."""
     length, width, height = size
     bays, deep = (max(1, round(extent / WINDOW_BAY)) for extent in (length, width))
-    opening = _OPENINGS[int(rng.integers(3))]
-    wall, panes = walls(bays, deep, max(1, round(height / STOREY)), opening, blind)
+    storeys = max(1, round(height / STOREY))
+    opening = _OPENINGS[int(rng.integers(len(_OPENINGS)))]
+    wall, panes = walls(bays, deep, storeys, opening, blind)
     builder.add_mesh(wall, size, "building", material)
     builder.add_mesh(panes, size, "building", "window")
     x = (bays // 2 + 0.5 - bays / 2) * length / bays
-    leaf = (opening * length / bays, 0.06, 2.2 * height / (max(1, round(height / STOREY)) * STOREY))
-    builder.add("box", (x, -width / 2 + 0.8 * RECESS, leaf[2] / 2), leaf, "building", "wood")
+    leaf = (opening * length / bays, _DOOR.depth, _DOOR.height * height / (storeys * STOREY))
+    builder.add("box", (x, -width / 2 + _DOOR.recess * RECESS, leaf[2] / 2), leaf, "building", "wood")
 
 
 @lru_cache(maxsize=4)
 def _roof(along: bool, hipped: bool) -> MeshTemplate:
     """Slopes and the underside of the eaves, in shares; the ridge runs along x or across."""
-    end = 0.22 if hipped else 0.5
+    end = 0.22 if hipped else 0.5  # of the ridge, from the middle
     a, b, c, d = (-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.5, 0.5, 0.0), (-0.5, 0.5, 0.0)
     rear, front = (-end, 0.0, 1.0), (end, 0.0, 1.0)
     faces = [(a, b, front, rear), (c, d, rear, front), (a, b, c, d)]
@@ -149,12 +224,13 @@ def _dormers(count: int) -> tuple[MeshTemplate, MeshTemplate]:
 
 
 @lru_cache(maxsize=1)
-def _frustum() -> MeshTemplate:
+def _mansard_roof() -> MeshTemplate:
+    """A storey that narrows to a flat top."""
     return MeshTemplate.from_triangles(*frustum(frustum_corners((-0.5, 0.5, 1.0, 0.0), (-0.46, 0.46, 0.84, 1.0))))
 
 
 @lru_cache(maxsize=32)
-def _attic(count: int) -> tuple[MeshTemplate, MeshTemplate]:
+def _mansard_dormers(count: int) -> tuple[MeshTemplate, MeshTemplate]:
     """Dormers on both long sides of a mansard, and their windows."""
     solids: list[Triangles] = []
     panes = []
@@ -182,11 +258,11 @@ def _balconies(bays: int, floors: int, every: bool) -> tuple[MeshTemplate, MeshT
     """Slabs of balconies before a front, in shares of its length, their depth and its height, and their balustrades."""
     slabs, rails = [], []
     columns = range(0 if every else bays % 2, bays, 2)
-    rail, foot = 1.0 / STOREY / floors, 0.18 / STOREY / floors  # a slab is 0.18 m thick
+    rail, foot = _BLOCK.rail / STOREY / floors, _BLOCK.slab / STOREY / floors
     for floor in range(1, floors):
         z = floor / floors
         for column in columns:
-            x, half = (column + 0.5) / bays - 0.5, 0.42 / bays
+            x, half = (column + 0.5) / bays - 0.5, _BLOCK.balcony_share / 2 / bays
             slabs.append([(x - half, 0.0, z), (x + half, 0.0, z), (x + half, -1.0, z), (x - half, -1.0, z)])
             a, b, c, d = (x - half, 0.0), (x - half, -1.0), (x + half, -1.0), (x + half, 0.0)
             for (u0, v0), (u1, v1) in ((a, b), (b, c), (c, d)):

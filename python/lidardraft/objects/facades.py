@@ -9,6 +9,7 @@ import numpy as np
 from lidardraft.objects.mesh import quads
 from lidardraft.objects.mesh_template import MeshTemplate
 
+# Estimates of ours, of dwellings in Germany.
 STOREY = 2.9  # m, floor to floor of a dwelling, usually 2.8 to 3.2
 WINDOW_BAY = 3.0  # m from window to window that a form is made for
 PLINTH = 0.8  # m that walls reach under the ground
@@ -16,6 +17,8 @@ RECESS = 0.16  # m from the wall's face to the pane
 _SILL, _LINTEL = 0.9, 2.25  # m over the floor
 # What stands out of a wall, as extents of height and depth [m]: window sills, and a ledge at each floor.
 _SILL_STONE, _LEDGE = (0.07, 0.045), (0.18, 0.04)
+_SILL_BESIDE = 0.06  # m that a sill is longer than its window, on both sides
+_PROUD = 0.03  # m that panes of the back lie before the wall
 
 
 @lru_cache(maxsize=512)
@@ -74,7 +77,7 @@ def _facade(span: float, count: int, storeys: int, opening: float, door: int) ->
     entrance = (floor == 0) & (bay == door)
     foot[entrance] = 0.0
     pane = _upright(np.stack([left, right, foot, head], axis=1), -RECESS)
-    wide = np.stack([left - 0.06, right + 0.06, foot - _SILL_STONE[0], foot], axis=1)[~entrance]
+    wide = np.stack([left - _SILL_BESIDE, right + _SILL_BESIDE, foot - _SILL_STONE[0], foot], axis=1)[~entrance]
     courses = np.array([(-span / 2, span / 2, a - _LEDGE[0], a) for a in low[1:]]).reshape(-1, 4)
     reveals = [
         _reveal((left, foot), (left, head)),
@@ -86,12 +89,12 @@ def _facade(span: float, count: int, storeys: int, opening: float, door: int) ->
 
 
 def _flush(span: float, count: int, storeys: int, opening: float) -> np.ndarray:
-    """Panes [Q, 4, 3] 3 cm before a wall."""
+    """Panes [Q, 4, 3] just before a wall."""
     step = span / count
     half = min(opening * WINDOW_BAY, 0.5 * step) / 2
     floor, bay = (a.ravel() for a in np.meshgrid(np.arange(storeys), np.arange(count), indexing="ij"))
     middle, low = (bay + 0.5) * step - span / 2, floor * STOREY
-    return _upright(np.stack([middle - half, middle + half, low + _SILL, low + _LINTEL], axis=1), 0.03)
+    return _upright(np.stack([middle - half, middle + half, low + _SILL, low + _LINTEL], axis=1), _PROUD)
 
 
 def _ledge(cells: np.ndarray, out: float) -> np.ndarray:

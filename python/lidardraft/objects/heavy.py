@@ -10,35 +10,35 @@ from functools import lru_cache
 
 import numpy as np
 
-from lidardraft.objects.car_bodies import VehicleBody, add_axle, add_glazing, add_vehicle, body_mesh
 from lidardraft.objects.cars import sample_paint
 from lidardraft.objects.mesh import box, frustum, frustum_corners, join, loft, quads
 from lidardraft.objects.mesh_template import MeshTemplate
 from lidardraft.objects.object_builder import ObjectBuilder
 from lidardraft.objects.placed_object import PlacedObject
+from lidardraft.objects.vehicle_bodies import VehicleBody, add_axle, add_glazing, add_vehicle, body_mesh
 from lidardraft.scene.layout import Primitive
 
 _WHEEL = 1.0  # m, 315/80 R22.5
 _LOADS = ("box", "tarpaulin", "tank", "flatbed", "tipper")
 
 _CAB = VehicleBody(
-    size=(2.3, 2.5, 3.0), cabin=(-0.5, 0.5), roof=(-0.49, 0.42), belt=0.56, nose=0.56, tail=0.56, axles=(0.10,),
-    wheel=_WHEEL, panes=((0.42, 0.90),), back=(), rise=(0.05, 0.68), slab=0.96, clearance=0.38, round=0.06,
+    size=(2.3, 2.5, 3.0), cabin=(-0.5, 0.5), roof=(-0.49, 0.42), belt_line=0.56, nose=0.56, tail=0.56, axles=(0.10,),
+    wheel_diameter=_WHEEL, side_windows=((0.42, 0.90),), rear_windows=(), window_rise=(0.05, 0.68), roof_width=0.96, clearance=0.38, taper=0.06,
 )  # fmt: skip
 _BUS = VehicleBody(
-    size=(12.0, 2.55, 3.1), cabin=(-0.5, 0.5), roof=(-0.497, 0.488), belt=0.37, nose=0.37, tail=0.37,
-    axles=(-0.23, 0.27), wheel=0.96, panes=tuple(((k + 0.05) / 8, (k + 0.95) / 8) for k in range(8)),
-    front=((0.03, 0.97),), back=((0.12, 0.88),), rise=(0.02, 0.80), slab=0.96, clearance=0.30, round=0.04,
+    size=(12.0, 2.55, 3.1), cabin=(-0.5, 0.5), roof=(-0.497, 0.488), belt_line=0.37, nose=0.37, tail=0.37,
+    axles=(-0.23, 0.27), wheel_diameter=0.96, side_windows=tuple(((k + 0.05) / 8, (k + 0.95) / 8) for k in range(8)),
+    front_windows=((0.03, 0.97),), rear_windows=((0.12, 0.88),), window_rise=(0.02, 0.80), roof_width=0.96, clearance=0.30, taper=0.04,
 )  # fmt: skip
 _SECTION = VehicleBody(
-    size=(7.0, 2.5, 3.4), cabin=(-0.5, 0.5), roof=(-0.5, 0.5), belt=0.34, nose=0.34, tail=0.34, axles=(),
-    wheel=0.6, panes=tuple(((k + 0.06) / 4, (k + 0.94) / 4) for k in range(4)), front=(), back=(), rise=(0.04, 0.78),
-    slab=0.94, clearance=0.25, round=0.0,
+    size=(7.0, 2.5, 3.4), cabin=(-0.5, 0.5), roof=(-0.5, 0.5), belt_line=0.34, nose=0.34, tail=0.34, axles=(),
+    wheel_diameter=0.6, side_windows=tuple(((k + 0.06) / 4, (k + 0.94) / 4) for k in range(4)), front_windows=(), rear_windows=(), window_rise=(0.04, 0.78),
+    roof_width=0.94, clearance=0.25, taper=0.0,
 )  # fmt: skip
 _HEAD = VehicleBody(
-    size=(7.0, 2.5, 3.4), cabin=(-0.5, 0.48), roof=(-0.5, 0.36), belt=0.34, nose=0.30, tail=0.34, axles=(),
-    wheel=0.6, panes=((0.02, 0.24), (0.27, 0.49), (0.52, 0.74), (0.78, 0.93)), back=(), rise=(0.04, 0.80), slab=0.92,
-    clearance=0.25, round=0.25,
+    size=(7.0, 2.5, 3.4), cabin=(-0.5, 0.48), roof=(-0.5, 0.36), belt_line=0.34, nose=0.30, tail=0.34, axles=(),
+    wheel_diameter=0.6, side_windows=((0.02, 0.24), (0.27, 0.49), (0.52, 0.74), (0.78, 0.93)), rear_windows=(), window_rise=(0.04, 0.80), roof_width=0.92,
+    clearance=0.25, taper=0.25,
 )  # fmt: skip
 
 
