@@ -13,7 +13,18 @@ from enum import Enum
 import numpy as np
 
 from lidardraft.errors import LayoutError
-from lidardraft.objects import buildings, cars, furniture, heavy, pedestrians, plants, poles, two_wheelers
+from lidardraft.objects import (
+    buildings,
+    buses,
+    cars,
+    furniture,
+    pedestrians,
+    plants,
+    poles,
+    trams,
+    trucks,
+    two_wheelers,
+)
 from lidardraft.objects import coarse_shapes as coarse
 from lidardraft.objects import collision_boxes as boxes
 from lidardraft.objects.coarse_shapes import CoarseShape
@@ -78,19 +89,19 @@ KINDS: dict[str, Kind] = {
         for body in cars.BODIES
     },
     "truck": Kind(
-        build=heavy.truck, labels=("truck",), coarse=coarse.box_of("truck"), boxes=boxes.whole, most_drop=_ANY,
+        build=trucks.truck, labels=("truck",), coarse=coarse.box_of("truck"), boxes=boxes.whole, most_drop=_ANY,
         is_small=False, on_post=False, word="truck", alignment=_LANE,
     ),
     "trailer_truck": Kind(
-        build=heavy.trailer_truck, labels=("truck",), coarse=coarse.trailer_truck, boxes=boxes.whole, most_drop=_ANY,
+        build=trucks.trailer_truck, labels=("truck",), coarse=coarse.trailer_truck, boxes=boxes.whole, most_drop=_ANY,
         is_small=False, on_post=False, word="truck", alignment=_LANE,
     ),
     "bus": Kind(
-        build=heavy.bus, labels=("bus",), coarse=coarse.box_of("bus"), boxes=boxes.whole, most_drop=_ANY,
+        build=buses.bus, labels=("bus",), coarse=coarse.box_of("bus"), boxes=boxes.whole, most_drop=_ANY,
         is_small=False, on_post=False, word="bus", alignment=_LANE,
     ),
     "tram": Kind(
-        build=heavy.tram, labels=("train",), coarse=coarse.box_of("train"), boxes=boxes.whole, most_drop=_ANY,
+        build=trams.tram, labels=("train",), coarse=coarse.box_of("train"), boxes=boxes.whole, most_drop=_ANY,
         is_small=False, on_post=False, word="tram", alignment=_LANE,
     ),
     "bicycle": Kind(

@@ -105,18 +105,15 @@ def body_mesh(body: VehicleBody) -> MeshTemplate:
 def _shell(body: VehicleBody) -> Triangles:
     """The lower body: sides with wheel arches, bonnet, boot, ends and the floor; open where the cabin is."""
     length, _, height = body.size
-    sill, reach, tall = (
-        body.clearance / height,
-        (body.wheel_diameter / 2 + _ARCH) / length,
-        (body.wheel_diameter / 2 + _ARCH) / height,
-    )
+    sill, arch = body.clearance / height, body.wheel_diameter / 2 + _ARCH
+    reach, tall = arch / length, arch / height
     step = np.array(_ARCH_STEPS)
-    arch = np.concatenate([[0.0], np.sqrt(1.0 - step[1:-1] ** 2), [0.0]])
+    bow = np.concatenate([[0.0], np.sqrt(1.0 - step[1:-1] ** 2), [0.0]])
     hub = body.wheel_diameter / 2 / height
     under_x, under_z = [-0.5, -0.47], [sill + 0.06, sill]
     for axle in sorted(body.axles):
         under_x += (axle + reach * step).tolist()
-        under_z += [sill, *(hub + tall * arch[1:-1]).tolist(), sill]
+        under_z += [sill, *(hub + tall * bow[1:-1]).tolist(), sill]
     under_x, under_z = [*under_x, 0.47, 0.5], [*under_z, sill, sill + 0.06]
     rear, front = body.cabin
     over_x = [-0.5, -0.485, rear, front, 0.47, 0.5]
@@ -171,13 +168,14 @@ def _frame(body: VehicleBody) -> Triangles:
 
 
 def add_glazing(
-    builder: ObjectBuilder, body: VehicleBody, size: Vector, label: str, *, x: float = 0.0, way: int = 1
+    builder: ObjectBuilder, body: VehicleBody, size: Vector, label: str, *, x: float = 0.0, backward: bool = False
 ) -> None:
     """Add what the cabin holds: its panes, and whatever else stops a ray, as a porous box, or two under slanted ones.
 
-    The body's middle is at `x` [m]; `way` is -1 for one that looks back.
+    The body's middle is at `x` [m]; `backward` turns it round.
     """
     length, width, height = size
+    way = -1 if backward else 1
     middle = (body.belt_line + _CEILING) / 2
     slanted = body.roof[0] - body.cabin[0] + body.cabin[1] - body.roof[1] > _SLANTED
     tiers = ((1.0, middle, _CEILING), (0.5, body.belt_line, middle)) if slanted else ((1.0, body.belt_line, _CEILING),)
