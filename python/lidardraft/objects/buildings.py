@@ -66,14 +66,14 @@ class _Block:
     balconies_p: float = 0.45
     every_bay_p: float = 0.5  # balconies at every bay, not at every other
     glass_rail_p: float = 0.2
-    rail: float = 1.0  # height of a balustrade: 0.9 to 1.1 by the building codes of Germany's states
+    rail: float = 1.0  # height of a balustrade
     slab: float = 0.18
     balcony_share: float = 0.84  # of a bay
 
 
 @dataclass(frozen=True, slots=True)
 class _Shed:
-    """Garages, workshops and halls; gates as DIN EN 13241 has them for cars (2.5 x 2.2 m), others estimates of ours."""
+    """Garages, workshops and halls [m]; estimates of ours."""
 
     roof: float = 0.16  # thickness
     roof_over: float = 0.2  # longer and wider than the walls
@@ -86,7 +86,7 @@ class _Shed:
 
 @dataclass(frozen=True, slots=True)
 class _Door:
-    """A door of a house: 2.2 m high with its frame; others estimates of ours."""
+    """A door [m]; estimates of ours."""
 
     height: float = 2.2
     depth: float = 0.06

@@ -20,7 +20,7 @@ _BODY = VehicleBody(
     front_windows=((0.03, 0.97),), rear_windows=((0.12, 0.88),), window_rise=(0.02, 0.80), roof_width=0.96,
     clearance=0.30, taper=0.04,
 )  # fmt: skip
-# Estimates of ours, of data sheets; in shares of the bus, where it is not said.
+# Estimates of ours; in shares of the bus, where it is not said.
 _BODY_HEIGHT = 0.955  # the rest is the air conditioner's
 _AIR_CONDITIONER = (2.6, 0.7, 0.06)  # length [m], width, height
 _AIR_CONDITIONER_AT = ((-0.2, 0.1), 0.97)  # rearmost and foremost; middle

@@ -95,7 +95,7 @@ _PAINTS, _PAINT_LIMITS = ("light-paint", "dark-paint", "mid-paint"), (0.34, 0.67
 
 @dataclass(frozen=True, slots=True)
 class _Fittings:
-    """What a body carries: metres, or where it is said shares of the vehicle. Estimates of ours, of photographs.
+    """What a body carries: metres, or where it is said shares of the vehicle. Estimates of ours.
 
     Rear reflectors are required by UN Regulation 48; mirrors are housings at the foot of the windscreen.
     """

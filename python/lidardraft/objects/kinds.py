@@ -14,16 +14,17 @@ import numpy as np
 
 from lidardraft.errors import LayoutError
 from lidardraft.objects import (
+    bicycles,
     buildings,
     buses,
     cars,
     furniture,
+    motorcycles,
     pedestrians,
     plants,
     poles,
     trams,
     trucks,
-    two_wheelers,
 )
 from lidardraft.objects import coarse_shapes as coarse
 from lidardraft.objects import collision_boxes as boxes
@@ -105,19 +106,19 @@ KINDS: dict[str, Kind] = {
         is_small=False, on_post=False, word="tram", alignment=_LANE,
     ),
     "bicycle": Kind(
-        build=two_wheelers.bicycle, labels=("bicycle",), coarse=coarse.box_of("bicycle"), boxes=boxes.whole,
+        build=bicycles.bicycle, labels=("bicycle",), coarse=coarse.box_of("bicycle"), boxes=boxes.whole,
         most_drop=_ANY, is_small=True, on_post=False, word="bicycle", alignment=_FREE,
     ),
     "cyclist": Kind(
-        build=two_wheelers.cyclist, labels=("rider", "bicycle"), coarse=coarse.cyclist, boxes=boxes.whole,
+        build=bicycles.cyclist, labels=("rider", "bicycle"), coarse=coarse.cyclist, boxes=boxes.whole,
         most_drop=_ANY, is_small=False, on_post=False, word="bicycle", alignment=_FREE,
     ),
     "motorcycle": Kind(
-        build=two_wheelers.motorcycle, labels=("motorcycle",), coarse=coarse.box_of("motorcycle"), boxes=boxes.whole,
+        build=motorcycles.motorcycle, labels=("motorcycle",), coarse=coarse.box_of("motorcycle"), boxes=boxes.whole,
         most_drop=_ANY, is_small=False, on_post=False, word="motorcycle", alignment=_LANE,
     ),
     "motorcyclist": Kind(
-        build=two_wheelers.motorcyclist, labels=("rider", "motorcycle"), coarse=coarse.motorcyclist, boxes=boxes.whole,
+        build=motorcycles.motorcyclist, labels=("rider", "motorcycle"), coarse=coarse.motorcyclist, boxes=boxes.whole,
         most_drop=_ANY, is_small=False, on_post=False, word="motorcycle", alignment=_LANE,
     ),
     "person": Kind(

@@ -20,7 +20,7 @@ _HEAD = VehicleBody(
     wheel_diameter=0.6, side_windows=((0.02, 0.24), (0.27, 0.49), (0.52, 0.74), (0.78, 0.93)), rear_windows=(),
     window_rise=(0.04, 0.80), roof_width=0.92, clearance=0.25, taper=0.25,
 )  # fmt: skip
-# Estimates of ours, of data sheets.
+# Estimates of ours.
 _SECTION_LENGTH = 7.5  # m, about
 _JOINT = 0.35  # m between two sections
 _BODY_HEIGHT = 0.92  # of the tram, to the roof; the current collector lies over it

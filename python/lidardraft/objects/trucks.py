@@ -36,7 +36,7 @@ _GOODS = ("wood", "concrete", "metal", "rusty-metal", "plastic")  # materials of
 
 @dataclass(frozen=True, slots=True)
 class _Rigid:
-    """Rigid trucks [m]: of 7.5 t below a height, else of 12 to 26 t; estimates of ours, of data sheets."""
+    """Rigid trucks, small and large ones [m]; estimates of ours."""
 
     small_below: float = 3.1
     floor: tuple[float, float] = (0.85, 1.1)  # height of the load's floor, of small and large ones
@@ -54,7 +54,7 @@ class _Rigid:
 
 @dataclass(frozen=True, slots=True)
 class _Articulated:
-    """Tractors with semi-trailers [m]; axles as of a common tractor, 4 x 2, and a semi-trailer of three axles."""
+    """Tractors with semi-trailers [m]; estimates of ours."""
 
     floor: float = 1.25
     cab: float = 2.3  # its length
