@@ -18,6 +18,7 @@ from lidardraft.objects import (
     buildings,
     buses,
     cars,
+    fences,
     furniture,
     motorcycles,
     pedestrians,
@@ -178,23 +179,23 @@ KINDS: dict[str, Kind] = {
         is_small=False, on_post=True, word=None, alignment=_FREE,
     ),
     "fence": Kind(
-        build=furniture.fence, labels=("fence",), coarse=coarse.box_of("fence"), boxes=boxes.whole, most_drop=_ANY,
+        build=fences.fence, labels=("fence",), coarse=coarse.box_of("fence"), boxes=boxes.whole, most_drop=_ANY,
         is_small=False, on_post=False, word="fence", alignment=_FREE,
     ),
     "mesh_fence": Kind(
-        build=furniture.mesh_fence, labels=("fence",), coarse=coarse.box_of("fence"), boxes=boxes.whole,
+        build=fences.mesh_fence, labels=("fence",), coarse=coarse.box_of("fence"), boxes=boxes.whole,
         most_drop=_ANY, is_small=True, on_post=False, word="fence", alignment=_FREE,
     ),
     "barrier": Kind(
-        build=furniture.barrier, labels=("fence",), coarse=coarse.box_of("fence"), boxes=boxes.whole, most_drop=_ANY,
+        build=fences.barrier, labels=("fence",), coarse=coarse.box_of("fence"), boxes=boxes.whole, most_drop=_ANY,
         is_small=True, on_post=False, word="fence", alignment=_FREE,
     ),
     "garden_wall": Kind(
-        build=furniture.garden_wall, labels=("wall", "fence"), coarse=coarse.box_of("wall"), boxes=boxes.whole,
+        build=fences.garden_wall, labels=("wall", "fence"), coarse=coarse.box_of("wall"), boxes=boxes.whole,
         most_drop=_ANY, is_small=False, on_post=False, word="wall", alignment=_FREE,
     ),
     "wall": Kind(
-        build=furniture.wall, labels=("wall",), coarse=coarse.box_of("wall"), boxes=boxes.whole, most_drop=_ANY,
+        build=fences.wall, labels=("wall",), coarse=coarse.box_of("wall"), boxes=boxes.whole, most_drop=_ANY,
         is_small=False, on_post=False, word="wall", alignment=_FREE,
     ),
     "shelter": Kind(
