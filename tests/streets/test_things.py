@@ -8,10 +8,10 @@ import pytest
 
 from lidardraft import CLASSES, Layout, Primitive, Raycaster
 from lidardraft.objects.buildings import BALCONY, EAVES, STOREY
-from lidardraft.objects.vehicle_bodies import VehicleBody
 from lidardraft.objects.cars import BODIES, SHARES, sample_car
 from lidardraft.objects.kinds import KINDS, kind_of
 from lidardraft.objects.placed_object import PlacedObject
+from lidardraft.objects.vehicle_bodies import VehicleBody
 from lidardraft.scene.mesh import primitive_mesh
 
 # Extents [m] and clearance of each kind, smallest and largest.

@@ -7,9 +7,14 @@ from typing import NamedTuple
 from lidardraft.objects.buildings import BALCONY, EAVES, STOREY
 from lidardraft.objects.placed_object import Vector
 from lidardraft.objects.plants import trunk_diameter
-from lidardraft.objects.poles import GANTRY_POST, LAMP_ARM
+from lidardraft.objects.poles import LAMP_ARM
+from lidardraft.objects.signs import GANTRY_POST
 
+# Estimates of ours.
 _POST = 0.2  # m, how much room a post is given
+_ARM = 0.3  # m, thickness and height of a lamp's arm, with its luminaire
+_UNDER_EAVES = 0.2  # m that a roof begins under its eaves
+_LOWEST_BALCONY = 0.9  # storeys over the ground
 _NARROW_SIGN = 1.0  # m; wider signs stand on two posts
 
 
@@ -39,20 +44,23 @@ def tree(size: Vector, clearance: float) -> list[CollisionBox]:
 def house(size: Vector, clearance: float) -> list[CollisionBox]:
     """Walls, and a roof that overhangs on all sides."""
     length, width, height = size
-    roof = CollisionBox(0.0, 0.0, length + 2 * EAVES, width + 2 * EAVES, clearance - 0.2, height)
+    roof = CollisionBox(0.0, 0.0, length + 2 * EAVES, width + 2 * EAVES, clearance - _UNDER_EAVES, height)
     return [*whole(size, clearance), roof]
 
 
 def block(size: Vector, clearance: float) -> list[CollisionBox]:
     """Walls, and balconies from the first floor up."""
     length, width, height = size
-    return [*whole(size, clearance), CollisionBox(0.0, 0.0, length, width + 2 * BALCONY, 0.9 * STOREY, height)]
+    return [
+        *whole(size, clearance),
+        CollisionBox(0.0, 0.0, length, width + 2 * BALCONY, _LOWEST_BALCONY * STOREY, height),
+    ]
 
 
 def lamp(size: Vector, clearance: float) -> list[CollisionBox]:
     """A mast, and the longest arm to its left (+y)."""
     height = size[2]
-    return [*whole(size, clearance), CollisionBox(0.0, LAMP_ARM / 2, 0.3, LAMP_ARM + 0.3, height - 0.3, height)]
+    return [*whole(size, clearance), CollisionBox(0.0, LAMP_ARM / 2, _ARM, LAMP_ARM + _ARM, height - _ARM, height)]
 
 
 def board(size: Vector, clearance: float) -> list[CollisionBox]:

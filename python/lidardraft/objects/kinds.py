@@ -24,6 +24,7 @@ from lidardraft.objects import (
     pedestrians,
     plants,
     poles,
+    signs,
     trams,
     trucks,
 )
@@ -163,7 +164,7 @@ KINDS: dict[str, Kind] = {
         is_small=True, on_post=True, word="pole", alignment=_FREE,
     ),
     "sign": Kind(
-        build=poles.sign, labels=("pole", "traffic-sign"), coarse=coarse.sign, boxes=boxes.sign, most_drop=_ANY,
+        build=signs.sign, labels=("pole", "traffic-sign"), coarse=coarse.sign, boxes=boxes.sign, most_drop=_ANY,
         is_small=True, on_post=True, word="traffic-sign", alignment=_SQUARE,
     ),
     "traffic_light": Kind(
@@ -171,11 +172,11 @@ KINDS: dict[str, Kind] = {
         most_drop=_ANY, is_small=True, on_post=True, word="traffic-light", alignment=_SQUARE,
     ),
     "gantry": Kind(
-        build=poles.gantry, labels=("pole", "traffic-sign"), coarse=coarse.gantry, boxes=boxes.gantry, most_drop=_ANY,
+        build=signs.gantry, labels=("pole", "traffic-sign"), coarse=coarse.gantry, boxes=boxes.gantry, most_drop=_ANY,
         is_small=False, on_post=True, word=None, alignment=_FREE,
     ),
     "billboard": Kind(
-        build=poles.billboard, labels=("other",), coarse=coarse.billboard, boxes=boxes.board, most_drop=_ANY,
+        build=signs.billboard, labels=("other",), coarse=coarse.billboard, boxes=boxes.board, most_drop=_ANY,
         is_small=False, on_post=True, word=None, alignment=_FREE,
     ),
     "fence": Kind(

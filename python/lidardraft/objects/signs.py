@@ -1,0 +1,181 @@
+"""Signs of all sizes: on a post or two, billboards, and sign bridges over a road.
+
+Signs have the sizes of the administrative rule of the German road code (VwV-StVO, on sections 39 to 43): discs of 0.42,
+0.60 and 0.75 m, triangles of 0.63, 0.90 and 1.26 m, squares of 0.42, 0.60 and 0.84 m; clearance over a road is 4.5 m at
+least.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from lidardraft.objects.mesh import box, join, tube
+from lidardraft.objects.mesh_template import MeshTemplate
+from lidardraft.objects.object_builder import EMBEDMENT, ObjectBuilder
+from lidardraft.objects.placed_object import PlacedObject, Vector
+from lidardraft.objects.poles import add_post
+from lidardraft.objects.shares import sample_name
+from lidardraft.scene.layout import Primitive
+
+GANTRY_POST = 0.5  # m, how wide the posts of a gantry are: estimate of ours
+
+
+@dataclass(frozen=True, slots=True)
+class _Sign:
+    """Signs [m]: posts are the tubes of 76 mm of DIN EN 12767; how often is what are estimates of ours."""
+
+    post: float = 0.076
+    post_lower: float = 0.05  # than the sign's upper edge
+    wide: float = 1.5  # from here a board on two posts
+    wide_post: float = 0.1
+    wide_posts_at: float = 0.35  # share of the width, from the middle
+    two_plates: tuple[float, float] = (1.3, 0.7)  # times as high as wide; how often one over the other then
+    plate_gap: float = 0.03
+    square: tuple[float, float] = (0.8, 1.25)  # height over width between which it may be a disc
+    ahead: float = 0.05  # of a plate, before the post's middle
+    thickness: float = 0.015
+
+
+@dataclass(frozen=True, slots=True)
+class _Billboard:
+    """Posters of 18/1 (3.56 x 2.52 m) on posts [m]: estimates of ours."""
+
+    narrow: float = 2.0  # below, one post
+    high: float = 2.0  # above this clearance, one post
+    posts_at: float = 0.35  # share of the width, from the middle
+    post: tuple[float, float] = (0.16, 0.2)
+    post_into: float = 0.1  # the board
+    deepest: float = 0.3
+    face: Vector = (0.02, 0.94, 0.9)  # thickness; shares of width and height
+    both_sides_p: float = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class _Gantry:
+    """Sign bridges [m]: estimates of ours."""
+
+    post_depth: float = 0.5  # at most
+    truss: tuple[float, float] = (0.8, 1.2)  # depth and height at most
+    per_board: float = 4.5
+    board_p: float = 0.75  # of those beside the middle one
+    board_share: float = 0.8  # of the width for it
+    board_height: tuple[float, float] = (0.75, 1.0)  # shares of what is over the clearance
+    board_ahead: float = 0.02  # of the truss
+
+
+_SIGN, _BILLBOARD, _GANTRY = _Sign(), _Billboard(), _Gantry()
+# Shapes of single plates, and how often: estimates of ours.
+_PLATES = {"disc": 0.4, "triangle": 0.2, "square": 0.36, "octagon": 0.04}
+_UPPER_PLATES = ("disc", "triangle")  # of two, one over the other
+# Corners of a plate, and the angle to the first in shares of that between two.
+_OUTLINES = {"disc": (12, 0.5), "triangle": (3, 0.75), "square": (4, 0.5), "octagon": (8, 0.5)}
+
+
+def sign(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+    """A plate from `clearance` to the top on a post: its face, to the front (+x), reflects back, its back is grey."""
+    _, width, height = placed.size
+    builder = ObjectBuilder(placed)
+    tall = height - placed.clearance
+    if width > _SIGN.wide:
+        for side in (-_SIGN.wide_posts_at, _SIGN.wide_posts_at):
+            add_post(builder, _SIGN.wide_post, height, y=side * width)
+        _add_plate(builder, "square", 0.0, (width, tall), placed.clearance)
+        return builder.primitives
+    add_post(builder, _SIGN.post, height - _SIGN.post_lower)
+    slender, often = _SIGN.two_plates
+    if tall > slender * width and rng.random() < often:
+        _add_plate(builder, str(rng.choice(_UPPER_PLATES)), 0.0, (width, width), height - width)
+        _add_plate(builder, "square", 0.0, (width, tall - width - _SIGN.plate_gap), placed.clearance)
+    else:
+        low, high = _SIGN.square
+        outline = sample_name(_PLATES, rng) if low < tall / width < high else "square"
+        _add_plate(builder, outline, 0.0, (width, tall), placed.clearance)
+    return builder.primitives
+
+
+def billboard(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+    """A poster from `clearance` to the top, facing forward (+x), on one post or two."""
+    depth, width, height = placed.size
+    builder = ObjectBuilder(placed)
+    tall = height - placed.clearance
+    aside = _BILLBOARD.posts_at * width
+    single = width < _BILLBOARD.narrow or placed.clearance > _BILLBOARD.high
+    top = placed.clearance + _BILLBOARD.post_into
+    for y in (0.0,) if single else (-aside, aside):
+        size = (*_BILLBOARD.post, top + EMBEDMENT)
+        builder.add("box", (0.0, y, (top - EMBEDMENT) / 2), size, "other", "metal")
+    deep, middle = min(depth, _BILLBOARD.deepest), placed.clearance + tall / 2
+    builder.add("box", (0.0, 0.0, middle), (deep, width, tall), "other", "metal")
+    thick, wide, high = _BILLBOARD.face
+    for side in (-1, 1) if rng.random() < _BILLBOARD.both_sides_p else (1,):
+        at = (side * (deep / 2), 0.0, middle)
+        builder.add("box", at, (thick, wide * width, high * tall), "other", "plastic")
+    return builder.primitives
+
+
+def gantry(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+    """A sign bridge over a road along x: posts at the ends of its width, a truss, boards that face forward (+x).
+
+    `clearance` is the height under it.
+    """
+    depth, width, height = placed.size
+    builder = ObjectBuilder(placed)
+    tall = height - placed.clearance
+    for side in (-1, 1):
+        y = side * (width - GANTRY_POST) / 2
+        size = (min(depth, _GANTRY.post_depth), GANTRY_POST, height + EMBEDMENT)
+        builder.add("box", (0.0, y, (height - EMBEDMENT) / 2), size, "pole")
+    deep, high = min(depth, _GANTRY.truss[0]), min(tall, _GANTRY.truss[1])
+    builder.add_mesh(_truss(), (deep, width, high), "pole", "metal", at=(0, 0, placed.clearance))
+    count = max(1, round(width / _GANTRY.per_board))
+    room = width - 2 * GANTRY_POST
+    for number in range(count):
+        if rng.random() < _GANTRY.board_p or number == count // 2:
+            board = (_GANTRY.board_share * room / count, tall * rng.uniform(*_GANTRY.board_height))
+            y = (number + 0.5 - count / 2) * room / count
+            _add_plate(builder, "square", y, board, placed.clearance, ahead=deep / 2 + _GANTRY.board_ahead)
+    return builder.primitives
+
+
+def _add_plate(
+    builder: ObjectBuilder,
+    outline: str,
+    y: float,
+    size: tuple[float, float],
+    bottom: float,
+    *,
+    ahead: float = _SIGN.ahead,
+) -> None:
+    """Add a plate of that width and height that faces forward, and its back."""
+    width, height = size
+    for x, material in ((ahead + _SIGN.thickness, "retroreflector"), (ahead, "sign-back")):
+        at = (x, y, bottom + height / 2)
+        builder.add_mesh(_plate(outline), (1.0, width, height), "traffic-sign", material, at=at)
+
+
+@lru_cache(maxsize=8)
+def _plate(outline: str) -> MeshTemplate:
+    """A flat plate across x in the unit square."""
+    sides, first = _OUTLINES[outline]
+    angle = 2 * np.pi * (np.arange(sides) + first) / sides
+    ring = np.stack([np.zeros(sides), np.cos(angle), np.sin(angle)], axis=1)
+    low, high = ring.min(axis=0), ring.max(axis=0)
+    ring = (ring - (low + high) / 2) / np.where(high > low, high - low, 1.0)
+    fan = np.stack([np.zeros(sides - 2, dtype=np.int64), np.arange(1, sides - 1), np.arange(2, sides)], axis=1)
+    return MeshTemplate.from_triangles(ring, fan)
+
+
+@lru_cache(maxsize=1)
+def _truss() -> MeshTemplate:
+    """Four chords and the diagonals between, in shares of depth, width and height over the clearance."""
+    chords = [box((x, 0.0, z), (0.16, 1.0, 0.12)) for x in (-0.42, 0.42) for z in (0.08, 0.92)]
+    steps = np.linspace(-0.48, 0.48, 11)
+    bars = [
+        tube((x, float(a), z), (x, float(b), 1.0 - z), (0.008, 0.008), 3)
+        for x in (-0.42, 0.42)
+        for a, b, z in zip(steps[:-1], steps[1:], [0.1, 0.9] * 5, strict=True)
+    ]
+    return MeshTemplate.from_triangles(*join(*chords, *bars))
