@@ -98,22 +98,6 @@ def test_a_run_in_slices_is_the_run_in_one(stage: str, pairs: PairFolder, base: 
     assert list(train_denoiser(config, pairs, tmp_path / "sliced", base=denoiser())) == []
 
 
-def test_a_run_stops_when_its_minutes_are_over(pairs: PairFolder, tmp_path: Path) -> None:
-    assert [report.step for report in train_denoiser(BASE, pairs, tmp_path, max_minutes=0)] == [1]
-    assert [report.step for report in train_denoiser(BASE, pairs, tmp_path, max_minutes=0)] == [2]
-
-
-def test_another_run_in_the_folder_is_refused(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
-    list(train_denoiser(dataclasses.replace(BASE, steps=1), pairs, tmp_path))
-    with pytest.raises(TrainingError, match="with another config: its seed is 0, not 1"):
-        list(train_denoiser(dataclasses.replace(BASE, seed=1), pairs, tmp_path))
-    with pytest.raises(TrainingError, match="is the state of a run with another base"):
-        list(train_denoiser(dataclasses.replace(BASE, seed=1), pairs, tmp_path, base=weight_file.load(base, Denoiser)))
-    (tmp_path / "state.safetensors").write_bytes(b"half a fi")
-    with pytest.raises(TrainingError, match="is no state of a run"):
-        list(train_denoiser(BASE, pairs, tmp_path))
-
-
 def test_a_control_does_not_go_on_with_another_base(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
     list(train_denoiser(dataclasses.replace(CONTROL, steps=1), pairs, tmp_path, base=weight_file.load(base, Denoiser)))
     other = weight_file.load(base, Denoiser)
@@ -191,25 +175,3 @@ def test_a_base_of_another_shape_is_refused(pairs: PairFolder, tmp_path: Path) -
     other = Denoiser.from_config(dataclasses.replace(BASE.denoiser, blocks=2))
     with pytest.raises(TrainingError, match=r"the base is a DenoiserConfig\(.*blocks=2.*needs a .*blocks=1"):
         next(train_denoiser(CONTROL, pairs, tmp_path, base=other))
-
-
-def test_the_rate_rises_stays_and_falls() -> None:
-    config = dataclasses.replace(BASE, steps=100, warmup=10, decay=0.2, learning_rate=1.0)
-    assert [config.rate(step) for step in (0, 9, 50, 80, 90, 99)] == pytest.approx([0.1, 1, 1, 1, 0.5, 0.05])
-
-
-@pytest.mark.parametrize("recipe", [recipes.small, recipes.paper, recipes.tiny])
-def test_both_stages_of_a_recipe_share_a_network(recipe: "type[recipes.Recipe]") -> None:
-    assert recipe().base.denoiser == recipe().control.denoiser
-
-
-def test_the_recipe_that_ships_fits_in_eight_megabytes() -> None:
-    denoiser = Denoiser.from_config(dataclasses.replace(recipes.small().base.denoiser, controlnet=True))
-    assert 2 * sum(weight.numel() for weight in denoiser.state_dict().values()) < 7.95e6
-
-
-def test_the_papers_recipe_has_the_papers_widths() -> None:
-    config = recipes.paper().base.denoiser
-    assert config.widths == (128, 128, 256, 256)
-    assert not config.copy_gate
-    assert config.cell == (1, 1)

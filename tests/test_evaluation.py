@@ -1,0 +1,48 @@
+"""Scores of generated scans, with a network that has not learned."""
+
+import math
+
+import pytest
+import torch
+
+from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.evaluation import evaluate, unseen_streets
+from lidardraft.pipeline import Pipeline
+from lidardraft.scene.sensor import Sensor
+from lidardraft.streets import StreetPair
+from lidardraft.training import recipes
+
+SENSOR = Sensor(name="small", elevations=tuple(math.radians(2 - 1.7 * row) for row in range(16)), columns=128)
+
+
+@pytest.fixture(scope="module")
+def pairs() -> list[StreetPair]:
+    return unseen_streets(2, sensor=SENSOR)
+
+
+@pytest.fixture
+def denoiser() -> Denoiser:
+    torch.manual_seed(0)
+    return Denoiser.from_config(recipes.tiny().base.denoiser).with_controlnet()
+
+
+def test_scans_are_scored_between_the_detailed_ones_and_random_weights(
+    pairs: list[StreetPair], denoiser: Denoiser
+) -> None:
+    detailed, condition, generated, random = evaluate(Pipeline(denoiser, steps=2), pairs)
+    assert [scores.name for scores in (detailed, condition, generated, random)] == [
+        *("detailed scan", "condition image", "generated", "random weights")
+    ]
+    assert detailed.jsd == 0
+    assert 0.3 < detailed.objects < 1
+    assert (condition.objects, condition.overall, condition.drop) == (1, 1, 0)
+    assert 0 <= random.overall < detailed.overall
+    assert generated != random
+    assert set(condition.by_class.values()) == {1.0}
+
+
+def test_scans_are_generated_where_the_weights_are(pairs: list[StreetPair], denoiser: Denoiser) -> None:
+    scores = evaluate(Pipeline(denoiser.to("meta"), steps=1), pairs)
+    assert [next(scores).name, next(scores).name] == ["detailed scan", "condition image"]
+    with pytest.raises(RuntimeError, match=r"unsupported scalarType|meta tensor"):  # nothing is computed on that device
+        next(scores)
