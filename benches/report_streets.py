@@ -71,12 +71,12 @@ def main() -> None:
 def _section(name: str, folder: Path, num: int) -> tuple[str, Pooled]:
     reason = _missing(name, folder)
     if not reason:
-        real = READERS[name](folder, PRESETS[name].columns)
-        reason = real.why
+        recorded = READERS[name](folder, PRESETS[name].columns)
+        reason = recorded.why
     if reason:
         return f"### {name}\n\nSkipped: {reason}.\n", {}
-    comparisons, pooled = report(real, PRESETS[name], num)
-    return markdown(real, comparisons, num), pooled
+    comparisons, pooled = report(recorded, PRESETS[name], num)
+    return markdown(recorded, comparisons, num), pooled
 
 
 def _missing(name: str, folder: Path) -> str:
@@ -85,34 +85,36 @@ def _missing(name: str, folder: Path) -> str:
     return "" if folder.name and folder.is_dir() else "no recordings; name their folder in LIDARDRAFT_DATA or --data"
 
 
-def report(real: Recordings, sensor: Sensor, num: int) -> tuple[list[Comparison], Pooled]:
+def report(recorded: Recordings, sensor: Sensor, num: int) -> tuple[list[Comparison], Pooled]:
     """All comparisons, and what they are of: sums over the sweeps of each group and of the streets, by property."""
-    with_intensity = all(sweep.intensity is not None for sweeps in real.plain.values() for sweep in sweeps)
-    plain = [one for one in lifelike.PROPERTIES if not (real.halves and one.name.startswith("top view"))]
+    with_intensity = all(sweep.intensity is not None for sweeps in recorded.plain.values() for sweep in sweeps)
+    plain = [one for one in lifelike.PROPERTIES if not (recorded.halves and one.name.startswith("top view"))]
     labelled = list(lifelike.class_properties())
     (plain if with_intensity else labelled).extend(lifelike.INTENSITY_PROPERTIES)
     generated: dict[str, list[np.ndarray]] = {one.name: [] for one in (*plain, *labelled)} | {"class counts": []}
-    open_plain = unhidden(real.plain, sensor, real.fov)
-    open_labelled = open_plain if real.spherical else unhidden(real.labelled, sensor, real.fov)
+    open_plain = unhidden(recorded.plain, sensor, recorded.fov)
+    open_labelled = open_plain if recorded.spherical else unhidden(recorded.labelled, sensor, recorded.fov)
     for number, image in enumerate(_progress(sensor, num)):
-        image = _in_units(image, real.range_step)
-        values = _measured(plain, _windowed(by_azimuth(image.keep(open_plain)), real, number))
-        if real.labelled:
+        image = _in_units(image, recorded.range_step)
+        values = _measured(plain, _windowed(by_azimuth(image.keep(open_plain)), recorded, number))
+        if recorded.labelled:
             seen = image.keep(open_labelled)
             sweep = _windowed(
-                Sweep.from_image(_as_labelled(seen)) if real.spherical else by_azimuth(seen), real, number
+                Sweep.from_image(_as_labelled(seen)) if recorded.spherical else by_azimuth(seen), recorded, number
             )
             values |= {**_measured(labelled, sweep), "class counts": lifelike.class_counts(sweep)}
         for name, value in values.items():
             generated[name].append(value)
-    properties = {one.name: (one, real.plain) for one in plain}
-    properties |= {one.name: (one, real.labelled) for one in labelled if real.labelled}
-    groups = {name: _by_group(recorded, one) for name, (one, recorded) in properties.items()}
+    properties = {one.name: (one, recorded.plain) for one in plain}
+    properties |= {one.name: (one, recorded.labelled) for one in labelled if recorded.labelled}
+    groups = {name: _by_group(sweeps, one) for name, (one, sweeps) in properties.items()}
     found = [lifelike.compare(properties[name][0], measured, generated[name]) for name, measured in groups.items()]
-    if real.labelled:
-        shares = {name: [lifelike.class_counts(sweep) for sweep in sweeps] for name, sweeps in real.labelled.items()}
+    if recorded.labelled:
+        shares = {
+            name: [lifelike.class_counts(sweep) for sweep in sweeps] for name, sweeps in recorded.labelled.items()
+        }
         # published shares are those of very many scans
-        shares |= {name: [1e6 * lifelike.counts_by_set(share)] * num for name, share in real.shares.items()}
+        shares |= {name: [1e6 * lifelike.counts_by_set(share)] * num for name, share in recorded.shares.items()}
         found += [lifelike.compare(one, shares, generated["class counts"]) for one in lifelike.share_properties(shares)]
         groups["class counts"] = shares
     pooled = {name: _pooled({**measured, "streets": generated[name]}) for name, measured in groups.items()}
@@ -183,15 +185,15 @@ def _by_group(groups: Groups, measured: Property) -> dict[str, list[np.ndarray]]
     return {name: [measured.measure(sweep) for sweep in sweeps] for name, sweeps in groups.items()}
 
 
-def _windowed(sweep: Sweep, real: Recordings, number: int) -> Sweep:
+def _windowed(sweep: Sweep, recorded: Recordings, number: int) -> Sweep:
     """As much of a sweep of streets as the recordings have; of halves, the left and the right one in turn."""
     columns = sweep.points.shape[1]
-    if real.halves:
+    if recorded.halves:
         right = number // 3 % 2  # in an order of its own: `compare` takes sweeps at a stride
         return sweep.part(right * columns // 2, (right + 1) * columns // 2)
-    if real.fov is None:
+    if recorded.fov is None:
         return sweep
-    half = round(columns * real.fov / (4 * math.pi))
+    half = round(columns * recorded.fov / (4 * math.pi))
     return sweep.part(columns // 2 - half, columns // 2 + half)
 
 
@@ -206,10 +208,12 @@ def _pooled(groups: dict[str, list[np.ndarray]]) -> dict[str, list[float]]:
     return {name: np.sum(values, axis=0).tolist() for name, values in groups.items() if len(values)}
 
 
-def markdown(real: Recordings, comparisons: list[Comparison], num: int) -> str:
+def markdown(recorded: Recordings, comparisons: list[Comparison], num: int) -> str:
     """The table of a sensor, in Markdown."""
-    said = [f"{name} ({len(sweeps)})" for name, sweeps in {**real.plain, **real.labelled}.items()] + list(real.shares)
-    text = [f"### {real.sensor}", "", f"{num} scans of streets beside {', '.join(said)}.", ""]
+    said = [f"{name} ({len(sweeps)})" for name, sweeps in {**recorded.plain, **recorded.labelled}.items()] + list(
+        recorded.shares
+    )
+    text = [f"### {recorded.sensor}", "", f"{num} scans of streets beside {', '.join(said)}.", ""]
     text += [
         "| property | recorded | streets | recorded vs recorded | streets vs recorded | ratio |",
         "|---|---:|---:|---:|---:|---:|",

@@ -1,8 +1,8 @@
-"""A segmenter that has seen nothing but streets, tested on real scans: IoU of SemanticKITTI's 19 classes.
+"""A segmenter that has seen nothing but streets, tested on recorded scans: IoU of SemanticKITTI's 19 classes.
 
     python benches/segment_streets.py WEIGHTS [--pairs FOLDER] [--data FOLDER] [--json FILE]
 
-The real scans are those of SemanticKITTI's sequence 00 under LIDARDRAFT_DATA (or --data): frames 0 to 20 as range
+The recorded scans are those of SemanticKITTI's sequence 00 under LIDARDRAFT_DATA (or --data): frames 0 to 20 as range
 images of 64 x 1024 points, and frame 0 with all its points. They judge; nothing is fitted to them. `--pairs` adds
 held-out streets. What the segmenter says is turned into their classes so:
 
@@ -49,12 +49,12 @@ RAW = {
 }
 OURS = {"wall": "fence", "bus": "other-vehicle", "train": "other-vehicle", "rider": "bicyclist"}
 NOT_IN_STREETS = ("parking", "other-ground")
-_RIDDEN = 1.0  # m from a rider to the returns of what he rides
+_RIDDEN = 1.0  # m from riders to the returns of what they ride
 _KITTI_MOUNT = 1.73  # m, Geiger et al., IJRR 2013
 
 
 @dataclass(frozen=True)
-class RealScan:
+class RecordedScan:
     """Points [N, 3], intensities [N] and the ids [N] of `NAMES` of a recorded scan."""
 
     points: np.ndarray
@@ -62,31 +62,31 @@ class RealScan:
     truth: np.ndarray
 
 
-def range_images(data: Path) -> Iterator[RealScan]:
+def range_images(data: Path) -> Iterator[RecordedScan]:
     """The range images, one point a pixel."""
     for path in sorted((data / "kitti/range_images_00").glob("??????.npy*")):
         raw = path.read_bytes()
         image = np.load(io.BytesIO(lzma.decompress(raw) if path.suffix == ".xz" else raw)).reshape(-1, 6)
         image = image[image[:, 4] > 0].astype(np.float32)
-        yield RealScan(image[:, :3], image[:, 3], image[:, 5].astype(np.uint8))
+        yield RecordedScan(image[:, :3], image[:, 3], image[:, 5].astype(np.uint8))
 
 
-def whole_scans(data: Path) -> Iterator[RealScan]:
+def whole_scans(data: Path) -> Iterator[RecordedScan]:
     """The scans with all their points."""
     for path in sorted((data / "kitti/odometry_00/labels").glob("*.label")):
         points, intensity = read_bin(path.parents[1] / "velodyne" / f"{path.stem}.bin")
         table = np.zeros(2**16, dtype=np.uint8)
         table[list(RAW)] = list(RAW.values())
-        yield RealScan(points, intensity, table[np.fromfile(path, "<u4") & 0xFFFF])
+        yield RecordedScan(points, intensity, table[np.fromfile(path, "<u4") & 0xFFFF])
 
 
-def held_out(folder: PairFolder) -> Iterator[RealScan]:
+def held_out(folder: PairFolder) -> Iterator[RecordedScan]:
     """The scans of streets as if they were recorded."""
     for i in range(len(folder)):
         scan, _ = folder[i]
         assert scan.intensity is not None
         points = scan.points()
-        yield RealScan(points, scan.intensity[scan.valid], benchmark_ids(points, scan.label[scan.valid]))
+        yield RecordedScan(points, scan.intensity[scan.valid], benchmark_ids(points, scan.label[scan.valid]))
 
 
 def benchmark_ids(points: np.ndarray, label: np.ndarray) -> np.ndarray:
@@ -113,7 +113,7 @@ def _around(riders: cKDTree, points: np.ndarray) -> np.ndarray:
     return np.array([len(found) for found in riders.query_ball_tree(cKDTree(points), _RIDDEN)])
 
 
-def measure(segmenter: Segmenter, scans: Iterator[RealScan], mount: float) -> tuple[np.ndarray, int, float]:
+def measure(segmenter: Segmenter, scans: Iterator[RecordedScan], mount: float) -> tuple[np.ndarray, int, float]:
     """The confusion matrix over all scans, their number, and the seconds that one takes."""
     confusion, count, seconds = np.zeros((len(NAMES), len(NAMES)), dtype=np.int64), 0, 0.0
     for scan in scans:
@@ -164,7 +164,7 @@ def main() -> int:
         sets["SemanticKITTI 00, range images of frames 0 to 20"] = measure(segmenter, range_images(data), _KITTI_MOUNT)
         sets["SemanticKITTI 00, frame 0, every point"] = measure(segmenter, whole_scans(data), _KITTI_MOUNT)
     else:
-        print("no real scans: LIDARDRAFT_DATA does not name a folder with kitti/ in it", file=sys.stderr)
+        print("no recorded scans: LIDARDRAFT_DATA does not name a folder with kitti/ in it", file=sys.stderr)
     for title, measured in sets.items():
         print(table(title, *measured))
     if arguments.json:

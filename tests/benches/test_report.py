@@ -92,7 +92,7 @@ def test_wrong_arguments(wrong: list[str], monkeypatch: pytest.MonkeyPatch) -> N
 
 
 @needs_recordings
-def test_kitti_is_unfolded_into_full_rows() -> None:
+def test_kitti_fills_its_rows() -> None:
     sweeps = recordings.hdl64e(data(), 1024)
     assert set(sweeps.plain) == {"raw 0005", "odometry 00", "object"}
     every = [sweep for group in sweeps.plain.values() for sweep in group]

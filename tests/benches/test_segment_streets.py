@@ -68,7 +68,7 @@ def test_it_runs_on_held_out_streets_and_says_what_is_missing(tmp_path, monkeypa
     assert segment_streets.main() == 0
     printed = capsys.readouterr()
     assert f"## Held-out streets: 1 scans, {image.valid.sum()} labelled returns" in printed.out
-    assert "no real scans" in printed.err
+    assert "no recorded scans" in printed.err
     assert (tmp_path / "matrices.json").exists()
 
 

@@ -16,14 +16,14 @@ def sweep_of(*rows: list[float]) -> Sweep:
 
 
 CLEAN = [5.0, 5.0, 5.0, 5.0, 20.0, 20.0, 20.0]
-HANGING = [5.0, 5.0, 5.0, 12.0, 20.0, 20.0, 20.0]
+MIXED = [5.0, 5.0, 5.0, 12.0, 20.0, 20.0, 20.0]
 SLOPE = [5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0]
 
 
-def test_hanging_returns_are_a_share_of_edges() -> None:
+def test_mixed_pixels_are_a_share_of_edges() -> None:
     assert mixed_share(sweep_of(CLEAN)) == 0.0
-    assert mixed_share(sweep_of(HANGING)) == 1.0
-    assert mixed_share(sweep_of(CLEAN, HANGING, CLEAN, CLEAN[::-1])) == 0.25
+    assert mixed_share(sweep_of(MIXED)) == 1.0
+    assert mixed_share(sweep_of(CLEAN, MIXED, CLEAN, CLEAN[::-1])) == 0.25
 
 
 def test_slopes_returns_near_a_surface_and_holes_are_no_edges() -> None:

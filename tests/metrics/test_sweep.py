@@ -1,4 +1,4 @@
-"""Sweeps: real ones are unfolded laser by laser, firing by firing."""
+"""Sweeps: points become images laser by laser, firing by firing."""
 
 import math
 

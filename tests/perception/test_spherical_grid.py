@@ -37,7 +37,7 @@ def test_a_hidden_point_takes_the_label_of_its_like():
     index = GRID.nearest(points, pixels)
     label = np.zeros((4, 8), np.uint8)
     label.flat[pixels[0]], label.flat[pixels[2]] = 6, 3
-    np.testing.assert_array_equal(GRID.take_back(label, points, pixels, index), [6, 3, 3])
+    np.testing.assert_array_equal(GRID.back_project(label, points, pixels, index), [6, 3, 3])
 
 
 def test_a_neighbour_across_the_seam_counts():
@@ -45,7 +45,7 @@ def test_a_neighbour_across_the_seam_counts():
     pixels = GRID.pixels(points)
     label = np.zeros((4, 8), np.uint8)
     label.flat[pixels[0]], label.flat[pixels[2]] = 6, 3
-    np.testing.assert_array_equal(GRID.take_back(label, points, pixels, GRID.nearest(points, pixels)), [6, 3, 3])
+    np.testing.assert_array_equal(GRID.back_project(label, points, pixels, GRID.nearest(points, pixels)), [6, 3, 3])
 
 
 def test_a_flat_road_points_upwards():
@@ -94,7 +94,7 @@ def test_no_points_are_an_empty_image():
     points = np.zeros((0, 3), np.float32)
     index = GRID.nearest(points, GRID.pixels(points))
     assert not features(points, None, 1.73, index).any()
-    assert GRID.take_back(np.zeros((4, 8), np.uint8), points, GRID.pixels(points), index).shape == (0,)
+    assert GRID.back_project(np.zeros((4, 8), np.uint8), points, GRID.pixels(points), index).shape == (0,)
 
 
 @pytest.mark.parametrize("wrong", [{"rows": 0}, {"columns": 0}, {"top": -25.0}])

@@ -1,4 +1,4 @@
-"""Edges: how often a firing that meets two surfaces returns from the air between them.
+"""Edges: how often a firing that meets two surfaces returns a range between them, a mixed pixel.
 
 The definition is our own. Beams are wide: where one falls half on a near and half on a far surface, a sensor may report
 a mean of both (mixed pixels, Hebert and Krotkov, IROS 1991).
@@ -17,10 +17,10 @@ STEP_EDGES = np.concatenate([[0.0], np.geomspace(0.002, 64.0, 31), [np.inf]])  #
 
 
 def mixed_share(sweep: Sweep) -> float:
-    """Share of the edges in rows that have one return hanging between near and far; NaN without edges.
+    """Share of the edges in rows that have a mixed pixel between near and far; NaN without edges.
 
-    An edge lies between two smooth pieces (two returns each) whose ends are more than 1 m apart in range; a return
-    hangs where it is at least 0.3 m from both.
+    An edge lies between two smooth pieces (two returns each) whose ends are more than 1 m apart in range; a mixed
+    pixel is at least 0.3 m from both.
     """
     depth = sweep.depth
     left, right = _column(depth, -1), _column(depth, 1)
@@ -28,10 +28,10 @@ def mixed_share(sweep: Sweep) -> float:
     smooth_right = _near(right, _column(depth, 2))
     lower, upper = np.minimum(left, right), np.maximum(left, right)
     apart = smooth_left & smooth_right & (upper - lower > _STEP)
-    hanging = apart & (depth > lower + _CLEAR) & (depth < upper - _CLEAR)
+    mixed = apart & (depth > lower + _CLEAR) & (depth < upper - _CLEAR)
     direct = _near(left, depth) & smooth_right & (right > 0) & (np.abs(right - depth) > _STEP)
-    edges = hanging.sum() + direct.sum()
-    return float(hanging.sum() / edges) if edges else float("nan")
+    edges = mixed.sum() + direct.sum()
+    return float(mixed.sum() / edges) if edges else float("nan")
 
 
 def range_steps(sweep: Sweep) -> np.ndarray:

@@ -163,7 +163,7 @@ PROPERTIES: tuple[Property, ...] = (
         lambda first, second: histogram_mmd(np.stack(first), np.stack(second)),
         _nothing,
     ),
-    Property("edges with a hanging return", lambda s: np.float64(edges.mixed_share(s)), value_difference, _mean_value),
+    Property("edges with a mixed pixel", lambda s: np.float64(edges.mixed_share(s)), value_difference, _mean_value),
     _histogram_property("steps between firings (JSD)", edges.range_steps, edges.STEP_EDGES),
     _histogram_property("bends between firings (JSD)", edges.range_bends, edges.STEP_EDGES),
 )

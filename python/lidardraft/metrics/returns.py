@@ -1,4 +1,4 @@
-"""Which firings come back: by laser, on surfaces by range, and how the lost ones cluster.
+"""Which firings return: by laser, on surfaces by range, and how the dropped ones cluster.
 
 The definitions are our own; they ask nothing of a recording but that its firings are known.
 """
@@ -24,7 +24,7 @@ def returns_by_row(sweep: Sweep) -> np.ndarray:
 def returns_by_range(sweep: Sweep) -> np.ndarray:
     """Returns and firings on surfaces, f64 [len(RANGE_EDGES) - 1, 2], by range.
 
-    A lost firing is on a surface where it lies in a hole of at most 8 in its row, between two returns whose ranges
+    A dropped firing is on a surface where it lies in a hole of at most 8 in its row, between two returns whose ranges
     differ by at most a tenth; its range is their mean. What looks into the sky or into a mirror is not counted.
     """
     depth = sweep.depth
@@ -35,13 +35,13 @@ def returns_by_range(sweep: Sweep) -> np.ndarray:
     rows, starts, ends = rows[inner], starts[inner], ends[inner]
     before, after = depth[rows, starts - 1], depth[rows, ends]
     same = np.abs(before - after) <= _SAME_SURFACE * np.minimum(before, after)
-    lost = np.histogram((before + after)[same] / 2, RANGE_EDGES, weights=(ends - starts)[same])[0]
-    counts[:, 1] = counts[:, 0] + lost
+    dropped = np.histogram((before + after)[same] / 2, RANGE_EDGES, weights=(ends - starts)[same])[0]
+    counts[:, 1] = counts[:, 0] + dropped
     return counts
 
 
 def hole_lengths(sweep: Sweep) -> np.ndarray:
-    """How many runs of lost firings there are of each length, f64 [len(RUN_EDGES) - 1], over all rows."""
+    """How many runs of dropped firings there are of each length, f64 [len(RUN_EDGES) - 1], over all rows."""
     _, starts, ends = runs(~sweep.valid).T
     return np.histogram(ends - starts, RUN_EDGES)[0].astype(np.float64)
 

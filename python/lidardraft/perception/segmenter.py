@@ -1,7 +1,7 @@
 """Points -> classes: a range-image network that says what each return of a scan is.
 
 Points are put on a spherical grid (RangeNet++, Milioto et al., IROS 2019), so the scan may be of any sensor within the
-grid's view; a convolutional encoder and decoder labels the grid, and the points take their labels back.
+grid's view; a convolutional encoder and decoder labels the grid, and the labels are projected back to the points.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ class Segmenter(Network):
         index = grid.nearest(points, pixels)
         x = torch.from_numpy(features(points, intensity, mount_height, index))[None]
         winners = (self(x.to(self.head.weight.device))[0].argmax(0) + 1).to(torch.uint8).cpu().numpy()
-        return grid.take_back(winners, points, pixels, index)
+        return grid.back_project(winners, points, pixels, index)
 
     def label(self, image: RangeImage) -> np.ndarray:
         """The label image u8 [H, W] of a scan of any sensor: 0 where there is no return."""

@@ -46,7 +46,7 @@ class SphericalGrid:
         index[pixels[order]] = order
         return index.reshape(self.rows, self.columns)
 
-    def take_back(self, label: np.ndarray, points: np.ndarray, pixels: np.ndarray, index: np.ndarray) -> np.ndarray:
+    def back_project(self, label: np.ndarray, points: np.ndarray, pixels: np.ndarray, index: np.ndarray) -> np.ndarray:
         """Of each point [N], the label in `label` [H, W] of the pixel around it that is nearest to it in depth.
 
         Points that are hidden behind another of their pixel would else take the label of what hides them.
