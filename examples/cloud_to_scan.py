@@ -33,7 +33,7 @@ def main() -> None:
     scan.save(folder / "000000")
     views = [
         view.caption(view.render_scan(image, scan.pose, by_label=True), name)
-        for name, image in (("real scan", real), ("drawing", scan.condition_image), ("generated scan", scan.image))
+        for name, image in (("real scan", real), ("condition image", scan.condition_image), ("generated scan", scan.image))
     ]
     images = [
         view.caption(view.render_image(image), name)
@@ -42,7 +42,7 @@ def main() -> None:
     view.save_png(
         view.stack([view.stack(views, across=True), view.stack(images, across=True)]), folder / "comparison.png"
     )
-    print(f"{len(points)} points became {len(layout)} primitives, {len(layout.boxes())} of them things")
+    print(f"{len(points)} points became {len(layout)} shapes, {len(layout.boxes())} of them objects with a box")
     for name, image in (("real scan", real), ("generated scan", scan.image)):
         print(
             f"{name}: {adherence(image, scan.condition_image).objects:.0%} of its returns on objects keep to the layout"

@@ -33,7 +33,7 @@ def main() -> None:
     say(f"drafting: {arguments.text}")
     layout = lidardraft.layout_from_text(arguments.text, seed=arguments.seed)
     layout.save(folder / "layout.json")
-    say(f"{len(layout)} primitives, {len(layout.boxes())} things; loading the generator")
+    say(f"{len(layout)} shapes, {len(layout.boxes())} objects with a box; loading the generator")
     pipeline = lidardraft.Pipeline.from_pretrained("street")
     say(f"casting with {pipeline.sensor.name} and generating in {pipeline.steps} steps")
     scan = pipeline(layout, seed=arguments.seed)

@@ -38,12 +38,12 @@ def test_commands(tmp_path: Path) -> None:
             words += ["--num", "2", "--poses", "1", "--workers", "1"]  # 1,000 take minutes
         if "scan.bin" in words:
             for end in (".bin", ".label"):
-                (tmp_path / f"scan{end}").write_bytes((tmp_path / f"out/000000{end}").read_bytes())
-        command = [sys.executable, "-m", "lidardraft.cli.main", *words]
+                (tmp_path / f"scan{end}").write_bytes((tmp_path / f"crossroads/000000{end}").read_bytes())
+        command = [sys.executable, "-m", "lidardraft", *words]
         result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
         assert result.returncode == 0, f"{line}\n{result.stderr}"
-    assert (tmp_path / "out/000003.bin").exists()
-    assert (tmp_path / "out/000000.view.png").exists()
+    assert (tmp_path / "crossroads/000003.bin").exists()
+    assert (tmp_path / "crossroads/000000.view.png").exists()
     assert (tmp_path / "streets.png").exists()
     assert (tmp_path / "pairs/index.json").exists()
 

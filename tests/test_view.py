@@ -22,17 +22,17 @@ def test_the_camera_sees_the_car_in_its_colour() -> None:
     assert abs(columns.mean() - picture.shape[1] / 2) < 20  # straight ahead
 
 
-def test_points_are_drawn_where_the_layout_is() -> None:
+def test_points_are_rendered_where_the_layout_is() -> None:
     scan = raycast(LAYOUT, SENSOR)
-    drawn = view.render_scan(scan, SENSOR.pose(), by_label=True)
-    car = (drawn == view.PALETTE[13]).all(axis=2)
+    rendered = view.render_scan(scan, SENSOR.pose(), by_label=True)
+    car = (rendered == view.PALETTE[13]).all(axis=2)
     shape = view.render_layout(Layout((CAR,)))
     around = (shape != view.render_layout(Layout(()))).any(axis=2)
     assert car.sum() > 50
     assert (car & around).sum() > 0.8 * car.sum()
 
 
-def test_a_layout_is_drawn_over_the_scan_from_above() -> None:
+def test_a_layout_is_rendered_over_the_scan_from_above() -> None:
     scan, pose = raycast(LAYOUT, SENSOR), SENSOR.pose()
     picture, bare = (
         view.render_top_view(scan, LAYOUT, pose, size=200),
@@ -69,15 +69,15 @@ def test_pictures_stack_and_are_saved(tmp_path: Path) -> None:
     assert np.asarray(Image.open(tmp_path / "a.png")).max() == 255
 
 
-@pytest.mark.parametrize("name", ["layout.json", "drawing.npz"])
-def test_files_are_drawn(tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize("name", ["layout.json", "image.npz"])
+def test_files_are_rendered(tmp_path: Path, name: str) -> None:
     LAYOUT.save(tmp_path / "layout.json")
-    raycast(LAYOUT, SENSOR).save(tmp_path / "drawing.npz")
+    raycast(LAYOUT, SENSOR).save(tmp_path / "image.npz")
     picture = view.render_file(tmp_path / name, SENSOR)
     assert picture.ndim == 3
     assert picture.std() > 5
 
 
 def test_other_files_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match=r"cannot draw \.txt"):
+    with pytest.raises(FormatError, match=r"there is no picture of \.txt; it must be \.bin, \.npz or \.json"):
         view.render_file(tmp_path / "a.txt", SENSOR)

@@ -14,6 +14,8 @@ from lidardraft.scene.raycast import Raycaster, raycast
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import CLASSES, SemanticClass
 
+__version__ = "0.1.0"  # that of pyproject.toml and Cargo.toml
+
 # What needs lark, scikit-learn or torch is imported when it is first asked for.
 _LAZY = {
     "Pipeline": "lidardraft.pipeline",

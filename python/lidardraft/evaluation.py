@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 import torch
@@ -16,6 +17,8 @@ from lidardraft.pipeline import Pipeline
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.streets import StreetConfig, StreetPair, streets
+
+_Item = TypeVar("_Item")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,21 +34,33 @@ class Scores:
     by_class: dict[str, float]
 
 
-def unseen_streets(num: int, *, sensor: Sensor, seed: int = 1_000_000) -> list[StreetPair]:
-    """One pair of each of `num` streets, of a seed that no training used."""
+def unseen_streets(
+    num: int, *, sensor: Sensor, seed: int = 1_000_000, on_street: Callable[[], object] | None = None
+) -> list[StreetPair]:
+    """One pair of each of `num` streets, of a seed that no training used; `on_street` is called after each."""
     config = StreetConfig(sensor=sensor, poses_per_street=1)
-    return list(itertools.islice(streets(seed, config), num))
+    return list(_counted(itertools.islice(streets(seed, config), num), on_street))
 
 
-def evaluate(pipeline: Pipeline, pairs: list[StreetPair]) -> Iterator[Scores]:
-    """The scores of the detailed scans, the condition images, the pipeline's scans, and those of random weights."""
+def evaluate(
+    pipeline: Pipeline, pairs: list[StreetPair], *, on_scan: Callable[[], object] | None = None
+) -> Iterator[Scores]:
+    """The detailed scans, the condition images, the pipeline's scans, and those of the same network with random
+    weights; `on_scan` is called after each generated scan."""
     random = Pipeline(_random_weights(pipeline.denoiser), steps=pipeline.steps)
     yield _scores("detailed scan", pairs, (pair.scan for pair in pairs))
     yield _scores("condition image", pairs, (pair.condition_image for pair in pairs))
     for name, generator in (("generated", pipeline), ("random weights", random)):
-        yield _scores(
-            name, pairs, (_last(generator.denoising(pair.condition_image, seed=pair.index)) for pair in pairs)
-        )
+        scans = (_last(generator.denoising(pair.condition_image, seed=pair.index)) for pair in pairs)
+        yield _scores(name, pairs, _counted(scans, on_scan))
+
+
+def _counted(items: Iterable[_Item], on_item: Callable[[], object] | None) -> Iterator[_Item]:
+    """The items, with a call after each."""
+    for item in items:
+        if on_item is not None:
+            on_item()
+        yield item
 
 
 def _random_weights(denoiser: Denoiser) -> Denoiser:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator
+import warnings
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from lidardraft.diffusion.codec import decode_scan, encode_condition
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.sampler import sample
 from lidardraft.drafting.text import layout_from_text
-from lidardraft.errors import CheckpointError
+from lidardraft.errors import CheckpointError, one_of
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
 from lidardraft.networks import weight_file
@@ -27,11 +28,12 @@ from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
 
 WEIGHTS = Path(__file__).parent / "weights"
+SCAN_ENDINGS = (".bin", ".label", ".boxes.json", ".layout.json", ".sensor.json", ".png")  # of a saved scan's files
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Scan:
-    """A generated, labelled scan with the drawing and the layout it was generated from."""
+    """A generated, labelled scan with the condition image and the layout it was generated from."""
 
     image: RangeImage
     condition_image: RangeImage
@@ -57,7 +59,7 @@ class Scan:
         return self.image.instance[self.image.valid]
 
     def boxes(self) -> list[Box]:
-        """Boxes of the layout's things in the sensor frame."""
+        """Boxes of the layout's objects in the sensor frame."""
         return [box.seen_from(self.pose) for box in self.layout.boxes()]
 
     def returns_per_box(self) -> list[int]:
@@ -65,21 +67,21 @@ class Scan:
         return [int(np.count_nonzero(self.image.instance == box.instance)) for box in self.layout.boxes()]
 
     def picture(self) -> np.ndarray:
-        """Layout, drawing and scan side by side over the drawn and the generated range image, uint8 [H, W, 3]."""
+        """Layout, condition image and scan side by side, over the range images of the latter two: uint8 [H, W, 3]."""
         views = [
             view.caption(view.render_layout(self.layout), "layout"),
-            view.caption(view.render_scan(self.condition_image, self.pose, by_label=True), "drawing"),
+            view.caption(view.render_scan(self.condition_image, self.pose, by_label=True), "condition image"),
             view.caption(view.render_scan(self.image, self.pose, by_label=True), "scan"),
         ]
         images = [
-            view.caption(view.render_image(self.condition_image), "drawing"),
+            view.caption(view.render_image(self.condition_image), "condition image"),
             view.caption(view.render_image(self.image), "scan"),
         ]
         return view.stack([view.stack(views, across=True), view.stack(images, across=True)])
 
     def save(self, name: str | os.PathLike[str]) -> None:
-        """Write `NAME.bin`, `NAME.label`, `NAME.boxes.json`, `NAME.layout.json` and `NAME.png` beside each other, or,
-        where one of them cannot be written, none."""
+        """Write `NAME.bin`, `.label`, `.boxes.json`, `.layout.json`, `.sensor.json` and `.png` beside each other, or,
+        where one of them cannot be written, none. What has such a name already is replaced."""
         target = Path(name)
         with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as folder:
             stem = Path(folder) / target.name
@@ -87,18 +89,23 @@ class Scan:
             semantickitti.write_label(f"{stem}.label", self.labels(), self.instances())
             write_boxes(f"{stem}.boxes.json", self.boxes(), self.returns_per_box())
             self.layout.save(f"{stem}.layout.json")
+            Path(f"{stem}.sensor.json").write_text(self.image.sensor.to_json())
             view.save_png(self.picture(), f"{stem}.png")
-            for file in Path(folder).iterdir():
-                file.replace(target.parent / file.name)
+            for ending in SCAN_ENDINGS:
+                Path(f"{stem}{ending}").replace(f"{target}{ending}")
 
 
 class Pipeline:
-    """A denoiser, ready to turn sentences and layouts into scans, of an hdl64e where no sensor is given."""
+    """A denoiser, ready to turn sentences and layouts into scans, of an hdl64e where no sensor is given.
 
-    def __init__(self, denoiser: Denoiser, *, steps: int = 20) -> None:
+    `sensors` are the names of those it was trained on, where they are known: a scan of another one is a `UserWarning`.
+    """
+
+    def __init__(self, denoiser: Denoiser, *, steps: int = 20, sensors: Collection[str] = ()) -> None:
         self.denoiser = denoiser.eval()
         self.sensor = Sensor.preset("hdl64e")
         self.steps = steps
+        self.sensors = frozenset(sensors)
 
     @classmethod
     def from_pretrained(
@@ -108,28 +115,45 @@ class Pipeline:
         packaged = WEIGHTS / f"{os.fspath(name)}.safetensors"
         path = packaged if packaged.exists() else Path(name)
         if not path.exists():
-            names = ", ".join(sorted(file.stem for file in WEIGHTS.glob("*.safetensors")))
-            raise CheckpointError(f"weights are {os.fspath(name)!r}; they must be a file or one of: {names}")
-        denoiser = weight_file.load(path, Denoiser)
+            known = one_of(sorted(file.stem for file in WEIGHTS.glob("*.safetensors")), os.fspath(name))
+            raise CheckpointError(f"weights are {os.fspath(name)!r}; they must be a file or {known}")
+        denoiser, sensors = weight_file.load(path, Denoiser), weight_file.read_card(path).get("sensors", [])
         try:
-            return cls(denoiser.to(device), steps=steps)
+            return cls(denoiser.to(device), steps=steps, sensors=sensors)
         except (RuntimeError, AssertionError) as error:  # torch's, for a device it does not have
             raise CheckpointError(f"device is {device!r}: {str(error).splitlines()[0]}") from None
 
-    def __call__(self, source: str | Layout, *, sensor: Sensor | None = None, seed: int = 0) -> Scan:
+    def __call__(
+        self,
+        source: str | Layout,
+        *,
+        sensor: Sensor | None = None,
+        seed: int = 0,
+        on_step: Callable[[], object] | None = None,
+    ) -> Scan:
         """The scan of a sentence or a layout. Same arguments, same scan; another seed gives another one (of a
-        sentence, with another layout too)."""
+        sentence, with another layout too). `on_step` is called after each sampling step."""
         sensor = sensor or self.sensor
         layout = layout_from_text(source, seed=seed) if isinstance(source, str) else source
         pose = sensor.pose()
-        condition_image = raycast(layout, sensor, pose)
-        *_, generated = self.denoising(condition_image, seed=seed)
+        condition_image = generated = raycast(layout, sensor, pose)
+        for state in self.denoising(condition_image, seed=seed):
+            generated = state
+            if on_step is not None:
+                on_step()
         image = label_from_condition_image(generated, condition_image, layout, pose)
         return Scan(image=image, condition_image=condition_image, layout=layout, pose=pose, seed=seed)
 
-    @torch.inference_mode()
     def denoising(self, condition_image: RangeImage, *, seed: int = 0) -> Iterator[RangeImage]:
-        """The scan while it takes shape, one image without labels a sampling step; the last is the result."""
+        """The scan while it is made, one image without labels a sampling step; the last is the result."""
+        name = condition_image.sensor.name
+        if self.sensors and name not in self.sensors:
+            trained = ", ".join(sorted(self.sensors))
+            warnings.warn(f"these weights were trained on {trained}; scans of {name} may be poor", stacklevel=2)
+        return self._denoising(condition_image, seed)
+
+    @torch.inference_mode()
+    def _denoising(self, condition_image: RangeImage, seed: int) -> Iterator[RangeImage]:
         condition = torch.from_numpy(encode_condition(condition_image))[None]
         for state in sample(self.denoiser, condition_image.sensor, seeds=[seed], condition=condition, steps=self.steps):
             yield decode_scan(state[0].cpu().numpy(), condition_image.sensor)

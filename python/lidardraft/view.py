@@ -1,4 +1,4 @@
-"""Pictures of layouts, drawings and scans. The camera is a sensor: the caster draws and the projection splats."""
+"""Pictures, uint8 [H, W, 3], of layouts and range images. The camera is a sensor that casts and projects."""
 
 from __future__ import annotations
 
@@ -142,32 +142,41 @@ def render_top_view(
     return np.asarray(canvas)
 
 
+def render_pair(scan: RangeImage, condition_image: RangeImage) -> np.ndarray:
+    """A training pair, the condition image over the scan: uint8 [H, W, 3]."""
+    return stack([caption(render_image(condition_image), "condition image"), caption(render_image(scan), "scan")])
+
+
 def render_file(path: Path, sensor: Sensor) -> np.ndarray:
-    """A `.json` layout, an `.npz` range image or a `.bin` scan (taken by `sensor`, with the `.label` beside it if
-    there is one): uint8 [H, W, 3]. Raises `FormatError` for any other file."""
+    """The picture of a file, uint8 [H, W, 3]: a `.json` layout, seen by `sensor`; a `.bin` scan, taken by `sensor`,
+    with the `.label` beside it if there is one; an `.npz` range image. Raises `FormatError` for any other file."""
     if path.suffix == ".json":
-        layout = Layout.load(path)
-        condition_image = raycast(layout, sensor)
-        return stack(
-            [
-                stack([render_layout(layout), render_scan(condition_image, sensor.pose(), by_label=True)], across=True),
-                render_image(condition_image),
-            ]
-        )
+        return _render_layout_and_cast(Layout.load(path), sensor)
+    if path.suffix == ".bin":
+        return _render_range_image(_read_scan(path, sensor))
     if path.suffix == ".npz":
-        image = RangeImage.load(path)
-    elif path.suffix == ".bin":
-        points, intensity = read_bin(path)
-        labels = path.with_suffix(".label")
-        label, instance = read_label(labels, len(points)) if labels.exists() else (None, None)
-        image = RangeImage.project(points, sensor, label=label, instance=instance, intensity=intensity)
-    else:
-        raise FormatError(
-            f"{path}: cannot draw {path.suffix or 'a file without an ending'}; .bin, .npz and .json can be drawn"
-        )
+        return _render_range_image(RangeImage.load(path))
+    kind = path.suffix or "a file without an ending"
+    raise FormatError(f"{path}: there is no picture of {kind}; it must be .bin, .npz or .json")
+
+
+def _render_layout_and_cast(layout: Layout, sensor: Sensor) -> np.ndarray:
+    image = raycast(layout, sensor)
+    views = [render_layout(layout), render_scan(image, sensor.pose(), by_label=True)]
+    return stack([stack(views, across=True), render_image(image)])
+
+
+def _render_range_image(image: RangeImage) -> np.ndarray:
     pose = image.sensor.pose()
     views = [render_scan(image, pose), render_scan(image, pose, by_label=True)]
     return stack([stack(views, across=True), render_image(image)])
+
+
+def _read_scan(path: Path, sensor: Sensor) -> RangeImage:
+    points, intensity = read_bin(path)
+    labels = path.with_suffix(".label")
+    label, instance = read_label(labels, len(points)) if labels.exists() else (None, None)
+    return RangeImage.project(points, sensor, label=label, instance=instance, intensity=intensity)
 
 
 def stack(pictures: list[np.ndarray], *, across: bool = False) -> np.ndarray:
@@ -187,10 +196,10 @@ def stack(pictures: list[np.ndarray], *, across: bool = False) -> np.ndarray:
 def caption(picture: np.ndarray, text: str) -> np.ndarray:
     """The picture with a line of text in its upper left corner."""
     image = Image.fromarray(picture)
-    draw = ImageDraw.Draw(image)
-    left, top, right, bottom = draw.textbbox((8, 6), text, font_size=18)
-    draw.rectangle((left - 4, top - 3, right + 4, bottom + 3), fill=(0, 0, 0))
-    draw.text((8, 6), text, fill=(255, 255, 255), font_size=18)
+    pen = ImageDraw.Draw(image)
+    left, top, right, bottom = pen.textbbox((8, 6), text, font_size=18)
+    pen.rectangle((left - 4, top - 3, right + 4, bottom + 3), fill=(0, 0, 0))
+    pen.text((8, 6), text, fill=(255, 255, 255), font_size=18)
     return np.asarray(image)
 
 

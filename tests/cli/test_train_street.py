@@ -71,6 +71,7 @@ def test_what_ships_is_scored_on_the_device_that_was_asked_for(
 
     card = weight_file.read_card("tiny.safetensors")
     assert card["control"]["step"] == 2
+    assert card["sensors"] == ["hdl32e"]
     names = [scores["name"] for scores in card["scores"]]
     assert names == ["detailed scan", "condition image", "generated", "random weights"]
     assert train.main([*ARGV, "--seed", "5"]) == 2  # the folder holds pairs of another seed

@@ -30,8 +30,8 @@ def test_demo(tmp_path: Path) -> None:
     label, instance = semantickitti.read_label(tmp_path / "scan.label", len(points))
     assert len(points) > 30_000
     assert (label > 0).mean() > 0.7
-    things = {box.instance for box in Layout.load(tmp_path / "layout.json").boxes()}
-    assert set(instance.tolist()) - {0} <= things
+    objects = {box.instance for box in Layout.load(tmp_path / "layout.json").boxes()}
+    assert set(instance.tolist()) - {0} <= objects
     boxes = json.loads((tmp_path / "boxes.json").read_text())
     assert boxes["frame"] == "sensor"
     assert max(box["num_points"] for box in boxes["boxes"]) > 50

@@ -1,5 +1,6 @@
 import itertools
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from lidardraft.errors import FormatError
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.training import pairs as module
-from lidardraft.training.pairs import PairFolder, pairs_on_disk, write_pairs
+from lidardraft.training.pairs import PairFolder, is_shard, pairs_on_disk, read_shard, write_pairs
 
 
 @pytest.fixture(autouse=True)
@@ -26,8 +27,8 @@ def test_pairs_come_back(tmp_path: Path) -> None:
     assert folder.notes == [{"seed": seed} for seed in range(5)]
     for seed in range(5):
         scan, condition_image = make_pair(seed)
-        found_scan, found_drawing = folder[seed]
-        for found, image in ((found_scan, scan), (found_drawing, condition_image)):
+        found_scan, found_condition_image = folder[seed]
+        for found, image in ((found_scan, scan), (found_condition_image, condition_image)):
             np.testing.assert_allclose(found.depth, image.depth, atol=0.0011)
             np.testing.assert_array_equal(found.valid, image.valid)
             np.testing.assert_array_equal(found.label, image.label)
@@ -51,6 +52,58 @@ def test_an_interrupted_folder_goes_on_where_it_stopped(tmp_path: Path) -> None:
     for seed in range(5):
         np.testing.assert_array_equal(folder[seed][0].label, make_pair(seed)[0].label)
     assert not list(tmp_path.glob("*.partial"))
+
+
+def test_one_shard_is_read_by_itself(tmp_path: Path) -> None:
+    list(write_pairs(tmp_path, (noted(seed) for seed in range(3))))
+    folder, shard = PairFolder(tmp_path), read_shard(tmp_path / "00001.npz")
+    assert [note for _, _, note in shard] == [{"seed": 2}]
+    for found, image in zip(shard[0][:2], folder[2], strict=True):
+        assert found.sensor == image.sensor
+        np.testing.assert_array_equal(found.depth, image.depth)
+        np.testing.assert_array_equal(found.label, image.label)
+
+
+def test_what_is_no_shard_of_the_folder_is_refused(tmp_path: Path) -> None:
+    list(write_pairs(tmp_path, [noted(0)]))
+    scan, _ = make_pair(0)
+    scan.save(tmp_path / "scan.npz")
+    assert [is_shard(tmp_path / name) for name in ("00000.npz", "scan.npz", "index.json", "none.npz")] == [
+        True,
+        False,
+        False,
+        False,
+    ]
+    (tmp_path / "copy.npz").write_bytes((tmp_path / "00000.npz").read_bytes())
+    with pytest.raises(FormatError, match=r"copy.npz is not in the index.json beside it"):
+        read_shard(tmp_path / "copy.npz")
+    (tmp_path / "index.json").unlink()
+    with pytest.raises(FormatError, match=r"index.json is no index of pairs"):
+        read_shard(tmp_path / "00000.npz")
+
+
+def test_a_folder_has_one_writer_at_a_time(tmp_path: Path) -> None:
+    first = write_pairs(tmp_path, (noted(seed) for seed in range(4)))
+    assert next(first) == 2
+    with pytest.raises(FormatError, match=f"is being written by process {os.getpid()} on "):
+        next(write_pairs(tmp_path, [noted(4)]))
+    first.close()
+    assert list(write_pairs(tmp_path, [noted(2)])) == [3]
+
+
+def test_pairs_of_another_writer_are_noticed(tmp_path: Path) -> None:
+    start = pairs_on_disk(tmp_path)
+    list(write_pairs(tmp_path, [noted(0)]))
+    with pytest.raises(FormatError, match="holds 1 pairs, no longer 0: another process"):
+        list(write_pairs(tmp_path, [noted(0)], start=start))
+    assert pairs_on_disk(tmp_path) == 1
+
+
+def test_what_a_killed_writer_left_is_cleared(tmp_path: Path) -> None:
+    list(write_pairs(tmp_path, [noted(0)]))
+    (tmp_path / "00001.npz.1234.partial").write_bytes(b"half")
+    list(write_pairs(tmp_path, [noted(1)]))
+    assert sorted(file.name for file in tmp_path.iterdir()) == [".lock", "00000.npz", "00001.npz", "index.json"]
 
 
 def test_a_scan_without_intensities_has_zeros(tmp_path: Path) -> None:
@@ -78,7 +131,7 @@ def test_a_depth_that_does_not_fit_is_refused(tmp_path: Path) -> None:
     far_scan = RangeImage(sensor=far, depth=depth, label=scan.label, instance=scan.instance)
     with pytest.raises(FormatError, match=r"a depth is 200\.0 m; pairs hold up to 131\.1 m"):
         list(write_pairs(tmp_path, [(far_scan, condition_image, {})]))
-    assert not list(tmp_path.iterdir())
+    assert [file.name for file in tmp_path.iterdir()] == [".lock"]
 
 
 def test_a_return_nearer_than_a_step_stays_a_return(tmp_path: Path) -> None:

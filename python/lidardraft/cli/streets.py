@@ -7,27 +7,33 @@ import itertools
 import os
 from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from lidardraft.cli.arguments import add_seed, add_sensor, whole_number
 from lidardraft.errors import FormatError
-from lidardraft.scene.sensor import PRESETS, Sensor
-from lidardraft.streets import StreetConfig, streets
+from lidardraft.scene.sensor import Sensor
+from lidardraft.streets import StreetConfig
+from lidardraft.streets import streets as pairs_of_streets
+
+if TYPE_CHECKING:
+    from lidardraft.streets import StreetPair
+    from lidardraft.training.pairs import NotedPair
 
 # A network learns more from another street than from another look at one; building it takes a third of the time then.
 _POSES = 4
+_ROWS = 100  # of a picture: one of all sensors stays below a gigabyte
 
 
-def write(arguments: argparse.Namespace) -> None:
-    """Procedural streets become a folder of training pairs, which goes on where it stopped; or a picture of some."""
+def streets(arguments: argparse.Namespace) -> None:
+    """Make procedural streets: pairs of a scan and its condition image to train on, or a picture of some."""
     if arguments.look is not None:
-        look(arguments)
-    elif arguments.out is None:
-        raise FormatError("say --out FOLDER for pairs, or --look PICTURE.png for a picture of some")
+        _look(arguments)
     else:
-        write_pairs_of_streets(arguments.out, arguments)
+        write_pairs_of_streets(arguments.output, arguments)
 
 
 def write_pairs_of_streets(folder: str | Path, arguments: argparse.Namespace) -> None:
-    """Fill a folder up to `num` pairs, with a progress bar."""
+    """Fill a folder up to `num` pairs, with a progress bar; what is in it already is kept."""
     from tqdm import tqdm
 
     from lidardraft.training.pairs import pairs_on_disk, write_pairs
@@ -37,32 +43,37 @@ def write_pairs_of_streets(folder: str | Path, arguments: argparse.Namespace) ->
     source = f"streets of seed {seed}, {poses} poses each, {config.sensor.name}"
     start = pairs_on_disk(folder, source=source)
     if start >= num:
+        print(f"{folder}: {start} pairs are there already; nothing to do")
         return
-    pairs = streets(seed, config, start=start, workers=arguments.workers)
-    noted = (
-        (
-            pair.scan,
-            pair.condition_image,
-            {
-                "index": pair.index,
-                "district": pair.district,
-                "style": {"source": pair.style.source} | asdict(pair.style),
-            },
-        )
-        for pair in itertools.islice(pairs, num - start)
-    )
-    with tqdm(total=num, initial=start, unit="pair", desc="streets") as bar:
-        for count in write_pairs(folder, noted, source=source):
-            bar.update(count - bar.n)
+    if start:
+        print(f"{folder}: goes on after the {start} pairs that are there", flush=True)
+    pairs = pairs_of_streets(seed, config, start=start, workers=min(arguments.workers, -(-(num - start) // poses)))
+    with tqdm(total=num, initial=start, unit="pair", desc="streets", disable=None) as bar:
+
+        def noted(pair: StreetPair) -> NotedPair:
+            bar.update()
+            style = {"source": pair.style.source} | asdict(pair.style)
+            note = {"index": pair.index, "district": pair.district, "style": style}
+            return pair.scan, pair.condition_image, note
+
+        for _ in write_pairs(folder, map(noted, itertools.islice(pairs, num - start)), source=source, start=start):
+            pass
+    print(f"{folder}: {num} pairs, {num - start} of them new")
 
 
-def look(arguments: argparse.Namespace) -> None:
+def _look(arguments: argparse.Namespace) -> None:
     """A sheet of streets: range image, label, intensity, and the top view with the layout over it."""
+    from tqdm import tqdm
+
     from lidardraft import view
 
+    num = arguments.num
+    if num > _ROWS:
+        raise FormatError(f"--num is {num}; a picture shows up to {_ROWS} streets")
     config = StreetConfig(sensor=Sensor.preset(arguments.sensor), poses_per_street=1)
+    pairs = pairs_of_streets(arguments.seed, config, workers=min(arguments.workers, num))
     rows = []
-    for pair in itertools.islice(streets(arguments.seed, config, workers=arguments.workers), arguments.num):
+    for pair in tqdm(itertools.islice(pairs, num), total=num, unit="street", disable=None, leave=False):
         images = view.caption(view.render_image(pair.scan), f"{pair.district}, {pair.style.source}")
         top = view.render_top_view(pair.scan, pair.layout, pair.pose, size=len(images))
         rows.append(view.stack([images, top], across=True))
@@ -70,11 +81,30 @@ def look(arguments: argparse.Namespace) -> None:
     print(arguments.look)
 
 
-def add_arguments(added: argparse.ArgumentParser, *, num: int) -> None:
-    """What both commands that make streets ask for."""
-    added.add_argument("-n", "--num", type=int, default=num, help=f"how many pairs (default {num})")
-    added.add_argument("--seed", type=int, default=0, help="seed of the streets (default 0)")
-    added.add_argument("--poses", type=int, default=_POSES, help=f"scans of each street (default {_POSES})")
-    added.add_argument("--sensor", default="hdl64e", help=f"{', '.join(PRESETS)} or a .json file (default hdl64e)")
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of the command."""
+    add_pair_arguments(parser, num=6)
+    to = parser.add_mutually_exclusive_group(required=True)
+    to.add_argument(
+        "-o", "--output", metavar="FOLDER", help="fill a folder with pairs for lidardraft-train; a second call goes on"
+    )
+    to.add_argument(
+        "--look",
+        metavar="PICTURE.png",
+        nargs="?",
+        const="streets.png",
+        help="make a picture instead, one row a street (default streets.png)",
+    )
+
+
+def add_pair_arguments(parser: argparse.ArgumentParser, *, num: int) -> None:
+    """What all commands that make streets ask for."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    added.add_argument("--workers", type=int, default=cores, help=f"processes (default {cores})")
+    positive = whole_number(1)
+    parser.add_argument("-n", "--num", type=positive, default=num, metavar="N", help=f"pairs in all (default {num})")
+    text = f"scans of each street, from different places (default {_POSES})"
+    parser.add_argument("--poses", type=positive, default=_POSES, metavar="N", help=text)
+    add_sensor(parser)
+    add_seed(parser)
+    text = f"processes that make streets (default {cores}, one a core)"
+    parser.add_argument("--workers", type=positive, default=cores, metavar="N", help=text)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lidardraft.cli import streets
-from lidardraft.cli.main import commands_of, run
+from lidardraft.cli.command import commands_of, run
 from lidardraft.errors import TrainingError
 from lidardraft.scene.sensor import Sensor
 
@@ -20,20 +20,20 @@ if TYPE_CHECKING:
 
 
 def unconditional(arguments: argparse.Namespace) -> None:
-    """Stage one: the score network learns what scans look like."""
+    """Train stage one: a score network that learns what scans look like."""
     config = _config(arguments.recipe, "base", arguments.steps)
     _train(config, arguments.pairs, arguments.run, device=arguments.device, minutes=arguments.minutes)
 
 
 def controlnet(arguments: argparse.Namespace) -> None:
-    """Stage two: a ControlNet learns to obey the condition image, on the frozen network of stage one."""
+    """Train stage two: a ControlNet that learns to keep to the condition image, on the frozen network of stage one."""
     config = _config(arguments.recipe, "control", arguments.steps)
     base = Path(arguments.base)
     _train(config, arguments.pairs, arguments.run, base=base, device=arguments.device, minutes=arguments.minutes)
 
 
 def segmenter(arguments: argparse.Namespace) -> None:
-    """A segmenter learns from the scans of pairs what each return is; an interrupted run goes on."""
+    """Train a segmenter, which tells the class of each return, on the scans of pairs; a second call goes on."""
     from lidardraft.training.pairs import PairFolder
     from lidardraft.training.segmentation import SegmentationConfig, train_segmenter
 
@@ -45,7 +45,7 @@ def segmenter(arguments: argparse.Namespace) -> None:
 
 
 def street(arguments: argparse.Namespace) -> None:
-    """All of it: pairs, both stages, scores, and the weight file with its card; an interrupted run goes on."""
+    """Do it all: pairs, both stages, scores, and the weight file with its card; a second call goes on."""
     from lidardraft.diffusion.denoiser import Denoiser
     from lidardraft.evaluation import evaluate, unseen_streets
     from lidardraft.networks import weight_file
@@ -78,6 +78,7 @@ def street(arguments: argparse.Namespace) -> None:
     card = {
         "command": " ".join(["lidardraft-train", *sys.argv[1:]]),
         "data": f"{len(folder)} scans: {folder.source}",
+        "sensors": [folder.sensor.name],
         "base": weight_file.read_card(trained),
         "control": weight_file.read_card(weights),
         "scores": [dataclasses.asdict(scores) for scores in evaluate(pipeline, unseen)],
@@ -130,40 +131,60 @@ def _show(reports: Iterator[Report], steps: int, name: str) -> None:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="lidardraft-train", description="From procedural streets to weights.")
+    parser = argparse.ArgumentParser(
+        prog="lidardraft-train",
+        description="Weights of your own, from procedural streets.",
+        epilog="start here: `lidardraft-train street` makes streets, trains both stages on them, and writes one weight "
+        "file for `lidardraft generate --weights FILE`. The default recipe takes about an hour on two CPU cores.",
+    )
     command = commands_of(parser)
 
-    def stage(added: argparse.ArgumentParser) -> None:
-        added.add_argument("--recipe", choices=("small", "tiny", "paper"), default="small", help="(default small)")
-        added.add_argument("--device", default="cpu", help="torch device (default cpu)")
+    def pairs(added: argparse.ArgumentParser) -> None:
+        text = "training pairs, as `lidardraft streets -o FOLDER` makes them"
+        added.add_argument("--pairs", required=True, metavar="FOLDER", help=text)
+        text = "stop after so many minutes; the same call goes on (default: no limit)"
+        added.add_argument("--minutes", type=float, metavar="M", help=text)
+        text = "where the weights and the state of the run go; a second call goes on"
+        added.add_argument("-o", "--output", dest="run", required=True, metavar="FOLDER", help=text)
+
+    def recipe(added: argparse.ArgumentParser) -> None:
+        text = "size of the network and length of the training (default small)"
+        added.add_argument("--recipe", choices=("small", "tiny", "paper"), default="small", help=text)
+
+    def device(added: argparse.ArgumentParser) -> None:
+        added.add_argument("--device", default="cpu", help="where torch trains: cpu, cuda, ... (default cpu)")
 
     for name, function in (("unconditional", unconditional), ("controlnet", controlnet)):
         added = command(name, function)
-        stage(added)
-        added.add_argument("--steps", type=int, help="instead of the recipe's")
-        added.add_argument("--minutes", type=float, help="stop after so long; the same call goes on")
-        added.add_argument("--pairs", required=True, metavar="FOLDER")
+        pairs(added)
         if function is controlnet:
             added.add_argument("--base", required=True, metavar="WEIGHTS", help="weights.safetensors of stage one")
-        added.add_argument("-o", "--output", dest="run", required=True, metavar="FOLDER")
+        recipe(added)
+        added.add_argument("--steps", type=int, metavar="N", help="steps of training (default: the recipe's)")
+        device(added)
 
     added = command("segmenter", segmenter)
-    added.add_argument("--pairs", required=True, metavar="FOLDER")
-    added.add_argument("--steps", type=int, default=2000, help="(default 2000)")
-    added.add_argument("--batch", type=int, default=2, help="whole scans a step (default 2)")
-    added.add_argument("--seed", type=int, default=0, help="(default 0)")
-    added.add_argument("--minutes", type=float, help="stop after so long; the same call goes on")
-    added.add_argument("--device", default="cpu", help="torch device (default cpu)")
-    added.add_argument("-o", "--output", dest="run", required=True, metavar="FOLDER")
+    pairs(added)
+    added.add_argument("--steps", type=int, default=2000, metavar="N", help="steps of training (default 2000)")
+    added.add_argument("--batch", type=int, default=2, metavar="N", help="whole scans a step (default 2)")
+    text = "seed of weights and batches: the same seed gives the same result (default 0)"
+    added.add_argument("--seed", type=int, default=0, metavar="S", help=text)
+    device(added)
 
     added = command("street", street)
-    streets.add_arguments(added, num=2400)
-    stage(added)
-    added.add_argument("--base-steps", type=int, help="steps of stage one, instead of the recipe's")
-    added.add_argument("--control-steps", type=int, help="steps of stage two, instead of the recipe's")
-    added.add_argument("--evaluate", type=int, default=50, help="how many unseen streets to score (default 50)")
-    added.add_argument("--work", default="out/street", metavar="FOLDER", help="pairs and runs (default out/street)")
-    added.add_argument("-o", "--output", default="street.safetensors", metavar="WEIGHTS")
+    streets.add_pair_arguments(added, num=2400)
+    recipe(added)
+    text = "steps of stage one (default: the recipe's)"
+    added.add_argument("--base-steps", type=int, metavar="N", help=text)
+    text = "steps of stage two (default: the recipe's)"
+    added.add_argument("--control-steps", type=int, metavar="N", help=text)
+    device(added)
+    text = "unseen streets to score the weights on (default 50)"
+    added.add_argument("--evaluate", type=int, default=50, metavar="N", help=text)
+    text = "where pairs and runs are kept (default out/street)"
+    added.add_argument("--work", default="out/street", metavar="FOLDER", help=text)
+    text = "where the weight file goes (default street.safetensors)"
+    added.add_argument("-o", "--output", default="street.safetensors", metavar="WEIGHTS", help=text)
     return parser
 
 

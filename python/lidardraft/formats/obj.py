@@ -40,7 +40,9 @@ def read_obj(
         {f"{o[0]} ({o[1] or 'no material'})" for o, label in zip(objects, classes, strict=True) if not label}
     )
     if nameless:
-        raise LayoutError(f"{os.fspath(path)}: no class for {', '.join(nameless)}; pass them in `labels`")
+        raise LayoutError(
+            f"{os.fspath(path)}: no class for {', '.join(nameless)}; pass them in `labels` (--class NAME=CLASS)"
+        )
     instances: dict[str, int] = {}
     ids: dict[str, int] = {}
     primitives = []

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import itertools
-import multiprocessing
 from collections import deque
 from collections.abc import Generator, Iterator
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -26,6 +25,7 @@ from lidardraft.streets.coarse.coarse_street import place_of
 from lidardraft.streets.coarse.visible import VisibleObjects
 from lidardraft.streets.ego import Ego, mount, sample_ego
 from lidardraft.streets.street import Street, StreetConfig, check_number, make_street
+from lidardraft.streets.worker_processes import process_pools
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,19 +119,16 @@ def _scanned_street(seed: int, config: StreetConfig, number: int, threads: int |
 
 
 def _in_processes(runs: Iterator[_StreetRun], workers: int) -> Generator[StreetPair, None, None]:
-    # a fork would copy the threads' locks
-    context = multiprocessing.get_context("spawn")
     # a pool each: all pairs of a street are made by the process that has built it
-    pools = [ProcessPoolExecutor(1, mp_context=context) for _ in range(workers)]
-    turns = itertools.cycle(pools)
+    with process_pools(workers) as pools:
+        turns = itertools.cycle(pools)
 
-    # Pairs come one by one: memory of a megabyte is used again and again, where that of more is asked of the system
-    # each time, which takes longer than all the rest of the way.
-    def submit() -> deque[Future[StreetPair]]:
-        run, pool = next(runs), next(turns)
-        return deque(pool.submit(_pair_in_worker, run, index) for index in run.indices())
+        # Pairs come one by one: memory of a megabyte is used again and again, where that of more is asked of the system
+        # each time, which takes longer than all the rest of the way.
+        def submit() -> deque[Future[StreetPair]]:
+            run, pool = next(runs), next(turns)
+            return deque(pool.submit(_pair_in_worker, run, index) for index in run.indices())
 
-    try:
         # one more street for each worker, so that none waits while a street is consumed
         ahead = deque(submit() for _ in range(2 * workers))
         while True:
@@ -139,9 +136,6 @@ def _in_processes(runs: Iterator[_StreetRun], workers: int) -> Generator[StreetP
             while street:
                 yield street.popleft().result()
             ahead.append(submit())
-    finally:
-        for pool in pools:
-            pool.shutdown(cancel_futures=True)
 
 
 def _pair_in_worker(run: _StreetRun, index: int) -> StreetPair:

@@ -1,4 +1,4 @@
-"""Prepared pairs: a folder of shards with scans and the drawings of the same places, compact and whole or not there."""
+"""Prepared pairs: a folder of shards with scans and condition images of the same places, compact, whole or absent."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from lidardraft.errors import FormatError, SensorError
 from lidardraft.files import written_whole
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
+from lidardraft.training.folder_lock import locked_folder
 
 SCHEMA = "lidardraft.pairs/2"
 SHARD = 64  # pairs a file
@@ -46,40 +47,50 @@ def pairs_on_disk(directory: str | os.PathLike[str], *, source: str = "") -> int
     return sum(_of_source(Path(directory), _read_index(index), source)["shards"]) if index.exists() else 0
 
 
-def write_pairs(directory: str | os.PathLike[str], pairs: Iterable[NotedPair], *, source: str = "") -> Iterator[int]:
-    """Add (scan, drawing, note) of one sensor to a folder, yielding the number of pairs on disk after each shard.
+def write_pairs(
+    directory: str | os.PathLike[str], pairs: Iterable[NotedPair], *, source: str = "", start: int | None = None
+) -> Iterator[int]:
+    """Add (scan, condition image, note) of one sensor to a folder, yielding the number of pairs on disk after each
+    shard.
 
-    A note holds what JSON can, such as the style of the drawing.
+    A note holds what JSON can, such as the style of the coarse layout.
     `source` says in words where the pairs come from; a folder holds those of one source and sensor, else `FormatError`.
+    `start` is how many pairs the folder must hold already: `FormatError` where another process has added some since
+    they were counted. One process at a time can write to a folder, the others get a `FormatError`.
     Shards hold `SHARD` pairs, the last one fewer. The index is written last: what is interrupted leaves the folder as
     it was after the shard before.
     """
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
-    there = (folder / "index.json").exists()
-    index = _of_source(folder, _read_index(folder / "index.json"), source) if there else None
-    counts: list[int] = index["shards"] if index else []
-    sensor = _sensor(folder, index) if index else None
-    for shard in _shards(pairs):
-        for scan, condition_image, _ in shard:
-            sensor = sensor or scan.sensor
-            for image in (scan, condition_image):
-                if image.sensor != sensor:
-                    raise FormatError(f"{folder} holds pairs of {sensor.name}; this one is of {image.sensor.name}")
-        rows = [_compact(scan, condition_image) for scan, condition_image, _ in shard]
-        images = {name: np.stack([row[name] for row in rows]) for name in _IMAGES}
-        _write(folder / f"{len(counts):05d}.npz", images, [note for _, _, note in shard])
-        counts.append(len(rows))
-        _write_index(folder / "index.json", sensor, counts, source)
-        yield sum(counts)
+    with locked_folder(folder):
+        there = (folder / "index.json").exists()
+        index = _of_source(folder, _read_index(folder / "index.json"), source) if there else None
+        counts: list[int] = index["shards"] if index else []
+        if start is not None and start != sum(counts):
+            raise FormatError(f"{folder} holds {sum(counts)} pairs, no longer {start}: another process has added some")
+        for left in folder.glob("*.partial"):  # by a process that was killed
+            left.unlink()
+        sensor = _sensor(folder, index) if index else None
+        for shard in _shards(pairs):
+            for scan, condition_image, _ in shard:
+                sensor = sensor or scan.sensor
+                for image in (scan, condition_image):
+                    if image.sensor != sensor:
+                        raise FormatError(f"{folder} holds pairs of {sensor.name}; this one is of {image.sensor.name}")
+            rows = [_compact(scan, condition_image) for scan, condition_image, _ in shard]
+            images = {name: np.stack([row[name] for row in rows]) for name in _IMAGES}
+            _write(folder / f"{len(counts):05d}.npz", images, [note for _, _, note in shard])
+            counts.append(len(rows))
+            _write_index(folder / "index.json", sensor, counts, source)
+            yield sum(counts)
 
 
 class PairFolder:
     """The pairs of a prepared folder, held in memory: 0.46 MB for each pair of 64 x 1024.
 
-    `folder[i]` is a (scan, drawing) pair with depth to the millimetre, label, and the scan's intensity; instances are
-    not kept. `notes[i]` is what was noted of it, `checksum` that of all images. Raises `FormatError` naming the file
-    that is missing, truncated or not ours.
+    `folder[i]` is a (scan, condition image) pair with depth to the millimetre, label, and the scan's intensity;
+    instances are not kept. `notes[i]` is what was noted of it, `checksum` that of all images. Raises `FormatError`
+    naming the file that is missing, truncated or not ours.
     """
 
     def __init__(self, directory: str | os.PathLike[str]) -> None:
@@ -105,22 +116,44 @@ class PairFolder:
         return len(self._images["scan_depth"])
 
     def __getitem__(self, i: int) -> Pair:
-        image = {name: images[i] for name, images in self._images.items()}
-        shape = self.sensor.shape
-        scan = RangeImage(
-            sensor=self.sensor,
-            depth=image["scan_depth"] * np.float32(_STEP),
-            label=image["scan_label"],
-            instance=np.zeros(shape, dtype=np.uint32),
-            intensity=image["scan_intensity"] * np.float32(1 / 255),
-        )
-        condition_image = RangeImage(
-            sensor=self.sensor,
-            depth=image["condition_depth"] * np.float32(_STEP),
-            label=image["condition_label"],
-            instance=np.zeros(shape, dtype=np.uint32),
-        )
-        return scan, condition_image
+        return _pair(self.sensor, {name: images[i] for name, images in self._images.items()})
+
+
+def is_shard(path: str | os.PathLike[str]) -> bool:
+    """Whether a file is a shard of pairs, as far as its names of images tell."""
+    if not zipfile.is_zipfile(path):
+        return False
+    with zipfile.ZipFile(path) as archive:
+        return {f"{name}.npy" for name in _IMAGES} <= set(archive.namelist())
+
+
+def read_shard(path: str | os.PathLike[str]) -> list[NotedPair]:
+    """The pairs of one file of a folder, whose index says their sensor; raises `FormatError`."""
+    shard = Path(path)
+    index = _read_index(shard.parent / "index.json")
+    sensor = _sensor(shard.parent, index)
+    counts = {f"{number:05d}.npz": count for number, count in enumerate(index["shards"])}
+    if shard.name not in counts:
+        raise FormatError(f"{shard} is not in the index.json beside it")
+    images, notes = _read(shard, (counts[shard.name], *sensor.shape))
+    return [(*_pair(sensor, {name: rows[i] for name, rows in images.items()}), note) for i, note in enumerate(notes)]
+
+
+def _pair(sensor: Sensor, image: dict[str, np.ndarray]) -> Pair:
+    scan = RangeImage(
+        sensor=sensor,
+        depth=image["scan_depth"] * np.float32(_STEP),
+        label=image["scan_label"],
+        instance=np.zeros(sensor.shape, dtype=np.uint32),
+        intensity=image["scan_intensity"] * np.float32(1 / 255),
+    )
+    condition_image = RangeImage(
+        sensor=sensor,
+        depth=image["condition_depth"] * np.float32(_STEP),
+        label=image["condition_label"],
+        instance=np.zeros(sensor.shape, dtype=np.uint32),
+    )
+    return scan, condition_image
 
 
 def _shards(pairs: Iterable[NotedPair]) -> Iterator[list[NotedPair]]:

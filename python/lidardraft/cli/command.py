@@ -1,0 +1,62 @@
+"""How commands are declared, run, and end: exit status 0; 2 and one line on stderr where the input is wrong; 130."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import warnings
+from collections.abc import Callable, Sequence
+
+from lidardraft.errors import LidarDraftError
+
+Command = Callable[[argparse.Namespace], None]
+
+
+def commands_of(parser: argparse.ArgumentParser) -> Callable[[str, Command], argparse.ArgumentParser]:
+    """How to add a command to a parser: its name and the function that runs it, whose docstring is its help."""
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", title="commands")
+
+    def command(name: str, function: Command) -> argparse.ArgumentParser:
+        text = " ".join((function.__doc__ or "").split())
+        added = commands.add_parser(name, help=text, description=text)
+        added.set_defaults(command=function)
+        return added
+
+    return command
+
+
+def run(parser: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
+    """Run the command that the arguments name, and give its exit status."""
+    words = sys.argv[1:] if argv is None else argv
+    if not words:
+        parser.print_help(sys.stderr)
+        return 2
+    arguments = parser.parse_args(words)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("default", UserWarning)
+            warnings.showwarning = lambda message, *_, **__: say(parser.prog, message)
+            arguments.command(arguments)
+            sys.stdout.flush()
+    except KeyboardInterrupt:
+        say(parser.prog, "interrupted")
+        return 130
+    except BrokenPipeError:  # who read our output has gone, as in `lidardraft evaluate | head -1`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
+    except LidarDraftError as error:
+        say(parser.prog, error)
+        return 2
+    except OSError as error:
+        say(parser.prog, f"{error.filename}: {error.strerror}" if error.filename else error)
+        return 2
+    return 0
+
+
+def say(prog: str, message: object) -> None:
+    """One line on stderr; what a terminal would obey, such as in a name out of a broken file, is spelled out."""
+    from tqdm import tqdm  # which moves its bars out of the way
+
+    text = "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in str(message))
+    tqdm.write(f"{prog}: {text}", file=sys.stderr)

@@ -1,0 +1,25 @@
+"""`lidardraft draft`: the layout of an input, to look at and to edit."""
+
+from __future__ import annotations
+
+import argparse
+
+from lidardraft.cli.arguments import add_sensor
+from lidardraft.cli.inputs import add_inputs, read_layout
+
+
+def draft(arguments: argparse.Namespace) -> None:
+    """Make a layout, a JSON file of boxes and other shapes that can be edited, from a sentence, a labelled scan or a
+    3D model."""
+    layout = read_layout(arguments)
+    layout.save(arguments.output)
+    objects = len(layout.boxes())
+    print(f"{arguments.output}: {len(layout)} shapes, {objects} of them objects with a box")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of the command."""
+    inputs = add_inputs(parser, layout=False)
+    add_sensor(inputs, of=" that took --points, for its height over the road")
+    output = parser.add_argument_group("output")
+    output.add_argument("-o", "--output", required=True, metavar="LAYOUT.json", help="where the layout goes")

@@ -1,0 +1,92 @@
+"""What a layout is made of: a sentence, a labelled scan, a 3D model, or a layout file."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from lidardraft.cli.arguments import add_seed
+from lidardraft.cli.command import say
+from lidardraft.errors import FormatError
+from lidardraft.scene.layout import Layout
+from lidardraft.scene.sensor import Sensor
+
+# Options that say more about an input, by the option that names the input.
+_GOES_WITH = {"labels": "points", "classes": "obj", "up": "obj", "scale": "obj"}
+
+
+def add_inputs(parser: argparse.ArgumentParser, *, layout: bool = True) -> argparse._ArgumentGroup:
+    """The inputs, of which a command takes one, in a group of their own; `layout`: whether a layout file is one."""
+    group = parser.add_argument_group("input (exactly one of --text, --points, --obj" + ", --layout" * layout + ")")
+    one = group.add_mutually_exclusive_group(required=True)
+    one.add_argument("--text", metavar="SENTENCE", help='what is on the road, in English: "two cars on the left"')
+    one.add_argument("--points", metavar="FILE.bin", help="a scan: KITTI .bin, float32 x y z [m] and intensity")
+    one.add_argument("--obj", metavar="FILE.obj", help="a 3D model: Wavefront OBJ with the ego vehicle at its origin")
+    if layout:
+        one.add_argument("--layout", metavar="LAYOUT.json", help="a layout, as `lidardraft draft` writes it")
+    group.add_argument("--labels", metavar="FILE.label", help="the SemanticKITTI labels of --points")
+    group.add_argument(
+        "--class",
+        dest="classes",
+        action="append",
+        metavar="NAME=CLASS",
+        help="class of the objects or materials of that name in --obj, where their names are no classes; repeatable",
+    )
+    group.add_argument("--up", choices=("y", "z"), help="axis that points up in --obj (default z)")
+    group.add_argument("--scale", type=float, metavar="M", help="length of a unit of --obj, in metres (default 1)")
+    add_seed(group)
+    return group
+
+
+def read_layout(arguments: argparse.Namespace) -> Layout:
+    """The layout that the arguments ask for; what is not understood of a sentence is said on stderr."""
+    for name, needed in _GOES_WITH.items():
+        if getattr(arguments, name) is not None and getattr(arguments, needed) is None:
+            raise FormatError(f"--{'class' if name == 'classes' else name} goes with --{needed}")
+    if arguments.text is not None:
+        return _from_text(arguments.text, arguments.seed)
+    if arguments.points is not None:
+        return _from_points(arguments)
+    if arguments.obj is not None:
+        from lidardraft.formats.obj import read_obj
+
+        scale = 1.0 if arguments.scale is None else arguments.scale
+        return read_obj(arguments.obj, _classes(arguments.classes or []), up=arguments.up or "z", scale=scale)
+    return Layout.load(arguments.layout)
+
+
+def sensor_beside(scan: str | Path) -> Sensor | None:
+    """The sensor of a scan, where `generate` has written it beside the scan: NAME.sensor.json beside NAME.bin."""
+    path = Path(scan).with_suffix(".sensor.json")
+    return Sensor.preset(path) if path.exists() else None
+
+
+def _from_text(text: str, seed: int) -> Layout:
+    from lidardraft.drafting.text import layout_from_text
+
+    layout = layout_from_text(text, seed=seed)
+    if layout.provenance["not_understood"]:
+        say("lidardraft", f"not understood: {', '.join(layout.provenance['not_understood'])}")
+    return layout
+
+
+def _from_points(arguments: argparse.Namespace) -> Layout:
+    from lidardraft.drafting.cloud import layout_from_cloud
+    from lidardraft.formats import kitti, semantickitti
+
+    if arguments.labels is None:
+        raise FormatError("--points needs --labels: a layout is made of classes")
+    points, _ = kitti.read_bin(arguments.points)
+    labels, instances = semantickitti.read_label(arguments.labels, len(points))
+    sensor = sensor_beside(arguments.points) or Sensor.preset(arguments.sensor)
+    return layout_from_cloud(points, labels, instances=instances, sensor_height=sensor.mount_height)
+
+
+def _classes(given: list[str]) -> dict[str, str]:
+    classes = {}
+    for text in given:
+        name, sign, label = text.rpartition("=")
+        if not (name and sign and label):
+            raise FormatError(f"--class is {text!r}; it must be NAME=CLASS, as in Cube.001=car")
+        classes[name] = label
+    return classes

@@ -1,0 +1,62 @@
+"""`lidardraft view`: a picture of a file."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from lidardraft.cli.arguments import DEFAULT_SENSOR, add_sensor
+from lidardraft.cli.command import say
+from lidardraft.cli.inputs import sensor_beside
+from lidardraft.errors import FormatError
+from lidardraft.scene.sensor import Sensor
+
+_PAIRS_SHOWN = 6
+
+
+def view(arguments: argparse.Namespace) -> None:
+    """Render a picture of a scan (.bin, with the .label beside it), a range image (.npz), a file of training pairs
+    (.npz) or a layout (.json)."""
+    from lidardraft.view import save_png
+
+    path = Path(arguments.path)
+    picture = _pictured(path, arguments.sensor)
+    output = Path(arguments.output) if arguments.output else path.with_suffix(".view.png")
+    save_png(picture, output)
+    print(output)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of the command."""
+    parser.add_argument("path", metavar="FILE", help="a .bin, .npz or .json file")
+    add_sensor(parser, default=None, of=" that took a .bin or is to see a layout; a scan's own where it is known")
+    parser.add_argument("-o", "--output", metavar="PICTURE.png", help="where the picture goes (default FILE.view.png)")
+
+
+def _pictured(path: Path, name: str | None) -> np.ndarray:
+    from lidardraft.training.pairs import is_shard, read_shard
+    from lidardraft.view import render_file, render_pair, stack
+
+    if path.suffix != ".npz":
+        return render_file(path, _sensor(path, name))
+    if name is not None:
+        raise FormatError(f"{path} says by which sensor it is; --sensor is for .bin and .json files")
+    if not is_shard(path):
+        return render_file(path, Sensor.preset(DEFAULT_SENSOR))
+    pairs = read_shard(path)
+    if len(pairs) > _PAIRS_SHOWN:
+        say("lidardraft", f"{path} holds {len(pairs)} pairs; the picture shows the first {_PAIRS_SHOWN}")
+    return stack([render_pair(scan, condition_image) for scan, condition_image, _ in pairs[:_PAIRS_SHOWN]])
+
+
+def _sensor(path: Path, name: str | None) -> Sensor:
+    if name is not None:
+        return Sensor.preset(name)
+    if path.suffix == ".bin":
+        if sensor := sensor_beside(path):
+            return sensor
+        if path.exists():
+            say("lidardraft", f"{path} is taken for a scan of {DEFAULT_SENSOR}; if it is not, give its --sensor")
+    return Sensor.preset(DEFAULT_SENSOR)

@@ -1,0 +1,63 @@
+"""The processes that make pairs: they end with the process that started them, however that ends."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+
+from lidardraft.errors import LidarDraftError
+
+
+@contextmanager
+def process_pools(count: int) -> Iterator[list[ProcessPoolExecutor]]:
+    """`count` pools of one process each; all have ended when the block is left.
+
+    Raises `LidarDraftError` in place of the block's error where one of the processes was killed.
+    """
+    context = multiprocessing.get_context("spawn")  # a fork would copy the threads' locks
+    pools = [ProcessPoolExecutor(1, mp_context=context, initializer=_follow_parent) for _ in range(count)]
+    try:
+        with _interrupts_held():
+            for pool in pools:
+                pool.submit(int)  # a pool starts its process with its first task
+        yield pools
+    except BrokenProcessPool:
+        raise LidarDraftError(
+            f"one of {count} worker processes was killed; with too little memory for {count}, ask for fewer workers"
+        ) from None
+    finally:
+        for pool in pools:
+            pool.shutdown(wait=False, cancel_futures=True)
+        for pool in pools:
+            pool.shutdown()
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Ctrl-C goes to every process of a terminal. Those started in this block never see it: their parent ends them."""
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _follow_parent() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it could not be held
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def end_after_parent() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=end_after_parent, daemon=True).start()

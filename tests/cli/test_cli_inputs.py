@@ -1,0 +1,126 @@
+"""What layouts are made of: sentences, labelled scans, 3D models, layout files."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lidardraft import Layout, Sensor
+from lidardraft.cli import main as cli
+from lidardraft.formats import kitti, semantickitti
+from lidardraft.semantics import BY_NAME
+
+# A cube of a metre on the ground, its y axis up.
+CUBE = """\
+o Cube.001
+v 9 0 0
+v 10 0 0
+v 10 1 0
+v 9 1 0
+v 9 0 1
+v 10 0 1
+v 10 1 1
+v 9 1 1
+f 1 2 3 4
+f 5 6 7 8
+f 1 2 6 5
+f 2 3 7 6
+f 3 4 8 7
+f 4 1 5 8
+"""
+
+
+def test_an_obj_file_is_read_with_its_classes_axis_and_unit() -> None:
+    Path("scene.obj").write_text(CUBE)
+    options = ["--class", "Cube.001=car", "--up", "y", "--scale", "2"]
+    assert cli.main(["draft", "--obj", "scene.obj", *options, "-o", "layout.json"]) == 0
+    (box,) = Layout.load("layout.json").boxes()
+    assert box.label == "car"
+    np.testing.assert_allclose(box.center, (19, -1, 1))
+    np.testing.assert_allclose(box.size, (2, 2, 2))
+    assert cli.main(["raycast", "--obj", "scene.obj", *options, "--sensor", "small.json", "-o", "image.npz"]) == 0
+
+
+def test_what_is_wrong_with_an_obj_file(refused: Callable[..., str]) -> None:
+    Path("scene.obj").write_text(CUBE)
+    draft = ("draft", "-o", "layout.json", "--obj", "scene.obj")
+    assert "scene.obj: no class for Cube.001" in refused(*draft)
+    assert "--class" in refused(*draft)
+    assert "did you mean 'car'?" in refused(*draft, "--class", "Cube.001=cra")
+    assert "--class is 'Cube.001'; it must be NAME=CLASS" in refused(*draft, "--class", "Cube.001")
+    assert "scale is 0" in refused(*draft, "--class", "Cube.001=car", "--scale", "0")
+    assert "nowhere.obj" in refused("draft", "-o", "layout.json", "--obj", "nowhere.obj")
+
+
+@pytest.mark.parametrize(
+    ("option", "said"),
+    [
+        (["--labels", "a.label"], "--labels goes with --points"),
+        (["--class", "a=car"], "--class goes with --obj"),
+        (["--up", "y"], "--up goes with --obj"),
+        (["--scale", "1"], "--scale goes with --obj"),
+    ],
+)
+def test_options_of_other_inputs_are_refused(refused: Callable[..., str], option: list[str], said: str) -> None:
+    assert said in refused("draft", "--text", "a car ahead", *option, "-o", "layout.json")
+
+
+def test_a_sentence_or_a_scan_that_says_nothing(refused: Callable[..., str]) -> None:
+    assert "xyzzy" in refused("draft", "--text", "xyzzy", "-o", "layout.json")
+    Path("short.bin").write_bytes(b"12345")
+    Path("short.label").write_bytes(b"1234")
+    short = ["--points", "short.bin", "-o", "layout.json"]
+    assert "short.bin" in refused("draft", *short, "--labels", "short.label")
+    assert "--points needs --labels" in refused("draft", *short)
+
+
+def test_a_scan_is_read_from_the_height_of_its_own_sensor() -> None:
+    """The sensor that is written beside a scan comes before the one that scans are asked of."""
+    ground = np.stack([*np.meshgrid(np.linspace(2, 20, 60), np.linspace(-8, 8, 60)), np.full((60, 60), -3.0)], axis=-1)
+    points = ground.reshape(-1, 3).astype(np.float32)
+    kitti.write_bin("scan.bin", points, np.zeros(len(points), np.float32))
+    road = np.full(len(points), BY_NAME["road"].id)
+    semantickitti.write_label("scan.label", road, np.zeros_like(road))
+    high = Sensor(name="high", elevations=(0.0, -0.1), columns=64, mount_height=3.0)
+    Path("scan.sensor.json").write_text(high.to_json())
+    assert cli.main(["draft", "--points", "scan.bin", "--labels", "scan.label", "-o", "layout.json"]) == 0
+    heights = [primitive.center[2] for primitive in Layout.load("layout.json") if primitive.label == "road"]
+    np.testing.assert_allclose(heights, 0, atol=0.05)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"size": [4, 2, 0]}, "every extent must be > 0"),
+        ({"size": [4, 2]}, "size"),
+        ({"center": [0, 0, float("nan")]}, "center"),
+        ({"yaw": float("inf")}, "yaw"),
+        ({"label": "unicorn"}, "unicorn"),
+        ({"label": "cars"}, "did you mean 'car'?"),
+        ({"shape": "blob"}, "blob"),
+        ({"colour": "red"}, "colour"),
+        ({"shape": "mesh", "vertices": [[0, 0, float("nan")]] * 3, "faces": [[0, 1, 2]]}, "vertex 0"),
+        ({"shape": "mesh", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 7]]}, "face 0"),
+    ],
+)
+def test_bad_layouts_are_one_line(refused: Callable[..., str], change: dict[str, object], said: str) -> None:
+    car = {
+        "shape": "box",
+        "center": [9, 0, 1],
+        "size": [4, 2, 2],
+        "yaw": 0,
+        "label": "car",
+        "id": "car_1",
+        "instance": 1,
+    }
+    document = {"schema": "lidardraft.layout/1", "primitives": [{**car, **change}]}
+    Path("layout.json").write_text(json.dumps(document))
+    for command in (
+        ["raycast", "--layout", "layout.json", "-o", "a.npz"],
+        ["generate", "--layout", "layout.json", "-o", "out"],
+    ):
+        message = refused(*command)
+        assert "layout.json" in message
+        assert said in message

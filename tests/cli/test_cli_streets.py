@@ -1,0 +1,56 @@
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from lidardraft.cli import main as cli
+from lidardraft.training.pairs import PairFolder
+
+SMALL = ["streets", "--sensor", "small.json", "--workers", "1"]
+
+
+def height(path: str) -> int:
+    with Image.open(path) as picture:
+        return picture.height
+
+
+def test_pairs_on_disk_go_on_where_they_stopped(capsys: pytest.CaptureFixture[str]) -> None:
+    argv = [*SMALL, "--seed", "3", "--output", "pairs"]
+    assert cli.main([*argv, "--num", "2"]) == 0
+    assert capsys.readouterr().out == "pairs: 2 pairs, 2 of them new\n"
+    first = PairFolder("pairs")
+    assert cli.main([*argv, "--num", "5"]) == 0
+    assert capsys.readouterr().out == (
+        "pairs: goes on after the 2 pairs that are there\npairs: 5 pairs, 3 of them new\n"
+    )
+    pairs = PairFolder("pairs")
+    assert [note["index"] for note in pairs.notes] == [0, 1, 2, 3, 4]
+    assert {note["style"]["source"] for note in pairs.notes} <= {"text", "cloud", "picture", "boxes"}
+    np.testing.assert_array_equal(pairs[1][0].depth, first[1][0].depth)
+    assert cli.main([*argv, "--num", "3"]) == 0
+    assert capsys.readouterr().out == "pairs: 5 pairs are there already; nothing to do\n"
+    assert len(PairFolder("pairs")) == 5
+
+
+def test_pairs_of_another_seed_are_refused(refused: Callable[..., str]) -> None:
+    assert cli.main([*SMALL, "--seed", "3", "--output", "pairs", "--num", "1"]) == 0
+    assert "seed 3" in refused(*SMALL, "--output", "pairs", "--num", "9")
+
+
+def test_a_picture_to_look_at(capsys: pytest.CaptureFixture[str]) -> None:
+    for num in ("1", "2"):
+        assert cli.main([*SMALL, "-n", num, "--look", f"{num}.png"]) == 0
+    assert capsys.readouterr().out == "1.png\n2.png\n"
+    assert height("2.png") > 1.9 * height("1.png")
+
+
+def test_a_picture_has_a_limit(refused: Callable[..., str]) -> None:
+    assert "--num is 101; a picture shows up to 100 streets" in refused(*SMALL, "-n", "101", "--look")
+
+
+@pytest.mark.parametrize("to", [[], ["--look", "a.png", "--output", "pairs"]])
+def test_one_output_is_asked_for(capsys: pytest.CaptureFixture[str], to: list[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        cli.main([*SMALL, *to])
+    assert "--look" in capsys.readouterr().err

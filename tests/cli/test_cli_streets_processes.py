@@ -1,0 +1,87 @@
+"""`lidardraft streets` and the processes it starts, under real signals."""
+
+import os
+import signal
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from processes import Command, wait_for
+
+from lidardraft.training.pairs import PairFolder
+
+pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="there is no process table in /proc")
+
+ENDLESS = ("streets", "--sensor", "small.json", "--num", "1000000", "--poses", "32", "--output", "pairs")
+
+
+@pytest.fixture
+def start(folder: Path) -> Iterator[Callable[..., Command]]:
+    commands: list[Command] = []
+
+    def begin(*argv: str) -> Command:
+        commands.append(Command(*argv, folder=folder))
+        return commands[-1]
+
+    yield begin
+    for command in commands:
+        command.stop()
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+def test_workers_end_with_their_parent(start: Callable[..., Command], number: signal.Signals) -> None:
+    command = start(*ENDLESS, "--workers", "2")
+    wait_for(Path("pairs/index.json").exists)
+    assert len(command.workers()) == 2
+    os.kill(command.process.pid, number)
+    wait_for(lambda: not command.members(), seconds=20)
+    assert command.ended()[0] == -number
+
+
+@pytest.mark.parametrize("early", [True, False])
+def test_an_interrupt_is_one_line(start: Callable[..., Command], early: bool) -> None:
+    command = start(*ENDLESS, "--workers", "2")
+    # early: the workers are still loading
+    wait_for(lambda: len(command.workers()) == 2 if early else Path("pairs/index.json").exists())
+    command.interrupt()
+    status, _, err = command.ended()
+    assert (status, err) == (130, "lidardraft: interrupted\n")
+    wait_for(lambda: not command.members(), seconds=20)
+    assert not list(Path("pairs").glob("*.partial"))
+
+
+def test_a_killed_worker_is_one_line(start: Callable[..., Command]) -> None:
+    command = start(*ENDLESS, "--workers", "2")
+    wait_for(Path("pairs/index.json").exists)
+    os.kill(command.workers()[0], signal.SIGKILL)
+    status, _, err = command.ended()
+    assert status == 2
+    assert err.count("\n") == 1
+    assert "worker" in err
+    wait_for(lambda: not command.members(), seconds=20)
+
+
+def test_a_folder_that_is_being_written_is_refused(start: Callable[..., Command]) -> None:
+    first = start(*ENDLESS, "--workers", "1")
+    wait_for(Path("pairs/.lock").exists)
+    status, _, err = start(*ENDLESS, "--workers", "1").ended()
+    assert status == 2
+    assert err.count("\n") == 1
+    assert f"pairs is being written by process {first.process.pid} on " in err
+    wait_for(Path("pairs/index.json").exists)
+    os.kill(first.process.pid, signal.SIGKILL)
+    first.ended()
+    # the lock has died with its holder
+    argv = ("streets", "--sensor", "small.json", "--poses", "32", "--workers", "1", "--output", "pairs", "--num")
+    held = len(PairFolder("pairs"))
+    assert start(*argv, str(held + 1)).ended()[0] == 0
+    assert [note["index"] for note in PairFolder("pairs").notes] == list(range(held + 1))
+
+
+def test_two_that_start_together_leave_one_whole_folder(start: Callable[..., Command]) -> None:
+    argv = ("streets", "--sensor", "small.json", "--poses", "32", "--num", "128", "--workers", "1", "--output", "pairs")
+    both = [start(*argv, "--seed", seed) for seed in ("0", "1")]
+    statuses = sorted(command.ended()[0] for command in both)
+    assert statuses == [0, 2]
+    pairs = PairFolder("pairs")
+    assert [note["index"] for note in pairs.notes] == list(range(128))

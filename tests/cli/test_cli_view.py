@@ -1,0 +1,65 @@
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
+from lidardraft.cli import main as cli
+from lidardraft.formats import kitti
+from lidardraft.training.pairs import write_pairs
+
+ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(100, 8, 0), label="road", id="road")
+
+
+def height(path: str) -> int:
+    with Image.open(path) as picture:
+        return picture.height
+
+
+@pytest.fixture
+def image() -> RangeImage:
+    return raycast(Layout((ROAD,)), Sensor.preset("small.json"))
+
+
+def test_layouts_and_range_images(image: RangeImage, capsys: pytest.CaptureFixture[str]) -> None:
+    image.save("image.npz")
+    Layout((ROAD,)).save("layout.json")
+    assert cli.main(["view", "image.npz"]) == 0
+    assert cli.main(["view", "layout.json", "--sensor", "small.json", "-o", "picture.png"]) == 0
+    captured = capsys.readouterr()
+    assert (captured.out, captured.err) == ("image.view.png\npicture.png\n", "")
+    assert Path("image.view.png").stat().st_size > 1000
+    assert Path("picture.png").stat().st_size > 1000
+
+
+def test_the_sensor_of_a_scan_is_known_given_or_said(image: RangeImage, capsys: pytest.CaptureFixture[str]) -> None:
+    points = image.points()
+    kitti.write_bin("scan.bin", points, np.zeros(len(points), np.float32))
+    assert cli.main(["view", "scan.bin", "-o", "guessed.png"]) == 0
+    assert "scan.bin is taken for a scan of hdl64e; if it is not, give its --sensor\n" in capsys.readouterr().err
+    assert cli.main(["view", "scan.bin", "--sensor", "small.json", "-o", "given.png"]) == 0
+    Path("scan.sensor.json").write_text(image.sensor.to_json())
+    assert cli.main(["view", "scan.bin", "-o", "known.png"]) == 0
+    assert capsys.readouterr().err == ""
+    assert Path("given.png").read_bytes() == Path("known.png").read_bytes() != Path("guessed.png").read_bytes()
+
+
+def test_training_pairs(image: RangeImage, capsys: pytest.CaptureFixture[str]) -> None:
+    list(write_pairs("pairs", [(image, image, {})] * 7))
+    list(write_pairs("pairs", [(image, image, {})]))
+    assert cli.main(["view", "pairs/00000.npz"]) == 0
+    assert "holds 7 pairs; the picture shows the first 6" in capsys.readouterr().err
+    assert cli.main(["view", "pairs/00001.npz"]) == 0
+    heights = [height(f"pairs/0000{number}.view.png") for number in range(2)]
+    assert heights[0] > 5 * heights[1]
+
+
+def test_bad_input_is_one_line(image: RangeImage, refused: Callable[..., str]) -> None:
+    assert "there is no picture of .txt" in refused("view", "small.txt")
+    image.save("image.npz")
+    assert "--sensor is for" in refused("view", "image.npz", "--sensor", "hdl64e")
+    list(write_pairs("pairs", [(image, image, {})]))
+    Path("pairs/index.json").unlink()
+    assert "index.json" in refused("view", "pairs/00000.npz")
