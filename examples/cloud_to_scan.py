@@ -33,7 +33,11 @@ def main() -> None:
     scan.save(folder / "000000")
     views = [
         view.caption(view.render_scan(image, scan.pose, by_label=True), name)
-        for name, image in (("real scan", real), ("condition image", scan.condition_image), ("generated scan", scan.image))
+        for name, image in (
+            ("real scan", real),
+            ("condition image", scan.condition_image),
+            ("generated scan", scan.image),
+        )
     ]
     images = [
         view.caption(view.render_image(image), name)
