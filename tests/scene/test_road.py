@@ -37,6 +37,24 @@ def test_the_frame_is_square_and_its_heading_true(road: Road, along: float, acro
     np.testing.assert_allclose(ahead, [math.cos(heading), math.sin(heading)], atol=1e-4)
 
 
+@settings(max_examples=50)
+@given(roads, st.lists(st.tuples(st.floats(-60, 60), st.floats(-20, 20)), min_size=1, max_size=5))
+def test_many_places_are_those_of_each_and_lead_back(road: Road, places: list[tuple[float, float]]) -> None:
+    along, across = np.array(places).T
+    x, y, heading = road.at(along, across)
+    assert np.stack([x, y, heading], axis=1) == pytest.approx(np.array([road.at(*place) for place in places]), abs=1e-9)
+    assert road.points(along, across) == pytest.approx(np.stack([x, y], axis=1))
+    assert np.stack(road.along_across(x, y), axis=1) == pytest.approx(np.array(places), abs=1e-7)
+    assert road.along_across(*road.at(*places[0])[:2]) == pytest.approx(places[0], abs=1e-7)
+
+
+def test_points_broadcast() -> None:
+    for curvature in (0.0, 0.01):
+        points = Road(curvature=curvature).points(np.arange(4.0)[:, None], np.arange(3.0)[None, :])
+        assert points.shape == (4, 3, 2)
+        assert points[2, 1] == pytest.approx(Road(curvature=curvature).at(2.0, 1.0)[:2])
+
+
 def test_bends_turn_the_right_way() -> None:
     assert Road(curvature=0.01).at(50, 0)[1] > Road().at(50, 0)[1] > Road(curvature=-0.01).at(50, 0)[1]
 

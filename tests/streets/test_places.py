@@ -13,7 +13,6 @@ from lidardraft.scene.road import LEFT, RIGHT
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.streets.ego import EGO_SIZE, Ego, mount, sample_ego
 from lidardraft.streets.ground.ground import _cut
-from lidardraft.streets.ground.relief import positions
 from lidardraft.streets.placement.car_parks import AISLE, BAY_LENGTH, BAY_WIDTH
 from lidardraft.streets.placement.district import DISTRICTS
 from lidardraft.streets.placement.lanes import Lane
@@ -158,7 +157,7 @@ def test_heights_and_classes_are_those_of_the_mesh():
         rng = np.random.default_rng(2)
         along, across = rng.uniform(-100, 100, 500), rng.uniform(-40, 40, 500)
         bare = [p for p in occupancy.ground.surfaces() if p.id not in ("drives", "markings")]
-        origins = np.column_stack([positions(occupancy.road, along, across), np.full(500, 30.0)])
+        origins = np.column_stack([occupancy.road.points(along, across), np.full(500, 30.0)])
         hits = Raycaster(Layout(primitives=tuple(bare))).cast(origins, down)
         off = np.abs(30.0 - hits.distance - occupancy.ground.heights(along, across))
         # chords of circles and bends move a kerb by some centimetres, and the island of a roundabout is made of facets
@@ -283,7 +282,7 @@ def test_levels_are_those_of_the_drawing():
         rng = np.random.default_rng(5)
         along, across = rng.uniform(-80, 80, 400), rng.uniform(-30, 30, 400)
         condition_image = Raycaster(Layout(primitives=tuple(occupancy.road.surfaces())))
-        origins = np.column_stack([positions(occupancy.road, along, across), np.full(400, 10.0)])
+        origins = np.column_stack([occupancy.road.points(along, across), np.full(400, 10.0)])
         top = 10.0 - condition_image.cast(origins, np.tile([0.0, 0.0, -1.0], (400, 1))).distance
         # but for the chords of bends and circles, and the sidewalk that a drawing has across a way in
         assert (np.abs(top - occupancy.ground.levels(along, across)) < 1e-3).mean() > 0.97, occupancy.road

@@ -10,7 +10,6 @@ from lidardraft import Layout, Primitive, Raycaster, Sensor
 from lidardraft.scene.mesh import primitive_mesh
 from lidardraft.scene.road import LEFT, Road
 from lidardraft.streets.ground.ground import Ground
-from lidardraft.streets.ground.relief import positions
 from lidardraft.streets.placement.occupancy import Occupancy, object_spaces
 from lidardraft.streets.placement.occupancy import touch as close
 from lidardraft.streets.street import Street, make_street
@@ -119,13 +118,6 @@ def test_overlap_is_symmetric_and_right():
     assert (found == found.T).all()
     assert (found == [[touch(one, two) for two in spaces] for one in spaces]).all()
     assert 0.05 < found.mean() < 0.95
-
-
-@pytest.mark.parametrize("curvature", [0.0, 0.008, -0.004])
-def test_positions_are_those_of_the_road(curvature: float):
-    road = Road(curvature=curvature)
-    for along, across in ((0.0, 0.0), (33.0, -4.0), (-71.0, 20.0)):
-        assert positions(road, np.array(along), np.array(across)) == pytest.approx(road.at(along, across)[:2])
 
 
 def test_the_ground_has_kerbs_and_covers_the_street():

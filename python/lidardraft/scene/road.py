@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from types import ModuleType
+from typing import Any, overload
 
 import numpy as np
 
@@ -13,6 +15,7 @@ from lidardraft.scene.layout import Primitive
 LEFT, RIGHT = 1, -1  # sides of a road: the sign of `across`
 TERRAIN_HEIGHT = -0.05  # below the road, so that the road covers it
 KERB_HEIGHT = 0.12  # usual European kerb face, 10 to 15 cm
+_STRAIGHT = 1e-9  # 1/m, a bend that is none
 _SEGMENT = 2.0  # m; the chord of a 50 m bend leaves the arc by 1 cm
 _EXTENT = 200.0
 _SEEN_MEDIAN = 1.0  # m, a narrower one is no surface of its own
@@ -102,15 +105,40 @@ class Road:
             raise LayoutError(f"lane {number} of a road with {self.lanes} lanes in each direction")
         return -direction * (self.median / 2 + (self.lanes - number - 0.5) * self.lane_width)
 
-    def at(self, along: float, across: float) -> tuple[float, float, float]:
-        """x, y [m] and heading [rad] of the layout's frame; the ego is in the middle of its lane at x = y = 0."""
+    @overload
+    def at(self, along: float, across: float) -> tuple[float, float, float]: ...
+    @overload
+    def at(self, along: np.ndarray, across: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]: ...
+    def at(self, along: Any, across: Any) -> tuple[Any, Any, Any]:
+        """x, y [m] and heading [rad] of the layout's frame; the ego is in the middle of its lane at x = y = 0.
+
+        For numbers, or for arrays that broadcast.
+        """
         bend, ego = self.curvature, self.lane(self.ego_lane)
-        heading = bend * along
-        if abs(bend) < 1e-9:
-            return along, across - ego, 0.0
-        x = math.sin(heading) / bend - math.sin(heading) * across
-        y = (1.0 - math.cos(heading)) / bend + math.cos(heading) * across - ego
-        return x, y, heading
+        heading = bend * along + 0.0  # never minus zero
+        if abs(bend) < _STRAIGHT:
+            return along, across - ego, heading
+        functions = _functions(heading)
+        sin, cos = functions.sin(heading), functions.cos(heading)
+        return sin / bend - sin * across, (1.0 - cos) / bend + cos * across - ego, heading
+
+    @overload
+    def along_across(self, x: float, y: float) -> tuple[float, float]: ...
+    @overload
+    def along_across(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]: ...
+    def along_across(self, x: Any, y: Any) -> tuple[Any, Any]:
+        """The inverse of `at`: along and across [m] of places x, y [m] on this side of a bend's centre."""
+        bend, ego = self.curvature, self.lane(self.ego_lane)
+        if abs(bend) < _STRAIGHT:
+            return x, y + ego
+        functions, sign = _functions(x), math.copysign(1.0, bend)
+        inward = 1.0 / bend - (y + ego)
+        arc_tangent = np.arctan2 if functions is np else math.atan2
+        return arc_tangent(sign * x, sign * inward) / bend, 1.0 / bend - sign * functions.hypot(x, inward)
+
+    def points(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
+        """x, y [..., 2] of the layout's frame, of places along and across [m] that broadcast."""
+        return np.stack(np.broadcast_arrays(*self.at(along, across)[:2]), axis=-1)
 
     def in_junction(self, along: float, margin: float = 0.0) -> bool:
         """Whether `along` lies where the crossing road or the roundabout (with sidewalks) passes."""
@@ -207,3 +235,8 @@ class Road:
                 a, b = row * width + edge, row * width + edge + 1
                 faces += [(a, b, b + width), (a, b + width, a + width)]
         return Primitive.from_mesh(np.array(vertices), np.array(faces), label=label, id=id)
+
+
+def _functions(value: float | np.ndarray) -> ModuleType:
+    """Where the sines of a number or an array are taken from: for a single number, numpy's take ten times as long."""
+    return np if isinstance(value, np.ndarray) else math

@@ -11,7 +11,6 @@ from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.road import Road
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.semantics import BY_NAME, CLASSES
-from lidardraft.streets.ground.relief import positions
 
 _STEP = 4.0  # m along the road
 _BESIDE = (*np.arange(1.5, 13.0, 2.5), *np.arange(14.0, 75.0, 5.0))  # m from the verge
@@ -30,8 +29,8 @@ class GroundMesh:
     def __init__(self, road: Road, surfaces: list[Primitive]) -> None:
         caster = Raycaster(Layout(primitives=tuple(surfaces)))
         along, across = _lines(road)
-        corners = positions(road, *np.meshgrid(along, across, indexing="ij"))
-        middles = positions(road, *np.meshgrid(_middles(along), _middles(across), indexing="ij"))
+        corners = road.points(*np.meshgrid(along, across, indexing="ij"))
+        middles = road.points(*np.meshgrid(_middles(along), _middles(across), indexing="ij"))
         height, label = _looked_down(caster, corners)[0], _looked_down(caster, middles)[1]
         corner = np.arange(height.size).reshape(height.shape)
         quads = np.stack([corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]], axis=-1)

@@ -128,7 +128,7 @@ def _settled(placed: PlacedObject, alignment: Alignment, road: Road, rows: np.nd
     """x, y [m] and yaw [rad] of the object along the road, near the middle of a row if it stands in one."""
     if alignment is Alignment.FREE:
         return placed.x, placed.y, placed.yaw
-    along, across = _along_across(road, placed.x, placed.y)
+    along, across = road.along_across(placed.x, placed.y)
     heading = road.curvature * along
     turn = math.remainder(placed.yaw - heading, math.tau)
     square = round(turn / (math.pi / 2)) * math.pi / 2
@@ -143,13 +143,3 @@ def _settled(placed: PlacedObject, alignment: Alignment, road: Road, rows: np.nd
             across = float(np.clip(across, row - LANE_OFFSET, row + LANE_OFFSET))
     x, y, heading = road.at(along, across)
     return x, y, heading + turn
-
-
-def _along_across(road: Road, x: float, y: float) -> tuple[float, float]:
-    """The inverse of `Road.at`."""
-    ego, bend = road.lane(road.ego_lane), road.curvature
-    if abs(bend) < 1e-9:
-        return x, y + ego
-    sign = math.copysign(1.0, bend)
-    inward = 1.0 / bend - (y + ego)
-    return math.atan2(sign * x, sign * inward) / bend, 1.0 / bend - sign * math.hypot(x, inward)

@@ -7,7 +7,7 @@ import numpy as np
 from lidardraft.objects.mesh import quads, stepped_grid
 from lidardraft.scene.layout import Primitive
 from lidardraft.scene.road import KERB_HEIGHT, TERRAIN_HEIGHT, PavedArea, Road
-from lidardraft.streets.ground.relief import SECTION, Land, Relief, positions
+from lidardraft.streets.ground.relief import SECTION, Land, Relief
 from lidardraft.streets.ground.roundabout import RoundaboutMesh
 
 # What the ground is made of, and its classes.
@@ -117,12 +117,12 @@ class Ground:
         middle = np.meshgrid((along[1:] + along[:-1]) / 2, (across[1:] + across[:-1]) / 2, indexing="ij")
         kinds = self.kinds(*middle)
         hidden = None if self._roundabout is None else self._roundabout.covers(*middle)
-        xy = positions(self.road, along[:, None], across[None, :])
+        xy = self.road.points(along[:, None], across[None, :])
         pieces = [_cells(kinds, self._levels, xy, self._lattice, hidden)]
         if self._roundabout is not None:
             s, d = self._roundabout.along, self._roundabout.across
             inner = self.kinds(*self._roundabout.middles())
-            pieces.append(_cells(inner, self._levels, positions(self.road, s, d), self.relief.heights(s, d), None))
+            pieces.append(_cells(inner, self._levels, self.road.points(s, d), self.relief.heights(s, d), None))
         size = (500.0, 500.0, 0.0)
         far = Primitive(shape="plane", center=(0.0, 0.0, self.low - 0.5), size=size, label="terrain", id="far")
         primitives = [far]
@@ -145,7 +145,7 @@ class Ground:
         spans = _cut(_cut(spans, self._along, 0), self._across, 1)
         along, across = spans[:, [0, 1, 1, 0]], spans[:, [2, 2, 3, 3]]
         height = self.heights(along.ravel(), across.ravel()).reshape(along.shape)
-        return np.concatenate([positions(self.road, along, across), (height + _COAT)[..., None]], axis=-1)
+        return np.concatenate([self.road.points(along, across), (height + _COAT)[..., None]], axis=-1)
 
     def _paved(self) -> np.ndarray:
         """Corners [Q, 4, 3] of the drives, each in pieces that follow the land."""
@@ -156,7 +156,7 @@ class Ground:
         along = np.broadcast_to(ends[:, 0, [0, 0, 1, 1]][:, None], across.shape)
         height = self.heights(along.ravel(), across.ravel()).reshape(across.shape)
         # the rim lies at the verge, where the land begins
-        corners = np.concatenate([positions(self.road, along, across), (height + _PAVED)[..., None]], axis=-1)
+        corners = np.concatenate([self.road.points(along, across), (height + _PAVED)[..., None]], axis=-1)
         return corners.reshape(-1, 4, 3)
 
     def kinds(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:

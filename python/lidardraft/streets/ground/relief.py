@@ -123,14 +123,3 @@ def _section(road: Road, land: Land, rng: np.random.Generator) -> np.ndarray:
         bank = -bank
     shoulder = -0.03 if road.sidewalk == 0 else 0.0
     return np.array([0.0, shoulder, shoulder - ditch, shoulder - ditch, shoulder + 0.35 * bank, bank])
-
-
-def positions(road: Road, along: np.ndarray, across: np.ndarray) -> np.ndarray:
-    """x, y [..., 2] of points of the road's frame: `Road.at` for arrays that broadcast."""
-    bend, ego = road.curvature, road.lane(road.ego_lane)
-    if abs(bend) < 1e-9:
-        return np.stack(np.broadcast_arrays(along, across - ego), axis=-1)
-    heading = bend * along
-    x = np.sin(heading) / bend - np.sin(heading) * across
-    y = (1.0 - np.cos(heading)) / bend + np.cos(heading) * across - ego
-    return np.stack([x, y], axis=-1)
