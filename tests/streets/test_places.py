@@ -13,9 +13,9 @@ from lidardraft.scene.road import LEFT, RIGHT
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.streets.ego import EGO_SIZE, Ego, mount, sample_ego
 from lidardraft.streets.ground.ground import _cut
-from lidardraft.streets.placement.car_parks import AISLE, BAY_LENGTH, BAY_WIDTH
+from lidardraft.streets.placement.car_parks import AISLE_WIDTH, BAY_LENGTH, BAY_WIDTH
 from lidardraft.streets.placement.district import DISTRICTS
-from lidardraft.streets.placement.lanes import Lane
+from lidardraft.streets.placement.lanes import AISLE, MAIN_ROAD, ROUNDABOUT, SIDE_ROAD, Lane
 from lidardraft.streets.placement.occupancy import Occupancy, box_space, spaces_of, touch
 from lidardraft.streets.placement.plan import plan_street
 
@@ -50,7 +50,7 @@ def test_every_quarter_and_every_form_of_road_occurs():
     assert any(road.paved_areas for road in roads)
     assert any(road.median > 1.5 and road.sidewalk > 0 for road in roads)
     assert {road.lanes for road in roads} == {1, 2, 3}
-    directions = [{math.cos(lane.angle) > 0 for lane in lanes if lane.name == "road"} for _, lanes, _ in PLACES]
+    directions = [{math.cos(lane.angle) > 0 for lane in lanes if lane.kind == MAIN_ROAD} for _, lanes, _ in PLACES]
     assert {True} in directions  # one-way
     assert {True, False} in directions
     assert any(occupancy.ground.strip > 0 for occupancy in SITES)
@@ -194,9 +194,9 @@ def test_the_ego_vehicle_is_free_and_on_the_road_of_its_lane():
                 for space in spaces_of(placed.kind, placed.x, placed.y, placed.yaw, placed.size, placed.clearance):
                     assert not touch(mine, space), placed
         assert 0.0 <= ego.speed <= 1.1 * ego.lane.speed + 1e-9
-    names = Counter(ego.lane.name for _, ego in EGOS)
-    assert set(names) == {"road", "arm", "ring", "aisle"}
-    assert names["road"] > 0.6 * len(EGOS)
+    names = Counter(ego.lane.kind for _, ego in EGOS)
+    assert set(names) == {MAIN_ROAD, SIDE_ROAD, ROUNDABOUT, AISLE}
+    assert names[MAIN_ROAD] > 0.6 * len(EGOS)
     speeds = np.array([ego.speed for _, ego in EGOS])
     assert (speeds == 0.0).mean() > 0.05
     assert speeds.max() > 30.0
@@ -223,7 +223,7 @@ def test_the_ego_pose_is_rigid_and_lies_on_the_road():
 
 def test_the_road_passes_under_the_wheels():
     for occupancy, ego in EGOS:
-        if occupancy.road.curvature or ego.lane.name == "ring":
+        if occupancy.road.curvature or ego.lane.kind == ROUNDABOUT:
             continue
         # on a straight road the frame is the layout's, but for the place of the ego lane
         shift = occupancy.road.lane(occupancy.road.ego_lane)
@@ -242,7 +242,7 @@ def test_a_lean_is_small_and_grows_with_speed_in_bends():
         assert pose[2, 2] > math.cos(math.radians(3.5))
         heights.append(pose[2, 3])
     assert 0.01 < np.std(heights) < 0.06
-    ring = [ego.lean[0] for _, ego in EGOS if ego.lane.name == "ring" and ego.speed > 6.0]
+    ring = [ego.lean[0] for _, ego in EGOS if ego.lane.kind == ROUNDABOUT and ego.speed > 6.0]
     # a roundabout is a left bend: the car leans to its right
     assert np.mean(ring) > 0.002
 
@@ -258,8 +258,8 @@ def test_cars_in_a_car_park_stand_in_bays():
                         continue
                     share = (placed.along - area.along[0]) / BAY_WIDTH - 0.5
                     assert abs(share - round(share)) < 0.3
-                    into = (abs(placed.across) - min(map(abs, area.across))) % (2 * BAY_LENGTH + AISLE)
-                    assert min(abs(into - BAY_LENGTH / 2), abs(into - 1.5 * BAY_LENGTH - AISLE)) < 0.5
+                    into = (abs(placed.across) - min(map(abs, area.across))) % (2 * BAY_LENGTH + AISLE_WIDTH)
+                    assert min(abs(into - BAY_LENGTH / 2), abs(into - 1.5 * BAY_LENGTH - AISLE_WIDTH)) < 0.5
                     seen += 1
     assert seen > 50
 
@@ -322,7 +322,7 @@ def test_streets_of_any_reach():
 
 
 def test_an_arc_is_followed():
-    ring = Lane(name="ring", along=3.0, across=0.0, angle=math.pi / 2, length=20 * math.pi, speed=8.0, bend=0.1)
+    ring = Lane(kind=ROUNDABOUT, along=3.0, across=0.0, angle=math.pi / 2, length=20 * math.pi, speed=8.0, bend=0.1)
     assert ring.at(0.0) == pytest.approx((3.0, 0.0, math.pi / 2))
     # half way around a circle of 10 m about (-7, 0)
     assert ring.at(10 * math.pi)[:2] == pytest.approx((-17.0, 0.0))

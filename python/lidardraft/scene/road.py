@@ -115,9 +115,9 @@ class Road:
         For numbers, or for arrays that broadcast.
         """
         bend, ego = self.curvature, self.lane(self.ego_lane)
-        heading = bend * along + 0.0  # never minus zero
+        heading = bend * along
         if abs(bend) < _STRAIGHT:
-            return along, across - ego, heading
+            return along, across - ego, heading + 0.0  # never minus zero
         functions = _functions(heading)
         sin, cos = functions.sin(heading), functions.cos(heading)
         return sin / bend - sin * across, (1.0 - cos) / bend + cos * across - ego, heading

@@ -9,21 +9,35 @@ import numpy as np
 
 from lidardraft.errors import LayoutError
 from lidardraft.scene.sensor import Sensor
+from lidardraft.streets.placement.district import FAST
 from lidardraft.streets.placement.lanes import Lane
 from lidardraft.streets.placement.occupancy import Occupancy
 
 EGO_SIZE = (4.5, 2.2, 1.6)  # m that stay free around the ego vehicle
-_WHEELS = (2.7, 1.6)  # m, usual wheelbase and track of a car
-_NEAR = 0.45  # share of the reach in which the ego vehicle stays
-# How often a place in a lane is taken, against one of the road itself, and how often the ego vehicle stands there:
-# estimates of ours.
-_LIKELY = {"road": 1.0, "arm": 0.5, "ring": 1.0, "aisle": 0.7}
-_STANDING = {"road": 0.12, "arm": 0.3, "ring": 0.1, "aisle": 0.25}
+_WHEELBASE, _TRACK = 2.7, 1.6  # m, as is usual for cars
+
+# Where it is: estimates of ours.
+_NEAR = 0.45  # of the half length of the street that it is from the middle at most
+_SPREAD, _WIDENED = 14.0, 0.1  # m from the middle (deviation), and what is added when a place is not free
+_ACROSS = 0.6  # how much m across count, against m along
+_ANYWHERE = 0.02  # probability that a place is taken however far it is
+_OFF_MIDDLE, _MOST_OFF = 0.15, 0.4  # m off the middle of the lane: deviation and limit
+_OFF_LANE = 0.02  # rad against the lane, deviation
+_ATTEMPTS = 1000
+
+# How fast it is, in shares of the limit: estimates of ours.
+_SELDOM = 0.15  # how often it stands or crawls on a fast road, against others: there it does so in a jam only
+_CRAWLS, _CRAWLING = 0.2, (0.1, 0.5)  # how often, and how fast
+_FLOWING, _SLOWEST, _FASTEST = (0.9, 0.12), 0.4, 1.1  # mean and deviation, limits
+
 # How a car leans: 3 to 7 degrees of roll per g sideways (Gillespie, Fundamentals of Vehicle Dynamics); 2 degrees of
 # pitch per g of braking is an estimate of ours. Comfortable braking and cornering stay within 0.3 g.
-_FAST = 25.0  # m/s
 _ROLL, _PITCH = math.radians(5.0) / 9.81, math.radians(2.0) / 9.81
-_BRAKING, _CORNERING = 1.2, 3.0  # m/s2: standard deviation and limit
+_BRAKING, _CORNERING = 1.2, 3.0  # m/s2: deviation and limit
+_ROAD_NOISE = 0.003  # rad, deviation: an estimate of ours
+
+# How its sensor is mounted: a little askew, and loads and tyres change its height. Deviations, estimates of ours.
+_MOUNT_ANGLE, _MOUNT_HEIGHT = 0.003, 0.03  # rad, m
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,18 +60,18 @@ class Ego:
 
 def sample_ego(occupancy: Occupancy, lanes: tuple[Lane, ...], rng: np.random.Generator) -> Ego:
     """A free place in one of the lanes, near the middle of the street; raises `LayoutError` if there is none."""
-    near = _NEAR * occupancy.road.half_length
-    middle = occupancy.road.lane(occupancy.road.ego_lane)
-    for attempt in range(1000):
+    road = occupancy.road
+    near, middle = _NEAR * road.half_length, road.lane(road.ego_lane)
+    for attempt in range(_ATTEMPTS):
         lane = lanes[int(rng.integers(len(lanes)))]
         distance = rng.uniform(0.0, lane.length)
-        along, across, angle = lane.at(distance, min(max(rng.normal(0.0, 0.15), -0.4), 0.4))
-        spread = 14.0 + 0.1 * attempt  # the search widens when the middle is full
-        off = math.hypot(along, 0.6 * (across - middle)) / spread
-        if max(abs(along), abs(across)) > near or rng.random() > _LIKELY[lane.name] * math.exp(-0.5 * off * off) + 0.02:
+        along, across, angle = lane.at(distance, min(max(rng.normal(0.0, _OFF_MIDDLE), -_MOST_OFF), _MOST_OFF))
+        off = math.hypot(along, _ACROSS * (across - middle)) / (_SPREAD + _WIDENED * attempt)
+        likely = lane.kind.ego_share * math.exp(-0.5 * off * off) + _ANYWHERE
+        if max(abs(along), abs(across)) > near or rng.random() > likely:
             continue
-        x, y, heading = occupancy.road.at(along, across)
-        yaw = math.remainder(heading + angle + rng.normal(0.0, 0.02), 2 * math.pi)
+        x, y, heading = road.at(along, across)
+        yaw = math.remainder(heading + angle + rng.normal(0.0, _OFF_LANE), 2 * math.pi)
         if occupancy.is_free(x, y, yaw, EGO_SIZE):
             return _ego(occupancy, lane, (along, across, angle), (x, y, yaw), rng)
     raise LayoutError(f"no free place of {EGO_SIZE[0]} x {EGO_SIZE[1]} m for the ego vehicle")
@@ -72,9 +86,8 @@ def _ego(
 ) -> Ego:
     along, across, angle = place
     x, y, yaw = planar
-    base, track = _WHEELS
-    ahead = np.array([base, base, -base, -base]) / 2
-    left = np.array([track, -track, track, -track]) / 2
+    ahead = np.array([_WHEELBASE, _WHEELBASE, -_WHEELBASE, -_WHEELBASE]) / 2
+    left = np.array([_TRACK, -_TRACK, _TRACK, -_TRACK]) / 2
     cos, sin = math.cos(angle), math.sin(angle)
     wheels = occupancy.ground.heights(along + ahead * cos - left * sin, across + ahead * sin + left * cos)
     rise, bank = float(ahead @ wheels / (ahead @ ahead)), float(left @ wheels / (left @ left))
@@ -83,25 +96,24 @@ def _ego(
     braking = min(max(rng.normal(0.0, _BRAKING), -_CORNERING), _CORNERING) if speed > 0 else 0.0
     sideways = min(max(speed**2 * _bend(occupancy, lane), -_CORNERING), _CORNERING)
     # road noise on top; a left bend leans the body to the right, braking dips its nose
-    roll = _ROLL * sideways + rng.normal(0.0, 0.003)
-    pitch = _PITCH * braking + rng.normal(0.0, 0.003)
+    roll = _ROLL * sideways + rng.normal(0.0, _ROAD_NOISE)
+    pitch = _PITCH * braking + rng.normal(0.0, _ROAD_NOISE)
     return Ego(x, y, z, yaw, speed, lane, _on_slope((x, y, z), yaw, rise, bank), (roll, pitch))
 
 
 def _speed(lane: Lane, rng: np.random.Generator) -> float:
     """Standing, slow or up to a little over the limit [m/s]."""
-    # nobody stands or crawls on a fast road, but in a jam
-    share = 0.15 if lane.speed > _FAST else 1.0
-    if rng.random() < share * _STANDING[lane.name]:
+    often = _SELDOM if lane.speed > FAST else 1.0
+    if rng.random() < often * lane.kind.ego_stands:
         return 0.0
-    if rng.random() < share * 0.2:
-        return float(rng.uniform(0.1, 0.5) * lane.speed)
-    return float(min(max(rng.normal(0.9, 0.12), 0.4), 1.1) * lane.speed)
+    if rng.random() < often * _CRAWLS:
+        return float(rng.uniform(*_CRAWLING) * lane.speed)
+    return float(min(max(rng.normal(*_FLOWING), _SLOWEST), _FASTEST) * lane.speed)
 
 
 def _bend(occupancy: Occupancy, lane: Lane) -> float:
     """Curvature [1/m] of the way the ego vehicle takes, positive to the left."""
-    if lane.bend or lane.name != "road":
+    if lane.bend or not lane.kind.follow_road:
         return lane.bend
     return math.copysign(occupancy.road.curvature, occupancy.road.curvature * math.cos(lane.angle))
 
@@ -128,9 +140,8 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def mount(sensor: Sensor, ego: Ego, rng: np.random.Generator) -> np.ndarray:
     """The sensor in the layout's frame [4, 4]: at its height over the road, leaning with the car's body."""
     roll, pitch = ego.lean
-    # sensors are mounted a little askew, and loads and tyres change their height
-    roll, pitch = roll + rng.normal(0.0, 0.003), pitch + rng.normal(0.0, 0.003)
-    height = sensor.mount_height + rng.normal(0.0, 0.03)
+    roll, pitch = roll + rng.normal(0.0, _MOUNT_ANGLE), pitch + rng.normal(0.0, _MOUNT_ANGLE)
+    height = sensor.mount_height + rng.normal(0.0, _MOUNT_HEIGHT)
     about_x = np.array([[1, 0, 0], [0, math.cos(roll), -math.sin(roll)], [0, math.sin(roll), math.cos(roll)]])
     about_y = np.array([[math.cos(pitch), 0, math.sin(pitch)], [0, 1, 0], [-math.sin(pitch), 0, math.cos(pitch)]])
     pose = np.eye(4)

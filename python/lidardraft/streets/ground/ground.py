@@ -18,6 +18,9 @@ _MARGIN = 36.0  # m that the ground goes on behind the ends of the road, for wha
 _BEYOND = (11.0, 16.0, 23.0, 33.0, 48.0, 70.0, 100.0)  # m from the verge, where the land is sampled
 _PIECES, _PAVED = 3, 0.04  # pieces of a drive, and m that it lies over the land
 _PAINT, _COAT = "road-paint", 0.005  # m that markings lie over the road
+# Level pieces, estimates of ours: m that one may leave the ground at its ends, m of the shortest, and of the longest in
+# bends of this curvature [1/m].
+_OFF_GROUND, _LEAST_PIECE, _BEND_PIECE, _BEND = 0.12, 3.0, 7.0, 0.002
 _CLOSE = 1.0  # m, a station this near to another line is left out
 
 
@@ -102,6 +105,11 @@ class Ground:
     def grade(self, along: float) -> float:
         """The slope of the road along itself."""
         return self.relief.grade(along)
+
+    def level_length(self, along: float, longest: float) -> float:
+        """How long a level piece of a fence or a rail may be there [m]: short ones follow bends and slopes."""
+        limit = min(longest, _BEND_PIECE) if abs(self.road.curvature) > _BEND else longest
+        return max(_LEAST_PIECE, min(limit, 2 * _OFF_GROUND / max(abs(self.grade(along)), 1e-3)))
 
     def pave(self, drive: PavedArea) -> None:
         """Add a drive to the surfaces, a little over the land."""

@@ -10,11 +10,48 @@ from lidardraft.objects.buildings import STOREY
 from lidardraft.streets.placement.car_parks import CarPark
 from lidardraft.streets.placement.district import SIDES, District
 from lidardraft.streets.placement.occupancy import Occupancy
+from lidardraft.streets.placement.sizes import MESH_FENCE_WIDTH, Extents, Size
 
-_CLOSED = 0.72  # share of blocks in a closed front that adjoin the next
-_STEPPED = 0.3  # share of buildings that stand back from the line of their row, and m by which they do: estimates
-_STEP_BACK = (0.2, 1.2)
-_ASKEW = 0.06  # rad by which the buildings of a row are turned at most against the road
+# Numbers without a source are estimates of ours.
+BUILDING_MARGIN = 0.02  # m
+_BEGINS = (0.0, 8.0)  # m before the end of the street that a row begins
+
+# Buildings that stand alone [m].
+_HALL = Extents((24.0, 50.0), (16.0, 30.0), (5.0, 8.0))
+_HALL_OFF = (2.0, 5.0)  # m behind its car park
+_BLOCK_STOREYS, _BLOCK_LENGTH, _BLOCK_WIDTH = (3, 7), (12.0, 30.0), (10.0, 15.0)  # storeys: from, to before
+_PARAPET = 0.4  # m over the storeys of a block
+_SHEDS = 0.12  # share of the others
+_SHED = Extents((3.0, 12.0), (5.5, 9.0), (2.4, 4.0))
+_HOUSE_STOREYS, _HOUSE_LENGTH, _HOUSE_WIDTH = (1, 4), (8.0, 16.0), (7.5, 11.0)
+_KNEE_WALL = 0.2  # m from the ceiling of the top storey to the eaves
+_PITCH = (0.25, 0.5)  # height of a roof over the width of its house
+
+# Rows of houses.
+_ROWS = 2
+_BEHIND = (16.0, 30.0)  # m from the first row to the second
+_OFF_LINE = (0.0, 1.0)  # m off the line of the row
+_STEPPED = 0.3  # share of buildings that stand back from it
+_STEP_BACK = (0.2, 1.2)  # m by which they do
+_ASKEW, _TURNED = 0.06, 0.01  # rad that a row is turned against the road at most, and a house against it, deviation
+
+# Closed fronts of blocks, and what stands behind their yards.
+_CLOSED = 0.72  # share of blocks that adjoin the next
+_DEPTH, _FRONT_LENGTH, _SHORT_FRONT = (10.0, 13.0), (10.0, 24.0), 10.0  # m
+_LEAST_STOREYS = 3
+_SEAM = 0.05  # m between two fronts
+_NO_ROOM = 2.0  # m to the next place that is tried
+_YARD = (10.0, 18.0)  # m
+_YARD_STOREYS, _YARD_LENGTH, _YARD_WIDTH = (2, 6), (10.0, 26.0), (8.0, 12.0)
+_YARD_BUILT, _YARD_GAP = 0.6, (2.0, 14.0)  # share of the places, m between two
+
+# Gaps in a closed front.
+_GAP = (3.2, 12.0)  # m
+_GAP_BEHIND = 0.3  # m from the line of the front to what closes a gap
+_WALLED, _FENCED = 0.4, 0.2  # share that a wall closes, and mesh fences; the others are open
+_COURT_WALL, _COURT_WALL_WIDTH, _COURT_WALL_ENDS = (1.8, 2.8), 0.3, 0.3  # m of height, across, and free at its ends
+_SITE_FENCE = (3.5, 2.0)  # m: mobile fences of building sites
+_SITE_FENCE_GAP = 0.05  # m
 
 
 def place_buildings(
@@ -22,12 +59,12 @@ def place_buildings(
 ) -> None:
     """Two rows of buildings on both sides, and the hall that a car park belongs to."""
     if car_park is not None:
-        _hall(occupancy, car_park, rng)
+        _place_hall(occupancy, car_park, rng)
     for side in SIDES:
-        if district.gap[1] == 0.0:
-            _closed_front(occupancy, district, side, rng)
+        if district.closed_fronts:
+            _place_closed_front(occupancy, district, side, rng)
         else:
-            _open_rows(occupancy, district, side, rng)
+            _place_rows(occupancy, district, side, rng)
 
 
 def _facing(side: int) -> float:
@@ -35,93 +72,111 @@ def _facing(side: int) -> float:
     return 0.0 if side > 0 else math.pi
 
 
-def _hall(occupancy: Occupancy, car_park: CarPark, rng: np.random.Generator) -> None:
-    size = (rng.uniform(24.0, 50.0), rng.uniform(16.0, 30.0), rng.uniform(5.0, 8.0))
+def _place_hall(occupancy: Occupancy, car_park: CarPark, rng: np.random.Generator) -> None:
+    size = _HALL.sample(rng)
     far = max(abs(edge) for edge in car_park.paved_area.across)
     middle = (car_park.paved_area.along[0] + car_park.paved_area.along[1]) / 2
-    across = car_park.side * (far + rng.uniform(2.0, 5.0) + size[1] / 2)
-    occupancy.place("shed", middle, across, size, angle=_facing(car_park.side), margin=0.02, private=True)
+    across = car_park.side * (far + rng.uniform(*_HALL_OFF) + size[1] / 2)
+    angle = _facing(car_park.side)
+    occupancy.place("shed", middle, across, size, angle=angle, margin=BUILDING_MARGIN, private=True)
 
 
-def _open_rows(occupancy: Occupancy, district: District, side: int, rng: np.random.Generator) -> None:
+def _place_rows(occupancy: Occupancy, district: District, side: int, rng: np.random.Generator) -> None:
+    """Buildings that stand alone, in rows one behind the other."""
     road = occupancy.road
-    for row in range(2):
-        setback = rng.uniform(*district.setback) + row * rng.uniform(16.0, 30.0)
+    for row in range(_ROWS):
+        setback = rng.uniform(*district.setback) + row * rng.uniform(*_BEHIND)
         askew = rng.uniform(-_ASKEW, _ASKEW)
-        along = -road.half_length - rng.uniform(0.0, 8.0)
+        along = -road.half_length - rng.uniform(*_BEGINS)
         while along < road.half_length:
             kind, size, eaves = sample_building(district, rng)
-            across = side * (road.verge + setback + rng.uniform(0.0, 1.0) + _step_back(rng) + size[1] / 2)
+            across = side * (road.verge + setback + rng.uniform(*_OFF_LINE) + _step_back(rng) + size[1] / 2)
             if rng.random() < district.built:
-                angle = _facing(side) + askew + rng.normal(0.0, 0.01)
+                angle = _facing(side) + askew + rng.normal(0.0, _TURNED)
+                middle = along + size[0] / 2
                 occupancy.place(
-                    kind, along + size[0] / 2, across, size, angle=angle, clearance=eaves, margin=0.02, private=True
+                    kind, middle, across, size, angle=angle, clearance=eaves, margin=BUILDING_MARGIN, private=True
                 )
             along += size[0] + rng.uniform(*district.gap) * (1 if row == 0 else 2)
 
 
-def sample_building(district: District, rng: np.random.Generator) -> tuple[str, tuple[float, float, float], float]:
-    """Kind, extents and eaves of a building that stands alone."""
+def sample_building(district: District, rng: np.random.Generator) -> tuple[str, Size, float]:
+    """Kind, extents and eaves [m] of a building that stands alone."""
     if rng.random() < district.blocks:
-        storeys = int(rng.integers(3, 7))
-        return "block", (rng.uniform(12.0, 30.0), rng.uniform(10.0, 15.0), storeys * STOREY + 0.4), 0.0
-    if rng.random() < 0.12:
-        return "shed", (rng.uniform(3.0, 12.0), rng.uniform(5.5, 9.0), rng.uniform(2.4, 4.0)), 0.0
-    eaves = int(rng.integers(1, 4)) * STOREY + 0.2
-    width = rng.uniform(7.5, 11.0)
-    return "house", (rng.uniform(8.0, 16.0), width, eaves + width * rng.uniform(0.25, 0.5)), eaves
+        storeys = int(rng.integers(*_BLOCK_STOREYS))
+        return "block", (rng.uniform(*_BLOCK_LENGTH), rng.uniform(*_BLOCK_WIDTH), _block_height(storeys)), 0.0
+    if rng.random() < _SHEDS:
+        return "shed", _SHED.sample(rng), 0.0
+    eaves = int(rng.integers(*_HOUSE_STOREYS)) * STOREY + _KNEE_WALL
+    width = rng.uniform(*_HOUSE_WIDTH)
+    return "house", (rng.uniform(*_HOUSE_LENGTH), width, eaves + width * rng.uniform(*_PITCH)), eaves
 
 
-def _closed_front(occupancy: Occupancy, district: District, side: int, rng: np.random.Generator) -> None:
+def _block_height(storeys: int) -> float:
+    return storeys * STOREY + _PARAPET
+
+
+def _place_closed_front(occupancy: Occupancy, district: District, side: int, rng: np.random.Generator) -> None:
     """Blocks wall to wall close to the sidewalk, gaps with courtyard walls between, and buildings behind the yards."""
     road = occupancy.road
     setback = rng.uniform(*district.setback)
-    storeys, depth = int(rng.integers(3, 7)), rng.uniform(10.0, 13.0)
-    along = -road.half_length - rng.uniform(0.0, 8.0)
+    storeys, depth = int(rng.integers(*_BLOCK_STOREYS)), rng.uniform(*_DEPTH)
+    along = -road.half_length - rng.uniform(*_BEGINS)
     while along < road.half_length:
-        length = rng.uniform(10.0, 24.0)
-        height = max(3, storeys + int(rng.integers(-1, 2))) * STOREY + 0.4
+        length = rng.uniform(*_FRONT_LENGTH)
+        height = _block_height(max(_LEAST_STOREYS, storeys + int(rng.integers(-1, 2))))
         across = side * (road.verge + setback + _step_back(rng) + depth / 2)
-        angle = _facing(side)
-        # before a side road a shorter one fits
-        for tried in (length, 10.0, 0.0):
-            size, middle = (tried, depth, height), along + tried / 2
-            if tried and occupancy.place("block", middle, across, size, angle=angle, margin=0.02, private=True):
-                break
-        length = tried
+        length = _place_front(occupancy, along, across, (length, depth, height), side)
         if length == 0.0:
-            along += 2.0
+            along += _NO_ROOM
             continue
-        along += length + 0.05
+        along += length + _SEAM
         if rng.random() > _CLOSED:
-            along = _gap(occupancy, along, side, setback, rng)
-    yard = rng.uniform(10.0, 18.0)
+            along = _place_gap(occupancy, along, side, setback, rng)
+    _place_yard_buildings(occupancy, side, road.verge + setback + depth, rng)
+
+
+def _place_front(occupancy: Occupancy, along: float, across: float, size: Size, side: int) -> float:
+    """A block from `along` on, or a shorter one where only that has room; its length [m], 0 if there is none."""
+    for length in (size[0], _SHORT_FRONT):
+        middle, extents = along + length / 2, (length, size[1], size[2])
+        if occupancy.place("block", middle, across, extents, angle=_facing(side), margin=BUILDING_MARGIN, private=True):
+            return length
+    return 0.0
+
+
+def _place_yard_buildings(occupancy: Occupancy, side: int, back: float, rng: np.random.Generator) -> None:
+    """Buildings behind the yards of a closed front whose back is `back` [m] across."""
+    road = occupancy.road
+    yard = rng.uniform(*_YARD)
     along = -road.half_length
     while along < road.half_length:
-        size = (rng.uniform(10.0, 26.0), rng.uniform(8.0, 12.0), int(rng.integers(2, 6)) * STOREY + 0.4)
-        across = side * (road.verge + setback + depth + yard + size[1] / 2)
-        if rng.random() < 0.6:
-            occupancy.place("block", along + size[0] / 2, across, size, angle=_facing(side), margin=0.02, private=True)
-        along += size[0] + rng.uniform(2.0, 14.0)
+        length, width = rng.uniform(*_YARD_LENGTH), rng.uniform(*_YARD_WIDTH)
+        size = (length, width, _block_height(int(rng.integers(*_YARD_STOREYS))))
+        across = side * (back + yard + width / 2)
+        if rng.random() < _YARD_BUILT:
+            middle, angle = along + length / 2, _facing(side)
+            occupancy.place("block", middle, across, size, angle=angle, margin=BUILDING_MARGIN, private=True)
+        along += length + rng.uniform(*_YARD_GAP)
 
 
 def _step_back(rng: np.random.Generator) -> float:
     return rng.uniform(*_STEP_BACK) if rng.random() < _STEPPED else 0.0
 
 
-def _gap(occupancy: Occupancy, along: float, side: int, setback: float, rng: np.random.Generator) -> float:
-    """A gap between blocks, open, walled or fenced off as a building site; where it ends."""
-    width = rng.uniform(3.2, 12.0)
+def _place_gap(occupancy: Occupancy, along: float, side: int, setback: float, rng: np.random.Generator) -> float:
+    """A gap between blocks, open, walled or fenced off as a building site; where it ends [m along]."""
+    width = rng.uniform(*_GAP)
     pick = rng.random()
-    across = side * (occupancy.road.verge + setback + 0.3)
-    if pick < 0.4:
-        size = (width - 0.3, 0.3, rng.uniform(1.8, 2.8))
+    across = side * (occupancy.road.verge + setback + _GAP_BEHIND)
+    if pick < _WALLED:
+        size = (width - _COURT_WALL_ENDS, _COURT_WALL_WIDTH, rng.uniform(*_COURT_WALL))
         occupancy.place("wall", along + width / 2, across, size, margin=0.0, private=True)
-    elif pick < 0.6:
-        # mobile site fences are 3.5 x 2.0 m
-        count = max(1, int(width / 3.55))
+    elif pick < _WALLED + _FENCED:
+        length, height = _SITE_FENCE
+        count = max(1, int(width / (length + _SITE_FENCE_GAP)))
         for number in range(count):
             middle = along + (number + 0.5) * width / count
-            size = (min(3.5, width / count - 0.05), 0.06, 2.0)
+            size = (min(length, width / count - _SITE_FENCE_GAP), MESH_FENCE_WIDTH, height)
             occupancy.place("mesh_fence", middle, across, size, margin=0.0, private=True)
     return along + width

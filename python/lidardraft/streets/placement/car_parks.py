@@ -8,21 +8,42 @@ from dataclasses import dataclass
 import numpy as np
 
 from lidardraft.objects.cars import sample_car
-from lidardraft.scene.road import PavedArea, Road
+from lidardraft.scene.road import LEFT, RIGHT, PavedArea, Road
 from lidardraft.streets.placement.occupancy import Occupancy
-from lidardraft.streets.placement.walkers import person_size
+from lidardraft.streets.placement.sizes import LAMP_WIDTH, sample_person
 
 # EAR 05 and RASt 06: bays of 2.5 x 5.0 m at right angles to an aisle of 6.0 m.
-BAY_WIDTH, BAY_LENGTH, AISLE = 2.5, 5.0, 6.0
-_MODULE = 2 * BAY_LENGTH + AISLE
-ACCESS = 6.0  # m, the width of the way in
+BAY_WIDTH, BAY_LENGTH, AISLE_WIDTH = 2.5, 5.0, 6.0
+_MODULE = 2 * BAY_LENGTH + AISLE_WIDTH  # m, two rows of bays and the aisle between
+# Estimates of ours.
+ACCESS_WIDTH = 6.0  # m of the way in
+_SHORTEST = (26.0, 30.0)  # m of a car park: always, and where it is longest at least
+_LONGEST, _LONGEST_SHARE = 70.0, 0.7  # m, and of the half length of the street
+_BEGINS = (-0.75, -0.25)  # where it begins, in shares of its length from the middle of the street
+_TO_SIDE_ROAD = 3.0  # m
+_TO_VERGE = (0.6, 4.0)  # m
+_GATE = (0.1, 0.9)  # where the way in is, in shares of the length
+_OCCUPIED = (0.1, 0.65)  # share of the bays
+_NOSE_IN = 0.75  # share of the cars
+_ASKEW = 0.03  # rad, deviation
+_OFF_MIDDLE = 0.12  # m along from the middle of a bay, deviation
+_FORWARD = (-0.1, 0.4)  # m toward the aisle
+_CAR_MARGIN = 0.05  # m
+_LIT = 0.5  # share of the edges with lamps
+_LAMP_HEIGHT, _LAMP_LENGTH = (4.5, 8.0), 0.15  # m
+_FIRST_LAMP, _LAMP_SPACING, _LAMP_OFF = 5.0, (16.0, 24.0), 0.5  # m from the end, between two, off the edge
+_LAMP_ANGLE = (0.0, 3.0)  # rad
+_ANY_WAY = 6.28  # rad, once around
+_WALKERS = 2.0  # mean number
+_WALKER_OFF, _WALKER_MARGIN = 2.0, 0.1  # m off the middle of an aisle at most
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CarPark:
-    """A car park beside the road: `paved_area` is where cars stand, `side` 1 (left) or -1. The way in is `access`,
-    with its middle at `gate` [m along]; `aisles` are driven, `rows` hold bays: middle across [m] and side (1 or -1) of
-    the aisle.
+    """A car park beside the road, on its `side`: cars stand on `paved_area`.
+
+    The way in is `access`, with its middle at `gate` [m along]; `aisles` are driven, `rows` hold bays: the middle
+    across [m], and on which side of it the aisle lies.
     """
 
     side: int
@@ -35,18 +56,18 @@ class CarPark:
 
 def sample_car_park(road: Road, modules: int, rng: np.random.Generator) -> CarPark:
     """A car park of so many double rows, near the middle of a straight road and clear of its side roads."""
-    side = 1 if rng.random() < 0.5 else -1
-    length = rng.uniform(26.0, max(30.0, min(70.0, 0.7 * road.half_length)))
-    start = rng.uniform(-0.75, -0.25) * length
+    side = LEFT if rng.random() < 0.5 else RIGHT
+    length = rng.uniform(_SHORTEST[0], max(_SHORTEST[1], min(_LONGEST, _LONGEST_SHARE * road.half_length)))
+    start = rng.uniform(*_BEGINS) * length
     if road.junction is not None:
         if len(road.side_roads) == 1:
             side = -road.side_roads[0]
         else:
-            clear = road.verge + 3.0
+            clear = road.verge + _TO_SIDE_ROAD
             start = road.junction + clear if road.junction < 0 else road.junction - clear - length
-    near = road.verge + rng.uniform(0.6, 4.0)
+    near = road.verge + rng.uniform(*_TO_VERGE)
     far = near + modules * _MODULE
-    gate = start + rng.uniform(0.1, 0.9) * (length - ACCESS) + ACCESS / 2
+    gate = start + rng.uniform(*_GATE) * (length - ACCESS_WIDTH) + ACCESS_WIDTH / 2
     aisles, rows = [], []
     for module in range(modules):
         first = near + module * _MODULE
@@ -57,7 +78,7 @@ def sample_car_park(road: Road, modules: int, rng: np.random.Generator) -> CarPa
         side=side,
         paved_area=PavedArea((start, start + length), (near, far) if side > 0 else (-far, -near)),
         access=PavedArea(
-            (gate - ACCESS / 2, gate + ACCESS / 2), (road.edge, near) if side > 0 else (-near, -road.edge)
+            (gate - ACCESS_WIDTH / 2, gate + ACCESS_WIDTH / 2), (road.edge, near) if side > 0 else (-near, -road.edge)
         ),
         gate=gate,
         aisles=tuple(aisles),
@@ -66,32 +87,41 @@ def sample_car_park(road: Road, modules: int, rng: np.random.Generator) -> CarPa
 
 
 def place_in_car_park(occupancy: Occupancy, car_park: CarPark, rng: np.random.Generator) -> None:
-    """Cars in the bays, nose to the aisle or from it; lamps and trees between the rows; people on the way."""
-    occupied = rng.uniform(0.1, 0.65)
-    count = int((car_park.paved_area.along[1] - car_park.paved_area.along[0]) / BAY_WIDTH)
+    """Cars in the bays, lamps along the edges, people on the way."""
+    _place_cars(occupancy, car_park, rng)
+    for edge in car_park.paved_area.across:
+        if rng.random() < _LIT:
+            _place_lamps(occupancy, car_park, edge, rng)
+    for _ in range(rng.poisson(_WALKERS)):
+        along = rng.uniform(*car_park.paved_area.along)
+        across = car_park.aisles[int(rng.integers(len(car_park.aisles)))]
+        size = sample_person(rng, standing=False)
+        across += rng.uniform(-_WALKER_OFF, _WALKER_OFF)
+        angle = rng.uniform(0.0, _ANY_WAY)
+        occupancy.place("person", along, across, size, angle=angle, margin=_WALKER_MARGIN)
+
+
+def _place_cars(occupancy: Occupancy, car_park: CarPark, rng: np.random.Generator) -> None:
+    """Cars in the bays, nose to the aisle or from it."""
+    occupied = rng.uniform(*_OCCUPIED)
+    start, end = car_park.paved_area.along
     for across, toward in car_park.rows:
-        for bay in range(count):
-            along = car_park.paved_area.along[0] + (bay + 0.5) * BAY_WIDTH
-            if abs(along - car_park.gate) < (ACCESS + BAY_WIDTH) / 2 or rng.random() > occupied:
+        for bay in range(int((end - start) / BAY_WIDTH)):
+            along = start + (bay + 0.5) * BAY_WIDTH
+            if abs(along - car_park.gate) < (ACCESS_WIDTH + BAY_WIDTH) / 2 or rng.random() > occupied:
                 continue
             kind, size = sample_car(rng)
-            # nose-in: three in four, an estimate of ours
-            heading = -toward if rng.random() < 0.75 else toward
-            angle = heading * math.pi / 2 + rng.normal(0.0, 0.03)
-            off = rng.normal(0.0, 0.12)
-            occupancy.place(kind, along + off, across + toward * rng.uniform(-0.1, 0.4), size, angle=angle, margin=0.05)
-    for edge in car_park.paved_area.across:
-        if rng.random() < 0.5:
-            height = rng.uniform(4.5, 8.0)
-            for along in np.arange(
-                car_park.paved_area.along[0] + 5.0, car_park.paved_area.along[1], rng.uniform(16.0, 24.0)
-            ).tolist():
-                out = edge + math.copysign(0.5, edge - car_park.aisles[0])
-                occupancy.place("lamp", along, out, (0.15, 0.2, height), angle=rng.uniform(0.0, 3.0))
-    for _ in range(rng.poisson(2.0)):
-        along, across = (
-            rng.uniform(*car_park.paved_area.along),
-            car_park.aisles[int(rng.integers(len(car_park.aisles)))],
-        )
-        size = person_size(rng, standing=False)
-        occupancy.place("person", along, across + rng.uniform(-2.0, 2.0), size, angle=rng.uniform(0, 6.28), margin=0.1)
+            heading = -toward if rng.random() < _NOSE_IN else toward
+            angle = heading * math.pi / 2 + rng.normal(0.0, _ASKEW)
+            middle = along + rng.normal(0.0, _OFF_MIDDLE)
+            forward = across + toward * rng.uniform(*_FORWARD)
+            occupancy.place(kind, middle, forward, size, angle=angle, margin=_CAR_MARGIN)
+
+
+def _place_lamps(occupancy: Occupancy, car_park: CarPark, edge: float, rng: np.random.Generator) -> None:
+    height = rng.uniform(*_LAMP_HEIGHT)
+    start, end = car_park.paved_area.along
+    across = edge + math.copysign(_LAMP_OFF, edge - car_park.aisles[0])
+    for along in np.arange(start + _FIRST_LAMP, end, rng.uniform(*_LAMP_SPACING)).tolist():
+        size = (_LAMP_LENGTH, LAMP_WIDTH, height)
+        occupancy.place("lamp", along, across, size, angle=rng.uniform(*_LAMP_ANGLE))

@@ -1,4 +1,4 @@
-"""The kinds of quarter a street can lie in, and the road through one."""
+"""The kinds of district a street can lie in, and the road through one."""
 
 from __future__ import annotations
 
@@ -7,9 +7,41 @@ from dataclasses import dataclass
 import numpy as np
 
 from lidardraft.scene.road import LEFT, RIGHT, RING, Road
+from lidardraft.streets.ground.relief import Land
+from lidardraft.streets.placement.sizes import Range
 
-PARKING_STRIP = 2.2  # m, a parking bay along the kerb: RASt 06 has 2.0 m and 0.25 m to moving traffic
+PARKING_STRIP = 2.2  # m, the room of cars parked along the kerb: RASt 06 has 2.0 m and 0.25 m to moving traffic
 SIDES = (RIGHT, LEFT)
+FAST, CALM = 25.0, 10.0  # m/s: over 90 km/h on motorways and country roads, under 36 km/h in 30 km/h zones
+
+_ONE_WAY = (3.5, 4.2)  # m of a narrow one-way street; RASt 06: 3.0 to 3.5 m between parked cars
+_NARROW = 0.7  # share of these, the others have room for two lanes: an estimate of ours
+_LEAST_LANE = 2.0  # m
+_LEAST_MEDIAN = 1.5  # m, a narrower one is left out: an estimate of ours
+_JUNCTION = 0.4  # of the half length that a junction is from the middle at most: an estimate of ours
+_ROUNDABOUT = 0.6  # of that for a roundabout: an estimate of ours
+_RADII = (13.0, 25.0)  # m, outer: diameters of 26 to 50 m in the German guide to roundabouts (FGSV 242)
+_CORNERS = 1.5  # m that the corners around a roundabout need: an estimate of ours
+_MOST_BEND = 1.6  # rad that half of a street turns at most, so that it does not come back to itself
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RoadEquipment:
+    """What road authorities put along the roads of a district, as probabilities.
+
+    `median_barrier` is a barrier in the median; `rails` (a side) guard rails along the whole road, `short_rails` (a
+    side) along a part of it; `noise_walls` (a side), and `deer_fences` (a side) where there is no noise wall;
+    `gantries` a sign bridge. `delineators` stand along roads that have them. `cones` are road works.
+    """
+
+    median_barrier: bool = False
+    rails: float = 0.0
+    noise_walls: float = 0.0
+    deer_fences: float = 0.0
+    gantries: float = 0.0
+    short_rails: float = 0.0
+    delineators: bool = False
+    cones: float = 0.06
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -17,18 +49,17 @@ class District:
     """What streets of one kind have in common.
 
     Pairs are ranges [m]. `share` is that of all streets, `heavy` that of trucks and buses in the traffic, `blocks` that
-    of blocks among the buildings. `bend`, `junction`, `roundabout` and `lights` (of junctions), `oneway`, `lot`,
-    `parked` (a side), `paved` (what lies beside the sidewalks), `built` (a plot), `fronts` (a side), `row_trees` (a
-    side), `strip` (of grass beside the kerb),
-    `ditch` and `bank` (a side) are probabilities; `people`, `thickets` (a side) and `wild_trees` mean numbers;
-    `traffic_gap` is a mean [m], `speed` the limit [m/s]. `grade` and `hillside` are standard deviations of slopes along
-    and beside the road, `rolling` is the height [m] of the land's waves.
+    of blocks among the buildings. `bend`, `junction`, `roundabout` and `lights` (of junctions), `oneway`, `car_park`,
+    `parked` (a side), `paved` (what lies beside the sidewalks), `built` (a plot), `front_fences` (a side),
+    `street_trees` (a side) and `strip` (of grass beside the kerb) are probabilities; `people`, `thickets` (a side) and
+    `wild_trees` mean numbers; `traffic_gap` is a mean [m], `speed` the limit [m/s], `shoulder` the width of a hard
+    shoulder [m], `curvature` a range [1/m].
     """
 
     share: float
     lanes: tuple[int, ...]
-    lane_width: tuple[float, float]
-    sidewalk: tuple[float, float]
+    lane_width: Range
+    sidewalk: Range
     speed: float
     bend: float
     junction: float
@@ -38,78 +69,103 @@ class District:
     people: float
     built: float
     blocks: float
-    setback: tuple[float, float]
-    gap: tuple[float, float]
-    fronts: float
-    row_trees: float
+    setback: Range
+    gap: Range
+    front_fences: float
+    street_trees: float
     thickets: float
     wild_trees: int
+    land: Land
     roundabout: float = 0.0
     lights: float = 0.0
     oneway: float = 0.0
     car_park: float = 0.0
-    median: tuple[float, float] = (0.0, 0.0)
+    median: Range = (0.0, 0.0)
     shoulder: float = 0.0
-    curvature: tuple[float, float] = (0.001, 0.009)
-    grade: float = 0.015
-    hillside: float = 0.02
-    rolling: float = 0.25
+    curvature: Range = (0.001, 0.009)
     strip: float = 0.0
     paved: float = 0.0
-    ditch: float = 0.0
-    bank: float = 0.0
+    equipment: RoadEquipment = RoadEquipment()
 
+    @property
+    def closed_fronts(self) -> bool:
+        """Whether its buildings stand wall to wall."""
+        return self.gap[1] == 0.0
+
+    @property
+    def front_gardens(self) -> bool:
+        """Whether there is land between the sidewalk and the buildings."""
+        return self.setback[1] > 2.0
+
+    @property
+    def built_up(self) -> bool:
+        """Whether most plots have a building."""
+        return self.built > 0.5
+
+
+# Guard rails, walls, fences, sign bridges and road works: estimates of ours.
+_MOTORWAY = RoadEquipment(
+    median_barrier=True, rails=0.55, noise_walls=0.4, deer_fences=0.3, gantries=0.5, delineators=True, cones=0.0
+)
+_COUNTRY_ROAD = RoadEquipment(short_rails=0.25, delineators=True, cones=0.0)
 
 # Lane widths: the German design guides RASt 06 (3.0 to 3.5 m in towns), RAL (3.25 to 3.75 m outside) and RAA (3.5 to
 # 3.75 m on motorways, median 4 m, hard shoulder 2.5 m). Sidewalks: RASt 06, 2.5 m and more where there is room.
 # Heavy vehicles: the German road census of 2021 (BASt), 15 % of the traffic on motorways, 7 % on federal roads; fewer
 # in towns. People, cars and plants: such that their shares of the returns lie between those of PandaSet and the class
 # frequencies published with SemanticKITTI (cars 21 and 4 %, vegetation 13 and 27 %, people 0.2 and 0.05 %). Speeds:
-# StVO. Grades stay under the limits of RASt 06 and RAL, 4.5 to 8 %. The shares of quarters, and probabilities and
+# StVO. Grades stay under the limits of RASt 06 and RAL, 4.5 to 8 %. The shares of districts, and probabilities and
 # numbers without a source, are estimates of ours.
 DISTRICTS: dict[str, District] = {
     "residential": District(
         share=0.44, lanes=(1,), lane_width=(2.5, 3.25), sidewalk=(1.5, 3.0), speed=30 / 3.6, bend=0.5, junction=0.45,
         parked=0.25, traffic_gap=70.0, heavy=0.015, people=0.25,
         built=0.82, blocks=0.1, setback=(3.5, 11.0), gap=(2.5, 9.0),
-        fronts=0.95, row_trees=0.7, thickets=5.5, wild_trees=52,
-        roundabout=0.14, oneway=0.12, car_park=0.04, grade=0.02, hillside=0.035, strip=0.15, bank=0.3,
+        front_fences=0.95, street_trees=0.7, thickets=5.5, wild_trees=52,
+        roundabout=0.14, oneway=0.12, car_park=0.04, strip=0.15,
+        land=Land(grade=0.02, hillside=0.035, bank=0.3),
     ),
     "urban": District(
         share=0.18, lanes=(1, 1, 2), lane_width=(2.75, 3.25), sidewalk=(2.2, 5.5), speed=50 / 3.6, bend=0.2,
         junction=0.55, parked=0.4, traffic_gap=40.0, heavy=0.035, people=0.8,
         built=0.95, blocks=0.95, setback=(0.0, 0.4), gap=(0.0, 0.0),
-        fronts=0.0, row_trees=0.8, thickets=0.6, wild_trees=26,
-        roundabout=0.08, lights=0.6, oneway=0.35, car_park=0.06, grade=0.014, hillside=0.015, rolling=0.1, paved=0.7,
+        front_fences=0.0, street_trees=0.8, thickets=0.6, wild_trees=26,
+        roundabout=0.08, lights=0.6, oneway=0.35, car_park=0.06, paved=0.7,
+        land=Land(grade=0.014, hillside=0.015, rolling=0.1),
     ),
     "avenue": District(
         share=0.15, lanes=(2, 2, 3), lane_width=(3.0, 3.5), sidewalk=(2.0, 4.0), speed=50 / 3.6, bend=0.25,
         junction=0.5, parked=0.2, traffic_gap=60.0, heavy=0.035, people=0.5,
         built=0.75, blocks=0.65, setback=(1.5, 7.0), gap=(1.0, 12.0),
-        fronts=0.7, row_trees=0.9, thickets=6.0, wild_trees=40,
-        roundabout=0.15, lights=0.75, car_park=0.12, median=(0.0, 4.0), grade=0.012, strip=0.4, bank=0.1, paved=0.4,
+        front_fences=0.7, street_trees=0.9, thickets=6.0, wild_trees=40,
+        roundabout=0.15, lights=0.75, car_park=0.12, median=(0.0, 4.0), strip=0.4, paved=0.4,
+        land=Land(grade=0.012, bank=0.1),
     ),
     "retail": District(
         share=0.06, lanes=(1, 1, 2), lane_width=(3.0, 3.5), sidewalk=(1.5, 2.5), speed=50 / 3.6, bend=0.2, junction=0.3,
         parked=0.1, traffic_gap=40.0, heavy=0.08, people=0.3,
         built=0.6, blocks=0.25, setback=(6.0, 14.0), gap=(6.0, 25.0),
-        fronts=0.6, row_trees=0.65, thickets=5.0, wild_trees=32,
-        roundabout=0.12, lights=0.4, car_park=1.0, strip=0.3, ditch=0.1, bank=0.1, paved=0.35,
+        front_fences=0.6, street_trees=0.65, thickets=5.0, wild_trees=32,
+        roundabout=0.12, lights=0.4, car_park=1.0, strip=0.3, paved=0.35,
+        land=Land(ditch=0.1, bank=0.1),
     ),
     "country": District(
         share=0.10, lanes=(1, 1, 1, 2), lane_width=(2.75, 3.75), sidewalk=(0.0, 0.0), speed=100 / 3.6, bend=0.6,
         junction=0.3, parked=0.02, traffic_gap=70.0, heavy=0.07, people=0.1,
         built=0.18, blocks=0.0, setback=(8.0, 22.0), gap=(8.0, 40.0),
-        fronts=0.4, row_trees=0.6, thickets=7.0, wild_trees=65,
-        roundabout=0.35, grade=0.025, hillside=0.06, rolling=0.6, ditch=0.5, bank=0.4,
+        front_fences=0.4, street_trees=0.6, thickets=7.0, wild_trees=65,
+        roundabout=0.35,
+        land=Land(grade=0.025, hillside=0.06, rolling=0.6, ditch=0.5, bank=0.4),
+        equipment=_COUNTRY_ROAD,
     ),
     "motorway": District(
         share=0.07, lanes=(2, 2, 3), lane_width=(3.5, 3.75), sidewalk=(0.0, 0.0), speed=130 / 3.6, bend=0.6,
         junction=0.0, parked=0.0, traffic_gap=50.0, heavy=0.15, people=0.0,
         built=0.05, blocks=0.2, setback=(20.0, 40.0), gap=(15.0, 60.0),
-        fronts=0.0, row_trees=0.0, thickets=8.0, wild_trees=60,
-        median=(2.5, 4.0), shoulder=2.5, curvature=(0.0003, 0.002), grade=0.014, hillside=0.05, rolling=0.5, ditch=0.35,
-        bank=0.5,
+        front_fences=0.0, street_trees=0.0, thickets=8.0, wild_trees=60,
+        median=(2.5, 4.0), shoulder=2.5, curvature=(0.0003, 0.002),
+        land=Land(grade=0.014, hillside=0.05, rolling=0.5, ditch=0.35, bank=0.5),
+        equipment=_MOTORWAY,
     ),
 }  # fmt: skip
 
@@ -123,32 +179,30 @@ def sample_road(
     oneway: bool = False,
     car_park: bool = False,
 ) -> Road:
-    """A road through the quarter, with parking bays on the sides in `parking`; it is straight beside a `lot`."""
+    """A road through the district, with parked cars on the sides in `parking`; it is straight beside a car park."""
     lanes = 1 if oneway else district.lanes[int(rng.integers(len(district.lanes)))]
     width = rng.uniform(*district.lane_width)
     if oneway:
-        # RASt 06: 3.0 to 3.5 m between parked cars, and now and then room for two lanes
-        width = max(2.0, rng.uniform(3.5, 4.2) / 2) if rng.random() < 0.7 else width
+        width = max(_LEAST_LANE, rng.uniform(*_ONE_WAY) / 2) if rng.random() < _NARROW else width
     if lanes == 1:
         width += PARKING_STRIP * len(parking) / 2
     sidewalk = rng.uniform(*district.sidewalk)
     median = rng.uniform(*district.median) if lanes > 1 else 0.0
-    median = median if median > 1.5 else 0.0
-    junction, roundabout_radius, curvature = None, None, 0.0
+    median = median if median > _LEAST_MEDIAN else 0.0
+    junction, radius, curvature = None, None, 0.0
     side_roads: tuple[int, ...] = (LEFT, RIGHT)
     if rng.random() < district.junction:
         # a side road leaves at a right angle, so the road is straight there
-        junction = float(rng.uniform(-0.4, 0.4) * half_length)
+        junction = float(rng.uniform(-_JUNCTION, _JUNCTION) * half_length)
         side_roads = ((LEFT, RIGHT), (LEFT,), (RIGHT,))[int(rng.integers(3))]
-        smallest = median / 2 + lanes * width + sidewalk + RING + 1.5
-        # outer diameters of 26 to 50 m: the German guide to roundabouts (FGSV 242)
-        if not car_park and rng.random() < district.roundabout and smallest < 25.0:
-            roundabout_radius = rng.uniform(max(13.0, smallest), 25.0)
-            junction *= 0.6
+        smallest = median / 2 + lanes * width + sidewalk + RING + _CORNERS
+        if not car_park and rng.random() < district.roundabout and smallest < _RADII[1]:
+            radius = rng.uniform(max(_RADII[0], smallest), _RADII[1])
+            junction *= _ROUNDABOUT
             median = 0.0
     elif not car_park and rng.random() < district.bend:
         low, high = district.curvature
-        curvature = float(rng.choice((-1, 1)) * rng.uniform(low, min(high, 1.6 / half_length)))
+        curvature = float(rng.choice(SIDES) * rng.uniform(low, min(high, _MOST_BEND / half_length)))
     return Road(
         lanes=lanes,
         lane_width=width,
@@ -159,5 +213,5 @@ def sample_road(
         side_roads=side_roads,
         half_length=half_length,
         median=median,
-        roundabout_radius=roundabout_radius,
+        roundabout_radius=radius,
     )

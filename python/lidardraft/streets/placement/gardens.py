@@ -11,125 +11,208 @@ from lidardraft.scene.road import PavedArea
 from lidardraft.streets.placement.car_parks import CarPark
 from lidardraft.streets.placement.district import SIDES, District
 from lidardraft.streets.placement.occupancy import Occupancy
+from lidardraft.streets.placement.sizes import (
+    BICYCLE,
+    FENCE_WIDTH,
+    GARDEN_LETTERBOX,
+    GARDEN_WALL_WIDTH,
+    HEDGE_WIDTH,
+    MESH_FENCE_WIDTH,
+    WHEELED_BIN,
+    Size,
+    sample_tree,
+)
 
-_DRIVE = (2.8, 6.0)  # m: a bay and what opens a car's doors; RASt 06 wants 5 m before a garage
-_STEEPEST_DRIVE = 0.5  # m of rise over its length
-_STEEP = 0.12  # m that a straight piece may leave the ground at its ends
-BIN = (0.58, 0.62, 1.07)  # m: EN 840, 240 litres
+Driveway = tuple[int, float]  # side, and along [m] of its middle
 
-Driveway = tuple[int, float]  # side and along
+# Driveways. Numbers without a source are estimates of ours, here and below.
+_DRIVEWAY = (2.8, 6.0)  # m: a bay and what opens a car's doors; RASt 06 wants 5 m before a garage
+_DRIVEWAYS, _FEW_DRIVEWAYS = 9.0, 2.5  # mean number a side where all plots are built: with front fences, and without
+_DRIVEWAY_ENDS = 0.95  # of the half length of the street that they keep to
+_DRIVEWAY_HEIGHT, _DRIVEWAY_OFF = 1.8, 0.1  # m that have to be free over one, and m from the verge
+_DRIVEWAY_SPACING = 1.5  # widths between the middles of two
+_CROSS_SECTION = (0.1, 1.9, 2.4, 6.0)  # m from the verge, where a ditch or bank would be
+_STEEPEST_DRIVEWAY = 0.5  # m of rise over its length
+_WITH_CAR, _CAR_OFF, _CAR_ASKEW = 0.7, 0.5, 0.03  # share with a car, m from the verge to it, rad (deviation)
 
+# Front fences, walls and hedges, in runs of one kind.
+_FRONT_FENCES = ("fence", "garden_wall", "hedge", "hedge", "hedge", "hedge", "hedge", "mesh_fence")
+_FENCE_OFF = (0.3, 0.9)  # m from the verge
+_FENCE_HEIGHT, _HEDGE_HEIGHT = (0.8, 1.6), (1.1, 2.9)  # m
+_FENCE_RUN, _RUN_GAP = (8.0, 28.0), (1.2, 4.0)  # m of a run, and between two
+_FENCE_LENGTH, _LEAST_FENCE, _FENCE_SEAM = 12.0, 1.2, 0.1  # m of a piece: longest, shortest, between two
+_GATE, _BEFORE_GATE = 1.7, 4.5  # m from the middle of a gate that stay open, and from where on a piece ends at it
 
-def tree_size(rng: np.random.Generator) -> tuple[tuple[float, float, float], float]:
-    """Extents and height of the bare clearance; crowns measure 2 to 9 m, an estimate of ours for street trees."""
-    height = rng.uniform(4.5, 13.0)
-    crown = height * rng.uniform(0.42, 0.68)
-    return (crown * rng.uniform(0.9, 1.1), crown, height), height * rng.uniform(0.08, 0.32)
+# Behind the fences.
+_YARD_OBJECTS, _FEW_YARD_OBJECTS = 4, 0.5  # mean number where most plots are built, and elsewhere
+_YARD_SPREAD, _YARD_OFF = 35.0, (0.5, 2.0)  # m along (deviation), m from the verge
+_BINS, _LETTERBOXES = 0.5, 0.25  # share; the others are bicycles
+_LETTERBOX_OFF, _BICYCLE_ANGLE, _BIN_ANGLE = 0.35, 0.1, (0.0, 3.0)  # m from the verge; rad, deviation; rad
 
+# Shrubs.
+_BED_WIDTH, _BED_OFF, _BED_ROOM = (0.8, 2.8), 0.6, 0.7  # m, m from the verge, least m for it
+_BED_DEPTH = 0.7  # of the depth of a garden that beds lie in
+_BED, _BED_STEP, _BED_GAP = (
+    (1, 5),
+    (0.95, 1.3),
+    3.0,
+)  # shrubs; lengths between; mean m to the next bed
+_SHRUB_OVAL, _SHRUB_HEIGHT = (0.9, 1.45), (0.7, 1.3)  # length and height over width
+_BED_LINE, _BED_ANGLE = 0.1, 0.15  # m and rad off the line, deviations
 
-def piece_length(occupancy: Occupancy, along: float, longest: float) -> float:
-    """How long a level piece of a fence or a rail may be there [m]: bends and slopes are followed by short ones."""
-    limit = min(longest, 7.0) if abs(occupancy.road.curvature) > 0.002 else longest
-    return max(3.0, min(limit, 2 * _STEEP / max(abs(occupancy.ground.grade(along)), 1e-3)))
+# Thickets: runs of high shrubs.
+_THICKET_BEGINS = (-1.0, 0.7)  # of the half length of the street
+_THICKET_OFF, _THICKET_RUN = (1.0, 14.0), (10.0, 60.0)  # m from the verge, m of a run
+_THICKET_WIDTH, _THICKET_STEP = (1.6, 4.2), (1.0, 1.1)  # m, lengths between shrubs
+_THICKET_LINE, _THICKET_ANGLE = 0.5, 0.12  # m and rad off the line, deviations
+
+# Trees and bushes of gardens, parks and fields.
+_GARDEN_SPREAD, _FIELD_SPREAD = 14.0, 28.0  # m from the verge, mean
+_TREE_OFF, _FURTHEST_TREE, _TREE_MARGIN = 1.5, 55.0, 0.05  # m from the verge, m across, m
+_BUSHES = 1.5  # a tree
+_BUSH_ENDS = 0.8  # of the half length of the street that they keep to
+_BUSH_WIDTH, _BUSH_OVAL, _BUSH_HEIGHT = (0.8, 3.6), (0.8, 1.45), (0.6, 1.0)  # m; length and height over width
+_BUSH_OFF, _BUSH_NEARER, _FURTHEST_BUSH = 0.6, 0.4, 45.0  # m from the verge; of the spread of trees; m across
+_PLANT_ANGLE = (0.0, 3.0)  # rad
 
 
 def place_driveways(occupancy: Occupancy, district: District, rng: np.random.Generator) -> list[Driveway]:
-    """Paved drives beside houses, most with a car on it."""
+    """Paved driveways beside houses, most with a car on it."""
     road = occupancy.road
-    drives: list[Driveway] = []
-    if district.setback[1] <= 2.0:
-        return drives
-    mean = 9.0 if district.fronts > 0.5 else 2.5
+    driveways: list[Driveway] = []
+    if not district.front_gardens:
+        return driveways
+    mean = _DRIVEWAYS if district.front_fences > 0.5 else _FEW_DRIVEWAYS
     for side in SIDES:
-        for along in np.sort(rng.uniform(-0.95, 0.95, rng.poisson(mean * district.built))) * road.half_length:
-            width, depth = _DRIVE
-            x, y, yaw = road.at(along, side * (road.verge + depth / 2 + 0.1))
-            size = (width, depth, 1.8)
-            if not occupancy.is_free(x, y, yaw, size) or not occupancy.is_private(x, y, yaw, size):
-                continue
-            if any(side == other and abs(along - place) < 1.5 * width for other, place in drives):
-                continue
-            rise = occupancy.ground.heights(np.full(4, along), side * (road.verge + np.array([0.1, 1.9, 2.4, depth])))
-            if np.ptp(rise) > _STEEPEST_DRIVE:
-                continue  # no drive leads through a ditch
-            drives.append((side, float(along)))
-            if rng.random() < 0.7:
-                kind, car = sample_car(rng)
-                across = side * (road.verge + 0.5 + car[0] / 2)
-                angle = (math.pi / 2 if rng.random() < 0.5 else -math.pi / 2) + rng.normal(0.0, 0.03)
-                occupancy.place(kind, along, across, car, angle=angle, private=True)
-            near, far = road.verge, road.verge + depth
-            half = width / 2
-            occupancy.pave(PavedArea((along - half, along + half), (near, far) if side > 0 else (-far, -near)))
-    return drives
+        places = rng.uniform(-_DRIVEWAY_ENDS, _DRIVEWAY_ENDS, rng.poisson(mean * district.built))
+        for along in np.sort(places) * road.half_length:
+            if _has_room(occupancy, side, along, driveways):
+                driveways.append((side, float(along)))
+                _place_driveway(occupancy, side, along, rng)
+    return driveways
+
+
+def _has_room(occupancy: Occupancy, side: int, along: float, driveways: list[Driveway]) -> bool:
+    """Whether a driveway there is free, private, apart from the others and leads through no ditch."""
+    road = occupancy.road
+    width, depth = _DRIVEWAY
+    x, y, yaw = road.at(along, side * (road.verge + depth / 2 + _DRIVEWAY_OFF))
+    size = (width, depth, _DRIVEWAY_HEIGHT)
+    if not occupancy.is_free(x, y, yaw, size) or not occupancy.is_private(x, y, yaw, size):
+        return False
+    if any(side == other and abs(along - place) < _DRIVEWAY_SPACING * width for other, place in driveways):
+        return False
+    across = side * (road.verge + np.array(_CROSS_SECTION))
+    rise = occupancy.ground.heights(np.full(len(across), along), across)
+    return bool(np.ptp(rise) <= _STEEPEST_DRIVEWAY)
+
+
+def _place_driveway(occupancy: Occupancy, side: int, along: float, rng: np.random.Generator) -> None:
+    road = occupancy.road
+    if rng.random() < _WITH_CAR:
+        kind, size = sample_car(rng)
+        across = side * (road.verge + _CAR_OFF + size[0] / 2)
+        angle = (math.pi / 2 if rng.random() < 0.5 else -math.pi / 2) + rng.normal(0.0, _CAR_ASKEW)
+        occupancy.place(kind, along, across, size, angle=angle, private=True)
+    half, depth = _DRIVEWAY[0] / 2, _DRIVEWAY[1]
+    near, far = road.verge, road.verge + depth
+    occupancy.pave(PavedArea((along - half, along + half), (near, far) if side > 0 else (-far, -near)))
 
 
 def place_front_fences(
-    occupancy: Occupancy, district: District, drives: list[Driveway], car_park: CarPark | None, rng: np.random.Generator
+    occupancy: Occupancy,
+    district: District,
+    driveways: list[Driveway],
+    car_park: CarPark | None,
+    rng: np.random.Generator,
 ) -> None:
-    """What closes the front gardens: fences, walls or hedges in runs, with gates between and open at drives."""
+    """What closes the front gardens: fences, walls or hedges in runs, with gates between and open at driveways."""
     road = occupancy.road
-    kinds = ("fence", "garden_wall", "hedge", "hedge", "hedge", "hedge", "hedge", "mesh_fence")
     for side in SIDES:
-        if rng.random() > district.fronts or district.setback[1] < 2.0:
+        if rng.random() > district.front_fences or not district.front_gardens:
             continue
-        along, off = -road.half_length, road.verge + rng.uniform(0.3, 0.9)
-        gates = [place for other, place in drives if other == side]
+        along, off = -road.half_length, road.verge + rng.uniform(*_FENCE_OFF)
+        gates = [place for other, place in driveways if other == side]
         if car_park is not None and car_park.side == side:
             gates.append(car_park.gate)
         while along < road.half_length:
-            kind = kinds[int(rng.integers(len(kinds)))]
-            height = rng.uniform(0.8, 1.6) if kind != "hedge" else rng.uniform(1.1, 2.9)
-            thick = {"fence": 0.1, "garden_wall": 0.3, "mesh_fence": 0.06, "hedge": rng.uniform(0.6, 1.2)}[kind]
-            stop = min(along + rng.uniform(8.0, 28.0), road.half_length)
-            while along < stop:
-                length = min(piece_length(occupancy, along, 12.0), stop - along)
-                gate = next((g for g in gates if g - 4.5 < along + length and along < g + 1.7), None)
-                if gate is not None:
-                    length = gate - 1.7 - along
-                if length > 1.2:
-                    across = side * (off + thick / 2)
-                    size = (length - 0.1, thick, height)
-                    occupancy.place(kind, along + length / 2, across, size, margin=0.0, private=True)
-                along = along + length if gate is None else gate + 1.7
-            along += rng.uniform(1.2, 4.0)
+            kind = _FRONT_FENCES[int(rng.integers(len(_FRONT_FENCES)))]
+            height = rng.uniform(*_FENCE_HEIGHT) if kind != "hedge" else rng.uniform(*_HEDGE_HEIGHT)
+            widths = {"fence": FENCE_WIDTH, "garden_wall": GARDEN_WALL_WIDTH, "mesh_fence": MESH_FENCE_WIDTH}
+            widths["hedge"] = rng.uniform(*HEDGE_WIDTH)
+            stop = min(along + rng.uniform(*_FENCE_RUN), road.half_length)
+            along = _place_fence_run(occupancy, kind, (along, stop), side, off, (widths[kind], height), gates)
+            along += rng.uniform(*_RUN_GAP)
+
+
+def _place_fence_run(
+    occupancy: Occupancy,
+    kind: str,
+    span: tuple[float, float],
+    side: int,
+    off: float,
+    section: tuple[float, float],
+    gates: list[float],
+) -> float:
+    """Pieces of one kind over a span [m along], `off` [m] from the middle of the road, of a width and height, with gaps
+    at the gates; where they end [m along].
+    """
+    along, stop = span
+    width, height = section
+    while along < stop:
+        length = min(occupancy.ground.level_length(along, _FENCE_LENGTH), stop - along)
+        gate = next((g for g in gates if g - _BEFORE_GATE < along + length and along < g + _GATE), None)
+        if gate is not None:
+            length = gate - _GATE - along
+        if length > _LEAST_FENCE:
+            across = side * (off + width / 2)
+            size = (length - _FENCE_SEAM, width, height)
+            occupancy.place(kind, along + length / 2, across, size, margin=0.0, private=True)
+        along = along + length if gate is None else gate + _GATE
+    return along
 
 
 def place_yard_objects(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
     """Bins, letterboxes, and bicycles behind the fences."""
     road = occupancy.road
-    homes = district.built > 0.5
-    for _ in range(rng.poisson(4 if homes else 0.5)):
-        side, along = SIDES[int(rng.integers(2))], rng.normal(0.0, 35.0)
-        across = side * (road.verge + rng.uniform(0.5, 2.0))
+    for _ in range(rng.poisson(_YARD_OBJECTS if district.built_up else _FEW_YARD_OBJECTS)):
+        side, along = SIDES[int(rng.integers(2))], rng.normal(0.0, _YARD_SPREAD)
+        across = side * (road.verge + rng.uniform(*_YARD_OFF))
         pick = rng.random()
-        if pick < 0.5:
-            occupancy.place("bin", along, across, BIN, angle=rng.uniform(0, 3), private=True)
-        elif pick < 0.75:
-            angle = math.pi / 2 if side < 0 else -math.pi / 2
-            occupancy.place("letterbox", along, side * (road.verge + 0.35), (0.35, 0.4, 1.2), angle=angle, private=True)
+        if pick < _BINS:
+            size, angle = WHEELED_BIN.sample(rng), rng.uniform(*_BIN_ANGLE)
+            occupancy.place("bin", along, across, size, angle=angle, private=True)
+        elif pick < _BINS + _LETTERBOXES:
+            size, angle = GARDEN_LETTERBOX.sample(rng), -side * math.pi / 2
+            across = side * (road.verge + _LETTERBOX_OFF)
+            occupancy.place("letterbox", along, across, size, angle=angle, private=True)
         else:
-            occupancy.place("bicycle", along, across, (1.78, 0.58, 1.06), angle=rng.normal(0.0, 0.1), private=True)
+            size, angle = BICYCLE.sample(rng), rng.normal(0.0, _BICYCLE_ANGLE)
+            occupancy.place("bicycle", along, across, size, angle=angle, private=True)
+
+
+def _shrub(width: float, rng: np.random.Generator) -> Size:
+    return width * rng.uniform(*_SHRUB_OVAL), width, width * rng.uniform(*_SHRUB_HEIGHT)
 
 
 def place_shrub_beds(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
     """Shrubs in front of the houses, in beds of one kind."""
     road = occupancy.road
-    depth = district.setback[1]
-    if depth < 2.0 or district.built < 0.5:
+    if not district.front_gardens or not district.built_up:
         return
+    depth = district.setback[1]
     for side in SIDES:
         along = -road.half_length
         while along < road.half_length:
-            width = rng.uniform(0.8, 2.8)
-            off = rng.uniform(0.6, max(0.7, 0.7 * depth - width))
-            for _ in range(int(rng.integers(1, 5))):
-                size = (width * rng.uniform(0.9, 1.45), width, width * rng.uniform(0.7, 1.3))
-                across = side * (road.verge + off + width / 2 + rng.normal(0.0, 0.1))
-                angle = rng.normal(0.0, 0.15)
+            width = rng.uniform(*_BED_WIDTH)
+            off = rng.uniform(_BED_OFF, max(_BED_ROOM, _BED_DEPTH * depth - width))
+            for _ in range(int(rng.integers(*_BED))):
+                size = _shrub(width, rng)
+                across = side * (road.verge + off + width / 2 + rng.normal(0.0, _BED_LINE))
+                angle = rng.normal(0.0, _BED_ANGLE)
                 occupancy.place("bush", along + size[0] / 2, across, size, angle=angle, margin=0.0, private=True)
-                along += size[0] * rng.uniform(0.95, 1.3)
-            along += rng.exponential(3.0)
+                along += size[0] * rng.uniform(*_BED_STEP)
+            along += rng.exponential(_BED_GAP)
 
 
 def place_thickets(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
@@ -137,41 +220,35 @@ def place_thickets(occupancy: Occupancy, district: District, rng: np.random.Gene
     road = occupancy.road
     for side in SIDES:
         for _ in range(rng.poisson(district.thickets)):
-            along, off = rng.uniform(-1.0, 0.7) * road.half_length, road.verge + rng.uniform(1.0, 14.0)
-            stop = min(along + rng.uniform(10.0, 60.0), road.half_length)
+            along, off = rng.uniform(*_THICKET_BEGINS) * road.half_length, road.verge + rng.uniform(*_THICKET_OFF)
+            stop = min(along + rng.uniform(*_THICKET_RUN), road.half_length)
             while along < stop:
-                width = rng.uniform(1.6, 4.2)
-                length = width * rng.uniform(0.9, 1.45)
-                size = (length, width, width * rng.uniform(0.7, 1.3))
-                across = side * (off + width / 2 + rng.normal(0.0, 0.5))
-                angle = rng.normal(0.0, 0.12)
-                occupancy.place("bush", along + length / 2, across, size, angle=angle, margin=0.0, private=True)
-                along += length * rng.uniform(1.0, 1.1)
+                width = rng.uniform(*_THICKET_WIDTH)
+                size = _shrub(width, rng)
+                across = side * (off + width / 2 + rng.normal(0.0, _THICKET_LINE))
+                angle = rng.normal(0.0, _THICKET_ANGLE)
+                occupancy.place("bush", along + size[0] / 2, across, size, angle=angle, margin=0.0, private=True)
+                along += size[0] * rng.uniform(*_THICKET_STEP)
 
 
 def place_garden_plants(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
     """Trees and bushes of gardens, parks and fields."""
     road = occupancy.road
-    spread = 14.0 if district.built > 0.5 else 28.0
+    spread = _GARDEN_SPREAD if district.built_up else _FIELD_SPREAD
     for _ in range(rng.poisson(district.wild_trees)):
         side, along = SIDES[int(rng.integers(2))], rng.uniform(-1.0, 1.0) * road.half_length
-        size, clearance = tree_size(rng)
-        across = road.verge + 1.5 + rng.exponential(spread)
-        if across < 55.0:
+        size, stem = sample_tree(rng)
+        across = road.verge + _TREE_OFF + rng.exponential(spread)
+        if across < _FURTHEST_TREE:
+            angle = rng.uniform(*_PLANT_ANGLE)
             occupancy.place(
-                "tree",
-                along,
-                side * across,
-                size,
-                angle=rng.uniform(0, 3),
-                clearance=clearance,
-                margin=0.05,
-                private=True,
+                "tree", along, side * across, size, angle=angle, clearance=stem, margin=_TREE_MARGIN, private=True
             )
-    for _ in range(rng.poisson(1.5 * district.wild_trees)):
-        side, along = SIDES[int(rng.integers(2))], rng.uniform(-0.8, 0.8) * road.half_length
-        width = rng.uniform(0.8, 3.6)
-        across = road.verge + 0.6 + width / 2 + rng.exponential(0.4 * spread)
-        size = (width * rng.uniform(0.8, 1.45), width, width * rng.uniform(0.6, 1.0))
-        if across < 45.0:
-            occupancy.place("bush", along, side * across, size, angle=rng.uniform(0, 3), margin=0.05, private=True)
+    for _ in range(rng.poisson(_BUSHES * district.wild_trees)):
+        side, along = SIDES[int(rng.integers(2))], rng.uniform(-_BUSH_ENDS, _BUSH_ENDS) * road.half_length
+        width = rng.uniform(*_BUSH_WIDTH)
+        across = road.verge + _BUSH_OFF + width / 2 + rng.exponential(_BUSH_NEARER * spread)
+        size = (width * rng.uniform(*_BUSH_OVAL), width, width * rng.uniform(*_BUSH_HEIGHT))
+        if across < _FURTHEST_BUSH:
+            angle = rng.uniform(*_PLANT_ANGLE)
+            occupancy.place("bush", along, side * across, size, angle=angle, margin=_TREE_MARGIN, private=True)

@@ -7,108 +7,143 @@ Widths and patterns are those of the German guide to road markings (RMS-1): line
 from __future__ import annotations
 
 import itertools
+from dataclasses import dataclass
 
 import numpy as np
 
 from lidardraft.scene.road import Road
 from lidardraft.streets.placement.car_parks import BAY_LENGTH, BAY_WIDTH, CarPark
-from lidardraft.streets.placement.lanes import Lane
-
-_THIN = 0.12
-_MOTORWAY = 25.0  # m/s, limits over this have the markings of motorways and country roads
+from lidardraft.streets.placement.district import CALM, FAST, SIDES
+from lidardraft.streets.placement.lanes import MAIN_ROAD, SIDE_ROAD, Lane
 
 Span = tuple[float, float, float, float]  # from and to along, from and to across [m]
+
+
+@dataclass(frozen=True, slots=True)
+class _Pattern:
+    """How the lines of a road are painted: m of line and gap, widths [m] of lane lines and edge lines."""
+
+    dash: float
+    gap: float
+    lane_line: float
+    edge_line: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    """A line along the road: `across` and `width`, and m of line and gap; solid with a gap of 0."""
+
+    across: float
+    width: float
+    dash: float = 0.0
+    gap: float = 0.0
+
+
+# RMS-1
+_THIN = 0.12
+_TOWN = _Pattern(3.0, 6.0, _THIN, _THIN)
+_COUNTRY = _Pattern(4.0, 8.0, _THIN, _THIN)
+_MOTORWAY = _Pattern(6.0, 12.0, 0.15, 0.3)
+_STOP_WIDTH = 0.5
+_MEDIAN_LINE = 0.15
+
+# Estimates of ours.
+_LINED = 0.15  # share of calm streets with lines
+_FIRST_DASH = (0.0, 9.0)  # m from the end of the street
+_EDGE_OFF, _MEDIAN_OFF = 0.25, 0.35  # m from edge lines to the edge of the road, and to the median
+_CLEAR_ROUNDABOUT = 4.5  # m before a roundabout without lines
+_STOP_AHEAD = 0.75  # m from where traffic waits to the middle of the line
+_STOP_LENGTH, _STOP_SHARE = 2.4, 0.48  # m, within the narrowest lane; of the half width of a side road at most
+_ZEBRAS, _ZEBRA_PLACE, _ZEBRA_JUNCTION = 0.3, 0.35, 6.0  # share, of the half length at most, m to a junction
+# VwV-StVO: bars of 0.5 m with gaps of 0.5 m, 3 m long and more.
+_BAR, _BAR_SPACING, _BAR_LENGTH = 0.5, 1.0, 4.0
+_ZEBRA_EDGES = (0.3, 0.5)  # m to the first bar from the right kerb, and in which none begins at the left one
+_ZEBRA_MEDIAN = 0.3  # m from the middle of a bar to a median
+_BAY_END, _BAY_SIDE, _BAY_GATE = 0.1, 0.1, 3.0  # m to the ends of bays and of the area, from the middle of the gate
 
 
 def road_markings(
     road: Road, lanes: tuple[Lane, ...], car_park: CarPark | None, speed: float, rng: np.random.Generator
 ) -> np.ndarray:
-    """Painted rectangles [n, 4] of the road's frame: from and to along, from and to across [m]."""
+    """Painted rectangles [n, 4] of the road's frame: from and to along, from and to across [m].
+
+    `speed` [m/s] is the limit on the road.
+    """
     spans: list[Span] = []
-    fast = speed > _MOTORWAY
     # quiet streets have no lines
-    if speed > 10.0 or rng.random() < 0.15:
-        for across, dash, gap, width in _lines(road, lanes, fast):
-            spans += _line(road, across, dash, gap, width, rng.uniform(0.0, 9.0))
-        for lane in lanes:
-            if lane.stop is not None:
-                spans.append(_stop_line(road, lane))
+    if speed > CALM or rng.random() < _LINED:
+        for line in _lines(road, lanes, speed):
+            spans += _pieces(road, line, rng.uniform(*_FIRST_DASH))
+        spans += [_stop_line(road, lane) for lane in lanes if lane.stop is not None]
     if car_park is not None:
-        spans += _bays(car_park)
-    if road.sidewalk > 0 and speed > 10.0 and rng.random() < 0.3:
+        spans += _bay_lines(car_park)
+    if road.sidewalk > 0 and speed > CALM and rng.random() < _ZEBRAS:
         spans += _zebra(road, rng)
     return np.array(spans).reshape(-1, 4)
 
 
-def _lines(road: Road, lanes: tuple[Lane, ...], fast: bool) -> list[tuple[float, float, float, float]]:
-    """Across, dash, gap (0 for a solid line) and width of the lines along the road."""
-    motorway = fast and road.median > 0
-    dash, gap = (6.0, 12.0) if motorway else (4.0, 8.0) if fast else (3.0, 6.0)
-    thin = 0.15 if motorway else _THIN
-    offsets = sorted({lane.at(0.0)[1] for lane in lanes if lane.name == "road"})
+def _lines(road: Road, lanes: tuple[Lane, ...], speed: float) -> list[_Line]:
+    """Dashed lines between the lanes; on fast roads solid ones along the edges and the median."""
+    pattern = _TOWN if speed <= FAST else _MOTORWAY if road.median > 0 else _COUNTRY
+    offsets = sorted({lane.at(0.0)[1] for lane in lanes if lane.kind == MAIN_ROAD})
     lines = []
     for low, high in itertools.pairwise(offsets):
-        turned = low * high < 0 and road.median > 0
-        if not turned:
-            lines.append(((low + high) / 2, dash, gap, thin))
-    if fast:
-        wide = 0.3 if motorway else _THIN
-        edge = road.edge - road.parking - (0.0 if road.parking else 0.25)
-        lines += [(side * edge, 1.0, 0.0, wide) for side in (-1, 1)]
+        in_median = low * high < 0 and road.median > 0
+        if not in_median:
+            lines.append(_Line((low + high) / 2, pattern.lane_line, pattern.dash, pattern.gap))
+    if speed > FAST:
+        edge = road.edge - (road.parking or _EDGE_OFF)
+        lines += [_Line(side * edge, pattern.edge_line) for side in SIDES]
         if road.median > 0:
-            lines += [(side * (road.median / 2 + 0.35), 1.0, 0.0, 0.15) for side in (-1, 1)]
+            lines += [_Line(side * (road.median / 2 + _MEDIAN_OFF), _MEDIAN_LINE) for side in SIDES]
     return lines
 
 
-def _line(road: Road, across: float, dash: float, gap: float, width: float, first: float) -> list[Span]:
-    """The dashes of a line from end to end, but for the junction."""
-    low, high = across - width / 2, across + width / 2
-    clear = (
-        0.0
-        if road.junction is None
-        else (road.verge if road.roundabout_radius is None else road.roundabout_radius + road.sidewalk + 4.5)
-    )
-    if gap == 0.0:
+def _pieces(road: Road, line: _Line, first: float) -> list[Span]:
+    """A line from end to end, but for the junction; dashes begin `first` [m] from the end."""
+    low, high, end = line.across - line.width / 2, line.across + line.width / 2, road.half_length
+    gap = road.verge
+    if road.roundabout_radius is not None:
+        gap = road.roundabout_radius + road.sidewalk + _CLEAR_ROUNDABOUT
+    if line.gap == 0.0:
         if road.junction is None:
-            return [(-road.half_length, road.half_length, low, high)]
-        return [
-            (-road.half_length, road.junction - clear, low, high),
-            (road.junction + clear, road.half_length, low, high),
-        ]
-    starts = np.arange(-road.half_length + first, road.half_length - dash, dash + gap).tolist()
-    middle = 1e9 if road.junction is None else road.junction
-    return [(s, s + dash, low, high) for s in starts if abs(s + dash / 2 - middle) > clear + dash / 2]
+            return [(-end, end, low, high)]
+        return [(-end, road.junction - gap, low, high), (road.junction + gap, end, low, high)]
+    starts = np.arange(-end + first, end - line.dash, line.dash + line.gap)
+    if road.junction is not None:
+        starts = starts[np.abs(starts + line.dash / 2 - road.junction) > gap + line.dash / 2]
+    return [(start, start + line.dash, low, high) for start in starts.tolist()]
 
 
 def _stop_line(road: Road, lane: Lane) -> Span:
     assert lane.stop is not None
-    along, across, _ = lane.at(lane.stop + 0.75)
-    half = 1.2  # within the narrowest lane
-    if lane.name == "arm":
-        half = min(half, 0.24 * road.edge)
-        return along - half, along + half, across - 0.25, across + 0.25
-    return along - 0.25, along + 0.25, across - half, across + half
+    along, across, _ = lane.at(lane.stop + _STOP_AHEAD)
+    half, thick = _STOP_LENGTH / 2, _STOP_WIDTH / 2
+    if lane.kind == SIDE_ROAD:
+        half = min(half, _STOP_SHARE / 2 * road.edge)
+        return along - half, along + half, across - thick, across + thick
+    return along - thick, along + thick, across - half, across + half
 
 
 def _zebra(road: Road, rng: np.random.Generator) -> list[Span]:
-    """Bars of 0.5 m with gaps of 0.5 m, 4 m long (VwV-StVO: 3 m and more), from kerb to kerb."""
-    along = rng.uniform(-0.35, 0.35) * road.half_length
-    if road.in_junction(along, 6.0):
+    """Bars from kerb to kerb."""
+    along = rng.uniform(-_ZEBRA_PLACE, _ZEBRA_PLACE) * road.half_length
+    if road.in_junction(along, _ZEBRA_JUNCTION):
         return []
-    bars = np.arange(-road.edge + 0.3, road.edge - 0.5, 1.0).tolist()
-    return [(along - 2.0, along + 2.0, low, low + 0.5) for low in bars if abs(low + 0.25) > road.median / 2 + 0.3]
+    bars = np.arange(-road.edge + _ZEBRA_EDGES[0], road.edge - _ZEBRA_EDGES[1], _BAR_SPACING).tolist()
+    half = _BAR_LENGTH / 2
+    off = road.median / 2 + _ZEBRA_MEDIAN
+    return [(along - half, along + half, low, low + _BAR) for low in bars if abs(low + _BAR / 2) > off]
 
 
-def _bays(car_park: CarPark) -> list[Span]:
+def _bay_lines(car_park: CarPark) -> list[Span]:
+    """The lines between the bays of each row, but where cars drive in."""
     spans = []
-    count = int((car_park.paved_area.along[1] - car_park.paved_area.along[0]) / BAY_WIDTH)
-    half = BAY_LENGTH / 2 - 0.1
+    start, end = car_park.paved_area.along
+    half = BAY_LENGTH / 2 - _BAY_END
     for across, _ in car_park.rows:
-        for number in range(count + 1):
-            along = car_park.paved_area.along[0] + number * BAY_WIDTH
-            if (
-                car_park.paved_area.along[0] + 0.1 < along < car_park.paved_area.along[1] - 0.1
-                and abs(along - car_park.gate) > 3.0
-            ):
+        for number in range(int((end - start) / BAY_WIDTH) + 1):
+            along = start + number * BAY_WIDTH
+            if start + _BAY_SIDE < along < end - _BAY_SIDE and abs(along - car_park.gate) > _BAY_GATE:
                 spans.append((along - _THIN / 2, along + _THIN / 2, across - half, across + half))
     return spans

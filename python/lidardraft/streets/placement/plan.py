@@ -1,4 +1,4 @@
-"""The plan of one street, drawn from the kind of quarter it lies in."""
+"""The plan of one street, sampled from what the district it lies in has."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 
 from lidardraft.scene.road import Road
 from lidardraft.streets.ground.ground import Ground
-from lidardraft.streets.ground.relief import Land
 from lidardraft.streets.placement.building_rows import place_buildings
 from lidardraft.streets.placement.car_parks import CarPark, place_in_car_park, sample_car_park
 from lidardraft.streets.placement.district import DISTRICTS, SIDES, District, sample_road
@@ -35,32 +34,43 @@ from lidardraft.streets.placement.traffic import place_parked_vehicles, place_tr
 from lidardraft.streets.placement.walkers import place_people
 
 _NAMES = tuple(DISTRICTS)
-_GREEN = 0.35  # of the streets between closed fronts, an estimate of ours
 _SHARES = np.cumsum([district.share for district in DISTRICTS.values()])
+
+# Closed fronts behind front gardens: their share among closed fronts, and what is different there. Numbers without a
+# source are estimates of ours, here and below.
+_GREEN = 0.35
+_GREEN_SETBACK, _GREEN_FENCES, _GREEN_THICKETS = (2.5, 6.0), 0.5, 1.5  # m, a side, mean number a side
+_TWO_AISLES = 0.35  # share of car parks with two aisles
+
+_GRASS_STRIP = (0.35, 0.5)  # share of the width of a sidewalk
+_STRIP_SIDEWALK = 2.2  # m, narrower sidewalks have none
+_CONCRETE_ROADS = 0.25  # share of motorways: about a quarter of the German ones (BASt)
+_BARE_SOIL, _ASPHALT_WALKS = 0.2, 0.2  # share of land outside towns, and of all sidewalks
 
 
 def plan_street(rng: np.random.Generator, half_length: float) -> tuple[Occupancy, tuple[Lane, ...], str]:
-    """A site with all its things, the lanes that are driven in, and the name of its quarter."""
+    """A street of some district with all its objects, the lanes that are driven in, and the name of the district."""
     name = _NAMES[int(np.searchsorted(_SHARES / _SHARES[-1], rng.random(), side="right"))]
     district = DISTRICTS[name]
-    if district.gap[1] == 0.0 and rng.random() < _GREEN:
-        # closed fronts behind front gardens
-        district = replace(district, setback=(2.5, 6.0), fronts=0.5, paved=0.0, thickets=1.5)
+    if district.closed_fronts and rng.random() < _GREEN:
+        district = replace(
+            district, setback=_GREEN_SETBACK, front_fences=_GREEN_FENCES, paved=0.0, thickets=_GREEN_THICKETS
+        )
     parking = tuple(side for side in SIDES if rng.random() < district.parked)
-    oneway, wants_lot = bool(rng.random() < district.oneway), bool(rng.random() < district.car_park)
-    road = sample_road(district, parking, half_length, rng, oneway=oneway, car_park=wants_lot)
-    road, car_park = _with_car_park(road, rng) if wants_lot else (road, None)
-    occupancy = Occupancy(road, _ground(road, district, rng))
+    oneway, wants_car_park = bool(rng.random() < district.oneway), bool(rng.random() < district.car_park)
+    road = sample_road(district, parking, half_length, rng, oneway=oneway, car_park=wants_car_park)
+    road, car_park = _with_car_park(road, rng) if wants_car_park else (road, None)
+    occupancy = Occupancy(road, _sample_ground(road, district, rng))
     lights = road.junction is not None and road.roundabout_radius is None and bool(rng.random() < district.lights)
     lanes = driven_lanes(road, district, parking, car_park, oneway=oneway, lights=lights)
     occupancy.ground.paint(road_markings(road, lanes, car_park, district.speed, rng))
     if lights:
         place_traffic_lights(occupancy, rng)
-    place_road_equipment(occupancy, name, rng)
+    place_road_equipment(occupancy, district, rng)
     place_buildings(occupancy, district, car_park, rng)
     place_side_road_buildings(occupancy, district, rng)
-    drives = place_driveways(occupancy, district, rng)
-    place_front_fences(occupancy, district, drives, car_park, rng)
+    driveways = place_driveways(occupancy, district, rng)
+    place_front_fences(occupancy, district, driveways, car_park, rng)
     place_street_furniture(occupancy, district, car_park, rng)
     place_street_trees(occupancy, district, rng)
     place_beside_side_roads(occupancy, district, rng)
@@ -79,27 +89,19 @@ def plan_street(rng: np.random.Generator, half_length: float) -> tuple[Occupancy
 
 
 def _with_car_park(road: Road, rng: np.random.Generator) -> tuple[Road, CarPark]:
-    car_park = sample_car_park(road, 1 + int(rng.random() < 0.35), rng)
+    car_park = sample_car_park(road, 1 + int(rng.random() < _TWO_AISLES), rng)
     return replace(road, paved_areas=(car_park.paved_area, car_park.access)), car_park
 
 
-def _ground(road: Road, district: District, rng: np.random.Generator) -> Ground:
-    land = Land(
-        grade=district.grade,
-        hillside=district.hillside,
-        rolling=district.rolling,
-        ditch=district.ditch,
-        bank=district.bank,
-    )
-    strip = rng.uniform(0.35, 0.5) * road.sidewalk if rng.random() < district.strip else 0.0
-    if road.roundabout_radius is not None or road.sidewalk < 2.2:
+def _sample_ground(road: Road, district: District, rng: np.random.Generator) -> Ground:
+    strip = rng.uniform(*_GRASS_STRIP) * road.sidewalk if rng.random() < district.strip else 0.0
+    if road.roundabout_radius is not None or road.sidewalk < _STRIP_SIDEWALK:
         strip = 0.0
-    ground = Ground(road, rng, land, strip=strip, paved=bool(rng.random() < district.paved))
-    # about a quarter of German motorways are of concrete (BASt); the other shares are estimates of ours
-    if road.sidewalk == 0 and road.median > 0 and rng.random() < 0.25:
+    ground = Ground(road, rng, district.land, strip=strip, paved=bool(rng.random() < district.paved))
+    if road.sidewalk == 0 and road.median > 0 and rng.random() < _CONCRETE_ROADS:
         ground.materials["road"] = "concrete"
-    if road.sidewalk == 0 and rng.random() < 0.2:
+    if road.sidewalk == 0 and rng.random() < _BARE_SOIL:
         ground.materials["terrain"] = "soil"
-    if rng.random() < 0.2:
+    if rng.random() < _ASPHALT_WALKS:
         ground.materials["sidewalk"] = "asphalt"
     return ground

@@ -1,4 +1,4 @@
-"""What road authorities build: traffic lights, guard rails, noise walls, sign gantries, delineators, road works."""
+"""What road authorities build: traffic lights, guard rails, noise walls, sign bridges, delineators, road works."""
 
 from __future__ import annotations
 
@@ -6,129 +6,181 @@ import math
 
 import numpy as np
 
-from lidardraft.streets.placement.district import SIDES
-from lidardraft.streets.placement.gardens import piece_length
+from lidardraft.streets.placement.district import SIDES, District
 from lidardraft.streets.placement.occupancy import Occupancy
+from lidardraft.streets.placement.sizes import (
+    CONE,
+    DELINEATOR,
+    MESH_FENCE_WIDTH,
+    TRAFFIC_LIGHT,
+    TRAFFIC_LIGHT_CLEARANCE,
+    Range,
+)
 
-# A steel rail is 0.75 m high and some 0.3 m deep (EN 1317, system ESP); a concrete barrier 0.9 m high, 0.6 m wide.
+# Width across and height [m]: a steel rail is 0.75 m high and some 0.3 m deep (EN 1317, system ESP); a concrete barrier
+# 0.9 m high, 0.6 m wide. Numbers without a source are estimates of ours, here and below.
 _RAIL, _CONCRETE = (0.3, 0.75), (0.6, 0.9)
-_GANTRY_CLEAR = 5.5  # m under a sign bridge; the German guides want at least 4.7 m
-_DELINEATORS = 50.0  # m between them (HLB: 50 m on straight roads), 0.5 m from the edge, 1 m high
+_PIECE, _PIECE_SEAM = 12.0, 0.02  # m: steel rails come in lengths of 4 m, some of them make one piece here
+_PIECE_JUNCTION = 2.0  # m to a junction
+_CONCRETE_MEDIANS = 0.4  # share; the others have a rail along each side
+_MEDIAN_RAIL = 0.5  # m from the edge of the median
+
+# m from the edge of the road
+_RAIL_OFF, _SHORT_RAIL_OFF = (0.5, 1.0), 0.65
+_NOISE_WALL_OFF, _DEER_FENCE_OFF = (4.0, 7.0), (8.0, 12.0)
+_NOISE_WALL, _NOISE_WALL_WIDTH, _DEER_FENCE = (2.5, 6.0), 0.25, 1.6  # m of height, m, m of height
+_SHORT_RAIL_BEGINS, _SHORT_RAIL = (-1.0, 0.3), (30.0, 90.0)  # of the half length of the street, m
+
+# Traffic lights.
+_LIGHT_AHEAD, _LIGHT_OFF = 0.6, 0.5  # m behind the kerbs of the side road and of the road
+_LIGHT_ANGLE = 0.1  # rad, deviation
+
+# Sign bridges.
+_GANTRY_CLEARANCE = 5.5  # m; the German guides want at least 4.7 m
+_GANTRY_LENGTH, _GANTRY_HEIGHT = 1.0, 2.6  # m along the road, m over the clearance
+_GANTRY_OUT, _GANTRY_IN = 1.6, 0.3  # m from the edge of the road, from the middle of the median
+_GANTRY_PLACE = 0.7  # of the half length of the street, at most
+_HALF_MEDIAN, _HALF_GANTRIES = 3.5, 0.6  # m of a median from which a bridge may span one carriageway, how often it does
+
+_DELINEATORS = 50.0  # m between them (HLB: 50 m on straight roads)
+_DELINEATOR_OFF, _DELINEATOR_JUNCTION = 0.5, 1.0  # m from the edge (HLB), m to a junction
+
+# Road works: a taper of cones closes part of the lane.
+_TAPER_BEGINS, _CONE_SPACING, _CONES = (-30.0, 10.0), (2.0, 4.0), (6, 13)  # m along, m, from and to before
+_CLOSED, _FIRST_CONE, _TAPER = (1.0, 2.0), 0.3, 0.35  # m from the kerb: the part, the first cone, each further one
 
 
 def place_traffic_lights(occupancy: Occupancy, rng: np.random.Generator) -> None:
-    """Traffic lights at the corners of the junction; the lens is 2.1 to 3.3 m over the sidewalk (RiLSA: over 2.1 m)."""
+    """Traffic lights at the corners of the junction."""
     road = occupancy.road
     assert road.junction is not None
     for side, ahead in ((-1, -1), (1, 1), (-1, 1), (1, -1)):
-        angle = math.pi if side < 0 else 0.0
-        along = road.junction + ahead * (road.edge + 0.6)
-        across = side * (road.edge + 0.5)
-        angle += rng.normal(0.0, 0.1)
-        occupancy.place("traffic_light", along, across, (0.25, 0.32, 3.3), angle=angle, clearance=2.4)
+        along = road.junction + ahead * (road.edge + _LIGHT_AHEAD)
+        across = side * (road.edge + _LIGHT_OFF)
+        angle = (math.pi if side < 0 else 0.0) + rng.normal(0.0, _LIGHT_ANGLE)
+        size, clearance = TRAFFIC_LIGHT.sample(rng), TRAFFIC_LIGHT_CLEARANCE
+        occupancy.place("traffic_light", along, across, size, angle=angle, clearance=clearance)
 
 
-def place_road_equipment(occupancy: Occupancy, district: str, rng: np.random.Generator) -> None:
-    """What stands along a motorway or a country road; and road works anywhere."""
-    road = occupancy.road
-    if district == "motorway":
-        _median(occupancy, rng)
-        for side in SIDES:
-            if rng.random() < 0.55:
-                _row(occupancy, "barrier", side * (road.edge + rng.uniform(0.5, 1.0)), *_RAIL, angle=_to_road(side))
-            if rng.random() < 0.4:
-                _row(occupancy, "wall", side * (road.edge + rng.uniform(4.0, 7.0)), 0.25, rng.uniform(2.5, 6.0))
-            elif rng.random() < 0.3:
-                _row(occupancy, "mesh_fence", side * (road.edge + rng.uniform(8.0, 12.0)), 0.06, 1.6)
-        if rng.random() < 0.5:
-            _gantry(occupancy, rng)
-    elif district == "country":
-        for side in SIDES:
-            if rng.random() < 0.25:
-                start = rng.uniform(-1.0, 0.3) * road.half_length
-                span = (start, start + rng.uniform(30.0, 90.0))
-                _row(occupancy, "barrier", side * (road.edge + 0.65), *_RAIL, span=span, angle=_to_road(side))
-    if district in ("motorway", "country"):
-        _delineate(occupancy, rng)
-    elif rng.random() < 0.06:
-        _cones(occupancy, rng)
+def place_road_equipment(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
+    """What a road of the district has along it."""
+    equipment = district.equipment
+    if equipment.median_barrier:
+        _place_median_barrier(occupancy, rng)
+    for side in SIDES:
+        _place_barriers(occupancy, district, side, rng)
+    if _happens(equipment.gantries, rng):
+        _place_gantry(occupancy, rng)
+    for side in SIDES:
+        if _happens(equipment.short_rails, rng):
+            _place_short_rail(occupancy, side, rng)
+    if equipment.delineators:
+        _place_delineators(occupancy, rng)
+    if _happens(equipment.cones, rng):
+        _place_cones(occupancy, rng)
 
 
-def _to_road(side: int) -> float:
+def _happens(probability: float, rng: np.random.Generator) -> bool:
+    """Whether it does; what is impossible takes no random number, so that no district depends on what others have."""
+    return probability > 0.0 and bool(rng.random() < probability)
+
+
+def _facing_road(side: int) -> float:
     """The angle of what stands beside a carriageway and looks to it with its left (+y)."""
     return math.pi if side > 0 else 0.0
 
 
-def _median(occupancy: Occupancy, rng: np.random.Generator) -> None:
+def _place_median_barrier(occupancy: Occupancy, rng: np.random.Generator) -> None:
     """One wall of concrete in the middle, or a rail along each side of the median."""
     half = occupancy.road.median / 2
-    if rng.random() < 0.4:
-        _row(occupancy, "barrier", 0.0, *_CONCRETE)
+    if rng.random() < _CONCRETE_MEDIANS:
+        _place_run(occupancy, "barrier", 0.0, _CONCRETE)
     else:
         for side in SIDES:
-            _row(occupancy, "barrier", side * (half - 0.5), *_RAIL, angle=_to_road(-side))
+            _place_run(occupancy, "barrier", side * (half - _MEDIAN_RAIL), _RAIL, angle=_facing_road(-side))
 
 
-def _row(
+def _place_barriers(occupancy: Occupancy, district: District, side: int, rng: np.random.Generator) -> None:
+    """Rails along the whole road, a noise wall, or a fence that keeps deer off."""
+    edge, equipment = occupancy.road.edge, district.equipment
+    if _happens(equipment.rails, rng):
+        across = side * (edge + rng.uniform(*_RAIL_OFF))
+        _place_run(occupancy, "barrier", across, _RAIL, angle=_facing_road(side))
+    if _happens(equipment.noise_walls, rng):
+        across = side * (edge + rng.uniform(*_NOISE_WALL_OFF))
+        _place_run(occupancy, "wall", across, (_NOISE_WALL_WIDTH, rng.uniform(*_NOISE_WALL)))
+    elif _happens(equipment.deer_fences, rng):
+        across = side * (edge + rng.uniform(*_DEER_FENCE_OFF))
+        _place_run(occupancy, "mesh_fence", across, (MESH_FENCE_WIDTH, _DEER_FENCE))
+
+
+def _place_short_rail(occupancy: Occupancy, side: int, rng: np.random.Generator) -> None:
+    road = occupancy.road
+    start = rng.uniform(*_SHORT_RAIL_BEGINS) * road.half_length
+    span = (start, start + rng.uniform(*_SHORT_RAIL))
+    _place_run(occupancy, "barrier", side * (road.edge + _SHORT_RAIL_OFF), _RAIL, span=span, angle=_facing_road(side))
+
+
+def _place_run(
     occupancy: Occupancy,
     kind: str,
     across: float,
-    thick: float,
-    height: float,
+    section: tuple[float, float],
     *,
-    span: tuple[float, float] | None = None,
+    span: Range | None = None,
     angle: float = 0.0,
 ) -> None:
-    """Pieces one after another along the road, their faces to the left (+y) with a `angle` of 0.
+    """Pieces of a width and height one after another along the road, over a span [m along] or the whole of it.
 
-    Steel rails come in lengths of 4 m; some of them make one piece here.
+    Their faces look to the left (+y) at an `angle` of 0.
     """
-    low, high = span or (-occupancy.road.half_length, occupancy.road.half_length)
-    along, high = low, min(high, occupancy.road.half_length)
+    road = occupancy.road
+    width, height = section
+    low, high = span or (-road.half_length, road.half_length)
+    along, high = low, min(high, road.half_length)
     # the outer side of a bend is longer than its middle
-    bend = 1 - occupancy.road.curvature * across
+    bend = 1 - road.curvature * across
     while along < high:
-        length = min(piece_length(occupancy, along, 12.0), high - along)
-        if not occupancy.road.in_junction(along + length / 2, length / 2 + 2.0):
-            size = (length * bend - 0.02, thick, height)
+        length = min(occupancy.ground.level_length(along, _PIECE), high - along)
+        if not road.in_junction(along + length / 2, length / 2 + _PIECE_JUNCTION):
+            size = (length * bend - _PIECE_SEAM, width, height)
             occupancy.place(kind, along + length / 2, across, size, angle=angle, margin=0.0)
         along += length
 
 
-def _gantry(occupancy: Occupancy, rng: np.random.Generator) -> None:
+def _place_gantry(occupancy: Occupancy, rng: np.random.Generator) -> None:
     """A sign bridge over one carriageway or both; signs face the traffic under them."""
     road = occupancy.road
-    along, out = rng.uniform(-0.7, 0.7) * road.half_length, road.edge + 1.6
-    size_over = (1.0, 2 * out, _GANTRY_CLEAR + 2.6)
-    if road.median > 3.5 and rng.random() < 0.6:
+    along, out = rng.uniform(-_GANTRY_PLACE, _GANTRY_PLACE) * road.half_length, road.edge + _GANTRY_OUT
+    width, across = 2 * out, 0.0
+    if road.median > _HALF_MEDIAN and rng.random() < _HALF_GANTRIES:
         side = SIDES[int(rng.integers(2))]
-        width = out - 0.3
-        across = side * (0.3 + width / 2)
+        width = out - _GANTRY_IN
+        across = side * (_GANTRY_IN + width / 2)
         angle = math.pi if side < 0 else 0.0
-        occupancy.place(
-            "gantry", along, across, (1.0, width, size_over[2]), angle=angle, clearance=_GANTRY_CLEAR, margin=0.0
-        )
     else:
         angle = math.pi if rng.random() < 0.5 else 0.0
-        occupancy.place("gantry", along, 0.0, size_over, angle=angle, clearance=_GANTRY_CLEAR, margin=0.0)
+    size = (_GANTRY_LENGTH, width, _GANTRY_CLEARANCE + _GANTRY_HEIGHT)
+    occupancy.place("gantry", along, across, size, angle=angle, clearance=_GANTRY_CLEARANCE, margin=0.0)
 
 
-def _delineate(occupancy: Occupancy, rng: np.random.Generator) -> None:
+def _place_delineators(occupancy: Occupancy, rng: np.random.Generator) -> None:
     road = occupancy.road
     first = -road.half_length + rng.uniform(0.0, _DELINEATORS)
     for along in np.arange(first, road.half_length, _DELINEATORS).tolist():
         for side in SIDES:
-            if not road.in_junction(along, 1.0):
-                occupancy.place("pole", along, side * (road.edge + 0.5), (0.12, 0.12, 1.0), margin=0.0)
+            if not road.in_junction(along, _DELINEATOR_JUNCTION):
+                across = side * (road.edge + _DELINEATOR_OFF)
+                occupancy.place("pole", along, across, DELINEATOR.sample(rng), margin=0.0)
 
 
-def _cones(occupancy: Occupancy, rng: np.random.Generator) -> None:
-    """Road works on one side: a taper of cones, 0.75 m high, 2 to 4 m apart, closes part of the lane."""
+def _place_cones(occupancy: Occupancy, rng: np.random.Generator) -> None:
+    """Road works on one side of the road."""
     road, side = occupancy.road, SIDES[int(rng.integers(2))]
-    along, spacing = rng.uniform(-30.0, 10.0), rng.uniform(2.0, 4.0)
-    closed = rng.uniform(1.0, 2.0)
-    for number in range(int(rng.integers(6, 13))):
+    along, spacing = rng.uniform(*_TAPER_BEGINS), rng.uniform(*_CONE_SPACING)
+    closed = rng.uniform(*_CLOSED)
+    for number in range(int(rng.integers(*_CONES))):
         if road.in_junction(along + number * spacing):
             return
-        in_from_kerb = min(0.3 + 0.35 * number, closed)
-        occupancy.place("cone", along + number * spacing, side * (road.edge - in_from_kerb), (0.36, 0.36, 0.75))
+        in_from_kerb = min(_FIRST_CONE + _TAPER * number, closed)
+        occupancy.place("cone", along + number * spacing, side * (road.edge - in_from_kerb), CONE.sample(rng))

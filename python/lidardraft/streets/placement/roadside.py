@@ -7,142 +7,234 @@ import math
 import numpy as np
 
 from lidardraft.streets.placement.car_parks import CarPark
-from lidardraft.streets.placement.district import SIDES, District
-from lidardraft.streets.placement.gardens import BIN, tree_size
+from lidardraft.streets.placement.district import CALM, SIDES, District
 from lidardraft.streets.placement.occupancy import Occupancy
+from lidardraft.streets.placement.sizes import (
+    BENCH,
+    BICYCLE,
+    BILLBOARD,
+    BILLBOARD_CLEARANCE,
+    CABINET,
+    HYDRANT,
+    LAMP_WIDTH,
+    LITTER_BIN,
+    POLE,
+    SHELTER,
+    SIGN_DEPTH,
+    STREET_LETTERBOX,
+    WHEELED_BIN,
+    Size,
+    sample_tree,
+)
 
-# Kinds, extents [m] and how often beside a street of a town: the numbers are estimates of ours.
-# Signs: plates of 420, 600 or 750 mm (VwV-StVO), 2.0 to 2.5 m over the sidewalk. Cabinets: usual for telephone lines.
-# Hydrants stand 0.9 m over the ground (EN 14384). Large posters are 3.56 x 2.52 m.
-_KINDS = ("sign", "pole", "bin", "bench", "hydrant", "cabinet", "letterbox", "billboard")
-_OFTEN = np.cumsum((0.42, 0.2, 0.14, 0.07, 0.04, 0.08, 0.02, 0.03))
+# How often a piece of furniture is of a kind. Numbers without a source are estimates of ours, here and below.
+_FURNITURE = {
+    "sign": 0.42,
+    "pole": 0.2,
+    "bin": 0.14,
+    "bench": 0.07,
+    "hydrant": 0.04,
+    "cabinet": 0.08,
+    "letterbox": 0.02,
+    "billboard": 0.03,
+}
+_KINDS, _SHARES = tuple(_FURNITURE), np.cumsum(tuple(_FURNITURE.values()))
+_PIECES, _PIECES_OUTSIDE = 9, 4  # mean number a street, in towns and outside
+_AT_KERB, _AT_VERGE = 0.45, 0.45  # m that furniture stands behind the kerb, and before the verge
+_SHOULDER = (1.2, 1.8)  # m behind the edge of a road without sidewalks
+_ASKEW = 0.08  # rad, deviation
+_JUNCTION_MARGIN, _GATE = 0.5, 4.5  # m to a junction, and from the middle of a car park's gate
+_WHEELED = 0.4  # share of bins that are emptied by a lorry; the others are litter bins
+# Signs: plates of 420, 600 or 750 mm (VwV-StVO), 2.0 to 2.5 m over the sidewalk.
+_PLATES, _PLATE_CLEARANCE = (0.42, 0.6, 0.6, 0.75), (2.0, 2.5)  # m
+_PLATES_OUTSIDE, _PLATE_CLEARANCE_OUTSIDE = (0.6, 1.5), (1.5, 2.0)  # m
+_BILLBOARD_OFF = 2.4  # m behind the verge
+
+# Lamps. Lighting to EN 13201 comes to masts 3.3 to 4.5 times as far apart as they are high.
+_LAMP_SPACING = (3.3, 4.5)  # heights
+_LIT, _LIT_OUTSIDE = 0.7, 0.12  # share of the sides with lamps, in towns and outside
+_LAMP_HEIGHT, _CALM_LAMP_HEIGHT = (6.0, 10.0), (4.0, 6.5)  # m
+_LAMP_LENGTH = (0.12, 0.2)  # m
+LAMP_OFF, _LAMP_OFF_OUTSIDE = 0.45, 1.6  # m from the kerb, from the edge of a road without sidewalks
+_LAMP_JUNCTION = 1.0  # m to a junction
+
+# Bus stops.
+_BUS_STOPS, _BUS_STOPS_EACH = 0.2, 0.02  # probability, and what is added for each of the district's people
+_STOP_PLACE = 0.6  # of the half length of the street, at most
+_STOP_JUNCTION = 8.0  # m to a junction
+_SHELTER_OFF, _SHELTER_WALK = 0.85, 3.2  # m from its middle to the verge, before it where a sidewalk is this wide
+_STOP_SIGN, _STOP_SIGN_AHEAD, _STOP_SIGN_CLEARANCE = (SIGN_DEPTH, 0.5, 2.8), 3.6, 2.3  # m
+
+# Parked bicycles, 0.8 m apart (FGSV: 0.8 m and more).
+_BUSY = 4.0  # people of a district from which there are bicycle stands
+_STANDS, _STANDS_SPREAD = 1.0, 30.0  # mean number of stands, m along (deviation)
+_UPRIGHT_WALK = 3.4  # m of a sidewalk from which bicycles stand across it
+_ACROSS_OFF, _ALONG_OFF = 1.0, 0.4  # m before the verge
+_ACROSS_SPACING, _ALONG_SPACING = 0.8, 2.1  # m
+_STAND, _BICYCLES = (2, 8), 0.8  # places: from, to before; share that is taken
+_BICYCLE_ANGLE, _BICYCLE_MARGIN = 0.06, 0.03  # rad, deviation; m
+
+# Street trees, 8 to 15 m apart as they are planted (GALK).
+_TREE_SPACING, _FIRST_TREE = (8.0, 15.0), (0.0, 10.0)  # m
+TREE_OFF, WIDE_SIDEWALK = 0.8, 2.0  # m behind the kerb of sidewalks wider than this
+_TREE_BEHIND, _TREE_ROOM = (3.0, 4.5), 9.0  # m behind the verge of others, and m of room there
+_TO_WALL, _LEAST_CROWN, _LEAST_SHRINK = 1.3, 1.8, 0.6  # m from crown to building, m, least share of the height
+LEAST_STEM = 2.6  # m under the crown of a street tree
+_GROWN, _OFF_PLACE, _KEPT = (0.8, 1.15), 0.3, 0.92  # size against the row's, m along (deviation), share not cut down
+_LEAST_TOP = 1.5  # m from the stem to the top
+_TREE_JUNCTION, _TREE_MARGIN, _ANY_ANGLE = 2.0, 0.05, (0.0, 3.0)  # m, m, rad
+_PLANTED_MEDIAN, _MEDIAN_TREES = 2.4, 0.5  # m of a median that may have trees, and how often against sidewalks
+_MEDIAN_SPACING, _MEDIAN_JUNCTION = (9.0, 15.0), 3.0  # m
+_MEDIAN_TREE, _MEDIAN_STEM = 8.0, 4.5  # m: the crowns stay over what drives under them (4.5 m: RASt 06)
+
+# The island of a roundabout.
+_ISLAND_RIM = 2.0  # m without bushes
+_ISLAND_TREES, _ISLAND_STEM, _ISLAND_BUSHES = 0.4, 2.0, 4.0  # share with a tree, m of its stem, mean number
+_ISLAND_BUSH, _ISLAND_BUSH_HEIGHT, _AROUND = (0.8, 2.4), 0.7, (0.0, 6.28)  # m, of the width, rad
+_ISLAND_SIGN, _ISLAND_SIGN_CLEARANCE, _ISLAND_SIGN_OFF = (SIGN_DEPTH, 0.6, 1.5), 0.8, 0.8  # m, m, m from the rim
+
+# High grass outside towns: a strip along the road [m], and spots in the fields.
+_STRIPS, _STRIP_HEIGHT, _STRIP_WIDTH = 0.6, (0.12, 0.35), (0.5, 0.9)  # share of the sides
+_STRIP_PIECE, _STRIP_KEPT, _STRIP_UNEVEN = (3.0, 7.0), 0.6, (0.7, 1.2)  # m, share that is not mown, height
+_STRIP_ENDS, _STRIP_OFF = 0.7, 0.15  # of the half length of the street, m from the road
+_SPOTS, _SPOT_SPREAD, _SPOT_OFF, _SPOT_FAR = 8, 35.0, 7.0, 10.0  # mean number a side, m along, m off the verge, mean m
+_SPOT_LENGTH, _SPOT_WIDTH, _SPOT_HEIGHT, _SPOT_ANGLE = (1.5, 3.5), (1.2, 2.5), (0.2, 0.8), 0.3  # m, rad
 
 
 def place_street_furniture(
     occupancy: Occupancy, district: District, car_park: CarPark | None, rng: np.random.Generator
 ) -> None:
     """Lamps at even spacing, signs, poles, bins, benches, cabinets, and a bus stop."""
-    _lamps(occupancy, district, rng)
-    for _ in range(rng.poisson(9 if occupancy.road.sidewalk > 0 else 4)):
-        _post(occupancy, car_park, rng)
-    if occupancy.road.sidewalk > 0 and rng.random() < 0.2 + 0.02 * district.people:
-        _bus_stop(occupancy, rng)
-    if district.people > 4.0:
-        _bicycle_stands(occupancy, rng)
+    town = occupancy.road.sidewalk > 0
+    _place_lamps(occupancy, district, rng)
+    for _ in range(rng.poisson(_PIECES if town else _PIECES_OUTSIDE)):
+        _place_piece(occupancy, car_park, rng)
+    if town and rng.random() < _BUS_STOPS + _BUS_STOPS_EACH * district.people:
+        _place_bus_stop(occupancy, rng)
+    if district.people > _BUSY:
+        _place_bicycle_stands(occupancy, rng)
 
 
-def _lamps(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
+def _place_lamps(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
     road = occupancy.road
-    chance = 0.12 if road.sidewalk == 0 else 0.7
-    lit = [side for side in SIDES if rng.random() < chance]
-    # lighting to EN 13201 comes to masts 3.3 to 4.5 times as far apart as they are high
-    height = rng.uniform(4.0, 6.5) if district.speed < 10.0 else rng.uniform(6.0, 10.0)
-    spacing = height * rng.uniform(3.3, 4.5)
-    off = road.edge + (0.45 if road.sidewalk > 0 else 1.6)
-    for side in lit:
-        for along in np.arange(-road.half_length + rng.uniform(0, spacing), road.half_length, spacing).tolist():
-            if not road.in_junction(along, 1.0):
+    lit = _LIT_OUTSIDE if road.sidewalk == 0 else _LIT
+    sides = [side for side in SIDES if rng.random() < lit]
+    height = rng.uniform(*(_CALM_LAMP_HEIGHT if district.speed < CALM else _LAMP_HEIGHT))
+    spacing = height * rng.uniform(*_LAMP_SPACING)
+    off = road.edge + (LAMP_OFF if road.sidewalk > 0 else _LAMP_OFF_OUTSIDE)
+    for side in sides:
+        first = -road.half_length + rng.uniform(0, spacing)
+        for along in np.arange(first, road.half_length, spacing).tolist():
+            if not road.in_junction(along, _LAMP_JUNCTION):
                 angle = 0.0 if side < 0 else math.pi
-                occupancy.place("lamp", along, side * off, (rng.uniform(0.12, 0.2), 0.2, height), angle=angle)
+                size = (rng.uniform(*_LAMP_LENGTH), LAMP_WIDTH, height)
+                occupancy.place("lamp", along, side * off, size, angle=angle)
 
 
-def _post(occupancy: Occupancy, car_park: CarPark | None, rng: np.random.Generator) -> None:
+def _place_piece(occupancy: Occupancy, car_park: CarPark | None, rng: np.random.Generator) -> None:
+    """A piece of furniture somewhere; outside towns there are only signs."""
     road = occupancy.road
     side, along = SIDES[int(rng.integers(2))], rng.uniform(-road.half_length, road.half_length)
-    if road.in_junction(along, 0.5) or (
-        car_park is not None and side == car_park.side and abs(along - car_park.gate) < 4.5
-    ):
+    gate = car_park is not None and side == car_park.side and abs(along - car_park.gate) < _GATE
+    if road.in_junction(along, _JUNCTION_MARGIN) or gate:
         return
     town = road.sidewalk > 0
-    kind = _KINDS[int(np.searchsorted(_OFTEN, rng.random(), side="right"))] if town else "sign"
-    angle = (math.pi if side < 0 else 0.0) + rng.normal(0.0, 0.08)
-    plate = (0.42, 0.6, 0.6, 0.75)[int(rng.integers(4))] if town else rng.uniform(0.6, 1.5)
-    clearance = rng.uniform(2.0, 2.5) if town else rng.uniform(1.5, 2.0)
-    size = {
-        "sign": (0.12, plate, clearance + plate),
-        "pole": (rng.uniform(0.08, 0.3), 0.2, rng.uniform(0.9, 7.0)),
-        "bin": BIN if rng.random() < 0.4 else (0.4, 0.4, 0.9),  # else a litter bin
-        "bench": (1.8, 0.6, 0.85),
-        "hydrant": (0.3, 0.3, 0.9),
-        "cabinet": (rng.uniform(0.7, 1.6), 0.4, rng.uniform(1.0, 1.6)),
-        "letterbox": (0.4, 0.5, 1.3),
-        "billboard": (0.3, 3.6, 2.4 + 2.6),
-    }[kind]
-    off = road.edge + 0.45 if town else road.edge + rng.uniform(1.2, 1.8)
+    kind = _KINDS[int(np.searchsorted(_SHARES, rng.random(), side="right"))] if town else "sign"
+    angle = (math.pi if side < 0 else 0.0) + rng.normal(0.0, _ASKEW)
+    size, clearance = _piece_size(kind, town, rng)
+    off = road.edge + (_AT_KERB if town else rng.uniform(*_SHOULDER))
     if kind == "bench":
         angle += math.pi  # it looks to the road
     if kind in ("bin", "bench", "cabinet") and town:
-        off = road.verge - 0.45
+        off = road.verge - _AT_VERGE
     if kind == "billboard":
-        off, clearance = road.verge + 2.4, 2.4
-    occupancy.place(
-        kind, along, side * off, size, angle=angle, clearance=clearance if kind in ("sign", "billboard") else 0.0
-    )
+        off = road.verge + _BILLBOARD_OFF
+    occupancy.place(kind, along, side * off, size, angle=angle, clearance=clearance)
 
 
-def _bus_stop(occupancy: Occupancy, rng: np.random.Generator) -> None:
+def _piece_size(kind: str, town: bool, rng: np.random.Generator) -> tuple[Size, float]:
+    """Extents and clearance [m] of a piece of furniture; takes as many random numbers for any kind."""
+    plate = _PLATES[int(rng.integers(len(_PLATES)))] if town else rng.uniform(*_PLATES_OUTSIDE)
+    under = rng.uniform(*(_PLATE_CLEARANCE if town else _PLATE_CLEARANCE_OUTSIDE))
+    sizes = {
+        "sign": (SIGN_DEPTH, plate, under + plate),
+        "pole": POLE.sample(rng),
+        "bin": (WHEELED_BIN if rng.random() < _WHEELED else LITTER_BIN).sample(rng),
+        "bench": BENCH.sample(rng),
+        "hydrant": HYDRANT.sample(rng),
+        "cabinet": CABINET.sample(rng),
+        "letterbox": STREET_LETTERBOX.sample(rng),
+        "billboard": BILLBOARD.sample(rng),
+    }
+    return sizes[kind], {"sign": under, "billboard": BILLBOARD_CLEARANCE}.get(kind, 0.0)
+
+
+def _place_bus_stop(occupancy: Occupancy, rng: np.random.Generator) -> None:
     """A shelter, open (+y) to the road, and a place for people to wait."""
     road, side = occupancy.road, SIDES[int(rng.integers(2))]
-    along = rng.uniform(-0.6, 0.6) * road.half_length
-    if road.in_junction(along, 8.0):
+    along = rng.uniform(-_STOP_PLACE, _STOP_PLACE) * road.half_length
+    if road.in_junction(along, _STOP_JUNCTION):
         return
-    off = road.verge + 0.85 if road.sidewalk < 3.2 else road.verge - 0.85
+    off = road.verge + (_SHELTER_OFF if road.sidewalk < _SHELTER_WALK else -_SHELTER_OFF)
     angle = math.pi if side > 0 else 0.0
-    if occupancy.place("shelter", along, side * off, (rng.uniform(3.5, 5.0), 1.5, 2.5), angle=angle):
-        occupancy.place(
-            "sign", along + 3.6, side * (road.edge + 0.45), (0.12, 0.5, 2.8), angle=angle + math.pi / 2, clearance=2.3
-        )
+    if occupancy.place("shelter", along, side * off, SHELTER.sample(rng), angle=angle):
+        across, angle = side * (road.edge + _AT_KERB), angle + math.pi / 2
+        ahead = along + _STOP_SIGN_AHEAD
+        occupancy.place("sign", ahead, across, _STOP_SIGN, angle=angle, clearance=_STOP_SIGN_CLEARANCE)
         occupancy.stops.append((along, float(side)))
 
 
-def _bicycle_stands(occupancy: Occupancy, rng: np.random.Generator) -> None:
-    """Rows of parked bicycles, 0.8 m apart (FGSV: 0.8 m and more), across the back of a wide sidewalk."""
+def _place_bicycle_stands(occupancy: Occupancy, rng: np.random.Generator) -> None:
+    """Rows of parked bicycles across the back of a wide sidewalk, or along that of a narrow one."""
     road = occupancy.road
-    for _ in range(rng.poisson(1.0)):
-        side, along = SIDES[int(rng.integers(2))], rng.normal(0.0, 30.0)
-        upright = road.sidewalk > 3.4
-        across = side * (road.verge - (1.0 if upright else 0.4))
-        for number in range(int(rng.integers(2, 8))):
-            step = 0.8 if upright else 2.1
-            angle = math.pi / 2 if upright else 0.0
-            if not road.in_junction(along + number * step) and rng.random() < 0.8:
-                size = (1.78, 0.58, 1.06)
-                occupancy.place(
-                    "bicycle", along + number * step, across, size, angle=angle + rng.normal(0.0, 0.06), margin=0.03
-                )
+    for _ in range(rng.poisson(_STANDS)):
+        side, along = SIDES[int(rng.integers(2))], rng.normal(0.0, _STANDS_SPREAD)
+        upright = road.sidewalk > _UPRIGHT_WALK
+        across = side * (road.verge - (_ACROSS_OFF if upright else _ALONG_OFF))
+        step, angle = (_ACROSS_SPACING, math.pi / 2) if upright else (_ALONG_SPACING, 0.0)
+        for number in range(int(rng.integers(*_STAND))):
+            middle = along + number * step
+            if not road.in_junction(middle) and rng.random() < _BICYCLES:
+                turned = angle + rng.normal(0.0, _BICYCLE_ANGLE)
+                occupancy.place("bicycle", middle, across, BICYCLE.sample(rng), angle=turned, margin=_BICYCLE_MARGIN)
 
 
 def place_street_trees(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
-    """Trees in rows, 8 to 15 m apart as street trees are planted (GALK), with the crowns that there is room for."""
-    road = occupancy.road
+    """Trees in rows, with the crowns that there is room for, on the sides and in a wide median."""
     for side in SIDES:
-        if rng.random() > district.row_trees:
-            continue
-        off = road.edge + 0.8 if road.sidewalk > 2.0 else road.verge + rng.uniform(3.0, 4.5)
-        (length, width, height), clearance = tree_size(rng)
-        room = 2 * (road.verge - off + district.setback[0] - 1.3) if road.sidewalk > 2.0 else 9.0
-        shrink = min(1.0, max(room, 1.8) / width)
-        length, width, height = length * shrink, width * shrink, height * max(shrink, 0.6)
-        clearance = max(clearance, 2.6)
-        for along in np.arange(
-            -road.half_length + rng.uniform(0, 10), road.half_length, rng.uniform(8.0, 15.0)
-        ).tolist():
-            grown = rng.uniform(0.8, 1.15)
-            place = along + rng.normal(0.0, 0.3)
-            if not road.in_junction(place, 2.0) and rng.random() < 0.92:
-                size = (length * grown, width * grown, max(height * grown, clearance + 1.5))
-                occupancy.place(
-                    "tree", place, side * off, size, angle=rng.uniform(0, 3.0), clearance=clearance, margin=0.05
-                )
-    if road.median > 2.4 and rng.random() < 0.5 * district.row_trees:
-        for along in np.arange(-road.half_length, road.half_length, rng.uniform(9.0, 15.0)).tolist():
-            size, clearance = tree_size(rng)
-            if not road.in_junction(along, 3.0):
-                # the crowns stay over what drives under them (4.5 m: RASt 06)
-                size = (size[0], size[1], max(size[2], 8.0))
-                occupancy.place(
-                    "tree", along, 0.0, size, angle=rng.uniform(0, 3.0), clearance=max(clearance, 4.5), margin=0.05
-                )
+        if rng.random() <= district.street_trees:
+            _place_tree_row(occupancy, district, side, rng)
+    if occupancy.road.median > _PLANTED_MEDIAN and rng.random() < _MEDIAN_TREES * district.street_trees:
+        _place_median_trees(occupancy, rng)
+
+
+def _place_tree_row(occupancy: Occupancy, district: District, side: int, rng: np.random.Generator) -> None:
+    road = occupancy.road
+    wide = road.sidewalk > WIDE_SIDEWALK
+    off = road.edge + TREE_OFF if wide else road.verge + rng.uniform(*_TREE_BEHIND)
+    (length, width, height), stem = sample_tree(rng)
+    room = 2 * (road.verge - off + district.setback[0] - _TO_WALL) if wide else _TREE_ROOM
+    shrink = min(1.0, max(room, _LEAST_CROWN) / width)
+    length, width, height = length * shrink, width * shrink, height * max(shrink, _LEAST_SHRINK)
+    stem = max(stem, LEAST_STEM)
+    first = -road.half_length + rng.uniform(*_FIRST_TREE)
+    for along in np.arange(first, road.half_length, rng.uniform(*_TREE_SPACING)).tolist():
+        grown = rng.uniform(*_GROWN)
+        place = along + rng.normal(0.0, _OFF_PLACE)
+        if not road.in_junction(place, _TREE_JUNCTION) and rng.random() < _KEPT:
+            size = (length * grown, width * grown, max(height * grown, stem + _LEAST_TOP))
+            angle = rng.uniform(*_ANY_ANGLE)
+            occupancy.place("tree", place, side * off, size, angle=angle, clearance=stem, margin=_TREE_MARGIN)
+
+
+def _place_median_trees(occupancy: Occupancy, rng: np.random.Generator) -> None:
+    road = occupancy.road
+    for along in np.arange(-road.half_length, road.half_length, rng.uniform(*_MEDIAN_SPACING)).tolist():
+        (length, width, height), stem = sample_tree(rng)
+        if not road.in_junction(along, _MEDIAN_JUNCTION):
+            size, stem = (length, width, max(height, _MEDIAN_TREE)), max(stem, _MEDIAN_STEM)
+            angle = rng.uniform(*_ANY_ANGLE)
+            occupancy.place("tree", along, 0.0, size, angle=angle, clearance=stem, margin=_TREE_MARGIN)
 
 
 def place_island_plants(occupancy: Occupancy, rng: np.random.Generator) -> None:
@@ -150,36 +242,44 @@ def place_island_plants(occupancy: Occupancy, rng: np.random.Generator) -> None:
     road = occupancy.road
     if road.roundabout_radius is None or road.junction is None:
         return
-    room = road.island - 2.0
-    if rng.random() < 0.4:
-        size, clearance = tree_size(rng)
-        occupancy.place("tree", road.junction, 0.0, size, clearance=max(clearance, 2.0), margin=0.05)
-    for _ in range(rng.poisson(4.0)):
-        angle, out, width = rng.uniform(0.0, 6.28), rng.uniform(0.0, room), rng.uniform(0.8, 2.4)
-        along, across = road.junction + (out - width / 2) * math.cos(angle), (out - width / 2) * math.sin(angle)
-        occupancy.place("bush", along, across, (width, width, 0.7 * width), angle=rng.uniform(0, 3), margin=0.0)
-    for angle in (0.0, math.pi / 2, math.pi, 1.5 * math.pi):
-        along, across = road.junction + (road.island - 0.8) * math.cos(angle), (road.island - 0.8) * math.sin(angle)
-        occupancy.place("sign", along, across, (0.12, 0.6, 1.5), angle=angle, clearance=0.8)
+    room = road.island - _ISLAND_RIM
+    if rng.random() < _ISLAND_TREES:
+        size, stem = sample_tree(rng)
+        occupancy.place("tree", road.junction, 0.0, size, clearance=max(stem, _ISLAND_STEM), margin=_TREE_MARGIN)
+    for _ in range(rng.poisson(_ISLAND_BUSHES)):
+        heading, out, width = rng.uniform(*_AROUND), rng.uniform(0.0, room), rng.uniform(*_ISLAND_BUSH)
+        along, across = road.junction + (out - width / 2) * math.cos(heading), (out - width / 2) * math.sin(heading)
+        size = (width, width, _ISLAND_BUSH_HEIGHT * width)
+        occupancy.place("bush", along, across, size, angle=rng.uniform(*_ANY_ANGLE), margin=0.0)
+    out = road.island - _ISLAND_SIGN_OFF
+    for heading in (0.0, math.pi / 2, math.pi, 1.5 * math.pi):
+        along, across = road.junction + out * math.cos(heading), out * math.sin(heading)
+        occupancy.place("sign", along, across, _ISLAND_SIGN, angle=heading, clearance=_ISLAND_SIGN_CLEARANCE)
 
 
 def place_high_grass(occupancy: Occupancy, rng: np.random.Generator) -> None:
-    """High grass beside roads without sidewalks, in strips on the shoulder and patches in the fields."""
+    """High grass beside roads without sidewalks, in strips on the shoulder and spots in the fields."""
     road = occupancy.road
     if road.sidewalk > 0:
         return
     for side in SIDES:
-        if rng.random() < 0.6:
-            height, width = rng.uniform(0.12, 0.35), rng.uniform(0.5, 0.9)
-            along = -0.7 * road.half_length
-            while along < 0.7 * road.half_length:
-                length = rng.uniform(3.0, 7.0)
-                across = side * (road.edge + 0.15 + width / 2)
-                if rng.random() < 0.6:
-                    size = (length, width, height * rng.uniform(0.7, 1.2))
-                    occupancy.place("grass", along + length / 2, across, size, margin=0.0, private=True)
-                along += length
-        for _ in range(rng.poisson(8)):
-            along, across = rng.normal(0.0, 35.0), side * (road.verge + 7.0 + rng.exponential(10.0))
-            size = (rng.uniform(1.5, 3.5), rng.uniform(1.2, 2.5), rng.uniform(0.2, 0.8))
-            occupancy.place("grass", along, across, size, angle=rng.normal(0.0, 0.3), margin=0.0, private=True)
+        if rng.random() < _STRIPS:
+            _place_grass_strip(occupancy, side, rng)
+        for _ in range(rng.poisson(_SPOTS)):
+            along, across = rng.normal(0.0, _SPOT_SPREAD), side * (road.verge + _SPOT_OFF + rng.exponential(_SPOT_FAR))
+            size = (rng.uniform(*_SPOT_LENGTH), rng.uniform(*_SPOT_WIDTH), rng.uniform(*_SPOT_HEIGHT))
+            angle = rng.normal(0.0, _SPOT_ANGLE)
+            occupancy.place("grass", along, across, size, angle=angle, margin=0.0, private=True)
+
+
+def _place_grass_strip(occupancy: Occupancy, side: int, rng: np.random.Generator) -> None:
+    road = occupancy.road
+    height, width = rng.uniform(*_STRIP_HEIGHT), rng.uniform(*_STRIP_WIDTH)
+    along = -_STRIP_ENDS * road.half_length
+    across = side * (road.edge + _STRIP_OFF + width / 2)
+    while along < _STRIP_ENDS * road.half_length:
+        length = rng.uniform(*_STRIP_PIECE)
+        if rng.random() < _STRIP_KEPT:
+            size = (length, width, height * rng.uniform(*_STRIP_UNEVEN))
+            occupancy.place("grass", along + length / 2, across, size, margin=0.0, private=True)
+        along += length

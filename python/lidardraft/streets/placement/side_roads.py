@@ -9,20 +9,60 @@ from dataclasses import dataclass
 import numpy as np
 
 from lidardraft.objects.cars import sample_car
-from lidardraft.streets.placement.building_rows import sample_building
+from lidardraft.streets.placement.building_rows import BUILDING_MARGIN, sample_building
 from lidardraft.streets.placement.district import SIDES, District
-from lidardraft.streets.placement.gardens import tree_size
 from lidardraft.streets.placement.occupancy import Occupancy
-from lidardraft.streets.placement.walkers import person_size
+from lidardraft.streets.placement.roadside import LAMP_OFF, LEAST_STEM, TREE_OFF, WIDE_SIDEWALK
+from lidardraft.streets.placement.sizes import (
+    FENCE_WIDTH,
+    GARDEN_WALL_WIDTH,
+    HEDGE_WIDTH,
+    LAMP_WIDTH,
+    sample_person,
+    sample_tree,
+)
 
-_FAR = 75.0  # m, side roads are furnished up to here
+# All numbers are estimates of ours.
+_FAR = 75.0  # m from the middle of the road, up to where there is anything
 _CORNER = 17.0  # m behind the verge where the buildings of the road itself end
+_ROUNDABOUT_CORNER = 8.0  # m behind the outer edge of a roundabout, likewise
+_BUILDING_SEAM = 0.05  # m
+_START = 6.0  # m behind the verge or the roundabout where the rest begins
+
+# Fences, walls and hedges in front of gardens.
+_FENCES = ("fence", "garden_wall", "hedge", "hedge")
+_FENCE_OFF = (0.4, 0.8)  # m from the verge
+_FENCE_LENGTHS = (3.0, 9.0)  # m, limits of the longest piece
+_FENCE_RISE = 0.25  # m that the ground may rise under a piece
+_FENCE_LENGTH = (0.6, 1.0)  # of the longest
+_FENCE_HEIGHT = (0.8, 1.8)  # m
+_ADJOINING, _FENCE_SEAM, _FENCE_GAP = 0.6, 0.1, (1.2, 5.0)  # share of pieces that adjoin, m between them, and others
+
+_LAMP_HEIGHT = (4.5, 8.0)  # m
+_LAMP_SPACING = 4.0  # heights
+_FIRST_LAMP = (0.0, 15.0)  # m from the start
+_LAMP_LENGTH = 0.15  # m
+
+_TREE_SPACING = (8.0, 15.0)  # m: as street trees are planted (GALK)
+_FIRST_TREE = (0.0, 8.0)  # m from the start
+_TREE_VERGE = 3.5  # m from the verge, where the sidewalk is narrow
+_TREE_CROWN = 0.7  # of the width that a crown would have with more room
+_TREE_MARGIN, _TREE_ANGLE = 0.05, (0.0, 3.0)  # m, rad
+
+_PARKING_EDGE = 6.0  # m from the middle of the road to its kerb, from where there is room to park
+_PARKED = (0.3, 0.8)  # share of the places
+_PARKING_GAP, _TO_KERB = (0.6, 2.0), 0.2  # m between two cars, and to the kerb
+_ASKEW, _PARKED_MARGIN = 0.015, 0.05  # rad, deviation; m
+
+_PEOPLE = 6  # people of the road itself for one on an edge of a side road
+_PEOPLE_FAR = 50.0  # m from the middle of the road
+_OFF_WAY = 0.2  # rad against the side road, deviation
 
 
 @dataclass(frozen=True, slots=True)
 class SideRoadEdge:
-    """One side of a side road: `junction` [m along], the side (1 or -1 across) on which it leaves the road, and the
-    side (1 or -1) of it seen outwards, 1 being left.
+    """One edge of a side road, to place by: `junction` [m along], the `side` (1 or -1 across) on which the side road
+    leaves the road, and whether this edge is on its left (1) or right (-1), seen outwards.
     """
 
     junction: float
@@ -30,8 +70,14 @@ class SideRoadEdge:
     left: int
 
     def at(self, distance: float, off: float) -> tuple[float, float, float]:
-        """Along, across [m] and outward angle [rad], `distance` from the road's middle, `off` from the side road's."""
+        """Along, across [m] and outward angle [rad], `distance` [m] from the middle of the road and `off` [m] from that
+        of the side road."""
         return self.junction - self.side * self.left * off, self.side * distance, self.side * math.pi / 2
+
+    @property
+    def turned(self) -> float:
+        """What turns something that looks to the side road on its right [rad], so that it does here."""
+        return math.pi if self.left > 0 else 0.0
 
 
 def _side_road_edges(occupancy: Occupancy) -> Iterator[SideRoadEdge]:
@@ -45,77 +91,81 @@ def _side_road_edges(occupancy: Occupancy) -> Iterator[SideRoadEdge]:
 def place_side_road_buildings(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
     """Buildings along the side roads, behind the corner; they look to them."""
     road = occupancy.road
+    corner = 0.0 if road.roundabout_radius is None else road.roundabout_radius + _ROUNDABOUT_CORNER
     for edge in _side_road_edges(occupancy):
         setback = rng.uniform(*district.setback)
-        distance = max(road.verge + _CORNER, 0.0 if road.roundabout_radius is None else road.roundabout_radius + 8.0)
+        distance = max(road.verge + _CORNER, corner)
         while distance < _FAR:
             kind, size, eaves = sample_building(district, rng)
             if rng.random() < district.built:
                 along, across, angle = edge.at(distance + size[0] / 2, road.verge + setback + size[1] / 2)
                 # the front (-y) looks to the side road
                 angle += 0.0 if edge.left > 0 else math.pi
-                occupancy.place(kind, along, across, size, angle=angle, clearance=eaves, margin=0.02, private=True)
-            distance += size[0] + rng.uniform(*district.gap) + 0.05
+                occupancy.place(
+                    kind, along, across, size, angle=angle, clearance=eaves, margin=BUILDING_MARGIN, private=True
+                )
+            distance += size[0] + rng.uniform(*district.gap) + _BUILDING_SEAM
 
 
 def place_beside_side_roads(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
     """Fences, lamps, trees, parked cars and people beside the side roads."""
     road = occupancy.road
-    start = 6.0 + (road.verge if road.roundabout_radius is None else road.roundabout_radius + road.sidewalk)
+    start = _START + (road.verge if road.roundabout_radius is None else road.roundabout_radius + road.sidewalk)
     for edge in _side_road_edges(occupancy):
-        if rng.random() < district.fronts:
-            _front(occupancy, edge, start, rng)
+        if rng.random() < district.front_fences:
+            _place_fences(occupancy, edge, start, rng)
         if road.sidewalk > 0:
-            _lamps(occupancy, edge, start, rng)
-        if rng.random() < district.row_trees:
-            _trees(occupancy, edge, start, rng)
-        if road.edge > 6.0 and rng.random() < district.parked:
-            _parked(occupancy, edge, start, rng)
-        for _ in range(rng.poisson(district.people / 6)):
-            along, across, angle = edge.at(rng.uniform(start, 50.0), road.edge + 0.5 * road.sidewalk)
-            angle += math.pi * (rng.random() < 0.5) + rng.normal(0.0, 0.2)
-            occupancy.place("person", along, across, person_size(rng, standing=False), angle=angle)
+            _place_lamps(occupancy, edge, start, rng)
+        if rng.random() < district.street_trees:
+            _place_trees(occupancy, edge, start, rng)
+        if road.edge > _PARKING_EDGE and rng.random() < district.parked:
+            _place_parked_cars(occupancy, edge, start, rng)
+        for _ in range(rng.poisson(district.people / _PEOPLE)):
+            along, across, angle = edge.at(rng.uniform(start, _PEOPLE_FAR), road.edge + 0.5 * road.sidewalk)
+            angle += math.pi * (rng.random() < 0.5) + rng.normal(0.0, _OFF_WAY)
+            occupancy.place("person", along, across, sample_person(rng, standing=False), angle=angle)
 
 
-def _front(occupancy: Occupancy, edge: SideRoadEdge, start: float, rng: np.random.Generator) -> None:
-    distance, off = start, occupancy.road.verge + rng.uniform(0.4, 0.8)
+def _place_fences(occupancy: Occupancy, edge: SideRoadEdge, start: float, rng: np.random.Generator) -> None:
+    distance, off = start, occupancy.road.verge + rng.uniform(*_FENCE_OFF)
     slope = abs(float(occupancy.ground.relief.hillside[0 if edge.side > 0 else 1]))
-    longest = max(3.0, min(9.0, 0.25 / max(slope, 1e-3)))
+    longest = max(_FENCE_LENGTHS[0], min(_FENCE_LENGTHS[1], _FENCE_RISE / max(slope, 1e-3)))
     while distance < _FAR:
-        kind = ("fence", "garden_wall", "hedge", "hedge")[int(rng.integers(4))]
-        thick = {"fence": 0.1, "garden_wall": 0.3, "hedge": rng.uniform(0.6, 1.2)}[kind]
-        length, height = rng.uniform(0.6, 1.0) * longest, rng.uniform(0.8, 1.8)
-        along, across, angle = edge.at(distance + length / 2, off + thick / 2)
-        occupancy.place(kind, along, across, (length, thick, height), angle=angle, margin=0.0, private=True)
-        distance += length + (0.1 if rng.random() < 0.6 else rng.uniform(1.2, 5.0))
+        kind = _FENCES[int(rng.integers(len(_FENCES)))]
+        width = {"fence": FENCE_WIDTH, "garden_wall": GARDEN_WALL_WIDTH, "hedge": rng.uniform(*HEDGE_WIDTH)}[kind]
+        length, height = rng.uniform(*_FENCE_LENGTH) * longest, rng.uniform(*_FENCE_HEIGHT)
+        along, across, angle = edge.at(distance + length / 2, off + width / 2)
+        occupancy.place(kind, along, across, (length, width, height), angle=angle, margin=0.0, private=True)
+        distance += length + (_FENCE_SEAM if rng.random() < _ADJOINING else rng.uniform(*_FENCE_GAP))
 
 
-def _lamps(occupancy: Occupancy, edge: SideRoadEdge, start: float, rng: np.random.Generator) -> None:
-    height = rng.uniform(4.5, 8.0)
-    for distance in np.arange(start + rng.uniform(0.0, 15.0), _FAR, 4.0 * height).tolist():
-        along, across, angle = edge.at(distance, occupancy.road.edge + 0.45)
-        angle += math.pi if edge.left > 0 else 0.0  # the arm of the lamp is to its left
-        occupancy.place("lamp", along, across, (0.15, 0.2, height), angle=angle)
+def _place_lamps(occupancy: Occupancy, edge: SideRoadEdge, start: float, rng: np.random.Generator) -> None:
+    height = rng.uniform(*_LAMP_HEIGHT)
+    for distance in np.arange(start + rng.uniform(*_FIRST_LAMP), _FAR, _LAMP_SPACING * height).tolist():
+        along, across, angle = edge.at(distance, occupancy.road.edge + LAMP_OFF)
+        # the arm of the lamp is to its left
+        size = (_LAMP_LENGTH, LAMP_WIDTH, height)
+        occupancy.place("lamp", along, across, size, angle=angle + edge.turned)
 
 
-def _trees(occupancy: Occupancy, edge: SideRoadEdge, start: float, rng: np.random.Generator) -> None:
+def _place_trees(occupancy: Occupancy, edge: SideRoadEdge, start: float, rng: np.random.Generator) -> None:
     road = occupancy.road
-    off = road.edge + 0.8 if road.sidewalk > 2.0 else road.verge + 3.5
-    for distance in np.arange(start + rng.uniform(0.0, 8.0), _FAR, rng.uniform(8.0, 15.0)).tolist():
-        (length, width, height), clearance = tree_size(rng)
+    off = road.edge + TREE_OFF if road.sidewalk > WIDE_SIDEWALK else road.verge + _TREE_VERGE
+    for distance in np.arange(start + rng.uniform(*_FIRST_TREE), _FAR, rng.uniform(*_TREE_SPACING)).tolist():
+        (length, width, height), stem = sample_tree(rng)
         along, across, _ = edge.at(distance, off)
-        size = (0.7 * length, 0.7 * width, height)
-        occupancy.place(
-            "tree", along, across, size, angle=rng.uniform(0.0, 3.0), clearance=max(clearance, 2.6), margin=0.05
-        )
+        size, stem = (_TREE_CROWN * length, _TREE_CROWN * width, height), max(stem, LEAST_STEM)
+        angle = rng.uniform(*_TREE_ANGLE)
+        occupancy.place("tree", along, across, size, angle=angle, clearance=stem, margin=_TREE_MARGIN)
 
 
-def _parked(occupancy: Occupancy, edge: SideRoadEdge, start: float, rng: np.random.Generator) -> None:
-    distance, density = start, rng.uniform(0.3, 0.8)
+def _place_parked_cars(occupancy: Occupancy, edge: SideRoadEdge, start: float, rng: np.random.Generator) -> None:
+    distance, taken = start, rng.uniform(*_PARKED)
     while distance < _FAR:
         kind, size = sample_car(rng)
-        if rng.random() < density:
-            along, across, angle = edge.at(distance + size[0] / 2, occupancy.road.edge - 0.2 - size[1] / 2)
-            angle += (math.pi if edge.left > 0 else 0.0) + rng.normal(0.0, 0.015)
-            occupancy.place(kind, along, across, size, angle=angle, margin=0.05)
-        distance += size[0] + rng.uniform(0.6, 2.0)
+        if rng.random() < taken:
+            off = occupancy.road.edge - _TO_KERB - size[1] / 2
+            along, across, angle = edge.at(distance + size[0] / 2, off)
+            angle += edge.turned + rng.normal(0.0, _ASKEW)
+            occupancy.place(kind, along, across, size, angle=angle, margin=_PARKED_MARGIN)
+        distance += size[0] + rng.uniform(*_PARKING_GAP)

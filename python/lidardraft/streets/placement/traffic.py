@@ -8,18 +8,70 @@ import numpy as np
 
 from lidardraft.objects.cars import sample_car
 from lidardraft.streets.placement.car_parks import CarPark
-from lidardraft.streets.placement.district import District
-from lidardraft.streets.placement.lanes import Lane
+from lidardraft.streets.placement.district import FAST, District
+from lidardraft.streets.placement.lanes import MAIN_ROAD, SIDE_ROAD, Lane
 from lidardraft.streets.placement.occupancy import Occupancy
+from lidardraft.streets.placement.sizes import (
+    BUS,
+    CYCLIST,
+    MOTORCYCLE,
+    MOTORCYCLIST,
+    PARKED_TRUCK,
+    TRAILER_TRUCK,
+    TRAM,
+    TRUCK,
+    Size,
+)
 
+# Parked vehicles. Numbers without a source are estimates of ours, here and below.
+_TAKEN = (0.1, 0.75)  # share of the places along a kerb
+_FIRST = (0.0, 6.0)  # m from the end of the street to the first
+_LAST = 3.0  # m before the other end in which none begins
+_PARKING_GAP = (0.6, 2.0)  # m between two
+_TO_KERB = (0.12, 0.3)  # m
+_WRONG_WAY = 0.08  # share that faces the other way
+_ASKEW = 0.015  # rad, deviation
+_PARKED_MARGIN = 0.05  # m
+# Some 2.5 % are small trucks and as many motorcycles, under the shares of registered vehicles in Germany (KBA, 2023:
+# 6 % trucks with vans, 8 % motorcycles), since fewer are left in streets.
+_PARKED_TRUCKS = 0.025
+_PARKED_MOTORCYCLES = 0.025
+_NO_PARKING = 5.0  # m before a junction (StVO)
+_GATE = 6.5  # m either way of the middle of a car park's gate
+
+# Trams run on straight roads of several lanes in towns.
+_TRAMS = 0.1  # share of these that have one
+_TRAM_PLACE = (0.3, 0.7)  # share of the lane's length
+
+_CYCLISTS, _CYCLISTS_OUTSIDE = 0.7, 0.2  # mean number a street, in towns and outside
+_CYCLIST_PLACE = (0.5, 0.25)  # mean and deviation, in shares of the lane's length
+_CYCLIST_PLACES = (0.05, 0.95)  # and the limits
+_CYCLIST_LEFT = -0.9  # m of the middle of the lane
+
+# Queues at a red light.
+_RED_FOR_SIDE_ROADS = 0.5  # else for the road itself
+_TO_LINE = (0.0, 1.0)  # m from the first vehicle
+_QUEUE = 3.0  # mean number of vehicles
 _QUEUED = (1.5, 3.0)  # m between standing vehicles: some 7.5 m a car (Highway Capacity Manual)
-# Time gaps of followers [s]: a median of 1.4 s and a spread of 0.45 in its logarithm, an estimate of ours within the
-# 1 to 2 s that are usual on German roads (drivers are told 1.8 s, half the speedometer).
+
+# Flows.
+_FLOW_SPEED = (0.4, 1.0)  # share of the limit
+_LANE_END = 6.0  # m in which no vehicle begins
+_FOLLOWERS = 0.4  # share
+# Time gaps of followers [s]: a median of 1.4 s and a spread of 0.45 in its logarithm, within the 1 to 2 s that are
+# usual on German roads (drivers are told 1.8 s, half the speedometer).
 _GAP_MEDIAN, _GAP_SPREAD = 1.4, 0.45
+_LEAST_GAP = 2.0  # m, of followers
+_FREE_GAP, _FREE_TIME = 5.0, 0.8  # m and s, of free vehicles
+_OFF_MIDDLE, _MOST_OFF = 0.12, 0.25  # m off the middle of the lane: deviation and limit
+_WEAVE = 0.012  # rad against the lane, deviation
+_TRAFFIC_MARGIN = 0.2  # m
 
-
-# Of parked vehicles some 2.5 % are small trucks and as many motorcycles: estimates of ours, under the shares of
-# registered vehicles in Germany (KBA, 2023: 6 % trucks with vans, 8 % motorcycles), since fewer are left in streets.
+# What drives there.
+_HEAVY_INSIDE = 0.01  # share of trucks and buses in inner lanes
+_LONG_HAUL, _SHORT_HAUL = 0.55, 0.12  # share of those with trailers among these, on fast roads and others
+_TRUCKS = 0.7  # share of all trucks among these; the others are buses
+_MOTORCYCLES = 0.02  # share
 
 
 def place_parked_vehicles(
@@ -28,99 +80,108 @@ def place_parked_vehicles(
     """Parked vehicles along the kerbs of the sides in `parking`, a few of them the wrong way round."""
     road = occupancy.road
     for side in parking:
-        along, density = -road.half_length + rng.uniform(0, 6), rng.uniform(0.1, 0.75)
-        while along < road.half_length - 3.0:
-            kind, size = sample_car(rng)
-            if rng.random() < 0.025:
-                kind, size = "truck", (rng.uniform(5.5, 7.5), 2.1, rng.uniform(2.6, 3.0))
-            elif rng.random() < 0.025:
-                kind, size = "motorcycle", (2.1, 0.8, 1.2)
+        along, taken = -road.half_length + rng.uniform(*_FIRST), rng.uniform(*_TAKEN)
+        while along < road.half_length - _LAST:
+            kind, size = _parked_vehicle(rng)
             middle = along + size[0] / 2
-            gate = car_park is not None and car_park.side == side and abs(middle - car_park.gate) < 6.5
-            # StVO: no parking within 5 m of a junction
-            if rng.random() < density and not gate and not road.in_junction(middle, 5.0):
-                across = side * (road.edge - rng.uniform(0.12, 0.3) - size[1] / 2)
-                angle = (0.0 if side < 0 else math.pi) + math.pi * (rng.random() < 0.08) + rng.normal(0.0, 0.015)
-                occupancy.place(kind, middle, across, size, angle=angle, margin=0.05)
-            along += size[0] + rng.uniform(0.6, 2.0)
+            gate = car_park is not None and car_park.side == side and abs(middle - car_park.gate) < _GATE
+            if rng.random() < taken and not gate and not road.in_junction(middle, _NO_PARKING):
+                across = side * (road.edge - rng.uniform(*_TO_KERB) - size[1] / 2)
+                backwards = math.pi * (rng.random() < _WRONG_WAY)
+                angle = (0.0 if side < 0 else math.pi) + backwards + rng.normal(0.0, _ASKEW)
+                occupancy.place(kind, middle, across, size, angle=angle, margin=_PARKED_MARGIN)
+            along += size[0] + rng.uniform(*_PARKING_GAP)
+
+
+def _parked_vehicle(rng: np.random.Generator) -> tuple[str, Size]:
+    kind, size = sample_car(rng)
+    if rng.random() < _PARKED_TRUCKS:
+        return "truck", PARKED_TRUCK.sample(rng)
+    if rng.random() < _PARKED_MOTORCYCLES:
+        return "motorcycle", MOTORCYCLE.sample(rng)
+    return kind, size
 
 
 def place_traffic(occupancy: Occupancy, district: District, lanes: tuple[Lane, ...], rng: np.random.Generator) -> None:
     """Vehicles and riders in all lanes, now and then a tram; at a red light they wait in a queue."""
-    road = occupancy.road
-    if road.curvature == 0.0 and road.lanes > 1 and road.sidewalk > 0 and rng.random() < 0.1:
-        inner = [lane for lane in lanes if lane.name == "road" and not lane.outer]
-        if inner:
-            size = (rng.uniform(20.0, 30.0), 2.4, 3.5)  # BOStrab: at most 2.65 m wide; low-floor cars of 20 to 30 m
-            _put(occupancy, inner[-1], "tram", size, rng.uniform(0.3, 0.7) * inner[-1].length, rng)
+    _place_tram(occupancy, lanes, rng)
     # lights are green for the road or for the side roads
-    red = "arm" if rng.random() < 0.5 else "road"
+    red = SIDE_ROAD if rng.random() < _RED_FOR_SIDE_ROADS else MAIN_ROAD
     for lane in lanes:
-        if lane.stop is not None and lane.name == red:
-            _queue(occupancy, district, lane, rng)
-        _flow(occupancy, district, lane, rng)
-    for _ in range(rng.poisson(0.7 if road.sidewalk > 0 else 0.2)):
-        outer = [lane for lane in lanes if lane.outer and lane.name == "road"]
+        if lane.stop is not None and lane.kind == red:
+            _place_queue(occupancy, district, lane, rng)
+        _place_flow(occupancy, district, lane, rng)
+    _place_cyclists(occupancy, lanes, rng)
+
+
+def _place_tram(occupancy: Occupancy, lanes: tuple[Lane, ...], rng: np.random.Generator) -> None:
+    road = occupancy.road
+    if road.curvature == 0.0 and road.lanes > 1 and road.sidewalk > 0 and rng.random() < _TRAMS:
+        inner = [lane for lane in lanes if lane.kind == MAIN_ROAD and not lane.outer]
+        if inner:
+            size = TRAM.sample(rng)
+            _place_in_lane(occupancy, inner[-1], "tram", size, rng.uniform(*_TRAM_PLACE) * inner[-1].length, rng)
+
+
+def _place_cyclists(occupancy: Occupancy, lanes: tuple[Lane, ...], rng: np.random.Generator) -> None:
+    outer = [lane for lane in lanes if lane.outer and lane.kind == MAIN_ROAD]
+    for _ in range(rng.poisson(_CYCLISTS if occupancy.road.sidewalk > 0 else _CYCLISTS_OUTSIDE)):
         lane = outer[int(rng.integers(len(outer)))]
-        distance = np.clip(rng.normal(0.5, 0.25), 0.05, 0.95) * lane.length
-        along, across, angle = lane.at(float(distance), -0.9)
-        occupancy.place("cyclist", along, across, (1.75, 0.58, rng.uniform(1.65, 1.8)), angle=angle)
+        distance = np.clip(rng.normal(*_CYCLIST_PLACE), *_CYCLIST_PLACES) * lane.length
+        along, across, angle = lane.at(float(distance), _CYCLIST_LEFT)
+        occupancy.place("cyclist", along, across, CYCLIST.sample(rng), angle=angle)
 
 
-def _queue(occupancy: Occupancy, district: District, lane: Lane, rng: np.random.Generator) -> None:
+def _place_queue(occupancy: Occupancy, district: District, lane: Lane, rng: np.random.Generator) -> None:
     """Vehicles that wait before the line."""
     assert lane.stop is not None
-    distance = lane.stop - rng.uniform(0.0, 1.0)
-    for _ in range(rng.poisson(3.0)):
+    distance = lane.stop - rng.uniform(*_TO_LINE)
+    for _ in range(rng.poisson(_QUEUE)):
         kind, size = _vehicle(rng, district, lane)
         if distance - size[0] < 0.0:
             return
-        _put(occupancy, lane, kind, size, distance - size[0] / 2, rng)
+        _place_in_lane(occupancy, lane, kind, size, distance - size[0] / 2, rng)
         distance -= size[0] + rng.uniform(*_QUEUED)
 
 
-def _flow(occupancy: Occupancy, district: District, lane: Lane, rng: np.random.Generator) -> None:
+def _place_flow(occupancy: Occupancy, district: District, lane: Lane, rng: np.random.Generator) -> None:
     """Free vehicles and groups of followers, at the distances that belong to their speed."""
-    speed = lane.speed * rng.uniform(0.4, 1.0)
-    free = {"road": district.traffic_gap, "arm": 45.0, "ring": 40.0, "aisle": 60.0}[lane.name]
+    speed = lane.speed * rng.uniform(*_FLOW_SPEED)
+    free = district.traffic_gap if lane.kind.free_gap is None else lane.kind.free_gap
     distance = rng.exponential(free)
-    while distance < lane.length - 6.0:
+    while distance < lane.length - _LANE_END:
         kind, size = _vehicle(rng, district, lane)
         if distance + size[0] < lane.length:
-            _put(occupancy, lane, kind, size, distance + size[0] / 2, rng)
-        if rng.random() < 0.4:
-            gap = max(2.0, speed * _GAP_MEDIAN * math.exp(rng.normal(0.0, _GAP_SPREAD)))
+            _place_in_lane(occupancy, lane, kind, size, distance + size[0] / 2, rng)
+        if rng.random() < _FOLLOWERS:
+            gap = max(_LEAST_GAP, speed * _GAP_MEDIAN * math.exp(rng.normal(0.0, _GAP_SPREAD)))
         else:
-            gap = max(5.0, 0.8 * speed) + rng.exponential(free)
+            gap = max(_FREE_GAP, _FREE_TIME * speed) + rng.exponential(free)
         distance += size[0] + gap
 
 
-def _put(
-    occupancy: Occupancy,
-    lane: Lane,
-    kind: str,
-    size: tuple[float, float, float],
-    distance: float,
-    rng: np.random.Generator,
+def _place_in_lane(
+    occupancy: Occupancy, lane: Lane, kind: str, size: Size, distance: float, rng: np.random.Generator
 ) -> None:
-    left = min(max(rng.normal(0.0, 0.12), -0.25), 0.25)
+    left = min(max(rng.normal(0.0, _OFF_MIDDLE), -_MOST_OFF), _MOST_OFF)
     along, across, angle = lane.at(distance, left)
-    occupancy.place(kind, along, across, size, angle=angle + rng.normal(0.0, 0.012), margin=0.2)
+    occupancy.place(kind, along, across, size, angle=angle + rng.normal(0.0, _WEAVE), margin=_TRAFFIC_MARGIN)
 
 
-def _vehicle(rng: np.random.Generator, district: District, lane: Lane) -> tuple[str, tuple[float, float, float]]:
-    """Kind and extents of a vehicle in traffic; sizes up to the limits of directive 96/53/EC."""
+def _vehicle(rng: np.random.Generator, district: District, lane: Lane) -> tuple[str, Size]:
+    """Kind and extents of a vehicle in traffic."""
     pick = rng.random()
-    heavy = district.heavy if lane.outer and lane.name == "road" else 0.04 if lane.name == "arm" else 0.01
-    if lane.name in ("ring", "aisle"):
+    if lane.kind.only_cars:
         return sample_car(rng)
-    long_haul = 0.55 if district.speed > 25.0 else 0.12
-    if pick < heavy * long_haul:
-        return "trailer_truck", (rng.uniform(15.5, 16.5), 2.55, rng.uniform(3.7, 4.0))
-    if pick < heavy * 0.7:
-        return "truck", (rng.uniform(6.0, 11.0), 2.5, rng.uniform(2.8, 3.8))
+    heavy = lane.kind.heavy
+    if heavy is None:
+        heavy = district.heavy if lane.outer else _HEAVY_INSIDE
+    if pick < heavy * (_LONG_HAUL if district.speed > FAST else _SHORT_HAUL):
+        return "trailer_truck", TRAILER_TRUCK.sample(rng)
+    if pick < heavy * _TRUCKS:
+        return "truck", TRUCK.sample(rng)
     if pick < heavy:
-        return "bus", (rng.uniform(10.0, 12.5), 2.55, rng.uniform(3.0, 3.3))
-    if pick < heavy + 0.02:
-        return "motorcyclist", (2.1, 0.8, rng.uniform(1.5, 1.65))
+        return "bus", BUS.sample(rng)
+    if pick < heavy + _MOTORCYCLES:
+        return "motorcyclist", MOTORCYCLIST.sample(rng)
     return sample_car(rng)

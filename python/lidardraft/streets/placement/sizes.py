@@ -1,0 +1,90 @@
+"""Extents of what is placed, kind by kind: numbers or ranges, each with a source or an estimate of ours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+Range = tuple[float, float]  # from, to
+Size = tuple[float, float, float]  # length, width, height [m]
+
+
+@dataclass(frozen=True, slots=True)
+class Extents:
+    """Length, width and height [m] of one kind: each a number, or a range to draw from."""
+
+    length: float | Range
+    width: float | Range
+    height: float | Range
+
+    def sample(self, rng: np.random.Generator) -> Size:
+        """Extents drawn at random: as many numbers of `rng` as there are ranges, in that order."""
+        return _sampled(self.length, rng), _sampled(self.width, rng), _sampled(self.height, rng)
+
+
+def _sampled(extent: float | Range, rng: np.random.Generator) -> float:
+    return rng.uniform(*extent) if isinstance(extent, tuple) else extent
+
+
+# Vehicles: at most 2.55 m wide, 4.0 m high, 12 m long, 16.5 m with a trailer (directive 96/53/EC); trams at most
+# 2.65 m wide (BOStrab), low-floor cars of 20 to 30 m; the ranges within these limits are estimates of ours.
+TRAILER_TRUCK = Extents((15.5, 16.5), 2.55, (3.7, 4.0))
+TRUCK = Extents((6.0, 11.0), 2.5, (2.8, 3.8))
+PARKED_TRUCK = Extents((5.5, 7.5), 2.1, (2.6, 3.0))
+BUS = Extents((10.0, 12.5), 2.55, (3.0, 3.3))
+TRAM = Extents((20.0, 30.0), 2.4, 3.5)
+MOTORCYCLE = Extents(2.1, 0.8, 1.2)
+MOTORCYCLIST = Extents(2.1, 0.8, (1.5, 1.65))
+BICYCLE = Extents(1.78, 0.58, 1.06)
+CYCLIST = Extents(1.75, 0.58, (1.65, 1.8))
+
+# Furniture. Wheeled bins: EN 840, 240 litres. Hydrants stand 0.9 m over the ground (EN 14384). Cabinets are as usual
+# for telephone lines. Large posters measure 3.56 x 2.52 m. Delineators are 1 m high (HLB). Else estimates of ours.
+WHEELED_BIN = Extents(0.58, 0.62, 1.07)
+LITTER_BIN = Extents(0.4, 0.4, 0.9)
+BENCH = Extents(1.8, 0.6, 0.85)
+HYDRANT = Extents(0.3, 0.3, 0.9)
+CABINET = Extents((0.7, 1.6), 0.4, (1.0, 1.6))
+STREET_LETTERBOX = Extents(0.4, 0.5, 1.3)
+GARDEN_LETTERBOX = Extents(0.35, 0.4, 1.2)
+POLE = Extents((0.08, 0.3), 0.2, (0.9, 7.0))
+BILLBOARD, BILLBOARD_CLEARANCE = Extents(0.3, 3.6, 2.4 + 2.6), 2.4
+SHELTER = Extents((3.5, 5.0), 1.5, 2.5)
+DELINEATOR = Extents(0.12, 0.12, 1.0)
+CONE = Extents(0.36, 0.36, 0.75)
+# Lenses 2.4 to 3.3 m over the sidewalk: RiLSA wants 2.1 m and more.
+TRAFFIC_LIGHT, TRAFFIC_LIGHT_CLEARANCE = Extents(0.25, 0.32, 3.3), 2.4
+SIGN_DEPTH = 0.12  # m
+LAMP_WIDTH = 0.2  # m
+# m of fences, walls and hedges across their run: estimates of ours
+FENCE_WIDTH, MESH_FENCE_WIDTH, GARDEN_WALL_WIDTH, HEDGE_WIDTH = 0.1, 0.06, 0.3, (0.6, 1.2)
+
+_STATURE = (1.72, 0.09)  # m of adults, mean and deviation (NCD-RisC, 2016, Europe); what follows are estimates of ours
+_ADULTS = 0.9  # share
+_CHILD = (1.0, 1.45)  # m
+_STATURES = (1.0, 2.0)  # m, limits
+_STRIDE = (0.35, 0.7)  # m of an adult of mean stature
+STANDING = 0.28  # m, the length of one who stands
+_SHOULDERS = 0.28  # of the stature
+
+# Trees: estimates of ours; crowns measure 2 to 9 m.
+_TREE = (4.5, 13.0)  # m of height
+_CROWN = (0.42, 0.68)  # of the height
+_OVAL = (0.9, 1.1)  # length of a crown over its width
+_STEM = (0.08, 0.32)  # of the height that is bare
+
+
+def sample_person(rng: np.random.Generator, *, standing: bool) -> Size:
+    """Extents of a person: the length is that of the stride, `STANDING` of one who stands."""
+    height = rng.normal(*_STATURE) if rng.random() < _ADULTS else rng.uniform(*_CHILD)
+    height = min(max(height, _STATURES[0]), _STATURES[1])
+    stride = STANDING if standing else rng.uniform(*_STRIDE) * height / _STATURE[0]
+    return stride, _SHOULDERS * height, height
+
+
+def sample_tree(rng: np.random.Generator) -> tuple[Size, float]:
+    """Extents of a tree, and the height of its bare stem [m]."""
+    height = rng.uniform(*_TREE)
+    crown = height * rng.uniform(*_CROWN)
+    return (crown * rng.uniform(*_OVAL), crown, height), height * rng.uniform(*_STEM)
