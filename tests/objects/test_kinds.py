@@ -1,30 +1,57 @@
-"""The table of kinds: complete, consistent, and the only one."""
+"""The table of kinds: complete, consistent, the only one; and what holds for objects of every kind."""
 
 import ast
-from dataclasses import fields
+import math
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from built_objects import SIZES, build, is_closed, placed, vertices
 
 import lidardraft.objects
+from lidardraft import CLASSES
+from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 from lidardraft.errors import LayoutError
+from lidardraft.objects.buildings import BALCONY, EAVES
 from lidardraft.objects.cars import BODIES
 from lidardraft.objects.kinds import KINDS, Kind, kind_of
+from lidardraft.scene.materials import MATERIAL_BY_NAME
 from lidardraft.scene.road import Road
 from lidardraft.semantics import BY_NAME
 from lidardraft.streets.ground.ground import Ground
 from lidardraft.streets.placement.occupancy import Occupancy
 
 ROOM = Path(lidardraft.objects.__file__).parent
+THINGS = {row.name for row in CLASSES if row.is_thing}
+# How far something sticks out of the extents [m], (length, width, height); 0.06 m is allowed to all.
+OUT: dict[str, tuple[float, float, float]] = {
+    **dict.fromkeys(BODIES, (0.03, 0.12, 0.0)),  # plates, mirrors
+    "truck": (0.08, 0.16, 0.1),
+    "trailer_truck": (0.08, 0.16, 0.1),
+    "bus": (0.11, 0.16, 0.0),
+    "bicycle": (0.1, 0.12, 0.05),
+    "cyclist": (0.1, 0.12, 0.0),
+    "motorcycle": (0.1, 0.1, 0.1),
+    "motorcyclist": (0.1, 0.1, 0.0),
+    "person": (0.25, 0.12, 0.0),  # a rucksack, the swing of arms and legs
+    "house": (EAVES, EAVES, 0.55),  # a chimney
+    "block": (0.0, BALCONY, 0.75),
+    "shed": (0.1, 0.1, 0.0),
+    "lamp": (0.2, 1.95, 0.0),
+    "sign": (0.05, 0.0, 0.0),
+    "traffic_light": (0.32, 0.2, 0.0),
+    "gantry": (0.1, 0.0, 0.0),
+    "billboard": (0.03, 0.0, 0.0),
+    "barrier": (0.0, 0.0, 0.1),
+}
+# The kinds whose meshes are all closed; bodies of vehicles, facades, plates and palings are sheets.
+CLOSED = ("motorcycle", "motorcyclist", "person", "tree", "mesh_fence", "wall", "shelter", "bin", "cone")
 
 
-def test_an_unknown_kind_is_an_error_and_never_a_car():
-    with pytest.raises(LayoutError, match=r"kind is 'sallon'; it must be one of city_car, .*, cabinet"):
+def test_an_unknown_kind_is_an_error_that_suggests_what_was_meant():
+    with pytest.raises(LayoutError, match=r"kind is 'sallon'; .* did you mean 'saloon'\?"):
         kind_of("sallon")
-    road = Road()
-    with pytest.raises(LayoutError, match="kind is 'sallon'"):
-        Occupancy(road, Ground(road, np.random.default_rng(0))).place("sallon", 0.0, 1.75, (4.0, 1.8, 1.5))
 
 
 @pytest.mark.parametrize("name", [field.name for field in fields(Kind)])
@@ -49,8 +76,21 @@ def test_every_builder_is_that_of_a_kind():
     assert builders == {f"{kind.build.__module__}.{kind.build.__name__}" for kind in KINDS.values()}
 
 
-def test_every_body_of_a_car_is_a_kind():
-    assert {name for name, kind in KINDS.items() if kind.labels == ("car",)} == set(BODIES)
+def test_no_other_module_of_the_room_lists_kinds():
+    """Only the table and the cars' own bodies name kinds in quotes."""
+    for path in ROOM.glob("*.py"):
+        if path.stem in ("kinds", "cars"):
+            continue
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Compare):
+                names = {n.value for n in ast.walk(node) if isinstance(n, ast.Constant) and isinstance(n.value, str)}
+                assert "kind" not in ast.unparse(node.left) or not names & set(KINDS), f"{path.name}: {node.lineno}"
+
+
+def test_every_kind_is_tested_and_every_class_is_that_of_a_kind_or_of_the_ground():
+    assert set(SIZES) == set(KINDS)
+    labels = {label for kind in KINDS.values() for label in kind.labels}
+    assert {row.name for row in CLASSES} == labels | {"none", "road", "sidewalk"}
 
 
 def test_who_is_counted_and_how_often():
@@ -59,6 +99,83 @@ def test_who_is_counted_and_how_often():
     assert {counts[name] for name in (*BODIES, "bus", "tram", "truck", "bicycle", "person")} == {1}
     assert {counts[name] for name in ("house", "tree", "grass", "bin", "sign", "wall", "cabinet")} == {0}
     for kind in KINDS.values():
-        assert set(kind.labels) <= set(BY_NAME)
         counted = [BY_NAME[label].is_thing for label in kind.labels]
         assert all(counted) or not any(counted)  # an object has instances or none
+
+
+def test_words_are_those_of_sentences():
+    assert {kind.word for kind in KINDS.values()} - {None} <= set(SENTENCE_KINDS)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_objects_of_many_seeds_keep_to_their_extents_classes_instances_and_materials(kind: str):
+    seen: set[str] = set()
+    for seed in range(200):
+        made = placed(kind, seed)
+        primitives = build(made, seed)
+        # unit shapes lie within [-1/2, 1/2]^3: their boxes hold them
+        for p in primitives:
+            turned = abs(math.sin(p.yaw)) > 0.5
+            half = np.array(p.size)[[1, 0, 2] if turned else [0, 1, 2]] / 2
+            reach = np.abs(p.center[:2]) + half[:2] - np.array(made.size[:2]) / 2
+            out = OUT.get(kind, (0.0, 0.0, 0.0))
+            if not (kind == "tree" and p.label == "trunk"):
+                assert (reach < np.array(out[:2]) + 0.06).all(), (p.id, reach)
+            assert p.center[2] + half[2] < made.size[2] + out[2] + 0.06, p.id
+            assert replace(p) == p  # which checks every field
+            assert p.material is None or p.material in MATERIAL_BY_NAME
+            # the classes of a kind are in the order of its instances
+            assert p.instance == (5 + KINDS[kind].labels.index(p.label) if p.label in THINGS else 0)
+        seen |= {p.label for p in primitives}
+        assert len({p.id for p in primitives}) == len(primitives)
+        assert {p.id.partition(".")[0] for p in primitives} == {made.id}
+    assert seen == set(KINDS[kind].labels)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_objects_are_turned_and_moved_as_a_whole_and_the_same_each_time(kind: str):
+    yaw, at = 0.7, (12.0, -3.0, 0.4)
+    for seed in range(3):
+        straight, moved = build(placed(kind, seed), seed), build(placed(kind, seed, yaw, at), seed)
+        assert build(placed(kind, seed), seed) == straight
+        cos, sin = math.cos(yaw), math.sin(yaw)
+        turn = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        for one, two in zip(straight, moved, strict=True):
+            assert vertices(two) == pytest.approx(vertices(one) @ turn + at, abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_nothing_floats(kind: str):
+    """Parts whose boxes touch, to 6 cm, hang together, and the lowest of them reach the ground."""
+    for seed in range(15):
+        made = placed(kind, seed)
+        primitives = build(made, seed)
+        corners = [vertices(p) for p in primitives]
+        low = np.array([v.min(axis=0) for v in corners]) - 0.03
+        high = np.array([v.max(axis=0) for v in corners]) + 0.03
+        near = ((low[:, None] <= high) & (high[:, None] >= low)).all(axis=2)
+        held = low[:, 2] <= 0.02
+        assert held.any()
+        for _ in corners:
+            held = (near & held).any(axis=1)
+        floating = [p.id for p, ok in zip(primitives, held, strict=True) if not ok]
+        assert not floating, (seed, floating)
+
+
+@pytest.mark.parametrize("kind", CLOSED)
+def test_meshes_are_closed(kind: str):
+    meshes = [p.mesh for seed in range(20) for p in build(placed(kind, seed), seed) if p.mesh is not None]
+    assert meshes
+    assert all(is_closed(mesh) for mesh in meshes)
+
+
+def test_the_number_of_parts_is_bounded():
+    most = {"person": 11, "tree": 9, "house": 8, "block": 10, **dict.fromkeys(BODIES, 14)}
+    for kind, limit in most.items():
+        assert max(len(build(placed(kind, seed), seed)) for seed in range(30)) <= limit
+
+
+def test_placement_refuses_an_unknown_kind():
+    road = Road()
+    with pytest.raises(LayoutError, match="kind is 'sallon'"):
+        Occupancy(road, Ground(road, np.random.default_rng(0))).place("sallon", 0.0, 1.75, (4.0, 1.8, 1.5))

@@ -8,7 +8,7 @@ from lidardraft.objects.buildings import BALCONY, EAVES, STOREY
 from lidardraft.objects.placed_object import Vector
 from lidardraft.objects.plants import trunk_diameter
 from lidardraft.objects.poles import LAMP_ARM
-from lidardraft.objects.signs import GANTRY_POST
+from lidardraft.objects.signs import GANTRY_POST, billboard_posts
 
 # Estimates of ours.
 _POST = 0.2  # m, how much room a post is given
@@ -63,14 +63,17 @@ def lamp(size: Vector, clearance: float) -> list[CollisionBox]:
     return [*whole(size, clearance), CollisionBox(0.0, LAMP_ARM / 2, _ARM, LAMP_ARM + _ARM, height - _ARM, height)]
 
 
-def board(size: Vector, clearance: float) -> list[CollisionBox]:
-    """A post and a board from `clearance` to the top."""
-    return [CollisionBox(0.0, 0.0, _POST, _POST, 0.0, clearance), _above(size, clearance)]
+def billboard(size: Vector, clearance: float) -> list[CollisionBox]:
+    """A post or two, and a board from `clearance` to the top."""
+    posts = [CollisionBox(0.0, y, _POST, _POST, 0.0, clearance) for y in billboard_posts(size[1], clearance)]
+    return [*posts, _above(size, clearance)]
 
 
 def sign(size: Vector, clearance: float) -> list[CollisionBox]:
-    """A board on a post; a wide one stands on two, and nothing passes between."""
-    return board(size, clearance) if size[1] < _NARROW_SIGN else whole(size, clearance)
+    """A post and a plate; a wide sign stands on two, and nothing passes between."""
+    if size[1] >= _NARROW_SIGN:
+        return whole(size, clearance)
+    return [CollisionBox(0.0, 0.0, _POST, _POST, 0.0, clearance), _above(size, clearance)]
 
 
 def gantry(size: Vector, clearance: float) -> list[CollisionBox]:

@@ -101,10 +101,8 @@ def billboard(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]
     depth, width, height = placed.size
     builder = ObjectBuilder(placed)
     tall = height - placed.clearance
-    aside = _BILLBOARD.posts_at * width
-    single = width < _BILLBOARD.narrow or placed.clearance > _BILLBOARD.high
     top = placed.clearance + _BILLBOARD.post_into
-    for y in (0.0,) if single else (-aside, aside):
+    for y in billboard_posts(width, placed.clearance):
         size = (*_BILLBOARD.post, top + EMBEDMENT)
         builder.add("box", (0.0, y, (top - EMBEDMENT) / 2), size, "other", "metal")
     deep, middle = min(depth, _BILLBOARD.deepest), placed.clearance + tall / 2
@@ -114,6 +112,13 @@ def billboard(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]
         at = (side * (deep / 2), 0.0, middle)
         builder.add("box", at, (thick, wide * width, high * tall), "other", "plastic")
     return builder.primitives
+
+
+def billboard_posts(width: float, clearance: float) -> tuple[float, ...]:
+    """Where across a billboard of that width its posts stand [m]: narrow and high ones have one."""
+    aside = _BILLBOARD.posts_at * width
+    single = width < _BILLBOARD.narrow or clearance > _BILLBOARD.high
+    return (0.0,) if single else (-aside, aside)
 
 
 def gantry(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:

@@ -95,7 +95,7 @@ class CoarseStreet:
         self.instances = np.array([t.instance for t in self.objects], dtype=np.uint32)
         self.ridden = np.array([kind.instances > 1 for kind in kinds], dtype=bool)
         self.small = np.array([kind.is_small for kind in kinds], dtype=bool)
-        self.poles = np.array([kind.on_post for kind in kinds], dtype=bool)
+        self.poles = np.array([kind.on_pole for kind in kinds], dtype=bool)
         self.families = np.array([FAMILY_OF[kind.word] for kind in kinds], dtype=np.int64)
         pole = self.exact.shapes == SHAPES.index("cylinder")
         self.diameters = np.full(len(self.objects), 0.1)

@@ -1,0 +1,38 @@
+"""Walls with windows, made once for each number of windows and storeys."""
+
+import numpy as np
+import pytest
+
+from lidardraft.objects.facades import PLINTH, RECESS, STOREY, WINDOW_BAY, walls
+
+
+@pytest.mark.parametrize(("bays", "deep", "storeys"), [(1, 1, 1), (4, 3, 2), (10, 5, 6)])
+@pytest.mark.parametrize("blind", [False, True])
+def test_a_facade_has_a_pane_for_each_window(bays: int, deep: int, storeys: int, blind: bool):
+    _, panes = walls(bays, deep, storeys, 0.45, blind)
+    front, back, side = bays * storeys - 1, max(1, bays // 2) * storeys, deep * storeys  # the door is no pane
+    assert len(panes.mesh.faces) == 2 * (front + back + (0 if blind else 2 * side))
+
+
+def test_walls_go_from_under_the_ground_to_the_roof():
+    wall, panes = walls(4, 3, 2, 0.45, False)
+    height = 2 * STOREY
+    low, high = ((wall.center[2] + side * wall.size[2] / 2) * height for side in (-1, 1))
+    assert low == pytest.approx(-PLINTH)
+    assert high == pytest.approx(height)
+    # panes of the front and the sides lie behind the wall, those of the back just before it
+    depth = 3 * WINDOW_BAY
+    y = (panes.center[1] + panes.mesh.vertices[:, 1] * panes.size[1]) * depth
+    assert y.min() == pytest.approx(-depth / 2 + RECESS)
+    assert y.max() == pytest.approx(depth / 2 + 0.03)
+
+
+def test_a_larger_opening_leaves_less_wall():
+    def area(opening: float) -> float:
+        wall, _ = walls(4, 3, 2, opening, True)
+        corners = wall.mesh.vertices * wall.size * np.array([4 * WINDOW_BAY, 3 * WINDOW_BAY, 2 * STOREY])
+        a, b, c = (corners[wall.mesh.faces[:, k]] for k in range(3))
+        facing = np.abs(np.cross(b - a, c - a)[:, 1])
+        return float(facing.sum())
+
+    assert area(0.36) > area(0.45) > area(0.6)
