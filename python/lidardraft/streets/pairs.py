@@ -1,4 +1,4 @@
-"""Driving through streets: pairs of a lifelike scan and the drawing of the same place, without end."""
+"""Pairs of a lifelike scan and the condition image of the same place, without end."""
 
 from __future__ import annotations
 
@@ -30,11 +30,13 @@ from lidardraft.streets.worker_processes import process_pools
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StreetPair:
-    """A lifelike scan and the drawing of the same place, by a sensor at `pose` that moves ahead with `speed` [m/s].
+    """A lifelike scan of a street, and the condition image of the same place.
 
-    `scan` has depth, label, instance and intensity.
-    `shapes` are in the frame of the ego vehicle in the middle of the sweep; `shapes.scan(sensor, pair.poses())` gives
-    `drawing`. `index` counts the pairs of one seed, and `style` says how the street was drawn.
+    `scan` has depth, label, instance and intensity. `condition_image` is the cast of the coarse layout `shapes`, as
+    `shapes.scan(sensor, pair.poses())` casts it; `style` says what coarse layout that is.
+
+    All is in the frame of the ego vehicle in the middle of the sweep: `pose` is ego_from_sensor [4, 4], and the sensor
+    moves ahead with `speed` [m/s]. `district` is where the street lies, `index` counts the pairs of one seed.
     """
 
     scan: RangeImage
@@ -52,7 +54,7 @@ class StreetPair:
 
     @property
     def layout(self) -> Layout:
-        """The shapes as a layout; `raycast(layout, sensor, poses=pair.poses())` gives `drawing` too."""
+        """The shapes as a layout; `raycast(layout, sensor, poses=pair.poses())` gives `condition_image` too."""
         return self.shapes.layout({"source": self.style.source}, self.style.coverage)
 
 

@@ -17,10 +17,16 @@ from lidardraft.streets.placement.lanes import Lane
 from lidardraft.streets.placement.occupancy import Occupancy
 from lidardraft.streets.placement.plan import plan_street
 
+_PARALLEL = 0.01  # rad against the road that lanes along it may have
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class StreetConfig:
-    """`poses_per_street` scans are taken of each street; it goes on `half_length` [m] either way."""
+    """How streets are made and scanned.
+
+    `sensor` scans them, from `poses_per_street` places each. A street goes on `half_length` [m] either way of its
+    middle. Raises `LayoutError` for less than one place, or a half length that is not 40 to 200 m.
+    """
 
     sensor: Sensor = PRESETS["hdl64e"]
     poses_per_street: int = 32
@@ -35,9 +41,10 @@ class StreetConfig:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Street:
-    """Two scenes of one place: `scene`, detailed, and `layout`, its clean drawing; both in the frame of the road.
+    """One street, in the frame of its road: all is at its place of `Road.at`.
 
-    `drawn` is what all drawings of it have in common.
+    `scene` is the detailed layout, `coarse` what all of its coarse layouts have in common. `occupancy` holds the road,
+    the ground and the objects in their order, `lanes` is what is driven in, `district` a name of `DISTRICTS`.
     """
 
     seed: int
@@ -67,7 +74,7 @@ def make_street(seed: int, config: StreetConfig | None = None, *, number: int = 
         primitives += kind_of(placed.kind).build(placed, rng)
     provenance = {"source": "streets", "seed": seed, "number": number, "district": district}
     scene = Layout(primitives=tuple(primitives), provenance=provenance)
-    middles = [lane.across for lane in lanes if abs(math.sin(lane.angle)) < 0.01]
+    middles = [lane.across for lane in lanes if abs(math.sin(lane.angle)) < _PARALLEL]
     return Street(
         seed, number, district, occupancy, lanes, scene, CoarseStreet(occupancy.road, occupancy.objects, scene, middles)
     )

@@ -16,11 +16,17 @@ _LABELS = ("road", "sidewalk", "terrain", "terrain")
 _SPACING = 4.5  # m between the stations of the mesh; the chord of a 110 m bend leaves the arc by 2 cm
 _MARGIN = 36.0  # m that the ground goes on behind the ends of the road, for what stands there
 _BEYOND = (11.0, 16.0, 23.0, 33.0, 48.0, 70.0, 100.0)  # m from the verge, where the land is sampled
-_PIECES, _PAVED = 3, 0.04  # pieces of a drive, and m that it lies over the land
+_AROUND = (2.5, 6.0)  # m beyond the square of a roundabout, where the land is sampled
+_INSIDE = 0.8  # of the way to the centre of a bend, where the land inside it ends
+_GARDEN_DROP, _GRASS_DROP = 0.03, 0.02  # m from a sidewalk down to gardens and to the grass beside it
+_FAR, _FAR_DROP = 500.0, 0.5  # m, the extents of the land far away, and how far under the lowest ground it lies
+_MEDIAN_GAP = 1.0  # m from the crossing road to where the median begins
+_PIECES, _PAVED = 3, 0.04  # pieces of a driveway, and m that it lies over the land
 _PAINT, _COAT = "road-paint", 0.005  # m that markings lie over the road
 # Level pieces, estimates of ours: m that one may leave the ground at its ends, m of the shortest, and of the longest in
 # bends of this curvature [1/m].
 _OFF_GROUND, _LEAST_PIECE, _BEND_PIECE, _BEND = 0.12, 3.0, 7.0, 0.002
+_FLAT = 1e-3  # slopes under this count as none
 _CLOSE = 1.0  # m, a station this near to another line is left out
 
 
@@ -43,13 +49,13 @@ class Ground:
         self.road, self.strip, self.paved = road, strip, paved
         self.relief = Relief(road, land or Land(), rng)
         # beside a sidewalk gardens are as high as it, beside a bare road the land is a little lower
-        land_level = KERB_HEIGHT - 0.03 if road.sidewalk > 0 else TERRAIN_HEIGHT
-        self._levels = np.array([0.0, KERB_HEIGHT, land_level, max(land_level, KERB_HEIGHT - 0.02)])
+        land_level = KERB_HEIGHT - _GARDEN_DROP if road.sidewalk > 0 else TERRAIN_HEIGHT
+        self._levels = np.array([0.0, KERB_HEIGHT, land_level, max(land_level, KERB_HEIGHT - _GRASS_DROP)])
         self._roundabout = None if road.roundabout_radius is None else RoundaboutMesh(road)
         self._along, self._across = self._lines()
         self._lattice = self.relief.heights(self._along[:, None], self._across[None, :])
         self.low = float(self._lattice.min())
-        self._drives: list[PavedArea] = []
+        self._driveways: list[PavedArea] = []
         self._painted = np.zeros((0, 4))
         self.materials: dict[str, str] = {}
 
@@ -63,7 +69,7 @@ class Ground:
         return _LABELS[int(self.kinds(np.array(along), np.array(across)))]
 
     def level(self, along: float, across: float) -> float:
-        """The height of the flat surface that a drawing has there [m]."""
+        """The height of the flat surface that a coarse layout has there [m]."""
         return float(self.levels(np.array(along), np.array(across)))
 
     def height(self, along: float, across: float) -> float:
@@ -76,7 +82,7 @@ class Ground:
         side = np.abs(across)
         walk = np.isin(kinds, (1, 3)) & (side > self.road.edge) & (side <= self.road.verge)
         if self.road.roundabout_radius is not None and self.road.junction is not None:
-            # a drawing has an island, and no sidewalk around the circle
+            # a coarse layout has an island, and no sidewalk around the circle
             off = np.hypot(along - self.road.junction, across)
             walk = (walk & (np.abs(along - self.road.junction) > self.road.roundabout_radius)) | (
                 off <= self.road.island
@@ -109,11 +115,11 @@ class Ground:
     def level_length(self, along: float, longest: float) -> float:
         """How long a level piece of a fence or a rail may be there [m]: short ones follow bends and slopes."""
         limit = min(longest, _BEND_PIECE) if abs(self.road.curvature) > _BEND else longest
-        return max(_LEAST_PIECE, min(limit, 2 * _OFF_GROUND / max(abs(self.grade(along)), 1e-3)))
+        return max(_LEAST_PIECE, min(limit, 2 * _OFF_GROUND / max(abs(self.grade(along)), _FLAT)))
 
-    def pave(self, drive: PavedArea) -> None:
-        """Add a drive to the surfaces, a little over the land."""
-        self._drives.append(drive)
+    def add_driveway(self, area: PavedArea) -> None:
+        """Pave a driveway, a little over the land."""
+        self._driveways.append(area)
 
     def paint(self, spans: np.ndarray) -> None:
         """Add painted rectangles [n, 4], from and to along and from and to across [m], to the surfaces."""
@@ -131,8 +137,8 @@ class Ground:
             s, d = self._roundabout.along, self._roundabout.across
             inner = self.kinds(*self._roundabout.middles())
             pieces.append(_cells(inner, self._levels, self.road.points(s, d), self.relief.heights(s, d), None))
-        size = (500.0, 500.0, 0.0)
-        far = Primitive(shape="plane", center=(0.0, 0.0, self.low - 0.5), size=size, label="terrain", id="far")
+        size = (_FAR, _FAR, 0.0)
+        far = Primitive(shape="plane", center=(0.0, 0.0, self.low - _FAR_DROP), size=size, label="terrain", id="far")
         primitives = [far]
         corners = np.concatenate([corners for corners, _ in pieces])
         owners = np.concatenate([owner for _, owner in pieces])
@@ -144,7 +150,7 @@ class Ground:
         if len(self._painted):
             corners = self._coat(self._painted)
             primitives.append(Primitive.from_mesh(*quads(corners), label="road", id="markings", material=_PAINT))
-        if self._drives:
+        if self._driveways:
             primitives.append(Primitive.from_mesh(*quads(self._paved()), label="sidewalk", id="drives"))
         return primitives
 
@@ -156,8 +162,8 @@ class Ground:
         return np.concatenate([self.road.points(along, across), (height + _COAT)[..., None]], axis=-1)
 
     def _paved(self) -> np.ndarray:
-        """Corners [Q, 4, 3] of the drives, each in pieces that follow the land."""
-        ends = np.array([(drive.along, drive.across) for drive in self._drives])
+        """Corners [Q, 4, 3] of the driveways, each in pieces that follow the land."""
+        ends = np.array([(area.along, area.across) for area in self._driveways])
         steps = np.linspace(0.0, 1.0, _PIECES + 1)
         share = np.stack([steps[:-1], steps[1:], steps[1:], steps[:-1]], axis=-1)
         across = ends[:, 1, 0, None, None] + share * np.diff(ends[:, 1])[:, :, None]
@@ -178,7 +184,7 @@ class Ground:
             kinds = np.where((side > road.verge) & (side <= road.verge + _BEYOND[0]), 1, kinds)
         off = np.inf if road.junction is None else np.abs(along - road.junction)
         if road.median > 0:
-            kinds = np.where((side < road.median / 2) & (off > road.edge + 1.0), 3, kinds)
+            kinds = np.where((side < road.median / 2) & (off > road.edge + _MEDIAN_GAP), 3, kinds)
         if road.junction is not None:
             for side in road.side_roads:
                 here = (across > road.edge) if side > 0 else (across < -road.edge)
@@ -211,7 +217,7 @@ class Ground:
             beside = np.concatenate([ways, section])
             lines += [*(road.junction - beside), *(road.junction + beside)]
             if road.median > 0:
-                lines += [road.junction - road.edge - 1.0, road.junction + road.edge + 1.0]
+                lines += [road.junction - road.edge - _MEDIAN_GAP, road.junction + road.edge + _MEDIAN_GAP]
         fixed = np.array(lines)
         if len(fixed):
             stations = stations[np.abs(stations[:, None] - fixed).min(axis=1) > _CLOSE]
@@ -220,11 +226,11 @@ class Ground:
         half_lines = np.concatenate([middle, ways, section, road.verge + np.array(_BEYOND)])
         if self._roundabout is not None:
             beyond = half_lines[half_lines > self._roundabout.half + _CLOSE]
-            around = self._roundabout.half + np.array([2.5, 6.0])
+            around = self._roundabout.half + np.array(_AROUND)
             half_lines = np.concatenate([[d for d in self._roundabout.offsets if d >= 0.0], around, beyond])
         # the land inside a bend ends before the bend's centre
         if road.curvature:
-            half_lines = half_lines[half_lines < 0.8 / abs(road.curvature)]
+            half_lines = half_lines[half_lines < _INSIDE / abs(road.curvature)]
         across = np.concatenate([-half_lines, half_lines, [d for area in road.paved_areas for d in area.across]])
         return _distinct(along), _distinct(across)
 

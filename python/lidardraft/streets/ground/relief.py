@@ -16,6 +16,23 @@ _BANKED = 0.05  # RAL: cross fall in bends up to 7 %
 _STEEPEST = 0.06  # RASt 06 and RAL allow 4.5 to 8 %
 _DITCH = (0.3, 0.6)  # m deep: the German guide to road drainage (RAS-Ew) has 0.5 m
 _BANK = (0.4, 2.2)  # m; slopes of 1 : 1.5 and less (RAL)
+_BANKED_EACH = 12.0  # m: cross fall times radius of the bend, up to `_BANKED`: an estimate of ours
+# Two waves of crests and sags along the road: the shortest and longest of each [m], as vertical curves of some 100 m
+# are usual (RAL), and how steep the second is against the first, an estimate of ours.
+_WAVELENGTHS = ((120.0, 55.0), (320.0, 140.0))
+_WAVES = (1.0, 0.45)
+# The land beside the road: estimates of ours.
+_STEEPEST_HILL = 0.12
+_HILL_BEGINS = 20.0  # m from the verge, where a hillside has half of its slope
+_ROLLING = (0.3, 1.0)  # how high its waves are, in shares of what the district has
+_ROLLING_BEGINS = 15.0  # m from what is paved, where they have their full height
+_ROLLING_WAVES = ((0.03, -0.06, 0.0), (0.22, 0.06, 2 * math.pi))  # rad/m along and across, phase: least and most
+_MOUND = (0.1, 1.4)  # m that the island of a roundabout rises to its middle
+_CAMBER_BEGINS = 6.0  # m from the circle of a roundabout, where a road has its full camber
+_TOWN_BANK = 0.4  # height of a bank behind a sidewalk against one without
+_FALLING = 0.5  # share of banks outside towns that fall
+_SHOULDER_DROP = 0.03  # m from the road to its bare shoulder
+_FOOT_OF_BANK = 0.35  # of its height at the last but one of `SECTION`
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -41,16 +58,17 @@ class Relief:
         self.road = road
         self._camber = rng.uniform(0.0, _CAMBER)
         outside = road.sidewalk == 0.0
-        self._bank = math.copysign(min(_BANKED, 12 * abs(road.curvature)), -road.curvature) if outside else 0.0
-        # two waves of crests and sags; vertical curves of some 100 m are usual (RAL)
-        self._length = 2 * math.pi / rng.uniform((120.0, 55.0), (320.0, 140.0))
-        self._rise = np.clip(rng.normal(0.0, land.grade, 2) * (1.0, 0.45), -0.5 * _STEEPEST, 0.5 * _STEEPEST)
+        self._bank = (
+            math.copysign(min(_BANKED, _BANKED_EACH * abs(road.curvature)), -road.curvature) if outside else 0.0
+        )
+        self._length = 2 * math.pi / rng.uniform(*_WAVELENGTHS)
+        self._rise = np.clip(rng.normal(0.0, land.grade, 2) * _WAVES, -0.5 * _STEEPEST, 0.5 * _STEEPEST)
         self._phase = rng.uniform(0.0, 2 * math.pi, 2)
-        self.hillside = np.clip(rng.normal(0.0, land.hillside, 2), -0.12, 0.12)
+        self.hillside = np.clip(rng.normal(0.0, land.hillside, 2), -_STEEPEST_HILL, _STEEPEST_HILL)
         self._sections = np.stack([_section(road, land, rng) for _ in range(2)])
-        self._rolling = rng.uniform(0.3, 1.0) * land.rolling
-        self._waves = rng.uniform((0.03, -0.06, 0.0), (0.22, 0.06, 2 * math.pi), (3, 3))
-        self._mound = rng.uniform(0.1, 1.4)
+        self._rolling = rng.uniform(*_ROLLING) * land.rolling
+        self._waves = rng.uniform(*_ROLLING_WAVES, (3, 3))
+        self._mound = rng.uniform(*_MOUND)
 
     def grade(self, along: float) -> float:
         """The slope of the road along itself."""
@@ -63,12 +81,12 @@ class Relief:
         left = across > 0
         relief = self._profile(along) + self._crossfall(along, across)
         out = np.maximum(side - road.verge, 0.0)
-        relief = relief + np.where(left, self.hillside[0], self.hillside[1]) * out * out / (out + 20.0)
+        relief = relief + np.where(left, self.hillside[0], self.hillside[1]) * out * out / (out + _HILL_BEGINS)
         away = self._away(along, across)
         section = np.where(left, self._cut(away, 0), self._cut(away, 1))
         p, q, phase = self._waves.T
         waves = np.sin(along[..., None] * p + across[..., None] * q + phase).mean(axis=-1)
-        relief = relief + section + self._rolling * np.minimum(away / 15.0, 1.0) * waves
+        relief = relief + section + self._rolling * np.minimum(away / _ROLLING_BEGINS, 1.0) * waves
         if road.roundabout_radius is not None and road.junction is not None:
             inward = np.clip(1.0 - np.hypot(along - road.junction, across) / road.island, 0.0, 1.0)
             relief = relief + self._mound * inward * (2.0 - inward)
@@ -89,7 +107,7 @@ class Relief:
         if self.road.roundabout_radius is not None and self.road.junction is not None:
             # a roundabout has none
             off = np.hypot(along - self.road.junction, across) - self.road.roundabout_radius
-            camber = camber * np.clip(off / 6.0, 0.0, 1.0)
+            camber = camber * np.clip(off / _CAMBER_BEGINS, 0.0, 1.0)
         return np.asarray(camber)
 
     def _away(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
@@ -118,8 +136,8 @@ class Relief:
 def _section(road: Road, land: Land, rng: np.random.Generator) -> np.ndarray:
     """Heights [m] of the land at the verge and at each of `SECTION`: flat, with a ditch, with a bank, or both."""
     ditch = rng.uniform(*_DITCH) if rng.random() < land.ditch else 0.0
-    bank = rng.uniform(*_BANK) * (1.0 if road.sidewalk == 0 else 0.4) if rng.random() < land.bank else 0.0
-    if road.sidewalk == 0 and rng.random() < 0.5:
+    bank = rng.uniform(*_BANK) * (1.0 if road.sidewalk == 0 else _TOWN_BANK) if rng.random() < land.bank else 0.0
+    if road.sidewalk == 0 and rng.random() < _FALLING:
         bank = -bank
-    shoulder = -0.03 if road.sidewalk == 0 else 0.0
-    return np.array([0.0, shoulder, shoulder - ditch, shoulder - ditch, shoulder + 0.35 * bank, bank])
+    shoulder = -_SHOULDER_DROP if road.sidewalk == 0 else 0.0
+    return np.array([0.0, shoulder, shoulder - ditch, shoulder - ditch, shoulder + _FOOT_OF_BANK * bank, bank])

@@ -116,7 +116,7 @@ def _place_driveway(occupancy: Occupancy, side: int, along: float, rng: np.rando
         occupancy.place(kind, along, across, size, angle=angle, private=True)
     half, depth = _DRIVEWAY[0] / 2, _DRIVEWAY[1]
     near, far = road.verge, road.verge + depth
-    occupancy.pave(PavedArea((along - half, along + half), (near, far) if side > 0 else (-far, -near)))
+    occupancy.add_driveway(PavedArea((along - half, along + half), (near, far) if side > 0 else (-far, -near)))
 
 
 def place_front_fences(

@@ -1,4 +1,4 @@
-"""The site of a street: its road and ground, the things put there so far, and what is still free."""
+"""What stands where in a street so far, and what is still free."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ from lidardraft.streets.ground.ground import Ground
 Space = tuple[float, float, float, float, float, float, float, float]
 
 _CELL = 8.0  # m
-_HEADROOM = 2.2  # m over the public way that stays free of private things
+_HEADROOM = 2.2  # m over the public way that stays free of private objects: an estimate of ours
+_PUBLIC_DEPTH = 2.0  # m under the level of the road that are public too, where the ground falls
+_PUBLIC_PIECE = 6.0  # m of the boxes that follow a bend
+_BAR = 15  # degrees of a quarter circle, from one to the next of the boxes that cover a disc
 
 
 class _Placement(NamedTuple):
@@ -36,7 +39,10 @@ class _Placement(NamedTuple):
 
 
 class Occupancy:
-    """Places things in the road's frame so that none goes through another."""
+    """The road and ground of a street and what stands there: it places objects so that none goes through another.
+
+    Places are along and across the road [m], angles against it [rad].
+    """
 
     def __init__(self, road: Road, ground: Ground) -> None:
         self.road, self.ground = road, ground
@@ -51,9 +57,9 @@ class Occupancy:
 
     @property
     def objects(self) -> list[PlacedObject]:
-        """What was put there, on the ground, in the order in which it was put."""
+        """What was placed, on the ground, in the order in which it was placed."""
         if len(self._objects) < len(self._placed):
-            self._objects += self._settled(self._placed[len(self._objects) :])
+            self._objects += self._on_ground(self._placed[len(self._objects) :])
         return self._objects
 
     def place(
@@ -68,9 +74,9 @@ class Occupancy:
         margin: float = 0.15,
         private: bool = False,
     ) -> bool:
-        """Put a thing there, turned by `angle` against the road, if `margin` [m] around it is free; whether it was put.
+        """Place an object, turned by `angle` against the road, if `margin` [m] around it is free; whether that was so.
 
-        A `private` thing keeps off the road and the sidewalks.
+        A `private` object keeps off the road and the sidewalks.
         """
         if not self.ground.reaches(along, across):
             return False
@@ -91,10 +97,10 @@ class Occupancy:
         )
         return True
 
-    def pave(self, drive: PavedArea) -> None:
-        """Add a drive, which private things keep off from now on."""
-        self.ground.pave(drive)
-        self._public.add(self._paved_space(drive))
+    def add_driveway(self, area: PavedArea) -> None:
+        """Pave a driveway, which private objects keep off from now on."""
+        self.ground.add_driveway(area)
+        self._public.add(self._paved_space(area))
 
     def is_free(self, x: float, y: float, yaw: float, size: tuple[float, float, float]) -> bool:
         """Whether an upright box on the ground there touches nothing."""
@@ -104,14 +110,14 @@ class Occupancy:
         """Whether an upright box on the ground there keeps off the road and the sidewalks."""
         return not self._public.touches(box_space(x, y, yaw, size[:2], 0.0, size[2]))
 
-    def _settled(self, placed: list[_Placement]) -> list[PlacedObject]:
-        """The things at their heights."""
+    def _on_ground(self, placed: list[_Placement]) -> list[PlacedObject]:
+        """The objects at their heights."""
         along, across = np.array([(p.along, p.across) for p in placed]).T
         heights = self.ground.heights(along, across)
         drops = np.array([kind_of(p.kind).most_drop for p in placed])
         sunk = np.flatnonzero(np.isfinite(drops))
         if len(sunk):
-            lowest = self._lowest([placed[index] for index in sunk]) + drops[sunk]
+            lowest = self._lowest_ground([placed[index] for index in sunk]) + drops[sunk]
             heights[sunk] = np.minimum(heights[sunk], lowest)
         levels = self.ground.levels(along, across)
         return [
@@ -130,19 +136,15 @@ class Occupancy:
             for p, z, level in zip(placed, heights.tolist(), levels.tolist(), strict=True)
         ]
 
-    def _lowest(self, buildings: list[_Placement]) -> np.ndarray:
-        """The lowest ground under the corners of each."""
-        half = np.array([p.size[:2] for p in buildings])[:, None] * np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)]) / 2
-        angle = np.array([p.angle for p in buildings])[:, None]
+    def _lowest_ground(self, placed: list[_Placement]) -> np.ndarray:
+        """The lowest ground under the corners of each [n]."""
+        half = np.array([p.size[:2] for p in placed])[:, None] * np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)]) / 2
+        angle = np.array([p.angle for p in placed])[:, None]
         along = (
-            np.array([p.along for p in buildings])[:, None]
-            + half[..., 0] * np.cos(angle)
-            - half[..., 1] * np.sin(angle)
+            np.array([p.along for p in placed])[:, None] + half[..., 0] * np.cos(angle) - half[..., 1] * np.sin(angle)
         )
         across = (
-            np.array([p.across for p in buildings])[:, None]
-            + half[..., 0] * np.sin(angle)
-            + half[..., 1] * np.cos(angle)
+            np.array([p.across for p in placed])[:, None] + half[..., 0] * np.sin(angle) + half[..., 1] * np.cos(angle)
         )
         lowest: np.ndarray = self.ground.heights(along.ravel(), across.ravel()).reshape(-1, 4).min(axis=1)
         return lowest
@@ -150,37 +152,37 @@ class Occupancy:
     def _public_way(self) -> list[Space]:
         road = self.road
         spaces = []
-        pieces = math.ceil(2 * road.half_length / 6.0)
+        pieces = math.ceil(2 * road.half_length / _PUBLIC_PIECE)
         step = 2 * road.half_length / pieces
         for number in range(pieces):
             x, y, yaw = road.at((number + 0.5) * step - road.half_length, 0.0)
             # the outer edge of a bend is longer
             length = step * (1 + abs(road.curvature) * road.verge)
-            spaces.append(box_space(x, y, yaw, (length, 2 * road.verge), -2.0, _HEADROOM))
+            spaces.append(box_space(x, y, yaw, (length, 2 * road.verge), -_PUBLIC_DEPTH, _HEADROOM))
         if road.junction is not None:
             for side in road.side_roads:
                 across = (road.verge + road.half_length) / 2 * side
                 x, y, yaw = road.at(road.junction, across)
-                spaces.append(box_space(x, y, yaw, (2 * road.verge, road.half_length), -2.0, _HEADROOM))
+                spaces.append(box_space(x, y, yaw, (2 * road.verge, road.half_length), -_PUBLIC_DEPTH, _HEADROOM))
             if road.roundabout_radius is not None:
                 x, y, yaw = road.at(road.junction, 0.0)
                 outer = road.roundabout_radius + road.sidewalk
                 # bars that together cover the disc
-                angles = [math.radians(15 * number) for number in range(7)]
+                angles = [math.radians(_BAR * number) for number in range(90 // _BAR + 1)]
                 for low, high in itertools.pairwise(angles):
                     size = (2 * math.cos(low) * outer, 2 * math.sin(high) * outer)
-                    spaces.append(box_space(x, y, yaw, size, -2.0, _HEADROOM))
+                    spaces.append(box_space(x, y, yaw, size, -_PUBLIC_DEPTH, _HEADROOM))
         spaces += [self._paved_space(area) for area in road.paved_areas]
         return spaces
 
     def _paved_space(self, area: PavedArea) -> Space:
         length, width = area.along[1] - area.along[0], area.across[1] - area.across[0]
         x, y, yaw = self.road.at(sum(area.along) / 2, sum(area.across) / 2)
-        return box_space(x, y, yaw, (length, width), -2.0, _HEADROOM)
+        return box_space(x, y, yaw, (length, width), -_PUBLIC_DEPTH, _HEADROOM)
 
 
 def object_spaces(placed: PlacedObject) -> np.ndarray:
-    """The upright boxes [n, 8] a thing fills: x, y, cos, sin, half length, half width, bottom, top over the ground."""
+    """The upright boxes [n, 8] that an object fills, each as a `Space`."""
     return np.array(spaces_of(placed.kind, placed.x, placed.y, placed.yaw, placed.size, placed.clearance))
 
 
