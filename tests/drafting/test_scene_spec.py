@@ -1,5 +1,5 @@
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lidardraft.drafting.scene_spec import HEADINGS, MAX_COUNT, PLACES, ROADS, ObjectGroup, RoadSpec, SceneSpec
@@ -26,6 +26,7 @@ roads = st.builds(
 )
 
 
+@settings(deadline=None)
 @given(roads, st.lists(groups, max_size=4), st.lists(st.sampled_from(sorted(SENTENCE_KINDS)), max_size=2))
 def test_json_round_trip(road: RoadSpec, wanted: list[ObjectGroup], absent: list[str]) -> None:
     spec = SceneSpec(road=road, groups=tuple(wanted), absent=tuple(absent), not_understood=("bus stop",))
@@ -51,6 +52,10 @@ def test_json_round_trip(road: RoadSpec, wanted: list[ObjectGroup], absent: list
         ('{"groups": [{"kind": "car", "distance": [9, 3]}]}', "car: distance is 9 to 3 m; it must be 0 <= from <= to"),
         ('{"groups": [{"kind": "car", "distance": [NaN, 3]}]}', "car: distance is nan to 3 m"),
         ('{"groups": [{"kind": "car", "spacing": 0}]}', "car: spacing is 0 m; it must be > 0"),
+        ('{"groups": [{"kind": "car", "count": ' + "9" * 1_000_000 + "}]}", "spec: not JSON"),
+        ('{"groups": [{"kind": "car", "spacing": ' + "9" * 4000 + "}]}", "spec: "),
+        ('{"groups": [{"kind": "car", "distance": [1, ' + "9" * 4000 + "]}]}", "spec: "),
+        ('{"groups": ' + "[" * 100_000, "spec: not JSON"),
         ('{"road": {"kind": "river"}}', "road: kind is 'river'; it must be one of straight"),
         ('{"road": {"lanes": 7}}', "road: lanes is 7; a road has 1 to 6 in each direction"),
         ('{"road": {"sidewalk": "wide"}}', "road: sidewalk is 'wide'; it must be true, false or null"),

@@ -1,4 +1,7 @@
-"""How many and how far: the meaning of numbers, of words for them, and of lengths."""
+"""How many and how far: the meaning of numbers, of words for them, and of lengths.
+
+A number is read whole or not at all: what is no single whole number counts nothing, and is reported.
+"""
 
 from __future__ import annotations
 
@@ -6,50 +9,106 @@ import re
 
 from lark import Token
 
-_COUNT_OF = {"FEW": "few", "SOME": "some", "MANY": "many"}
-_METRES_OF = {"m": 1.0, "f": 0.3048, "y": 0.9144}  # by the first letter of the unit
-_PLURALS = ("people", "men", "women", "children", "shrubbery", "greenery", "vegetation", "apartments", "passers by")
-_ONES = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
-_TEENS = ("eleven", "twelve", "thirteen", "fourteen", "fifteen", "sixteen", "seventeen", "eighteen", "nineteen")
-_TENS = ("twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety", "hundred")
-_VALUE_OF = {word: float(n) for n, word in enumerate(_ONES + _TEENS)} | {
-    word: 20.0 + 10.0 * n for n, word in enumerate(_TENS)
-}
-_NUMBER = re.compile(
-    rf"\d+(?:\.\d+)?|\b(?:{'|'.join(_TENS)})(?: (?:{'|'.join(_ONES[1:10])})\b)?|\b(?:{'|'.join(_ONES + _TEENS)})\b"
+_BELOW_TWENTY = (
+    *("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve"),
+    *("thirteen", "fourteen", "fifteen", "sixteen", "seventeen", "eighteen", "nineteen"),
 )
+_TENS = ("twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety")
+_SCALES = {"thousand": 1e3, "million": 1e6, "billion": 1e9}
+_VALUE_OF = {word: value for value, word in enumerate(_BELOW_TWENTY)} | {
+    word: 20 + 10 * index for index, word in enumerate(_TENS)
+}
+_METRES_OF = {"m": 1.0, "f": 0.3048, "y": 0.9144}  # by the first letter of the unit
+
+# Patterns for the grammar and for `metres`. Floats hold fifteen digits exactly; longer figures are no numbers here.
+_digit = rf"(?:{'|'.join(_BELOW_TWENTY[1:10])})\b"
+_below_hundred = rf"(?:(?:{'|'.join(_TENS)})\b(?: {_digit})?|(?:{'|'.join(_BELOW_TWENTY[1:])})\b)"
+_figures = r"(?:\d{1,3}(?:,\d{3}){1,4}|\d{1,15})(?:\.\d{1,15})?"
+_below_thousand = (
+    rf"(?:(?:(?:a|\d{{1,3}}|{_below_hundred}) )?hundred\b(?: (?:and )?{_below_hundred})?|{_below_hundred})"
+)
+_scale = rf"(?:{'|'.join(_SCALES)})\b"
+_in_words = (
+    rf"(?:(?:(?:a|\d{{1,3}}|{_below_thousand}) )?{_scale}(?: (?:and )?{_below_thousand}(?: {_scale})?)*"
+    rf"|{_below_thousand})"
+    rf"(?: point(?: (?:zero|{_digit}))+)?"
+)
+NUMBER = rf"(?:{_in_words}|{_figures})"
+LONE_NUMBER = rf"{NUMBER}(?=[,.;:!?()\/\"]*(?:\s|$))"  # with nothing glued to it, as in "4x4", "2nd" or "20+"
+_LENGTHS = re.compile(
+    rf"(?:(?:between|from|every) )?({NUMBER})(?:(?: (?:to|and|or) |-| - )({NUMBER}))? ?([mfy])[a-z]*(?: apart)?"
+)
+
+_EXACT = ("NUMBER", "PAIR", "DOZEN")
+_VAGUE = {"FEW": "few", "SOME": "some", "MANY": "many"}
+COUNT_TYPES = ("NO", "COUNT_RANGE", *_EXACT, *_VAGUE)
+_PLURALS = ("people", "men", "women", "children", "shrubbery", "greenery", "vegetation", "apartments", "passers by")
 
 
 def count_of(tokens: list[Token]) -> int | str:
-    """How many a noun phrase means: a number, "few", "some" or "many"; 0 where it denies them."""
-    for token in tokens:
-        if token.type == "NO":
-            return 0
-        if token.type == "NUMBER" and number(token).is_integer():
-            return int(number(token))
-        if token.type in _COUNT_OF:
-            return _COUNT_OF[token.type]
-        if token.type in ("PAIR", "DOZEN"):
-            return {"P": 2, "D": 6 if token.startswith("half") else 12}[token.type[0]]
-    if any(token.type == "A" for token in tokens):
-        return 1
+    """How many a noun phrase means: a number, "few", "some" or "many"; 0 where it denies them.
+
+    What `unclear_counts` finds says nothing here.
+    """
+    unclear = unclear_counts(tokens)
+    count = None if unclear else exact_count(tokens)
+    if count is not None:
+        return count
+    vague = [_VAGUE[token.type] for token in tokens if token.type in _VAGUE]
+    if vague and not unclear:
+        return vague[0]
     noun = tokens[-1]
     plural = noun in _PLURALS or (noun.endswith("s") and noun != "bus")
     return "some" if plural else 1
 
 
+def exact_count(tokens: list[Token]) -> int | None:
+    """The one whole number that a noun phrase says, 0 for none; None if it says no number or several."""
+    exact = [token for token in tokens if token.type == "NO" or token.type in _EXACT]
+    if len(exact) != 1 or unclear_counts(tokens):
+        return None
+    (token,) = exact
+    if token.type == "NUMBER":
+        return int(number(token))
+    return {"NO": 0, "PAIR": 2, "DOZEN": 6 if token.startswith("half") else 12}[token.type]
+
+
+def unclear_counts(tokens: list[Token]) -> list[Token]:
+    """The words of a noun phrase for its number, if they are no single whole number, as "20 to 30" or "two dozen"."""
+    counts = [token for token in tokens if token.type in COUNT_TYPES]
+    # "a row of ten trees": a row counts nothing beside the ten, but two rows would
+    collective = [token for token in counts if token.type in ("SOME", "MANY") and token.endswith(" of")]
+    if len(counts) == len(collective) + 1 and counts[-1] not in collective:
+        counts = counts[-1:]
+    clear = len(counts) == 1 and not (counts[0].type == "COUNT_RANGE" or _is_fraction(counts[0]))
+    return [] if clear else counts
+
+
 def number(text: str) -> float:
-    """The value of a number in digits or words up to a hundred."""
-    found = _NUMBER.search(text)
-    assert found is not None
-    words = found.group()
-    return float(words) if words[0].isdigit() else sum(_VALUE_OF[word] for word in words.split())
+    """The value of a `NUMBER`, in figures or words."""
+    whole, _, digits = text.partition(" point ")
+    total, part = 0.0, 0.0
+    for word in whole.replace(",", "").split():
+        if word == "hundred":
+            part = (part or 1.0) * 100.0
+        elif word in _SCALES:
+            total, part = total + (part or 1.0) * _SCALES[word], 0.0
+        elif word[0].isdigit():
+            part += float(word)
+        elif word not in ("a", "and"):
+            part += _VALUE_OF[word]
+    tenths = "".join(str(_VALUE_OF[word]) for word in digits.split())
+    return total + part + (float(f"0.{tenths}") if tenths else 0.0)
 
 
 def metres(text: str) -> tuple[float, float]:
     """The range [m] in a text such as "20 m", "ten to 30 feet" or "every 8 metres"."""
-    values = [number(found) for found in _NUMBER.findall(text)]
-    unit = re.search(r"(m|f|y)[a-z]*(?: apart)?$", text)
-    assert unit is not None
-    scale = _METRES_OF[unit.group(1)]
+    found = _LENGTHS.fullmatch(text)
+    assert found is not None
+    values = [number(value) for value in found.groups()[:2] if value]
+    scale = _METRES_OF[found.group(3)]
     return min(values) * scale, max(values) * scale
+
+
+def _is_fraction(token: Token) -> bool:
+    return token.type == "NUMBER" and ("." in token or " point " in token)

@@ -82,8 +82,10 @@ class ObjectGroup:
             if not 0.0 <= near <= far < math.inf:
                 raise LayoutError(f"{self.kind}: distance is {near} to {far} m; it must be 0 <= from <= to")
             object.__setattr__(self, "distance", (float(near), float(far)))
-        if self.spacing is not None and not 0.0 < self.spacing < math.inf:
-            raise LayoutError(f"{self.kind}: spacing is {self.spacing!r} m; it must be > 0")
+        if self.spacing is not None:
+            if not 0.0 < self.spacing < math.inf:
+                raise LayoutError(f"{self.kind}: spacing is {self.spacing!r} m; it must be > 0")
+            object.__setattr__(self, "spacing", float(self.spacing))
 
     @property
     def record(self) -> SentenceKind:
@@ -130,7 +132,7 @@ class SceneSpec:
             return cls(**fields)
         except LayoutError:
             raise
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise LayoutError(f"spec: {error}") from None
 
     def to_json(self) -> str:
@@ -142,7 +144,7 @@ class SceneSpec:
         """Raises `LayoutError` naming what is wrong with the text."""
         try:
             document = json.loads(text)
-        except json.JSONDecodeError as error:
+        except (ValueError, RecursionError) as error:  # also numbers of more digits than Python reads, and deep nesting
             raise LayoutError(f"spec: not JSON: {error}") from None
         if not isinstance(document, dict):
             raise LayoutError(f"spec: it must be a JSON object, not {type(document).__name__}")

@@ -6,7 +6,7 @@ import dataclasses
 
 from lark import Token, Tree
 
-from lidardraft.drafting.number_words import count_of, number
+from lidardraft.drafting.number_words import COUNT_TYPES, count_of, exact_count, unclear_counts
 from lidardraft.drafting.positions import Position, read_position
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.sentence_notes import Mention, SentenceNotes
@@ -17,7 +17,6 @@ _KIND_OF = {kind.upper().replace("-", "_"): kind for kind in SENTENCE_KINDS}
 _ROAD_OF = {"ROAD": "straight", "MOTORWAY": "motorway", "CROSSROADS": "crossroads", "T_JUNCTION": "t-junction"}
 _SETTINGS = {"BUSY", "QUIET", "URBAN", "RESIDENTIAL", "RURAL", "TREE_LINED"}
 _HEADING_OF = {"PARKED": "parked", "MOVING": "with", "CROSSING": "across", "ONCOMING": "against"}
-_COUNTS = {"NO", "NUMBER", "PAIR", "DOZEN", "FEW", "SOME", "MANY"}
 _LISTED = ("AND", "OR", "COMMA")
 
 
@@ -64,10 +63,14 @@ class SentenceReader:
             self.notes.drafts.remove(self.open.pop())
             self.notes.not_understood.append(" ".join(token for token in whole if token.type not in ("A", "THE")))
             return
+        if exact_count(tokens) == 0 and noun in (*_ROAD_OF, "LANE", "EACH_WAY", "NO_SIDEWALK"):
+            self.notes.not_understood.append(" ".join(tokens))
+            return
         if noun in _ROAD_OF or noun in _SETTINGS:
             self.notes.settings |= _SETTINGS & {token.type for token in tokens}
         strange = {"UNKNOWN"} | (_SETTINGS if noun in _KIND_OF or noun == "UNKNOWN" else set())
-        unknown = " ".join(token for token in tokens if token.type in strange or _is_fraction(token))
+        idle = {id(token) for token in self._idle_counts(tokens)}
+        unknown = " ".join(token for token in tokens if token.type in strange or id(token) in idle)
         self.notes.not_understood += [unknown] if unknown else []
         if noun in _KIND_OF:
             self._thing(index, tokens)
@@ -76,9 +79,7 @@ class SentenceReader:
         elif noun in _ROAD_OF:
             self._road(index, tokens)
         elif noun == "LANE":
-            self.notes.lanes = max(
-                self.notes.lanes, *(int(number(token)) for token in tokens if token.type == "NUMBER"), 0
-            )
+            self.notes.lanes = self.notes.lanes or exact_count(tokens) or 0
         elif noun == "EACH_WAY":
             self.notes.each_way = True
         elif noun == "NO_SIDEWALK":
@@ -91,9 +92,21 @@ class SentenceReader:
         heading = _heading(tokens)
         for draft in self.open:
             draft.heading = heading or draft.heading
-        idle = _COUNTS if self.open else _COUNTS | {"PARKED", "CROSSING", "ONCOMING"}
-        lone = " ".join(token for token in tokens if token.type in idle)
-        self.notes.not_understood += [lone] if lone else []
+        lone = " ".join(token for token in tokens if token.type in ("PARKED", "CROSSING", "ONCOMING"))
+        self.notes.not_understood += [lone] if lone and not self.open else []
+
+    def _idle_counts(self, tokens: list[Token]) -> list[Token]:
+        """The words for a number in a phrase that say nothing of its noun."""
+        noun, exact = tokens[-1].type, exact_count(tokens)
+        if noun in _KIND_OF:
+            return unclear_counts(tokens)
+        if noun == "TRAFFIC":
+            clear = not exact and not unclear_counts(tokens)
+        elif noun == "LANE":
+            clear = exact is not None and self.notes.lanes in (0, exact)
+        else:
+            clear = exact == 1 and (noun in _ROAD_OF or noun in ("EACH_WAY", "NO_SIDEWALK"))
+        return [] if clear else [token for token in tokens if token.type in COUNT_TYPES]
 
     def _thing(self, index: int, tokens: list[Token]) -> None:
         kind = _KIND_OF[tokens[-1].type]
@@ -103,6 +116,8 @@ class SentenceReader:
             self.has_ego = True
         elif SENTENCE_KINDS[kind].is_ridden and self._is_ridden(index):
             self.open[-1].kind = kind
+            if exact_count(tokens) not in (None, 1, self.open[-1].count):
+                self.notes.not_understood += [token for token in tokens if token.type in COUNT_TYPES]
         else:
             self._put(index, Mention(kind, count_of(tokens), heading=_heading(tokens)))
 
@@ -140,6 +155,8 @@ class SentenceReader:
         types = {token.type for token in tokens}
         before = self._type_before(index)
         listed = before in _LISTED
+        for types_of_length in (_DISTANCES, ("SPACING",)):  # the last one counts
+            self.notes.not_understood += [token for token in tokens if token.type in types_of_length][:-1]
         position = read_position(tokens, beside_road=bool(following) and following[-1].type in _ROAD_OF)
         if _refers(tokens, following):
             self.notes.not_understood.append(" ".join([*tokens, *following]))
@@ -148,11 +165,11 @@ class SentenceReader:
         elif before in (None, "STOP", "WITH", *_LISTED) and self._introduces(index, strongly=not self.open):
             self.prefix, self.prefix_weak = position, False
         elif self.open:
-            self._attach(position, listed)
-        elif not (position.beside_road and position.places == (("", ""),)) and types != {"RELATED"}:
+            self._attach(position, tokens, listed)
+        elif position != Position(beside_road=position.beside_road):  # a road alone has no place
             self.notes.not_understood.append(" ".join(tokens))
 
-    def _attach(self, position: Position, listed: bool) -> None:
+    def _attach(self, position: Position, tokens: list[Token], listed: bool) -> None:
         """To the open drafts: a further place after "and", a closer description of the same place otherwise."""
         for draft in list(self.open):
             if position.sidewalk and "sidewalk" not in SENTENCE_KINDS[draft.kind].surfaces:
@@ -166,8 +183,18 @@ class SentenceReader:
             elif listed:
                 draft.at = draft.at.or_at(position)
             else:
-                draft.at = draft.at.narrowed(position)
+                draft.at = draft.at.narrowed(self._without_second_length(position, tokens, draft.at))
             draft.placed, draft.weak = True, False
+
+    def _without_second_length(self, position: Position, tokens: list[Token], at: Position) -> Position:
+        """A further position of what is `at` a place: its first distance and spacing stay, and others are reported."""
+        for types, known in ((_DISTANCES, at.distance), (("SPACING",), at.spacing)):
+            self.notes.not_understood += [token for token in tokens if known and token.type in types]
+        return dataclasses.replace(
+            position,
+            distance=None if at.distance else position.distance,
+            spacing=None if at.spacing else position.spacing,
+        )
 
     def _introduces(self, index: int, *, strongly: bool) -> bool:
         """Whether a thing follows a position at once, or, where nothing is open yet, after a comma."""
@@ -216,6 +243,7 @@ class SentenceReader:
 
 _PASSED_ON_THE_WAY = ("MOVING", "ALONG", "A", "THE", "NUMBER", "LANE", "UNKNOWN", *_SETTINGS)
 _ASIDE = ("FRONT", "BEHIND", "BESIDE", "LEFT", "RIGHT", "SIDES", "DISTANCE")
+_DISTANCES = ("DISTANCE", "NEAR", "FAR")
 _REFERRING = ("BEHIND", "BESIDE", "NEAR", "RELATED")
 
 
@@ -225,10 +253,6 @@ def _tokens(chunk: Chunk) -> list[Token]:
 
 def _is_position(chunk: Chunk) -> bool:
     return isinstance(chunk, Tree) and chunk.data == "position"
-
-
-def _is_fraction(token: Token) -> bool:
-    return token.type == "NUMBER" and not number(token).is_integer()
 
 
 def _heading(tokens: list[Token]) -> str | None:

@@ -5,14 +5,18 @@ from __future__ import annotations
 import dataclasses
 import re
 from functools import cache
+from pathlib import Path
 
 from lark import Lark, Token, Tree
 
+from lidardraft.drafting.number_words import LONE_NUMBER, NUMBER
 from lidardraft.drafting.scene_spec import SceneSpec
 from lidardraft.drafting.sentence_reader import SentenceReader
 from lidardraft.drafting.solver import layout_from_spec
 from lidardraft.errors import TextError
 from lidardraft.scene.layout import Layout
+
+MAX_LENGTH = 10_000  # characters
 
 
 def layout_from_text(sentence: str, seed: int = 0, *, strict: bool = False) -> Layout:
@@ -30,9 +34,12 @@ def layout_from_text(sentence: str, seed: int = 0, *, strict: bool = False) -> L
 
 def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
     """The plan that a sentence describes, with what was not understood of it; raises `TextError` as above."""
-    if not sentence.strip():
+    if len(sentence) > MAX_LENGTH:
+        raise TextError(f"the sentence has {len(sentence)} characters; it may have {MAX_LENGTH}")
+    text = _normalised(sentence)
+    if not text:
         raise TextError("the sentence is empty")
-    chunks = [chunk for chunk in _parser().parse(_normalised(sentence)).children if not _is_article(chunk)]
+    chunks = [chunk for chunk in _parser().parse(text).children if not _is_article(chunk)]
     notes = SentenceReader(chunks).read()
     if notes.empty:
         raise TextError(f"nothing of {sentence!r} was understood; name a road, or things and where they are")
@@ -43,13 +50,16 @@ def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
 
 @cache
 def _parser() -> Lark:
-    return Lark.open("english.lark", rel_to=__file__, parser="lalr", lexer="basic", maybe_placeholders=False)
+    grammar = Path(__file__).with_name("english.lark").read_text(encoding="utf-8")
+    numbers = f"\nNUMBER: /{LONE_NUMBER}/\n_NUMBER: /{NUMBER}/\n"
+    return Lark(grammar + numbers, parser="lalr", lexer="basic", maybe_placeholders=False)
 
 
 def _normalised(sentence: str) -> str:
-    """Lower case, single blanks, and words for hyphens, save in ranges of numbers."""
-    text = sentence.lower().replace("\u2019", "'").replace("\u2013", "-")
-    return re.sub(r"\s+", " ", re.sub(r"(?<=[a-z0-9])-(?=[a-z])", " ", text))
+    """Lower case, single blanks, also for what cannot be printed, and for hyphens, save in ranges of numbers."""
+    text = "".join(character if character.isprintable() else " " for character in sentence.lower())
+    text = text.replace("\u2019", "'").replace("\u2013", "-")
+    return re.sub(r"\s+", " ", re.sub(r"(?<=[a-z0-9])-(?=[a-z])", " ", text)).strip()
 
 
 def _is_article(chunk: Tree[Token] | Token) -> bool:
