@@ -1,4 +1,4 @@
-"""Buses, after VDV 230: 2.55 m wide, a solo bus 12 m long."""
+"""Buses, after VDV 230."""
 
 from __future__ import annotations
 

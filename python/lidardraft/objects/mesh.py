@@ -1,10 +1,10 @@
-"""Vertices and triangles of the solids that things are built from."""
+"""Vertices and triangles of the solids that objects are built from."""
 
 from __future__ import annotations
 
 import numpy as np
 
-Triangles = tuple[np.ndarray, np.ndarray]
+Triangles = tuple[np.ndarray, np.ndarray]  # vertices [V, 3] and faces [F, 3]
 
 
 def quads(corners: np.ndarray) -> Triangles:
