@@ -1,8 +1,15 @@
 import re
 
 import pytest
+from processes import shown_on_a_terminal
 
 from lidardraft.cli import main as cli
+
+
+def test_streets_and_scans_show_their_progress() -> None:
+    shown = shown_on_a_terminal("evaluate", "-n", "1", "--sensor", "small.json", "--steps", "1")
+    assert "making streets" in shown
+    assert "1/2" in shown
 
 
 def test_scores_of_unseen_streets(capsys: pytest.CaptureFixture[str]) -> None:

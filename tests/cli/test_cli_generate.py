@@ -1,17 +1,11 @@
 """`lidardraft generate`, with the packaged weights."""
 
-import fcntl
 import json
-import os
-import pty
-import struct
-import subprocess
-import sys
-import termios
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from processes import shown_on_a_terminal
 
 from lidardraft import Layout, Sensor, pipeline
 from lidardraft.cli import main as cli
@@ -83,7 +77,7 @@ def test_what_fails_replaces_nothing(refused: Callable[..., str]) -> None:
     assert "xyzzy" in refused("generate", "--text", "xyzzy", "-o", "out", "--overwrite")
     assert "weights" in refused(*generate, "--overwrite", "--weights", "none")
     Path("file").write_text("")
-    assert "file is a file" in refused("generate", "--text", "a car ahead", "-o", "file")
+    assert "file is a file; it must be a folder" in refused("generate", "--text", "a car ahead", "-o", "file")
 
 
 def test_bad_weights_and_devices_are_one_line(refused: Callable[..., str]) -> None:
@@ -108,18 +102,8 @@ def test_truncated_scans_are_one_line(refused: Callable[..., str]) -> None:
 
 
 def test_one_scan_shows_its_progress() -> None:
-    terminal, ours = pty.openpty()
-    fcntl.ioctl(ours, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 100, 0, 0))
-    command = [sys.executable, "-m", "lidardraft", "generate", "--text", "a car ahead", "-o", "out", *QUICK]
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=ours)
-    os.close(ours)
-    shown = b""
-    try:
-        while part := os.read(terminal, 4096):
-            shown += part
-    except OSError:  # Linux's way to say that the other side is closed
-        pass
-    assert process.wait(timeout=60) == 0
-    assert b"scan 1 of 1" in shown
-    assert b"2/2" in shown
-    os.close(terminal)
+    shown = shown_on_a_terminal("generate", "--text", "a car ahead", "-o", "out", *QUICK)
+    assert "scan 1 of 1" in shown
+    assert "1/2" in shown
+    assert "2/2" in shown
+    assert "\rlidardraft: these weights" in shown  # on a line of its own

@@ -73,7 +73,8 @@ def test_a_sentence_or_a_scan_that_says_nothing(refused: Callable[..., str]) -> 
     Path("short.label").write_bytes(b"1234")
     short = ["--points", "short.bin", "-o", "layout.json"]
     assert "short.bin" in refused("draft", *short, "--labels", "short.label")
-    assert "--points needs --labels" in refused("draft", *short)
+    Path("short.label").unlink()
+    assert "--points needs --labels, as there is no short.label" in refused("draft", *short)
 
 
 def test_a_scan_is_read_from_the_height_of_its_own_sensor() -> None:
@@ -85,7 +86,7 @@ def test_a_scan_is_read_from_the_height_of_its_own_sensor() -> None:
     semantickitti.write_label("scan.label", road, np.zeros_like(road))
     high = Sensor(name="high", elevations=(0.0, -0.1), columns=64, mount_height=3.0)
     Path("scan.sensor.json").write_text(high.to_json())
-    assert cli.main(["draft", "--points", "scan.bin", "--labels", "scan.label", "-o", "layout.json"]) == 0
+    assert cli.main(["draft", "--points", "scan.bin", "-o", "layout.json"]) == 0
     heights = [primitive.center[2] for primitive in Layout.load("layout.json") if primitive.label == "road"]
     np.testing.assert_allclose(heights, 0, atol=0.05)
 

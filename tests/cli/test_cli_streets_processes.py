@@ -28,14 +28,24 @@ def start(folder: Path) -> Iterator[Callable[..., Command]]:
         command.stop()
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
-def test_workers_end_with_their_parent(start: Callable[..., Command], number: signal.Signals) -> None:
+@pytest.mark.parametrize("early", [True, False])
+def test_workers_end_with_a_parent_that_is_killed(start: Callable[..., Command], early: bool) -> None:
+    command = start(*ENDLESS, "--workers", "2")
+    # early: the workers are still loading
+    wait_for(lambda: len(command.workers()) == 2 if early else Path("pairs/index.json").exists())
+    os.kill(command.process.pid, signal.SIGKILL)
+    wait_for(lambda: not command.members(), seconds=20)
+    assert command.ended()[0] == -signal.SIGKILL
+
+
+@pytest.mark.parametrize("send", [os.kill, os.killpg])
+def test_termination_is_clean(start: Callable[..., Command], send: Callable[[int, int], None]) -> None:
     command = start(*ENDLESS, "--workers", "2")
     wait_for(Path("pairs/index.json").exists)
-    assert len(command.workers()) == 2
-    os.kill(command.process.pid, number)
+    send(command.process.pid, signal.SIGTERM)
+    assert command.ended()[::2] == (143, "")
     wait_for(lambda: not command.members(), seconds=20)
-    assert command.ended()[0] == -number
+    assert not list(Path("pairs").glob("*.partial"))
 
 
 @pytest.mark.parametrize("early", [True, False])

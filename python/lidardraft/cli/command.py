@@ -1,12 +1,19 @@
-"""How commands are declared, run, and end: exit status 0; 2 and one line on stderr where the input is wrong; 130."""
+"""How commands are declared, run, and end: exit status 0; 2 and one line on stderr where the input is wrong.
+
+Ctrl-C is one line and 130; SIGTERM ends a command as cleanly, with 143.
+"""
 
 from __future__ import annotations
 
 import argparse
 import os
+import signal
 import sys
+import threading
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from types import FrameType
 
 from lidardraft.errors import LidarDraftError
 
@@ -34,7 +41,7 @@ def run(parser: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
         return 2
     arguments = parser.parse_args(words)
     try:
-        with warnings.catch_warnings():
+        with _clean_termination(), warnings.catch_warnings():
             warnings.simplefilter("default", UserWarning)
             warnings.showwarning = lambda message, *_, **__: say(parser.prog, message)
             arguments.command(arguments)
@@ -52,6 +59,23 @@ def run(parser: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
         say(parser.prog, f"{error.filename}: {error.strerror}" if error.filename else error)
         return 2
     return 0
+
+
+@contextmanager
+def _clean_termination() -> Iterator[None]:
+    """SIGTERM leaves the block as an exception does: worker processes end, and no half-written file stays."""
+
+    def leave(number: int, _frame: FrameType | None) -> None:
+        sys.exit(128 + number)
+
+    if threading.current_thread() is not threading.main_thread():  # which alone may handle signals
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, leave)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def say(prog: str, message: object) -> None:

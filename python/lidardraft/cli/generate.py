@@ -7,7 +7,7 @@ from pathlib import Path
 
 from lidardraft.cli.arguments import add_sensor, add_weights, whole_number
 from lidardraft.cli.inputs import add_inputs, read_layout
-from lidardraft.errors import FormatError
+from lidardraft.cli.output_folder import check_empty
 from lidardraft.scene.sensor import Sensor
 
 
@@ -16,7 +16,7 @@ def generate(arguments: argparse.Namespace) -> None:
     from tqdm import tqdm
 
     folder, num = Path(arguments.output), arguments.num
-    _check_output(folder, overwrite=arguments.overwrite)
+    check_empty(folder, ", or --overwrite to replace its scans", but=".*" if arguments.overwrite else "")
     sensor = Sensor.preset(arguments.sensor)
     layout = read_layout(arguments)
 
@@ -48,17 +48,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     output.add_argument("-n", "--num", type=whole_number(1), default=1, metavar="N", help=text)
     output.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where scans go: new or empty")
     output.add_argument("--overwrite", action="store_true", help="replace the scans that are in FOLDER already")
-
-
-def _check_output(folder: Path, *, overwrite: bool) -> None:
-    if folder.exists() and not folder.is_dir():
-        raise FormatError(f"{folder} is a file; scans go into a folder")
-    content = sorted(path.name for path in folder.glob("[!.]*"))
-    if content and not overwrite:
-        more = f" and {len(content) - 1} more" if len(content) > 1 else ""
-        raise FormatError(
-            f"{folder} is not empty ({content[0]}{more}); use another folder, or --overwrite to replace its scans"
-        )
 
 
 def _clear(folder: Path) -> None:

@@ -24,7 +24,9 @@ def add_inputs(parser: argparse.ArgumentParser, *, layout: bool = True) -> argpa
     one.add_argument("--obj", metavar="FILE.obj", help="a 3D model: Wavefront OBJ with the ego vehicle at its origin")
     if layout:
         one.add_argument("--layout", metavar="LAYOUT.json", help="a layout, as `lidardraft draft` writes it")
-    group.add_argument("--labels", metavar="FILE.label", help="the SemanticKITTI labels of --points")
+    group.add_argument(
+        "--labels", metavar="FILE.label", help="SemanticKITTI labels of --points (default: the .label beside it)"
+    )
     group.add_argument(
         "--class",
         dest="classes",
@@ -74,10 +76,11 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.cloud import layout_from_cloud
     from lidardraft.formats import kitti, semantickitti
 
-    if arguments.labels is None:
-        raise FormatError("--points needs --labels: a layout is made of classes")
+    beside = Path(arguments.points).with_suffix(".label")
+    if arguments.labels is None and not beside.exists():
+        raise FormatError(f"--points needs --labels, as there is no {beside}: a layout is made of classes")
     points, _ = kitti.read_bin(arguments.points)
-    labels, instances = semantickitti.read_label(arguments.labels, len(points))
+    labels, instances = semantickitti.read_label(arguments.labels or beside, len(points))
     sensor = sensor_beside(arguments.points) or Sensor.preset(arguments.sensor)
     return layout_from_cloud(points, labels, instances=instances, sensor_height=sensor.mount_height)
 

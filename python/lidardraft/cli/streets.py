@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lidardraft.cli.arguments import add_seed, add_sensor, whole_number
+from lidardraft.cli.output_folder import check_empty
 from lidardraft.errors import FormatError
 from lidardraft.scene.sensor import Sensor
 from lidardraft.streets import StreetConfig
@@ -41,6 +42,8 @@ def write_pairs_of_streets(folder: str | Path, arguments: argparse.Namespace) ->
     num, seed, poses = arguments.num, arguments.seed, arguments.poses
     config = StreetConfig(sensor=Sensor.preset(arguments.sensor), poses_per_street=poses)
     source = f"streets of seed {seed}, {poses} poses each, {config.sensor.name}"
+    if not (Path(folder) / "index.json").exists():
+        check_empty(Path(folder), "", but=r"\d+\.npz|.*\.partial")  # what a run may leave that was killed early
     start = pairs_on_disk(folder, source=source)
     if start >= num:
         print(f"{folder}: {start} pairs are there already; nothing to do")
@@ -70,6 +73,8 @@ def _look(arguments: argparse.Namespace) -> None:
     num = arguments.num
     if num > _ROWS:
         raise FormatError(f"--num is {num}; a picture shows up to {_ROWS} streets")
+    if not Path(arguments.look).parent.is_dir():
+        raise FormatError(f"{arguments.look}: there is no folder {Path(arguments.look).parent}")
     config = StreetConfig(sensor=Sensor.preset(arguments.sensor), poses_per_street=1)
     pairs = pairs_of_streets(arguments.seed, config, workers=min(arguments.workers, num))
     rows = []

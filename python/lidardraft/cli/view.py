@@ -22,6 +22,8 @@ def view(arguments: argparse.Namespace) -> None:
     from lidardraft.view import save_png
 
     path = Path(arguments.path)
+    if path.is_dir():
+        raise FormatError(f"{path} is a folder; give one of its .bin, .npz or .json files")
     picture = _pictured(path, arguments.sensor)
     output = Path(arguments.output) if arguments.output else path.with_suffix(".view.png")
     save_png(picture, output)

@@ -23,7 +23,7 @@ def process_pools(count: int) -> Iterator[list[ProcessPoolExecutor]]:
     context = multiprocessing.get_context("spawn")  # a fork would copy the threads' locks
     pools = [ProcessPoolExecutor(1, mp_context=context, initializer=_follow_parent) for _ in range(count)]
     try:
-        with _interrupts_held():
+        with _signals_held():
             for pool in pools:
                 pool.submit(int)  # a pool starts its process with its first task
         yield pools
@@ -39,12 +39,13 @@ def process_pools(count: int) -> Iterator[list[ProcessPoolExecutor]]:
 
 
 @contextmanager
-def _interrupts_held() -> Iterator[None]:
-    """Ctrl-C goes to every process of a terminal. Those started in this block never see it: their parent ends them."""
+def _signals_held() -> Iterator[None]:
+    """Ctrl-C, and SIGTERM as batch systems send it, go to a group of processes. Those started in this block never see
+    them: their parent ends them."""
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
     try:
         yield
     finally:
