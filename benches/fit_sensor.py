@@ -1,4 +1,4 @@
-"""What recordings say of the sensor model: the numbers of docs/sensor-model.md, printed as Markdown.
+"""The sensor model fitted to recordings: the numbers of docs/sensor-model.md, printed as Markdown.
 
     python benches/fit_sensor.py FOLDER
 
@@ -61,13 +61,13 @@ def planes(points: np.ndarray, step: int) -> tuple[np.ndarray, np.ndarray]:
     rays = points[chosen] / np.linalg.norm(points[chosen], axis=1, keepdims=True)
     cosine = np.abs(np.einsum("ni,ni->n", rays, vectors[:, :, 0]))
     noise = np.sqrt(np.maximum(values[:, 0], 0.0) / (NEIGHBOURS - 3)) / np.maximum(cosine, 1e-3)
-    # neighbours along a line say nothing of a plane
+    # neighbours along a line do not define a plane
     flat = (values[:, 1] > 0.03 * values[:, 2]) & (noise * cosine < 0.05)
     return near[flat], cosine[flat]
 
 
 def fit_roughness(cosine: np.ndarray, intensity: np.ndarray) -> tuple[float, float]:
-    """Intensity of a facing surface and slope spread of Oren and Nayar [rad] that say the medians by incidence best."""
+    """Intensity of a facing surface and slope spread of Oren and Nayar [rad] that fit the medians by incidence best."""
     bins = np.digitize(cosine, INCIDENCES)
     filled = [b for b in range(1, len(INCIDENCES)) if (bins == b).sum() >= 40]
     centres = np.array([np.median(cosine[bins == b]) for b in filled])
@@ -97,7 +97,7 @@ def fit_noise(power: np.ndarray, noise: np.ndarray) -> tuple[float, float, list[
 def holes(ranges: np.ndarray, ground: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Range of each ground return [N] and how many columns after it are dropped before the next of its like.
 
-    `ranges` [H, W] are distances of returns, 0 where there is none; `ground` says which are of the ground.
+    `ranges` [H, W] are distances of returns, 0 where there is none; `ground` is True for those of the ground.
     """
     before, dropped = [], []
     for row, flat in zip(ranges, ground, strict=True):
@@ -181,9 +181,9 @@ def report_walls(folder: Path) -> None:
         for low, high in pairwise(INCIDENCES):
             inside = (cosine >= low) & (cosine < high)
             if inside.sum() >= 40:
-                said = GAIN * response(MATERIAL_BY_NAME[material], np.median(cosine[inside], keepdims=True))[0]
+                expected = GAIN * response(MATERIAL_BY_NAME[material], np.median(cosine[inside], keepdims=True))[0]
                 median, mean = np.median(intensity[inside]), intensity[inside].mean()
-                print(f"| {name} | {low:g} to {high:g} | {inside.sum()} | {median:.0f} | {mean:.0f} | {said:.1f} |")
+                print(f"| {name} | {low:g} to {high:g} | {inside.sum()} | {median:.0f} | {mean:.0f} | {expected:.1f} |")
         facing, roughness = fit_roughness(cosine, intensity)
         fitted = f"{facing:.1f} facing, slopes of {roughness:.2f} rad, grain {np.median(grain):.2f}"
         print(f"| {name} | fit: {fitted} | | | | |")
@@ -248,9 +248,9 @@ def report_tilts(name: str, sweeps: list[Sweep], elevations: tuple[float, ...]) 
 def report_leaves(folder: Path) -> None:
     """The intensity of leaves, which do not know incidence, in PandaSet."""
     frames = [np.load(path) for path in sorted(folder.glob("pandaset/*/*.npz"))]
-    for name, label, said in (("vegetation", 5, leaf_response(MATERIAL_BY_NAME["foliage"])), ("person", 30, 0.40)):
+    for name, label, expected in (("vegetation", 5, leaf_response(MATERIAL_BY_NAME["foliage"])), ("person", 30, 0.40)):
         level = np.concatenate([f["intensity"][(f["device"] == 0) & (f["label"] == label)] for f in frames])
-        print(f"\n{name}: median {np.median(level):.0f}, model {GAIN * said:.1f}, quartiles "
+        print(f"\n{name}: median {np.median(level):.0f}, model {GAIN * expected:.1f}, quartiles "
               f"{np.quantile(level, 0.25):.0f} to {np.quantile(level, 0.75):.0f}")  # fmt: skip
 
 
@@ -260,14 +260,14 @@ def report_holes(name: str, found: list[tuple[np.ndarray, np.ndarray]], model: S
     print(f"\n| {name}: ground at [m] | rays | dropped | model | mean run |\n|---|---:|---:|---:|---:|")
     for low, high in pairwise(RANGES):
         inside = (before >= low) & (before < high)
-        rays, gone = inside.sum() + dropped[inside].sum(), dropped[inside].sum()
+        rays, drops = inside.sum() + dropped[inside].sum(), dropped[inside].sum()
         if rays < 1000:
             continue
         distance = before[inside]
         echo = response(MATERIAL_BY_NAME["asphalt"], HEIGHT / np.maximum(distance, HEIGHT))
-        said = 1.0 - np.exp(-model.detection_threshold * distance**2 / echo - model.drop_probability)
-        run = gone / (dropped[inside] > 0).sum()
-        print(f"| {low:g} to {high:g} | {rays} | {gone / rays:.4f} | {said.mean():.4f} | {run:.2f} |")
+        expected = 1.0 - np.exp(-model.detection_threshold * distance**2 / echo - model.drop_probability)
+        run = drops / (dropped[inside] > 0).sum()
+        print(f"| {low:g} to {high:g} | {rays} | {drops / rays:.4f} | {expected.mean():.4f} | {run:.2f} |")
 
 
 def main(folder: Path) -> None:

@@ -239,7 +239,7 @@ fn vector(name: &str, argument: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     Ok(values.as_slice()?.to_vec())
 }
 
-/// More threads than any machine has cores would only be a slip of the pen.
+/// More threads than any machine has cores are a mistake.
 const MOST_THREADS: usize = 1024;
 
 fn thread_count(threads: i64) -> CoreResult<usize> {

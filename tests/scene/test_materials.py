@@ -1,14 +1,10 @@
-"""Materials and the tables made of them, against closed forms."""
+"""Materials against closed forms."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from lidardraft import Layout, Primitive, Sensor, raycast
-from lidardraft.errors import LayoutError, SensorError
-from lidardraft.scene.effects import observe
 from lidardraft.scene.materials import (
     CLASS_MATERIALS,
     MATERIAL_BY_NAME,
@@ -21,8 +17,6 @@ from lidardraft.scene.materials import (
     retro_response,
     specular_response,
 )
-from lidardraft.scene.sensor_model import SensorModel
-from lidardraft.scene.surfaces import Surfaces
 from lidardraft.semantics import NUM_CLASSES
 
 NAMES = [
@@ -43,15 +37,6 @@ NAMES = [
 ]
 FACING = np.ones(1)
 COSINES = np.cos(np.linspace(0, math.pi / 2, 50))
-
-
-def boxes(*materials: str | None, label: str = "building") -> Layout:
-    return Layout(
-        primitives=tuple(
-            Primitive(shape="box", center=(5.0, 3.0 * i, 1.0), size=(1, 1, 2), label=label, id=f"b_{i}", material=name)
-            for i, name in enumerate(materials)
-        )
-    )
 
 
 def test_every_name_is_there_once_and_every_class_has_a_material():
@@ -104,55 +89,5 @@ def test_a_retroreflector_has_the_classes_of_en_12899():
         assert sent == pytest.approx(coefficient, rel=0.06)
 
 
-def test_surfaces_hold_the_response_of_each_primitive_and_0_for_none():
-    layout = boxes("plaster", "glass", None)
-    surfaces = Surfaces.from_layout(layout, variation=False)
-    image = raycast(layout, Sensor(name="s", elevations=(0.0,), columns=720), primitive=True, incidence=True)
-    assert image.primitive is not None
-    assert image.incidence is not None
-    # with every effect off the intensity is the response
-    back = 300.0 * observe(image, surfaces, 0, model=replace(SensorModel.ideal(), full_scale=300.0)).intensity
-    assert (back[~image.valid] == 0).all()
-    for i, name in enumerate(("plaster", "glass", "plaster")):
-        met = image.primitive == i
-        expected = response(MATERIAL_BY_NAME[name], image.incidence[met].astype(np.float64))
-        # within a bin of the table
-        np.testing.assert_allclose(back[met], expected, rtol=0.06)
-    assert surfaces.transmission.tolist() == pytest.approx([0, 0, 0.75, 0])
-
-
-def test_things_of_one_material_differ_by_where_they_stand():
-    one, two = (Surfaces.from_layout(boxes("plaster", "plaster", "plaster")) for _ in range(2))
-    np.testing.assert_array_equal(one.table, two.table)
-    factors = one.table[1:, 0] / Surfaces.from_layout(boxes("plaster"), variation=False).table[1, 0]
-    assert len(set(factors.tolist())) == 3
-    np.testing.assert_allclose(one.table[1], one.table[1, 0] * one.table[2] / one.table[2, 0], rtol=1e-5)
-
-
-def test_variation_is_the_spread_of_a_material():
-    spread = MATERIAL_BY_NAME["cloth"].variation
-    factors = np.log(Surfaces.from_layout(boxes(*["cloth"] * 2000)).table[1:, 0] / 0.48)
-    assert factors.std() == pytest.approx(spread, rel=0.1)
-    assert abs(factors.mean()) < 0.05
-
-
-def test_wet_ground_is_darker_and_least_seen_at_grazing_incidence():
-    dry, wet, half = (
-        Surfaces.from_layout(boxes("asphalt", "plaster"), wetness=w, variation=False).table for w in (0.0, 1.0, 0.5)
-    )
-    share = wet[1] / dry[1]
-    assert share[0] == pytest.approx(0.5 * 0.96**2, rel=0.01)
-    assert share[-1] < 0.1
-    np.testing.assert_allclose(half[1], (dry[1] + wet[1]) / 2, rtol=1e-5)
-    np.testing.assert_array_equal(wet[2], dry[2])
-
-
 def test_leaves_send_back_two_thirds_of_their_reflectance():
     assert leaf_response(MATERIAL_BY_NAME["foliage"]) == pytest.approx(1 / 3)
-
-
-def test_errors():
-    with pytest.raises(LayoutError, match="b_0: material is 'cheese'; it must be one of asphalt, "):
-        Surfaces.from_layout(boxes("cheese"))
-    with pytest.raises(SensorError, match=r"wetness is 1\.5; it must be 0 to 1"):
-        Surfaces.from_layout(boxes("wood"), wetness=1.5)

@@ -7,6 +7,7 @@ of the light.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -47,7 +48,7 @@ def observe(
     weather = weather or Weather()
     model = model or SensorModel.from_sensor(sensor or image.sensor)
     if sensor is None:
-        sensor, model = image.sensor, replace(model, rays_per_beam=1)
+        sensor, model = image.sensor, _one_ray(model)
     else:
         rays = sub_rays(sensor, model)
         if image.sensor is not rays and image.sensor != rays:
@@ -68,6 +69,11 @@ def observe(
         threads=threads or 0,
     )
     return scan
+
+
+@lru_cache(maxsize=32)
+def _one_ray(model: SensorModel) -> SensorModel:
+    return replace(model, rays_per_beam=1)
 
 
 def _backscatter(

@@ -1,4 +1,4 @@
-//! Mixed pixels: beams whose sub-rays met more than one thing, and the echo that is reported of each.
+//! Mixed pixels: beams whose sub-rays met more than one surface, and the echo that is reported of each.
 
 use super::elementary::larger;
 use super::{Returns, SensorModel, Surfaces};

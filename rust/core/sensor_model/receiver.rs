@@ -15,7 +15,7 @@ pub(crate) struct Echoes {
     pub(crate) primitive: Vec<i32>,
     /// Cosines of incidence.
     pub(crate) incidence: Vec<f32>,
-    /// Where sub-rays met different things, and which of them was the brightest: elsewhere they are alike.
+    /// Where sub-rays met different surfaces, and which of them was the brightest: elsewhere they are alike.
     pub(crate) mixed: Mixed,
     /// Power of each sub-ray [S, W] if everything were white and faced the sensor.
     white: Vec<f32>,
@@ -83,7 +83,7 @@ pub(crate) fn receive(
 }
 
 impl Echoes {
-    /// Power, range, primitive and mean incidence of each beam, as if its sub-rays had met one thing, which is white.
+    /// Power, range, primitive and mean incidence of each beam, as if its sub-rays had met one surface, which is white.
     fn sum_up(&mut self, rays: &Returns<'_>, columns: usize) {
         for image in [&mut self.power, &mut self.depth, &mut self.incidence] {
             restart(image, columns, 0.0);
@@ -131,7 +131,7 @@ impl Echoes {
         for ((differs, &nearest), &furthest) in differs.iter_mut().zip(&*nearest).zip(&*furthest) {
             *differs = i32::from(*differs != 0) | i32::from(furthest - nearest > pulse_length);
         }
-        // without a branch, for what nobody can foretell
+        // without a branch, which no processor would predict
         let mut found = 0;
         let mixed = &mut self.mixed.columns;
         mixed.resize(columns, 0);
