@@ -48,7 +48,7 @@ def street_cloud():
     return image.points(), image.label[image.valid], image.instance[image.valid]
 
 
-def test_a_drawn_street_is_drawn_again():
+def test_a_scanned_street_is_scanned_again():
     points, labels, instances = street_cloud()
     layout = layout_from_cloud(points, labels, instances=instances)
     scan, condition_image = raycast(STREET, SENSOR), raycast(layout, SENSOR)
@@ -155,7 +155,7 @@ POINTS, LABELS = np.ones((4, 3)), np.ones(4, dtype=np.uint8)
         (np.array([[0, 0, 1.0], [np.nan, 0, 1]]), LABELS[:2], None, r"point 1 is \[nan, 0.0, 1.0\]; every coordinate"),
         (np.array([[0, 0, -np.inf]]), LABELS[:1], None, r"point 0 is \[0.0, 0.0, -inf\]; every coordinate"),
         (POINTS, LABELS * 21, None, r"point 0 has label 21; it must be 0 to 20"),
-        (POINTS, LABELS * 0, None, r"none of the 4 points has a label"),
+        (POINTS, LABELS * 0, None, r"all 4 points have label 0, unlabelled"),
     ],
 )
 def test_arrays_that_cannot_be_a_cloud(points, labels, instances, message):

@@ -7,7 +7,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from lidardraft.drafting.scene_spec import ObjectGroup, RoadSpec, SceneSpec
-from lidardraft.drafting.text import layout_from_text, spec_from_text
+from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
+from lidardraft.drafting.sentence_reader import KIND_OF
+from lidardraft.drafting.text import grammar, layout_from_text, spec_from_text
 from lidardraft.errors import LayoutError, TextError
 from lidardraft.scene.check import check, objects
 from lidardraft.scene.layout import Layout
@@ -178,6 +180,20 @@ def test_strict_refuses_what_is_left() -> None:
         layout_from_text("a red car ahead", strict=True)
 
 
+@pytest.mark.parametrize("kind", SENTENCE_KINDS)
+def test_the_name_of_a_kind_is_a_word_for_it(kind: str) -> None:
+    assert spec_from_text(f"one {kind}", strict=True).groups == (group(kind, 1),)
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.data())
+def test_every_word_for_a_kind_means_it(data: st.DataObject) -> None:
+    terminal = data.draw(st.sampled_from(sorted(KIND_OF)))
+    word = data.draw(st.from_regex(grammar().get_terminal(terminal).pattern.to_regexp(), fullmatch=True))
+    (found,) = spec_from_text(f"some {word}", strict=True).groups  # two yards are a distance
+    assert found == group(KIND_OF[terminal], "some")
+
+
 @pytest.mark.parametrize("sentence", ["", "   ", "\n"])
 def test_empty_sentence(sentence: str) -> None:
     with pytest.raises(TextError, match="the sentence is empty"):
@@ -190,7 +206,7 @@ def test_nothing_understood(sentence: str) -> None:
         layout_from_text(sentence)
 
 
-def test_too_many_lanes_and_things() -> None:
+def test_too_many_lanes_and_objects() -> None:
     with pytest.raises(LayoutError, match="lanes is 20; a road has 1 to 6"):
         spec_from_text("a motorway with 20 lanes")
     with pytest.raises(LayoutError, match="car: count is 1000; it must be 1 to 200"):
@@ -242,10 +258,10 @@ PLACES = {"ahead": (1, 0), "behind us": (-1, 0), "on the left": (0, 1), "on the 
 )
 def test_counts_and_relations_hold(kind: str, count: int, place: str, seed: int) -> None:
     layout = layout_from_text(f"{count} {kind} {place}", seed, strict=True)
-    things = objects(layout)
-    assert len(things) == count
+    found = objects(layout)
+    assert len(found) == count
     forward, left = PLACES[place]
-    for parts in things.values():
+    for parts in found.values():
         x, y, _ = parts[0].center
         assert x * forward > 0 or not forward
         assert y * left > 0 or not left

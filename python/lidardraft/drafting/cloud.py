@@ -28,7 +28,7 @@ from lidardraft.errors import LayoutError
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import CLASSES, GROUND, NUM_CLASSES, SemanticClass
 
-_STRAY = 10  # points; fewer of the ground within a thing are noise
+_STRAY = 10  # points; fewer of the ground within an object are noise
 _SLICE = 0.3  # m of height
 _FURTHEST = 1000.0  # m; no sensor sees further
 
@@ -44,9 +44,9 @@ def layout_from_cloud(
     """The layout of one labelled scan.
 
     `points` [N, 3] in the sensor frame [m]; `labels` [N] class ids of `semantics.CLASSES`, 0 is left out; `instances`
-    [N] numbers of things, counted for each class, 0 where unknown: those points are clustered. `sensor_height` is that
-    over the road [m]. The ground becomes a mesh for each class; things, buildings, walls, fences and signs boxes;
-    vegetation ellipsoids; poles and trunks cylinders. The same cloud always gives the same layout.
+    [N] numbers of objects, counted for each class, 0 where unknown: those points are clustered. `sensor_height` is that
+    over the road [m]. The ground becomes a mesh for each class; people, vehicles, buildings, walls, fences and signs
+    become boxes, vegetation ellipsoids, poles and trunks cylinders. The same cloud always gives the same layout.
 
     Raises `LayoutError` on arrays that do not fit together or hold what cannot be.
     """
@@ -86,7 +86,7 @@ def _check(points: np.ndarray, labels: np.ndarray, instances: np.ndarray) -> Non
     if len(unknown):
         raise LayoutError(f"point {unknown[0]} has label {labels[unknown[0]]}; it must be 0 to {NUM_CLASSES - 1}")
     if not labels.any():
-        raise LayoutError(f"none of the {len(points)} points has a label")
+        raise LayoutError(f"all {len(points)} points have label 0, unlabelled; a layout needs points with a class")
 
 
 def _primitive(shape: str, box: FittedBox, row: SemanticClass, index: int, number: int) -> Primitive:
@@ -100,14 +100,14 @@ def _primitive(shape: str, box: FittedBox, row: SemanticClass, index: int, numbe
 def _shapes(
     row: SemanticClass, points: np.ndarray, instances: np.ndarray, others: np.ndarray, ground: HeightField
 ) -> Iterator[tuple[str, FittedBox]]:
-    things: list[FittedBox] = []
+    found: list[FittedBox] = []
     for members in _groups(points, instances, REACH.get(row.name, OTHER_REACH)):
         if row.size is not None:
             seen = fit_box(members)
-            # A cluster in the middle of a larger thing, such as a seat behind a window, is a part of it.
-            if not any(thing.contains(seen.center[None])[0] for thing in things):
-                things.append(_thing(seen, row.size, ground.points))
-                yield "box", things[-1]
+            # A cluster in the middle of a larger object, such as a seat behind a window, is a part of it.
+            if not any(box.contains(seen.center[None])[0] for box in found):
+                found.append(_completed(seen, row.size, ground.points))
+                yield "box", found[-1]
         elif row.name in POST_CLASSES:
             yield "cylinder", _post(members)
         elif row.name == "vegetation":
@@ -118,15 +118,15 @@ def _shapes(
             yield from (("box", box) for _, box in split(members, lambda part, box: _is_facade(part, box, others)))
 
 
-def _thing(seen: FittedBox, size: tuple[float, float, float], ground: np.ndarray) -> FittedBox:
-    """The likeliest whole thing that does not stand on ground that was seen, or stands on the least of it."""
+def _completed(seen: FittedBox, size: tuple[float, float, float], ground: np.ndarray) -> FittedBox:
+    """The likeliest whole object that does not stand on ground that was seen, or stands on the least of it."""
     boxes = completions(seen, size)
     covered = [np.count_nonzero(box.contains(ground, FRONT_DEPTH)) for box in boxes]
     return boxes[int(np.argmin(np.maximum(covered, _STRAY)))]
 
 
 def _groups(points: np.ndarray, instances: np.ndarray, reach: float) -> Iterator[np.ndarray]:
-    """The points of each numbered thing, then the clusters of those without a number."""
+    """The points of each numbered object, then the clusters of those without a number."""
     for number in np.unique(instances[instances > 0]):
         yield points[instances == number]
     rest = points[instances == 0]

@@ -1,4 +1,4 @@
-"""Points become shapes: clusters, fitted boxes, and the side of a thing that the sensor did not see.
+"""Points become shapes: clusters, fitted boxes, and the side of an object that the sensor did not see.
 
 Points are [N, 3] in a frame with z up whose z axis passes through the sensor, so that "away from the sensor" is away
 from x = y = 0.
@@ -97,7 +97,9 @@ def _distance_to_edge(positions: np.ndarray) -> np.ndarray:
 
 
 def completions(box: FittedBox, size: tuple[float, float, float]) -> list[FittedBox]:
-    """What a thing of a class's (length, width, height) may be of which `box` was seen: likeliest first, itself last.
+    """The boxes that an object may have of which `box` was seen: likeliest first, `box` itself last.
+
+    `size` is the usual (length, width, height) [m] of its class.
 
     The longer side seen is the length if it is longer than the mean of the class's length and width, or else the width;
     the second choice is the other way round. Sides grow away from the sensor; one of at least 0.7 of the class's was

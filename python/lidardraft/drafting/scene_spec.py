@@ -1,4 +1,4 @@
-"""The plan of a scene: the road, groups of things with a number and a place, and what was not understood."""
+"""What a scene is to hold: the road, groups of objects with a count and a place, and what was not understood."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class RoadSpec:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ObjectGroup:
-    """Things of one kind.
+    """Objects of one kind.
 
     `count` is a number or one of COUNTS, meant for each of `places`; no places is anywhere on or beside the road.
     `surface` asks for one other than the usual of the kind; `heading` is relative to the ego's. `distance` is a range

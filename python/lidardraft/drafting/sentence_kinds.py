@@ -1,6 +1,6 @@
 """The kinds of object that a sentence can ask for: one record each, from which everything else about a kind follows.
 
-The words for a kind stand in `english.lark`, under its name in capitals.
+The words for a kind stand in `english.lark` under its name in capitals; without them the grammar is in error.
 """
 
 from __future__ import annotations

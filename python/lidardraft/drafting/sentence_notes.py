@@ -1,4 +1,4 @@
-"""What a reader has noted of a sentence so far, and the plan that it amounts to."""
+"""What a sentence was found to say so far: its mentions of objects, its road, its setting; and the spec of all that."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Mention:
     weak: bool = False
 
     def group(self) -> ObjectGroup:
-        """As a group of the plan; vehicles along the sides of a road are parked."""
+        """As a group of the spec; vehicles along the sides of a road are parked."""
         heading, kind = self.heading, SENTENCE_KINDS[self.kind]
         if kind.is_vehicle and heading is None and (self.at.beside_road or self.at.both_sides):
             heading = "parked"
@@ -42,9 +42,9 @@ class Mention:
 
 @dataclass
 class SentenceNotes:
-    """The road, the drafts, and the setting ("BUSY", "RESIDENTIAL", ...: terminals of the grammar)."""
+    """The mentions of objects, the road, and the setting ("BUSY", "RESIDENTIAL", ...: terminals of the grammar)."""
 
-    drafts: list[Mention] = field(default_factory=list)
+    mentions: list[Mention] = field(default_factory=list)
     road: str | None = None
     lanes: int = 0
     each_way: bool = False
@@ -55,20 +55,20 @@ class SentenceNotes:
     @property
     def empty(self) -> bool:
         """Whether nothing at all was understood."""
-        return not (self.drafts or self.road or self.lanes or self.settings) and self.sidewalk is None
+        return not (self.mentions or self.road or self.lanes or self.settings) and self.sidewalk is None
 
     def spec(self) -> SceneSpec:
-        """The plan: what is wanted, less what is denied, with what the setting implies."""
-        wanted = [draft for draft in self.drafts if draft.count != 0]
-        denied = [draft for draft in self.drafts if draft.count == 0]
-        for draft in wanted:
+        """The spec: what is wanted, less what is denied, with what the setting implies."""
+        wanted = [mention for mention in self.mentions if mention.count != 0]
+        denied = [mention for mention in self.mentions if mention.count == 0]
+        for mention in wanted:
             for no in denied:
-                if no.placed and no.kind == draft.kind:
-                    draft.at = draft.at.without(no.at)
-            if "BUSY" in self.settings and draft.count == "some" and _drives(draft.kind, draft.heading):
-                draft.count = "many"
-        absent = {draft.kind for draft in denied if not draft.placed and draft.heading is None}
-        groups = [draft.group() for draft in wanted]
+                if no.placed and no.kind == mention.kind:
+                    mention.at = mention.at.without(no.at)
+            if "BUSY" in self.settings and mention.count == "some" and _drives(mention.kind, mention.heading):
+                mention.count = "many"
+        absent = {mention.kind for mention in denied if not mention.placed and mention.heading is None}
+        groups = [mention.group() for mention in wanted]
         groups += [group for group in self._implied(groups) if group.kind not in absent]
         return SceneSpec(
             road=self._road_spec(any(group.surface == "sidewalk" for group in groups)),

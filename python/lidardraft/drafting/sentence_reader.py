@@ -1,4 +1,4 @@
-"""What belongs to what in a parsed sentence: numbers to things, positions to the things they follow or introduce."""
+"""What belongs to what in a parsed sentence: numbers to objects, positions to the objects they follow or introduce."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from lidardraft.drafting.sentence_notes import Mention, SentenceNotes
 
 Chunk = Tree[Token] | Token
 
-_KIND_OF = {kind.upper().replace("-", "_"): kind for kind in SENTENCE_KINDS}
+KIND_OF = {kind.upper().replace("-", "_"): kind for kind in SENTENCE_KINDS}  # by its terminal in the grammar
 _ROAD_OF = {"ROAD": "straight", "MOTORWAY": "motorway", "CROSSROADS": "crossroads", "T_JUNCTION": "t-junction"}
 _SETTINGS = {"BUSY", "QUIET", "URBAN", "RESIDENTIAL", "RURAL", "TREE_LINED"}
 _HEADING_OF = {"PARKED": "parked", "MOVING": "with", "CROSSING": "across", "ONCOMING": "against"}
@@ -27,9 +27,9 @@ class SentenceReader:
         self.chunks = chunks
         self.notes = SentenceNotes()
         self.open: list[Mention] = []  # what the next position or state belongs to
-        self.prefix: Position | None = None  # introduces the things that follow
+        self.prefix: Position | None = None  # introduces the objects that follow
         self.prefix_weak = False
-        self.denial = ""  # the word that denies a list of things
+        self.denial = ""  # the word that denies a list of objects
         self.has_ego = False
 
     def read(self) -> SentenceNotes:
@@ -60,7 +60,7 @@ class SentenceReader:
         noun = tokens[-1].type
         if self._is_compound(index, tokens):
             whole = [*self._tokens_at(index - 1), *tokens]
-            self.notes.drafts.remove(self.open.pop())
+            self.notes.mentions.remove(self.open.pop())
             self.notes.not_understood.append(" ".join(token for token in whole if token.type not in ("A", "THE")))
             return
         if exact_count(tokens) == 0 and noun in (*_ROAD_OF, "LANE", "EACH_WAY", "NO_SIDEWALK"):
@@ -68,12 +68,12 @@ class SentenceReader:
             return
         if noun in _ROAD_OF or noun in _SETTINGS:
             self.notes.settings |= _SETTINGS & {token.type for token in tokens}
-        strange = {"UNKNOWN"} | (_SETTINGS if noun in _KIND_OF or noun == "UNKNOWN" else set())
+        strange = {"UNKNOWN"} | (_SETTINGS if noun in KIND_OF or noun == "UNKNOWN" else set())
         idle = {id(token) for token in self._idle_counts(tokens)}
         unknown = " ".join(token for token in tokens if token.type in strange or id(token) in idle)
         self.notes.not_understood += [unknown] if unknown else []
-        if noun in _KIND_OF:
-            self._thing(index, tokens)
+        if noun in KIND_OF:
+            self._object(index, tokens)
         elif noun == "TRAFFIC":
             self._traffic(index, tokens)
         elif noun in _ROAD_OF:
@@ -88,17 +88,17 @@ class SentenceReader:
             self._state(tokens)
 
     def _state(self, tokens: list[Token]) -> None:
-        """Words without a noun: how the things before them stand or move."""
+        """Words without a noun: how the objects before them stand or move."""
         heading = _heading(tokens)
-        for draft in self.open:
-            draft.heading = heading or draft.heading
+        for mention in self.open:
+            mention.heading = heading or mention.heading
         lone = " ".join(token for token in tokens if token.type in ("PARKED", "CROSSING", "ONCOMING"))
         self.notes.not_understood += [lone] if lone and not self.open else []
 
     def _idle_counts(self, tokens: list[Token]) -> list[Token]:
         """The words for a number in a phrase that say nothing of its noun."""
         noun, exact = tokens[-1].type, exact_count(tokens)
-        if noun in _KIND_OF:
+        if noun in KIND_OF:
             return unclear_counts(tokens)
         if noun == "TRAFFIC":
             clear = not exact and not unclear_counts(tokens)
@@ -108,8 +108,8 @@ class SentenceReader:
             clear = exact == 1 and (noun in _ROAD_OF or noun in ("EACH_WAY", "NO_SIDEWALK"))
         return [] if clear else [token for token in tokens if token.type in COUNT_TYPES]
 
-    def _thing(self, index: int, tokens: list[Token]) -> None:
-        kind = _KIND_OF[tokens[-1].type]
+    def _object(self, index: int, tokens: list[Token]) -> None:
+        kind = KIND_OF[tokens[-1].type]
         if self._is_reference(index, tokens):
             return
         if self._is_ego(index, tokens, kind):
@@ -127,30 +127,30 @@ class SentenceReader:
         count: int | str = 0 if "NO" in types else "few" if few else "many" if many else "some"
         self._put(index, Mention("vehicle", count, heading=_heading(tokens)))
 
-    def _put(self, index: int, draft: Mention) -> None:
-        """Open a draft: alone, or beside those that a list has opened and no position has closed."""
+    def _put(self, index: int, mention: Mention) -> None:
+        """Open a mention: alone, or beside those that a list has opened and no position has closed."""
         listed = self._type_before(index) in _LISTED
         if not listed or any(other.placed for other in self.open):
             self.open = []
-        if draft.count == 0:
+        if mention.count == 0:
             self.denial = str(_tokens(self.chunks[index])[0])
         elif self.denial and listed:
-            draft.count = 0
+            mention.count = 0
         if self.prefix is not None:
-            draft.at, draft.placed, draft.weak = self.prefix, True, self.prefix_weak
-        self.open.append(draft)
-        self.notes.drafts.append(draft)
+            mention.at, mention.placed, mention.weak = self.prefix, True, self.prefix_weak
+        self.open.append(mention)
+        self.notes.mentions.append(mention)
 
     def _road(self, index: int, tokens: list[Token]) -> None:
         kind = _ROAD_OF[tokens[-1].type]
         if kind != "straight" or self.notes.road is None:
             self.notes.road = kind
         if tokens[0].type == "THE" and self._type_before(index) not in _LISTED:
-            for draft in self.open:
-                draft.on_road = not draft.placed
+            for mention in self.open:
+                mention.on_road = not mention.placed
 
     def _position(self, index: int, tokens: list[Token]) -> None:
-        """Give a position to the things before it, or keep it for those after it."""
+        """Give a position to the objects before it, or keep it for those after it."""
         following = self._tokens_at(index + 1)
         types = {token.type for token in tokens}
         before = self._type_before(index)
@@ -170,21 +170,21 @@ class SentenceReader:
             self.notes.not_understood.append(" ".join(tokens))
 
     def _attach(self, position: Position, tokens: list[Token], listed: bool) -> None:
-        """To the open drafts: a further place after "and", a closer description of the same place otherwise."""
-        for draft in list(self.open):
-            if position.sidewalk and "sidewalk" not in SENTENCE_KINDS[draft.kind].surfaces:
+        """To the open mentions: a further place after "and", a closer description of the same place otherwise."""
+        for mention in list(self.open):
+            if position.sidewalk and "sidewalk" not in SENTENCE_KINDS[mention.kind].surfaces:
                 self.notes.not_understood.append("sidewalk")
-            if not draft.placed or draft.weak:
-                draft.at = position
-            elif listed and (position.distance or draft.at.distance):
-                other = dataclasses.replace(draft, at=position)
-                self.notes.drafts.append(other)
-                self.open[self.open.index(draft)] = other
+            if not mention.placed or mention.weak:
+                mention.at = position
+            elif listed and (position.distance or mention.at.distance):
+                other = dataclasses.replace(mention, at=position)
+                self.notes.mentions.append(other)
+                self.open[self.open.index(mention)] = other
             elif listed:
-                draft.at = draft.at.or_at(position)
+                mention.at = mention.at.or_at(position)
             else:
-                draft.at = draft.at.narrowed(self._without_second_length(position, tokens, draft.at))
-            draft.placed, draft.weak = True, False
+                mention.at = mention.at.narrowed(self._without_second_length(position, tokens, mention.at))
+            mention.placed, mention.weak = True, False
 
     def _without_second_length(self, position: Position, tokens: list[Token], at: Position) -> Position:
         """A further position of what is `at` a place: its first distance and spacing stay, and others are reported."""
@@ -197,27 +197,27 @@ class SentenceReader:
         )
 
     def _introduces(self, index: int, *, strongly: bool) -> bool:
-        """Whether a thing follows a position at once, or, where nothing is open yet, after a comma."""
+        """Whether an object follows a position at once, or, where nothing is open yet, after a comma."""
         passed = ("EGO", "COMMA") if strongly else ("EGO",)
         nouns = [_tokens(chunk)[-1].type for chunk in self.chunks[index + 1 : index + 4]]
         noun = next((noun for noun in nouns if noun not in passed), "")
-        return noun in _KIND_OF or noun == "TRAFFIC"
+        return noun in KIND_OF or noun == "TRAFFIC"
 
     def _is_compound(self, index: int, tokens: list[Token]) -> bool:
-        """Whether unknown words make another thing of the thing right before them, as in "bus stop"."""
+        """Whether unknown words make something else of the object right before them, as in "bus stop"."""
         before = self._tokens_at(index - 1)
-        if not self.open or not before or _KIND_OF.get(before[-1].type) != self.open[-1].kind:
+        if not self.open or not before or KIND_OF.get(before[-1].type) != self.open[-1].kind:
             return False
         return all(token.type == "UNKNOWN" for token in tokens) and not tokens[0].endswith(("ing", "ed", "ly"))
 
     def _is_reference(self, index: int, tokens: list[Token]) -> bool:
-        """Whether a thing only tells where another one is, as in "behind the bus"."""
+        """Whether an object only tells where another one is, as in "behind the bus"."""
         before = self._tokens_at(index - 1)
         return bool(before) and _is_position(self.chunks[index - 1]) and _refers(before, tokens)
 
     def _is_ego(self, index: int, tokens: list[Token], kind: str) -> bool:
-        """Whether the first thing of a sentence is who looks: a vehicle that drives on a road, and nowhere else."""
-        if self.notes.drafts or self.has_ego or not SENTENCE_KINDS[kind].is_vehicle or count_of(tokens) != 1:
+        """Whether the first object of a sentence is who looks: a vehicle that drives on a road, and nowhere else."""
+        if self.notes.mentions or self.has_ego or not SENTENCE_KINDS[kind].is_vehicle or count_of(tokens) != 1:
             return False
         after = [token.type for chunk in self.chunks[index + 1 :] for token in _tokens(chunk)]
         rest = [type for type in after if type not in _PASSED_ON_THE_WAY] + ["", ""]
@@ -259,11 +259,11 @@ def _heading(tokens: list[Token]) -> str | None:
     return next((_HEADING_OF[token.type] for token in tokens if token.type in _HEADING_OF), None)
 
 
-def _refers(position: list[Token], thing: list[Token]) -> bool:
-    """Whether a position is relative to the thing named after it."""
-    if not thing or thing[-1].type not in _KIND_OF:
+def _refers(position: list[Token], named: list[Token]) -> bool:
+    """Whether a position is relative to the object named after it."""
+    if not named or named[-1].type not in KIND_OF:
         return False
-    last, definite = position[-1], thing[0].type == "THE"
+    last, definite = position[-1], named[0].type == "THE"
     if last.type in ("BESIDE", "RELATED") or (last.type == "FRONT" and last.endswith(" of")):
         return True
     return definite and last.type in _REFERRING

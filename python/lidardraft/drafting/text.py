@@ -1,4 +1,4 @@
-"""A sentence of controlled English becomes a plan, and the plan a layout; offline, and nothing it says is swallowed."""
+"""A sentence of controlled English becomes a spec, and the spec a layout; offline, and no word of it is lost."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from lark import Lark, Token, Tree
 
 from lidardraft.drafting.number_words import LONE_NUMBER, NUMBER
 from lidardraft.drafting.scene_spec import SceneSpec
-from lidardraft.drafting.sentence_reader import SentenceReader
+from lidardraft.drafting.sentence_reader import KIND_OF, SentenceReader
 from lidardraft.drafting.solver import layout_from_spec
 from lidardraft.errors import TextError
 from lidardraft.scene.layout import Layout
@@ -23,7 +23,7 @@ def layout_from_text(sentence: str, seed: int = 0, *, strict: bool = False) -> L
     """A checked layout of what the sentence says; the same for the same sentence and seed.
 
     `layout.provenance` holds the sentence, the seed, the spec, and as "not_understood" the words that changed nothing.
-    Raises `TextError` where nothing was understood or, with `strict`, anything was not; `LayoutError` where a thing
+    Raises `TextError` where nothing was understood or, with `strict`, anything was not; `LayoutError` where an object
     that is asked for finds no room.
     """
     spec = spec_from_text(sentence, strict=strict)
@@ -33,26 +33,30 @@ def layout_from_text(sentence: str, seed: int = 0, *, strict: bool = False) -> L
 
 
 def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
-    """The plan that a sentence describes, with what was not understood of it; raises `TextError` as above."""
+    """The spec that a sentence describes, with what was not understood of it.
+
+    Raises `TextError` as above, and on a sentence that is empty or longer than `MAX_LENGTH`.
+    """
     if len(sentence) > MAX_LENGTH:
         raise TextError(f"the sentence has {len(sentence)} characters; it may have {MAX_LENGTH}")
     text = _normalised(sentence)
     if not text:
         raise TextError("the sentence is empty")
-    chunks = [chunk for chunk in _parser().parse(text).children if not _is_article(chunk)]
+    chunks = [chunk for chunk in grammar().parse(text).children if not _is_article(chunk)]
     notes = SentenceReader(chunks).read()
     if notes.empty:
-        raise TextError(f"nothing of {sentence!r} was understood; name a road, or things and where they are")
+        raise TextError(f"nothing of {sentence!r} was understood; name a road, or objects and where they are")
     if strict and notes.not_understood:
         raise TextError(f"not understood: {', '.join(map(repr, notes.not_understood))}")
     return notes.spec()
 
 
 @cache
-def _parser() -> Lark:
-    grammar = Path(__file__).with_name("english.lark").read_text(encoding="utf-8")
-    numbers = f"\nNUMBER: /{LONE_NUMBER}/\n_NUMBER: /{NUMBER}/\n"
-    return Lark(grammar + numbers, parser="lalr", lexer="basic", maybe_placeholders=False)
+def grammar() -> Lark:
+    """The parser of sentences: `english.lark` with the kinds of objects and the patterns of numbers."""
+    rules = Path(__file__).with_name("english.lark").read_text(encoding="utf-8")
+    rules += f"\n_object: {' | '.join(KIND_OF)}\nNUMBER: /{LONE_NUMBER}/\n_NUMBER: /{NUMBER}/\n"
+    return Lark(rules, parser="lalr", lexer="basic", maybe_placeholders=False)
 
 
 def _normalised(sentence: str) -> str:
