@@ -1,14 +1,21 @@
+import os
+import socket
+import stat
+import threading
 from pathlib import Path
 
 import pytest
 
-from lidardraft.files import written_whole
+from lidardraft import files
+from lidardraft.errors import FormatError, LayoutError
+from lidardraft.files import named, read_bytes, read_text, regular_size, written_whole
 
 
 def test_a_file_is_there_when_the_block_ends(tmp_path: Path) -> None:
     with written_whole(tmp_path / "a.txt") as temporary:
         temporary.write_text("new")
         assert not (tmp_path / "a.txt").exists()
+        assert temporary.parent == tmp_path  # on the same disk
     assert [file.name for file in tmp_path.iterdir()] == ["a.txt"]
 
 
@@ -24,3 +31,103 @@ def test_a_failure_keeps_what_was_there(tmp_path: Path) -> None:
         write_half()
     assert [file.name for file in tmp_path.iterdir()] == ["a.txt"]
     assert (tmp_path / "a.txt").read_text() == "old"
+
+
+def test_writers_of_one_path_do_not_meet(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    with written_whole(path) as first, written_whole(path) as second:
+        second.write_text("second")
+        first.write_text("first")
+    assert path.read_text() == "first"  # it ended last
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_reader_beside_many_writers_finds_one_of_them_whole(tmp_path: Path) -> None:
+    path, failures = tmp_path / "a.txt", []
+    path.write_text("0" * 5000)
+
+    def write(letter: str) -> None:
+        try:
+            for _ in range(50):
+                with written_whole(path) as temporary:
+                    temporary.write_text(letter * 5000)
+        except FormatError as error:
+            failures.append(error)
+
+    writers = [threading.Thread(target=write, args=[letter]) for letter in "abcd"]
+    for writer in writers:
+        writer.start()
+    while any(writer.is_alive() for writer in writers):
+        text = path.read_text()
+        assert text == text[0] * 5000
+    assert not failures
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_written_file_has_the_mode_of_any_other(tmp_path: Path) -> None:
+    (tmp_path / "usual.txt").write_text("")
+    with written_whole(tmp_path / "a.txt") as temporary:
+        temporary.write_text("")
+    modes = [stat.S_IMODE((tmp_path / name).stat().st_mode) for name in ("usual.txt", "a.txt")]
+    assert modes[0] == modes[1]
+
+
+def test_a_path_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    said = r"a.txt cannot be written: No such file or directory"
+    with pytest.raises(FormatError, match=said), written_whole(tmp_path / "nowhere" / "a.txt") as temporary:
+        temporary.write_text("")
+
+
+def test_a_device_is_not_replaced_by_a_file(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "null").symlink_to("/dev/null")
+    for name in ("pipe", "null"):
+        said = rf"{name} cannot be written: it is there, and no regular file"
+        with pytest.raises(FormatError, match=said), written_whole(tmp_path / name) as temporary:
+            temporary.write_text("")
+    assert not (tmp_path / "pipe").is_file()
+
+
+def test_a_regular_file_is_read_also_through_a_link(tmp_path: Path) -> None:
+    (tmp_path / "a.txt").write_bytes("café".encode())
+    (tmp_path / "link").symlink_to("a.txt")
+    assert regular_size(tmp_path / "link") == 5
+    assert read_bytes(tmp_path / "link") == "café".encode()
+    assert read_text(tmp_path / "link") == "café"
+
+
+def test_what_is_no_regular_file_is_refused_at_once(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link").symlink_to("/dev/null")
+    with socket.socket(socket.AF_UNIX) as server:
+        server.bind(os.path.relpath(tmp_path / "socket"))  # the name of a socket must be short
+    for name, kind in (("pipe", "a FIFO"), ("link", "a device"), ("socket", "a socket"), (".", "a directory")):
+        with pytest.raises(FormatError, match=rf"is {kind}; it must be a regular file"):
+            read_bytes(tmp_path / name)
+
+
+def test_a_missing_file_and_an_impossible_name_are_named(tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match=r"none.txt: No such file or directory"):
+        read_bytes(tmp_path / "none.txt")
+    with pytest.raises(FormatError, match=r"a\\x00b: embedded null"):
+        read_bytes("a\0b")
+
+
+def test_a_file_that_does_not_fit_into_memory_is_refused(tmp_path: Path) -> None:
+    with (tmp_path / "large").open("wb") as file:
+        file.truncate(files.MAX_BYTES + 1)  # a hole: it takes no room
+    with pytest.raises(FormatError, match=rf"large has {files.MAX_BYTES + 1} bytes; files of up to {files.MAX_BYTES}"):
+        read_bytes(tmp_path / "large")
+
+
+def test_bytes_that_are_no_text_are_named(tmp_path: Path) -> None:
+    (tmp_path / "a.txt").write_bytes(b"ab\xff")
+    with pytest.raises(FormatError, match=r"a.txt is no text in UTF-8: byte 2 is wrong"):
+        read_text(tmp_path / "a.txt")
+
+
+def test_errors_of_ours_get_a_name_and_keep_their_kind() -> None:
+    with pytest.raises(LayoutError, match=r"^a.json: car_1: wrong$"), named("a.json"), named("car_1"):
+        raise LayoutError("wrong")
+    with pytest.raises(KeyError), named("a.json"):
+        raise KeyError

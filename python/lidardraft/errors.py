@@ -12,8 +12,23 @@ def one_of(names: Iterable[str], value: object) -> str:
     return f"one of {', '.join(known) or 'none'}" + "".join(f"; did you mean {name!r}?" for name in similar)
 
 
+_LONGEST = 2000  # characters of a message
+
+
+def printable(text: str) -> str:
+    """The text without what steers a terminal: control characters escaped, and what is very long cut in its middle."""
+    shown = text if len(text) <= _LONGEST else f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 2 :]}"
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in shown)
+
+
 class LidarDraftError(ValueError):
-    """Something given to lidardraft cannot be used; the base of the family."""
+    """Something given to lidardraft cannot be used; the base of the family.
+
+    Names and values in a message come from files of others, so every message is `printable`.
+    """
+
+    def __init__(self, message: str) -> None:
+        super().__init__(printable(message))
 
 
 class LayoutError(LidarDraftError):

@@ -1,25 +1,90 @@
-"""Files that are there whole or not at all."""
+"""Files that are there whole or not at all, and files that are read only if they can be read to an end."""
 
 from __future__ import annotations
 
 import os
+import secrets
+import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from lidardraft.errors import FormatError
+from lidardraft.errors import FormatError, LidarDraftError
+
+MAX_BYTES = 2**32  # larger than any scan, scene or weight file that fits into memory beside what is made of it
+_KINDS = {
+    stat.S_IFDIR: "a directory",
+    stat.S_IFIFO: "a FIFO",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+}
 
 
 @contextmanager
 def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """A temporary path beside `path`: renamed to it when the block ends well, removed when it raises."""
-    temporary = Path(f"{os.fspath(path)}.partial")
+    """A temporary path beside `path`: renamed to it when the block ends well, removed when it raises.
+
+    It is another one for each writer. Raises `FormatError` where the file cannot be written.
+    """
+    target = Path(path)
+    if target.exists() and not target.is_file():  # a rename would put a file in the place of a device
+        raise FormatError(f"{target} cannot be written: it is there, and no regular file")
+    temporary = target.with_name(f"{target.name}.{secrets.token_hex(4)}.partial")
     try:
         yield temporary
-        temporary.replace(path)
+        temporary.replace(target)
     except OSError as error:
         temporary.unlink(missing_ok=True)
-        raise FormatError(f"{os.fspath(path)} cannot be written: {error.strerror}") from None
+        raise FormatError(f"{target} cannot be written: {error.strerror or error}") from None
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
+
+
+def regular_size(path: str | os.PathLike[str]) -> int:
+    """The number of bytes of a file, links followed.
+
+    Raises `FormatError` where it is missing, is no regular file (a FIFO or a device may never end) or is larger than
+    `MAX_BYTES`.
+    """
+    name = os.fspath(path)
+    try:
+        status = os.stat(path)
+    except OSError as error:
+        raise FormatError(f"{name}: {error.strerror}") from None
+    except ValueError as error:  # a name that no file can have
+        raise FormatError(f"{name}: {error}") from None
+    if not stat.S_ISREG(status.st_mode):
+        kind = _KINDS.get(stat.S_IFMT(status.st_mode), "something else")
+        raise FormatError(f"{name} is {kind}; it must be a regular file")
+    if status.st_size > MAX_BYTES:
+        raise FormatError(f"{name} has {status.st_size} bytes; files of up to {MAX_BYTES} are read")
+    return status.st_size
+
+
+def read_bytes(path: str | os.PathLike[str]) -> bytes:
+    """The content of a regular file; raises `FormatError` naming it."""
+    size = regular_size(path)
+    try:
+        with open(path, "rb") as file:
+            return file.read(size)
+    except OSError as error:
+        raise FormatError(f"{os.fspath(path)}: {error.strerror}") from None
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """The content of a regular file in UTF-8; raises `FormatError` naming it."""
+    try:
+        return read_bytes(path).decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise FormatError(f"{os.fspath(path)} is no text in UTF-8: byte {error.start} is wrong") from None
+
+
+@contextmanager
+def named(name: str | os.PathLike[str]) -> Iterator[None]:
+    """Errors of the block begin with the name of the file, or of the part of it, that they are about."""
+    try:
+        yield
+    except LidarDraftError as error:
+        raise type(error)(f"{os.fspath(name)}: {error}") from None

@@ -4,7 +4,7 @@ from hypothesis import strategies as st
 
 from lidardraft.drafting.scene_spec import HEADINGS, MAX_COUNT, PLACES, ROADS, ObjectGroup, RoadSpec, SceneSpec
 from lidardraft.drafting.sentence_kinds import COUNTS, SENTENCE_KINDS
-from lidardraft.errors import LayoutError
+from lidardraft.errors import LidarDraftError
 
 kinds_and_surfaces = st.sampled_from(sorted(SENTENCE_KINDS)).map(lambda kind: (kind, None)) | st.sampled_from(
     [("person", "road"), ("person", "sidewalk"), ("bicycle", "sidewalk"), ("car", "road"), ("bench", "sidewalk")]
@@ -37,8 +37,14 @@ def test_json_round_trip(road: RoadSpec, wanted: list[ObjectGroup], absent: list
     ("text", "message"),
     [
         ("{", "spec: not JSON"),
-        ("[]", "spec: it must be a JSON object, not list"),
-        ('{"sky": 1}', "unexpected keyword argument 'sky'"),
+        ("[]", "spec: [] is no JSON object"),
+        ('{"groups": [5]}', "spec: 5 is no JSON object"),
+        ('{"groups": [{}]}', "spec: 'kind' is missing"),
+        ('{"groups": [{"kind": "car", "distance": 9}]}', "spec: a value is of the wrong type: "),
+        ('{"groups": [{"kind": "car", "distance": [1, 1' + "0" * 400 + "]}]}", "spec: a value is of the wrong type: "),
+        ('{"groups": ' + "[" * 100_000, "spec: not JSON that can be read: it is nested too deeply"),
+        ('{"road": {"lanes": 1' + "0" * 5000 + "}}", "spec: not JSON: "),
+        ('{"sky": 1}', "spec: unknown field 'sky'"),
         ('{"groups": [{"kind": "dragon"}]}', "group: kind is 'dragon'; it must be one of vehicle, car"),
         ('{"groups": [{"kind": "car", "count": 0}]}', "car: count is 0; it must be 1 to 200"),
         ('{"groups": [{"kind": "car", "count": true}]}', "car: count is True"),
@@ -63,6 +69,6 @@ def test_json_round_trip(road: RoadSpec, wanted: list[ObjectGroup], absent: list
     ],
 )
 def test_wrong_specs_name_what_is_wrong(text: str, message: str) -> None:
-    with pytest.raises(LayoutError) as caught:
+    with pytest.raises(LidarDraftError) as caught:
         SceneSpec.from_json(text)
     assert message in str(caught.value)

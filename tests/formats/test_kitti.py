@@ -12,7 +12,7 @@ coordinates = st.floats(-1e4, 1e4, width=32)
 
 @settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
-    scan=st.integers(0, 20).flatmap(
+    scan=st.integers(1, 20).flatmap(
         lambda n: st.tuples(
             arrays.arrays(np.float32, (n, 3), elements=coordinates),
             arrays.arrays(np.float32, (n,), elements=st.floats(0, 1, width=32)),
@@ -60,6 +60,12 @@ def test_a_truncated_file_is_named_with_its_bytes(tmp_path):
     path.write_bytes(bytes(35))
     with pytest.raises(FormatError, match=r"scan.bin has 35 bytes; a KITTI scan has 16 a point, so it is truncated"):
         read_bin(path)
+
+
+def test_an_empty_file_is_no_scan(tmp_path):
+    write_bin(tmp_path / "scan.bin", np.zeros((0, 3)), np.zeros(0))
+    with pytest.raises(FormatError, match=r"scan.bin is empty; a scan has at least one point"):
+        read_bin(tmp_path / "scan.bin")
 
 
 def test_a_missing_file_is_named(tmp_path):

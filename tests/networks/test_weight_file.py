@@ -52,13 +52,13 @@ def rewritten(path: Path, tensors: dict[str, torch.Tensor], **metadata: str) -> 
 
 
 def test_what_is_not_ours_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(CheckpointError, match=r"nothing\.safetensors: no such file"):
+    with pytest.raises(CheckpointError, match=r"nothing\.safetensors: No such file"):
         weight_file.load(tmp_path / "nothing.safetensors", Denoiser)
     text = tmp_path / "text.safetensors"
     text.write_text("not weights at all")
     with pytest.raises(CheckpointError, match="is no whole safetensors file"):
         weight_file.load(text, Denoiser)
-    with pytest.raises(CheckpointError, match="is no whole safetensors file"):
+    with pytest.raises(CheckpointError, match="is a directory; it must be a regular file"):
         weight_file.load(tmp_path, Denoiser)
     foreign = tmp_path / "foreign.safetensors"
     save_file({"weight": torch.zeros(3)}, foreign)

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lidardraft.errors import LayoutError
-from lidardraft.scene.layout import SCHEMA, Layout, Primitive
+from lidardraft.errors import FormatError, LayoutError, LidarDraftError
+from lidardraft.scene.layout import SCHEMA, Box, Layout, Primitive
 from lidardraft.semantics import BY_NAME, CLASSES
 
 CAR = Primitive(shape="box", center=(10, 2, 0.75), size=(4.2, 1.8, 1.5), label="car", id="car_1", instance=1)
@@ -123,7 +123,7 @@ def test_boxes_come_in_the_order_of_instances():
         ({"yaw": "north"}, r"car_1: yaw is 'north'; it must be a finite number of radians"),
         ({"instance": 65536}, r"car_1: instance is 65536; it must be 0 to 65535"),
         ({"instance": -1}, r"car_1: instance is -1; it must be 0 to 65535"),
-        ({"id": ""}, r"id is ''; a primitive needs a non-empty string"),
+        ({"id": ""}, r"id is ''; it must be a non-empty string"),
     ],
 )
 def test_a_primitive_that_cannot_be(change, message):
@@ -159,6 +159,36 @@ def test_ids_must_be_distinct():
         Layout(primitives=(CAR, CAR))
 
 
+@pytest.mark.parametrize("coverage", [(0.0,), (0.0, math.nan), "ab", (0.0, "1"), 3.0])
+def test_a_coverage_is_two_finite_numbers(coverage):
+    with pytest.raises(LayoutError, match=r"layout: coverage is .*; it must be 2 finite numbers"):
+        Layout(coverage=coverage)
+
+
+def test_a_coverage_is_a_pair_of_floats():
+    assert Layout(coverage=np.array([-1, 2])).coverage == (-1.0, 2.0)
+    assert [type(edge) for edge in Layout(coverage=[-1, 2]).coverage] == [float, float]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"size": (4.2, -1.0, 1.5)}, r"car_1: size is \[4.2, -1.0, 1.5\]; no extent may be negative"),
+        ({"center": (0.0, 1.0)}, r"car_1: center is \(0.0, 1.0\); it must be 3 finite numbers"),
+        ({"center": (0.0, 1.0, math.nan)}, r"car_1: center is \(0.0, 1.0, nan\); it must be 3 finite numbers"),
+        ({"yaw": math.inf}, r"car_1: yaw is inf; it must be a finite number of radians"),
+        ({"label": "cow"}, r"car_1: label is 'cow'; it must be one of"),
+        ({"label": ["car"]}, r"car_1: label is \['car'\]; it must be one of"),
+        ({"instance": 0.5}, r"car_1: instance is 0.5; it must be a whole number >= 0"),
+        ({"id": ""}, r"id is ''; it must be a non-empty string"),
+    ],
+)
+def test_a_box_that_cannot_be(change, message):
+    fields = {"id": "car_1", "label": "car", "instance": 1, "center": (1, 2, 3), "size": (4, 2, 1), "yaw": 0.0}
+    with pytest.raises(LayoutError, match=message):
+        Box(**{**fields, **change})
+
+
 def document(**changes):
     return json.dumps({"schema": SCHEMA, "provenance": {}, "coverage": None, "primitives": [CAR.to_dict()], **changes})
 
@@ -171,32 +201,46 @@ def row(**changes):
     ("text", "message"),
     [
         ("{", r"not JSON: "),
-        ("[]", r"schema is 'list'; this version reads 'lidardraft.layout/1'"),
+        ("[]", r"\[\] is no JSON object"),
+        ("{}", r"schema is None; this version reads 'lidardraft.layout/1'"),
+        ("[" * 100_000, r"not JSON that can be read: it is nested too deeply"),
+        ('{"schema": 1' + "0" * 1_000_000 + "}", r"not JSON: "),
+        (document(sky="blue"), r"unknown field 'sky'"),
         (document(schema="lidardraft.layout/9"), r"schema is 'lidardraft.layout/9'; this version reads"),
-        (document(primitives={}), r"'primitives' must be a list of objects"),
-        (document(primitives=[3]), r"'primitives' must be a list of objects"),
+        (document(primitives={}), r"primitives is {}; it must be a list of objects"),
+        (document(primitives=[3]), r"3 is no JSON object"),
         (document(primitives=[{"id": "a"}]), r"a: 'center' is missing"),
         (document(primitives=row(colour="red")), r"car_1: unknown field 'colour'"),
         (document(primitives=row(size=[1, 1])), r"car_1: size is \[1, 1\]; it must be 3 finite numbers"),
         (document(primitives=row(shape="mesh", vertices=[[0, 0]], faces=[[0, 1, 2]])), r"car_1: a mesh needs vertices"),
         (document(primitives=row(shape="mesh", vertices="x", faces=[[0, 1, 2]])), r"car_1: "),
+        (
+            document(primitives=row(center=[1e308, 0, 0])),
+            r"car_1: center is \[1e\+308, 0, 0\]; no number may be larger than",
+        ),
+        (document(primitives=row(size=[1, 10**400, 1])), r"car_1: size is .*; it must be 3 finite numbers"),
+        (document(primitives=row(material=["glass"])), r"car_1: material is \['glass'\]; it must be one of"),
+        (
+            document(primitives=row(shape="mesh", vertices=[[0, 0, 10**400]], faces=[[0, 1, 2]])),
+            r"car_1: a mesh needs vertices",
+        ),
         (document(coverage=[0]), r"layout: coverage is \[0\]; it must be 2 finite numbers"),
     ],
 )
 def test_text_that_is_no_layout(tmp_path, text, message):
-    with pytest.raises(LayoutError, match=message):
+    with pytest.raises(LidarDraftError, match=message):
         Layout.from_json(text)
     (tmp_path / "a.json").write_text(text)
-    with pytest.raises(LayoutError, match=r"a.json: " + message):
+    with pytest.raises(LidarDraftError, match=r"a.json: " + message):
         Layout.load(tmp_path / "a.json")
 
 
 def test_a_file_of_bytes_is_no_layout(tmp_path):
     (tmp_path / "a.json").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(LayoutError, match=r"a.json: "):
+    with pytest.raises(FormatError, match=r"a.json is no text in UTF-8: byte 0 is wrong"):
         Layout.load(tmp_path / "a.json")
 
 
 def test_a_missing_file_is_no_layout(tmp_path):
-    with pytest.raises(LayoutError, match=r"none.json: No such file or directory"):
+    with pytest.raises(FormatError, match=r"none.json: No such file or directory"):
         Layout.load(tmp_path / "none.json")

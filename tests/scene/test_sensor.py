@@ -6,7 +6,7 @@ import pickle
 import numpy as np
 import pytest
 
-from lidardraft.errors import SensorError
+from lidardraft.errors import FormatError, LidarDraftError, SensorError
 from lidardraft.scene.sensor import PRESETS, Sensor
 
 SMALL = Sensor(name="small", elevations=(0.1, 0.0, -0.1), columns=8)
@@ -81,22 +81,38 @@ def test_a_sensor_of_ones_own_is_a_json_file(tmp_path):
     ("text", "message"),
     [
         ("{", r"mine.json: not JSON"),
-        ("[]", r"mine.json: a sensor is a JSON object, not list"),
-        ('{"name": "a", "columns": 4}', r"mine.json: field 'elevations' is missing"),
-        ('{"name": "a", "columns": 4, "elevations": [0], "colour": 1}', r"mine.json: field 'colour' is unknown"),
-        ('{"name": "a", "columns": 4, "elevations": "no"}', r"mine.json: a: elevations must be a list of numbers"),
-        ('{"name": "a", "columns": "many", "elevations": [0]}', r"mine.json: a: "),
-        ('{"name": "a", "columns": 4, "elevations": [0], "range_sigma": "x"}', r"mine.json: a: "),
+        ("[]", r"mine.json: \[\] is no JSON object"),
+        ('{"name": "a", "columns": 4}', r"mine.json: 'elevations' is missing"),
+        ('{"name": "a", "columns": 4, "elevations": [0], "colour": 1}', r"mine.json: unknown field 'colour'"),
+        (
+            '{"name": "a", "columns": 4, "elevations": "no"}',
+            r"mine.json: a: elevations is 'no'; it must be a list of finite numbers",
+        ),
+        (
+            '{"name": "a", "columns": "many", "elevations": [0]}',
+            r"mine.json: a: columns is 'many'; it must be a whole number",
+        ),
+        (
+            '{"name": "a", "columns": 4, "elevations": [0], "range_sigma": "x"}',
+            r"mine.json: a: range_sigma is 'x'; it must be a finite number",
+        ),
+        ('{"name": "a", "columns": 4, "elevations": ["0"]}', r"mine.json: a: elevations is \['0'\]; it must be a list"),
+        ('{"name": "a", "columns": 4, "elevations": [1' + "0" * 400 + "]}", r"mine.json: a: elevations is "),
+        ('{"name": "a", "columns": 4' + "0" * 5000 + "}", r"mine.json: not JSON: "),
+        (
+            '{"name": ["a"], "columns": 4, "elevations": [0]}',
+            r"mine.json: name is \['a'\]; it must be a non-empty string",
+        ),
     ],
 )
 def test_a_file_that_is_no_sensor(tmp_path, text, message):
     (tmp_path / "mine.json").write_text(text)
-    with pytest.raises(SensorError, match=message):
+    with pytest.raises(LidarDraftError, match=message):
         Sensor.preset(tmp_path / "mine.json")
 
 
 def test_a_missing_file_and_an_unknown_name(tmp_path):
-    with pytest.raises(SensorError, match=r"none.json: "):
+    with pytest.raises(FormatError, match=r"none.json: No such file"):
         Sensor.preset(tmp_path / "none.json")
     with pytest.raises(
         SensorError, match=r"sensor is 'hdl65e'; it must be a .json file or one of hdl64e, hdl64e-linear, "
@@ -116,6 +132,11 @@ def test_a_missing_file_and_an_unknown_name(tmp_path):
         {"origin_forwards": (0.0, math.nan, 0.0)},
         {"origin_lefts": ("left", 0.0, 0.0)},
         {"columns": 0},
+        {"columns": True},
+        {"columns": 4.0},
+        {"columns": 10**30},
+        {"mount_height": 1e308},
+        {"elevations": "0.1"},
         {"azimuth_span": 0.0},
         {"azimuth_span": 7.0},
         {"azimuth_start": math.nan},

@@ -10,7 +10,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from lidardraft.drafting.sentence_kinds import COUNTS, SENTENCE_KINDS, SentenceKind
-from lidardraft.errors import LayoutError, one_of
+from lidardraft.errors import LayoutError, LidarDraftError, one_of
+from lidardraft.files import named
+from lidardraft.json_fields import check_fields, check_object, parse_object
 
 ROADS = ("straight", "bend", "left-bend", "right-bend", "crossroads", "t-junction", "motorway")
 PLACES = tuple(
@@ -123,17 +125,20 @@ class SceneSpec:
 
     @classmethod
     def from_dict(cls, fields: Mapping[str, Any]) -> SceneSpec:
-        """The inverse of `to_dict`; raises `LayoutError` on an unknown or wrong field."""
-        fields = dict(fields)
+        """The inverse of `to_dict`; raises `FormatError` for an unknown field, `LayoutError` for a wrong one."""
+        check_fields(fields, (), cls.__dataclass_fields__)
+        road, groups = check_object(fields.get("road", {})), fields.get("groups", ())
+        check_fields(road, (), RoadSpec.__dataclass_fields__)
         try:
-            if "road" in fields:
-                fields["road"] = RoadSpec(**fields["road"])
-            fields["groups"] = tuple(ObjectGroup(**group) for group in fields.get("groups", ()))
-            return cls(**fields)
-        except LayoutError:
+            for group in groups:
+                check_fields(check_object(group), ("kind",), ObjectGroup.__dataclass_fields__)
+            return cls(
+                **{**fields, "road": RoadSpec(**road), "groups": tuple(ObjectGroup(**group) for group in groups)}
+            )
+        except LidarDraftError:
             raise
         except (TypeError, ValueError, OverflowError) as error:
-            raise LayoutError(f"spec: {error}") from None
+            raise LayoutError(f"a value is of the wrong type: {error}") from None
 
     def to_json(self) -> str:
         """The spec as JSON text; `from_json` gives an equal spec."""
@@ -141,14 +146,9 @@ class SceneSpec:
 
     @classmethod
     def from_json(cls, text: str) -> SceneSpec:
-        """Raises `LayoutError` naming what is wrong with the text."""
-        try:
-            document = json.loads(text)
-        except (ValueError, RecursionError) as error:  # also numbers of more digits than Python reads, and deep nesting
-            raise LayoutError(f"spec: not JSON: {error}") from None
-        if not isinstance(document, dict):
-            raise LayoutError(f"spec: it must be a JSON object, not {type(document).__name__}")
-        return cls.from_dict(document)
+        """Raises `FormatError` where the text is no spec, `LayoutError` where what it says cannot be."""
+        with named("spec"):
+            return cls.from_dict(parse_object(text))
 
 
 def _plain(value: Any) -> Any:

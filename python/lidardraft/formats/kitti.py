@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import written_whole
+from lidardraft.files import read_bytes, written_whole
 
 _POINT_BYTES = 16
 
@@ -16,13 +15,12 @@ _POINT_BYTES = 16
 def read_bin(path: str | os.PathLike[str]) -> tuple[np.ndarray, np.ndarray]:
     """Points f32 [N, 3] in metres and intensity f32 [N] in [0, 1].
 
-    Raises `FormatError` on a missing or truncated file, a value that is not finite, and an intensity out of range.
+    Raises `FormatError` on a missing, empty or truncated file, a value that is not finite, and an intensity out of
+    range.
     """
-    name = os.fspath(path)
-    try:
-        data = Path(path).read_bytes()
-    except OSError as error:
-        raise FormatError(f"{name}: {error.strerror}") from None
+    name, data = os.fspath(path), read_bytes(path)
+    if not data:
+        raise FormatError(f"{name} is empty; a scan has at least one point")
     if len(data) % _POINT_BYTES:
         raise FormatError(f"{name} has {len(data)} bytes; a KITTI scan has {_POINT_BYTES} a point, so it is truncated")
     scan = np.frombuffer(data, dtype="<f4").reshape(-1, 4).astype(np.float32)
@@ -31,7 +29,8 @@ def read_bin(path: str | os.PathLike[str]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def write_bin(path: str | os.PathLike[str], points: np.ndarray, intensity: np.ndarray) -> None:
-    """Write points [N, 3] in metres and intensity [N] in [0, 1]; the inverse of `read_bin`, with the same limits."""
+    """Write points [N, 3] in metres and intensity [N] in [0, 1]; the inverse of `read_bin`, with the same limits, but
+    for a scan without points, which becomes an empty file."""
     name = os.fspath(path)
     if points.ndim != 2 or points.shape[1] != 3 or intensity.shape != points.shape[:1]:
         raise FormatError(f"{name}: points {points.shape} and intensity {intensity.shape} must be [N, 3] and [N]")

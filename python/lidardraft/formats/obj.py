@@ -10,6 +10,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from lidardraft.errors import LayoutError, one_of
+from lidardraft.files import named
 from lidardraft.scene import mesh
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import BY_NAME
@@ -35,31 +36,30 @@ def read_obj(
         if value not in BY_NAME or value == "none":
             raise LayoutError(f"labels[{key!r}] is {value!r}; it must be {one_of(list(BY_NAME)[1:], value)}")
     objects = mesh.read_obj(path)
-    classes = [_class_of(name, material, labels or {}) for name, material, _ in objects]
-    nameless = sorted(
-        {f"{o[0]} ({o[1] or 'no material'})" for o, label in zip(objects, classes, strict=True) if not label}
-    )
-    if nameless:
-        raise LayoutError(
-            f"{os.fspath(path)}: no class for {', '.join(nameless)}; pass them in `labels` (--class NAME=CLASS)"
+    with named(path):
+        classes = [_class_of(name, material, labels or {}) for name, material, _ in objects]
+        nameless = sorted(
+            {f"{o[0]} ({o[1] or 'no material'})" for o, label in zip(objects, classes, strict=True) if not label}
         )
-    instances: dict[str, int] = {}
-    ids: dict[str, int] = {}
-    primitives = []
-    for (name, material, shape), label in zip(objects, classes, strict=True):
-        assert label is not None
-        with np.errstate(over="ignore", invalid="ignore"):  # the mesh says which vertex is not finite
-            vertices = scale * shape.vertices @ _FRAMES[up].T
-        primitives.append(
-            Primitive.from_mesh(
-                vertices,
-                shape.faces,
-                label=label,
-                id=_distinct(name or material, ids),
-                instance=instances.setdefault(name, len(instances) + 1) if BY_NAME[label].is_thing else 0,
+        if nameless:
+            raise LayoutError(f"no class for {', '.join(nameless)}; pass them in `labels` (--class NAME=CLASS)")
+        instances: dict[str, int] = {}
+        ids: dict[str, int] = {}
+        primitives = []
+        for (name, material, shape), label in zip(objects, classes, strict=True):
+            assert label is not None
+            with np.errstate(over="ignore", invalid="ignore"):  # the mesh says which vertex is not finite
+                vertices = scale * shape.vertices @ _FRAMES[up].T
+            primitives.append(
+                Primitive.from_mesh(
+                    vertices,
+                    shape.faces,
+                    label=label,
+                    id=_distinct(name or material, ids),
+                    instance=instances.setdefault(name, len(instances) + 1) if BY_NAME[label].is_thing else 0,
+                )
             )
-        )
-    return Layout(primitives=tuple(primitives), provenance={"source": os.path.basename(os.fspath(path))})
+        return Layout(primitives=tuple(primitives), provenance={"source": os.path.basename(os.fspath(path))})
 
 
 def _class_of(name: str, material: str, labels: Mapping[str, str]) -> str | None:

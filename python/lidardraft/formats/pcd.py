@@ -8,14 +8,19 @@ from __future__ import annotations
 
 import os
 import struct
-from pathlib import Path
 
 import numpy as np
 
 from lidardraft.errors import FormatError
+from lidardraft.files import read_bytes
 
 _KEYS = ("FIELDS", "SIZE", "TYPE", "COUNT", "POINTS", "DATA")
-_KINDS = {"F": "f", "I": "i", "U": "u"}
+_TYPES = {
+    **{("F", size): f"<f{size}" for size in ("4", "8")},
+    **{(kind, size): f"<{kind.lower()}{size}" for kind in "IU" for size in ("1", "2", "4", "8")},
+}
+_LONGEST_HEADER = 100_000  # bytes; a real one has a few hundred
+_MOST_VALUES = 2**16  # of one point
 _PADDING = "_"
 
 
@@ -24,30 +29,13 @@ def read_pcd(path: str | os.PathLike[str]) -> dict[str, np.ndarray]:
 
     Raises `FormatError` on a missing or truncated file and on a header that is no PCD header.
     """
-    name = os.fspath(path)
-    try:
-        data = Path(path).read_bytes()
-    except OSError as error:
-        raise FormatError(f"{name}: {error.strerror}") from None
-    return pcd_columns(name, data)
+    return pcd_columns(os.fspath(path), read_bytes(path))
 
 
 def pcd_columns(name: str, data: bytes) -> dict[str, np.ndarray]:
     """As `read_pcd`, of the bytes of a file; `name` is for the messages."""
     header, body = _header(name, data)
-    try:
-        record = np.dtype(
-            [
-                (f"{index}{field}", f"<{_KINDS[kind]}{int(size)}", (int(count),))
-                for index, (field, size, kind, count) in enumerate(
-                    zip(header["FIELDS"], header["SIZE"], header["TYPE"], header["COUNT"], strict=True)
-                )
-            ]
-        )
-        points = int(header["POINTS"][0])
-    except (KeyError, ValueError, TypeError, IndexError) as error:
-        raise FormatError(f"{name}: the header is broken: {error}") from None
-    form = header["DATA"][0] if header["DATA"] else ""
+    record, points, form = _record(name, header), _number(name, "POINTS", header["POINTS"]), " ".join(header["DATA"])
     if form == "ascii":
         columns = _ascii(name, body, record, points)
     elif form == "binary":
@@ -63,12 +51,37 @@ def pcd_columns(name: str, data: bytes) -> dict[str, np.ndarray]:
     }
 
 
+def _record(name: str, header: dict[str, list[str]]) -> np.dtype:
+    """One point: each field under its number, for names may be the same (padding)."""
+    fields, counts = header["FIELDS"], [_number(name, "COUNT", [count]) for count in header["COUNT"]]
+    if not fields or not len(fields) == len(header["SIZE"]) == len(header["TYPE"]) == len(counts):
+        raise FormatError(f"{name}: FIELDS, SIZE, TYPE and COUNT must have one value for each field")
+    named = [field for field in fields if field != _PADDING]
+    if len(set(named)) != len(named):
+        raise FormatError(f"{name}: FIELDS names {next(field for field in named if named.count(field) > 1)!r} twice")
+    if min(counts) < 1 or sum(counts) > _MOST_VALUES:
+        raise FormatError(
+            f"{name}: COUNT is {' '.join(header['COUNT'])}; each is 1 or more, all {_MOST_VALUES} at most"
+        )
+    types = list(zip(header["TYPE"], header["SIZE"], strict=True))
+    for kind, size in types:
+        if (kind, size) not in _TYPES:
+            raise FormatError(f"{name}: TYPE {kind!r} of SIZE {size!r} is unknown; F has 4 or 8 bytes, I and U 1 to 8")
+    return np.dtype([(str(k), _TYPES[types[k]], (count,)) for k, count in enumerate(counts)])
+
+
+def _number(name: str, key: str, words: list[str]) -> int:
+    if len(words) != 1 or not words[0].isdecimal() or len(words[0]) > 18:
+        raise FormatError(f"{name}: {key} is {' '.join(words)!r}; it must be a whole number >= 0")
+    return int(words[0])
+
+
 def _header(name: str, data: bytes) -> tuple[dict[str, list[str]], bytes]:
     header: dict[str, list[str]] = {}
     start = 0
     while "DATA" not in header:
-        end = data.find(b"\n", start)
-        if end < 0 or end - start > 100_000:
+        end = data.find(b"\n", start, _LONGEST_HEADER)
+        if end < 0:
             raise FormatError(f"{name}: no line DATA; this is no PCD file")
         words = data[start:end].decode("latin-1").split()
         if words and not words[0].startswith("#"):
@@ -86,12 +99,22 @@ def _ascii(name: str, body: bytes, record: np.dtype, points: int) -> list[np.nda
     widths = [record[field].shape[0] for field in record.names or ()]
     if len(words) < points * sum(widths):
         raise FormatError(f"{name} has {len(words)} numbers; {points} points of {sum(widths)} need more")
+    table = np.array(words[: points * sum(widths)], dtype=object).reshape(points, sum(widths))
+    pieces = np.split(table, np.cumsum(widths)[:-1], axis=1)
     try:
-        values = np.array(words[: points * sum(widths)], dtype=np.float64).reshape(points, sum(widths))
+        return [_parsed(piece, record[index].base) for index, piece in enumerate(pieces)]
     except ValueError as error:
         raise FormatError(f"{name}: {error}") from None
-    pieces = np.split(values, np.cumsum(widths)[:-1], axis=1)
-    return [piece.astype(record[index].base) for index, piece in enumerate(pieces)]
+
+
+def _parsed(words: np.ndarray, dtype: np.dtype) -> np.ndarray:
+    if dtype.kind == "f":
+        with np.errstate(over="ignore"):  # what is too large for float32 is infinite there
+            return np.array([float(word) for word in words.flat]).reshape(words.shape).astype(dtype)
+    numbers, limits = [int(word) for word in words.flat], np.iinfo(dtype)
+    if numbers and not limits.min <= min(numbers) <= max(numbers) <= limits.max:
+        raise ValueError(f"a number of {min(numbers)} to {max(numbers)} does not fit into {dtype}")
+    return np.array(numbers, dtype=dtype).reshape(words.shape)
 
 
 def _binary(name: str, body: bytes, record: np.dtype, points: int) -> list[np.ndarray]:
@@ -111,7 +134,8 @@ def _compressed(name: str, body: bytes, record: np.dtype, points: int) -> list[n
     columns, start = [], 0
     for field in record.names or ():
         size = record[field].itemsize * points
-        columns.append(np.frombuffer(flat[start : start + size], record[field].base).reshape(points, -1).copy())
+        column = np.frombuffer(flat[start : start + size], record[field].base)
+        columns.append(column.reshape(points, *record[field].shape).copy())
         start += size
     return columns
 
@@ -121,7 +145,7 @@ def _unpacked(name: str, packed: bytes, size: int) -> bytes:
     out = bytearray()
     at, end = 0, len(packed)
     try:
-        while at < end:
+        while at < end and len(out) <= size:
             control = packed[at]
             at += 1
             if control < 32:

@@ -9,12 +9,11 @@ SemanticKITTI does not have.
 from __future__ import annotations
 
 import os
-from pathlib import Path
 
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import written_whole
+from lidardraft.files import read_bytes, written_whole
 from lidardraft.semantics import BY_NAME, CLASSES, NUM_CLASSES
 
 CLASS_FROM_RAW: dict[int, str] = {
@@ -71,11 +70,7 @@ def read_label(path: str | os.PathLike[str], count: int) -> tuple[np.ndarray, np
 
     Raises `FormatError` where the file is not of `count` labels or has a class that SemanticKITTI does not have.
     """
-    name = os.fspath(path)
-    try:
-        data = Path(path).read_bytes()
-    except OSError as error:
-        raise FormatError(f"{name}: {error.strerror}") from None
+    name, data = os.fspath(path), read_bytes(path)
     if len(data) != 4 * count:
         raise FormatError(f"{name} has {len(data)} bytes; {count} points need {4 * count}, four a label")
     words = np.frombuffer(data, dtype="<u4")

@@ -16,8 +16,9 @@ from safetensors import SafetensorError, safe_open
 from safetensors.torch import save as serialise
 from torch import nn
 
-from lidardraft.errors import CheckpointError
-from lidardraft.files import written_whole
+from lidardraft.errors import CheckpointError, FormatError
+from lidardraft.files import regular_size, written_whole
+from lidardraft.json_fields import parse_object
 
 
 class Config(Protocol):
@@ -62,7 +63,7 @@ def load(path: str | os.PathLike[str], network: type[NetworkT]) -> NetworkT:
         if metadata.get("schema") != network.SCHEMA:
             raise CheckpointError(f"{name}: schema is {metadata.get('schema')!r}; it must be {network.SCHEMA!r}")
         try:
-            built = network.from_dict(json.loads(metadata["config"]))
+            built = network.from_dict(parse_object(metadata["config"]))
         except (KeyError, TypeError, ValueError, RuntimeError) as error:
             raise CheckpointError(f"{name}: its config makes no {network.__name__}: {error}") from None
         weights, names = built.state_dict(), set(file.keys())
@@ -87,19 +88,19 @@ def read_card(path: str | os.PathLike[str]) -> dict[str, Any]:
         if not metadata.get("schema", "").startswith("lidardraft."):
             raise CheckpointError(f"{os.fspath(path)}: schema is {metadata.get('schema')!r}; it must be of lidardraft")
         try:
-            card = json.loads(metadata.get("card", "{}"))
-        except json.JSONDecodeError as error:
-            raise CheckpointError(f"{os.fspath(path)}: the card is not JSON: {error}") from None
-        return card if isinstance(card, dict) else {}
+            return parse_object(metadata.get("card", "{}"))
+        except FormatError as error:
+            raise CheckpointError(f"{os.fspath(path)}: the card is no JSON object: {error}") from None
 
 
 @contextmanager
 def _opened(path: str | os.PathLike[str]) -> Iterator[tuple[Any, dict[str, str]]]:
     """The tensors and the metadata of a safetensors file."""
     try:
+        regular_size(path)
         opened = safe_open(path, framework="pt")
-    except FileNotFoundError:
-        raise CheckpointError(f"{os.fspath(path)}: no such file") from None
+    except FormatError as error:
+        raise CheckpointError(str(error)) from None
     except (SafetensorError, OSError) as error:
         raise CheckpointError(f"{os.fspath(path)} is no whole safetensors file: {error}") from None
     with opened as file:

@@ -11,19 +11,20 @@ import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from lidardraft.errors import LayoutError, one_of
-from lidardraft.files import written_whole
+from lidardraft.errors import FormatError, LayoutError, one_of
+from lidardraft.files import named, read_text, written_whole
+from lidardraft.json_fields import are_numbers, check_fields, check_object, is_number, parse_object
 from lidardraft.scene.materials import MATERIAL_BY_NAME
 from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.semantics import BY_NAME
 
 SCHEMA = "lidardraft.layout/1"
 SHAPES = ("box", "ellipsoid", "cylinder", "plane", "mesh")
+FURTHEST = 1e9  # m, the limit of coordinates and extents: that of the core, which squares them in float32
 _INSTANCE_LIMIT = 2**16 - 1  # a SemanticKITTI label file holds 16 bits of instance
 
 
@@ -52,21 +53,20 @@ class Primitive:
     extinction: float | None = None
 
     def __post_init__(self) -> None:
+        _check_id(self.id)
         object.__setattr__(self, "center", _vector(self.id, "center", self.center))
         object.__setattr__(self, "size", _vector(self.id, "size", self.size))
-        if not isinstance(self.id, str) or not self.id:
-            raise LayoutError(f"id is {self.id!r}; a primitive needs a non-empty string")
         if self.shape not in SHAPES:
             raise LayoutError(f"{self.id}: shape is {self.shape!r}; it must be {one_of(SHAPES, self.shape)}")
         if not isinstance(self.label, str) or self.label not in BY_NAME or self.label == "none":
             known = one_of(list(BY_NAME)[1:], self.label)
             raise LayoutError(f"{self.id}: label is {self.label!r}; it must be {known}")
-        if not _is_number(self.yaw):
+        if not is_number(self.yaw):
             raise LayoutError(f"{self.id}: yaw is {self.yaw!r}; it must be a finite number of radians")
         object.__setattr__(self, "yaw", float(self.yaw))
         if type(self.instance) is not int or not 0 <= self.instance <= _INSTANCE_LIMIT:
             raise LayoutError(f"{self.id}: instance is {self.instance!r}; it must be 0 to {_INSTANCE_LIMIT}")
-        if self.material is not None and self.material not in MATERIAL_BY_NAME:
+        if self.material is not None and self.material not in tuple(MATERIAL_BY_NAME):
             known = one_of(MATERIAL_BY_NAME, self.material)
             raise LayoutError(f"{self.id}: material is {self.material!r}; it must be {known}")
         self._check_size()
@@ -90,7 +90,7 @@ class Primitive:
     def _check_extinction(self) -> None:
         if self.extinction is None:
             return
-        if not _is_number(self.extinction) or self.extinction <= 0:
+        if not is_number(self.extinction) or self.extinction <= 0:
             raise LayoutError(
                 f"{self.id}: extinction is {self.extinction!r}; it must be a finite number greater than 0, or None"
             )
@@ -153,27 +153,23 @@ class Primitive:
 
     @classmethod
     def from_dict(cls, fields: Mapping[str, Any]) -> Primitive:
-        """The inverse of `to_dict`; raises `LayoutError` on a missing, unknown or wrong field."""
+        """The inverse of `to_dict`; raises `FormatError` where a field is missing or unknown, else `LayoutError`."""
         fields = dict(fields)
-        name = fields.get("id", "a primitive")
-        missing = {"shape", "center", "size", "label", "id"} - set(fields)
-        if missing:
-            raise LayoutError(f"{name}: {sorted(missing)[0]!r} is missing")
-        vertices, faces = fields.pop("vertices", None), fields.pop("faces", None)
-        unknown = set(fields) - {f for f in cls.__dataclass_fields__ if f != "mesh"}
-        if unknown:
-            raise LayoutError(f"{name}: unknown field {sorted(unknown)[0]!r}")
-        if vertices is not None or faces is not None:
-            try:
+        with named(str(fields.get("id", "a primitive"))):
+            required = ("shape", "center", "size", "label", "id")
+            check_fields(fields, required, ("yaw", "instance", "material", "extinction", "vertices", "faces"))
+            vertices, faces = fields.pop("vertices", None), fields.pop("faces", None)
+            if vertices is not None or faces is not None:
                 fields["mesh"] = TriangleMesh(vertices, faces)
-            except (TypeError, ValueError) as error:
-                raise LayoutError(f"{name}: {error}") from None
         return cls(**fields)
 
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """An oriented box around one thing: center and size (length, width, height) [m], yaw [rad]."""
+    """An oriented box around one object: center and size (length, width, height, each >= 0) [m], yaw [rad].
+
+    Raises `LayoutError` naming the box and the value that cannot be.
+    """
 
     id: str
     label: str
@@ -181,6 +177,19 @@ class Box:
     center: tuple[float, float, float]
     size: tuple[float, float, float]
     yaw: float
+
+    def __post_init__(self) -> None:
+        _check_id(self.id)
+        object.__setattr__(self, "center", _vector(self.id, "center", self.center))
+        object.__setattr__(self, "size", _vector(self.id, "size", self.size))
+        if min(self.size) < 0:
+            raise LayoutError(f"{self.id}: size is {list(self.size)}; no extent may be negative")
+        if not isinstance(self.label, str) or self.label not in BY_NAME:
+            raise LayoutError(f"{self.id}: label is {self.label!r}; it must be {one_of(BY_NAME, self.label)}")
+        if not is_number(self.yaw):
+            raise LayoutError(f"{self.id}: yaw is {self.yaw!r}; it must be a finite number of radians")
+        if type(self.instance) is not int or self.instance < 0:
+            raise LayoutError(f"{self.id}: instance is {self.instance!r}; it must be a whole number >= 0")
 
     def seen_from(self, pose: np.ndarray) -> Box:
         """The box in the frame of world_from_sensor `pose` [4, 4]; the tilt of the pose is left out."""
@@ -194,7 +203,8 @@ class Layout:
     """An ordered set of primitives with distinct ids.
 
     `provenance` says where it came from (sentence, seed, source; JSON types only). `coverage` is the part of the
-    azimuth [rad] that the source saw, (from, to) counter-clockwise, or None for all of it.
+    azimuth [rad] that the source saw, (from, to) counter-clockwise, or None for all of it. Raises `LayoutError` on
+    what cannot be.
     """
 
     primitives: tuple[Primitive, ...] = ()
@@ -207,8 +217,10 @@ class Layout:
             raise LayoutError(f"provenance is {self.provenance!r}; it must be an object of JSON types")
         try:
             json.dumps(self.provenance, allow_nan=False)
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, RecursionError) as error:
             raise LayoutError(f"provenance cannot be written as JSON: {error}") from None
+        if self.coverage is not None:
+            object.__setattr__(self, "coverage", _vector("layout", "coverage", self.coverage, 2, math.inf))
         seen: set[str] = set()
         for primitive in self.primitives:
             if primitive.id in seen:
@@ -243,24 +255,18 @@ class Layout:
 
     @classmethod
     def from_json(cls, text: str) -> Layout:
-        """Raises `LayoutError` naming what is wrong with the text."""
-        try:
-            document = json.loads(text)
-        except json.JSONDecodeError as error:
-            raise LayoutError(f"not JSON: {error}") from None
-        except RecursionError:
-            raise LayoutError("not a layout: nested too deeply") from None
-        if not isinstance(document, dict) or document.get("schema") != SCHEMA:
-            found = document.get("schema") if isinstance(document, dict) else type(document).__name__
-            raise LayoutError(f"schema is {found!r}; this version reads {SCHEMA!r}")
-        rows = document.get("primitives")
-        if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
-            raise LayoutError("'primitives' must be a list of objects")
-        coverage = document.get("coverage")
+        """Raises `FormatError` where the text is no layout, `LayoutError` where what it says cannot be."""
+        document = parse_object(text)
+        if document.get("schema") != SCHEMA:
+            raise FormatError(f"schema is {document.get('schema')!r}; this version reads {SCHEMA!r}")
+        check_fields(document, ("schema", "primitives"), ("provenance", "coverage"))
+        rows = document["primitives"]
+        if not isinstance(rows, list):
+            raise FormatError(f"primitives is {rows!r}; it must be a list of objects")
         return cls(
-            primitives=tuple(Primitive.from_dict(row) for row in rows),
+            primitives=tuple(Primitive.from_dict(check_object(row)) for row in rows),
             provenance=document.get("provenance", {}),
-            coverage=None if coverage is None else _vector("layout", "coverage", coverage, length=2),
+            coverage=document.get("coverage"),
         )
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -270,27 +276,23 @@ class Layout:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Layout:
-        """Raises `LayoutError` naming the file."""
-        try:
-            return cls.from_json(Path(path).read_text())
-        except OSError as error:
-            raise LayoutError(f"{os.fspath(path)}: {error.strerror}") from None
-        except (LayoutError, UnicodeDecodeError) as error:
-            raise LayoutError(f"{os.fspath(path)}: {error}") from None
+        """As `from_json`, of a file; the errors name it."""
+        text = read_text(path)
+        with named(path):
+            return cls.from_json(text)
 
 
-def _vector(id: object, name: str, values: Any, length: int = 3) -> Any:
-    if isinstance(values, list | tuple | np.ndarray) and len(values) == length and all(map(_is_number, values)):
-        return tuple(map(float, values))
-    raise LayoutError(f"{id}: {name} is {values!r:.200}; it must be {length} finite numbers")
+def _check_id(id: object) -> None:
+    if not isinstance(id, str) or not id:
+        raise LayoutError(f"id is {id!r}; it must be a non-empty string")
 
 
-def _is_number(value: Any) -> bool:
-    """Whether it is a finite real number that fits in a float."""
-    try:
-        return isinstance(value, int | float | np.number) and not isinstance(value, bool) and math.isfinite(value)
-    except OverflowError:
-        return False
+def _vector(id: str, name: str, values: Any, length: int = 3, limit: float = FURTHEST) -> Any:
+    if not are_numbers(values, length):
+        raise LayoutError(f"{id}: {name} is {values!r}; it must be {length} finite numbers")
+    if max(map(abs, values)) > limit:
+        raise LayoutError(f"{id}: {name} is {values!r}; no number may be larger than {limit:g} m")
+    return tuple(map(float, values))
 
 
 def object_of(primitive: Primitive) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 
 from lidardraft import _core
 from lidardraft.errors import LayoutError
+from lidardraft.files import regular_size
 
 if TYPE_CHECKING:
     from lidardraft.scene.layout import Primitive
@@ -23,8 +24,11 @@ class TriangleMesh:
     faces: np.ndarray
 
     def __post_init__(self) -> None:
-        vertices = np.array(self.vertices, dtype=np.float64, order="C")
-        faces = np.array(self.faces, order="C")
+        try:
+            vertices = np.array(self.vertices, dtype=np.float64, order="C")
+            faces = np.array(self.faces, order="C")
+        except (TypeError, ValueError, OverflowError) as error:
+            raise LayoutError(f"a mesh needs vertices [V, 3] and faces [F, 3] of numbers: {error}") from None
         if faces.size and faces.dtype.kind not in "iu":
             raise LayoutError(f"faces hold {faces.dtype}; they must be whole numbers, of vertices")
         faces = faces.astype(np.int64)
@@ -67,6 +71,7 @@ def read_obj(path: str | PathLike[str]) -> list[tuple[str, str, TriangleMesh]]:
 
     Raises `FormatError` where the file is missing, broken or empty.
     """
+    regular_size(path)
     return [(name, material, TriangleMesh(v, f)) for name, material, v, f in _core.read_obj(path)]
 
 

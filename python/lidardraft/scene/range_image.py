@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import math
 import os
-import zipfile
-import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from lidardraft.errors import FormatError, LayoutError, SensorError
+from lidardraft.errors import LayoutError, SensorError
 from lidardraft.files import written_whole
+from lidardraft.scene import image_archive
 from lidardraft.scene.pose import finite_array
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import NUM_CLASSES
@@ -28,8 +27,7 @@ IMAGES: dict[str, np.dtype[Any]] = {
     "primitive": np.dtype(np.int32),
     "normal": np.dtype(np.float32),
 }
-# What numpy raises on a file that is missing, truncated, corrupt or another kind of file.
-_BROKEN = (OSError, EOFError, KeyError, TypeError, ValueError, AttributeError, zipfile.BadZipFile, zlib.error)
+_REQUIRED = ("depth", "label", "instance")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -166,14 +164,15 @@ class RangeImage:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> RangeImage:
-        """Raises `FormatError` where the file is no range image."""
-        names = [field.name for field in fields(cls)]
-        try:
-            with open(path, "rb") as file, np.load(file, allow_pickle=False) as arrays:
-                images = {name: arrays[name] for name in names if name in arrays}
-            return cls(**{**images, "sensor": Sensor.from_json(str(images["sensor"]))})
-        except _BROKEN as error:
-            raise FormatError(f"{os.fspath(path)} is not a range image: {error}") from None
+        """Raises `FormatError` where the file is no range image, `SensorError` where its images hold what cannot be."""
+        with image_archive.opened(path) as archive:
+            sensor = Sensor.from_json(image_archive.read_text(archive, "sensor"))
+            images = {
+                name: image_archive.read_array(archive, name, dtype, _shape(sensor, name))
+                for name, dtype in IMAGES.items()
+                if name in _REQUIRED or image_archive.holds(archive, name)
+            }
+            return cls(sensor=sensor, **images)
 
 
 def check_images(sensor: Sensor, images: Mapping[str, np.ndarray | None], count: tuple[int, ...] = ()) -> None:
@@ -182,7 +181,7 @@ def check_images(sensor: Sensor, images: Mapping[str, np.ndarray | None], count:
         image = images.get(name)
         if image is None:
             continue
-        shape = (*count, *sensor.shape, 3) if name == "normal" else (*count, *sensor.shape)
+        shape = (*count, *_shape(sensor, name))
         if image.shape != shape or image.dtype != dtype:
             raise SensorError(f"{name} is {image.dtype} {image.shape}; {sensor.name} needs {dtype} {shape}")
     depth, label = images["depth"], images["label"]
@@ -192,6 +191,10 @@ def check_images(sensor: Sensor, images: Mapping[str, np.ndarray | None], count:
         raise SensorError("depth holds what is no distance; it must be finite and 0 or more")
     if label.max(initial=0) >= NUM_CLASSES:
         raise SensorError(f"label holds {label.max()}; class ids are 0 to {NUM_CLASSES - 1}")
+
+
+def _shape(sensor: Sensor, name: str) -> tuple[int, ...]:
+    return (*sensor.shape, 3) if name == "normal" else sensor.shape
 
 
 def new_images(shape: tuple[int, ...], primitive: bool, incidence: bool, normal: bool) -> dict[str, np.ndarray]:

@@ -16,6 +16,8 @@ import numpy as np
 
 from lidardraft import _core
 from lidardraft.errors import SensorError, one_of
+from lidardraft.files import named, read_text
+from lidardraft.json_fields import check_fields, is_number, parse_object
 from lidardraft.scene import beam_tables
 from lidardraft.scene.pose import finite_array, rotations, upright
 
@@ -25,6 +27,11 @@ _OS1: dict[str, Any] = {"max_range": 120.0, "range_sigma": 0.0015}
 _OS2: dict[str, Any] = {"min_range": 1.0, "max_range": 240.0, "range_sigma": 0.0015}
 # Where a beam starts: the columns of the core's `origins` [H, 3].
 _ORIGINS = ("origin_forwards", "origin_lefts", "origin_heights")
+_QUANTITIES = (
+    *("azimuth_start", "azimuth_span", "min_range", "max_range"),
+    *("mount_height", "range_sigma", "sweep_time"),
+)
+_HIGHEST = 1e9  # m, the core's limit of coordinates
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,29 +65,35 @@ class Sensor:
     sweep_time: float = 0.1
 
     def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name:
+            raise SensorError(f"name is {self.name!r}; it must be a non-empty string")
         for table in ("elevations", "azimuth_offsets", *_ORIGINS):
-            try:
-                values = tuple(float(value) for value in getattr(self, table))
-            except (TypeError, ValueError):
-                raise SensorError(f"{self.name}: {table} must be a list of numbers") from None
-            object.__setattr__(self, table, values)
-            if values and len(values) != len(self.elevations):
-                beams = len(self.elevations)
-                raise SensorError(
-                    f"{self.name}: {table} has {len(values)} values; it needs one for each of {beams} beams"
-                )
-        if not isinstance(self.name, str):
-            raise SensorError(f"name is {self.name!r}; it must be a string")
-        if not math.isfinite(self.mount_height):
-            raise SensorError(f"{self.name}: mount_height is {self.mount_height}; it must be finite")
+            object.__setattr__(self, table, self._checked_table(table))
+        for quantity in _QUANTITIES:
+            if not is_number(getattr(self, quantity)):
+                raise SensorError(f"{self.name}: {quantity} is {getattr(self, quantity)!r}; it must be a finite number")
+            object.__setattr__(self, quantity, float(getattr(self, quantity)))
+        if abs(self.mount_height) > _HIGHEST:
+            raise SensorError(f"{self.name}: mount_height is {self.mount_height} m; it must be up to {_HIGHEST:g} m")
         for quantity in ("range_sigma", "sweep_time"):
-            if not 0 <= getattr(self, quantity) < math.inf:
-                value = getattr(self, quantity)
-                raise SensorError(f"{self.name}: {quantity} is {value}; it must be finite and 0 or more")
+            if getattr(self, quantity) < 0:
+                raise SensorError(f"{self.name}: {quantity} is {getattr(self, quantity)}; it must be 0 or more")
+        if isinstance(self.columns, bool) or not isinstance(self.columns, int | np.integer):
+            raise SensorError(f"{self.name}: columns is {self.columns!r}; it must be a whole number")
+        object.__setattr__(self, "columns", int(self.columns))
         try:
             _ = self.pattern  # the core checks everything else
         except OverflowError:
             raise SensorError(f"{self.name}: columns is {self.columns}; that is too many") from None
+
+    def _checked_table(self, table: str) -> tuple[float, ...]:
+        values = getattr(self, table)
+        if not isinstance(values, list | tuple | np.ndarray) or not all(map(is_number, values)):
+            raise SensorError(f"{self.name}: {table} is {values!r}; it must be a list of finite numbers")
+        if len(values) not in (0, len(self.elevations)):
+            beams = len(self.elevations)
+            raise SensorError(f"{self.name}: {table} has {len(values)} values; it needs one for each of {beams} beams")
+        return tuple(map(float, values))
 
     @cached_property
     def pattern(self) -> _core.SensorPattern:
@@ -147,32 +160,20 @@ class Sensor:
 
     @classmethod
     def from_json(cls, text: str) -> Sensor:
-        """Raises `SensorError` where the text is no sensor."""
-        try:
-            fields: Any = json.loads(text)
-        except json.JSONDecodeError as error:
-            raise SensorError(f"not JSON: {error}") from None
-        if not isinstance(fields, dict):
-            raise SensorError(f"a sensor is a JSON object, not {type(fields).__name__}")
-        unknown = set(fields) - {field.name for field in dataclasses.fields(cls)}
-        missing = {"name", "elevations", "columns"} - set(fields)
-        if unknown or missing:
-            raise SensorError(f"field {sorted(unknown or missing)[0]!r} is {'unknown' if unknown else 'missing'}")
-        try:
-            return cls(**fields)
-        except TypeError as error:
-            raise SensorError(f"{fields['name']}: {error}") from None
+        """Raises `FormatError` where the text has not a sensor's fields, `SensorError` where one of them cannot be."""
+        fields = parse_object(text)
+        check_fields(fields, ("name", "elevations", "columns"), cls.__dataclass_fields__)
+        return cls(**fields)
 
     @classmethod
     def preset(cls, name: str | os.PathLike[str]) -> Sensor:
-        """The preset of that name, or the sensor in the JSON file of that name."""
+        """The preset of that name, or the sensor in the JSON file of that name, whose errors name it."""
         if name in PRESETS:
             return PRESETS[str(name)]
         if Path(name).suffix == ".json":
-            try:
-                return cls.from_json(Path(name).read_text())
-            except (OSError, UnicodeDecodeError, SensorError) as error:
-                raise SensorError(f"{os.fspath(name)}: {error}") from None
+            text = read_text(name)
+            with named(name):
+                return cls.from_json(text)
         raise SensorError(f"sensor is {os.fspath(name)!r}; it must be a .json file or {one_of(PRESETS, name)}")
 
 

@@ -15,7 +15,7 @@ from torch import Tensor
 from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
 from lidardraft.errors import TrainingError
-from lidardraft.files import written_whole
+from lidardraft.files import regular_size, written_whole
 from lidardraft.networks.weight_file import Network
 
 
@@ -128,6 +128,7 @@ class Learner:
         if not path.exists():
             return 0
         try:
+            regular_size(path)
             with safe_open(path, framework="pt") as file:
                 metadata, tensors = file.metadata(), {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
             begun, step = RunIdentity(**json.loads(metadata["run"])), int(metadata["step"])

@@ -13,14 +13,17 @@ from typing import Any
 
 import numpy as np
 
-from lidardraft.errors import FormatError, SensorError
-from lidardraft.files import written_whole
+from lidardraft.errors import FormatError
+from lidardraft.files import named, read_text, written_whole
+from lidardraft.json_fields import check_fields, parse_object
+from lidardraft.scene import image_archive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.training.folder_lock import locked_folder
 
 SCHEMA = "lidardraft.pairs/2"
 SHARD = 64  # pairs a file
+_LARGEST_SHARD = 2**16  # pairs that an index may claim
 _STEP = 0.002  # m, what a depth of 1 in the uint16 images stands for: 131 m fit
 _IMAGES = {
     "scan_depth": np.uint16,
@@ -120,11 +123,9 @@ class PairFolder:
 
 
 def is_shard(path: str | os.PathLike[str]) -> bool:
-    """Whether a file is a shard of pairs, as far as its names of images tell."""
-    if not zipfile.is_zipfile(path):
-        return False
-    with zipfile.ZipFile(path) as archive:
-        return {f"{name}.npy" for name in _IMAGES} <= set(archive.namelist())
+    """Whether an .npz file is a shard of pairs, as far as its names of images tell; raises `FormatError`."""
+    with image_archive.opened(path) as archive:
+        return all(image_archive.holds(archive, name) for name in _IMAGES)
 
 
 def read_shard(path: str | os.PathLike[str]) -> list[NotedPair]:
@@ -203,37 +204,30 @@ def _write_index(path: Path, sensor: Sensor | None, counts: list[int], source: s
 
 
 def _read_index(path: Path) -> dict[str, Any]:
-    try:
-        index: dict[str, Any] = json.loads(path.read_text())
-        if index["schema"] != SCHEMA:
-            raise FormatError(f"{path}: schema is {index['schema']!r}; this version reads {SCHEMA!r}")
-        if not all(isinstance(count, int) and count > 0 for count in index["shards"]) or "sensor" not in index:
-            raise FormatError(f"{path}: 'shards' must be counts, beside a 'sensor'")
+    text = read_text(path)
+    with named(path):
+        index = parse_object(text)
+        if index.get("schema") != SCHEMA:
+            raise FormatError(f"schema is {index.get('schema')!r}; this version reads {SCHEMA!r}")
+        check_fields(index, ("schema", "sensor", "shards"), ("source",))
+        counts = index["shards"]
+        if not isinstance(counts, list) or not all(type(c) is int and 0 < c <= _LARGEST_SHARD for c in counts):
+            raise FormatError(f"shards is {counts!r}; it must be counts of 1 to {_LARGEST_SHARD} pairs")
         index["source"] = str(index.get("source", ""))
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError, KeyError, TypeError) as error:
-        raise FormatError(f"{path} is no index of pairs: {error!r}") from None
     return index
 
 
 def _sensor(folder: Path, index: dict[str, Any]) -> Sensor:
-    try:
+    with named(folder / "index.json"):
         return Sensor.from_json(json.dumps(index["sensor"]))
-    except SensorError as error:
-        raise FormatError(f"{folder / 'index.json'} is no index of pairs: {error}") from None
 
 
 def _read(path: Path, shape: tuple[int, ...]) -> tuple[dict[str, np.ndarray], list[dict[str, Any]]]:
-    try:
-        with path.open("rb") as raw, np.load(raw, allow_pickle=False) as file:
-            images = {name: file[name] for name in _IMAGES}
-            notes: list[dict[str, Any]] = json.loads(file.zip.read(_NOTES))
-    except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile, zipfile.zlib.error) as error:  # type: ignore[attr-defined]
-        raise FormatError(f"{path} is no shard of pairs: {error!r}") from None
-    for name, image in images.items():
-        if image.shape != shape or image.dtype != _IMAGES[name]:
-            raise FormatError(
-                f"{path}: {name} is {image.dtype} {image.shape}; it must be {np.dtype(_IMAGES[name])} {shape}"
-            )
-    if len(notes) != shape[0]:
-        raise FormatError(f"{path} has {len(notes)} notes on {shape[0]} pairs")
+    with image_archive.opened(path) as archive:
+        images = {
+            name: image_archive.read_array(archive, name, np.dtype(dtype), shape) for name, dtype in _IMAGES.items()
+        }
+        notes: list[dict[str, Any]] = json.loads(archive.read(_NOTES))
+        if len(notes) != shape[0]:
+            raise FormatError(f"{len(notes)} notes on {shape[0]} pairs")
     return images, notes

@@ -1,0 +1,56 @@
+"""JSON as others write it: the object that a text holds, its fields, and numbers that are numbers."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from lidardraft.errors import FormatError
+
+
+def parse_object(text: str | bytes) -> dict[str, Any]:
+    """The object that a JSON text holds; raises `FormatError` where it holds something else or nothing."""
+    try:
+        document = json.loads(text)
+    except RecursionError:
+        raise FormatError("not JSON that can be read: it is nested too deeply") from None
+    except ValueError as error:  # a number of too many digits is one too
+        raise FormatError(f"not JSON: {error}") from None
+    return check_object(document)
+
+
+def check_object(value: Any) -> dict[str, Any]:
+    """The value, which is a JSON object; raises `FormatError` where it is not."""
+    if not isinstance(value, dict):
+        raise FormatError(f"{value!r:.50} is no JSON object")
+    return value
+
+
+def check_fields(fields: Iterable[str], required: Iterable[str], optional: Iterable[str] = ()) -> None:
+    """Raises `FormatError` naming a field that is missing or unknown."""
+    given = set(fields)
+    missing = set(required) - given
+    if missing:
+        raise FormatError(f"{min(missing)!r} is missing")
+    unknown = given - set(required) - set(optional)
+    if unknown:
+        raise FormatError(f"unknown field {min(unknown)!r}")
+
+
+def is_number(value: Any) -> bool:
+    """Whether it is a finite real number that fits in a float; True and False are none."""
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # too many digits for a float
+        return False
+
+
+def are_numbers(values: Any, count: int) -> bool:
+    """Whether it is a list, tuple or array of so many finite numbers."""
+    return isinstance(values, list | tuple | np.ndarray) and len(values) == count and all(map(is_number, values))

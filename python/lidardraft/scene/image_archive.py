@@ -1,0 +1,72 @@
+"""Arrays in .npz files, read header first: what a file claims to hold is checked before memory is taken for it."""
+
+from __future__ import annotations
+
+import math
+import os
+import zipfile
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from lidardraft.errors import FormatError, LidarDraftError
+from lidardraft.files import named, regular_size
+
+_HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+_LONGEST_TEXT = 2**24  # bytes; the JSON of a sensor of 128 beams has 60,000 in numpy's four a character
+# What zipfile and numpy raise on a file that is truncated, corrupt, encrypted or of another kind.
+_BROKEN = (OSError, EOFError, LookupError, TypeError, ValueError, RuntimeError, zipfile.BadZipFile, zlib.error)
+
+
+@contextmanager
+def opened(path: str | os.PathLike[str]) -> Iterator[zipfile.ZipFile]:
+    """The archive of an .npz file; errors of the block name the file, and are `FormatError` where it is broken."""
+    regular_size(path)
+    with named(path):
+        try:
+            with zipfile.ZipFile(path) as archive:
+                yield archive
+        except LidarDraftError:
+            raise
+        except _BROKEN as error:
+            raise FormatError(f"not a whole .npz file: {error}") from None
+
+
+def holds(archive: zipfile.ZipFile, name: str) -> bool:
+    """Whether there is an array of that name."""
+    return f"{name}.npy" in archive.namelist()
+
+
+def read_array(archive: zipfile.ZipFile, name: str, dtype: np.dtype[Any], shape: tuple[int, ...]) -> np.ndarray:
+    """The array of that name; raises `FormatError` where it is missing, truncated, or of another type or shape."""
+    if not holds(archive, name):
+        raise FormatError(f"{name!r} is missing")
+    with archive.open(f"{name}.npy") as file:
+        found_shape, fortran, found = _header(name, file)
+        if found != dtype or found_shape != shape:
+            raise FormatError(f"{name} is {found} {found_shape}; it must be {dtype} {shape}")
+        data = file.read(math.prod(shape) * dtype.itemsize)
+    if len(data) != math.prod(shape) * dtype.itemsize:
+        raise FormatError(f"{name} is truncated: it has {len(data)} of {math.prod(shape) * dtype.itemsize} bytes")
+    return np.frombuffer(data, dtype).reshape(shape, order="F" if fortran else "C").copy()
+
+
+def read_text(archive: zipfile.ZipFile, name: str) -> str:
+    """The text of that name, stored as an array of one string; raises `FormatError` as `read_array` does."""
+    if not holds(archive, name):
+        raise FormatError(f"{name!r} is missing")
+    with archive.open(f"{name}.npy") as file:
+        shape, _, dtype = _header(name, file)
+    if not dtype.str.startswith("<U") or shape != () or dtype.itemsize > _LONGEST_TEXT:
+        raise FormatError(f"{name} is {dtype} {shape}; it must be one text of up to {_LONGEST_TEXT} bytes")
+    return read_array(archive, name, dtype, ()).tobytes().decode("utf-32-le").rstrip("\0")
+
+
+def _header(name: str, file: Any) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+    version = np.lib.format.read_magic(file)
+    if version not in _HEADERS:
+        raise FormatError(f"{name} is in version {version} of numpy's format; 1.0 and 2.0 are read")
+    return _HEADERS[version](file)

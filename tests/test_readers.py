@@ -1,0 +1,193 @@
+"""Whatever lies at a path, its reader gives what it holds, or one error of ours that names it."""
+
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+
+from lidardraft.drafting.scene_spec import SceneSpec
+from lidardraft.errors import LidarDraftError
+from lidardraft.formats.boxes import read_boxes, write_boxes
+from lidardraft.formats.kitti import read_bin, write_bin
+from lidardraft.formats.obj import read_obj
+from lidardraft.formats.pcd import read_pcd
+from lidardraft.formats.semantickitti import read_label, write_label
+from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.raycast import raycast
+from lidardraft.scene.sensor import Sensor
+
+SENSOR = Sensor(name="few", elevations=(0.1, 0.0, -0.1), columns=16)
+CAR = Primitive(shape="box", center=(9, 0, 1), size=(4, 2, 1.5), label="car", id="car_1", instance=1)
+POINTS = np.linspace(-1, 1, 12, dtype=np.float32).reshape(4, 3)
+PCD = "FIELDS x ring\nSIZE 4 2\nTYPE F U\nCOUNT 1 1\nPOINTS 2\nDATA"
+
+
+def write_pcd(path: Path) -> None:
+    path.write_bytes(f"{PCD} ascii\n1 2\n3 4\n".encode())
+
+
+def write_packed_pcd(path: Path) -> None:
+    path.write_bytes(f"{PCD} binary_compressed\n".encode() + bytes([13, 0, 0, 0, 12, 0, 0, 0, 11, *range(12)]))
+
+
+def write_obj(path: Path) -> None:
+    path.write_text("o car\nv 0 0 0\nv 4 0 0\nv 0 2 1\nf 1 2 3\n")
+
+
+# What reads a file, the ending it goes by, and what writes one.
+READERS: dict[str, tuple[Callable[[Path], object], str, Callable[[Path], object]]] = {
+    "bin": (read_bin, ".bin", lambda path: write_bin(path, POINTS, np.ones(4))),
+    "label": (
+        lambda path: read_label(path, 4),
+        ".label",
+        lambda path: write_label(path, np.ones(4, np.uint8), np.ones(4, np.uint32)),
+    ),
+    "pcd": (read_pcd, ".pcd", write_pcd),
+    "packed pcd": (read_pcd, ".pcd", write_packed_pcd),
+    "obj": (read_obj, ".obj", write_obj),
+    "boxes": (read_boxes, ".json", lambda path: write_boxes(path, Layout((CAR,)).boxes(), [3])),
+    "layout": (Layout.load, ".json", Layout((CAR,), {"seed": 1}, (-1.0, 1.0)).save),
+    "sensor": (Sensor.preset, ".json", lambda path: path.write_text(SENSOR.to_json())),
+    "range image": (RangeImage.load, ".npz", raycast(Layout((CAR,)), SENSOR).save),
+}
+readers = pytest.mark.parametrize("name", READERS)
+files = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+
+
+def refusal(reader: Callable[..., object], *arguments: object) -> str | None:
+    """What the reader said of a file that it refused; None where it read it."""
+    try:
+        reader(*arguments)
+    except LidarDraftError as error:
+        return str(error)
+    return None
+
+
+def read_or_named(name: str, path: Path) -> None:
+    said = refusal(READERS[name][0], path)
+    assert said is None or (path.name in said and said.isprintable())
+
+
+@readers
+def test_what_is_written_is_read(tmp_path: Path, name: str) -> None:
+    path = tmp_path / f"a{READERS[name][1]}"
+    READERS[name][2](path)
+    assert refusal(READERS[name][0], path) is None
+
+
+@readers
+def test_what_is_no_file_is_refused_at_once(tmp_path: Path, name: str) -> None:
+    ending = READERS[name][1]
+    os.mkfifo(tmp_path / f"pipe{ending}")
+    (tmp_path / f"folder{ending}").mkdir()
+    (tmp_path / f"link{ending}").symlink_to("/dev/null")
+    for stem in ("pipe", "folder", "link", "none", "none\x1b[31m"):
+        path = tmp_path / f"{stem}{ending}"
+        with pytest.raises(LidarDraftError, match=r"No such file|it must be a regular file"):
+            READERS[name][0](path)
+
+
+@readers
+@files
+@given(data=st.binary(max_size=400))
+@example(data=b"")
+def test_bytes_that_mean_nothing(tmp_path: Path, name: str, data: bytes) -> None:
+    path = tmp_path / f"a{READERS[name][1]}"
+    path.write_bytes(data)
+    read_or_named(name, path)
+
+
+@readers
+@files
+@given(
+    edits=st.lists(
+        st.tuples(
+            st.floats(0, 1),
+            st.integers(0, 9),
+            st.one_of(
+                st.binary(max_size=6),
+                st.sampled_from(
+                    [
+                        b"9" * 400,
+                        b"9" * 5000,
+                        b"-1",
+                        b"nan",
+                        b"1e999",
+                        b"[]",
+                        b"{}",
+                        b"null",
+                        b'"',
+                        b"\x00" * 8,
+                        b"\xff" * 8,
+                    ]
+                ),
+            ),
+        ),
+        min_size=1,
+        max_size=4,
+    )
+)
+def test_files_with_errors_in_them(tmp_path: Path, name: str, edits: list[tuple[float, int, bytes]]) -> None:
+    path = tmp_path / f"a{READERS[name][1]}"
+    READERS[name][2](path)
+    data = path.read_bytes()
+    for share, gone, put in edits:
+        at = int(share * len(data))
+        data = data[:at] + put + data[at + gone :]
+    path.write_bytes(data)
+    read_or_named(name, path)
+
+
+VALUES = st.recursive(
+    st.one_of(
+        st.none(),
+        st.booleans(),
+        st.integers(),
+        st.sampled_from([10**400, -(10**400), 1e308, 2**63, float("nan"), float("inf"), "", "car", "box", "\x1b[31m"]),
+        st.floats(),
+        st.text(max_size=5),
+    ),
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=4), st.dictionaries(st.sampled_from(["id", "x", "kind"]), inner, max_size=3)
+    ),
+    max_leaves=8,
+)
+DOCUMENTS: dict[str, tuple[Callable[[str], object], dict[str, object]]] = {
+    "layout": (Layout.from_json, json.loads(Layout((CAR,), {"seed": 1}, (-1.0, 1.0)).to_json())),
+    "sensor": (Sensor.from_json, json.loads(SENSOR.to_json())),
+    "spec": (
+        SceneSpec.from_json,
+        {
+            "road": {"kind": "bend", "lanes": 2, "sidewalk": True},
+            "groups": [{"kind": "car", "count": 3, "places": ["front"], "distance": [3.0, 9.0], "spacing": 2.0}],
+            "absent": ["bus"],
+            "not_understood": ["sky"],
+        },
+    ),
+}
+
+
+@pytest.mark.parametrize("name", DOCUMENTS)
+@settings(max_examples=150, deadline=None)
+@given(data=st.data())
+def test_documents_with_other_values_in_them(name: str, data: st.DataObject) -> None:
+    parse, document = DOCUMENTS[name]
+    document = json.loads(json.dumps(document))
+    target: object = document
+    while True:  # down to a place of any depth
+        keys = list(target) if isinstance(target, dict) else list(range(len(target)))  # type: ignore[arg-type]
+        key = data.draw(st.sampled_from(keys))
+        inner = target[key]  # type: ignore[index]
+        if isinstance(inner, dict | list) and inner and data.draw(st.booleans()):
+            target = inner
+            continue
+        target[key] = data.draw(VALUES)  # type: ignore[index]
+        break
+    said = refusal(parse, json.dumps(document))
+    assert said is None or said.isprintable()
