@@ -109,37 +109,51 @@ def test_rust_files_are_short_and_unsafe_stays_in_its_folder() -> None:
         lines = path.read_text().splitlines()
         assert len(lines) <= 400, f"{path.name} has {len(lines)} lines"
         code = [line for line in lines if not line.strip().startswith("//")]
-        assert path.parent.name == "simd" or not [line for line in code if "unsafe " in line], path
+        assert path.parent == ROOT / "rust" / "core" / "simd" or not [line for line in code if "unsafe " in line], path
 
 
 def rust_names_used(text: str) -> set[str]:
-    """What follows `crate::` in a Rust file, in `use` lines and elsewhere: modules and names that lib.rs re-exports."""
+    """What follows `crate::` in a Rust file: modules, and names that lib.rs re-exports."""
     code = re.sub(r"//.*", "", text)
     grouped = [names for group in re.findall(r"\bcrate::\{([^;]*)\};", code) for names in group.split(",")]
     return set(re.findall(r"\bcrate::(\w+)", code)) | {name.strip().split("::")[0] for name in grouped}
 
 
-def test_modules_of_the_core_do_not_go_in_circles() -> None:
+def core_uses() -> dict[str, set[str]]:
+    """The modules that each module of the Rust core uses."""
     core = ROOT / "rust" / "core"
     library = (core / "lib.rs").read_text()
     modules = set(re.findall(r"^(?:pub )?mod (\w+);", library, re.MULTILINE)) - {"tests"}
     home = {module: module for module in modules}
     for module, names in re.findall(r"^pub use (\w+)::\{?([\w, \n]+)\}?;", library, re.MULTILINE):
         home |= {name.strip(): module for name in names.split(",") if name.strip() and name.strip() not in modules}
-    uses: dict[str, set[str]] = {}
+    uses: dict[str, set[str]] = {module: set() for module in modules}
     for path in core.rglob("*.rs"):
         module = path.relative_to(core).parts[0].removesuffix(".rs")
         if module in modules:
             text = path.read_text()
             assert "super::super" not in text, f"{path} should say crate::"
-            used = {home.get(name) for name in rust_names_used(text)} - {None, module}
-            uses[module] = uses.get(module, set()) | {name for name in used if name is not None}
-    assert uses.keys() == modules
+            uses[module] |= {home[name] for name in rust_names_used(text) if name in home} - {module}
+    return uses
+
+
+def test_modules_of_the_core_do_not_go_in_circles() -> None:
+    uses = core_uses()
     assert "packed" in uses["scan"]
     try:
         graphlib.TopologicalSorter(uses).prepare()
     except graphlib.CycleError as error:
-        pytest.fail("modules import each other: " + " <- ".join(error.args[1]))
+        pytest.fail("modules use each other: " + " <- ".join(error.args[1]))
+
+
+def test_modules_of_the_core_use_what_stands_above_them_in_the_table() -> None:
+    table = (ROOT / "ARCHITECTURE.md").read_text().split("## Rust")[1].split("### How")[0]
+    rows = [line.split("|")[1] for line in table.splitlines() if line.startswith("| `rust/core/")]
+    place = {name: k for k, row in enumerate(rows) for name in re.findall(r"(\w+)(?:\.rs|/)?`", row)}
+    uses = core_uses()
+    assert place.keys() == uses.keys()
+    below = {(user, used) for user, names in uses.items() for used in names if place[used] > place[user]}
+    assert not below, f"these use what stands below them: {sorted(below)}"
 
 
 def test_the_ten_second_table_is_true() -> None:

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use crate::Error;
 
-/// A way of casting scans. All of them give the same images, but for rounding in what is not in doubt.
+/// A way of casting scans. All of them give the same images, but for rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Backend {
     /// Shapes onto pixels, sixteen rays at once.

@@ -1,22 +1,13 @@
-//! Bodies: a solid in its own frame, and where that frame stands in the scene.
+//! Bodies: a solid in its own frame, and the pose of that frame in the scene.
 
 use std::sync::{Arc, OnceLock};
 
 use glam::{DMat3, DVec3};
 
 use crate::bvh::Bvh;
-use crate::intersect::{Cuboid, Cylinder, Ellipsoid, Hit, Ray, Rectangle, Span, Triangle, rest};
-use crate::packed::{Blocks, Obb, Outline};
-use crate::{Bounds, TriangleMesh};
-
-/// Where a body stands: `p_scene = rotation * p_body + center`. Rigid, so that distances along a ray stay the same.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Place {
-    /// Its middle, relative to the origin of the scene [m].
-    pub(crate) center: DVec3,
-    /// Its axes, as columns.
-    pub(crate) rotation: DMat3,
-}
+use crate::intersect::{Cuboid, Cylinder, Ellipsoid, Hit, Ray, Rectangle, Span, Triangle, first_interaction};
+use crate::packed::{Meshlets, Obb, Outline};
+use crate::{Bounds, Pose, TriangleMesh};
 
 /// What a body is, in its own frame.
 #[derive(Clone)]
@@ -37,39 +28,23 @@ pub(crate) struct MeshBody {
     pub(crate) faces: Vec<[u32; 3]>,
     bvh: OnceLock<Bvh>,
     normals: OnceLock<Vec<[f32; 3]>>,
-    /// The triangles as the scan kernel wants them.
-    pub(crate) blocks: Blocks,
+    /// The triangles as the scan kernel reads them.
+    pub(crate) meshlets: Meshlets,
     /// The box around them in the frame of the body.
     pub(crate) bounds: Bounds,
 }
 
-/// A solid at its place.
+/// A solid at its pose.
 #[derive(Clone)]
 pub(crate) struct Body {
-    pub(crate) place: Place,
+    /// In the frame of the scene. Rigid, so that distances along a ray stay the same.
+    pub(crate) pose: Pose,
     pub(crate) solid: Solid,
     /// What makes it a medium [1/m].
     pub(crate) extinction: Option<f64>,
     /// By how much flat faces are grown, so that faces which meet on paper leave no gap after rounding [m].
     slack: f64,
     bounds: Bounds,
-}
-
-impl Place {
-    /// A point of the scene as the body sees it.
-    pub(crate) fn inward(&self, point: DVec3) -> DVec3 {
-        self.rotation.mul_transpose_vec3(point - self.center)
-    }
-
-    /// A ray of the scene as the body sees it.
-    fn inward_ray(&self, ray: &Ray) -> Ray {
-        Ray { origin: self.inward(ray.origin), direction: self.rotation.mul_transpose_vec3(ray.direction) }
-    }
-
-    /// A point of the body in the scene.
-    pub(crate) fn outward(&self, point: DVec3) -> DVec3 {
-        self.rotation * point + self.center
-    }
 }
 
 impl MeshBody {
@@ -80,7 +55,7 @@ impl MeshBody {
         let around = |all: Bounds, &face: &[u32; 3]| all.union(triangle(&vertices, face).bounds());
         let bounds = faces.iter().fold(Bounds::EMPTY, around);
         let (bvh, normals) = (OnceLock::new(), OnceLock::new());
-        MeshBody { bvh, normals, blocks: Blocks::new(&vertices, &faces), vertices, faces, bounds }
+        MeshBody { bvh, normals, meshlets: Meshlets::new(&vertices, &faces), vertices, faces, bounds }
     }
 
     /// The hierarchy over the triangles.
@@ -136,30 +111,30 @@ fn triangle(vertices: &[DVec3], face: [u32; 3]) -> Triangle {
 }
 
 impl Solid {
-    /// The bounds of the solid at a place.
-    fn bounds(&self, place: &Place) -> Bounds {
-        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = place.rotation;
+    /// The bounds of the solid at a pose.
+    fn bounds(&self, pose: &Pose) -> Bounds {
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = pose.rotation;
         let half = match self {
-            Solid::Cuboid(Cuboid { half }) => place.rotation.abs() * *half,
+            Solid::Cuboid(Cuboid { half }) => pose.rotation.abs() * *half,
             Solid::Ellipsoid(Ellipsoid { radii }) => root_of_squares(&[x * radii.x, y * radii.y, z * radii.z]),
             Solid::Cylinder(Cylinder { half }) => root_of_squares(&[x * half.x, y * half.y]) + z.abs() * half.z,
-            Solid::Rectangle(Rectangle { half }) => place.rotation.abs() * half.extend(0.0),
+            Solid::Rectangle(Rectangle { half }) => pose.rotation.abs() * half.extend(0.0),
             Solid::Mesh(mesh) => {
-                let corners = mesh.vertices.iter().map(|&v| place.outward(v));
+                let corners = mesh.vertices.iter().map(|&v| pose.point(v));
                 return corners.fold(Bounds::EMPTY, |all, v| all.union(Bounds { min: v, max: v }));
             }
         };
-        Bounds::around(place.center, half)
+        Bounds::around(pose.translation, half)
     }
 
-    /// By how much flat faces are grown at a place.
-    fn slack(&self, place: &Place) -> f64 {
+    /// By how much flat faces are grown at a pose.
+    fn slack(&self, pose: &Pose) -> f64 {
         let half = match self {
             Solid::Cuboid(shape) => shape.half,
             Solid::Rectangle(shape) => shape.half.extend(0.0),
             Solid::Ellipsoid(_) | Solid::Cylinder(_) | Solid::Mesh(_) => return 0.0,
         };
-        8.0 * f64::EPSILON * (place.center.abs() + half).element_sum()
+        8.0 * f64::EPSILON * (pose.translation.abs() + half).element_sum()
     }
 }
 
@@ -169,11 +144,11 @@ fn root_of_squares(vectors: &[DVec3]) -> DVec3 {
 }
 
 impl Body {
-    pub(crate) fn new(solid: Solid, place: Place, extinction: Option<f64>) -> Body {
-        let slack = solid.slack(&place);
+    pub(crate) fn new(solid: Solid, pose: Pose, extinction: Option<f64>) -> Body {
+        let slack = solid.slack(&pose);
         // A turned cube reaches sqrt(3) times as far as an upright one.
-        let bounds = solid.bounds(&place).grown(2.0 * slack);
-        Body { place, solid, extinction, slack, bounds }
+        let bounds = solid.bounds(&pose).grown(2.0 * slack);
+        Body { pose, solid, extinction, slack, bounds }
     }
 
     /// The box around it, relative to the origin of the scene, in the axes of the body; and how it fills that.
@@ -185,8 +160,8 @@ impl Body {
             Solid::Cylinder(shape) => (DVec3::ZERO, shape.half, Outline::Cylinder),
             Solid::Mesh(mesh) => (mesh.bounds.center(), (mesh.bounds.max - mesh.bounds.min) / 2.0, Outline::Box),
         };
-        let half_axes = [0, 1, 2].map(|k| self.place.rotation.col(k) * half[k]);
-        Obb { center: self.place.outward(center), half_axes, outline }
+        let half_axes = [0, 1, 2].map(|k| self.pose.rotation.col(k) * half[k]);
+        Obb { center: self.pose.point(center), half_axes, outline }
     }
 
     /// How many surfaces it has: a mesh has one for each triangle.
@@ -200,11 +175,11 @@ impl Body {
     }
 
     /// The closest hit of a ray of the scene whose distance, as f32, is at most `limit`; there may be a further one instead.
-    /// `path` is asked of media: the mean free paths that the ray travels in it.
+    /// `path` is asked of media: the free path of the ray, in mean free paths.
     pub(crate) fn intersect(&self, ray: &Ray, limit: f32, path: impl FnOnce() -> f32) -> Option<Hit> {
-        let ray = self.place.inward_ray(ray);
+        let ray = self.inverse_ray(ray);
         if let Some(extinction) = self.extinction {
-            return self.rest(&ray, f64::from(path()) / (extinction * ray.direction.length()));
+            return self.first_interaction(&ray, f64::from(path()) / (extinction * ray.direction.length()));
         }
         let distance = match &self.solid {
             Solid::Cuboid(shape) => shape.grown(self.slack).intersect(&ray),
@@ -216,13 +191,18 @@ impl Body {
         Some(Hit { distance: distance?, part: 0 })
     }
 
-    /// Where a ray of the body comes to rest that travels so far in it, in lengths of its direction.
-    fn rest(&self, ray: &Ray, path: f64) -> Option<Hit> {
+    /// A ray of the scene as the body sees it.
+    fn inverse_ray(&self, ray: &Ray) -> Ray {
+        Ray { origin: self.pose.inverse_point(ray.origin), direction: self.pose.inverse_vector(ray.direction) }
+    }
+
+    /// Where a ray of the body first interacts with the medium in it, given its free path in lengths of its direction.
+    fn first_interaction(&self, ray: &Ray, path: f64) -> Option<Hit> {
         let distance = match &self.solid {
-            Solid::Cuboid(shape) => rest(shape.grown(self.slack).span(ray), path),
-            Solid::Ellipsoid(shape) => rest(shape.span(ray), path),
-            Solid::Cylinder(shape) => rest(shape.span(ray), path),
-            Solid::Mesh(mesh) => rest(mesh.spans(ray), path),
+            Solid::Cuboid(shape) => first_interaction(shape.grown(self.slack).span(ray), path),
+            Solid::Ellipsoid(shape) => first_interaction(shape.span(ray), path),
+            Solid::Cylinder(shape) => first_interaction(shape.span(ray), path),
+            Solid::Mesh(mesh) => first_interaction(mesh.spans(ray), path),
             // Checked to be no medium.
             Solid::Rectangle(_) => None,
         };
@@ -235,7 +215,7 @@ impl Body {
         let (Solid::Mesh(mesh), None) = (&self.solid, self.extinction) else {
             return self.intersect(ray, f32::INFINITY, path);
         };
-        let sheared = self.place.inward_ray(ray).sheared();
+        let sheared = self.inverse_ray(ray).sheared();
         let hits = (0..mesh.faces.len() as u32)
             .filter_map(|part| Some(Hit { distance: mesh.triangle(part).intersect(&sheared)?, part }));
         hits.min_by(|a, b| (a.distance as f32).total_cmp(&(b.distance as f32)))
@@ -244,7 +224,7 @@ impl Body {
     /// The unit normal at a point of the surface, both relative to the origin of the scene; outward for closed shapes, to
     /// either side for a rectangle or a triangle. 0 where the surface has none.
     pub(crate) fn normal(&self, point: DVec3, part: u32) -> DVec3 {
-        let point = self.place.inward(point);
+        let point = self.pose.inverse_point(point);
         let normal = match &self.solid {
             Solid::Cuboid(shape) => shape.normal(point),
             Solid::Ellipsoid(shape) => shape.normal(point),
@@ -252,6 +232,6 @@ impl Body {
             Solid::Rectangle(shape) => shape.normal(),
             Solid::Mesh(mesh) => mesh.triangle(part).normal(),
         };
-        self.place.rotation * normal
+        self.pose.rotation * normal
     }
 }

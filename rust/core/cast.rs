@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use crate::image::Return;
-use crate::medium::COUNT;
+use crate::medium::QUANTILES;
 use crate::threads::spread;
-use crate::{Chance, Error, ImagesMut, Result, Scene};
+use crate::{Error, FreePathKey, ImagesMut, Result, Scene};
 
 /// What rays hit, one entry for each; a ray without hit has 0 in all of them and -1 in `primitive`.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,8 +53,8 @@ pub fn cast(
     let cast = |ray: usize, origin: &[f64; 3], direction: &[f64; 3]| {
         let (origin, direction) = (DVec3::from(*origin), unit(DVec3::from(*direction)));
         // In rows of as many rays as there are free paths.
-        let chance = Chance { seed, row: (ray / COUNT) as u32, column: (ray % COUNT) as u32 };
-        let hit = scene.closest(origin, direction, chance)?;
+        let key = FreePathKey { seed, row: (ray / QUANTILES) as u32, column: (ray % QUANTILES) as u32 };
+        let hit = scene.closest(origin, direction, key)?;
         let depth = hit.distance as f32;
         let within = depth > 0.0 && depth <= max_range as f32;
         within.then(|| Return::new(scene, origin, direction, &hit, depth))

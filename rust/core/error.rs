@@ -104,13 +104,13 @@ pub enum Error {
     Extinction { primitive: usize, value: f64 },
     /// A medium without volume.
     #[error("primitive {primitive} is a plane with an extinction; only what has a volume can be a medium")]
-    PorousPlane { primitive: usize },
+    PlaneMedium { primitive: usize },
     /// A medium with a hole in its surface.
     #[error(
         "primitive {primitive} is an open mesh with an extinction: no triangle runs from vertex {to} to vertex {from}, \
          against the one that runs from {from} to {to}, or there are more; only a closed mesh can be a medium"
     )]
-    PorousMesh { primitive: usize, from: u32, to: u32 },
+    OpenMedium { primitive: usize, from: u32, to: u32 },
 
     /// As many poses as primitives to move, or not.
     #[error("primitives has {primitives} entries and world_from_primitive has {poses}; it must be one pose for each")]

@@ -1,8 +1,7 @@
 //! Scenes of semantic shapes, cast by LiDAR sensor patterns.
 //!
 //! A [`Scene`] holds boxes, ellipsoids, cylinders, rectangles and triangle meshes, each with a class and an instance,
-//! solid or porous. A
-//! [`SensorPattern`] says which ray every pixel of a scan looks along. [`scan`] casts the pattern from a [`Pose`] and
+//! solid or filled with a medium. A [`SensorPattern`] says which ray every pixel of a scan looks along. [`scan`] casts the pattern from a [`Pose`] and
 //! returns [`Images`]: distance, class, instance, primitive and incidence of the closest surface of every pixel.
 //!
 //! Metres and radians, f64 inside; frames are right-handed with x forward, y left and z up.
@@ -52,6 +51,7 @@ mod obj;
 mod packed;
 mod pose;
 mod primitive;
+mod primitive_tables;
 mod projection;
 mod scan;
 mod scene;
@@ -59,7 +59,6 @@ pub mod sensor_model;
 mod sensor_pattern;
 mod sensor_spec;
 mod simd;
-mod tables;
 #[cfg(test)]
 mod tests;
 mod threads;
@@ -69,14 +68,14 @@ pub use bounds::Bounds;
 pub use cast::{Hits, cast};
 pub use error::{Error, Result};
 pub use image::{Images, ImagesMut};
-pub use medium::Chance;
+pub use medium::FreePathKey;
 pub use mesh::TriangleMesh;
 pub use obj::{ObjMesh, read_obj};
 pub use pose::Pose;
 pub use primitive::{Primitive, Shape};
+pub use primitive_tables::PrimitiveTables;
 pub use projection::Projection;
 pub use scan::{scan, scan_batch};
 pub use scene::{Scene, SceneHit};
 pub use sensor_pattern::SensorPattern;
 pub use sensor_spec::SensorSpec;
-pub use tables::PrimitiveTables;

@@ -1,23 +1,23 @@
-//! Media: how far a ray travels within a porous body before it meets a leaf, a blade or a wire.
+//! Media: how far a ray travels in a crown, a hedge or a fence before it meets a leaf, a blade or a wire.
 //!
 //! The free path in a medium of extinction k is exponential with mean 1 / k: Beer and Lambert's law. Here it is counted in
 //! mean free paths, and is a pure function of seed, body, row and column.
 //!
-//! Every pixel gets one of [`COUNT`] quantiles of that distribution. Which one is the sum, modulo their number, of two
-//! permutations of them, each read from a place that is a hash of seed, body and row, and on from there column by column:
+//! Every pixel gets one of [`QUANTILES`] quantiles of that distribution. Which one is the sum, modulo their number, of two
+//! permutations of them, each read from an offset that is a hash of seed, body and row, and on from there column by column:
 //! tables that a vector of columns can load, and numbers without rounding, so that every way of casting has the same bits.
-//! Two rows have the same paths a few columns apart only if both places agree by chance, one in 2^28.
+//! Two rows have the same paths a few columns apart only if both offsets happen to agree, one in 2^28.
 
 use std::sync::OnceLock;
 
 use crate::simd::WIDEST;
 
 /// How many different free paths there are.
-pub(crate) const COUNT: usize = 1 << 14;
+pub(crate) const QUANTILES: usize = 1 << 14;
 
-/// What decides how far a ray travels within media: equal chances, equal paths.
+/// What decides the free paths of a ray in media: equal keys, equal paths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Chance {
+pub struct FreePathKey {
     /// Of the scan.
     pub seed: u64,
     /// The row of the ray.
@@ -26,43 +26,43 @@ pub struct Chance {
     pub column: u32,
 }
 
-impl Chance {
+impl FreePathKey {
     /// The free path within a body, in mean free paths.
     pub(crate) fn path(&self, body: usize) -> f32 {
-        Paths::new(self.seed, body as u32, self.row).at(self.column as usize)
+        FreePaths::new(self.seed, body as u32, self.row).at(self.column as usize)
     }
 }
 
 /// The free paths of a row of rays within one body.
 #[derive(Clone, Copy)]
-pub(crate) struct Paths {
-    places: [usize; 2],
+pub(crate) struct FreePaths {
+    offsets: [usize; 2],
     tables: &'static Tables,
 }
 
 struct Tables {
-    /// Two permutations of 0..COUNT, and as many of their first entries again as a vector holds.
+    /// Two permutations of 0..QUANTILES, and as many of their first entries again as a vector holds.
     ranks: [Vec<f32>; 2],
-    /// -ln(1 - p) in the middle of each of COUNT equal steps of p.
+    /// -ln(1 - p) in the middle of each of QUANTILES equal steps of p.
     quantiles: Vec<f32>,
 }
 
-impl Paths {
-    pub(crate) fn new(seed: u64, body: u32, row: u32) -> Paths {
+impl FreePaths {
+    pub(crate) fn new(seed: u64, body: u32, row: u32) -> FreePaths {
         let hash = mix(mix(seed) ^ (u64::from(body) << 32 | u64::from(row)));
-        Paths { places: [hash as usize, (hash >> 32) as usize], tables: tables() }
+        FreePaths { offsets: [hash as usize, (hash >> 32) as usize], tables: tables() }
     }
 
     /// The path of one column, in mean free paths.
     pub(crate) fn at(&self, column: usize) -> f32 {
         let [a, b] = self.ranks(column);
-        self.quantiles()[(a[0] + b[0]) as usize % COUNT]
+        self.quantiles()[(a[0] + b[0]) as usize % QUANTILES]
     }
 
     /// Two addends of the number of the quantile, for as many columns from this one on as a vector holds.
     pub(crate) fn ranks(&self, column: usize) -> [&'static [f32]; 2] {
         let [a, b] = &self.tables.ranks;
-        [&a[(self.places[0] + column) % COUNT..], &b[(self.places[1] + column) % COUNT..]]
+        [&a[(self.offsets[0] + column) % QUANTILES..], &b[(self.offsets[1] + column) % QUANTILES..]]
     }
 
     /// The paths, shortest first, in mean free paths.
@@ -75,17 +75,17 @@ fn tables() -> &'static Tables {
     static TABLES: OnceLock<Tables> = OnceLock::new();
     TABLES.get_or_init(|| Tables {
         ranks: [1, 2].map(permutation),
-        quantiles: (0..COUNT)
-            .map(|k| -((COUNT - k) as f64 - 0.5).ln() + (COUNT as f64).ln())
+        quantiles: (0..QUANTILES)
+            .map(|k| -((QUANTILES - k) as f64 - 0.5).ln() + (QUANTILES as f64).ln())
             .map(|x| x as f32)
             .collect(),
     })
 }
 
-/// A random order of 0..COUNT: Fisher and Yates.
+/// A random order of 0..QUANTILES: Fisher and Yates.
 fn permutation(seed: u64) -> Vec<f32> {
-    let mut ranks: Vec<f32> = (0..COUNT).map(|k| k as f32).collect();
-    for k in (1..COUNT).rev() {
+    let mut ranks: Vec<f32> = (0..QUANTILES).map(|k| k as f32).collect();
+    for k in (1..QUANTILES).rev() {
         ranks.swap(k, (mix(seed << 32 | k as u64) % (k as u64 + 1)) as usize);
     }
     ranks.extend_from_within(..WIDEST);

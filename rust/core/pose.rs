@@ -4,18 +4,18 @@ use glam::{DMat3, DVec3};
 
 use crate::{Error, Result};
 
-/// Where a thing stands and how it is turned: `p_world = rotation * p_thing + translation`.
+/// Where something stands and how it is turned: `p_outside = rotation * p_inside + translation`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// The axes of the thing in the world, as columns.
+    /// Its axes as seen from outside, as columns.
     pub rotation: DMat3,
-    /// The position of the thing in the world [m].
+    /// Its origin as seen from outside [m].
     pub translation: DVec3,
 }
 
 /// How far R^T R may be off the identity; enough for matrices that went through float32 text files.
 const RIGIDITY: f64 = 1e-6;
-/// A thing further away than this [m] would have a position coarser than 0.1 micrometres.
+/// Anything further away than this [m] would have a position coarser than 0.1 micrometres.
 const FURTHEST: f64 = 1e9;
 
 impl Pose {
@@ -52,14 +52,24 @@ impl Pose {
         Ok(Pose { rotation, translation: axis(3) }.orthonormal())
     }
 
-    /// A point of the thing in the world.
+    /// A point of its frame as seen from outside.
     pub fn point(&self, point: DVec3) -> DVec3 {
         self.rotation * point + self.translation
     }
 
-    /// A direction of the thing in the world.
+    /// A direction of its frame as seen from outside.
     pub fn vector(&self, vector: DVec3) -> DVec3 {
         self.rotation * vector
+    }
+
+    /// A point outside, as seen in its frame.
+    pub(crate) fn inverse_point(&self, point: DVec3) -> DVec3 {
+        self.rotation.mul_transpose_vec3(point - self.translation)
+    }
+
+    /// A direction outside, as seen in its frame.
+    pub(crate) fn inverse_vector(&self, vector: DVec3) -> DVec3 {
+        self.rotation.mul_transpose_vec3(vector)
     }
 
     /// The pose with axes of length 1 at right angles (Gram and Schmidt).

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
-use crate::body::{Body, MeshBody, Place, Solid};
+use crate::body::{Body, MeshBody, Solid};
 use crate::intersect::{Cuboid, Cylinder, Ellipsoid, Rectangle};
-use crate::{Bounds, Error, Result, TriangleMesh};
+use crate::{Bounds, Error, Pose, Result, TriangleMesh};
 
 /// What a primitive looks like before it is scaled, turned and moved.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,9 +79,9 @@ impl Primitive {
             return Err(Error::Extinction { primitive, value });
         }
         match &self.shape {
-            Shape::Plane => Err(Error::PorousPlane { primitive }),
+            Shape::Plane => Err(Error::PlaneMedium { primitive }),
             Shape::Mesh(mesh) => match mesh.open_edge() {
-                Some([from, to]) => Err(Error::PorousMesh { primitive, from, to }),
+                Some([from, to]) => Err(Error::OpenMedium { primitive, from, to }),
                 None => Ok(()),
             },
             _ => Ok(()),
@@ -127,6 +127,6 @@ impl Primitive {
             Shape::Mesh(mesh) => Solid::Mesh(Arc::new(MeshBody::new(mesh, size))),
         };
         let rotation = DMat3::from_rotation_z(self.yaw);
-        Body::new(solid, Place { center: DVec3::from(self.center) - origin, rotation }, self.extinction)
+        Body::new(solid, Pose { rotation, translation: DVec3::from(self.center) - origin }, self.extinction)
     }
 }

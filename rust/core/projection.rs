@@ -22,12 +22,12 @@ pub struct Projection {
 /// How far beyond a range limit a projected point may lie, as a share of the maximum range.
 const ROUNDING: f64 = 1e-6;
 
-/// How a beam sees a point that it can be turned to.
+/// A beam that can be turned to a point, and how it meets it.
 #[derive(Clone, Copy)]
-struct Sight {
+struct Candidate {
     row: usize,
     /// How much higher than the beam the point is [rad].
-    off: f64,
+    elevation_offset: f64,
     /// The azimuth at which the beam passes over or under the point [rad].
     azimuth: f64,
     /// The distance of the point from the origin of the beam [m].
@@ -53,7 +53,7 @@ impl SensorPattern {
         if !point.is_finite() {
             return None;
         }
-        let Sight { row, azimuth, distance, .. } = self.nearest_beam(point)?;
+        let Candidate { row, azimuth, distance, .. } = self.nearest_beam(point)?;
         let column = self.column(row, azimuth)?;
         let (min, max) = (self.spec().min_range, self.spec().max_range);
         // A point of a range limit, in f32 coordinates, may lie a rounding beyond it.
@@ -65,34 +65,34 @@ impl SensorPattern {
     }
 
     /// The beam nearest in elevation, each seen from its own origin; of two equally near the higher one.
-    fn nearest_beam(&self, point: DVec3) -> Option<Sight> {
+    fn nearest_beam(&self, point: DVec3) -> Option<Candidate> {
         let elevations = &self.spec().elevations;
         let last = self.rows() - 1;
-        let sight = if self.one_origin {
+        let best = if self.one_origin {
             // Every beam sees the point at the same elevation.
-            let beside = |seen: Sight| {
-                let elevation = elevations[0] + seen.off;
+            let beside = |met: Candidate| {
+                let elevation = elevations[0] + met.elevation_offset;
                 let below = elevations.partition_point(|&beam| beam >= elevation);
-                (below.saturating_sub(1)..=below.min(last)).map(move |row| Sight {
+                (below.saturating_sub(1)..=below.min(last)).map(move |row| Candidate {
                     row,
-                    off: elevation - elevations[row],
-                    ..seen
+                    elevation_offset: elevation - elevations[row],
+                    ..met
                 })
             };
-            self.sights(0, point).flat_map(beside).reduce(nearer)?
+            self.candidates(0, point).flat_map(beside).reduce(nearer)?
         } else {
-            (0..=last).flat_map(|row| self.sights(row, point)).reduce(nearer)?
+            (0..=last).flat_map(|row| self.candidates(row, point)).reduce(nearer)?
         };
-        let too_high = sight.row == 0 && sight.off > self.spacing(0, 1) / 2.0;
-        let too_low = sight.row == last && -sight.off > self.spacing(last.saturating_sub(1), last) / 2.0;
-        (!too_high && !too_low).then_some(sight)
+        let too_high = best.row == 0 && best.elevation_offset > self.spacing(0, 1) / 2.0;
+        let too_low = best.row == last && -best.elevation_offset > self.spacing(last.saturating_sub(1), last) / 2.0;
+        (!too_high && !too_low).then_some(best)
     }
 
     /// How a beam sees a point: seldom twice, and not at all if it passes beside it at every azimuth.
     ///
     /// Seen from above, the beam at azimuth a passes R(a) (forward + t, left) at the distance t. So the point, r from the
     /// axis, is met where forward + t is a root of r^2 - left^2.
-    fn sights(&self, row: usize, point: DVec3) -> impl Iterator<Item = Sight> {
+    fn candidates(&self, row: usize, point: DVec3) -> impl Iterator<Item = Candidate> {
         let [forward, left, up] = self.spec().origins[row];
         let (x, y, rise) = (point.x, point.y, point.z - up);
         let from_axis = point.truncate().length();
@@ -101,9 +101,9 @@ impl SensorPattern {
         // The negative root is behind the axis: met only by a beam that starts there.
         [radius, -radius].into_iter().filter(move |&along| along >= forward).map(move |along| {
             let ground = along - forward;
-            Sight {
+            Candidate {
                 row,
-                off: rise.atan2(ground) - elevation,
+                elevation_offset: rise.atan2(ground) - elevation,
                 azimuth: y.atan2(x) - left.atan2(along),
                 distance: DVec2::new(ground, rise).length(),
             }
@@ -131,6 +131,6 @@ impl SensorPattern {
 }
 
 /// The smaller of two deviations; the first if they are equal.
-fn nearer(a: Sight, b: Sight) -> Sight {
-    if b.off.abs() < a.off.abs() { b } else { a }
+fn nearer(a: Candidate, b: Candidate) -> Candidate {
+    if b.elevation_offset.abs() < a.elevation_offset.abs() { b } else { a }
 }

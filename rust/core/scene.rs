@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-use crate::body::{Body, Place};
+use crate::body::Body;
 use crate::bvh::Bvh;
 use crate::intersect::{Hit, Ray};
 use crate::packed::BodyTable;
-use crate::{Bounds, Chance, Error, Pose, Primitive, Result};
+use crate::{Bounds, Error, FreePathKey, Pose, Primitive, Result};
 
 /// The closest surface along a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,8 +44,8 @@ impl Scene {
     /// A scene; it may be empty.
     ///
     /// # Errors
-    /// [`Error::Center`], [`Error::Size`], [`Error::Yaw`], [`Error::Extinction`], [`Error::PorousPlane`],
-    /// [`Error::PorousMesh`] or [`Error::MeshReach`].
+    /// [`Error::Center`], [`Error::Size`], [`Error::Yaw`], [`Error::Extinction`], [`Error::PlaneMedium`],
+    /// [`Error::OpenMedium`] or [`Error::MeshReach`].
     pub fn new(primitives: Vec<Primitive>) -> Result<Scene> {
         for (index, primitive) in primitives.iter().enumerate() {
             primitive.check(index)?;
@@ -69,10 +69,9 @@ impl Scene {
         let mut bodies = self.bodies.clone();
         for (&primitive, pose) in primitives.iter().zip(world_from_primitive) {
             let body = &mut bodies[primitive as usize];
-            // A pose may be off by what float32 texts lose, a place may not.
-            let rotation = pose.orthonormal().rotation;
-            let place = Place { center: pose.translation - self.origin, rotation };
-            *body = Body::new(body.solid.clone(), place, body.extinction);
+            // What float32 texts lose is made good.
+            let pose = Pose { translation: pose.translation - self.origin, ..pose.orthonormal() };
+            *body = Body::new(body.solid.clone(), pose, body.extinction);
         }
         let bvh = Bvh::new(&boxes(&bodies));
         let body_table = BodyTable::new(bodies.iter().map(|body| (body.obb(), body.surfaces())));
@@ -95,23 +94,23 @@ impl Scene {
     }
 
     /// The closest surface along a ray; of two whose distances are the same in f32, the one with the lower index, and
-    /// within a mesh the lower triangle. `chance` decides how far it travels in media.
+    /// within a mesh the lower triangle. `key` decides its free paths in media.
     ///
     /// Origin and direction must be finite, and the direction not 0; it need not have the length 1.
-    pub fn closest(&self, origin: DVec3, direction: DVec3, chance: Chance) -> Option<SceneHit> {
+    pub fn closest(&self, origin: DVec3, direction: DVec3, key: FreePathKey) -> Option<SceneHit> {
         let ray = Ray { origin: origin - self.origin, direction };
-        let meet = |body: usize, limit| self.bodies[body].intersect(&ray, limit, || chance.path(body));
+        let meet = |body: usize, limit| self.bodies[body].intersect(&ray, limit, || key.path(body));
         let (primitive, hit) = self.bvh.closest(&ray, f32::INFINITY, meet)?;
         Some(self.scene_hit(primitive, hit))
     }
 
     /// The same by asking every surface: the definition that the hierarchies are tested against.
     #[cfg(test)]
-    pub(crate) fn closest_of_all(&self, origin: DVec3, direction: DVec3, chance: Chance) -> Option<SceneHit> {
+    pub(crate) fn closest_of_all(&self, origin: DVec3, direction: DVec3, key: FreePathKey) -> Option<SceneHit> {
         let ray = Ray { origin: origin - self.origin, direction };
         let hits = self.bodies.iter().enumerate();
         let (primitive, hit) = hits
-            .filter_map(|(i, body)| Some((i, body.intersect_all(&ray, || chance.path(i))?)))
+            .filter_map(|(i, body)| Some((i, body.intersect_all(&ray, || key.path(i))?)))
             .min_by(|a, b| (a.1.distance as f32).total_cmp(&(b.1.distance as f32)))?;
         Some(self.scene_hit(primitive, hit))
     }
@@ -132,7 +131,7 @@ impl Scene {
         self.bodies[primitive].normal(point - self.origin, part)
     }
 
-    /// The point of the world that the places of the bodies are relative to.
+    /// The point of the world that the poses of the bodies are relative to.
     pub(crate) fn origin(&self) -> DVec3 {
         self.origin
     }

@@ -41,7 +41,7 @@ impl SensorPattern {
             turns: angles(&spec.azimuth_offsets),
             headings: (0..spec.columns).map(|w| DVec2::from_angle(azimuth(w))).collect(),
             one_origin: spec.origins.iter().all(|origin| *origin == spec.origins[0]),
-            bands: Band::of(&spec),
+            bands: Band::from_spec(&spec),
             spec,
         })
     }

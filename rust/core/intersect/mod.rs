@@ -34,9 +34,9 @@ fn first((enter, exit): Span) -> Option<f64> {
     (enter <= exit && ahead > 0.0).then_some(ahead)
 }
 
-/// Where a ray that travels so far within convex bodies comes to rest, given where it enters and leaves them, in order;
-/// `None` if it leaves the last one before.
-pub(crate) fn rest(spans: impl IntoIterator<Item = Span>, path: f64) -> Option<f64> {
+/// Where a ray first interacts with a medium that fills convex bodies, given where it enters and leaves them, in order, and
+/// its free path; `None` if it leaves the last one before.
+pub(crate) fn first_interaction(spans: impl IntoIterator<Item = Span>, path: f64) -> Option<f64> {
     let mut left = path;
     for (enter, exit) in spans {
         let from = enter.max(0.0);

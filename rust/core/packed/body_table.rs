@@ -21,7 +21,7 @@ impl BodyTable {
     pub(crate) fn new(bodies: impl Iterator<Item = (Obb, usize)>) -> BodyTable {
         let mut obbs = [Outline::Box, Outline::Cylinder, Outline::Ellipsoid].map(ObbTable::new);
         let (mut next, mut surfaces, mut steps) = (0_usize, Vec::new(), Vec::new());
-        // Numbers are u32, as many as fit in memory by far; the last one says that a pixel is in doubt.
+        // Numbers are u32, as many as fit in memory by far; the last one marks pixels that are unresolved.
         let number = |surface: usize| u32::try_from(surface).unwrap_or(u32::MAX);
         for (body, (obb, count)) in bodies.enumerate() {
             obbs.iter_mut()

@@ -1,11 +1,14 @@
 //! Scenes and sensor patterns as the scan kernel reads them: columns of numbers, padded to whole vectors.
 
+mod aabb_table;
 mod band;
 mod body_table;
 mod meshlets;
 mod obb_table;
+mod row_lookup;
 
-pub(crate) use band::{Band, SWEEPS, padded};
+pub(crate) use aabb_table::AabbTable;
+pub(crate) use band::{Band, PHASES, padded};
 pub(crate) use body_table::BodyTable;
-pub(crate) use meshlets::{Blocks, Boxes, Large, SIDE};
+pub(crate) use meshlets::{GROUP_SIZE, LargeTriangle, Meshlets};
 pub(crate) use obb_table::{Obb, ObbTable, Outline};

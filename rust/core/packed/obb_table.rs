@@ -27,19 +27,19 @@ pub(crate) struct ObbTable {
     pub(crate) bodies: Vec<u32>,
     /// By coordinate.
     pub(crate) center: [Vec<f64>; 3],
-    /// Half axes: axis, coordinate.
-    pub(crate) axes: [[Vec<f32>; 3]; 3],
+    /// By axis and coordinate.
+    pub(crate) half_axes: [[Vec<f32>; 3]; 3],
 }
 
 impl ObbTable {
     pub(super) fn new(outline: Outline) -> ObbTable {
-        ObbTable { outline, bodies: Vec::new(), center: Default::default(), axes: Default::default() }
+        ObbTable { outline, bodies: Vec::new(), center: Default::default(), half_axes: Default::default() }
     }
 
     pub(super) fn push(&mut self, body: u32, obb: &Obb) {
         self.bodies.push(body);
         self.center.iter_mut().zip(obb.center.to_array()).for_each(|(table, x)| table.push(x));
-        for (table, axis) in self.axes.iter_mut().zip(obb.half_axes) {
+        for (table, axis) in self.half_axes.iter_mut().zip(obb.half_axes) {
             table.iter_mut().zip(axis.to_array()).for_each(|(table, x)| table.push(x as f32));
         }
     }
@@ -48,6 +48,6 @@ impl ObbTable {
     pub(super) fn pad(&mut self) {
         let padded = self.bodies.len().next_multiple_of(WIDEST);
         self.center.iter_mut().for_each(|table| table.resize(padded, 0.0));
-        self.axes.iter_mut().flatten().for_each(|table| table.resize(padded, 0.0));
+        self.half_axes.iter_mut().flatten().for_each(|table| table.resize(padded, 0.0));
     }
 }

@@ -1,4 +1,4 @@
-//! Incidence and normals of what a view was painted with.
+//! Incidence and normals of what was rasterized in a view.
 //!
 //! Neighbouring pixels mostly show the same surface, which is looked up once for all of them. A flat one has one normal; on
 //! others the point that was hit is worked out anew in f64, because a range in f32 may be nearer to another face of a thin
@@ -8,8 +8,8 @@ use std::ops::Range;
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::draw::DOUBT;
 use super::view::View;
+use super::visibility_buffer::UNRESOLVED;
 use crate::body::{Body, Solid};
 use crate::intersect::{Cuboid, Ray};
 use crate::{ImagesMut, Scene};
@@ -27,21 +27,26 @@ enum Surface<'a> {
 }
 
 /// How many surfaces are remembered: a power of two.
-const KNOWN: usize = 512;
+const CACHED: usize = 512;
 
 /// Writes incidence and normals, row by row: what a row shows, the next one mostly shows too.
-pub(super) struct Faces<'a> {
+pub(super) struct IncidenceWriter<'a> {
     scene: &'a Scene,
     view: &'a View<'a>,
-    /// Surfaces that were seen before, each at the place that its number has for it.
-    known: Vec<(u32, Surface<'a>)>,
+    /// Surfaces that were looked up before, each at its number modulo `CACHED`.
+    cache: Vec<(u32, Surface<'a>)>,
     /// The last body with a flat surface, and the rotation from its frame into the view's.
     last: (usize, DMat3),
 }
 
-impl<'a> Faces<'a> {
-    pub(super) fn new(scene: &'a Scene, view: &'a View<'a>) -> Faces<'a> {
-        Faces { scene, view, known: vec![(DOUBT, Surface::Medium); KNOWN], last: (usize::MAX, DMat3::ZERO) }
+impl<'a> IncidenceWriter<'a> {
+    pub(super) fn new(scene: &'a Scene, view: &'a View<'a>) -> IncidenceWriter<'a> {
+        IncidenceWriter {
+            scene,
+            view,
+            cache: vec![(UNRESOLVED, Surface::Medium); CACHED],
+            last: (usize::MAX, DMat3::ZERO),
+        }
     }
 
     /// Writes a row of the view; `ids` are numbers of surfaces, where there is a return.
@@ -52,11 +57,11 @@ impl<'a> Faces<'a> {
         while start < ids.len() {
             let id = ids[start];
             let known = image.depth[start] > 0.0;
-            // What has no return has an id of long ago.
+            // Where there is no return, the id is that of an earlier view.
             let same = |pixel: &(&u32, &f32)| *pixel.0 == id && (*pixel.1 > 0.0) == known;
             let end = start + ids[start..].iter().zip(&image.depth[start..]).take_while(same).count();
             if known {
-                self.surface(id).face(&rays, start..end, image);
+                self.surface(id).write(&rays, start..end, image);
             } else {
                 if let Some(incidence) = &mut image.incidence {
                     incidence[start..end].fill(0.0);
@@ -71,11 +76,11 @@ impl<'a> Faces<'a> {
 
     #[inline(always)]
     fn surface(&mut self, id: u32) -> Surface<'a> {
-        let place = id as usize % KNOWN;
-        if self.known[place].0 != id {
-            self.known[place] = (id, self.look_up(id));
+        let slot = id as usize % CACHED;
+        if self.cache[slot].0 != id {
+            self.cache[slot] = (id, self.look_up(id));
         }
-        self.known[place].1
+        self.cache[slot].1
     }
 
     fn look_up(&mut self, id: u32) -> Surface<'a> {
@@ -90,7 +95,7 @@ impl<'a> Faces<'a> {
             _ => return Surface::Curved(body),
         };
         if self.last.0 != number {
-            self.last = (number, self.view.rotation.transpose() * body.place.rotation);
+            self.last = (number, self.view.rotation.transpose() * body.pose.rotation);
         }
         Surface::Flat(self.last.1 * normal)
     }
@@ -99,23 +104,23 @@ impl<'a> Faces<'a> {
 /// The rays of a row of a view.
 struct Rays<'a> {
     view: &'a View<'a>,
-    sweep: usize,
+    phase: usize,
     slope: f64,
     /// 1 / their length.
-    shorter: f64,
+    inverse_length: f64,
 }
 
 impl<'a> Rays<'a> {
     fn new(view: &'a View<'a>, row: usize) -> Rays<'a> {
         let slope = f64::from(view.band.slopes[row]);
-        let shorter = 1.0 / slope.mul_add(slope, 1.0).sqrt();
-        Rays { view, sweep: usize::from(view.band.sweeps[row]), slope, shorter }
+        let inverse_length = 1.0 / slope.mul_add(slope, 1.0).sqrt();
+        Rays { view, phase: usize::from(view.band.phases[row]), slope, inverse_length }
     }
 
     /// Where a ray starts and where it looks.
     #[inline(always)]
     fn ray(&self, column: usize) -> (DVec3, DVec3) {
-        let (start, heading, up) = self.view.ray(self.sweep, column);
+        let (start, heading, up) = self.view.ray(self.phase, column);
         (start, heading + up * self.slope)
     }
 
@@ -124,13 +129,14 @@ impl<'a> Rays<'a> {
     fn cosines(&self, normal: DVec3, columns: Range<usize>, to: &mut [f32]) {
         if self.view.motion.as_ref().is_some_and(|motion| motion.twist > STEADY) {
             for (to, column) in to.iter_mut().zip(columns) {
-                *to = (normal.dot(self.ray(column).1) * self.shorter).abs().min(1.0) as f32;
+                *to = (normal.dot(self.ray(column).1) * self.inverse_length).abs().min(1.0) as f32;
             }
             return;
         }
         let from = self.view.columns.start + columns.start;
-        let [x, y] = self.view.band.headings(self.sweep);
-        let (along, rise) = ((normal * self.shorter).as_vec3(), (normal.z * self.slope * self.shorter) as f32);
+        let [x, y] = self.view.band.headings(self.phase);
+        let (along, rise) =
+            ((normal * self.inverse_length).as_vec3(), (normal.z * self.slope * self.inverse_length) as f32);
         for ((to, x), y) in to.iter_mut().zip(&x[from..]).zip(&y[from..]) {
             *to = (along.x * x + along.y * y + rise).abs().min(1.0);
         }
@@ -140,20 +146,20 @@ impl<'a> Rays<'a> {
 impl Surface<'_> {
     /// Writes incidence and normals in these columns.
     #[inline(always)]
-    fn face(&self, rays: &Rays, columns: Range<usize>, image: &mut ImagesMut<'_>) {
+    fn write(&self, rays: &Rays, columns: Range<usize>, image: &mut ImagesMut<'_>) {
         if let Surface::Curved(body) = self {
-            let rotation = body.place.rotation.transpose() * rays.view.rotation;
-            let origin = body.place.inward(rays.view.origin);
+            let rotation = body.pose.rotation.transpose() * rays.view.rotation;
+            let origin = body.pose.inverse_point(rays.view.origin);
             for column in columns {
                 let (start, direction) = rays.ray(column);
                 let ray = Ray { origin: origin + rotation * start, direction: rotation * direction };
-                let normal = normal(&body.solid, &ray, f64::from(image.depth[column]) * rays.shorter);
-                let cosine = normal.dot(ray.direction) * rays.shorter;
+                let normal = normal(&body.solid, &ray, f64::from(image.depth[column]) * rays.inverse_length);
+                let cosine = normal.dot(ray.direction) * rays.inverse_length;
                 if let Some(incidence) = &mut image.incidence {
                     incidence[column] = cosine.abs().min(1.0) as f32;
                 }
                 if let Some(image) = &mut image.normal {
-                    image[column] = towards(body.place.rotation * normal, cosine);
+                    image[column] = towards(body.pose.rotation * normal, cosine);
                 }
             }
             return;
@@ -168,7 +174,7 @@ impl Surface<'_> {
         if let Some(image) = &mut image.normal {
             for column in columns {
                 let (_, direction) = rays.ray(column);
-                let normal = if let Surface::Flat(normal) = self { *normal } else { direction * rays.shorter };
+                let normal = if let Surface::Flat(normal) = self { *normal } else { direction * rays.inverse_length };
                 image[column] = towards(rays.view.rotation * normal, normal.dot(direction));
             }
         }
@@ -185,7 +191,7 @@ fn towards(normal: DVec3, cosine: f64) -> [f32; 3] {
 fn normal(solid: &Solid, ray: &Ray, range: f64) -> DVec3 {
     let at = |exact: Option<f64>| ray.at(exact.unwrap_or(range));
     match solid {
-        Solid::Cuboid(shape) => face(shape, ray),
+        Solid::Cuboid(shape) => face_normal(shape, ray),
         Solid::Ellipsoid(shape) => shape.normal(at(shape.intersect(ray))),
         Solid::Cylinder(shape) => shape.normal(at(shape.intersect(ray))),
         Solid::Rectangle(shape) => shape.normal(),
@@ -195,13 +201,13 @@ fn normal(solid: &Solid, ray: &Ray, range: f64) -> DVec3 {
 
 /// The normal of the face by which a ray that hits a box enters it, or leaves it if it starts inside; to either side.
 #[inline(always)]
-fn face(Cuboid { half }: &Cuboid, ray: &Ray) -> DVec3 {
+fn face_normal(Cuboid { half }: &Cuboid, ray: &Ray) -> DVec3 {
     let (mut axis, mut nearest) = (3, f64::INFINITY);
     for k in 0..3 {
         // The last plane that is crossed on the way in is that with the least 1 / t.
-        let nearness = ray.direction[k] / (half[k].copysign(ray.origin[k]) - ray.origin[k]);
-        if ray.origin[k].abs() > half[k] && nearness < nearest {
-            (axis, nearest) = (k, nearness);
+        let inverse_depth = ray.direction[k] / (half[k].copysign(ray.origin[k]) - ray.origin[k]);
+        if ray.origin[k].abs() > half[k] && inverse_depth < nearest {
+            (axis, nearest) = (k, inverse_depth);
         }
     }
     if axis < 3 {

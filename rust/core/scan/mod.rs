@@ -1,26 +1,30 @@
 //! Whole scans: every ray of a sensor pattern, cast from one pose, or from one pose for each column.
 
-mod bounds;
-mod draw;
 mod incidence;
-mod paint;
-mod porous;
-mod raster;
-pub(crate) mod reference;
-mod resolve;
-mod solids;
-mod specks;
-mod triangles;
+mod jobs;
+mod pixel_bounds;
+mod pixel_rect;
+mod rasterize_medium;
+mod rasterize_mesh;
+mod rasterize_shape;
+mod rasterize_solid;
+mod rasterizer;
+mod ray_tests;
+mod reference;
+mod small_triangles;
+mod triangle_bounds;
 mod view;
+mod visibility_buffer;
+mod write_images;
 
 use crate::threads::spread;
 use crate::{Backend, Error, ImagesMut, Pose, Result, Scene, SensorPattern};
 
 /// Casts a scan: the closest return of every ray of a pattern.
 ///
-/// `poses` are world_from_sensor: one, or one for each column (rolling shutter). `seed` decides how far rays travel in media:
-/// a pure function of seed, primitive, row and column. A surface nearer than the minimum range is
-/// not reported, and hides what is behind it. `backend` is the fastest if it is not given; `threads` is 0 for as many as
+/// `poses` are world_from_sensor: one, or one for each column (rolling shutter). `seed` decides the free paths of rays
+/// in media: a pure function of seed, primitive, row and column. A surface nearer than the minimum range is not reported,
+/// and occludes what is behind it. `backend` is the fastest if it is not given; `threads` is 0 for as many as
 /// there are cores. The images are the same for any number of threads.
 ///
 /// # Errors
@@ -87,6 +91,6 @@ fn cast(
 ) {
     match backend.unwrap_or_else(Backend::fastest) {
         Backend::Reference => reference::scan(scene, pattern, poses, seed, images, threads),
-        backend => raster::scan(scene, pattern, poses, seed, images, backend, threads),
+        backend => jobs::scan(scene, pattern, poses, seed, images, backend, threads),
     }
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::image::Return;
 use crate::threads::spread;
-use crate::{Chance, ImagesMut, Pose, Scene, SensorPattern};
+use crate::{FreePathKey, ImagesMut, Pose, Scene, SensorPattern};
 
 /// The closest return of every ray, one ray at a time; rows are spread over threads.
 pub(super) fn scan(
@@ -23,8 +23,8 @@ pub(super) fn scan(
     });
 }
 
-/// The return of one pixel. A surface nearer than the minimum range is not reported, and hides what is behind it.
-pub(crate) fn cast_pixel(
+/// The return of one pixel. A surface nearer than the minimum range is not reported, and occludes what is behind it.
+pub(super) fn cast_pixel(
     scene: &Scene,
     pattern: &SensorPattern,
     poses: &[Pose],
@@ -32,14 +32,14 @@ pub(crate) fn cast_pixel(
     [row, column]: [usize; 2],
 ) -> Option<Return> {
     let (origin, direction) = ray(pattern, poses, row, column);
-    let chance = Chance { seed, row: row as u32, column: column as u32 };
-    let hit = scene.closest(origin, direction, chance)?;
+    let key = FreePathKey { seed, row: row as u32, column: column as u32 };
+    let hit = scene.closest(origin, direction, key)?;
     let depth = pattern.reported(hit.distance)?;
     Some(Return::new(scene, origin, direction, &hit, depth))
 }
 
 /// Where the ray of a pixel starts in the world, and where it looks; `poses` are one, or one for each column.
-pub(super) fn ray(pattern: &SensorPattern, poses: &[Pose], row: usize, column: usize) -> (DVec3, DVec3) {
+fn ray(pattern: &SensorPattern, poses: &[Pose], row: usize, column: usize) -> (DVec3, DVec3) {
     let pose = &poses[if poses.len() == 1 { 0 } else { column }];
     (pose.point(pattern.origin(row, column)), pose.vector(pattern.direction(row, column)))
 }

@@ -4,14 +4,14 @@ use std::ops::Range;
 
 use glam::{DMat3, DVec3};
 
-use super::solids::Tolerance;
+use super::ray_tests::Tolerance;
 use crate::packed::{Band, padded};
 use crate::simd::{Lanes, Vector};
 use crate::{Pose, SensorPattern};
 
 /// The rays of a band in some columns, and where they start.
 ///
-/// A ray is `start(column) + t * (heading(sweep, column) + slope(row) * up(column))`. In a view that stands still all rays start at
+/// A ray is `start(column) + t * (heading(phase, column) + slope(row) * up(column))`. In a view that stands still all rays start at
 /// the origin, and up is z.
 pub(super) struct View<'a> {
     pub(super) band: &'a Band,
@@ -22,7 +22,7 @@ pub(super) struct View<'a> {
     pub(super) rotation: DMat3,
     /// How far f32 may be off in the direction of a ray, as a share of the longest one's length.
     pub(super) rounding: f32,
-    /// How exact a settled range is.
+    /// How exact a resolved range is.
     pub(super) tolerance: Tolerance,
     /// No surface nearer or further than these is reported [m].
     pub(super) min_range: f32,
@@ -32,7 +32,7 @@ pub(super) struct View<'a> {
 
 /// How the rays of each column differ from those of a view that stands still.
 pub(super) struct Motion {
-    /// Sweep by sweep.
+    /// Phase by phase.
     heading: [Vec<f32>; 3],
     pub(super) up: [Vec<f32>; 3],
     pub(super) start: [Vec<f32>; 3],
@@ -52,16 +52,16 @@ impl<'a> View<'a> {
     /// The view from one pose, or from one for each of all columns; the poses are relative to the scene's origin.
     pub(super) fn new(band: &'a Band, columns: Range<usize>, poses: &[Pose], pattern: &SensorPattern) -> View<'a> {
         let [forward, left, up] = band.origin;
-        let of = |column: usize| if poses.len() == 1 { &poses[0] } else { &poses[column] };
-        let middle = of((columns.start + columns.end) / 2);
+        let pose_of = |column: usize| if poses.len() == 1 { &poses[0] } else { &poses[column] };
+        let middle = pose_of((columns.start + columns.end) / 2);
         let (origin, rotation) = (middle.point(DVec3::new(0.0, 0.0, up)), middle.rotation);
         let still = poses.len() == 1 && forward == 0.0 && left == 0.0;
         let motion = (!still).then(|| {
             let frame = Pose { rotation, translation: origin };
-            Motion::new(band, &columns, &frame, of)
+            Motion::new(band, &columns, &frame, pose_of)
         });
-        let rounding = f32::EPSILON / 2.0 * band.steepest;
-        let tolerance = Tolerance { absolute: 2e-3 / band.steepest };
+        let rounding = f32::EPSILON / 2.0 * band.longest_ray;
+        let tolerance = Tolerance { absolute: 2e-3 / band.longest_ray };
         let (min_range, max_range) = (pattern.spec().min_range as f32, pattern.spec().max_range as f32);
         View { band, columns, origin, rotation, rounding, tolerance, min_range, max_range, motion }
     }
@@ -71,28 +71,28 @@ impl<'a> View<'a> {
         self.columns.len()
     }
 
-    /// Where the rays of a column start, their heading in a sweep and their up; a ray is heading + slope * up.
+    /// Where the rays of a column start, their heading in a phase and their up; a ray is heading + slope * up.
     #[inline(always)]
-    pub(super) fn ray(&self, sweep: usize, column: usize) -> (DVec3, DVec3, DVec3) {
+    pub(super) fn ray(&self, phase: usize, column: usize) -> (DVec3, DVec3, DVec3) {
         let Some(motion) = &self.motion else {
-            let [cos, sin] = self.band.headings(sweep);
+            let [cos, sin] = self.band.headings(phase);
             let column = self.columns.start + column;
             return (DVec3::ZERO, DVec3::new(f64::from(cos[column]), f64::from(sin[column]), 0.0), DVec3::Z);
         };
         let vector = |table: &[Vec<f32>; 3], at: usize| {
             DVec3::new(f64::from(table[0][at]), f64::from(table[1][at]), f64::from(table[2][at]))
         };
-        let heading = vector(&motion.heading, sweep * padded(self.width()) + column);
+        let heading = vector(&motion.heading, phase * padded(self.width()) + column);
         (vector(&motion.start, column), heading, vector(&motion.up, column))
     }
 
-    /// Headings of a sweep in the columns from `at` on, counted from the view's first.
+    /// Headings of a phase in the columns from `at` on, counted from the view's first.
     #[inline(always)]
-    pub(super) fn headings<L: Lanes>(&self, sweep: usize, at: usize) -> Vector<L> {
+    pub(super) fn headings<L: Lanes>(&self, phase: usize, at: usize) -> Vector<L> {
         if let Some(motion) = &self.motion {
-            return Vector::load(&motion.heading, sweep * padded(self.width()) + at);
+            return Vector::load(&motion.heading, phase * padded(self.width()) + at);
         }
-        let [cos, sin] = self.band.headings(sweep);
+        let [cos, sin] = self.band.headings(phase);
         let at = self.columns.start + at;
         Vector::new(L::load(cos, at), L::load(sin, at), L::splat(0.0))
     }
@@ -101,14 +101,14 @@ impl<'a> View<'a> {
 impl View<'_> {
     /// The headings of rays in these rows and columns, counted from the view's first.
     #[inline(always)]
-    pub(super) fn heading_of<L: Lanes>(&self, row: L, column: L) -> Vector<L> {
-        let sweep = if self.band.count == 1 { L::splat(0.0) } else { row.gather(&self.band.places) };
+    pub(super) fn heading_at<L: Lanes>(&self, row: L, column: L) -> Vector<L> {
+        let phase = if self.band.phase_count == 1 { L::splat(0.0) } else { row.gather(&self.band.phase_lanes) };
         if let Some(motion) = &self.motion {
-            return Vector::gather(&motion.heading, sweep.mul_add(L::splat(padded(self.width()) as f32), column));
+            return Vector::gather(&motion.heading, phase.mul_add(L::splat(padded(self.width()) as f32), column));
         }
         let [cos, sin] = &self.band.headings;
-        let long = L::splat((cos.len() / self.band.count) as f32);
-        let at = sweep.mul_add(long, column + L::splat(self.columns.start as f32));
+        let long = L::splat((cos.len() / self.band.phase_count) as f32);
+        let at = phase.mul_add(long, column + L::splat(self.columns.start as f32));
         Vector::new(at.gather(cos), at.gather(sin), L::splat(0.0))
     }
 }
@@ -120,10 +120,10 @@ impl Motion {
         Columns { up: Vector::load(&self.up, at), start: Vector::load(&self.start, at) }
     }
 
-    fn new<'p>(band: &Band, columns: &Range<usize>, frame: &Pose, of: impl Fn(usize) -> &'p Pose) -> Motion {
+    fn new<'p>(band: &Band, columns: &Range<usize>, frame: &Pose, pose_of: impl Fn(usize) -> &'p Pose) -> Motion {
         let padded = padded(columns.len());
         let mut motion = Motion {
-            heading: [(); 3].map(|()| Vec::with_capacity(band.count * padded)),
+            heading: [(); 3].map(|()| Vec::with_capacity(band.phase_count * padded)),
             up: [(); 3].map(|()| Vec::with_capacity(padded)),
             start: [(); 3].map(|()| Vec::with_capacity(padded)),
             shift: 0.0,
@@ -132,17 +132,17 @@ impl Motion {
         let [forward, left, up] = band.origin;
         let into_frame = frame.rotation.transpose();
         let all = || (columns.start..columns.start + padded).map(|column| column.min(columns.end - 1));
-        let heading = |sweep: usize, column: usize| {
-            let [cos, sin] = band.headings(sweep);
-            into_frame * (of(column).rotation * DVec3::new(f64::from(cos[column]), f64::from(sin[column]), 0.0))
+        let heading = |phase: usize, column: usize| {
+            let [cos, sin] = band.headings(phase);
+            into_frame * (pose_of(column).rotation * DVec3::new(f64::from(cos[column]), f64::from(sin[column]), 0.0))
         };
-        for (sweep, column) in (0..band.count).flat_map(|sweep| all().map(move |column| (sweep, column))) {
-            push(&mut motion.heading, heading(sweep, column));
+        for (phase, column) in (0..band.phase_count).flat_map(|phase| all().map(move |column| (phase, column))) {
+            push(&mut motion.heading, heading(phase, column));
         }
         for column in all() {
-            let pose = of(column);
+            let pose = pose_of(column);
             let turn = into_frame * pose.rotation;
-            // Sweeps differ only where all rays start on the axis.
+            // Phases differ only where all rays start on the axis.
             let heading = heading(0, column);
             let side = turn.z_axis.cross(heading);
             let center = into_frame * (pose.translation - frame.translation);

@@ -107,7 +107,7 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
-    fn put(mask: Mask8, value: u32, to: &mut [u32], at: usize) {
+    fn masked_store(mask: Mask8, value: u32, to: &mut [u32], at: usize) {
         let lanes: *mut __m256i = to[at..at + N].as_mut_ptr().cast();
         unsafe {
             // A masked store would be one instruction, and twenty times as slow on some processors.

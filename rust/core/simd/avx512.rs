@@ -107,7 +107,7 @@ impl Lanes for F32x16 {
     }
 
     #[inline(always)]
-    fn put(mask: Mask16, value: u32, to: &mut [u32], at: usize) {
+    fn masked_store(mask: Mask16, value: u32, to: &mut [u32], at: usize) {
         let lanes = &mut to[at..at + N];
         unsafe { _mm512_mask_storeu_epi32(lanes.as_mut_ptr().cast(), mask.0, _mm512_set1_epi32(value as i32)) }
     }

@@ -66,14 +66,14 @@ pub(crate) trait Lanes:
 
     /// The least lane.
     #[inline(always)]
-    fn lowest(self) -> f32 {
+    fn reduce_min(self) -> f32 {
         let mut lanes = [f32::INFINITY; WIDEST];
         self.store(&mut lanes, 0);
         lanes.into_iter().fold(f32::INFINITY, f32::min)
     }
 
     /// Writes `value` to `to[at + i]` for the lanes i where the mask is true.
-    fn put(mask: Self::Mask, value: u32, to: &mut [u32], at: usize);
+    fn masked_store(mask: Self::Mask, value: u32, to: &mut [u32], at: usize);
     /// Whether `of[at..at + N]` are all the same.
     fn all_equal(of: &[u32], at: usize) -> bool;
 }

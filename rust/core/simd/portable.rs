@@ -114,7 +114,7 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
-    fn put(mask: Mask8, value: u32, to: &mut [u32], at: usize) {
+    fn masked_store(mask: Mask8, value: u32, to: &mut [u32], at: usize) {
         for (lane, mask) in to[at..at + N].iter_mut().zip(mask.0) {
             *lane = (mask & value) | (!mask & *lane);
         }

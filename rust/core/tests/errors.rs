@@ -101,9 +101,9 @@ fn primitives() {
     scene(mesh([0.0; 3]), &format!("sizes[1] is [0.0, 0.0, 0.0] m; {extent}"));
     scene(mesh([1.0, -1.0, 1.0]), &format!("sizes[1] is [1.0, -1.0, 1.0] m; {extent}"));
     scene(|p| p.yaw = f64::NEG_INFINITY, "yaws[1] is -inf; it must be finite");
-    let porous = "it must be finite and greater than 0, or 0 for a solid";
+    let rule = "it must be finite and greater than 0, or 0 for a solid";
     for bad in [0.0, -1.0, f64::INFINITY, f64::NAN] {
-        scene(|p| p.extinction = Some(bad), &format!("extinctions[1] is {bad} per metre; {porous}"));
+        scene(|p| p.extinction = Some(bad), &format!("extinctions[1] is {bad} per metre; {rule}"));
     }
     scene(
         |p| (p.shape, p.size, p.extinction) = (Shape::Plane, [1.0, 1.0, 0.0], Some(1.0)),
@@ -139,8 +139,8 @@ fn tables() {
         extinctions: &[],
     };
     assert_eq!(tables.primitives(vec![box_mesh()]).unwrap().len(), 2);
-    let porous = PrimitiveTables { extinctions: &[0.0, 2.0], ..tables }.primitives(vec![box_mesh()]).unwrap();
-    assert_eq!(porous.iter().map(|p| p.extinction).collect::<Vec<_>>(), [None, Some(2.0)]);
+    let media = PrimitiveTables { extinctions: &[0.0, 2.0], ..tables }.primitives(vec![box_mesh()]).unwrap();
+    assert_eq!(media.iter().map(|p| p.extinction).collect::<Vec<_>>(), [None, Some(2.0)]);
     says(tables.primitives(vec![]), "there are 0 meshes; 1 primitives have the shape mesh");
     says(tables.primitives(vec![box_mesh(); 2]), "there are 2 meshes; 1 primitives have the shape mesh");
     let unknown = PrimitiveTables { shapes: &[0, 7], ..tables };

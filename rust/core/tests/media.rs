@@ -3,8 +3,8 @@
 use glam::{DMat3, DVec3};
 
 use super::{Random, box_mesh, linear, pattern, primitive, scanned, spec};
-use crate::medium::{COUNT, Paths};
-use crate::{Backend, Chance, Images, Pose, Primitive, Scene, SceneHit, Shape, TriangleMesh, cast, scan};
+use crate::medium::{FreePaths, QUANTILES};
+use crate::{Backend, FreePathKey, Images, Pose, Primitive, Scene, SceneHit, Shape, TriangleMesh, cast, scan};
 
 /// How far the mean of so many numbers of deviation 1 may be off: 4 standard errors.
 fn error(count: usize) -> f64 {
@@ -15,10 +15,10 @@ fn medium(shape: Shape, center: [f64; 3], size: [f64; 3], extinction: f64) -> Pr
     Primitive { extinction: Some(extinction), ..primitive(shape, center, size) }
 }
 
-/// What many rays of the same origin and direction meet, each with a chance of its own.
+/// What many rays of the same origin and direction meet, each with a key of its own.
 fn rays(scene: &Scene, origin: DVec3, direction: DVec3, count: usize) -> Vec<Option<SceneHit>> {
-    let chance = |k: usize| Chance { seed: 9, row: (k / 1000) as u32, column: (k % 1000) as u32 };
-    (0..count).map(|k| scene.closest(origin, direction, chance(k))).collect()
+    let key = |k: usize| FreePathKey { seed: 9, row: (k / 1000) as u32, column: (k % 1000) as u32 };
+    (0..count).map(|k| scene.closest(origin, direction, key(k))).collect()
 }
 
 /// The share of rays that pass through primitive 0 is that of Beer and Lambert for so many mean free paths.
@@ -31,9 +31,9 @@ fn transmits(scene: &Scene, origin: DVec3, direction: DVec3, depth: f64) {
     assert!(off < error(count), "{share} of the rays pass, not {expected}");
 }
 
-/// Paths of 64 rows of 1024 columns in one body.
+/// FreePaths of 64 rows of 1024 columns in one body.
 fn paths(seed: u64, body: u32) -> Vec<f64> {
-    let row = |row| (0..1024).map(move |column| f64::from(Paths::new(seed, body, row).at(column)));
+    let row = |row| (0..1024).map(move |column| f64::from(FreePaths::new(seed, body, row).at(column)));
     (0..64).flat_map(row).collect()
 }
 
@@ -70,7 +70,7 @@ fn free_paths_are_independent() {
         assert!(found.abs() < error(one.len()), "{found} with body {body} of seed {seed}");
     }
     // Hardly any two rows of a scan, nor of two bodies, show the same paths a few columns apart.
-    let row = |body, row| (0..64).map(move |column| Paths::new(1, body, row).at(column).to_bits());
+    let row = |body, row| (0..64).map(move |column| FreePaths::new(1, body, row).at(column).to_bits());
     let mut runs: Vec<[u32; 4]> = Vec::new();
     for body in 0..40 {
         for paths in (0..64).map(|k| row(body, k).collect::<Vec<u32>>()) {
@@ -85,8 +85,8 @@ fn free_paths_are_independent() {
 
 #[test]
 fn a_row_of_more_columns_than_paths() {
-    let paths = Paths::new(2, 3, 4);
-    let (a, b) = (paths.at(5), paths.at(5 + COUNT));
+    let paths = FreePaths::new(2, 3, 4);
+    let (a, b) = (paths.at(5), paths.at(5 + QUANTILES));
     assert_eq!(a, b);
 }
 
@@ -183,10 +183,10 @@ fn a_mesh_is_its_box() {
     let (cuboid, meshes) = (scene(Shape::Box), [box_mesh(), turned].map(|mesh| scene(Shape::Mesh(mesh))));
     let mut random = Random(3);
     let compare = |origin: DVec3, aim: DVec3, k: u32| {
-        let chance = Chance { seed: 1, row: k, column: 7 };
-        let expected = cuboid.closest(origin, aim - origin, chance).map(|hit| hit.distance);
+        let key = FreePathKey { seed: 1, row: k, column: 7 };
+        let expected = cuboid.closest(origin, aim - origin, key).map(|hit| hit.distance);
         for mesh in &meshes {
-            let found = mesh.closest(origin, aim - origin, chance).map(|hit| hit.distance);
+            let found = mesh.closest(origin, aim - origin, key).map(|hit| hit.distance);
             let same = match (found, expected) {
                 (Some(a), Some(b)) => (a - b).abs() < 1e-9,
                 (a, b) => a == b,
@@ -238,7 +238,7 @@ fn returns_face_the_ray() {
     assert_ne!(hits, cast(&scene, &[[0.0; 3]; 50], &[[9.0, 0.0, 0.0]; 50], 99.0, 4, 1).unwrap());
 }
 
-/// A medium nearer than the minimum range is not reported, and hides what is behind it.
+/// A medium nearer than the minimum range is not reported, and occludes what is behind it.
 #[test]
 fn range_limits() {
     let mut narrow = spec(vec![0.0], 400);

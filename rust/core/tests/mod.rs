@@ -12,7 +12,7 @@ mod observe;
 mod origins;
 mod receiver;
 mod scans;
-mod sensor;
+mod sensor_pattern;
 mod shapes;
 mod sweep;
 mod watertight;

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
 
-use super::sensor::returns_to_its_pixels;
+use super::sensor_pattern::returns_to_its_pixels;
 use super::{Random, linear, pattern, primitive, scanned, spec};
 use crate::{Pose, Scene, SensorSpec, Shape};
 

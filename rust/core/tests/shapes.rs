@@ -6,9 +6,9 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 
 use super::Random;
-use crate::TriangleMesh;
-use crate::body::{Body, MeshBody, Place, Solid};
+use crate::body::{Body, MeshBody, Solid};
 use crate::intersect::{Cuboid, Cylinder, Ellipsoid, Ray, Rectangle, Triangle};
+use crate::{Pose, TriangleMesh};
 
 fn vec(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
@@ -19,7 +19,7 @@ type Seen = Option<(f64, DVec3)>;
 
 /// A body of full extents `size`, turned about z.
 fn body(solid: fn(DVec3) -> Solid, center: DVec3, size: DVec3, yaw: f64) -> Body {
-    Body::new(solid(size / 2.0), Place { center, rotation: DMat3::from_rotation_z(yaw) }, None)
+    Body::new(solid(size / 2.0), Pose { rotation: DMat3::from_rotation_z(yaw), translation: center }, None)
 }
 
 fn cuboid(half: DVec3) -> Solid {
@@ -192,8 +192,8 @@ fn normals_point_outwards() {
 /// has the normal along which `off_surface`, a function of points of the body's frame, changes.
 fn holds_for_random_rays(solid: Solid, off_surface: impl Fn(DVec3) -> f64) {
     let rotation = DMat3::from_rotation_z(0.7) * DMat3::from_rotation_y(0.4) * DMat3::from_rotation_x(-1.1);
-    let place = Place { center: vec(1.0, -2.0, 0.5), rotation };
-    let body = Body::new(solid, place, None);
+    let pose = Pose { rotation, translation: vec(1.0, -2.0, 0.5) };
+    let body = Body::new(solid, pose, None);
     let bounds = body.bounds().grown(1e-9);
     let mut random = Random(7);
     let mut hits = 0;
@@ -202,7 +202,7 @@ fn holds_for_random_rays(solid: Solid, off_surface: impl Fn(DVec3) -> f64) {
         let Some((distance, normal)) = see(&body, origin, direction) else { continue };
         hits += 1;
         let point = origin + direction * distance;
-        let local = rotation.transpose() * (point - place.center);
+        let local = rotation.transpose() * (point - pose.translation);
         assert!(off_surface(local).abs() < 1e-9, "{local} is off the surface");
         assert!(point.cmpge(bounds.min).all() && point.cmple(bounds.max).all());
         let (back, _) = see(&body, origin + direction * (distance + 1e-6), -direction).unwrap();

@@ -12,7 +12,7 @@ fn scans() -> Vec<(Scene, SensorPattern, Vec<Pose>)> {
     let mut scans = Vec::new();
     for k in 0..12 {
         let mut primitives = random_scene(&mut random, 80, DVec3::ZERO);
-        // Twins, which are always in doubt.
+        // Twins, whose pixels are always unresolved.
         primitives.extend(primitives.clone());
         primitives.push(primitive(Shape::Plane, [0.0, 0.0, -3.0], [90.0, 90.0, 0.0]));
         let scene = scene(primitives);

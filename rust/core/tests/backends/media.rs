@@ -1,4 +1,4 @@
-//! Porous bodies: every backend has the same free paths as the reference, to the last pixel.
+//! Media: every backend has the same free paths as the reference, to the last pixel.
 
 use glam::DVec3;
 
@@ -6,8 +6,8 @@ use super::random::any_pattern;
 use super::{Random, Tally, at, linear, pattern, primitive, scene, shapes, solid, spec};
 use crate::{Backend, Images, Pose, Primitive, Scene, Shape, scan, scan_batch};
 
-/// A shape that can be porous, of any size, turned anywhere.
-fn porous(random: &mut Random, k: usize, reach: f64) -> Primitive {
+/// A shape that can be a medium, of any size, turned anywhere.
+fn medium(random: &mut Random, k: usize, reach: f64) -> Primitive {
     // A mesh costs the reference more; one in ten is enough.
     let shape = if k % 10 == 9 { 4 } else { [0, 1, 2][k % 3] };
     let scale = random.pick(&[1.0, 1.0, 4.0]);
@@ -24,7 +24,7 @@ fn porous(random: &mut Random, k: usize, reach: f64) -> Primitive {
 
 /// Media among solids, some of both tilted.
 fn mixed(random: &mut Random, count: usize, reach: f64) -> Scene {
-    let mut primitives: Vec<Primitive> = (0..count).map(|k| porous(random, k, reach)).collect();
+    let mut primitives: Vec<Primitive> = (0..count).map(|k| medium(random, k, reach)).collect();
     for k in (0..count).step_by(3) {
         primitives[k].extinction = None;
     }

@@ -65,7 +65,7 @@ fn tolerance(range: f32) -> f32 {
     2e-3 + 1e-5 * range
 }
 
-/// Whether two scans see the same thing at a pixel.
+/// Whether two scans have the same return at a pixel.
 fn same(a: &Images, b: &Images, i: usize) -> bool {
     (a.depth[i] > 0.0) == (b.depth[i] > 0.0)
         && (a.depth[i] - b.depth[i]).abs() <= tolerance(b.depth[i])

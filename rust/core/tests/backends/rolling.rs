@@ -64,7 +64,7 @@ fn equal_poses() {
     assert!(tally.hits > tally.rays / 5, "{tally:?}");
 }
 
-/// Beams less than a column apart are painted together; here at a steady speed, with small triangles near and far.
+/// Beams less than a column apart are rasterized together; here at a steady speed, with small triangles near and far.
 #[test]
 fn sub_rays_of_a_beam() {
     let mut tally = Tally::default();

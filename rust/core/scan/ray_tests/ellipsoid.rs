@@ -1,36 +1,36 @@
 //! Rays against an ellipsoid.
 
-use super::{ENDLESS, Local, Porous, Shape, Solid, Tolerance, blur, three};
+use super::{MediumTest, RayTest, ShapeFrame, ShapeInView, Tolerance, UNBOUNDED, root_error, three};
 use crate::simd::{Lanes, Matrix, Vector};
 
 /// An ellipsoid, in the frame where it is the unit ball.
 #[derive(Clone, Copy)]
-pub(in crate::scan) struct Ellipsoid(pub(in crate::scan) Local);
+pub(in crate::scan) struct Ellipsoid(pub(in crate::scan) ShapeFrame);
 
 /// Rows: along the line to the centre, and twice across it.
 #[derive(Clone, Copy)]
-pub(in crate::scan) struct SeenEllipsoid<L> {
+pub(in crate::scan) struct EllipsoidTest<L> {
     rows: [Vector<L>; 4],
     /// 1 from outside, -1 from inside.
     side: L,
-    /// Nearness = `along` * first row + `root` * sqrt(discriminant).
+    /// Inverse depth = `along` * first row + `root` * sqrt(discriminant).
     along: L,
     root: L,
     /// The error of the discriminant for a unit of the first row.
     error: L,
     /// How far what the roots are worked out from may be off, as a share of it.
-    blur: L,
+    root_error: L,
 }
 
-impl Shape for Ellipsoid {
-    type Seen<L: Lanes> = SeenEllipsoid<L>;
+impl ShapeInView for Ellipsoid {
+    type Test<L: Lanes> = EllipsoidTest<L>;
 
     /// Of a ray start + t d, with s the distance of the start from the centre, c the direction to it, a = c . d and b the
     /// part of d across c: it meets the unit ball where t^2 d^2 - 2 t s a + s^2 - 1 = 0, so
     /// 1 / t = (s a + sqrt(a^2 - (s^2 - 1) b^2)) / (s^2 - 1). Nothing cancels, however far and small the ball is.
     #[inline(always)]
-    fn seen_from<L: Lanes>(&self, start: Vector<L>) -> SeenEllipsoid<L> {
-        let (axes, origin) = self.0.place(start);
+    fn test_from<L: Lanes>(&self, start: Vector<L>) -> EllipsoidTest<L> {
+        let (axes, origin) = self.0.axes_and_start(start);
         let (_, scale) = self.0.sizes();
         let axes = Matrix { x: axes.x * scale.x, y: axes.y * scale.y, z: axes.z * scale.z };
         let from = origin.times(scale);
@@ -45,16 +45,16 @@ impl Shape for Ellipsoid {
             L::select(away, from.z * inverse, L::splat(0.0)),
         );
         let power = (distance - one) * (distance + one);
-        let stretch = power.abs().sqrt();
+        let span = power.abs().sqrt();
         let [left, up] = across(center);
         let finest = L::splat(self.0.half.iter().fold(0.0, |all, half| (1.0 / half).max(all)) * self.0.rounding);
-        SeenEllipsoid {
-            rows: three(axes.combine(center), axes.combine(left * stretch), axes.combine(up * stretch)),
+        EllipsoidTest {
+            rows: three(axes.combine(center), axes.combine(left * span), axes.combine(up * span)),
             side: one.copysign(power),
             along: distance / power,
             root: one / power.abs(),
-            error: finest * L::splat(12.0) * (stretch + one + one / stretch),
-            blur: blur(distance, power),
+            error: finest * L::splat(12.0) * (span + one + one / span),
+            root_error: root_error(distance, power),
         }
     }
 }
@@ -69,7 +69,7 @@ fn across<L: Lanes>(Vector { x, y, z }: Vector<L>) -> [Vector<L>; 2] {
     [Vector::new((sign * x * x).mul_add(a, one), sign * b, -(sign * x)), Vector::new(b, (y * y).mul_add(a, sign), -y)]
 }
 
-impl<L: Lanes> SeenEllipsoid<L> {
+impl<L: Lanes> EllipsoidTest<L> {
     #[inline(always)]
     fn discriminant(&self, d: &[L; 4]) -> L {
         let across = d[1].mul_add(d[1], d[2] * d[2]);
@@ -77,31 +77,31 @@ impl<L: Lanes> SeenEllipsoid<L> {
     }
 }
 
-impl<L: Lanes> Solid<L> for SeenEllipsoid<L> {
+impl<L: Lanes> RayTest<L> for EllipsoidTest<L> {
     #[inline(always)]
     fn rows(&self) -> &[Vector<L>; 4] {
         &self.rows
     }
 
     #[inline(always)]
-    fn at_most(&self, d: [L; 4]) -> (L, L) {
+    fn upper_bounds(&self, d: [L; 4]) -> (L, L) {
         let discriminant = d[0].abs().mul_add(self.error, self.discriminant(&d));
         let root = discriminant.max(L::splat(0.0)).sqrt();
         (d[0].mul_add(self.along, self.root * root), discriminant)
     }
 
     #[inline(always)]
-    fn settled(&self, d: [L; 4], tolerance: Tolerance) -> (L, L::Mask) {
+    fn resolved(&self, d: [L; 4], tolerance: Tolerance) -> (L, L::Mask) {
         let (discriminant, error) = (self.discriminant(&d), d[0].abs() * self.error);
         let root = discriminant.max(L::splat(0.0)).sqrt();
-        let nearness = d[0].mul_add(self.along, self.root * root);
+        let inverse_depth = d[0].mul_add(self.along, self.root * root);
         // The root is off by half the error of what is under it, divided by it.
-        let exact = (tolerance.of(nearness) * root).ge(error * self.root);
-        (nearness, discriminant.gt(error) & exact)
+        let exact = (tolerance.allowed_error(inverse_depth) * root).ge(error * self.root);
+        (inverse_depth, discriminant.gt(error) & exact)
     }
 }
 
-impl<L: Lanes> SeenEllipsoid<L> {
+impl<L: Lanes> EllipsoidTest<L> {
     /// When a ray enters and leaves: the former at the most and the latter at the least (sign 1), or the other way round;
     /// and discriminant and error.
     #[inline(always)]
@@ -111,26 +111,26 @@ impl<L: Lanes> SeenEllipsoid<L> {
         let root = discriminant.abs().sqrt();
         let error = d[0].abs().max(root) * self.error;
         let middle = d[0] * self.along;
-        let blur = self.root.mul_add(root, middle.abs()) * self.blur * signed;
+        let root_error = self.root.mul_add(root, middle.abs()) * self.root_error * signed;
         let outside = self.side.gt(zero);
         // Seen from inside, it is left at the other root.
         let entering = (error.mul_add(signed, discriminant)).max(zero).sqrt();
         let leaving = (error * self.side).mul_add(signed, discriminant).max(zero).sqrt();
-        let enter = self.root.mul_add(entering, middle) + blur;
-        let leave = (-(self.root * self.side)).mul_add(leaving, middle) - blur;
-        (L::select(outside, enter, L::splat(ENDLESS)), leave, [discriminant, error])
+        let enter = self.root.mul_add(entering, middle) + root_error;
+        let leave = (-(self.root * self.side)).mul_add(leaving, middle) - root_error;
+        (L::select(outside, enter, L::splat(UNBOUNDED)), leave, [discriminant, error])
     }
 }
 
-impl<L: Lanes> Porous<L> for SeenEllipsoid<L> {
+impl<L: Lanes> MediumTest<L> for EllipsoidTest<L> {
     #[inline(always)]
-    fn at_most_through(&self, d: [L; 4]) -> (L, L, L) {
+    fn widest_interval(&self, d: [L; 4]) -> (L, L, L) {
         let (enter, leave, [discriminant, error]) = self.passes(&d, 1.0);
         (enter, leave, discriminant + error)
     }
 
     #[inline(always)]
-    fn at_least_through(&self, d: [L; 4]) -> (L, L, L::Mask) {
+    fn narrowest_interval(&self, d: [L; 4]) -> (L, L, L::Mask) {
         let (enter, leave, [discriminant, error]) = self.passes(&d, -1.0);
         (enter, leave, discriminant.gt(error))
     }

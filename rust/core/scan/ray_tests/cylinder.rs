@@ -1,36 +1,36 @@
 //! Rays against a cylinder.
 
 use super::slab::Slab;
-use super::{ENDLESS, Local, Porous, Shape, Solid, Tolerance, blur, three};
+use super::{MediumTest, RayTest, ShapeFrame, ShapeInView, Tolerance, UNBOUNDED, root_error, three};
 use crate::simd::{Lanes, Vector};
 
 /// An upright cylinder seen from outside, in the frame where its outline is the unit circle.
 #[derive(Clone, Copy)]
-pub(in crate::scan) struct Cylinder(pub(in crate::scan) Local);
+pub(in crate::scan) struct Cylinder(pub(in crate::scan) ShapeFrame);
 
 /// Rows: along the line to the axis, across it, and up.
 #[derive(Clone, Copy)]
-pub(in crate::scan) struct SeenCylinder<L> {
+pub(in crate::scan) struct CylinderTest<L> {
     rows: [Vector<L>; 4],
     side: L,
     along: L,
-    /// Nearness of entering and of leaving the round side: `along` * first row + these * sqrt(discriminant).
+    /// Inverse depth of entering and of leaving the round side: `along` * first row + these * sqrt(discriminant).
     roots: [L; 2],
     /// 0 where rays start within the outline from above, and have no round side to enter by; else 1.
     outside: L,
     between: L,
     error: L,
     /// How far what the roots are worked out from may be off, as a share of it.
-    blur: L,
+    root_error: L,
     caps: Slab<L>,
 }
 
-impl Shape for Cylinder {
-    type Seen<L: Lanes> = SeenCylinder<L>;
+impl ShapeInView for Cylinder {
+    type Test<L: Lanes> = CylinderTest<L>;
 
     #[inline(always)]
-    fn seen_from<L: Lanes>(&self, start: Vector<L>) -> SeenCylinder<L> {
-        let (axes, origin) = self.0.place(start);
+    fn test_from<L: Lanes>(&self, start: Vector<L>) -> CylinderTest<L> {
+        let (axes, origin) = self.0.axes_and_start(start);
         let (_, scale) = self.0.sizes();
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let (x_axis, y_axis) = (axes.x * scale.x, axes.y * scale.y);
@@ -39,25 +39,25 @@ impl Shape for Cylinder {
         let inverse = -(one / distance.max(L::splat(1e-20)));
         let (x, y) = (x * inverse, y * inverse);
         let power = (distance - one) * (distance + one);
-        let stretch = power.abs().sqrt();
+        let span = power.abs().sqrt();
         let outside = power.gt(zero);
         let root = one / power.abs();
         let finest = L::splat((1.0 / self.0.half[0]).max(1.0 / self.0.half[1]) * self.0.rounding);
-        SeenCylinder {
-            rows: three(x_axis * x + y_axis * y, (y_axis * x - x_axis * y) * stretch, axes.z),
+        CylinderTest {
+            rows: three(x_axis * x + y_axis * y, (y_axis * x - x_axis * y) * span, axes.z),
             side: one.copysign(power),
             along: distance / power,
             roots: [root, L::select(outside, -root, root)],
             outside: L::select(outside, one, zero),
-            between: L::select(outside, zero, L::splat(ENDLESS)),
-            error: finest * L::splat(12.0) * (stretch + one + one / stretch),
-            blur: blur(distance, power),
+            between: L::select(outside, zero, L::splat(UNBOUNDED)),
+            error: finest * L::splat(12.0) * (span + one + one / span),
+            root_error: root_error(distance, power),
             caps: self.0.slab(2, origin.z),
         }
     }
 }
 
-impl<L: Lanes> SeenCylinder<L> {
+impl<L: Lanes> CylinderTest<L> {
     #[inline(always)]
     fn discriminant(&self, d: &[L; 4]) -> L {
         d[0].mul_add(d[0], -(self.side * d[1] * d[1]))
@@ -91,43 +91,43 @@ impl<L: Lanes> SeenCylinder<L> {
         let (enter, leave) = self.sides(d, error * L::splat(sign));
         // Both are sums of the same two terms.
         let terms = self.roots[0].mul_add(self.discriminant(d).abs().sqrt(), (d[0] * self.along).abs());
-        let blur = terms * self.blur * L::splat(sign);
-        let enter = blur.mul_add(self.outside, enter).min(self.caps.enters(d[2], sign));
-        (enter, (leave - blur).max(self.caps.leaves(d[2], -sign)), error)
+        let root_error = terms * self.root_error * L::splat(sign);
+        let enter = root_error.mul_add(self.outside, enter).min(self.caps.enters(d[2], sign));
+        (enter, (leave - root_error).max(self.caps.leaves(d[2], -sign)), error)
     }
 }
 
-impl<L: Lanes> Solid<L> for SeenCylinder<L> {
+impl<L: Lanes> RayTest<L> for CylinderTest<L> {
     #[inline(always)]
     fn rows(&self) -> &[Vector<L>; 4] {
         &self.rows
     }
 
     #[inline(always)]
-    fn at_most(&self, d: [L; 4]) -> (L, L) {
+    fn upper_bounds(&self, d: [L; 4]) -> (L, L) {
         let (enter, leave) = self.meets(&d, 1.0);
         let discriminant = d[0].abs().mul_add(self.error, self.discriminant(&d));
         (enter, discriminant.min(enter - leave))
     }
 
     #[inline(always)]
-    fn settled(&self, d: [L; 4], tolerance: Tolerance) -> (L, L::Mask) {
+    fn resolved(&self, d: [L; 4], tolerance: Tolerance) -> (L, L::Mask) {
         let (least, latest) = self.meets(&d, -1.0);
         let (most, _) = self.meets(&d, 1.0);
         let passes = self.discriminant(&d).gt(d[0].abs() * self.error) & least.gt(latest);
-        (most, passes & tolerance.of(most).ge(most - least))
+        (most, passes & tolerance.allowed_error(most).ge(most - least))
     }
 }
 
-impl<L: Lanes> Porous<L> for SeenCylinder<L> {
+impl<L: Lanes> MediumTest<L> for CylinderTest<L> {
     #[inline(always)]
-    fn at_most_through(&self, d: [L; 4]) -> (L, L, L) {
+    fn widest_interval(&self, d: [L; 4]) -> (L, L, L) {
         let (enter, leave, error) = self.passes(&d, 1.0);
         (enter, leave, (self.discriminant(&d) + error).min(enter - leave))
     }
 
     #[inline(always)]
-    fn at_least_through(&self, d: [L; 4]) -> (L, L, L::Mask) {
+    fn narrowest_interval(&self, d: [L; 4]) -> (L, L, L::Mask) {
         let (enter, leave, error) = self.passes(&d, -1.0);
         (enter, leave, self.discriminant(&d).gt(error) & enter.gt(leave))
     }

@@ -1,45 +1,45 @@
-//! A painted view as images.
+//! A rasterized view as images.
 
-use super::draw::{Canvas, DOUBT};
 use super::view::View;
+use super::visibility_buffer::{UNRESOLVED, VisibilityBuffer};
 use crate::ImagesMut;
 use crate::packed::BodyTable;
 use crate::simd::{Lanes, Mask, WIDEST};
 
-/// The pixels that f32 could not decide: row and column of the view.
-pub(super) type Doubts = Vec<(usize, usize)>;
+/// The pixels that f32 could not resolve: row and column of the view.
+pub(super) type Unresolved = Vec<(usize, usize)>;
 
-impl Canvas {
-    /// Writes the images of a view, row by row, and leaves the canvas empty.
+impl VisibilityBuffer {
+    /// Writes the images of a view, row by row, and leaves the buffer empty.
     ///
-    /// Pixels in doubt are listed and left without return.
+    /// Unresolved pixels are listed and left without return.
     #[inline(always)]
-    pub(super) fn resolve<L: Lanes>(
+    pub(super) fn write_images<L: Lanes>(
         &mut self,
         view: &View,
         owners: &Owners,
         images: &mut [ImagesMut<'_>],
-        doubts: &mut Doubts,
+        unresolved: &mut Unresolved,
     ) {
         let (limits, zero) = (Limits::new(view), L::splat(0.0));
         let (width, whole) = (view.width(), view.width() - view.width() % L::N);
         let mut plain = [0.0; WIDEST];
         for (row, image) in images.iter_mut().enumerate() {
             let start = row * self.stride;
-            // One more vector: the last that was drawn may have reached beyond the view.
-            let (near, beyond) = self.near[start..start + whole + 2 * L::N].split_at_mut(whole);
+            // One more vector: the last that was rasterized may have reached beyond the view.
+            let (depths, beyond) = self.inverse_depth[start..start + whole + 2 * L::N].split_at_mut(whole);
             let (ids, rest) = self.id[start..start + width].split_at(whole);
             let secant = L::splat(view.band.secants[row]);
-            let mut left = Row::of(image);
-            for (near, ids) in near.chunks_exact_mut(L::N).zip(ids.chunks_exact(L::N)) {
+            let mut left = ImageRow::from_images(image);
+            for (inverse_depth, ids) in depths.chunks_exact_mut(L::N).zip(ids.chunks_exact(L::N)) {
                 let mut to = left.first(L::N);
-                let depth = secant / L::load(near, 0);
-                zero.store(near, 0);
-                if limits.surely_reported(depth) && ids.iter().fold(true, |all, &id| all & (id != DOUBT)) {
+                let depth = secant / L::load(inverse_depth, 0);
+                zero.store(inverse_depth, 0);
+                if limits.surely_reported(depth) && ids.iter().fold(true, |all, &id| all & (id != UNRESOLVED)) {
                     depth.store(to.depth, 0);
                     if L::all_equal(ids, 0) {
                         // Most vectors lie within one body.
-                        to.fill(owners.of(ids[0]));
+                        to.fill(owners.look_up(ids[0]));
                     } else {
                         to.fill_each(ids, owners);
                     }
@@ -48,13 +48,13 @@ impl Canvas {
                 } else {
                     depth.store(&mut plain, 0);
                     let at = width - left.depth.len() - L::N;
-                    scatter(&plain, ids, &limits, (row, at), owners, to, doubts);
+                    write_pixels(&plain, ids, &limits, (row, at), owners, to, unresolved);
                 }
             }
             (secant / L::load(beyond, 0)).store(&mut plain, 0);
             zero.store(beyond, 0);
             zero.store(beyond, L::N);
-            scatter(&plain, rest, &limits, (row, whole), owners, left, doubts);
+            write_pixels(&plain, rest, &limits, (row, whole), owners, left, unresolved);
         }
     }
 }
@@ -80,7 +80,7 @@ impl Limits {
         (depth.ge(L::splat(self.nearest)) & L::splat(self.furthest).ge(depth)).all()
     }
 
-    /// Where nothing is drawn, depth is infinite.
+    /// Where nothing was rasterized, depth is infinite.
     #[inline(always)]
     fn surely_beyond<L: Lanes>(&self, depth: L) -> bool {
         !L::splat(self.beyond).ge(depth).any()
@@ -89,32 +89,32 @@ impl Limits {
 
 /// Writes pixels that differ, one by one. Not inlined: it would take the registers of the loop that it is in.
 #[inline(never)]
-fn scatter(
+fn write_pixels(
     depths: &[f32],
     ids: &[u32],
     limits: &Limits,
     (row, at): (usize, usize),
     owners: &Owners,
-    mut to: Row<'_>,
-    doubts: &mut Doubts,
+    mut to: ImageRow<'_>,
+    unresolved: &mut Unresolved,
 ) {
     for ((column, &id), &depth) in (at..).zip(ids).zip(depths) {
         let mut pixel = to.first(1);
-        let doubtful = id == DOUBT || depth < limits.nearest || depth > limits.furthest;
-        if doubtful || depth > limits.beyond {
+        let unknown = id == UNRESOLVED || depth < limits.nearest || depth > limits.furthest;
+        if unknown || depth > limits.beyond {
             pixel.clear();
             // What is surely beyond the limit is no return, whatever it is.
             if depth <= limits.beyond {
-                doubts.push((row, column));
+                unresolved.push((row, column));
             }
         } else {
             pixel.depth[0] = depth;
-            pixel.fill(owners.of(id));
+            pixel.fill(owners.look_up(id));
         }
     }
 }
 
-/// Whose an id is.
+/// Which body an id belongs to.
 pub(super) struct Owners<'a> {
     /// What numbered the surfaces, if ids are numbers of surfaces and not of bodies.
     pub(super) surfaces: Option<&'a BodyTable>,
@@ -125,7 +125,7 @@ pub(super) struct Owners<'a> {
 impl Owners<'_> {
     /// The body of an id, its class and its instance.
     #[inline(always)]
-    fn of(&self, id: u32) -> (usize, u8, u32) {
+    fn look_up(&self, id: u32) -> (usize, u8, u32) {
         let body = self.surfaces.map_or(id as usize, |table| table.body_of(id).0);
         let (label, instance) = self.semantics[body];
         (body, label, instance)
@@ -133,17 +133,17 @@ impl Owners<'_> {
 }
 
 /// What is left to be written of one row of the images.
-struct Row<'a> {
+struct ImageRow<'a> {
     depth: &'a mut [f32],
     label: &'a mut [u8],
     instance: &'a mut [u32],
     primitive: Option<&'a mut [i32]>,
 }
 
-impl<'a> Row<'a> {
+impl<'a> ImageRow<'a> {
     #[inline(always)]
-    fn of(image: &'a mut ImagesMut<'_>) -> Row<'a> {
-        Row {
+    fn from_images(image: &'a mut ImagesMut<'_>) -> ImageRow<'a> {
+        ImageRow {
             depth: image.depth,
             label: image.label,
             instance: image.instance,
@@ -153,8 +153,8 @@ impl<'a> Row<'a> {
 
     /// Takes off the next columns.
     #[inline(always)]
-    fn first(&mut self, count: usize) -> Row<'a> {
-        Row {
+    fn first(&mut self, count: usize) -> ImageRow<'a> {
+        ImageRow {
             depth: first(&mut self.depth, count),
             label: first(&mut self.label, count),
             instance: first(&mut self.instance, count),
@@ -176,10 +176,10 @@ impl<'a> Row<'a> {
     /// Writes which body is in each of these columns.
     #[inline(always)]
     fn fill_each(&mut self, ids: &[u32], owners: &Owners) {
-        let (mut last, mut owner) = (ids[0], owners.of(ids[0]));
+        let (mut last, mut owner) = (ids[0], owners.look_up(ids[0]));
         for (k, &id) in ids.iter().enumerate() {
             if id != last {
-                (last, owner) = (id, owners.of(id));
+                (last, owner) = (id, owners.look_up(id));
             }
             (self.label[k], self.instance[k]) = (owner.1, owner.2);
             if let Some(primitive) = &mut self.primitive {

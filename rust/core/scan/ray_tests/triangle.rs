@@ -1,6 +1,6 @@
 //! Rays against a triangle.
 
-use super::{ENDLESS, Shape, Solid, Tolerance};
+use super::{RayTest, ShapeInView, Tolerance, UNBOUNDED};
 use crate::simd::{Lanes, Vector};
 
 /// A triangle. Its corners are relative to the view, the edge from the last to the first is the longest.
@@ -14,7 +14,7 @@ pub(in crate::scan) struct Triangle {
 
 /// Rows: the normals of the three planes through the rays' start and an edge, and the plane of the triangle.
 #[derive(Clone, Copy)]
-pub(in crate::scan) struct SeenTriangle<L> {
+pub(in crate::scan) struct TriangleTest<L> {
     pub(in crate::scan) rows: [Vector<L>; 4],
     pub(in crate::scan) edge_error: L,
     pub(in crate::scan) plane_error: L,
@@ -22,14 +22,14 @@ pub(in crate::scan) struct SeenTriangle<L> {
     pub(in crate::scan) height_error: L,
 }
 
-impl Shape for Triangle {
-    type Seen<L: Lanes> = SeenTriangle<L>;
+impl ShapeInView for Triangle {
+    type Test<L: Lanes> = TriangleTest<L>;
 
     #[inline(always)]
-    fn seen_from<L: Lanes>(&self, start: Vector<L>) -> SeenTriangle<L> {
+    fn test_from<L: Lanes>(&self, start: Vector<L>) -> TriangleTest<L> {
         let [a, b, c] = self.corners;
         let corners = [Vector::splat(a) - start, Vector::splat(b) - start, Vector::splat(c) - start];
-        SeenTriangle::new(corners, L::splat(self.reach), self.rounding)
+        TriangleTest::new(corners, L::splat(self.reach), self.rounding)
     }
 }
 
@@ -47,26 +47,26 @@ pub(in crate::scan) struct Facet {
     pub(in crate::scan) rounding: f32,
 }
 
-impl Shape for Facet {
-    type Seen<L: Lanes> = SeenTriangle<L>;
+impl ShapeInView for Facet {
+    type Test<L: Lanes> = TriangleTest<L>;
 
     #[inline(always)]
-    fn seen_from<L: Lanes>(&self, start: Vector<L>) -> SeenTriangle<L> {
+    fn test_from<L: Lanes>(&self, start: Vector<L>) -> TriangleTest<L> {
         let [a, b, c] = self.corners;
         let corners = [Vector::splat(a) - start, Vector::splat(b) - start, Vector::splat(c) - start];
         let normal = Vector::splat(self.normal);
         let height = L::splat(self.height) - normal.dot(start);
-        let (zero, one, endless) = (L::splat(0.0), L::splat(1.0), L::splat(ENDLESS));
-        // In the plane itself, on which side is anybody's guess: then these rays decide nothing.
+        let (zero, one, unbounded) = (L::splat(0.0), L::splat(1.0), L::splat(UNBOUNDED));
+        // In the plane itself, the side is unknown: then these rays resolve nothing.
         let known = height.abs().gt(L::splat(1e-6 * self.reach));
         let inverse = L::select(known, one / height, zero);
         let ([x, y, z], longest) = edges(corners, one.copysign(height));
         // Close to the plane, what rounding took from the way to the start of a ray counts for more.
         let lost = (height.abs() + L::splat(3.0 * self.shift)) * inverse.abs() * L::splat(4.0 * self.rounding);
-        SeenTriangle {
+        TriangleTest {
             rows: [x, y, z, normal * inverse],
-            edge_error: L::select(known, longest * L::splat(8.0 * self.rounding * self.reach), endless),
-            plane_error: L::select(known, inverse.abs() * L::splat(4.0 * self.rounding), endless),
+            edge_error: L::select(known, longest * L::splat(8.0 * self.rounding * self.reach), unbounded),
+            plane_error: L::select(known, inverse.abs() * L::splat(4.0 * self.rounding), unbounded),
             height_error: lost,
         }
     }
@@ -82,26 +82,26 @@ fn edges<L: Lanes>([a, b, c]: [Vector<L>; 3], side: L) -> ([Vector<L>; 3], L) {
     ([a.cross(ab) * side, b.cross(bc) * side, c.cross(ca) * side], longest)
 }
 
-impl<L: Lanes> SeenTriangle<L> {
+impl<L: Lanes> TriangleTest<L> {
     /// A triangle with these corners relative to the start of the rays, the edge from the last to the first the longest.
     #[inline(always)]
-    pub(in crate::scan) fn new(corners: [Vector<L>; 3], reach: L, rounding: f32) -> SeenTriangle<L> {
+    pub(in crate::scan) fn new(corners: [Vector<L>; 3], reach: L, rounding: f32) -> TriangleTest<L> {
         let [a, b, c] = corners;
         // The two shorter edges: what is left of the product of two long ones is no more exact than they are.
         let (ab, bc) = (b - a, c - b);
         let normal = ab.cross(bc);
         let height = normal.dot(b);
         let size = (ab.dot(ab) * bc.dot(bc)).sqrt();
-        // Seen edge-on, the side from which it is seen is anybody's guess: then all around it is in doubt.
+        // Seen edge-on, the side from which it is seen is unknown: then all around it is unresolved.
         let known = height.abs().gt(size * reach * L::splat(8.0 * rounding));
-        let (zero, one, endless) = (L::splat(0.0), L::splat(1.0), L::splat(ENDLESS));
+        let (zero, one, unbounded) = (L::splat(0.0), L::splat(1.0), L::splat(UNBOUNDED));
         let inverse = L::select(known, one / height, zero);
         let ([x, y, z], longest) = edges(corners, one.copysign(height));
         let scale = size * inverse.abs() * L::splat(4.0 * rounding);
-        SeenTriangle {
+        TriangleTest {
             rows: [x, y, z, normal * inverse],
-            edge_error: L::select(known, reach * longest * L::splat(8.0 * rounding), endless),
-            plane_error: L::select(known, scale, endless),
+            edge_error: L::select(known, reach * longest * L::splat(8.0 * rounding), unbounded),
+            plane_error: L::select(known, scale, unbounded),
             height_error: scale * reach,
         }
     }
@@ -119,27 +119,27 @@ impl<L: Lanes> SeenTriangle<L> {
     }
 }
 
-impl<L: Lanes> Solid<L> for SeenTriangle<L> {
+impl<L: Lanes> RayTest<L> for TriangleTest<L> {
     #[inline(always)]
     fn rows(&self) -> &[Vector<L>; 4] {
         &self.rows
     }
 
     #[inline(always)]
-    fn at_most(&self, d: [L; 4]) -> (L, L) {
+    fn upper_bounds(&self, d: [L; 4]) -> (L, L) {
         (d[3].abs().mul_add(self.height_error, d[3] + self.plane_error), d[0].min(d[1]).min(d[2]) + self.edge_error)
     }
 
     #[inline(always)]
-    fn settled(&self, d: [L; 4], tolerance: Tolerance) -> (L, L::Mask) {
+    fn resolved(&self, d: [L; 4], tolerance: Tolerance) -> (L, L::Mask) {
         let within = d[0].min(d[1]).min(d[2]).gt(self.edge_error);
-        (d[3], within & tolerance.of(d[3]).ge(d[3].mul_add(self.height_error, self.plane_error)))
+        (d[3], within & tolerance.allowed_error(d[3]).ge(d[3].mul_add(self.height_error, self.plane_error)))
     }
 
     /// Each edge function is linear in the slope: it begins or ceases to be within its error of 0 at one.
     #[inline(always)]
     fn slopes(&self, along: &[L; 4], rise: &[L; 4]) -> Option<(L, L)> {
-        let (mut low, mut high) = (L::splat(-ENDLESS), L::splat(ENDLESS));
+        let (mut low, mut high) = (L::splat(-UNBOUNDED), L::splat(UNBOUNDED));
         for edge in 0..3 {
             let slope = -((along[edge] + self.edge_error) / rise[edge]);
             low = L::select(rise[edge].gt(L::splat(0.0)), low.max(slope), low);

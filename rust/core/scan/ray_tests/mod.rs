@@ -1,10 +1,10 @@
-//! The shapes as a vector of rays sees them: the tests of `intersect`, in f32 and with their errors.
+//! Vectors of rays against shapes: the tests of `intersect`, in f32 and with their errors.
 //!
-//! A ray direction enters as four numbers that are linear in it (the rows of [`Solid`]): its coordinates in the frame of the
-//! shape, or the edge functions of a triangle. The answer is a **nearness**, 1 / t, which is linear in the direction where
-//! a surface is flat. Each test is asked twice: [`Solid::at_most`] never says less than the truth, so what it leaves out
-//! is certainly no hit; [`Solid::settled`] says a hit only where rounding cannot have decided. What lies between is left to
-//! the f64 tests of `intersect`.
+//! A ray direction enters as four numbers that are linear in it (the rows of [`RayTest`]): its coordinates in the frame of the
+//! shape, or the edge functions of a triangle. The answer is an **inverse depth**, 1 / t, which is linear in the direction
+//! where a surface is flat. Each test is asked twice: [`RayTest::upper_bounds`] never says less than the truth, so what it
+//! leaves out is certainly no hit; [`RayTest::resolved`] says a hit only where rounding cannot have decided. What lies between
+//! is unresolved, and left to the f64 tests of `intersect`.
 
 mod cuboid;
 mod cylinder;
@@ -20,16 +20,16 @@ pub(super) use cuboid::Cuboid;
 pub(super) use cylinder::Cylinder;
 pub(super) use ellipsoid::Ellipsoid;
 pub(super) use rectangle::Rectangle;
-pub(super) use triangle::{Facet, SeenTriangle, Triangle};
+pub(super) use triangle::{Facet, Triangle, TriangleTest};
 
-/// A shape as rays see it that start at one point, or at one point a lane.
-pub(super) trait Solid<L: Lanes>: Copy {
+/// A shape against rays that start at one point, or at one point a lane.
+pub(super) trait RayTest<L: Lanes>: Copy {
     /// The vectors whose products with a ray direction the tests want.
     fn rows(&self) -> &[Vector<L>; 4];
-    /// A nearness and a margin, neither less than the truth; the ray misses where the margin is negative.
-    fn at_most(&self, direction: [L; 4]) -> (L, L);
-    /// The nearness, and where it is a hit beyond doubt and as exact as `tolerance` asks.
-    fn settled(&self, direction: [L; 4], tolerance: Tolerance) -> (L, L::Mask);
+    /// An inverse depth and a margin, neither less than the truth; the ray misses where the margin is negative.
+    fn upper_bounds(&self, direction: [L; 4]) -> (L, L);
+    /// The inverse depth, and where it certainly is a hit and as exact as `tolerance` asks.
+    fn resolved(&self, direction: [L; 4], tolerance: Tolerance) -> (L, L::Mask);
 
     /// Between which slopes rays can hit it whose products are `along + slope * rise`; `None` if that is not known.
     #[inline(always)]
@@ -38,21 +38,21 @@ pub(super) trait Solid<L: Lanes>: Copy {
     }
 }
 
-/// A solid that rays travel through. From within it is entered at [`ENDLESS`].
-pub(super) trait Porous<L: Lanes>: Solid<L> {
-    /// The nearness of entering, not less than the truth, and of leaving, not more than the truth; and a margin as that of
-    /// [`Solid::at_most`].
-    fn at_most_through(&self, direction: [L; 4]) -> (L, L, L);
-    /// The nearness of entering, not more than the truth, and of leaving, not less; and where the ray passes through beyond
-    /// doubt.
-    fn at_least_through(&self, direction: [L; 4]) -> (L, L, L::Mask);
+/// A shape that rays travel through. From within it is entered at [`UNBOUNDED`].
+pub(super) trait MediumTest<L: Lanes>: RayTest<L> {
+    /// The inverse depth of entering, not less than the truth, and of leaving, not more than the truth; and a margin as that
+    /// of [`RayTest::upper_bounds`].
+    fn widest_interval(&self, direction: [L; 4]) -> (L, L, L);
+    /// The inverse depth of entering, not more than the truth, and of leaving, not less; and where the ray certainly passes
+    /// through.
+    fn narrowest_interval(&self, direction: [L; 4]) -> (L, L, L::Mask);
 }
 
 /// A shape in the frame of a view, before it is known where rays start.
-pub(super) trait Shape: Copy {
-    type Seen<L: Lanes>: Solid<L>;
-    /// The shape for rays that start at these points.
-    fn seen_from<L: Lanes>(&self, start: Vector<L>) -> Self::Seen<L>;
+pub(super) trait ShapeInView: Copy {
+    type Test<L: Lanes>: RayTest<L>;
+    /// The test for rays that start at these points.
+    fn test_from<L: Lanes>(&self, start: Vector<L>) -> Self::Test<L>;
 }
 
 /// How exact a range must be to count: within `absolute` metres and a share `RELATIVE` of it.
@@ -64,19 +64,19 @@ pub(super) struct Tolerance {
 impl Tolerance {
     pub(super) const RELATIVE: f32 = 8e-6;
 
-    /// The largest error of a nearness that is still exact enough.
+    /// The largest error of an inverse depth that is still exact enough.
     #[inline(always)]
-    pub(super) fn of<L: Lanes>(self, nearness: L) -> L {
-        nearness * nearness.mul_add(L::splat(self.absolute), L::splat(Tolerance::RELATIVE))
+    pub(super) fn allowed_error<L: Lanes>(self, inverse_depth: L) -> L {
+        inverse_depth * inverse_depth.mul_add(L::splat(self.absolute), L::splat(Tolerance::RELATIVE))
     }
 }
 
-/// Nearer than any hit, and still a number.
-const ENDLESS: f32 = 1e30;
+/// Larger than the inverse depth of any hit, and still a number.
+pub(super) const UNBOUNDED: f32 = 1e30;
 
-/// The frame of a shape as a view sees it.
+/// The frame of a shape in a view.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Local {
+pub(super) struct ShapeFrame {
     /// The axes of the shape, as rows: they take a vector of the view into the shape's frame.
     pub(super) axes: [[f32; 3]; 3],
     /// Where the view's origin lies in that frame [m].
@@ -89,10 +89,10 @@ pub(super) struct Local {
     pub(super) shift: f32,
 }
 
-impl Local {
+impl ShapeFrame {
     /// The axes, and where rays that start at these points start in the frame of the shape.
     #[inline(always)]
-    fn place<L: Lanes>(&self, start: Vector<L>) -> (Matrix<L>, Vector<L>) {
+    fn axes_and_start<L: Lanes>(&self, start: Vector<L>) -> (Matrix<L>, Vector<L>) {
         let axes = Matrix::splat(self.axes);
         (axes, Vector::splat(self.origin) + axes.apply(start))
     }
@@ -120,6 +120,6 @@ fn three<L: Lanes>(x: Vector<L>, y: Vector<L>, z: Vector<L>) -> [Vector<L>; 4] {
 /// How far the roots of a round surface may be off, as a share of their terms, if rays start at this distance from its
 /// middle, in radii, and `power` is what is left of its square less 1.
 #[inline(always)]
-fn blur<L: Lanes>(distance: L, power: L) -> L {
+fn root_error<L: Lanes>(distance: L, power: L) -> L {
     (distance * distance / power.abs()).mul_add(L::splat(8.0 * f32::EPSILON), L::splat(4.0 * f32::EPSILON))
 }

@@ -57,8 +57,8 @@ impl PrimitiveTables<'_> {
             ("labels", self.labels.len()),
             ("instances", self.instances.len()),
         ];
-        let porous = (!self.extinctions.is_empty()).then_some(("extinctions", self.extinctions.len()));
-        match tables.into_iter().chain(porous).find(|&(_, entries)| entries != primitives) {
+        let extinctions = (!self.extinctions.is_empty()).then_some(("extinctions", self.extinctions.len()));
+        match tables.into_iter().chain(extinctions).find(|&(_, entries)| entries != primitives) {
             Some((table, entries)) => Err(Error::PrimitiveTable { table, entries, primitives }),
             None => Ok(()),
         }

@@ -1,33 +1,33 @@
-//! The fast path: a scan as views that are painted.
+//! The fast path: a scan cut into views, each of which is rasterized.
 //!
 //! All rays of a scan start close together and lie on a grid, so it is not a walk through a hierarchy for every ray but a
-//! picture in angles: bodies are bounded, sorted by distance and drawn on the pixels they may cover. What f32 cannot decide,
-//! some pixels in a scan, is cast anew by the [`reference`], so that both agree on every hit.
+//! picture in angles: bodies are bounded, sorted by distance and rasterized on the pixels they may cover. What f32 cannot
+//! resolve, some pixels in a scan, is cast anew by the [`reference`], so that both agree on every hit.
 
 use std::cell::RefCell;
 use std::ops::Range;
 
-use super::incidence::Faces;
-use super::paint::Painter;
+use super::incidence::IncidenceWriter;
+use super::rasterizer::Rasterizer;
 use super::reference;
-use super::resolve::{Doubts, Owners};
 use super::view::View;
+use super::write_images::{Owners, Unresolved};
 use crate::packed::Band;
 use crate::simd::{self, Kernel, Lanes, WIDEST};
 use crate::threads::spread;
 use crate::{Backend, ImagesMut, Pose, Scene, SensorPattern};
 
-/// The columns that share bounds when each has a pose of its own, at most and at least: by how far the sensor moves
-/// meanwhile [m], and the fewest if it turns.
-const ROLLING: usize = 256;
-const TURNING: usize = 64;
-const MOVING: f64 = 0.3;
+/// The most columns that share bounds when each has a pose of its own, and the fewest, which it is if the sensor turns.
+const MOST_ROLLING: usize = 256;
+const FEWEST_ROLLING: usize = 64;
+/// Between those, as many as it takes the sensor to move so far [m].
+const ROLLING_DISTANCE: f64 = 0.3;
 /// A thread is not woken for fewer columns.
-const FEWEST: usize = 128;
+const FEWEST_COLUMNS: usize = 128;
 /// More pixels than this, of 8 bytes each, leave the second fastest cache of many processors.
-const MOST: usize = 1 << 16;
+const MOST_PIXELS: usize = 1 << 16;
 
-/// A view to be painted, and where to.
+/// A view to be rasterized, and where to.
 struct Job<'a> {
     band: &'a Band,
     columns: Range<usize>,
@@ -46,7 +46,7 @@ struct Scan<'a> {
     backend: Backend,
 }
 
-/// Casts a scan as views: bands of rows, cut into stretches of columns.
+/// Casts a scan as views: bands of rows over some of the columns.
 pub(super) fn scan(
     scene: &Scene,
     pattern: &SensorPattern,
@@ -58,25 +58,25 @@ pub(super) fn scan(
 ) {
     let local = |pose: &Pose| Pose { translation: pose.translation - scene.origin(), ..*pose };
     let scan = Scan { scene, pattern, poses, local: poses.iter().map(local).collect(), seed, backend };
-    let width = if poses.len() > 1 { rolling(poses) } else { stretch(pattern, threads) };
+    let width = if poses.len() > 1 { rolling_width(poses) } else { still_width(pattern, threads) };
     spread(threads, jobs(pattern, images, width), |job| scan.run(job));
 }
 
-/// How many columns are painted at once: those of a thread, but no more than stay in its cache.
-fn stretch(pattern: &SensorPattern, threads: usize) -> usize {
+/// How many columns are rasterized at once: those of a thread, but no more than stay in its cache.
+fn still_width(pattern: &SensorPattern, threads: usize) -> usize {
     let threads = if threads == 0 { rayon::current_num_threads() } else { threads };
-    let parts = threads.max((pattern.rows() * pattern.columns()).div_ceil(MOST));
-    pattern.columns().div_ceil(parts).next_multiple_of(WIDEST).max(FEWEST)
+    let parts = threads.max((pattern.rows() * pattern.columns()).div_ceil(MOST_PIXELS));
+    pattern.columns().div_ceil(parts).next_multiple_of(WIDEST).max(FEWEST_COLUMNS)
 }
 
-/// How many columns are painted at once that have a pose each.
-fn rolling(poses: &[Pose]) -> usize {
+/// How many columns are rasterized at once that have a pose each.
+fn rolling_width(poses: &[Pose]) -> usize {
     let turns = |pair: &[Pose]| !pair[0].rotation.abs_diff_eq(pair[1].rotation, 1e-12);
     let step = poses.windows(2).map(|pair| pair[0].translation.distance(pair[1].translation)).fold(0.0, f64::max);
     if poses.windows(2).any(turns) {
-        return TURNING;
+        return FEWEST_ROLLING;
     }
-    ((MOVING / step.max(1e-9)) as usize / TURNING * TURNING).clamp(TURNING, ROLLING)
+    ((ROLLING_DISTANCE / step.max(1e-9)) as usize / FEWEST_ROLLING * FEWEST_ROLLING).clamp(FEWEST_ROLLING, MOST_ROLLING)
 }
 
 fn jobs<'a>(pattern: &'a SensorPattern, images: &'a mut ImagesMut<'_>, width: usize) -> Vec<Job<'a>> {
@@ -98,32 +98,32 @@ fn jobs<'a>(pattern: &'a SensorPattern, images: &'a mut ImagesMut<'_>, width: us
 }
 
 thread_local! {
-    static PAINTER: RefCell<Painter> = RefCell::default();
+    static RASTERIZER: RefCell<Rasterizer> = RefCell::default();
 }
 
 /// A view on its way to its images, for vectors of any width.
-struct Painting<'s, 'v, 'i> {
+struct ViewKernel<'s, 'v, 'i> {
     scan: &'s Scan<'s>,
     view: &'v View<'v>,
-    painter: &'v mut Painter,
+    rasterizer: &'v mut Rasterizer,
     images: &'v mut [ImagesMut<'i>],
-    doubts: &'v mut Doubts,
+    unresolved: &'v mut Unresolved,
 }
 
-impl Kernel for Painting<'_, '_, '_> {
+impl Kernel for ViewKernel<'_, '_, '_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Painting { scan, view, painter, images, doubts } = self;
+        let ViewKernel { scan, view, rasterizer, images, unresolved } = self;
         let (scene, table) = (scan.scene, scan.scene.body_table());
         let surfaces = images.first().is_some_and(|image| image.incidence.is_some() || image.normal.is_some());
-        painter.paint::<L>(scene, view, scan.seed, surfaces);
+        rasterizer.rasterize::<L>(scene, view, scan.seed, surfaces);
         let owners = Owners { surfaces: surfaces.then_some(table), semantics: scene.semantics() };
-        painter.canvas.resolve::<L>(view, &owners, images, doubts);
+        rasterizer.buffer.write_images::<L>(view, &owners, images, unresolved);
         if surfaces {
-            let mut faces = Faces::new(scene, view);
+            let mut incidence = IncidenceWriter::new(scene, view);
             for (row, image) in images.iter_mut().enumerate() {
-                let ids = &painter.canvas.id[row * painter.canvas.stride..][..view.width()];
-                faces.write(row, ids, image);
+                let ids = &rasterizer.buffer.id[row * rasterizer.buffer.stride..][..view.width()];
+                incidence.write(row, ids, image);
             }
         }
     }
@@ -132,13 +132,14 @@ impl Kernel for Painting<'_, '_, '_> {
 impl Scan<'_> {
     fn run(&self, mut job: Job<'_>) {
         let view = View::new(job.band, job.columns.clone(), &self.local, self.pattern);
-        let (mut doubts, images) = (Vec::new(), &mut job.images);
+        let (mut unresolved, images) = (Vec::new(), &mut job.images);
         // Taken, so that a panic leaves no half a view behind.
-        let mut painter = PAINTER.take();
-        let painting = Painting { scan: self, view: &view, painter: &mut painter, images, doubts: &mut doubts };
-        simd::run(self.backend, painting);
-        PAINTER.set(painter);
-        for (row, column) in doubts {
+        let mut rasterizer = RASTERIZER.take();
+        let kernel =
+            ViewKernel { scan: self, view: &view, rasterizer: &mut rasterizer, images, unresolved: &mut unresolved };
+        simd::run(self.backend, kernel);
+        RASTERIZER.set(rasterizer);
+        for (row, column) in unresolved {
             let (beam, ray) = (job.band.rows[row] as usize, job.columns.start + column);
             let found = reference::cast_pixel(self.scene, self.pattern, self.poses, self.seed, [beam, ray]);
             job.images[row].set(column, found.as_ref());

@@ -1,6 +1,6 @@
 //! The space between two parallel planes.
 
-use super::ENDLESS;
+use super::UNBOUNDED;
 use crate::simd::Lanes;
 
 /// Closer to a plane than this share of the terms of its distance, rays start in it: some ten times f32's rounding.
@@ -9,10 +9,10 @@ const IN_PLANE: f32 = 1e-6;
 /// The part of a ray between two parallel planes, seen from outside or from between them.
 #[derive(Clone, Copy)]
 pub(super) struct Slab<L> {
-    /// Nearness of entering and of leaving through either plane, for a unit of direction along the normal.
+    /// Inverse depth of entering and of leaving through either plane, for a unit of direction along the normal.
     enter: L,
     leave: [L; 2],
-    /// Added to the nearness of entering: nothing to enter from between the planes.
+    /// Added to the inverse depth of entering: nothing to enter from between the planes.
     between: L,
     /// How far those may be off.
     enter_error: L,
@@ -22,9 +22,9 @@ pub(super) struct Slab<L> {
 impl<L: Lanes> Slab<L> {
     #[inline(always)]
     pub(super) fn new(origin: L, half: L, shift: L, rounding: f32) -> Slab<L> {
-        let (zero, one, endless) = (L::splat(0.0), L::splat(1.0), L::splat(ENDLESS));
+        let (zero, one, unbounded) = (L::splat(0.0), L::splat(1.0), L::splat(UNBOUNDED));
         let outside = origin.abs().gt(half);
-        // In the plane itself, on which side is anybody's guess: then this slab decides nothing.
+        // In the plane itself, the side is unknown: then this slab decides nothing.
         let known = (origin.abs() - half).abs().gt((origin.abs() + half + shift) * L::splat(IN_PLANE));
         let near = one / (half.copysign(origin) - origin);
         let far = one / (-half.copysign(origin) - origin);
@@ -34,9 +34,9 @@ impl<L: Lanes> Slab<L> {
         Slab {
             enter: L::select(known & outside, near, zero),
             leave: [far, L::select(outside, far, L::select(known, near, far))],
-            between: L::select(outside, zero, endless),
-            enter_error: L::select(known, L::select(outside, near.abs() * rounding, zero), endless),
-            leave_error: L::select(known, far.abs().max(L::select(outside, zero, near.abs())) * rounding, endless),
+            between: L::select(outside, zero, unbounded),
+            enter_error: L::select(known, L::select(outside, near.abs() * rounding, zero), unbounded),
+            leave_error: L::select(known, far.abs().max(L::select(outside, zero, near.abs())) * rounding, unbounded),
         }
     }
 

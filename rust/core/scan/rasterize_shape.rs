@@ -1,0 +1,156 @@
+//! Shapes onto pixels: the loop that everything else is there to keep short.
+
+use super::pixel_rect::PixelRect;
+use super::ray_tests::{RayTest, ShapeInView};
+use super::view::View;
+use super::visibility_buffer::{UNRESOLVED, VisibilityBuffer, steps};
+use crate::packed::PHASES;
+use crate::simd::{Lanes, Mask, Vector};
+
+/// Rectangles of more rows than this are worth a look at which of them a triangle crosses.
+const TALL: usize = 6;
+
+/// Rasterizes a shape: writes it to the pixels of a rectangle where it is nearest.
+#[inline(always)]
+pub(super) fn rasterize_shape<L: Lanes>(
+    shape: &impl ShapeInView,
+    id: u32,
+    rect: &PixelRect,
+    view: &View,
+    buffer: &mut VisibilityBuffer,
+) {
+    let Some(motion) = &view.motion else {
+        let test = shape.test_from(Vector::splat([0.0; 3]));
+        return rasterize_still::<L, PHASES>(&test, id, rect, view, buffer);
+    };
+    for (from, to) in view.column_spans(rect) {
+        for at in steps::<L>(from, to) {
+            let columns = motion.columns::<L>(at);
+            let test = shape.test_from(columns.start);
+            let [a, b, c, d] = test.rows();
+            let up = columns.up;
+            let rise = [a.dot(up), b.dot(up), c.dot(up), d.dot(up)];
+            let mut along = [[L::splat(0.0); 4]; PHASES];
+            for (phase, along) in along.iter_mut().enumerate().take(view.band.phase_count) {
+                let h = view.headings::<L>(phase, at);
+                *along = [a.dot(h), b.dot(h), c.dot(h), d.dot(h)];
+            }
+            rasterize_columns(&test, (&along, &rise), id, (at, rect), view, buffer);
+        }
+    }
+}
+
+/// Rasterizes a shape in a view that stands still and has no more than `P` phases.
+#[inline(always)]
+pub(super) fn rasterize_still<L: Lanes, const P: usize>(
+    test: &impl RayTest<L>,
+    id: u32,
+    rect: &PixelRect,
+    view: &View,
+    buffer: &mut VisibilityBuffer,
+) {
+    let [a, b, c, d] = test.rows();
+    let rise = [a.z, b.z, c.z, d.z];
+    for (from, to) in view.column_spans(rect) {
+        for at in steps::<L>(from, to) {
+            let mut along = [[L::splat(0.0); 4]; P];
+            for (phase, along) in along.iter_mut().enumerate().take(view.band.phase_count) {
+                let Vector { x, y, .. } = view.headings::<L>(phase, at);
+                *along = [
+                    a.x.mul_add(x, a.y * y),
+                    b.x.mul_add(x, b.y * y),
+                    c.x.mul_add(x, c.y * y),
+                    d.x.mul_add(x, d.y * y),
+                ];
+            }
+            rasterize_columns(test, (&along, &rise), id, (at, rect), view, buffer);
+        }
+    }
+}
+
+/// The largest products of any phase.
+#[inline(always)]
+fn largest<L: Lanes>(along: &[[L; 4]]) -> [L; 4] {
+    let mut all = along[0];
+    for [a, b, c, d] in &along[1..] {
+        all = [all[0].max(*a), all[1].max(*b), all[2].max(*c), all[3].max(*d)];
+    }
+    all
+}
+
+/// Rasterizes the rows of a rectangle in the `L::N` columns from `at` on.
+#[inline(always)]
+fn rasterize_columns<L: Lanes, const P: usize>(
+    test: &impl RayTest<L>,
+    (along, rise): (&[[L; 4]; P], &[L; 4]),
+    id: u32,
+    (at, rect): (usize, &PixelRect),
+    view: &View,
+    buffer: &mut VisibilityBuffer,
+) {
+    let (zero, bound, tolerance) = (L::splat(0.0), L::splat(rect.inverse_depth), view.tolerance);
+    let (mut first, mut last) = (rect.first, rect.last);
+    if last - first >= TALL
+        && let Some((low, high)) = test.slopes(&largest(&along[..view.band.phase_count.min(P)]), rise)
+    {
+        // A triangle fills half its rectangle or less.
+        let (from, to) = view.band.rows_between(low, high);
+        let some = to.ge(from);
+        if !some.any() {
+            return;
+        }
+        let rows = L::splat(last as f32);
+        first = first.max(L::select(some, from, rows).reduce_min() as usize);
+        last = last.min((-L::select(some, -to, zero).reduce_min()) as usize);
+        if last < first {
+            return;
+        }
+    }
+    let slopes = &view.band.slopes[first..=last];
+    let begin = first * buffer.stride + at;
+    let depths = buffer.inverse_depth[begin..].chunks_exact_mut(buffer.stride);
+    let ids = buffer.id[begin..].chunks_exact_mut(buffer.stride);
+    let phases = &view.band.phases[first..=last];
+    for (((&slope, &phase), depths), ids) in slopes.iter().zip(phases).zip(depths).zip(ids) {
+        let (slope, along) = (L::splat(slope), &along[usize::from(phase) % P]);
+        let direction = [
+            rise[0].mul_add(slope, along[0]),
+            rise[1].mul_add(slope, along[1]),
+            rise[2].mul_add(slope, along[2]),
+            rise[3].mul_add(slope, along[3]),
+        ];
+        let (nearest, margin) = test.upper_bounds(direction);
+        // What overflowed is unresolved.
+        let known = nearest.ge(nearest) & margin.ge(margin);
+        // And nothing is nearer than its bounds: what is rasterized here changes no pixel where it is occluded.
+        let (nearest, margin) = (L::select(known, nearest.min(bound), bound), L::select(known, margin, zero));
+        let stored = L::load(depths, 0);
+        let tie = view.tie(stored);
+        let maybe = margin.ge(zero) & nearest.gt(stored.neg_mul_add(tie, stored));
+        if maybe.any() {
+            let (inverse_depth, resolved) = test.resolved(direction, tolerance);
+            let surely = maybe & resolved & inverse_depth.gt(stored.mul_add(tie, stored));
+            let inverse_depth = L::select(surely, inverse_depth, nearest.max(stored));
+            L::select(maybe, inverse_depth, stored).store(depths, 0);
+            L::masked_store(maybe, UNRESOLVED, ids, 0);
+            L::masked_store(surely, id, ids, 0);
+        }
+    }
+}
+
+/// Leaves all pixels of a rectangle unresolved, unless they are occluded: for what no test in f32 can decide.
+#[inline(always)]
+pub(super) fn rasterize_unresolved<L: Lanes>(rect: &PixelRect, view: &View, buffer: &mut VisibilityBuffer) {
+    let nearest = L::splat(rect.inverse_depth);
+    for (from, to) in view.column_spans(rect) {
+        for row in rect.first..=rect.last {
+            for at in steps::<L>(from, to) {
+                let pixel = row * buffer.stride + at;
+                let stored = L::load(&buffer.inverse_depth, pixel);
+                let maybe = nearest.gt(stored.neg_mul_add(view.tie(stored), stored));
+                L::select(maybe, nearest.max(stored), stored).store(&mut buffer.inverse_depth, pixel);
+                L::masked_store(maybe, UNRESOLVED, &mut buffer.id, pixel);
+            }
+        }
+    }
+}
