@@ -11,6 +11,7 @@ use super::incidence::IncidenceWriter;
 use super::rasterizer::Rasterizer;
 use super::reference;
 use super::view::View;
+use super::visibility_buffer::VisibilityBuffer;
 use super::write_images::{Owners, Unresolved};
 use crate::packed::Band;
 use crate::simd::{self, Kernel, Lanes, WIDEST};
@@ -101,28 +102,41 @@ thread_local! {
     static RASTERIZER: RefCell<Rasterizer> = RefCell::default();
 }
 
-/// A view on its way to its images, for vectors of any width.
-struct ViewKernel<'s, 'v, 'i> {
-    scan: &'s Scan<'s>,
-    view: &'v View<'v>,
-    rasterizer: &'v mut Rasterizer,
-    images: &'v mut [ImagesMut<'i>],
-    unresolved: &'v mut Unresolved,
+/// The first half of a job, for vectors of any width: a scene onto the pixels of a view.
+struct RasterizeView<'a> {
+    scan: &'a Scan<'a>,
+    view: &'a View<'a>,
+    surfaces: bool,
+    rasterizer: &'a mut Rasterizer,
 }
 
-impl Kernel for ViewKernel<'_, '_, '_> {
+impl Kernel for RasterizeView<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let ViewKernel { scan, view, rasterizer, images, unresolved } = self;
-        let (scene, table) = (scan.scene, scan.scene.body_table());
-        let surfaces = images.first().is_some_and(|image| image.incidence.is_some() || image.normal.is_some());
-        rasterizer.rasterize::<L>(scene, view, scan.seed, surfaces);
-        let owners = Owners { surfaces: surfaces.then_some(table), semantics: scene.semantics() };
-        rasterizer.buffer.write_images::<L>(view, &owners, images, unresolved);
+        self.rasterizer.rasterize::<L>(self.scan.scene, self.view, self.scan.seed, self.surfaces);
+    }
+}
+
+/// The second half: those pixels into images.
+struct WriteView<'a, 'i> {
+    scene: &'a Scene,
+    view: &'a View<'a>,
+    surfaces: bool,
+    buffer: &'a mut VisibilityBuffer,
+    images: &'a mut [ImagesMut<'i>],
+    unresolved: &'a mut Unresolved,
+}
+
+impl Kernel for WriteView<'_, '_> {
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let WriteView { scene, view, surfaces, buffer, images, unresolved } = self;
+        let owners = Owners { surfaces: surfaces.then_some(scene.body_table()), semantics: scene.semantics() };
+        buffer.write_images::<L>(view, &owners, images, unresolved);
         if surfaces {
             let mut incidence = IncidenceWriter::new(scene, view);
             for (row, image) in images.iter_mut().enumerate() {
-                let ids = &rasterizer.buffer.id[row * rasterizer.buffer.stride..][..view.width()];
+                let ids = &buffer.id[row * buffer.stride..][..view.width()];
                 incidence.write(row, ids, image);
             }
         }
@@ -131,17 +145,19 @@ impl Kernel for ViewKernel<'_, '_, '_> {
 
 impl Scan<'_> {
     fn run(&self, mut job: Job<'_>) {
+        let (scene, images) = (self.scene, &mut job.images);
         let view = View::new(job.band, job.columns.clone(), &self.local, self.pattern);
-        let (mut unresolved, images) = (Vec::new(), &mut job.images);
+        let surfaces = images.first().is_some_and(|image| image.incidence.is_some() || image.normal.is_some());
+        let mut unresolved = Vec::new();
         // Taken, so that a panic leaves no half a view behind.
         let mut rasterizer = RASTERIZER.take();
-        let kernel =
-            ViewKernel { scan: self, view: &view, rasterizer: &mut rasterizer, images, unresolved: &mut unresolved };
-        simd::run(self.backend, kernel);
+        simd::run(self.backend, RasterizeView { scan: self, view: &view, surfaces, rasterizer: &mut rasterizer });
+        let (buffer, view) = (&mut rasterizer.buffer, &view);
+        simd::run(self.backend, WriteView { scene, view, surfaces, buffer, images, unresolved: &mut unresolved });
         RASTERIZER.set(rasterizer);
         for (row, column) in unresolved {
             let (beam, ray) = (job.band.rows[row] as usize, job.columns.start + column);
-            let found = reference::cast_pixel(self.scene, self.pattern, self.poses, self.seed, [beam, ray]);
+            let found = reference::cast_pixel(scene, self.pattern, self.poses, self.seed, [beam, ray]);
             job.images[row].set(column, found.as_ref());
         }
     }
