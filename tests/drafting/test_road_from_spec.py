@@ -1,0 +1,41 @@
+import numpy as np
+import pytest
+
+from lidardraft.drafting.road_from_spec import road_from_spec
+from lidardraft.drafting.scene_spec import ObjectGroup, RoadSpec, SceneSpec
+from lidardraft.errors import LayoutError
+from lidardraft.scene.road import LEFT, RIGHT, Road
+
+
+def road(kind: str = "straight", *groups: ObjectGroup, seed: int = 0, **fields: object) -> Road:
+    spec = SceneSpec(road=RoadSpec(kind=kind, **fields), groups=groups)  # type: ignore[arg-type]
+    return road_from_spec(spec, np.random.default_rng(seed))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_kinds_of_road(seed: int) -> None:
+    assert road("straight", seed=seed).curvature == 0
+    assert road("left-bend", seed=seed).curvature > 0 > road("right-bend", seed=seed).curvature
+    assert road("crossroads", seed=seed).side_roads == (LEFT, RIGHT)
+    assert len(road("t-junction", seed=seed).side_roads) == 1
+    motorway = road("motorway", seed=seed)
+    assert (motorway.sidewalk, motorway.junction, motorway.parking) == (0.0, None, 3.0)
+
+
+def test_what_is_said_of_the_road_holds() -> None:
+    assert road(lanes=3, sidewalk=False).lanes == 3
+    assert road(lanes=3, sidewalk=False).sidewalk == 0
+    assert road("motorway", sidewalk=True).sidewalk > 0
+
+
+def test_there_is_room_for_what_is_asked_for() -> None:
+    parked = {kind: road("straight", ObjectGroup(kind=kind, heading="parked")) for kind in ("car", "truck", "person")}
+    assert [parked[kind].parking for kind in ("car", "truck", "person")] == [2.2, 3.0, 0.0]
+    assert road("straight", ObjectGroup(kind="car", heading="across")).junction is not None
+    assert road("straight", ObjectGroup(kind="car", distance=(90.0, 90.0))).half_length == 105
+    assert road("straight", ObjectGroup(kind="bus", count=4)).half_length > 90
+
+
+def test_further_than_a_sensor_sees() -> None:
+    with pytest.raises(LayoutError, match="distance is 300 m; objects can be asked for up to 110 m away"):
+        road("straight", ObjectGroup(kind="car", distance=(300.0, 300.0)))

@@ -1,0 +1,59 @@
+import math
+
+import numpy as np
+import pytest
+
+from lidardraft.drafting.road_zones import RoadPose, zone_of
+from lidardraft.drafting.scene_spec import PLACES, ObjectGroup
+from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
+from lidardraft.scene.road import Road
+
+ROAD = Road(lanes=2, parking=2.2, sidewalk=2.0, junction=40.0)
+
+
+def poses(place: str, **fields: object) -> list[RoadPose]:
+    """Poses over the whole zone of a group at a place, of the first objects and later ones."""
+    group = ObjectGroup(**fields)  # type: ignore[arg-type]
+    zone = zone_of(group, group.record, place, ROAD)
+    rng = np.random.default_rng(0)
+    return [
+        zone.sample_pose(rng, along, number, effort)
+        for along in np.linspace(*zone.span, 5).tolist()
+        for number in range(3)
+        for effort in (0.0, 0.9)
+    ]
+
+
+@pytest.mark.parametrize("kind", [kind for kind in SENTENCE_KINDS if kind != "vehicle"])
+@pytest.mark.parametrize("place", PLACES)
+def test_zones_are_where_their_place_says(kind: str, place: str) -> None:
+    found = poses(place, kind=kind)
+    if "front" in place:
+        assert all(pose.along > 0 for pose in found)
+    if "behind" in place:
+        assert all(pose.along < 0 for pose in found)
+    if not SENTENCE_KINDS[kind].drives:
+        assert "left" not in place or all(pose.across > 0 for pose in found)
+        assert "right" not in place or all(pose.across < 0 for pose in found)
+
+
+@pytest.mark.parametrize("kind", [name for name, kind in SENTENCE_KINDS.items() if "road" not in kind.surfaces])
+def test_what_stands_beside_the_road_is_off_it(kind: str) -> None:
+    assert all(abs(pose.across) > ROAD.edge for pose in poses("", kind=kind))
+
+
+def test_what_drives_keeps_to_its_lane_and_direction() -> None:
+    for pose in poses("", kind="car"):
+        lanes = [ROAD.lane(number, direction) for number in range(2) for direction in (1, -1)]
+        assert min(abs(pose.across - lane) for lane in lanes) <= 0.15
+        assert (math.cos(pose.yaw) > 0) == (pose.across < 0)
+    assert all(abs(pose.across) == pytest.approx(ROAD.edge - 1.1) for pose in poses("", kind="car", heading="parked"))
+
+
+def test_cyclists_keep_to_the_right_of_their_lane() -> None:
+    assert min(pose.across for pose in poses("front", kind="bicycle")) < ROAD.lane(0) - 0.9
+
+
+def test_traffic_lights_stand_before_the_junction() -> None:
+    assert ROAD.junction is not None
+    assert all(20 < pose.along < ROAD.junction - ROAD.edge for pose in poses("", kind="traffic-light"))
