@@ -1,7 +1,9 @@
 """`lidardraft streets` and the processes it starts, under real signals."""
 
+import contextlib
 import os
 import signal
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -58,6 +60,18 @@ def test_an_interrupt_is_one_line(start: Callable[..., Command], early: bool) ->
     assert (status, err) == (130, "lidardraft: interrupted\n")
     wait_for(lambda: not command.members(), seconds=20)
     assert not list(Path("pairs").glob("*.partial"))
+
+
+def test_impatience_is_one_line_as_well(start: Callable[..., Command]) -> None:
+    command = start(*ENDLESS, "--workers", "2")
+    wait_for(Path("pairs/index.json").exists)
+    for _ in range(40):  # while it cleans up and ends
+        with contextlib.suppress(ProcessLookupError):
+            command.interrupt()
+        time.sleep(0.05)
+    status, _, err = command.ended()
+    assert (status, err) == (130, "lidardraft: interrupted\n")
+    wait_for(lambda: not command.members(), seconds=20)
 
 
 def test_a_killed_worker_is_one_line(start: Callable[..., Command]) -> None:

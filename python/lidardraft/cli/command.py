@@ -41,7 +41,7 @@ def run(parser: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
         return 2
     arguments = parser.parse_args(words)
     try:
-        with _clean_termination(), warnings.catch_warnings():
+        with _clean_end(), warnings.catch_warnings():
             warnings.simplefilter("default", UserWarning)
             warnings.showwarning = lambda message, *_, **__: say(parser.prog, message)
             arguments.command(arguments)
@@ -62,20 +62,33 @@ def run(parser: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
 
 
 @contextmanager
-def _clean_termination() -> Iterator[None]:
-    """SIGTERM leaves the block as an exception does: worker processes end, and no half-written file stays."""
+def _clean_end() -> Iterator[None]:
+    """Ctrl-C and SIGTERM leave the block as exceptions do: worker processes end, and no half-written file stays.
+
+    After the first one further ones are ignored until the process has ended.
+    """
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    # only the main thread may handle signals, and `nohup` and the like start us deaf to some
+    heard = [number for number, handler in before.items() if handler not in (signal.SIG_IGN, None)]
+    if threading.current_thread() is not threading.main_thread():
+        heard = []
+    left = False
 
     def leave(number: int, _frame: FrameType | None) -> None:
-        sys.exit(128 + number)
+        nonlocal left
+        left = True
+        for each in heard:
+            signal.signal(each, signal.SIG_IGN)
+        raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(128 + number)
 
-    if threading.current_thread() is not threading.main_thread():  # which alone may handle signals
-        yield
-        return
-    before = signal.signal(signal.SIGTERM, leave)
+    for number in heard:
+        signal.signal(number, leave)
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        if not left:
+            for number in heard:
+                signal.signal(number, before[number])
 
 
 def say(prog: str, message: object) -> None:

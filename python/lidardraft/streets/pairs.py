@@ -72,7 +72,10 @@ def streets(
     `workers` processes make the pairs; 1 is this process. The pairs and their order are the same for any number.
     A script that asks for more than 1 needs `if __name__ == "__main__":` around it, or each process would run it again.
 
-    Raises `LayoutError` for a number that is negative or no integer, or a shard that does not exist.
+    Worker processes end with this one, however it ends.
+
+    Raises `LayoutError` for a number that is negative or no integer, or a shard that does not exist, and
+    `LidarDraftError` where a worker process was killed.
     """
     check_number("seed", seed)
     check_number("start", start)

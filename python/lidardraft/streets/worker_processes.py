@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -42,7 +43,7 @@ def process_pools(count: int) -> Iterator[list[ProcessPoolExecutor]]:
 def _signals_held() -> Iterator[None]:
     """Ctrl-C, and SIGTERM as batch systems send it, go to a group of processes. Those started in this block never see
     them: their parent ends them."""
-    if not hasattr(signal, "pthread_sigmask"):  # Windows
+    if sys.platform == "win32":
         yield
         return
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
