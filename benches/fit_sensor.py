@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import io
 import lzma
-import struct
 import sys
 from itertools import pairwise
 from pathlib import Path
@@ -21,6 +20,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 import recordings
+from lidardraft.formats.pcd import read_pcd
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.materials import MATERIAL_BY_NAME, Material, diffuse_response, leaf_response, response
 from lidardraft.scene.sensor import PRESETS
@@ -109,41 +109,6 @@ def holes(ranges: np.ndarray, ground: np.ndarray) -> tuple[np.ndarray, np.ndarra
         before.append(first[alike])
         dropped.append(width[alike])
     return np.concatenate(before), np.concatenate(dropped)
-
-
-def read_pcd(path: Path) -> dict[str, np.ndarray]:
-    """The columns of a PCD file of DATA binary_compressed."""
-    content = path.read_bytes()
-    end = content.index(b"\n", content.index(b"DATA")) + 1
-    header = {line.split()[0]: line.split()[1:] for line in content[:end].decode().splitlines()}
-    packed, _ = struct.unpack("<II", content[end : end + 8])
-    raw = _unpacked(content[end + 8 : end + 8 + packed])
-    columns, start, count = {}, 0, int(header["POINTS"][0])
-    for name, kind, size in zip(header["FIELDS"], header["TYPE"], header["SIZE"], strict=True):
-        columns[name] = np.frombuffer(raw, f"<{kind.lower()}{size}", count, start)
-        start += columns[name].nbytes
-    return columns
-
-
-def _unpacked(packed: bytes) -> bytes:
-    """Data compressed with LZF: literals, and references back to what is already there."""
-    out, i = bytearray(), 0
-    while i < len(packed):
-        control = packed[i]
-        i += 1
-        if control < 32:
-            out += packed[i : i + control + 1]
-            i += control + 1
-            continue
-        length = control >> 5
-        if length == 7:
-            length += packed[i]
-            i += 1
-        start = len(out) - ((control & 31) << 8) - packed[i] - 1
-        i += 1
-        for k in range(length + 2):
-            out.append(out[start + k])
-    return bytes(out)
 
 
 def images(columns: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fit_sensor import COLUMNS, LONGEST, bends, fit_noise, fit_roughness, holes, images, planes, read_pcd
+from fit_sensor import COLUMNS, LONGEST, bends, fit_noise, fit_roughness, holes, images, planes
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.materials import Material, diffuse_response
 
@@ -67,23 +67,10 @@ def test_holes_in_the_ground_are_counted_and_gaps_between_objects_are_not():
     assert set(before.tolist()) == {20.0, 35.0}
 
 
-def test_a_compressed_pcd_is_read_and_put_in_its_columns(tmp_path):
+def test_a_sweep_is_put_in_its_rings_and_columns():
     azimuth = np.radians((np.arange(4) - 2) * 360 / COLUMNS)
-    columns = {"x": 8 * np.cos(azimuth), "y": 8 * np.sin(azimuth), "z": np.full(4, -2.0)}
-    raw = b"".join(values.astype("<f4").tobytes() for values in columns.values()) + np.arange(4, dtype="<u2").tobytes()
-    # literals of 16 bytes, but for z: one value, and a reference back to it
-    packed = b"".join(bytes([15]) + raw[i : i + 16] for i in (0, 16))
-    packed += bytes([3]) + raw[32:36] + bytes([7 << 5, 12 - 9, 3]) + bytes([7]) + raw[48:56]
-    header = (
-        "VERSION 0.7\nFIELDS x y z ring\nSIZE 4 4 4 2\nTYPE F F F U\nCOUNT 1 1 1 1\nPOINTS 4\nDATA binary_compressed\n"
-    )
-    sizes = np.array([len(packed), len(raw)], "<u4").tobytes()
-    (tmp_path / "a.pcd").write_bytes(header.encode() + sizes + packed)
-    read = read_pcd(tmp_path / "a.pcd")
-    np.testing.assert_allclose(read["x"], columns["x"], rtol=1e-6)
-    np.testing.assert_array_equal(read["z"], -2.0)
-    np.testing.assert_array_equal(read["ring"], range(4))
-    ranges, ground = images(read)
+    columns = {"x": 8 * np.cos(azimuth), "y": 8 * np.sin(azimuth), "z": np.full(4, -2.0), "ring": np.arange(4)}
+    ranges, ground = images(columns)
     assert (ranges > 0).sum() == 4
     np.testing.assert_allclose(ranges[ranges > 0], np.sqrt(68), rtol=1e-6)
     assert ground[ranges > 0].all()

@@ -77,6 +77,20 @@ def test_a_sentence_or_a_scan_that_says_nothing(refused: Callable[..., str]) -> 
     assert "--points needs --labels, as there is no short.label" in refused("draft", *short)
 
 
+def test_the_file_that_is_wrong_is_named(refused: Callable[..., str]) -> None:
+    scan = ["draft", "--points", "scan.bin", "-o", "layout.json"]
+    Path("scan.bin").write_bytes(b"")
+    Path("scan.label").write_bytes(bytes(20))
+    assert "scan.bin is empty; a scan has at least one point" in refused(*scan)
+    kitti.write_bin("scan.bin", np.ones((5, 3)), np.zeros(5))
+    assert "scan.label: all 5 points have label 0" in refused(*scan)
+    Path("far.json").write_text(
+        '{"schema": "lidardraft.layout/1", "primitives": [{"shape": "box", "center": [1e308, 0, 0], '
+        '"size": [1, 1, 1], "label": "car", "id": "car_1"}]}'
+    )
+    assert "far.json: car_1: center is [1e+308, 0, 0]" in refused("raycast", "far.json", "-o", "a.npz")
+
+
 def test_a_scan_is_read_from_the_height_of_its_own_sensor() -> None:
     """The sensor that is written beside a scan comes before the one that scans are asked of."""
     ground = np.stack([*np.meshgrid(np.linspace(2, 20, 60), np.linspace(-8, 8, 60)), np.full((60, 60), -3.0)], axis=-1)

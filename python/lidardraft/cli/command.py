@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from types import FrameType
 
-from lidardraft.errors import LidarDraftError
+from lidardraft.errors import LidarDraftError, printable
 
 Command = Callable[[argparse.Namespace], None]
 
@@ -95,5 +95,4 @@ def say(prog: str, message: object) -> None:
     """One line on stderr; what a terminal would obey, such as in a name out of a broken file, is spelled out."""
     from tqdm import tqdm  # which moves its bars out of the way
 
-    text = "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in str(message))
-    tqdm.write(f"{prog}: {text}", file=sys.stderr)
+    tqdm.write(f"{prog}: {printable(str(message))}", file=sys.stderr)

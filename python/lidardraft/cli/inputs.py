@@ -8,6 +8,7 @@ from pathlib import Path
 from lidardraft.cli.arguments import add_seed
 from lidardraft.cli.command import say
 from lidardraft.errors import FormatError
+from lidardraft.files import named
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import Sensor
 
@@ -76,13 +77,14 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.cloud import layout_from_cloud
     from lidardraft.formats import kitti, semantickitti
 
-    beside = Path(arguments.points).with_suffix(".label")
-    if arguments.labels is None and not beside.exists():
-        raise FormatError(f"--points needs --labels, as there is no {beside}: a layout is made of classes")
+    path = Path(arguments.labels or Path(arguments.points).with_suffix(".label"))
+    if arguments.labels is None and not path.exists():
+        raise FormatError(f"--points needs --labels, as there is no {path}: a layout is made of classes")
     points, _ = kitti.read_bin(arguments.points)
-    labels, instances = semantickitti.read_label(arguments.labels or beside, len(points))
+    labels, instances = semantickitti.read_label(path, len(points))
     sensor = sensor_beside(arguments.points) or Sensor.preset(arguments.sensor)
-    return layout_from_cloud(points, labels, instances=instances, sensor_height=sensor.mount_height)
+    with named(path):
+        return layout_from_cloud(points, labels, instances=instances, sensor_height=sensor.mount_height)
 
 
 def _classes(given: list[str]) -> dict[str, str]:
