@@ -88,7 +88,7 @@ def test_the_file_that_is_wrong_is_named(refused: Callable[..., str]) -> None:
         '{"schema": "lidardraft.layout/1", "primitives": [{"shape": "box", "center": [1e308, 0, 0], '
         '"size": [1, 1, 1], "label": "car", "id": "car_1"}]}'
     )
-    assert "far.json: car_1: center is [1e+308, 0, 0]" in refused("raycast", "far.json", "-o", "a.npz")
+    assert "far.json: car_1: center is [1e+308, 0, 0]" in refused("raycast", "--layout", "far.json", "-o", "a.npz")
 
 
 def test_a_scan_is_read_from_the_height_of_its_own_sensor() -> None:
