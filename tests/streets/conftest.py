@@ -1,0 +1,1 @@
+"""Puts `planned` on the path of the tests below."""

@@ -1,0 +1,87 @@
+"""Where the ego vehicle is, how fast, and how its sensor stands."""
+
+import math
+from collections import Counter
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from planned import plans
+
+from lidardraft.errors import LayoutError
+from lidardraft.scene.sensor import PRESETS
+from lidardraft.streets.ego import EGO_SIZE, Ego, mount, sample_ego
+from lidardraft.streets.placement.lanes import AISLE, MAIN_ROAD, ROUNDABOUT, SIDE_ROAD
+from lidardraft.streets.placement.occupancy import Occupancy, box_space, spaces_of, touch
+
+
+@cache
+def egos(number: int = 6) -> list[tuple[Occupancy, Ego]]:
+    found = []
+    for index, (occupancy, lanes, _) in enumerate(plans()):
+        rng = np.random.default_rng([index, 4])
+        found += [(occupancy, sample_ego(occupancy, lanes, rng)) for _ in range(number)]
+    return found
+
+
+def test_the_ego_vehicle_is_free_and_on_the_road_of_its_lane():
+    for occupancy, ego in egos():
+        assert occupancy.is_free(ego.x, ego.y, ego.yaw, EGO_SIZE)
+        mine = box_space(ego.x, ego.y, ego.yaw, EGO_SIZE[:2], 0.0, EGO_SIZE[2])
+        for placed in occupancy.objects:
+            if math.hypot(placed.x - ego.x, placed.y - ego.y) < 30.0:
+                for space in spaces_of(placed.kind, placed.x, placed.y, placed.yaw, placed.size, placed.clearance):
+                    assert not touch(mine, space), placed
+        assert 0.0 <= ego.speed <= 1.1 * ego.lane.speed + 1e-9
+    names = Counter(ego.lane.kind for _, ego in egos())
+    assert set(names) == {MAIN_ROAD, SIDE_ROAD, ROUNDABOUT, AISLE}
+    assert names[MAIN_ROAD] > 0.6 * len(egos())
+    speeds = np.array([ego.speed for _, ego in egos()])
+    assert (speeds == 0.0).mean() > 0.05
+    assert speeds.max() > 30.0
+
+
+def test_the_ego_pose_is_rigid_and_lies_on_the_road():
+    for _, ego in egos():
+        assert ego.pose[:3, :3] @ ego.pose[:3, :3].T == pytest.approx(np.eye(3), abs=1e-12)
+        assert np.linalg.det(ego.pose[:3, :3]) == pytest.approx(1.0)
+        assert math.atan2(ego.pose[1, 0], ego.pose[0, 0]) == pytest.approx(ego.yaw)
+        assert ego.pose[2, 2] > math.cos(0.12)
+        assert abs(ego.pose[2, 0] - 0.0) < 0.12
+        assert ego.pose[:3, 3] == pytest.approx((ego.x, ego.y, ego.z))
+    tilted = [abs(ego.pose[2, 0]) for _, ego in egos()]
+    assert np.median(tilted) > 0.003
+
+
+def test_the_road_passes_under_the_wheels():
+    for occupancy, ego in egos():
+        if occupancy.road.curvature or ego.lane.kind == ROUNDABOUT:
+            continue
+        # on a straight road the frame is the layout's, but for the place of the ego lane
+        shift = occupancy.road.lane(occupancy.road.ego_lane)
+        wheels = np.array([(sx * 1.35, sy * 0.8, 0.0) for sx in (-1, 1) for sy in (-1, 1)])
+        world = wheels @ ego.pose[:3, :3].T + ego.pose[:3, 3]
+        ground = occupancy.ground.heights(world[:, 0], world[:, 1] + shift)
+        assert np.abs(ground - world[:, 2]).max() < 0.06
+
+
+def test_a_lean_is_small_and_grows_with_speed_in_bends():
+    sensor = PRESETS["hdl64e"]
+    heights = []
+    for index, (_, ego) in enumerate(egos()):
+        pose = mount(sensor, ego, np.random.default_rng(index))
+        assert pose[:3, :3] @ pose[:3, :3].T == pytest.approx(np.eye(3), abs=1e-12)
+        assert pose[2, 2] > math.cos(math.radians(3.5))
+        heights.append(pose[2, 3])
+    assert 0.01 < np.std(heights) < 0.06
+    ring = [ego.lean[0] for _, ego in egos() if ego.lane.kind == ROUNDABOUT and ego.speed > 6.0]
+    # a roundabout is a left bend: the car leans to its right
+    assert np.mean(ring) > 0.002
+
+
+def test_a_street_without_a_free_place_is_refused():
+    occupancy, lanes, _ = plans()[0]
+    beyond = replace(lanes[0], along=80.0, angle=0.0, length=5.0)
+    with pytest.raises(LayoutError, match=r"no free place of 4\.5 x 2\.2 m"):
+        sample_ego(occupancy, (beyond,), np.random.default_rng(0))
