@@ -37,6 +37,16 @@ ALLOWED = {
     | {"training"},
     "__main__": {"cli"},
 }
+# The rooms and modules of streets, and which others each may use.
+STREETS = {
+    "ground": (),
+    "placement": ("ground",),
+    "coarse": ("placement.district",),
+    "ego": ("placement",),
+    "street": ("placement", "coarse"),
+    "worker_processes": (),
+    "pairs": ("ground", "placement", "coarse", "ego", "street", "worker_processes"),
+}
 TORCH_ROOMS = {"networks", "diffusion", "perception", "training", "pipeline", "evaluation"}
 FORBIDDEN_NAMES = {"utils", "util", "helpers", "helper", "misc", "common", "tools", "base"}
 LONGEST_FILE, LONGEST_FUNCTION = 320, 60
@@ -66,6 +76,19 @@ def test_imports_follow_the_plan(path: Path) -> None:
     ours = {name.split(".")[1] for name in imported(path) if name.startswith("lidardraft.")} - {room}
     allowed = ALLOWED[room] | ({"_core"} if room == "scene" else set())
     assert ours <= allowed, f"{room} may not use {sorted(ours - allowed)}"
+
+
+@pytest.mark.parametrize(
+    "path", sorted((PACKAGE / "streets").rglob("*.py")), ids=lambda path: str(path.relative_to(PACKAGE / "streets"))
+)
+def test_the_rooms_of_streets_stand_on_one_another(path: Path) -> None:
+    room = path.relative_to(PACKAGE / "streets").parts[0].removesuffix(".py")
+    if room == "__init__":
+        return
+    start = "lidardraft.streets."
+    used = {name.removeprefix(start) for name in imported(path) if name.startswith(start)}
+    allowed = tuple(f"{other}." for other in (room, *STREETS[room]))
+    assert not {name for name in used if not name.startswith(allowed)}, path
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
