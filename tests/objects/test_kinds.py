@@ -179,3 +179,18 @@ def test_placement_refuses_an_unknown_kind():
     road = Road()
     with pytest.raises(LayoutError, match="kind is 'sallon'"):
         Occupancy(road, Ground(road, np.random.default_rng(0))).place("sallon", 0.0, 1.75, (4.0, 1.8, 1.5))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_coarse_shapes_have_the_classes_and_instances_of_the_kind_and_keep_to_its_extents(kind: str):
+    labels = KINDS[kind].labels
+    for variant in range(len(SIZES[kind])):
+        made = placed(kind, variant)
+        for shape in KINDS[kind].coarse(made):
+            assert shape.label in labels
+            assert shape.instance_offset == (labels.index(shape.label) if shape.label in THINGS else 0)
+            center, half = np.array(shape.center), np.array(shape.size) / 2
+            # the posts of a sign are thicker than its plate
+            assert (np.abs(center[:2]) + half[:2] <= np.array(made.size[:2]) / 2 + 0.06).all()
+            assert center[2] - half[2] >= -1e-9
+            assert center[2] + half[2] <= made.size[2] + 1e-9

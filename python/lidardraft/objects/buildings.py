@@ -93,6 +93,22 @@ class _Door:
     recess: float = 0.8  # of the windows' recess
 
 
+@dataclass(frozen=True, slots=True)
+class _Dormers:
+    """Boxes that stand out of a roof, in shares of its extents, seen to its front (-y); estimates of ours."""
+
+    width: float  # of the room that each has
+    middle: tuple[float, float]  # across and up
+    size: tuple[float, float]  # depth and height
+    pane: tuple[float, float]  # of the width; how far it lies before the roof's middle
+    pane_rise: tuple[float, float]
+
+
+_ROOF_DORMERS = _Dormers(width=0.28, middle=(0.24, 0.48), size=(0.24, 0.5), pane=(0.75, 0.363), pane_rise=(0.36, 0.66))
+_MANSARD_DORMERS = _Dormers(width=0.34, middle=(0.45, 0.42), size=(0.08, 0.76), pane=(0.8, 0.492), pane_rise=(0.2, 0.7))
+_HIP = 0.22  # of the ridge, half as long as that of a hipped roof
+_MANSARD_TOP = (0.92, 0.84)  # shares of length and width
+_PARAPET = (0.02, 0.03, 0.3)  # thickness in shares of length and width; height [m]
 _HOUSE, _BLOCK, _SHED, _DOOR = _House(), _Block(), _Shed(), _Door()
 
 
@@ -114,7 +130,9 @@ def house(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
         share = 1 - 2 * EAVES / over[1 if along else 0]
         builder.add_mesh(_gable(along), (length, width, share * rise), "building", material, at=eaves)
     if along and not hipped and rng.random() < _HOUSE.dormers_p:
-        dormers, panes = _dormers(int(np.clip(length // _HOUSE.per_dormer, 1, _HOUSE.most_dormers)))
+        dormers, panes = _dormers(
+            _ROOF_DORMERS, int(np.clip(length // _HOUSE.per_dormer, 1, _HOUSE.most_dormers)), (-1,)
+        )
         builder.add_mesh(dormers, (length, width, rise), "building", roofing, at=eaves)
         builder.add_mesh(panes, (length, width, rise), "building", "window", at=eaves)
     if rng.random() < _HOUSE.chimney_p:
@@ -136,7 +154,7 @@ def block(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     if mansard:
         size, at = (length, width, _BLOCK.mansard), (0.0, 0.0, top)
         builder.add_mesh(_mansard_roof(), size, "building", "roof-tile", at=at)
-        dormers, panes = _mansard_dormers(max(1, bays // 2))
+        dormers, panes = _dormers(_MANSARD_DORMERS, max(1, bays // 2), (-1, 1))
         builder.add_mesh(dormers, size, "building", "roof-tile", at=at)
         builder.add_mesh(panes, size, "building", "window", at=at)
     else:
@@ -191,7 +209,7 @@ def _walls(
 @lru_cache(maxsize=4)
 def _roof(along: bool, hipped: bool) -> MeshTemplate:
     """Slopes and the underside of the eaves, in shares; the ridge runs along x or across."""
-    end = 0.22 if hipped else 0.5  # of the ridge, from the middle
+    end = _HIP if hipped else 0.5
     a, b, c, d = (-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.5, 0.5, 0.0), (-0.5, 0.5, 0.0)
     rear, front = (-end, 0.0, 1.0), (end, 0.0, 1.0)
     faces = [(a, b, front, rear), (c, d, rear, front), (a, b, c, d)]
@@ -209,48 +227,37 @@ def _gable(along: bool) -> MeshTemplate:
     return MeshTemplate.from_triangles(triangles.reshape(-1, 3), np.arange(6).reshape(2, 3))
 
 
-@lru_cache(maxsize=4)
-def _dormers(count: int) -> tuple[MeshTemplate, MeshTemplate]:
-    """Boxes that stand out of the front slope, and their windows."""
+@lru_cache(maxsize=32)
+def _dormers(form: _Dormers, count: int, sides: tuple[int, ...]) -> tuple[MeshTemplate, MeshTemplate]:
+    """Dormers side by side on the front (-1) or on both sides, and their windows."""
+    (across, up), (deep, tall), (share, out), (low, high) = form.middle, form.size, form.pane, form.pane_rise
     solids: list[Triangles] = []
     panes = []
     for number in range(count):
-        x, half = (number + 0.5) / count - 0.5, 0.14 / count
-        solids.append(box((x, -0.24, 0.48), (2 * half, 0.24, 0.5)))
-        panes.append(
-            [(x + sx * half, -0.363, z) for sx, z in ((-0.75, 0.36), (0.75, 0.36), (0.75, 0.66), (-0.75, 0.66))]
-        )
+        x, half = (number + 0.5) / count - 0.5, form.width / 2 / count
+        left, right = x - share * half, x + share * half
+        for side in sides:
+            solids.append(box((x, side * across, up), (2 * half, deep, tall)))
+            y = side * out
+            panes.append([(left, y, low), (right, y, low), (right, y, high), (left, y, high)])
     return MeshTemplate.from_triangles(*join(*solids)), MeshTemplate.from_triangles(*quads(np.array(panes)))
 
 
 @lru_cache(maxsize=1)
 def _mansard_roof() -> MeshTemplate:
     """A storey that narrows to a flat top."""
-    return MeshTemplate.from_triangles(*frustum(frustum_corners((-0.5, 0.5, 1.0, 0.0), (-0.46, 0.46, 0.84, 1.0))))
-
-
-@lru_cache(maxsize=32)
-def _mansard_dormers(count: int) -> tuple[MeshTemplate, MeshTemplate]:
-    """Dormers on both long sides of a mansard, and their windows."""
-    solids: list[Triangles] = []
-    panes = []
-    for number in range(count):
-        x, half = (number + 0.5) / count - 0.5, 0.17 / count
-        for side in (-1, 1):
-            solids.append(box((x, side * 0.45, 0.42), (2 * half, 0.08, 0.76)))
-            panes.append(
-                [(x + sx * half, side * 0.492, z) for sx, z in ((-0.8, 0.2), (0.8, 0.2), (0.8, 0.7), (-0.8, 0.7))]
-            )
-    return MeshTemplate.from_triangles(*join(*solids)), MeshTemplate.from_triangles(*quads(np.array(panes)))
+    long, wide = _MANSARD_TOP
+    corners = frustum_corners((-0.5, 0.5, 1.0, 0.0), (-long / 2, long / 2, wide, 1.0))
+    return MeshTemplate.from_triangles(*frustum(corners))
 
 
 @lru_cache(maxsize=1)
 def _parapet() -> MeshTemplate:
-    """A low wall around a flat roof."""
-    long = [box((0.0, side * 0.485, 0.15), (1.0, 0.03, 0.3)) for side in (-1, 1)]
-    return MeshTemplate.from_triangles(
-        *join(*long, *(box((side * 0.49, 0.0, 0.15), (0.02, 0.94, 0.3)) for side in (-1, 1)))
-    )
+    """A low wall around a flat roof, in shares of its length and width and in metres of height."""
+    long, wide, tall = _PARAPET
+    sides = [box((0.0, side * (0.5 - wide / 2), tall / 2), (1.0, wide, tall)) for side in (-1, 1)]
+    ends = [box((side * (0.5 - long / 2), 0.0, tall / 2), (long, 1.0 - 2 * wide, tall)) for side in (-1, 1)]
+    return MeshTemplate.from_triangles(*join(*sides, *ends))
 
 
 @lru_cache(maxsize=256)
