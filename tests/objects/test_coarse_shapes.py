@@ -60,3 +60,5 @@ def test_a_rider_sits_on_what_is_ridden():
     assert (rider.label, bicycle.label) == ("rider", "bicycle")
     assert (rider.instance_offset, bicycle.instance_offset) == (0, 1)
     assert rider.center[2] > bicycle.center[2]
+    # the knees and feet belong to what is ridden
+    assert 0.6 < rider.center[2] - rider.size[2] / 2 < bicycle.size[2]

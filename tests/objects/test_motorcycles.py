@@ -25,3 +25,6 @@ def test_a_motorcyclist_always_wears_a_helmet():
     for seed in range(20):
         heads = [p for p in build(placed("motorcyclist"), seed) if p.label == "rider" and p.shape == "ellipsoid"]
         assert [p.material for p in heads] == ["light-paint"]
+        # a head is 0.14 of a stature in tenths of a metre, and the helmet 4 cm higher
+        statures = (heads[0].size[2] - 0.04) / 0.14 * 10
+        assert statures == pytest.approx(round(statures))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from built_objects import build, cast, placed
+from built_objects import all_vertices, build, cast, placed, vertices
 
 
 def test_signs_reflect_to_the_front_and_are_grey_behind():
@@ -48,6 +48,11 @@ def test_nothing_of_a_gantry_is_lower_than_its_clearance_between_the_posts():
         primitives = build(made, seed)
         boards = [p for p in primitives if p.label == "traffic-sign"]
         assert boards
-        for p in primitives:
-            if abs(p.center[1]) + p.size[1] / 2 < made.size[1] / 2 - 0.5:
-                assert p.center[2] - p.size[2] / 2 >= made.clearance - 1e-9
+        every = all_vertices(primitives)
+        between = np.abs(every[:, 1]) < made.size[1] / 2 - 0.6
+        ends = np.abs(every[:, 1]) >= made.size[1] / 2 - 1e-6
+        assert np.sort(every[ends, 2])[0] < 0.0  # the posts reach into the ground
+        truss = vertices(next(p for p in primitives if p.shape == "mesh" and p.label == "pole"))
+        assert truss[:, 2].min() >= made.clearance - 1e-9
+        assert between.any()
+        assert every[between, 2].min() >= made.clearance - 1e-9

@@ -14,7 +14,7 @@ Sources of `MATERIALS`, by column; where several are named the value is typical 
   estimates of ours.
 - `transmission`: float glass of 4 to 6 mm at 905 nm, two-way for what is seen behind; solar control coatings take more.
   Car glass absorbs heat: of visible light at least 0.70 passes (UN regulation 43), at 905 nm less; 0.45, its diffuse
-  share and that of rays that end in cabins (objects/car_bodies.py) are such that PandaSet's holes in cars come out.
+  share and that of rays that end in cabins (objects/vehicle_bodies.py) are such that PandaSet's holes in cars come out.
 - `retroreflection`: the coefficients of EN 12899-1 (class RA2, white, 0.2 and 5 degrees: 250 cd/lx/m2); a white surface
   that faces the sensor has 1 / pi of these units.
 - `rms_height`: of grass from the planes of terrain in PandaSet (17 mm), of bark, gravel and soil estimates of ours.
