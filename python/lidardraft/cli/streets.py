@@ -98,7 +98,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PICTURE.png",
         nargs="?",
         const="streets.png",
-        help="make a picture instead, one row a street (default streets.png)",
+        help="make a picture instead, with a row for each of N streets (default streets.png)",
     )
 
 
