@@ -3,10 +3,10 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 use crate::SensorPattern;
 use crate::sensor_spec::TURN_TOLERANCE;
+use crate::threads::spread;
 
 /// The pixels of a list of points; a point outside the pattern has row and column -1 and distance 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +21,8 @@ pub struct Projection {
 
 /// How far beyond a range limit a projected point may lie, as a share of the maximum range.
 const ROUNDING: f64 = 1e-6;
+/// Points that a thread takes at once.
+const BLOCK: usize = 4096;
 
 /// A beam that can be turned to a point, and how it meets it.
 #[derive(Clone, Copy)]
@@ -41,12 +43,18 @@ impl SensorPattern {
     /// lowest beam than half the spacing there (of the columns, if there is one beam only), not within the range limits or
     /// not finite.
     pub fn project(&self, points: &[[f64; 3]]) -> Projection {
-        let pixels = points.par_iter().map(|&p| self.pixel(DVec3::from(p)));
-        let (rows, (columns, distances)) = pixels
-            .map(|pixel| pixel.unwrap_or((-1, -1, 0.0)))
-            .map(|(row, column, distance)| (row, (column, distance)))
-            .unzip();
-        Projection { rows, columns, distances }
+        let count = points.len();
+        let mut found = Projection { rows: vec![-1; count], columns: vec![-1; count], distances: vec![0.0; count] };
+        let pixels = found.rows.chunks_mut(BLOCK).zip(found.columns.chunks_mut(BLOCK));
+        let blocks = points.chunks(BLOCK).zip(pixels.zip(found.distances.chunks_mut(BLOCK))).collect();
+        spread(0, blocks, |(points, ((rows, columns), distances)): (&[_], ((&mut [_], &mut [_]), &mut [_]))| {
+            for (k, &point) in points.iter().enumerate() {
+                if let Some(pixel) = self.pixel(DVec3::from(point)) {
+                    (rows[k], columns[k], distances[k]) = pixel;
+                }
+            }
+        });
+        found
     }
 
     fn pixel(&self, point: DVec3) -> Option<(i32, i32, f32)> {

@@ -15,7 +15,7 @@ use super::visibility_buffer::VisibilityBuffer;
 use super::write_images::{Owners, Unresolved};
 use crate::packed::Band;
 use crate::simd::{self, Kernel, Lanes, WIDEST};
-use crate::threads::spread;
+use crate::threads::{spread, thread_count};
 use crate::{Backend, ImagesMut, Pose, Scene, SensorPattern};
 
 /// The most columns that share bounds when each has a pose of its own, and the fewest, which it is if the sensor turns.
@@ -65,8 +65,7 @@ pub(super) fn scan(
 
 /// How many columns are rasterized at once: those of a thread, but no more than stay in its cache.
 fn still_width(pattern: &SensorPattern, threads: usize) -> usize {
-    let threads = if threads == 0 { rayon::current_num_threads() } else { threads };
-    let parts = threads.max((pattern.rows() * pattern.columns()).div_ceil(MOST_PIXELS));
+    let parts = thread_count(threads).max((pattern.rows() * pattern.columns()).div_ceil(MOST_PIXELS));
     pattern.columns().div_ceil(parts).next_multiple_of(WIDEST).max(FEWEST_COLUMNS)
 }
 
