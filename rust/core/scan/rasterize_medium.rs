@@ -3,7 +3,7 @@
 use super::pixel_rect::PixelRect;
 use super::ray_tests::{MediumTest, ShapeInView};
 use super::view::View;
-use super::visibility_buffer::{UNRESOLVED, VisibilityBuffer, steps};
+use super::visibility_buffer::{UNRESOLVED, VisibilityBuffer, lanes_within, steps};
 use crate::medium::{FreePaths, QUANTILES};
 use crate::packed::PHASES;
 use crate::simd::{Lanes, Mask, Vector};
@@ -37,23 +37,23 @@ pub(super) fn rasterize_medium<L: Lanes, S: ShapeInView>(
         for at in steps::<L>(from, to) {
             let Some(motion) = &view.motion else {
                 let up = Vector::splat([0.0, 0.0, 1.0]);
-                rasterize_columns(&still, up, (medium, id), (at, rect), view, buffer);
+                rasterize_columns(&still, up, (medium, id), (at, to, rect), view, buffer);
                 continue;
             };
             let columns = motion.columns::<L>(at);
             let test = shape.test_from(columns.start);
-            rasterize_columns(&test, columns.up, (medium, id), (at, rect), view, buffer);
+            rasterize_columns(&test, columns.up, (medium, id), (at, to, rect), view, buffer);
         }
     }
 }
 
-/// Rasterizes the rows of a rectangle in the `L::N` columns from `at` on.
+/// Rasterizes the rows of a rectangle in the `L::N` columns from `at` on, or those of them up to `to`.
 #[inline(always)]
 fn rasterize_columns<L: Lanes>(
     test: &impl MediumTest<L>,
     up: Vector<L>,
     (medium, id): (Medium, u32),
-    (at, rect): (usize, &PixelRect),
+    (at, to, rect): (usize, usize, &PixelRect),
     view: &View,
     buffer: &mut VisibilityBuffer,
 ) {
@@ -90,7 +90,7 @@ fn rasterize_columns<L: Lanes>(
         let known = nearest.ge(nearest) & margin.ge(margin) & leave.ge(leave);
         let (nearest, margin) = (L::select(known, nearest.min(bound), bound), L::select(known, margin, zero));
         let leave = L::select(known, leave, zero);
-        let maybe = margin.ge(zero) & nearest.ge(leave) & nearest.gt(behind);
+        let maybe = margin.ge(zero) & nearest.ge(leave) & nearest.gt(behind) & lanes_within::<L>(at, to);
         if !maybe.any() {
             continue;
         }

@@ -3,7 +3,7 @@
 use super::pixel_rect::PixelRect;
 use super::ray_tests::{RayTest, ShapeInView};
 use super::view::View;
-use super::visibility_buffer::{UNRESOLVED, VisibilityBuffer, steps};
+use super::visibility_buffer::{UNRESOLVED, VisibilityBuffer, lanes_within, steps};
 use crate::packed::PHASES;
 use crate::simd::{Lanes, Mask, Vector};
 
@@ -35,7 +35,7 @@ pub(super) fn rasterize_shape<L: Lanes>(
                 let h = view.headings::<L>(phase, at);
                 *along = [a.dot(h), b.dot(h), c.dot(h), d.dot(h)];
             }
-            rasterize_columns(&test, (&along, &rise), id, (at, rect), view, buffer);
+            rasterize_columns(&test, (&along, &rise), id, (at, to, rect), view, buffer);
         }
     }
 }
@@ -63,7 +63,7 @@ pub(super) fn rasterize_still<L: Lanes, const P: usize>(
                     d.x.mul_add(x, d.y * y),
                 ];
             }
-            rasterize_columns(test, (&along, &rise), id, (at, rect), view, buffer);
+            rasterize_columns(test, (&along, &rise), id, (at, to, rect), view, buffer);
         }
     }
 }
@@ -78,13 +78,13 @@ fn largest<L: Lanes>(along: &[[L; 4]]) -> [L; 4] {
     all
 }
 
-/// Rasterizes the rows of a rectangle in the `L::N` columns from `at` on.
+/// Rasterizes the rows of a rectangle in the `L::N` columns from `at` on, or those of them up to `to`.
 #[inline(always)]
 fn rasterize_columns<L: Lanes, const P: usize>(
     test: &impl RayTest<L>,
     (along, rise): (&[[L; 4]; P], &[L; 4]),
     id: u32,
-    (at, rect): (usize, &PixelRect),
+    (at, to, rect): (usize, usize, &PixelRect),
     view: &View,
     buffer: &mut VisibilityBuffer,
 ) {
@@ -128,6 +128,8 @@ fn rasterize_columns<L: Lanes, const P: usize>(
         let tie = view.tie(stored);
         let maybe = margin.ge(zero) & nearest.gt(stored.neg_mul_add(tie, stored));
         if maybe.any() {
+            // An error without bound has no end at the rectangle.
+            let maybe = maybe & lanes_within::<L>(at, to);
             let (inverse_depth, resolved) = test.resolved(direction, tolerance);
             let surely = maybe & resolved & inverse_depth.gt(stored.mul_add(tie, stored));
             let inverse_depth = L::select(surely, inverse_depth, nearest.max(stored));
@@ -147,7 +149,7 @@ pub(super) fn rasterize_unresolved<L: Lanes>(rect: &PixelRect, view: &View, buff
             for at in steps::<L>(from, to) {
                 let pixel = row * buffer.stride + at;
                 let stored = L::load(&buffer.inverse_depth, pixel);
-                let maybe = nearest.gt(stored.neg_mul_add(view.tie(stored), stored));
+                let maybe = lanes_within::<L>(at, to) & nearest.gt(stored.neg_mul_add(view.tie(stored), stored));
                 L::select(maybe, nearest.max(stored), stored).store(&mut buffer.inverse_depth, pixel);
                 L::masked_store(maybe, UNRESOLVED, &mut buffer.id, pixel);
             }

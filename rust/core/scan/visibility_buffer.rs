@@ -82,3 +82,11 @@ pub(super) fn steps<L: Lanes>(from: usize, to: usize) -> impl Iterator<Item = us
     let count = (to + L::N - from.min(to + L::N)) / L::N;
     (0..count).map(move |step| from + step * L::N)
 }
+
+/// Which lanes of the vector from a column on lie in a span that ends with another: where vectors begin depends on how a
+/// scan is cut into views, and nothing that is seen of it may.
+#[inline(always)]
+pub(super) fn lanes_within<L: Lanes>(at: usize, to: usize) -> L::Mask {
+    const LANES: [f32; WIDEST] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+    L::splat((to - at) as f32).ge(L::load(&LANES, 0))
+}

@@ -1,10 +1,12 @@
 //! Every bit of the images is the same for any number of threads, in a batch, and whatever else is asked for.
 
+use std::f64::consts::{PI, TAU};
+
 use glam::DVec3;
 
 use super::random::{any_pattern, bodies};
 use super::{Random, fast, linear, pattern, primitive, random_scene, scene, seen, spec};
-use crate::{Backend, Images, ImagesMut, Pose, Scene, SensorPattern, Shape, scan, scan_batch};
+use crate::{Backend, Images, ImagesMut, Pose, Primitive, Scene, SensorPattern, Shape, TriangleMesh, scan, scan_batch};
 
 /// Scenes, patterns and poses that differ in everything: pieces of a scan, beams beside each other, rolling shutter.
 fn scans() -> Vec<(Scene, SensorPattern, Vec<Pose>)> {
@@ -44,6 +46,30 @@ fn any_number_of_threads() {
                 let many = seen(scene, pattern, poses, backend, threads);
                 assert!(one == many, "scan {k}, {}, {threads} threads", backend.name());
             }
+        }
+    }
+}
+
+/// Triangles seen edge-on are unresolved wherever they may be: but nowhere else, or bits of what is beside them would
+/// depend on the cut.
+#[test]
+fn surfaces_seen_edge_on() {
+    let columns = 1024_u32;
+    let triangle =
+        TriangleMesh::new(vec![[9.0, 0.0, -4.0], [9.0, 0.0, 4.0], [12.0, 0.0, 0.0]], vec![[0, 1, 2]]).unwrap();
+    let mut random = Random(84);
+    let mut primitives = vec![primitive(Shape::Ellipsoid, [0.3, -0.2, 0.1], [90.0, 80.0, 70.0])];
+    primitives.extend((0..60).map(|_| {
+        let column = random.between(0.0, f64::from(columns)).floor();
+        let yaw = PI - TAU * (column + 0.5) / f64::from(columns);
+        Primitive { yaw, ..primitive(Shape::Mesh(triangle.clone()), [0.0; 3], [1.0; 3]) }
+    }));
+    let (scene, pattern) = (scene(primitives), pattern(spec(linear(0.2, -0.2, 16), columns as usize)));
+    for backend in fast() {
+        let one = seen(&scene, &pattern, &[Pose::IDENTITY], backend, 1);
+        for threads in [2, 3, 7] {
+            let many = seen(&scene, &pattern, &[Pose::IDENTITY], backend, threads);
+            assert!(one == many, "{}, {threads} threads", backend.name());
         }
     }
 }
