@@ -88,7 +88,7 @@ def test_json_and_edits_keep_it():
     solid = edit.replace(STREET, "tree_1", extinction=None)
     assert solid["tree_1.crown"].extinction is None
     assert solid != STREET
-    with pytest.raises(LayoutError, match="unknown field 'extinctions'"):
+    with pytest.raises(FormatError, match="unknown field 'extinctions'"):
         Primitive.from_dict({**CROWN.to_dict(), "extinctions": 1})
 
 

@@ -101,5 +101,5 @@ def test_motion_that_cannot_be():
         SENSOR.poses_in_motion(angular_velocity=(0.0, 1.0))
     with pytest.raises(LayoutError, match=r"pose has shape \(3, 3\); it must be \[4, 4\]"):
         SENSOR.poses_in_motion(np.eye(3))
-    with pytest.raises(SensorError, match=r"small: sweep_time is -0\.1; it must be finite and 0 or more"):
+    with pytest.raises(SensorError, match=r"small: sweep_time is -0\.1; it must be 0 or more"):
         dataclasses.replace(SENSOR, sweep_time=-0.1)
