@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lidardraft import Layout, Primitive, Raycaster, Sensor, raycast
-from lidardraft.errors import LayoutError, LidarDraftError
+from lidardraft.errors import FormatError, LayoutError, LidarDraftError
 from lidardraft.scene import edit
 from lidardraft.scene.layout import SHAPES
 from lidardraft.scene.mesh import TriangleMesh, primitive_mesh
