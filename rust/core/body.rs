@@ -42,7 +42,8 @@ pub(crate) struct Body {
     pub(crate) solid: Solid,
     /// What makes it a medium [1/m].
     pub(crate) extinction: Option<f64>,
-    /// By how much flat faces are grown, so that faces which meet on paper leave no gap after rounding [m].
+    /// How far rounding may move a point of the surface [m]. Flat faces are grown by it, so that faces which meet on paper
+    /// leave no gap.
     slack: f64,
     bounds: Bounds,
 }
@@ -74,11 +75,11 @@ impl MeshBody {
         triangle(&self.vertices, self.faces[part as usize])
     }
 
-    fn intersect(&self, ray: &Ray, limit: f32) -> Option<Hit> {
+    fn intersect(&self, ray: &Ray, limit: f32, slack: f64) -> Option<Hit> {
         let sheared = ray.sheared();
         let hit = |face: usize, _| {
             let part = face as u32;
-            Some(Hit { distance: self.triangle(part).intersect(&sheared)?, part })
+            Some(Hit { distance: self.triangle(part).intersect(&sheared, slack)?, part })
         };
         Some(self.bvh().closest(ray, limit, hit)?.1)
     }
@@ -127,12 +128,14 @@ impl Solid {
         Bounds::around(pose.translation, half)
     }
 
-    /// By how much flat faces are grown at a pose.
+    /// How far rounding may move a point of the surface at a pose.
     fn slack(&self, pose: &Pose) -> f64 {
         let half = match self {
             Solid::Cuboid(shape) => shape.half,
             Solid::Rectangle(shape) => shape.half.extend(0.0),
-            Solid::Ellipsoid(_) | Solid::Cylinder(_) | Solid::Mesh(_) => return 0.0,
+            Solid::Ellipsoid(shape) => shape.radii,
+            Solid::Cylinder(shape) => shape.half,
+            Solid::Mesh(mesh) => mesh.bounds.min.abs().max(mesh.bounds.max.abs()),
         };
         8.0 * f64::EPSILON * (pose.translation.abs() + half).element_sum()
     }
@@ -177,16 +180,16 @@ impl Body {
     /// The closest hit of a ray of the scene whose distance, as f32, is at most `limit`; there may be a further one instead.
     /// `path` is asked of media: the free path of the ray, in mean free paths.
     pub(crate) fn intersect(&self, ray: &Ray, limit: f32, path: impl FnOnce() -> f32) -> Option<Hit> {
-        let ray = self.inverse_ray(ray);
+        let (ray, slack) = (self.inverse_ray(ray), self.slack);
         if let Some(extinction) = self.extinction {
             return self.first_interaction(&ray, f64::from(path()) / (extinction * ray.direction.length()));
         }
         let distance = match &self.solid {
-            Solid::Cuboid(shape) => shape.grown(self.slack).intersect(&ray),
-            Solid::Ellipsoid(shape) => shape.intersect(&ray),
-            Solid::Cylinder(shape) => shape.intersect(&ray),
-            Solid::Rectangle(shape) => shape.grown(self.slack).intersect(&ray),
-            Solid::Mesh(mesh) => return mesh.intersect(&ray, limit),
+            Solid::Cuboid(shape) => shape.grown(slack).intersect(&ray, 2.0 * slack),
+            Solid::Ellipsoid(shape) => shape.intersect(&ray, slack),
+            Solid::Cylinder(shape) => shape.intersect(&ray, slack),
+            Solid::Rectangle(shape) => shape.grown(slack).intersect(&ray, slack),
+            Solid::Mesh(mesh) => return mesh.intersect(&ray, limit, slack),
         };
         Some(Hit { distance: distance?, part: 0 })
     }
@@ -198,10 +201,11 @@ impl Body {
 
     /// Where a ray of the body first interacts with the medium in it, given its free path in lengths of its direction.
     fn first_interaction(&self, ray: &Ray, path: f64) -> Option<Hit> {
+        let slack = self.slack;
         let distance = match &self.solid {
-            Solid::Cuboid(shape) => first_interaction(shape.grown(self.slack).span(ray), path),
-            Solid::Ellipsoid(shape) => first_interaction(shape.span(ray), path),
-            Solid::Cylinder(shape) => first_interaction(shape.span(ray), path),
+            Solid::Cuboid(shape) => first_interaction(shape.grown(slack).span(ray, 2.0 * slack), path),
+            Solid::Ellipsoid(shape) => first_interaction(shape.span(ray, slack), path),
+            Solid::Cylinder(shape) => first_interaction(shape.span(ray, slack), path),
             Solid::Mesh(mesh) => first_interaction(mesh.spans(ray), path),
             // Checked to be no medium.
             Solid::Rectangle(_) => None,
@@ -217,7 +221,7 @@ impl Body {
         };
         let sheared = self.inverse_ray(ray).sheared();
         let hits = (0..mesh.faces.len() as u32)
-            .filter_map(|part| Some(Hit { distance: mesh.triangle(part).intersect(&sheared)?, part }));
+            .filter_map(|part| Some(Hit { distance: mesh.triangle(part).intersect(&sheared, self.slack)?, part }));
         hits.min_by(|a, b| (a.distance as f32).total_cmp(&(b.distance as f32)))
     }
 

@@ -19,17 +19,17 @@ impl Cuboid {
     }
 
     /// Where a ray enters the box, or leaves it if it starts inside.
-    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
-        first(self.span(ray)?)
+    pub fn intersect(&self, ray: &Ray, slack: f64) -> Option<f64> {
+        first(self.span(ray, slack)?)
     }
 
     /// The part of a line inside the box: Kay and Kajiya, "Ray Tracing Complex Scenes", 1986. It ends before it begins if
     /// the line passes by.
-    pub fn span(&self, ray: &Ray) -> Option<Span> {
+    pub fn span(&self, ray: &Ray, slack: f64) -> Option<Span> {
         let Ray { origin, direction } = ray;
-        let x = slab(origin.x, direction.x, self.half.x)?;
-        let y = slab(origin.y, direction.y, self.half.y)?;
-        let z = slab(origin.z, direction.z, self.half.z)?;
+        let x = slab(origin.x, direction.x, self.half.x, slack)?;
+        let y = slab(origin.y, direction.y, self.half.y, slack)?;
+        let z = slab(origin.z, direction.z, self.half.z, slack)?;
         Some(narrow(narrow(x, y), z))
     }
 

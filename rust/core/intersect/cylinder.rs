@@ -13,25 +13,25 @@ pub struct Cylinder {
 
 impl Cylinder {
     /// Where a ray enters the cylinder, or leaves it if it starts inside; side and caps.
-    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
-        first(self.span(ray)?)
+    pub fn intersect(&self, ray: &Ray, slack: f64) -> Option<f64> {
+        first(self.span(ray, slack)?)
     }
 
     /// The part of a line inside the cylinder; it ends before it begins if the line passes by.
-    pub fn span(&self, ray: &Ray) -> Option<Span> {
-        let caps = slab(ray.origin.z, ray.direction.z, self.half.z)?;
-        Some(narrow(caps, self.side(ray)?))
+    pub fn span(&self, ray: &Ray, slack: f64) -> Option<Span> {
+        let caps = slab(ray.origin.z, ray.direction.z, self.half.z, slack)?;
+        Some(narrow(caps, self.side(ray, slack)?))
     }
 
     /// The part of a ray inside the endless cylinder.
-    fn side(&self, ray: &Ray) -> Option<Span> {
+    fn side(&self, ray: &Ray, slack: f64) -> Option<Span> {
         let radii = self.half.truncate();
         let (o, d) = (ray.origin.truncate() / radii, ray.direction.truncate() / radii);
         // A vertical ray, or one that rises more than 1e100 times as fast as it moves.
         if d.length_squared() < 1e-200 {
             return (o.length_squared() <= 1.0).then_some((f64::NEG_INFINITY, f64::INFINITY));
         }
-        unit_ball(o.extend(0.0), d.extend(0.0))
+        unit_ball(o.extend(0.0), d.extend(0.0), slack / radii.min_element())
     }
 
     /// The outward unit normal at a point of the surface: of the cap or the side, whichever it is relatively nearest to.

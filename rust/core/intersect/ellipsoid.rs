@@ -13,13 +13,13 @@ pub struct Ellipsoid {
 
 impl Ellipsoid {
     /// Where a ray enters the ellipsoid, or leaves it if it starts inside.
-    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
-        first(self.span(ray)?)
+    pub fn intersect(&self, ray: &Ray, slack: f64) -> Option<f64> {
+        first(self.span(ray, slack)?)
     }
 
     /// The part of a line inside the ellipsoid.
-    pub fn span(&self, ray: &Ray) -> Option<Span> {
-        unit_ball(ray.origin / self.radii, ray.direction / self.radii)
+    pub fn span(&self, ray: &Ray, slack: f64) -> Option<Span> {
+        unit_ball(ray.origin / self.radii, ray.direction / self.radii, slack / self.radii.min_element())
     }
 
     /// The outward unit normal at a point of the surface: the gradient, scaled so that no radius is too small for it.

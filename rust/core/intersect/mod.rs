@@ -1,8 +1,8 @@
 //! The ray-shape tests, each written once, in the frame of the shape: it stands at the origin and is not turned.
 //!
 //! Both sides of every surface are seen, and a ray that starts inside a body hits the far side. A distance is greater than
-//! 0: a surface that a ray starts on is not hit there. A normal is asked for only where it is needed, with the point that
-//! was hit.
+//! 0: a surface that a ray starts on is not hit there, where `slack` is how far from it rounding may have moved the start [m].
+//! A normal is asked for only where it is needed, with the point that was hit.
 
 mod cuboid;
 mod cylinder;
@@ -48,8 +48,10 @@ pub(crate) fn first_interaction(spans: impl IntoIterator<Item = Span>, path: f64
     None
 }
 
-/// The part of a line between two parallel planes at `-half` and `half` of one axis; `None` if it runs beside them.
-fn slab(origin: f64, direction: f64, half: f64) -> Option<Span> {
+/// The part of a line between two parallel planes at `-half` and `half` of one axis; `None` if it runs beside them. A line
+/// that starts on one of them, but for `slack`, meets it at 0.
+fn slab(origin: f64, direction: f64, half: f64, slack: f64) -> Option<Span> {
+    let origin = if (origin.abs() - half).abs() <= slack { half.copysign(origin) } else { origin };
     if direction == 0.0 {
         return (origin.abs() <= half).then_some((f64::NEG_INFINITY, f64::INFINITY));
     }
@@ -57,20 +59,30 @@ fn slab(origin: f64, direction: f64, half: f64) -> Option<Span> {
     Some((a.min(b), a.max(b)))
 }
 
-/// The distances at which a line crosses the unit circle or the unit sphere; `None` if it passes by.
+/// A start that is further away from the unit ball than this is not on it, however thin the body is that it stands for.
+const LARGEST_SLACK: f64 = 1e-6;
+
+/// The distances at which a line crosses the unit circle or the unit sphere; `None` if it passes by. One that starts on it,
+/// but for `slack`, crosses it at 0.
 ///
 /// The discriminant is taken from the point of the line nearest to the centre, and the smaller root from the product of
 /// both, so that neither cancels for a small body far away: Haines et al., "Precision Improvements for Ray/Sphere
 /// Intersection", Ray Tracing Gems, 2019, chapter 7.
-fn unit_ball(origin: DVec3, direction: DVec3) -> Option<Span> {
+fn unit_ball(origin: DVec3, direction: DVec3, slack: f64) -> Option<Span> {
     let a = direction.length_squared();
     let b = -origin.dot(direction);
+    let distance = origin.length();
+    let slack = slack.min(LARGEST_SLACK);
+    if (distance - 1.0).abs() <= slack {
+        // Where the line runs along the surface, rounding makes no second crossing either.
+        let other = if b.abs() > slack * a.sqrt() { 2.0 * b / a } else { 0.0 };
+        return Some((other.min(0.0), other.max(0.0)));
+    }
     let discriminant = 1.0 - (origin + direction * (b / a)).length_squared();
     if discriminant.is_nan() || discriminant < 0.0 {
         return None;
     }
     let q = b + (a * discriminant).sqrt().copysign(b);
-    let distance = origin.length();
     let c = (distance - 1.0) * (distance + 1.0);
     let (near, far) = (c / q, q / a);
     (q != 0.0).then(|| (near.min(far), near.max(far)))

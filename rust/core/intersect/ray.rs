@@ -23,7 +23,7 @@ pub struct Hit {
 /// A ray made ready for many triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShearedRay {
-    origin: DVec3,
+    pub(super) origin: DVec3,
     /// The order of the axes in which the longest component of the direction is the third and handedness is kept.
     axes: [usize; 3],
     /// Shear and scale that turn the direction into (0, 0, 1) of those axes.

@@ -18,11 +18,12 @@ impl Rectangle {
         Rectangle { half: self.half + margin }
     }
 
-    /// Where a ray crosses the rectangle, edges included. A ray in its plane does not see it.
-    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
+    /// Where a ray crosses the rectangle, edges included. A ray that starts in its plane does not see it.
+    pub fn intersect(&self, ray: &Ray, slack: f64) -> Option<f64> {
         let distance = -ray.origin.z / ray.direction.z;
         let point = ray.at(distance).abs();
-        (distance > 0.0 && point.x <= self.half.x && point.y <= self.half.y).then_some(distance)
+        (distance > 0.0 && ray.origin.z.abs() > slack && point.x <= self.half.x && point.y <= self.half.y)
+            .then_some(distance)
     }
 
     /// Its unit normal.

@@ -18,7 +18,7 @@ impl Triangle {
     /// Watertight: Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Rounding is monotone, so
     /// an edge function keeps its sign or becomes 0, and 0 counts as inside; and two triangles that share an edge compute
     /// exactly opposite values for it, because nothing here is fused. So no ray slips between them.
-    pub fn intersect(&self, ray: &ShearedRay) -> Option<f64> {
+    pub fn intersect(&self, ray: &ShearedRay, slack: f64) -> Option<f64> {
         let [a, b, c] = self.corners.map(|corner| ray.shear(corner));
         let u = c.x * b.y - c.y * b.x;
         let v = a.x * c.y - a.y * c.x;
@@ -32,7 +32,12 @@ impl Triangle {
             return None;
         }
         let distance = (u * a.z + v * b.z + w * c.z) / determinant;
-        (distance > 0.0).then_some(distance)
+        (distance > 0.0 && !self.is_at(ray.origin, slack)).then_some(distance)
+    }
+
+    /// Whether a point lies in the bounds and the plane of the triangle: a ray from there sees it edge-on, if at all.
+    fn is_at(&self, point: DVec3, slack: f64) -> bool {
+        self.bounds().grown(slack).contains(point) && (point - self.corners[0]).dot(self.normal()).abs() <= slack
     }
 
     /// Where a ray crosses the triangle, and whether it sees the corners run counter-clockwise there.

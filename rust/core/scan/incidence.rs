@@ -192,8 +192,8 @@ fn normal(solid: &Solid, ray: &Ray, range: f64) -> DVec3 {
     let at = |exact: Option<f64>| ray.at(exact.unwrap_or(range));
     match solid {
         Solid::Cuboid(shape) => face_normal(shape, ray),
-        Solid::Ellipsoid(shape) => shape.normal(at(shape.intersect(ray))),
-        Solid::Cylinder(shape) => shape.normal(at(shape.intersect(ray))),
+        Solid::Ellipsoid(shape) => shape.normal(at(shape.intersect(ray, 0.0))),
+        Solid::Cylinder(shape) => shape.normal(at(shape.intersect(ray, 0.0))),
         Solid::Rectangle(shape) => shape.normal(),
         Solid::Mesh(_) => DVec3::ZERO,
     }

@@ -14,6 +14,7 @@ mod receiver;
 mod scans;
 mod sensor_pattern;
 mod shapes;
+mod starts;
 mod sweep;
 mod watertight;
 
