@@ -34,9 +34,7 @@ def process_pools(count: int) -> Iterator[list[ProcessPoolExecutor]]:
         ) from None
     finally:
         for pool in pools:
-            pool.shutdown(wait=False, cancel_futures=True)
-        for pool in pools:
-            pool.shutdown()
+            pool.shutdown(cancel_futures=True)
 
 
 @contextmanager

@@ -1,0 +1,29 @@
+"""Notes on a sentence become a spec."""
+
+from lidardraft.drafting.scene_spec import ObjectGroup
+from lidardraft.drafting.sentence_notes import Mention, SentenceNotes
+
+
+def test_settings_imply_what_the_sentence_does_not_say():
+    notes = SentenceNotes(settings={"RESIDENTIAL", "BUSY"})
+    assert {group.kind for group in notes.spec().groups} == {"house", "vehicle"}
+    notes = SentenceNotes(mentions=[Mention("building", 2)], settings={"RESIDENTIAL"})
+    assert [group.kind for group in notes.spec().groups] == ["building"]
+
+
+def test_what_is_denied_is_absent_and_not_implied():
+    spec = SentenceNotes(mentions=[Mention("house", 0)], settings={"RESIDENTIAL"}).spec()
+    assert spec.absent == ("house",)
+    assert spec.groups == ()
+
+
+def test_lanes_are_counted_on_both_sides_but_on_motorways():
+    assert SentenceNotes(lanes=4).spec().road.lanes == 2
+    assert SentenceNotes(lanes=4, each_way=True).spec().road.lanes == 4
+    assert SentenceNotes(road="motorway", lanes=3).spec().road.lanes == 3
+
+
+def test_nothing_noted_is_empty():
+    assert SentenceNotes(not_understood=["llama"]).empty
+    assert not SentenceNotes(sidewalk=False).empty
+    assert Mention("car", 1).group() == ObjectGroup(kind="car", count=1)
