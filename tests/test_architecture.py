@@ -205,3 +205,12 @@ def test_every_public_name_is_there() -> None:
         assert getattr(lidardraft, name) is not None
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = lidardraft.nothing
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_every_module_has_a_test_file_of_its_name(path: Path) -> None:
+    if path.stem.startswith("__"):
+        return
+    names = {test.stem.removeprefix("test_") for test in (ROOT / "tests").rglob("test_*.py")}
+    stem = path.stem  # of two files of one name, one has the room before it, such as `objects_mesh`
+    assert [name for name in names if name == stem or name.endswith(f"_{stem}") or name.startswith(f"{stem}_")]

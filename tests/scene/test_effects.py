@@ -1,7 +1,7 @@
 """Effects against their closed forms and limits, and each of them switched off."""
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -332,3 +332,54 @@ def test_errors():
         observe(image, wall(10.0, "cheese"), 0)
     with pytest.raises(SensorError, match="the image is of small; sub_rays of small are small x 3"):
         observe(image, layout, 0, sensor=SENSOR)
+
+
+# Another value for every number of the model.
+OTHERWISE = {
+    "rays_per_beam": 7,
+    "divergence_h": 9.0e-3,
+    "divergence_v": 9.0e-3,
+    "pulse_duration": 20e-9,
+    "detection_threshold": 0.10 / 15.0**2,
+    "last_return": True,
+    "speckle": 0.3,
+    "texture": 0.3,
+    "material_noise": False,
+    "dust": 0.8,
+    "fading": 0.0,
+    "drop_probability": 0.3,
+    "glass_transmission": False,
+    "jitter": 0.3,
+    "range_step": 0.1,
+    "unit": 1,
+    "offset_spread": 0.1,
+    "gain_spread": 0.3,
+    "tilt_spread": 0.02,
+    "full_scale": 0.5,
+    "knee": 0.6,
+    "levels": 7,
+    "compensation_range": 15.0,
+}
+
+
+def corner_with_a_window() -> Layout:
+    """A wall far off, a sign that is brighter than white, poles near by that beams half meet, and a pane of glass."""
+
+    def box(id: str, center: tuple[float, float, float], size: tuple[float, float, float], material: str) -> Primitive:
+        return Primitive(shape="box", center=center, size=size, label="building", id=id, material=material)
+
+    poles = [box(f"pole_{k}", (6.0, 0.25 * k - 5.0, 0.0), (0.03, 0.03, 8.0), "plaster") for k in range(40)]
+    sign = box("sign", (0.0, 20.0, 0.0), (10.0, 0.2, 10.0), "retroreflector")
+    pane = box("pane", (-5.0, 0.0, 0.0), (0.1, 30.0, 20.0), "glass")
+    road = Primitive(shape="plane", center=(0, 0, -0.6), size=(200, 200, 0), label="road", id="road", material="gravel")
+    return Layout((*wall(40.0).primitives, *poles, sign, pane, road))
+
+
+def test_every_number_of_the_model_has_an_effect():
+    assert set(OTHERWISE) == {field.name for field in fields(SensorModel)}
+    layout, model = corner_with_a_window(), SensorModel()
+    usual = seen(layout, model)
+    for name, value in OTHERWISE.items():
+        other = seen(layout, replace(model, **{name: value}))
+        changed = (usual.depth != other.depth) | (usual.intensity != other.intensity)
+        assert changed.any(), name
