@@ -363,16 +363,17 @@ OTHERWISE = {
 
 
 def corner_with_a_window() -> Layout:
-    """A wall far off, a sign that is brighter than white, poles near by that beams half meet, and a pane of glass."""
+    """A wall far off, a sign that is brighter than white, poles near by that beams half meet, some before a panel, and a pane of glass."""
 
     def box(id: str, center: tuple[float, float, float], size: tuple[float, float, float], material: str) -> Primitive:
         return Primitive(shape="box", center=center, size=size, label="building", id=id, material=material)
 
     poles = [box(f"pole_{k}", (6.0, 0.25 * k - 5.0, 0.0), (0.03, 0.03, 8.0), "plaster") for k in range(40)]
+    panel = box("panel", (7.6, -2.5, 0.0), (0.1, 5.0, 8.0), "plaster")
     sign = box("sign", (0.0, 20.0, 0.0), (10.0, 0.2, 10.0), "retroreflector")
     pane = box("pane", (-5.0, 0.0, 0.0), (0.1, 30.0, 20.0), "glass")
     road = Primitive(shape="plane", center=(0, 0, -0.6), size=(200, 200, 0), label="road", id="road", material="gravel")
-    return Layout((*wall(40.0).primitives, *poles, sign, pane, road))
+    return Layout((*wall(40.0).primitives, *poles, panel, sign, pane, road))
 
 
 def test_every_number_of_the_model_has_an_effect():
