@@ -36,6 +36,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         (["--control-steps", "0"], "steps is 0; it must be at least 1"),
         (["--device", "nonsense"], "device is 'nonsense'"),
         (["--sensor", "small.json"], "crop is 256; it must be 1 to 128, the columns of small"),
+        (["-o", "."], ". is a folder; the weights are a file"),
     ],
 )
 def test_what_cannot_be_is_refused_before_any_work(

@@ -363,7 +363,7 @@ OTHERWISE = {
 
 
 def corner_with_a_window() -> Layout:
-    """A wall far off, a sign brighter than white, a pane, and poles that beams half meet, some of them before a panel."""
+    """A wall far off, a sign brighter than white, a pane, and poles that beams half meet, some before a panel."""
 
     def box(id: str, center: tuple[float, float, float], size: tuple[float, float, float], material: str) -> Primitive:
         return Primitive(shape="box", center=center, size=size, label="building", id=id, material=material)

@@ -59,6 +59,8 @@ def street(arguments: argparse.Namespace) -> None:
     # what cannot be is refused before hours of work
     if arguments.evaluate < 1:
         raise TrainingError(f"evaluate is {arguments.evaluate}; it must be at least 1 street")
+    if Path(arguments.output).is_dir():
+        raise TrainingError(f"{arguments.output} is a folder; the weights are a file")
     for config in (base, control):
         config.check(sensor)
     device_for_training(arguments.device)

@@ -37,7 +37,7 @@ class _LeafArea:
     grass: tuple[float, float] = (1.7, 0.6)  # mean and deviation
     grass_limits: tuple[float, float] = (0.6, 4.0)
     twigs: float = 0.2  # of what leaves stop
-    single: float = 1.5  # what is drawn as one ellipsoid, and bushes: narrower towards the top
+    single: float = 1.5  # what is one ellipsoid, and bushes: narrower towards the top
     tiers: float = 1.5
     core: float = 1.2  # of a crown of lobes, whose gaps take from the others what
     lobes: float = 1.7  # these have more

@@ -22,7 +22,7 @@ GROUND_TOLERANCE = 0.15  # m, a kerb
 # microcars up to articulated buses and coupled trams.
 SIZE_RANGES: dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]] = {
     "person": ((0.2, 0.2, 0.8), (1.6, 1.6, 2.2)),
-    "rider": ((0.3, 0.3, 0.5), (2.8, 1.2, 2.3)),  # may be drawn from the saddle up
+    "rider": ((0.3, 0.3, 0.5), (2.8, 1.2, 2.3)),  # may begin at the saddle
     "car": ((2.4, 1.3, 1.1), (6.5, 2.4, 3.0)),
     "truck": ((4.5, 1.7, 1.8), (20.0, 2.8, 4.5)),
     "bus": ((5.5, 1.9, 2.3), (25.0, 2.8, 4.6)),

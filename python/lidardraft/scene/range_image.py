@@ -1,4 +1,4 @@
-"""The range image: what a sensor saw, drawn or generated alike."""
+"""The range image: what a sensor saw, cast or generated alike."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ Size = tuple[float, float, float]  # length, width, height [m]
 
 @dataclass(frozen=True, slots=True)
 class Extents:
-    """Length, width and height [m] of one kind: each a number, or a range to draw from."""
+    """Length, width and height [m] of one kind: each a number, or a range to sample from."""
 
     length: float | Range
     width: float | Range
