@@ -128,13 +128,16 @@ fn rasterize_columns<L: Lanes, const P: usize>(
         let tie = view.tie(stored);
         let maybe = margin.ge(zero) & nearest.gt(stored.neg_mul_add(tie, stored));
         if maybe.any() {
-            // An error without bound has no end at the rectangle.
-            let maybe = maybe & lanes_within::<L>(at, to);
             let (inverse_depth, resolved) = test.resolved(direction, tolerance);
             let surely = maybe & resolved & inverse_depth.gt(stored.mul_add(tie, stored));
-            let inverse_depth = L::select(surely, inverse_depth, nearest.max(stored));
-            L::select(maybe, inverse_depth, stored).store(depths, 0);
-            L::masked_store(maybe, UNRESOLVED, ids, 0);
+            let mut nearer = L::select(surely, inverse_depth, stored);
+            if surely.bits() != maybe.bits() {
+                // An error without bound has no end at the rectangle.
+                let unresolved = maybe & lanes_within::<L>(at, to);
+                nearer = L::select(unresolved, L::select(surely, inverse_depth, nearest.max(stored)), nearer);
+                L::masked_store(unresolved, UNRESOLVED, ids, 0);
+            }
+            nearer.store(depths, 0);
             L::masked_store(surely, id, ids, 0);
         }
     }
