@@ -11,14 +11,17 @@ use crate::{Backend, Images, Pose, Scene, Shape, scan};
 
 const HALF: DVec3 = DVec3::new(2.0, 3.5, 1.0);
 
-/// Convex bodies, and how to come from a direction to a point of each and the outward normal there.
-fn solids() -> [(Solid, fn(DVec3) -> (DVec3, DVec3)); 4] {
-    let on_box: fn(DVec3) -> (DVec3, DVec3) = |towards| {
+/// From a direction to the point of a surface that lies there, and the outward normal.
+type Surface = fn(DVec3) -> (DVec3, DVec3);
+
+/// Convex bodies and their surfaces.
+fn solids() -> [(Solid, Surface); 4] {
+    let on_box: Surface = |towards| {
         let point = HALF * towards / towards.abs().max_element();
         (point, Cuboid { half: HALF }.normal(point))
     };
-    let on_ball: fn(DVec3) -> (DVec3, DVec3) = |towards| (HALF * towards, (towards / HALF).normalize());
-    let on_can: fn(DVec3) -> (DVec3, DVec3) = |towards| {
+    let on_ball: Surface = |towards| (HALF * towards, (towards / HALF).normalize());
+    let on_can: Surface = |towards| {
         let point = HALF * towards / towards.truncate().length().max(towards.z.abs());
         (point, Cylinder { half: HALF }.normal(point))
     };
