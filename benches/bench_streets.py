@@ -2,7 +2,7 @@
 
     python benches/bench_streets.py [--seconds 30] [--workers 2] [--sensor hdl64e] [--memory]
 
-A pair is complete when the consumer holds it: the street built, scanned and observed, its layout drawn and cast.
+A pair is complete when the consumer holds it: the street built, scanned and observed, its coarse layout made and cast.
 `--memory` prints the resident memory as the pairs pass by.
 """
 

@@ -211,6 +211,8 @@ def test_every_public_name_is_there() -> None:
 def test_every_module_has_a_test_file_of_its_name(path: Path) -> None:
     if path.stem.startswith("__"):
         return
-    names = {test.stem.removeprefix("test_") for test in (ROOT / "tests").rglob("test_*.py")}
-    stem = path.stem  # of two files of one name, one has the room before it, such as `objects_mesh`
-    assert [name for name in names if name == stem or name.endswith(f"_{stem}") or name.startswith(f"{stem}_")]
+    folder, stem = ROOT / "tests" / path.parent.relative_to(PACKAGE), path.stem
+    names = {test.stem.removeprefix("test_") for test in folder.glob("test_*.py")}
+    # of two modules of one name, a test has the room before it, as in `objects_mesh`; a long one has a word behind it
+    rooms = ("", *(f"{part}_" for part in (*path.parent.relative_to(PACKAGE).parts, "street")))
+    assert [name for name in names if name.startswith(f"{stem}_") or name in {f"{room}{stem}" for room in rooms}]

@@ -25,8 +25,12 @@ def functions(path: Path) -> list[str]:
 
 def named_files(page: str) -> set[str]:
     """The Python, Rust, grammar and Markdown files that a page names, without those with a placeholder."""
-    names = re.findall(r"[\w./{},*-]+\.(?:py|rs|lark|md)\b", (ROOT / page).read_text())
-    return {name for name in names if not re.search(r"[{}*]", name)}
+    names = set(re.findall(r"[\w./{},*-]+\.(?:py|rs|lark|md)\b", (ROOT / page).read_text()))
+    for name in [name for name in names if "{" in name]:
+        names.remove(name)
+        before, choices, after = re.split(r"[{}]", name)
+        names |= {f"{before}{choice}{after}" for choice in choices.split(",")}
+    return {name for name in names if "*" not in name}
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -25,7 +25,7 @@ _KINDS = {
 def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
     """A temporary path beside `path`: renamed to it when the block ends well, removed when it raises.
 
-    It is another one for each writer. Raises `FormatError` where the file cannot be written.
+    Each writer gets its own. Raises `FormatError` where the file cannot be written.
     """
     target = Path(path)
     if target.exists() and not target.is_file():  # a rename would put a file in the place of a device

@@ -10,14 +10,20 @@ from planned import overlap
 
 from lidardraft import CLASSES, Layout, Raycaster, Sensor
 from lidardraft.errors import LayoutError
+from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.mesh import primitive_mesh
 from lidardraft.streets import StreetConfig, make_street
 from lidardraft.streets.placement.district import DISTRICTS
-from lidardraft.streets.placement.occupancy import object_spaces
+from lidardraft.streets.placement.occupancy import spaces_of
 from lidardraft.streets.street import Street
 
 STREETS = [make_street(seed) for seed in range(20)]
 DOWN = Sensor(name="down", elevations=(-math.pi / 2 + 1e-4,), columns=4, min_range=0.01)
+
+
+def object_spaces(placed: PlacedObject) -> np.ndarray:
+    """The upright boxes [n, 8] that an object fills."""
+    return np.array(spaces_of(placed.kind, placed.x, placed.y, placed.yaw, placed.size, placed.clearance))
 
 
 def test_a_street_is_a_function_of_its_seed():

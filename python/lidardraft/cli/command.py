@@ -68,7 +68,7 @@ def _clean_end() -> Iterator[None]:
     After the first one further ones are ignored until the process has ended.
     """
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    # only the main thread may handle signals, and `nohup` and the like start us deaf to some
+    # only the main thread may handle signals, and `nohup` and the like start a process with some ignored
     heard = [number for number, handler in before.items() if handler not in (signal.SIG_IGN, None)]
     if threading.current_thread() is not threading.main_thread():
         heard = []

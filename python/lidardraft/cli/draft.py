@@ -14,7 +14,7 @@ def draft(arguments: argparse.Namespace) -> None:
     layout = read_layout(arguments)
     layout.save(arguments.output)
     objects = len(layout.boxes())
-    print(f"{arguments.output}: {len(layout)} shapes, {objects} of them objects with a box")
+    print(f"{arguments.output}: shapes: {len(layout)}, objects with a box: {objects}")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -1,4 +1,4 @@
-"""Street furniture: shelters, and the small things on a sidewalk.
+"""Street furniture: shelters, and the small objects on a sidewalk.
 
 Sizes: waste bins EN 840 (240 l: 0.58 x 0.74 x 1.07 m), traffic cones EN 13422 (0.5 and 0.75 m), pillar hydrants DIN EN
 14384 (about 1 m). What is not said are estimates of ours.

@@ -55,7 +55,7 @@ class Kind:
     coarse layout has for it, `boxes` the upright boxes that placement keeps free for extents (length, width, height)
     and a `clearance` [m].
 
-    `most_drop` is how far the ground may fall from under its base to its lowest corner [m]: an object on steeper ground
+    `most_fall` is how far the ground may fall from under its base to its lowest corner [m]: an object on steeper ground
     is let down; `math.inf` if only the ground under its middle matters. `is_small` objects are easily left out of a
     picture, and those `on_pole` are left out of coarse layouts without poles.
 
@@ -67,7 +67,7 @@ class Kind:
     labels: tuple[str, ...]
     coarse: Callable[[PlacedObject], list[CoarseShape]]
     boxes: Callable[[Vector, float], list[CollisionBox]]
-    most_drop: float
+    most_fall: float
     is_small: bool
     on_pole: bool
     word: str | None
@@ -86,145 +86,145 @@ _LANE, _ROAD, _SQUARE, _FREE = Alignment.LANE, Alignment.ROAD, Alignment.SQUARE,
 KINDS: dict[str, Kind] = {
     **{
         body: Kind(
-            build=cars.car, labels=("car",), coarse=coarse.box_of("car"), boxes=boxes.whole, most_drop=_INF,
+            build=cars.car, labels=("car",), coarse=coarse.box_of("car"), boxes=boxes.whole, most_fall=_INF,
             is_small=False, on_pole=False, word="van" if body == "van" else "car", alignment=_LANE,
         )
         for body in cars.BODIES
     },
     "truck": Kind(
-        build=trucks.truck, labels=("truck",), coarse=coarse.box_of("truck"), boxes=boxes.whole, most_drop=_INF,
+        build=trucks.truck, labels=("truck",), coarse=coarse.box_of("truck"), boxes=boxes.whole, most_fall=_INF,
         is_small=False, on_pole=False, word="truck", alignment=_LANE,
     ),
     "trailer_truck": Kind(
-        build=trucks.trailer_truck, labels=("truck",), coarse=coarse.trailer_truck, boxes=boxes.whole, most_drop=_INF,
+        build=trucks.trailer_truck, labels=("truck",), coarse=coarse.trailer_truck, boxes=boxes.whole, most_fall=_INF,
         is_small=False, on_pole=False, word="truck", alignment=_LANE,
     ),
     "bus": Kind(
-        build=buses.bus, labels=("bus",), coarse=coarse.box_of("bus"), boxes=boxes.whole, most_drop=_INF,
+        build=buses.bus, labels=("bus",), coarse=coarse.box_of("bus"), boxes=boxes.whole, most_fall=_INF,
         is_small=False, on_pole=False, word="bus", alignment=_LANE,
     ),
     "tram": Kind(
-        build=trams.tram, labels=("train",), coarse=coarse.box_of("train"), boxes=boxes.whole, most_drop=_INF,
+        build=trams.tram, labels=("train",), coarse=coarse.box_of("train"), boxes=boxes.whole, most_fall=_INF,
         is_small=False, on_pole=False, word="tram", alignment=_LANE,
     ),
     "bicycle": Kind(
         build=bicycles.bicycle, labels=("bicycle",), coarse=coarse.box_of("bicycle"), boxes=boxes.whole,
-        most_drop=_INF, is_small=True, on_pole=False, word="bicycle", alignment=_FREE,
+        most_fall=_INF, is_small=True, on_pole=False, word="bicycle", alignment=_FREE,
     ),
     "cyclist": Kind(
         build=bicycles.cyclist, labels=("rider", "bicycle"), coarse=coarse.cyclist, boxes=boxes.whole,
-        most_drop=_INF, is_small=False, on_pole=False, word="bicycle", alignment=_FREE,
+        most_fall=_INF, is_small=False, on_pole=False, word="bicycle", alignment=_FREE,
     ),
     "motorcycle": Kind(
         build=motorcycles.motorcycle, labels=("motorcycle",), coarse=coarse.box_of("motorcycle"), boxes=boxes.whole,
-        most_drop=_INF, is_small=False, on_pole=False, word="motorcycle", alignment=_LANE,
+        most_fall=_INF, is_small=False, on_pole=False, word="motorcycle", alignment=_LANE,
     ),
     "motorcyclist": Kind(
         build=motorcycles.motorcyclist, labels=("rider", "motorcycle"), coarse=coarse.motorcyclist, boxes=boxes.whole,
-        most_drop=_INF, is_small=False, on_pole=False, word="motorcycle", alignment=_LANE,
+        most_fall=_INF, is_small=False, on_pole=False, word="motorcycle", alignment=_LANE,
     ),
     "person": Kind(
         build=pedestrians.person, labels=("person",), coarse=coarse.box_of("person"), boxes=boxes.whole,
-        most_drop=_INF, is_small=False, on_pole=False, word="person", alignment=_FREE,
+        most_fall=_INF, is_small=False, on_pole=False, word="person", alignment=_FREE,
     ),
     "house": Kind(
-        build=buildings.house, labels=("building",), coarse=coarse.house, boxes=boxes.house, most_drop=_PLINTH,
+        build=buildings.house, labels=("building",), coarse=coarse.house, boxes=boxes.house, most_fall=_PLINTH,
         is_small=False, on_pole=False, word="house", alignment=_ROAD,
     ),
     "block": Kind(
         build=buildings.block, labels=("building",), coarse=coarse.box_of("building"), boxes=boxes.block,
-        most_drop=_PLINTH, is_small=False, on_pole=False, word="building", alignment=_ROAD,
+        most_fall=_PLINTH, is_small=False, on_pole=False, word="building", alignment=_ROAD,
     ),
     "shed": Kind(
         build=buildings.shed, labels=("building",), coarse=coarse.box_of("building"), boxes=boxes.whole,
-        most_drop=_PLINTH, is_small=False, on_pole=False, word=None, alignment=_ROAD,
+        most_fall=_PLINTH, is_small=False, on_pole=False, word=None, alignment=_ROAD,
     ),
     "tree": Kind(
-        build=plants.tree, labels=("trunk", "vegetation"), coarse=coarse.tree, boxes=boxes.tree, most_drop=_INF,
+        build=plants.tree, labels=("trunk", "vegetation"), coarse=coarse.tree, boxes=boxes.tree, most_fall=_INF,
         is_small=False, on_pole=False, word="tree", alignment=_FREE,
     ),
     "bush": Kind(
-        build=plants.bush, labels=("vegetation",), coarse=coarse.bush, boxes=boxes.whole, most_drop=_INF,
+        build=plants.bush, labels=("vegetation",), coarse=coarse.bush, boxes=boxes.whole, most_fall=_INF,
         is_small=True, on_pole=False, word="bush", alignment=_FREE,
     ),
     "hedge": Kind(
         build=plants.hedge, labels=("vegetation",), coarse=coarse.box_of("vegetation"), boxes=boxes.whole,
-        most_drop=_INF, is_small=False, on_pole=False, word="hedge", alignment=_FREE,
+        most_fall=_INF, is_small=False, on_pole=False, word="hedge", alignment=_FREE,
     ),
     "grass": Kind(
-        build=plants.grass, labels=("terrain",), coarse=coarse.nothing, boxes=boxes.whole, most_drop=0.0,
+        build=plants.grass, labels=("terrain",), coarse=coarse.nothing, boxes=boxes.whole, most_fall=0.0,
         is_small=False, on_pole=False, word=None, alignment=_FREE,
     ),
     "lamp": Kind(
-        build=poles.lamp, labels=("pole",), coarse=coarse.mast, boxes=boxes.lamp, most_drop=_INF,
+        build=poles.lamp, labels=("pole",), coarse=coarse.mast, boxes=boxes.lamp, most_fall=_INF,
         is_small=True, on_pole=True, word="street-light", alignment=_FREE,
     ),
     "pole": Kind(
-        build=poles.pole, labels=("pole",), coarse=coarse.mast, boxes=boxes.whole, most_drop=_INF,
+        build=poles.pole, labels=("pole",), coarse=coarse.mast, boxes=boxes.whole, most_fall=_INF,
         is_small=True, on_pole=True, word="pole", alignment=_FREE,
     ),
     "sign": Kind(
-        build=signs.sign, labels=("pole", "traffic-sign"), coarse=coarse.sign, boxes=boxes.sign, most_drop=_INF,
+        build=signs.sign, labels=("pole", "traffic-sign"), coarse=coarse.sign, boxes=boxes.sign, most_fall=_INF,
         is_small=True, on_pole=True, word="traffic-sign", alignment=_SQUARE,
     ),
     "traffic_light": Kind(
         build=poles.traffic_light, labels=("pole", "traffic-light"), coarse=coarse.traffic_light, boxes=boxes.whole,
-        most_drop=_INF, is_small=True, on_pole=True, word="traffic-light", alignment=_SQUARE,
+        most_fall=_INF, is_small=True, on_pole=True, word="traffic-light", alignment=_SQUARE,
     ),
     "gantry": Kind(
-        build=signs.gantry, labels=("pole", "traffic-sign"), coarse=coarse.gantry, boxes=boxes.gantry, most_drop=_INF,
+        build=signs.gantry, labels=("pole", "traffic-sign"), coarse=coarse.gantry, boxes=boxes.gantry, most_fall=_INF,
         is_small=False, on_pole=True, word=None, alignment=_FREE,
     ),
     "billboard": Kind(
-        build=signs.billboard, labels=("other",), coarse=coarse.billboard, boxes=boxes.billboard, most_drop=_INF,
+        build=signs.billboard, labels=("other",), coarse=coarse.billboard, boxes=boxes.billboard, most_fall=_INF,
         is_small=False, on_pole=True, word=None, alignment=_FREE,
     ),
     "fence": Kind(
-        build=fences.fence, labels=("fence",), coarse=coarse.box_of("fence"), boxes=boxes.whole, most_drop=_INF,
+        build=fences.fence, labels=("fence",), coarse=coarse.box_of("fence"), boxes=boxes.whole, most_fall=_INF,
         is_small=False, on_pole=False, word="fence", alignment=_FREE,
     ),
     "mesh_fence": Kind(
         build=fences.mesh_fence, labels=("fence",), coarse=coarse.box_of("fence"), boxes=boxes.whole,
-        most_drop=_INF, is_small=True, on_pole=False, word="fence", alignment=_FREE,
+        most_fall=_INF, is_small=True, on_pole=False, word="fence", alignment=_FREE,
     ),
     "barrier": Kind(
-        build=fences.barrier, labels=("fence",), coarse=coarse.box_of("fence"), boxes=boxes.whole, most_drop=_INF,
+        build=fences.barrier, labels=("fence",), coarse=coarse.box_of("fence"), boxes=boxes.whole, most_fall=_INF,
         is_small=True, on_pole=False, word="fence", alignment=_FREE,
     ),
     "garden_wall": Kind(
         build=fences.garden_wall, labels=("wall", "fence"), coarse=coarse.box_of("wall"), boxes=boxes.whole,
-        most_drop=_INF, is_small=False, on_pole=False, word="wall", alignment=_FREE,
+        most_fall=_INF, is_small=False, on_pole=False, word="wall", alignment=_FREE,
     ),
     "wall": Kind(
-        build=fences.wall, labels=("wall",), coarse=coarse.box_of("wall"), boxes=boxes.whole, most_drop=_INF,
+        build=fences.wall, labels=("wall",), coarse=coarse.box_of("wall"), boxes=boxes.whole, most_fall=_INF,
         is_small=False, on_pole=False, word="wall", alignment=_FREE,
     ),
     "shelter": Kind(
-        build=furniture.shelter, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole, most_drop=_INF,
+        build=furniture.shelter, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole, most_fall=_INF,
         is_small=False, on_pole=False, word=None, alignment=_FREE,
     ),
     "bin": Kind(
-        build=furniture.bin, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole, most_drop=_INF,
+        build=furniture.bin, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole, most_fall=_INF,
         is_small=True, on_pole=False, word="bin", alignment=_SQUARE,
     ),
     "bench": Kind(
-        build=furniture.bench, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole, most_drop=_INF,
+        build=furniture.bench, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole, most_fall=_INF,
         is_small=True, on_pole=False, word="bench", alignment=_SQUARE,
     ),
     "cone": Kind(
-        build=furniture.cone, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole, most_drop=_INF,
+        build=furniture.cone, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole, most_fall=_INF,
         is_small=True, on_pole=False, word=None, alignment=_FREE,
     ),
     "letterbox": Kind(
         build=furniture.letterbox, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole,
-        most_drop=_INF, is_small=True, on_pole=False, word=None, alignment=_FREE,
+        most_fall=_INF, is_small=True, on_pole=False, word=None, alignment=_FREE,
     ),
     "hydrant": Kind(
-        build=furniture.hydrant, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole, most_drop=_INF,
+        build=furniture.hydrant, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole, most_fall=_INF,
         is_small=True, on_pole=False, word=None, alignment=_FREE,
     ),
     "cabinet": Kind(
-        build=furniture.cabinet, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole, most_drop=_INF,
+        build=furniture.cabinet, labels=("other",), coarse=coarse.box_of("other"), boxes=boxes.whole, most_fall=_INF,
         is_small=True, on_pole=False, word=None, alignment=_FREE,
     ),
 }  # fmt: skip

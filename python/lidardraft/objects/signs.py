@@ -25,7 +25,7 @@ GANTRY_POST = 0.5  # m, how wide the posts of a gantry are: estimate of ours
 
 @dataclass(frozen=True, slots=True)
 class _Sign:
-    """Signs [m]: posts are the tubes of 76 mm of DIN EN 12767; how often is what are estimates of ours."""
+    """Signs [m]: posts are the tubes of 76 mm of DIN EN 12767; shares are estimates of ours."""
 
     post: float = 0.076
     post_lower: float = 0.05  # than the sign's upper edge

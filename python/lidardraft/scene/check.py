@@ -18,7 +18,7 @@ MAX_RANGE = 120.0  # m, what the furthest-seeing presets reach
 OVERLAP_TOLERANCE = 0.02  # m
 GROUND_TOLERANCE = 0.15  # m, a kerb
 
-# Smallest and largest (length, width, height) [m] that a thing of the class can plausibly have: from children and
+# Smallest and largest (length, width, height) [m] that an object of the class can plausibly have: from children and
 # microcars up to articulated buses and coupled trams.
 SIZE_RANGES: dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]] = {
     "person": ((0.2, 0.2, 0.8), (1.6, 1.6, 2.2)),
@@ -34,7 +34,7 @@ SIZE_RANGES: dict[str, tuple[tuple[float, float, float], tuple[float, float, flo
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing that is wrong: the name of the check, the ids of the primitives, and a sentence with the numbers."""
+    """One fault: the name of the check, the ids of the primitives, and a sentence with the numbers."""
 
     check: str
     ids: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""A road as a frame (along, across), shared by everything that places things beside one."""
+"""A road as a frame (along, across), shared by everything that places objects beside one."""
 
 from __future__ import annotations
 

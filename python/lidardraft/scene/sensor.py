@@ -1,4 +1,4 @@
-"""Sensors: a table of beams, a ring of columns, and where the sensor stands. The trigonometry is in the core."""
+"""Sensors: a table of beams, their columns, and where the sensor stands. The trigonometry is in the core."""
 
 from __future__ import annotations
 

@@ -128,8 +128,8 @@ def _in_processes(runs: Iterator[_StreetRun], workers: int) -> Generator[StreetP
     with process_pools(workers) as pools:
         turns = itertools.cycle(pools)
 
-        # Pairs come one by one: memory of a megabyte is used again and again, where that of more is asked of the system
-        # each time, which takes longer than all the rest of the way.
+        # Pairs come one by one: buffers of a megabyte are reused, while larger ones are asked of the system each time,
+        # which takes longer than everything else on the way.
         def submit() -> deque[Future[StreetPair]]:
             run, pool = next(runs), next(turns)
             return deque(pool.submit(_pair_in_worker, run, index) for index in run.indices())

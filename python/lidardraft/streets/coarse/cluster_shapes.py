@@ -46,7 +46,7 @@ _HANGING = _any_of(*HANGING_CLASSES)
 _THINGS = np.array([row.size is not None for row in CLASSES])
 _SIZES = np.array([row.size or (0.0, 0.0, 0.0) for row in CLASSES])
 _VEGETATION, _SIGN, _LIGHT = (BY_NAME[name].id for name in ("vegetation", "traffic-sign", "traffic-light"))
-_STAGES = (4, 1, 0)  # a facade is cut in four, each of these in pieces, and these stay as they are
+_CUTS = (4, 1, 0)  # a facade is cut in four, each of these in pieces, and these stay as they are
 # All below is fitted to what `drafting.cloud` makes of scans of streets: benches/compare_coarse_layouts.py.
 _FRONT_DEPTH = 0.3  # m; 0.4 there, where a box is turned as its points are and not as its object
 _MOST_BEHIND_FRONT = 0.08  # share of the points that may lie behind the front
@@ -259,12 +259,12 @@ def _facades(groups: PointGroups, *, bent: bool = False) -> list[ClusterShapes]:
     `bent` ones turn with the road: each part has a heading of its own.
     """
     done: list[ClusterShapes] = []
-    for stage in _STAGES:
+    for cut in _CUTS:
         if bent:
             groups.yaws = groups.headings(_SPREAD)
         local = groups.local()
         middle, size = groups.extents(local)
-        fits = _on_front(groups, local, middle, size) | (stage == 0)
+        fits = _on_front(groups, local, middle, size) | (cut == 0)
         centers = _back(middle[:, fits], groups.yaws[fits])
         sizes = np.maximum(size[:, fits], MIN_EXTENT)
         done.append(ClusterShapes(np.full(len(centers[0]), _BOX), centers, sizes, groups.yaws[fits], groups.keys[fits]))
@@ -272,9 +272,9 @@ def _facades(groups: PointGroups, *, bent: bool = False) -> list[ClusterShapes]:
             break
         groups, local, size = groups.select(~fits), local[:, groups.each(~fits)], size[:, ~fits]
         pieces = _halvings(size, _LARGEST_PIECE)
-        if stage > 1:
+        if cut > 1:
             longest = np.arange(3)[:, None] == size.argmax(axis=0)
-            pieces = np.where(longest, np.minimum(pieces, stage), 1)
+            pieces = np.where(longest, np.minimum(pieces, cut), 1)
         groups = _cut(groups, local, pieces)
     return done
 

@@ -9,6 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from lidardraft.objects.coarse_shapes import MOST_LOBES
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.streets.coarse.as_boxes import BoxStyle, as_boxes
 from lidardraft.streets.coarse.as_clusters import ClusterStyle, as_clusters
@@ -20,9 +21,15 @@ from lidardraft.streets.coarse.visible import VisibleObjects
 
 Style: TypeAlias = TextStyle | ClusterStyle | PictureStyle | BoxStyle
 
-# How often each is sampled: an estimate of ours of what people bring.
+# All numbers below are estimates of ours of what people bring.
 _STYLES = (TextStyle, ClusterStyle, PictureStyle, BoxStyle)
-_SHARES = (0.3, 0.35, 0.2, 0.15)
+_SHARES = (0.3, 0.35, 0.2, 0.15)  # how often each is sampled
+_HAS_SIDEWALKS, _HAS_POLES, _IS_NUMBERED, _IS_FLAT = 0.85, 0.85, 0.5, 0.5  # how often
+_MOST_OMITTED = 0.3  # of small objects, in one of three pictures
+_NAMED_WITHIN = (45.0, 80.0)  # m
+# Cameras see 60 to 120 degrees; monocular depth is wrong by some percent. What is shown must still be worth obeying.
+_PICTURED_WITHIN, _VIEW_DEGREES = (30.0, 70.0), (60.0, 120.0)  # m, degrees
+_MOST_ERROR, _MOST_TURN = 0.03, 0.05  # share, rad
 
 
 def coarse_layout(
@@ -46,26 +53,24 @@ def coarse_layout(
 def sample_style(rng: np.random.Generator) -> Style:
     """A style as people's inputs would have, at random."""
     style = _STYLES[int(rng.choice(len(_STYLES), p=_SHARES))]
-    sidewalks, poles = bool(rng.random() < 0.85), bool(rng.random() < 0.85)
-    omit, lobes = float(rng.choice((0.0, 0.0, rng.uniform(0.0, 0.3)))), int(rng.integers(1, 4))
+    sidewalks, poles = bool(rng.random() < _HAS_SIDEWALKS), bool(rng.random() < _HAS_POLES)
+    omit, lobes = float(rng.choice((0.0, 0.0, rng.uniform(0.0, _MOST_OMITTED)))), int(rng.integers(1, MOST_LOBES + 1))
     if style is TextStyle:
         named = tuple(family for family, (share, _) in FAMILIES.items() if rng.random() < share)
-        return TextStyle(named=named, sidewalks=sidewalks, poles=poles, reach=float(rng.uniform(45.0, 80.0)))
+        return TextStyle(named=named, sidewalks=sidewalks, poles=poles, reach=float(rng.uniform(*_NAMED_WITHIN)))
     if style is ClusterStyle:
-        return ClusterStyle(numbered=bool(rng.random() < 0.5))
-    relief = bool(rng.random() >= 0.5)
+        return ClusterStyle(numbered=bool(rng.random() < _IS_NUMBERED))
+    relief = bool(rng.random() >= _IS_FLAT)
     if style is BoxStyle:
         return BoxStyle(relief=relief)
-    # Cameras see 60 to 120 degrees; monocular depth is wrong by some percent. Estimates of ours: what is shown must
-    # still be worth obeying.
     return PictureStyle(
         relief=relief,
         sidewalks=sidewalks,
         poles=poles,
         omit=omit,
         lobes=lobes,
-        error=float(rng.uniform(0.0, 0.03)),
-        turn=float(rng.uniform(0.0, 0.05)),
-        reach=float(rng.uniform(30.0, 70.0)),
-        view=float(np.deg2rad(rng.uniform(60.0, 120.0))),
+        error=float(rng.uniform(0.0, _MOST_ERROR)),
+        turn=float(rng.uniform(0.0, _MOST_TURN)),
+        reach=float(rng.uniform(*_PICTURED_WITHIN)),
+        view=float(np.deg2rad(rng.uniform(*_VIEW_DEGREES))),
     )

@@ -74,7 +74,7 @@ class Occupancy:
         margin: float = 0.15,
         private: bool = False,
     ) -> bool:
-        """Place an object, turned by `angle` against the road, if `margin` [m] around it is free; whether that was so.
+        """Place one, turned by `angle` against the road, if `margin` [m] around it is free; returns whether it was.
 
         A `private` object keeps off the road and the sidewalks.
         """
@@ -114,7 +114,7 @@ class Occupancy:
         """The objects at their heights."""
         along, across = np.array([(p.along, p.across) for p in placed]).T
         heights = self.ground.heights(along, across)
-        drops = np.array([kind_of(p.kind).most_drop for p in placed])
+        drops = np.array([kind_of(p.kind).most_fall for p in placed])
         sunk = np.flatnonzero(np.isfinite(drops))
         if len(sunk):
             lowest = self._lowest_ground([placed[index] for index in sunk]) + drops[sunk]
@@ -179,11 +179,6 @@ class Occupancy:
         length, width = area.along[1] - area.along[0], area.across[1] - area.across[0]
         x, y, yaw = self.road.at(sum(area.along) / 2, sum(area.across) / 2)
         return box_space(x, y, yaw, (length, width), -_PUBLIC_DEPTH, _HEADROOM)
-
-
-def object_spaces(placed: PlacedObject) -> np.ndarray:
-    """The upright boxes [n, 8] that an object fills, each as a `Space`."""
-    return np.array(spaces_of(placed.kind, placed.x, placed.y, placed.yaw, placed.size, placed.clearance))
 
 
 def box_space(x: float, y: float, yaw: float, size: tuple[float, float], bottom: float, top: float) -> Space:
