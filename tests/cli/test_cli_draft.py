@@ -9,5 +9,5 @@ def test_a_sentence_becomes_a_layout(capsys: pytest.CaptureFixture[str]) -> None
     captured = capsys.readouterr()
     layout = Layout.load("layout.json")
     assert [box.label for box in layout.boxes()] == ["car"]
-    assert captured.out == f"layout.json: {len(layout)} shapes, 1 of them objects with a box\n"
+    assert captured.out == f"layout.json: shapes: {len(layout)}, objects with a box: 1\n"
     assert captured.err == ""
