@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lidardraft.errors import FormatError
-from lidardraft.json_fields import are_numbers, check_fields, is_number, parse_object
+from lidardraft.json_fields import are_numbers, check_fields, is_number, parse_list, parse_object
 
 
 def test_an_object_is_parsed() -> None:
@@ -26,6 +26,14 @@ def test_an_object_is_parsed() -> None:
 def test_a_text_without_an_object_is_refused(text: str, message: str) -> None:
     with pytest.raises(FormatError, match=message):
         parse_object(text)
+
+
+def test_a_list_is_parsed_and_nothing_else() -> None:
+    assert parse_list('[{"a": 1}, 2]') == [{"a": 1}, 2]
+    with pytest.raises(FormatError, match=r"\{\} is no JSON list"):
+        parse_list("{}")
+    with pytest.raises(FormatError, match="not JSON: "):
+        parse_list("[")
 
 
 def test_fields_are_all_that_must_be_there_and_no_others() -> None:

@@ -1,4 +1,4 @@
-"""JSON as others write it: the object that a text holds, its fields, and numbers that are numbers."""
+"""JSON as others write it: the object or list that a text holds, its fields, and numbers that are numbers."""
 
 from __future__ import annotations
 
@@ -14,13 +14,15 @@ from lidardraft.errors import FormatError
 
 def parse_object(text: str | bytes) -> dict[str, Any]:
     """The object that a JSON text holds; raises `FormatError` where it holds something else or nothing."""
-    try:
-        document = json.loads(text)
-    except RecursionError:
-        raise FormatError("not JSON that can be read: it is nested too deeply") from None
-    except ValueError as error:  # a number of too many digits is one too
-        raise FormatError(f"not JSON: {error}") from None
-    return check_object(document)
+    return check_object(_parse(text))
+
+
+def parse_list(text: str | bytes) -> list[Any]:
+    """The list that a JSON text holds; raises `FormatError` where it holds something else or nothing."""
+    document = _parse(text)
+    if not isinstance(document, list):
+        raise FormatError(f"{document!r:.50} is no JSON list")
+    return document
 
 
 def check_object(value: Any) -> dict[str, Any]:
@@ -54,3 +56,12 @@ def is_number(value: Any) -> bool:
 def are_numbers(values: Any, count: int) -> bool:
     """Whether it is a list, tuple or array of so many finite numbers."""
     return isinstance(values, list | tuple | np.ndarray) and len(values) == count and all(map(is_number, values))
+
+
+def _parse(text: str | bytes) -> Any:
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise FormatError("not JSON that can be read: it is nested too deeply") from None
+    except ValueError as error:  # a number of too many digits is one too
+        raise FormatError(f"not JSON: {error}") from None

@@ -1,6 +1,7 @@
 import itertools
 import json
 import os
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -204,6 +205,27 @@ def test_a_shard_without_a_note_for_each_pair_is_refused(tmp_path: Path) -> None
         images = {name: file[name] for name in module._IMAGES}
     module._write(tmp_path / "00000.npz", images, [{}])
     with pytest.raises(FormatError, match=r"00000.npz: 1 notes on 2 pairs"):
+        PairFolder(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("notes", "message"),
+    [
+        ("[{}, ", r"00000\.npz: notes\.json: not JSON: "),
+        ("{}", r"00000\.npz: notes\.json: \{\} is no JSON list"),
+        ("[{}, 2]", r"00000\.npz: notes\.json: 2 is no JSON object"),
+        ("[" * 1_000_000, r"00000\.npz: notes\.json: not JSON that can be read"),
+    ],
+)
+def test_notes_that_are_no_list_of_objects_are_refused(tmp_path: Path, notes: str, message: str) -> None:
+    list(write_pairs(tmp_path, [noted(0), noted(1)]))
+    shard = tmp_path / "00000.npz"
+    with zipfile.ZipFile(shard) as archive:
+        content = {name: archive.read(name) for name in archive.namelist()}
+    with zipfile.ZipFile(shard, "w") as archive:
+        for name, data in (content | {"notes.json": notes.encode()}).items():
+            archive.writestr(name, data)
+    with pytest.raises(FormatError, match=message):
         PairFolder(tmp_path)
 
 

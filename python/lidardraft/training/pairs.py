@@ -15,7 +15,7 @@ import numpy as np
 
 from lidardraft.errors import FormatError
 from lidardraft.files import named, read_text, written_whole
-from lidardraft.json_fields import check_fields, parse_object
+from lidardraft.json_fields import check_fields, check_object, parse_list, parse_object
 from lidardraft.scene import image_archive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
@@ -227,7 +227,8 @@ def _read(path: Path, shape: tuple[int, ...]) -> tuple[dict[str, np.ndarray], li
         images = {
             name: image_archive.read_array(archive, name, np.dtype(dtype), shape) for name, dtype in _IMAGES.items()
         }
-        notes: list[dict[str, Any]] = json.loads(archive.read(_NOTES))
+        with named(_NOTES):
+            notes = [check_object(note) for note in parse_list(archive.read(_NOTES))]
         if len(notes) != shape[0]:
             raise FormatError(f"{len(notes)} notes on {shape[0]} pairs")
     return images, notes
