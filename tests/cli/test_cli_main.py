@@ -23,6 +23,7 @@ def test_the_version_is_that_of_the_package() -> None:
         assert re.search(r'^version = "(.+)"$', (ROOT / file).read_text(), re.MULTILINE)[1] == lidardraft.__version__
     result = run("-m", "lidardraft", "--version")
     assert (result.returncode, result.stdout) == (0, f"lidardraft {lidardraft.__version__}\n")
+    assert run("-m", "lidardraft.cli.train", "--version").stdout == result.stdout
 
 
 def test_without_a_command_the_help_says_where_to_start(capsys: pytest.CaptureFixture[str]) -> None:

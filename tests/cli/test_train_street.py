@@ -1,6 +1,7 @@
 """`lidardraft-train street`, from nothing to a weight file."""
 
-from collections.abc import Iterator
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -31,12 +32,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        (["--evaluate", "0"], "evaluate is 0; it must be at least 1 street"),
-        (["--base-steps", "0"], "steps is 0; it must be at least 1"),
-        (["--control-steps", "0"], "steps is 0; it must be at least 1"),
         (["--device", "nonsense"], "device is 'nonsense'"),
         (["--sensor", "small.json"], "crop is 256; it must be 1 to 128, the columns of small"),
         (["-o", "."], ". is a folder; the weights are a file"),
+        (["--work", "small.json"], "small.json is a file; it must be a folder"),
     ],
 )
 def test_what_cannot_be_is_refused_before_any_work(
@@ -58,15 +57,21 @@ def test_what_ships_is_scored_on_the_device_that_was_asked_for(
         devices.append(device)
         return from_pretrained(name, device=device, steps=steps)
 
-    def scores(pipeline: Pipeline, pairs: list[StreetPair]) -> Iterator[evaluation.Scores]:
+    def scores(
+        pipeline: Pipeline, pairs: list[StreetPair], *, on_scan: Callable[[], object]
+    ) -> Iterator[evaluation.Scores]:
         scored.append(pipeline.denoiser.state_dict())
-        return evaluate(pipeline, pairs)
+        return evaluate(pipeline, pairs, on_scan=on_scan)
 
     with monkeypatch.context() as noticed:
         noticed.setattr(Pipeline, "from_pretrained", on_a_device)
         noticed.setattr(evaluation, "evaluate", scores)
+        noticed.setattr(sys.stderr, "isatty", lambda: True)
         assert train.main([*ARGV, *SHORT, "--device", "cpu:0"]) == 0
     assert devices == ["cpu:0"]
+    shown = capsys.readouterr().err
+    assert "making streets:" in shown
+    assert "generating:" in shown
     shipped = weight_file.load("tiny.safetensors", Denoiser).state_dict()
     assert all(torch.equal(scored[0][name], weight) for name, weight in shipped.items())
 

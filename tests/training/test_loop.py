@@ -156,6 +156,21 @@ def test_a_loss_that_is_not_finite_ends_the_run_before_it_is_saved(pairs: PairFo
     assert load_file(tmp_path / "weights.safetensors")["number"].isfinite()  # those of step 1
 
 
+def test_lines_of_the_log_that_are_no_reports_are_dropped(pairs: PairFolder, tmp_path: Path) -> None:
+    list(run(dataclasses.replace(CONFIG, steps=2), pairs, tmp_path))
+    with (tmp_path / "log.jsonl").open("ab") as log:
+        log.write(b'[1]\n3\nnull\n{}\n{"step": "2"}\n\xff\n')
+    list(run(CONFIG, pairs, tmp_path))
+    rows = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
+    assert [row["step"] for row in rows] == list(range(1, CONFIG.steps + 1))
+
+
+def test_a_file_in_the_place_of_the_run_is_refused(pairs: PairFolder, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(TrainingError, match="file is a file; it must be a folder"):
+        list(run(CONFIG, pairs, tmp_path / "file"))
+
+
 def test_devices_that_are_not_there() -> None:
     assert device_for_training("cpu") == torch.device("cpu")
     assert device_for_training("meta") == torch.device("meta")

@@ -30,6 +30,17 @@ def whole_number(least: int, most: int | None = None) -> Callable[[str], int]:
     return parse
 
 
+def minutes(text: str) -> float:
+    """The type of an option that takes minutes: a number over 0, or inf."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not value > 0:  # nan is not
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number over 0")
+    return value
+
+
 def add_sensor(parser: Options, *, default: str | None = DEFAULT_SENSOR, of: str = "") -> None:
     """--sensor; `of` says which sensor is meant."""
     text = f"sensor{of}: {', '.join(PRESETS)}, or a .json file (default {DEFAULT_SENSOR})"

@@ -3,30 +3,55 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from lidardraft.cli.arguments import add_seed, add_sensor, add_weights, whole_number
 from lidardraft.scene.sensor import Sensor
+
+if TYPE_CHECKING:
+    from lidardraft.evaluation import Scores
+    from lidardraft.pipeline import Pipeline
+    from lidardraft.streets import StreetPair
+
+_SEED = 1_000_000  # of streets that no training used
 
 
 def evaluate(arguments: argparse.Namespace) -> None:
     """Score generated scans of unseen streets: how well they keep to their layouts, and how much they look like
     scans."""
-    from tqdm import tqdm
-
-    from lidardraft import evaluation
     from lidardraft.pipeline import Pipeline
 
     sensor, num = Sensor.preset(arguments.sensor), arguments.num
     pipeline = Pipeline.from_pretrained(arguments.weights, device=arguments.device, steps=arguments.steps)
-    with tqdm(total=num, unit="street", desc="making streets", disable=None, leave=False) as bar:
-        pairs = evaluation.unseen_streets(num, sensor=sensor, seed=arguments.seed, on_street=bar.update)
+    pairs = unseen_streets(num, sensor, arguments.seed)
     print(f"{num} street{'s' * (num > 1)}, {sensor.name}, {arguments.steps} steps")
     print(f"{'':16}{'objects':>9}{'all':>9}{'drop':>9}{'BEV JSD':>9}", flush=True)
-    with tqdm(total=2 * num, unit="scan", desc="generating", disable=None, leave=False) as bar:
+    for row in scores(pipeline, pairs):
+        print(f"{row.name:16}{row.objects:9.3f}{row.overall:9.3f}{row.drop:9.3f}{row.jsd:9.3f}")
+        print(" " * 4 + ", ".join(f"{name} {share:.2f}" for name, share in row.by_class.items()), flush=True)
+
+
+def unseen_streets(num: int, sensor: Sensor, seed: int = _SEED) -> list[StreetPair]:
+    """Streets to score on, made behind a progress bar."""
+    from tqdm import tqdm
+
+    from lidardraft import evaluation
+
+    with tqdm(total=num, unit="street", desc="making streets", disable=None, leave=False) as bar:
+        return evaluation.unseen_streets(num, sensor=sensor, seed=seed, on_street=bar.update)
+
+
+def scores(pipeline: Pipeline, pairs: list[StreetPair]) -> Iterator[Scores]:
+    """The rows of scores, under a progress bar that is out of the way while one is printed."""
+    from tqdm import tqdm
+
+    from lidardraft import evaluation
+
+    with tqdm(total=2 * len(pairs), unit="scan", desc="generating", disable=None, leave=False) as bar:
         for row in evaluation.evaluate(pipeline, pairs, on_scan=bar.update):
             bar.clear()
-            print(f"{row.name:16}{row.objects:9.3f}{row.overall:9.3f}{row.drop:9.3f}{row.jsd:9.3f}")
-            print(" " * 4 + ", ".join(f"{name} {share:.2f}" for name, share in row.by_class.items()), flush=True)
+            yield row
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,4 +66,4 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-n", "--num", type=whole_number(1), default=50, metavar="N", help="streets to score (default 50)"
     )
-    add_seed(parser, default=1_000_000)
+    add_seed(parser, default=_SEED)

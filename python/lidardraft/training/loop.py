@@ -17,8 +17,9 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from lidardraft.errors import TrainingError
+from lidardraft.errors import FormatError, TrainingError
 from lidardraft.files import written_whole
+from lidardraft.json_fields import is_number, parse_object
 from lidardraft.networks import weight_file
 from lidardraft.networks.weight_file import Network
 from lidardraft.training.learner import Learner, LearningConfig, RunIdentity
@@ -61,9 +62,10 @@ def train(
 
     The folder `run` receives `log.jsonl`, `state.safetensors` to go on from after an interruption or `max_minutes`, and
     `weights.safetensors`, the average of weights. A report is yielded after what is due at its step is on disk. Raises
-    `TrainingError` where the run in the folder is another, or the training has gone wrong.
+    `TrainingError` where `run` cannot be a folder, the run in it is another, or the training has gone wrong.
     """
     run = Path(run)
+    check_run_folder(run)
     identity = _identity(config, network, pairs)
     learner = Learner(network.to(device).train(), config)
     start = learner.resume(run / "state.safetensors", identity)
@@ -94,6 +96,13 @@ def train(
                 yield report
             if last:
                 return
+
+
+def check_run_folder(run: str | os.PathLike[str]) -> None:
+    """Raise `TrainingError` where a file is in the place of the folder of a run, or of one above it."""
+    for folder in (Path(run), *Path(run).parents):
+        if folder.exists() and not folder.is_dir():
+            raise TrainingError(f"{folder} is a file; it must be a folder")
 
 
 def device_for_training(name: str) -> torch.device:
@@ -142,16 +151,19 @@ def _identity(config: LearningConfig, network: nn.Module, pairs: PairFolder) -> 
 
 
 def _cut_log(path: Path, step: int) -> None:
-    """Drop the reports after `step`: a run that was killed has reported steps that its state does not hold."""
+    """Drop the reports after `step`: a run that was killed has reported steps that its state does not hold.
+
+    Lines that are no reports are dropped too.
+    """
     if not path.exists():
         return
     kept = []
-    for line in path.read_text().splitlines():
+    for line in path.read_bytes().splitlines():
         try:
-            report: dict[str, Any] = json.loads(line)
-        except json.JSONDecodeError:  # killed while it wrote the line
+            reported: Any = parse_object(line).get("step")
+        except FormatError:  # killed while it wrote the line
             continue
-        if report["step"] <= step:
-            kept.append(line + "\n")
+        if is_number(reported) and reported <= step:
+            kept.append(line + b"\n")
     with written_whole(path) as temporary:
-        temporary.write_text("".join(kept))
+        temporary.write_bytes(b"".join(kept))
