@@ -33,7 +33,7 @@ def counted(text: str) -> int:
         (group,) = spec_from_text(text, strict=True).groups
     except LayoutError as error:
         said, _, limit = str(error).partition("; ")
-        assert limit == f"it must be 1 to {MAX_COUNT} or a word"
+        assert limit == f"it must be 1 to {MAX_COUNT}, or one of few, some, many"
         count = int(said.removeprefix("car: count is "))
         assert count > MAX_COUNT
         return count
@@ -100,7 +100,8 @@ def test_other_ways_to_say_a_number(text: str, value: int) -> None:
         ("several hundred", "several hundred"),
         ("two groups of five", "two groups of five"),
         ("9" * 30, "9" * 30),
-        ("hundreds of", "hundreds"),
+        ("two dozens of", "two dozens of"),
+        ("dozens of rows of ten", "dozens of rows of ten"),
         ("tent", "tent"),
         ("onerous", "onerous"),
     ],
@@ -109,6 +110,42 @@ def test_what_is_no_single_whole_number_is_reported_whole(number: str, reported:
     spec = spec_from_text(f"{number} cars")
     assert spec.not_understood == (reported,)
     assert [(group.kind, group.count) for group in spec.groups] == [("car", "some")]
+
+
+@pytest.mark.parametrize("words", ["dozens of", "scores of", "hundreds of", "thousands of"])
+def test_a_plural_of_numbers_means_many(words: str) -> None:
+    (group,) = spec_from_text(f"{words} trees", strict=True).groups
+    assert group.count == "many"
+    (traffic,) = spec_from_text(f"{words} traffic", strict=True).groups
+    assert traffic.count == "many"
+
+
+@pytest.mark.parametrize(
+    ("sentence", "count", "compound"),
+    [
+        ("a ten-ton truck", 1, "ten-ton"),
+        ("a 10-ton truck", 1, "10-ton"),
+        ("a 2.5-ton truck", 1, "2.5-ton"),
+        ("a sixty-five-ton truck", 1, "sixty-five-ton"),
+        ("twenty five-ton trucks", 20, "five-ton"),
+        ("a two-storey house", 1, "two-storey"),
+        ("a four-door car", 1, "four-door"),
+        ("a 4-wheel-drive car", 1, "4-wheel-drive"),
+    ],
+)
+def test_a_number_inside_a_word_counts_no_objects(sentence: str, count: int, compound: str) -> None:
+    spec = spec_from_text(sentence)
+    assert [group.count for group in spec.groups] == [count]
+    assert spec.not_understood == (compound,)
+
+
+def test_hyphens_within_numbers_and_before_units_and_lanes_are_blanks() -> None:
+    (group,) = spec_from_text("one-hundred-and-two cars", strict=True).groups
+    assert group.count == 102
+    (group,) = spec_from_text("a car 20-m ahead", strict=True).groups
+    assert group.distance == (20.0, 20.0)
+    assert spec_from_text("a 3-lane motorway", strict=True).road.lanes == 3
+    assert spec_from_text("a four-way junction", strict=True).road.kind == "crossroads"
 
 
 @pytest.mark.parametrize(

@@ -206,6 +206,16 @@ def test_nothing_understood(sentence: str) -> None:
         layout_from_text(sentence)
 
 
+def test_a_refusal_names_what_was_taken_for_one_unknown_object() -> None:
+    with pytest.raises(TextError, match=r"nothing of 'a car flurb' was understood \(unknown as a whole: 'car flurb'\)"):
+        spec_from_text("a car flurb")
+
+
+def test_an_ellipsis_ends_a_sentence() -> None:
+    spec = spec_from_text("a bus\u2026 a car\u20262 trees\u2026", strict=True)
+    assert spec == spec_from_text("a bus. a car. 2 trees.")
+
+
 def test_too_many_lanes_and_objects() -> None:
     with pytest.raises(LayoutError, match="lanes is 20; a road has 1 to 6"):
         spec_from_text("a motorway with 20 lanes")

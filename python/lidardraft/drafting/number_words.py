@@ -35,12 +35,17 @@ _in_words = (
 )
 NUMBER = rf"(?:{_in_words}|{_figures})"
 LONE_NUMBER = rf"{NUMBER}(?=[,.;:!?()\/\"]*(?:\s|$))"  # with nothing glued to it, as in "4x4", "2nd" or "20+"
+UNIT = r"(?:metres?|meters?|m|feet|foot|ft|yards?|yd)\b"
+_word = rf"(?:{'|'.join((*_VALUE_OF, 'hundred', *_SCALES))})"
+_goes_on = rf"(?:(?:{_word}|dozen|and|to|or|point|lanes?|ways?)\b|{UNIT})"
+# A word such as "ten-ton" or "sixty-five-seat", whose number counts no objects; "ten-metre" and "two-lane" are read.
+NUMBERED_COMPOUND = re.compile(rf"(?<![a-z0-9])(?:{_word}|[\d.,]*\d)-(?!{_goes_on})[a-z]")
 _LENGTHS = re.compile(
     rf"(?:(?:between|from|every) )?({NUMBER})(?:(?: (?:to|and|or) |-| - )({NUMBER}))? ?([mfy])[a-z]*(?: apart)?"
 )
 
 _EXACT = ("NUMBER", "PAIR", "DOZEN")
-_VAGUE = {"FEW": "few", "SOME": "some", "MANY": "many"}
+_VAGUE = {"FEW": "few", "SOME": "some", "MANY": "many", "DOZENS": "many"}
 COUNT_TYPES = ("NO", "COUNT_RANGE", *_EXACT, *_VAGUE)
 _PLURALS = ("people", "men", "women", "children", "shrubbery", "greenery", "vegetation", "apartments", "passers by")
 

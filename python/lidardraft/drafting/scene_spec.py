@@ -72,7 +72,8 @@ class ObjectGroup:
         if isinstance(self.count, str):
             _one_of(f"{self.kind}: count", self.count, COUNTS)
         elif type(self.count) is not int or not 1 <= self.count <= MAX_COUNT:
-            raise LayoutError(f"{self.kind}: count is {self.count!r}; it must be 1 to {MAX_COUNT} or a word")
+            limit = f"1 to {MAX_COUNT}, or one of {', '.join(COUNTS)}"
+            raise LayoutError(f"{self.kind}: count is {self.count!r}; it must be {limit}")
         for place in self.places:
             _one_of(f"{self.kind}: place", place, PLACES)
         if self.surface is not None:

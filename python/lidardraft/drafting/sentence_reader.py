@@ -123,7 +123,7 @@ class SentenceReader:
 
     def _traffic(self, index: int, tokens: list[Token]) -> None:
         types = {token.type for token in tokens}
-        many, few = types & {"BUSY", "MANY"} or tokens[-1] != "traffic", types & {"QUIET", "FEW"}
+        many, few = types & {"BUSY", "MANY", "DOZENS"} or tokens[-1] != "traffic", types & {"QUIET", "FEW"}
         count: int | str = 0 if "NO" in types else "few" if few else "many" if many else "some"
         self._put(index, Mention("vehicle", count, heading=_heading(tokens)))
 
@@ -207,6 +207,8 @@ class SentenceReader:
         """Whether unknown words make something else of the object right before them, as in "bus stop"."""
         before = self._tokens_at(index - 1)
         if not self.open or not before or KIND_OF.get(before[-1].type) != self.open[-1].kind:
+            return False
+        if before[-1].endswith("s") and before[-1] != "bus":  # compounds begin with a singular
             return False
         return all(token.type == "UNKNOWN" for token in tokens) and not tokens[0].endswith(("ing", "ed", "ly"))
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from lark import Lark, Token, Tree
 
-from lidardraft.drafting.number_words import LONE_NUMBER, NUMBER
+from lidardraft.drafting.number_words import LONE_NUMBER, NUMBER, NUMBERED_COMPOUND, UNIT
 from lidardraft.drafting.scene_spec import SceneSpec
 from lidardraft.drafting.sentence_reader import KIND_OF, SentenceReader
 from lidardraft.drafting.solver import layout_from_spec
@@ -45,7 +45,8 @@ def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
     chunks = [chunk for chunk in grammar().parse(text).children if not _is_article(chunk)]
     notes = SentenceReader(chunks).read()
     if notes.empty:
-        raise TextError(f"nothing of {sentence!r} was understood; name a road, or objects and where they are")
+        parts = f" (unknown as a whole: {', '.join(map(repr, notes.not_understood))})" if notes.not_understood else ""
+        raise TextError(f"nothing of {sentence!r} was understood{parts}; name a road, or objects and where they are")
     if strict and notes.not_understood:
         raise TextError(f"not understood: {', '.join(map(repr, notes.not_understood))}")
     return notes.spec()
@@ -55,15 +56,21 @@ def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
 def grammar() -> Lark:
     """The parser of sentences: `english.lark` with the kinds of objects and the patterns of numbers."""
     rules = Path(__file__).with_name("english.lark").read_text(encoding="utf-8")
-    rules += f"\n_object: {' | '.join(KIND_OF)}\nNUMBER: /{LONE_NUMBER}/\n_NUMBER: /{NUMBER}/\n"
+    rules += f"\n_object: {' | '.join(KIND_OF)}\nNUMBER: /{LONE_NUMBER}/\n_NUMBER: /{NUMBER}/\nUNIT: /{UNIT}/\n"
     return Lark(rules, parser="lalr", lexer="basic", maybe_placeholders=False)
 
 
 def _normalised(sentence: str) -> str:
-    """Lower case, single blanks, also for what cannot be printed, and for hyphens, save in ranges of numbers."""
+    """Lower case, single blanks, also for what cannot be printed, and for hyphens.
+
+    Those in ranges and in words such as "ten-ton" stay.
+    """
     text = "".join(character if character.isprintable() else " " for character in sentence.lower())
-    text = text.replace("\u2019", "'").replace("\u2013", "-")
-    return re.sub(r"\s+", " ", re.sub(r"(?<=[a-z0-9])-(?=[a-z])", " ", text)).strip()
+    text = text.replace("\u2019", "'").replace("\u2013", "-").replace("\u2026", ". ")
+    return " ".join(
+        word if NUMBERED_COMPOUND.search(word) else re.sub(r"(?<=[a-z0-9])-(?=[a-z])", " ", word)
+        for word in text.split()
+    )
 
 
 def _is_article(chunk: Tree[Token] | Token) -> bool:
