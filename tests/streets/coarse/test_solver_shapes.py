@@ -1,9 +1,10 @@
 """The nearest that the solver of sentences could have placed."""
 
 import numpy as np
+import pytest
 
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
-from lidardraft.objects.kinds import kind_of
+from lidardraft.objects.kinds import KINDS, kind_of
 from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.road import Road
 from lidardraft.streets.coarse.coarse_street import ShapeColumns
@@ -50,3 +51,16 @@ def test_cars_are_near_the_middle_of_their_lane_and_along_it():
     assert abs(y) < 0.4 - 1e-6  # the ego vehicle's lane is at y = 0
     assert x == 5.0
     assert 0.0 < yaw < 0.15
+
+
+@pytest.mark.parametrize("name", [name for name, kind in KINDS.items() if kind.word])
+def test_every_kind_has_the_parts_of_its_word(name: str):
+    """A kind whose word has parts of its own, and that is forgotten here, would keep its other coarse shapes."""
+    kind, (length, width, height) = KINDS[name], SENTENCE_KINDS[KINDS[name].word].sizes.largest
+    size, low = (min(length, 20.0), width, height), 0.6 * height
+    placed = PlacedObject(
+        kind=name, id=name, x=5.0, y=20.0, z=0.0, level=0.0, yaw=0.0, size=size, clearance=low, instance=1
+    )
+    shapes = [shape for _, shape, _ in solver_shapes([placed], ROAD, [ROAD.lane(0)])]
+    parts = SENTENCE_KINDS[kind.word].sample_parts(np.random.default_rng(0), parked=kind.instances < 2)
+    assert {(shape.shape, shape.label) for shape in shapes} == {(part.shape, part.label) for part in parts}
