@@ -21,7 +21,7 @@ class Command:
         command = [sys.executable, "-m", "lidardraft.cli.main", *argv]
         pipe = subprocess.PIPE
         self.process = subprocess.Popen(
-            command, cwd=folder, stdout=pipe, stderr=pipe, text=True, start_new_session=True
+            command, cwd=folder, stdout=pipe, stderr=pipe, text=True, start_new_session=True, preexec_fn=_hear_signals
         )
 
     def members(self) -> dict[int, str]:
@@ -52,6 +52,12 @@ class Command:
         for number in self.members():
             os.kill(number, signal.SIGKILL)
         self.process.communicate()
+
+
+def _hear_signals() -> None:
+    """As in a terminal, also where the tests themselves run in the background, which ignores Ctrl-C."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_DFL)
 
 
 def shown_on_a_terminal(*argv: str) -> str:
