@@ -3,7 +3,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from lidardraft.drafting.scene_spec import HEADINGS, PLACES, ROADS, ObjectGroup, RoadSpec, SceneSpec
@@ -37,6 +37,7 @@ def test_every_kind_stands_on_every_road(kind: str, road: str) -> None:
     on_sidewalk=st.booleans(),
     seed=st.integers(0, 10**6),
 )
+@example(road="bend", kinds=["tram"], place="", heading="across", on_sidewalk=False, seed=11502)
 def test_what_is_arranged_passes_every_check(
     road: str, kinds: list[str], place: str, heading: str | None, on_sidewalk: bool, seed: int
 ) -> None:

@@ -133,7 +133,10 @@ def _crossing_lane(road: Road) -> PoseSampler:
         far = 8.0 + 30.0 * effort
         low = -far if RIGHT in road.side_roads else -road.edge / 2
         high = far if LEFT in road.side_roads else road.edge / 2
-        return RoadPose(along - road.lane(0, direction), float(rng.uniform(low, high)), direction * math.pi / 2)
+        across = float(rng.uniform(low, high))
+        # beside a bend the road's frame is stretched, the crossing road is not
+        lane = road.lane(0, direction) / (1.0 - road.curvature * across)
+        return RoadPose(along - lane, across, direction * math.pi / 2)
 
     return sample
 
