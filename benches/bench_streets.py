@@ -18,15 +18,15 @@ from pathlib import Path
 from typing import Any
 
 from lidardraft import Sensor
+from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.shape_table import ShapeTable
-from lidardraft.scene.surfaces import Surfaces
 from lidardraft.streets import StreetConfig, pairs, streets
 
 # What is timed: the owners and names of the functions that do it. None of them calls another.
 STAGES: dict[str, tuple[tuple[Any, str], ...]] = {
-    "building": ((pairs, "make_street"), (pairs, "Raycaster"), (Surfaces, "from_layout")),
-    "casting": ((pairs.StreetScanner, "cast"), (ShapeTable, "scan")),
-    "sensor model": ((pairs, "observe"),),
+    "building": ((pairs, "make_street"), (Scanner, "from_layout")),
+    "casting": ((Scanner, "cast"), (ShapeTable, "scan")),
+    "sensor model": ((Scanner, "observe"),),
     "coarse layout": ((pairs, "coarse_layout"),),
 }
 

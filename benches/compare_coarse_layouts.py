@@ -28,15 +28,13 @@ from lidardraft.drafting.solver import layout_from_spec
 from lidardraft.errors import LayoutError
 from lidardraft.objects.cars import BODIES
 from lidardraft.scene.labelling import agrees
-from lidardraft.scene.raycast import Raycaster
-from lidardraft.scene.sensor_model import SensorModel
+from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.shape_table import ShapeTable
-from lidardraft.scene.surfaces import Surfaces
 from lidardraft.semantics import CLASSES, GROUND
 from lidardraft.streets.coarse.as_boxes import BoxStyle, as_boxes
 from lidardraft.streets.coarse.as_clusters import ClusterStyle, as_clusters
 from lidardraft.streets.coarse.as_text import TextStyle, as_text
-from lidardraft.streets.pairs import StreetScanner, scan_street
+from lidardraft.streets.pairs import scan_street
 from lidardraft.streets.placement.district import PARKING_STRIP
 from lidardraft.streets.street import Street, StreetConfig, make_street
 from tallies import IN_PIECES, Tallies, Tally, add_all, append, drift, new_tallies, read, rows
@@ -94,9 +92,7 @@ def compare_clusters(streets: Iterable[Street], config: StreetConfig) -> Tallies
     """`layout_from_cloud` and its stand-in on one scan of each street."""
     tallies = new_tallies()
     for street in streets:
-        caster, surfaces = Raycaster(street.scene), Surfaces.from_layout(street.scene)
-        eye = StreetScanner(config.sensor, SensorModel.from_sensor(config.sensor), caster, surfaces, None)
-        ego, visible, rng = scan_street(street, eye, 0)
+        ego, visible, rng = scan_street(street, Scanner.from_layout(street.scene, config.sensor), 0)
         scan, pose = visible.scan, visible.pose
         poses = config.sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
         truth = as_boxes(street.coarse, BoxStyle(relief=True), ego.pose)

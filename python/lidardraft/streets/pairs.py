@@ -12,14 +12,11 @@ from functools import lru_cache
 import numpy as np
 
 from lidardraft.errors import LayoutError
-from lidardraft.scene.effects import observe
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import RangeImage
-from lidardraft.scene.raycast import Raycaster
-from lidardraft.scene.sensor import Sensor
-from lidardraft.scene.sensor_model import SensorModel, sub_rays
+from lidardraft.scene.scanner import Scanner
+from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.shape_table import ShapeTable
-from lidardraft.scene.surfaces import Surfaces
 from lidardraft.streets.coarse.coarse_layout import Style, coarse_layout, sample_style
 from lidardraft.streets.coarse.coarse_street import place_of
 from lidardraft.streets.coarse.visible import VisibleObjects
@@ -113,14 +110,12 @@ class _StreetRun:
 
 
 @lru_cache(maxsize=1)
-def _scanned_street(seed: int, config: StreetConfig, number: int, threads: int | None) -> tuple[Street, StreetScanner]:
+def _scanned_street(seed: int, config: StreetConfig, number: int, threads: int | None) -> tuple[Street, Scanner]:
     """A street, and what looks at it; the last one is kept for the next pair of its run."""
     street = make_street(seed, config, number=number)
     # another unit of the sensor for each street
     model = replace(SensorModel.from_sensor(config.sensor), unit=number)
-    return street, StreetScanner(
-        config.sensor, model, Raycaster(street.scene), Surfaces.from_layout(street.scene), threads
-    )
+    return street, Scanner.from_layout(street.scene, config.sensor, model=model, threads=threads)
 
 
 def _in_processes(runs: Iterator[_StreetRun], workers: int) -> Generator[StreetPair, None, None]:
@@ -147,35 +142,18 @@ def _pair_in_worker(run: _StreetRun, index: int) -> StreetPair:
     return _pair(*_scanned_street(run.seed, run.config, run.number, 1), index)
 
 
-@dataclass(frozen=True, slots=True)
-class StreetScanner:
-    """What looks at one street: a unit of a sensor, and the detailed scene made ready for it."""
-
-    sensor: Sensor
-    model: SensorModel
-    caster: Raycaster
-    surfaces: Surfaces
-    threads: int | None
-
-    def cast(self, ego: Ego, poses: np.ndarray, seed: int) -> RangeImage:
-        """The clean returns of all sub-rays from these poses in the frame of the ego vehicle."""
-        rays, poses = sub_rays(self.sensor, self.model), ego.pose @ poses
-        return self.caster.scan(rays, poses=poses, primitive=True, incidence=True, seed=seed, threads=self.threads)
-
-
-def scan_street(street: Street, scanner: StreetScanner, index: int) -> tuple[Ego, VisibleObjects, np.random.Generator]:
+def scan_street(street: Street, scanner: Scanner, index: int) -> tuple[Ego, VisibleObjects, np.random.Generator]:
     """Scan number `index` of a street: where it is taken, what it sees, and the generator for what follows."""
     rng = np.random.default_rng([street.seed, index, 1])
     ego = sample_ego(street.occupancy, street.lanes, rng)
     pose = mount(scanner.sensor, ego, rng)
     poses = scanner.sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
-    clean = scanner.cast(ego, poses, seed=index)
-    scan = observe(clean, scanner.surfaces, rng, sensor=scanner.sensor, model=scanner.model, threads=scanner.threads)
+    scan = scanner.observe(scanner.cast(ego.pose @ poses, seed=index), rng)
     coarse = street.coarse
     return ego, VisibleObjects(place_of(ego.pose), pose, scan, coarse.owners, len(coarse.objects)), rng
 
 
-def _pair(street: Street, scanner: StreetScanner, index: int) -> StreetPair:
+def _pair(street: Street, scanner: Scanner, index: int) -> StreetPair:
     ego, visible, rng = scan_street(street, scanner, index)
     style = sample_style(rng)
     shapes = coarse_layout(street.coarse, style, rng, ego.pose, visible)

@@ -5,21 +5,17 @@ from dataclasses import replace
 import numpy as np
 
 from lidardraft import CLASSES
-from lidardraft.scene.raycast import Raycaster
+from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor import PRESETS
-from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.shape_table import ShapeTable
-from lidardraft.scene.surfaces import Surfaces
 from lidardraft.streets.coarse.coarse_layout import Style, coarse_layout
-from lidardraft.streets.pairs import StreetScanner, scan_street
+from lidardraft.streets.pairs import scan_street
 from lidardraft.streets.street import make_street
 
 STREET = make_street(2)
 OBJECTS = STREET.occupancy.objects
 SENSOR = PRESETS["hdl64e"]
-SCANNER = StreetScanner(
-    SENSOR, SensorModel.from_sensor(SENSOR), Raycaster(STREET.scene), Surfaces.from_layout(STREET.scene), None
-)
+SCANNER = Scanner.from_layout(STREET.scene, SENSOR)
 EGO, VISIBLE, _ = scan_street(STREET, SCANNER, 0)
 SCAN = VISIBLE.scan
 NAMES = [row.name for row in CLASSES]

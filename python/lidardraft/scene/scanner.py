@@ -1,0 +1,72 @@
+"""A layout made ready for one sensor: the way from a layout to what that sensor reports of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lidardraft.scene.effects import observe
+from lidardraft.scene.layout import Layout
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.raycast import Raycaster
+from lidardraft.scene.sensor import Sensor
+from lidardraft.scene.sensor_model import SensorModel, sub_rays
+from lidardraft.scene.surfaces import Surfaces
+from lidardraft.scene.weather import Weather
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scanner:
+    """A unit of a sensor, and the layout that it scans: compiled, and with its surfaces in `weather`.
+
+    `threads` is how many threads a scan may use, by default as many as there are cores; the scan is the same for any
+    number.
+    """
+
+    sensor: Sensor
+    model: SensorModel
+    caster: Raycaster
+    surfaces: Surfaces
+    weather: Weather
+    threads: int | None = None
+
+    @classmethod
+    def from_layout(
+        cls,
+        layout: Layout,
+        sensor: Sensor,
+        *,
+        model: SensorModel | None = None,
+        weather: Weather | None = None,
+        threads: int | None = None,
+    ) -> Scanner:
+        """`model` is by default `SensorModel.from_sensor(sensor)`, `weather` a clear and dry day.
+
+        Raises `LayoutError` for a material that is unknown.
+        """
+        weather = weather or Weather()
+        surfaces = Surfaces.from_layout(layout, wetness=weather.wetness)
+        model = model or SensorModel.from_sensor(sensor)
+        return cls(sensor, model, Raycaster(layout), surfaces, weather, threads)
+
+    def cast(self, poses: np.ndarray, seed: int) -> RangeImage:
+        """The clean returns of all sub-rays from world_from_sensor `poses`: one [4, 4], or one for each column
+        [W, 4, 4]."""
+        rays = sub_rays(self.sensor, self.model)
+        pose, poses_of_columns = (poses, None) if np.ndim(poses) == 2 else (None, poses)
+        return self.caster.scan(
+            rays, pose, poses=poses_of_columns, primitive=True, incidence=True, seed=seed, threads=self.threads
+        )
+
+    def observe(self, clean: RangeImage, rng: np.random.Generator | int) -> RangeImage:
+        """What the sensor reports of what `cast` returned."""
+        return observe(
+            clean,
+            self.surfaces,
+            rng,
+            sensor=self.sensor,
+            model=self.model,
+            weather=self.weather,
+            threads=self.threads,
+        )
