@@ -28,13 +28,15 @@ ALLOWED = {
     "diffusion": BASE | {"scene", "networks"},
     "metrics": BASE | {"scene"},
     "perception": BASE | {"scene", "networks"},
+    "simulation": BASE | {"scene", "drafting", "objects", "formats", "scan"},
     "training": BASE | {"scene", "streets", "formats", "drafting", "networks", "diffusion", "metrics", "perception"},
     "view": BASE | {"scene", "formats"},
-    "pipeline": BASE | {"scene", "formats", "drafting", "streets", "networks", "diffusion", "metrics", "view"},
+    "scan": BASE | {"scene", "formats", "view"},
+    "pipeline": BASE | {"scene", "drafting", "networks", "diffusion", "scan"},
     "evaluation": BASE | {"scene", "streets", "diffusion", "metrics", "pipeline"},
     "cli": BASE
     | {"scene", "formats", "drafting", "streets", "networks", "diffusion", "metrics", "view", "pipeline", "evaluation"}
-    | {"training"},
+    | {"scan", "simulation", "training"},
     "__main__": {"cli"},
 }
 # The rooms and modules of streets, and which others each may use.

@@ -1,11 +1,9 @@
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from lidardraft import Pipeline, Scan, Sensor
-from lidardraft.pipeline import SCAN_ENDINGS
+from lidardraft import Pipeline, Sensor
 
 SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=128)
 
@@ -13,12 +11,6 @@ SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)
 @pytest.fixture(scope="module")
 def pipeline() -> Pipeline:
     return Pipeline.from_pretrained("street", steps=2)
-
-
-@pytest.fixture(scope="module")
-def scan(pipeline: Pipeline) -> Scan:
-    with pytest.warns(UserWarning, match="trained on hdl64e; scans of small may be poor"):
-        return pipeline("a car ahead", sensor=SMALL)
 
 
 def test_a_sensor_that_the_weights_know_is_no_warning(pipeline: Pipeline) -> None:
@@ -45,16 +37,3 @@ def test_every_step_is_told(pipeline: Pipeline) -> None:
     known = Pipeline(pipeline.denoiser, steps=3, sensors=("small",))
     known("a car ahead", sensor=SMALL, on_step=lambda: steps.append(len(steps)))
     assert steps == [0, 1, 2]
-
-
-def test_a_scan_is_saved_with_its_sensor(scan: Scan, tmp_path: Path) -> None:
-    scan.save(tmp_path / "name.with.dots")
-    assert {path.name for path in tmp_path.iterdir()} == {f"name.with.dots{ending}" for ending in SCAN_ENDINGS}
-    assert Sensor.preset(tmp_path / "name.with.dots.sensor.json") == SMALL
-
-
-def test_a_scan_that_cannot_be_saved_leaves_nothing(scan: Scan, tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    with pytest.raises(OSError, match="file"):
-        scan.save(tmp_path / "file" / "000000")
-    assert [path.name for path in tmp_path.iterdir()] == ["file"]

@@ -16,10 +16,12 @@ from lidardraft.semantics import CLASSES, SemanticClass
 
 __version__ = "0.1.0"  # that of pyproject.toml and Cargo.toml
 
-# What needs lark, scikit-learn or torch is imported when it is first asked for.
+# What needs lark, scikit-learn, Pillow or torch is imported when it is first asked for.
 _LAZY = {
     "Pipeline": "lidardraft.pipeline",
-    "Scan": "lidardraft.pipeline",
+    "Scan": "lidardraft.scan",
+    "Simulator": "lidardraft.simulation.simulate",
+    "simulate": "lidardraft.simulation.simulate",
     "layout_from_text": "lidardraft.drafting.text",
     "layout_from_cloud": "lidardraft.drafting.cloud",
 }
@@ -38,9 +40,11 @@ __all__ = [
     "Scan",
     "SemanticClass",
     "Sensor",
+    "Simulator",
     "layout_from_cloud",
     "layout_from_text",
     "raycast",
+    "simulate",
 ]
 
 

@@ -3,96 +3,26 @@
 from __future__ import annotations
 
 import os
-import tempfile
 import warnings
 from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import torch
 
-from lidardraft import view
 from lidardraft.diffusion.codec import decode_scan, encode_condition
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.sampler import sample
 from lidardraft.drafting.text import layout_from_text
 from lidardraft.errors import CheckpointError, one_of
-from lidardraft.formats import kitti, semantickitti
-from lidardraft.formats.boxes import write_boxes
 from lidardraft.networks import weight_file
+from lidardraft.scan import Scan
 from lidardraft.scene.labelling import label_from_condition_image
-from lidardraft.scene.layout import Box, Layout
+from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
 
 WEIGHTS = Path(__file__).parent / "weights"
-SCAN_ENDINGS = (".bin", ".label", ".boxes.json", ".layout.json", ".sensor.json", ".png")  # of a saved scan's files
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Scan:
-    """A generated, labelled scan with the condition image and the layout it was generated from."""
-
-    image: RangeImage
-    condition_image: RangeImage
-    layout: Layout
-    pose: np.ndarray
-    seed: int
-
-    def points(self) -> np.ndarray:
-        """x, y, z of the returns in the sensor frame [m], float32 [N, 3]."""
-        return self.image.points()
-
-    def intensities(self) -> np.ndarray:
-        """Intensities in [0, 1] of `points()`, float32 [N]."""
-        assert self.image.intensity is not None
-        return self.image.intensity[self.image.valid]
-
-    def labels(self) -> np.ndarray:
-        """Class ids of `points()`, uint8 [N]; 0 where nothing of the layout is near."""
-        return self.image.label[self.image.valid]
-
-    def instances(self) -> np.ndarray:
-        """Instance numbers of `points()`, uint32 [N]; 0 for stuff."""
-        return self.image.instance[self.image.valid]
-
-    def boxes(self) -> list[Box]:
-        """Boxes of the layout's objects in the sensor frame."""
-        return [box.seen_from(self.pose) for box in self.layout.boxes()]
-
-    def returns_per_box(self) -> list[int]:
-        """How many points are of each of `boxes()`."""
-        return [int(np.count_nonzero(self.image.instance == box.instance)) for box in self.layout.boxes()]
-
-    def picture(self) -> np.ndarray:
-        """Layout, condition image and scan side by side, over the range images of the latter two: uint8 [H, W, 3]."""
-        views = [
-            view.caption(view.render_layout(self.layout), "layout"),
-            view.caption(view.render_scan(self.condition_image, self.pose, by_label=True), "condition image"),
-            view.caption(view.render_scan(self.image, self.pose, by_label=True), "scan"),
-        ]
-        images = [
-            view.caption(view.render_image(self.condition_image), "condition image"),
-            view.caption(view.render_image(self.image), "scan"),
-        ]
-        return view.stack([view.stack(views, across=True), view.stack(images, across=True)])
-
-    def save(self, name: str | os.PathLike[str]) -> None:
-        """Write `NAME.bin`, `.label`, `.boxes.json`, `.layout.json`, `.sensor.json` and `.png` beside each other, or,
-        where one of them cannot be written, none. What has such a name already is replaced."""
-        target = Path(name)
-        with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as folder:
-            stem = Path(folder) / target.name
-            kitti.write_bin(f"{stem}.bin", self.points(), self.intensities())
-            semantickitti.write_label(f"{stem}.label", self.labels(), self.instances())
-            write_boxes(f"{stem}.boxes.json", self.boxes(), self.returns_per_box())
-            self.layout.save(f"{stem}.layout.json")
-            Path(f"{stem}.sensor.json").write_text(self.image.sensor.to_json())
-            view.save_png(self.picture(), f"{stem}.png")
-            for ending in SCAN_ENDINGS:
-                Path(f"{stem}{ending}").replace(f"{target}{ending}")
 
 
 class Pipeline:
@@ -142,7 +72,7 @@ class Pipeline:
             if on_step is not None:
                 on_step()
         image = label_from_condition_image(generated, condition_image, layout, pose)
-        return Scan(image=image, condition_image=condition_image, layout=layout, pose=pose, seed=seed)
+        return Scan(image=image, layout=layout, pose=pose, seed=seed)
 
     def denoising(self, condition_image: RangeImage, *, seed: int = 0) -> Iterator[RangeImage]:
         """The scan while it is made, one image without labels a sampling step; the last is the result."""

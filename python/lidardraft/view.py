@@ -142,6 +142,18 @@ def render_top_view(
     return np.asarray(canvas)
 
 
+def render_scans_of_layout(layout: Layout, pose: np.ndarray, images: dict[str, RangeImage]) -> np.ndarray:
+    """A layout and scans of it from world_from_sensor `pose`, by their names: uint8 [H, W, 3].
+
+    The scans are shown beside the layout, and their range images below.
+    """
+    scans = {name: render_scan(image, pose, by_label=True) for name, image in images.items()}
+    views = {"layout": render_layout(layout), **scans}
+    strips = {name: render_image(image) for name, image in images.items()}
+    rows = [[caption(picture, name) for name, picture in row.items()] for row in (views, strips)]
+    return stack([stack(row, across=True) for row in rows])
+
+
 def render_pair(scan: RangeImage, condition_image: RangeImage) -> np.ndarray:
     """A training pair, the condition image over the scan: uint8 [H, W, 3]."""
     return stack([caption(render_image(condition_image), "condition image"), caption(render_image(scan), "scan")])

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+import math
+import re
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
+from lidardraft.errors import FormatError, one_of
 from lidardraft.scene.sensor import PRESETS
+from lidardraft.scene.weather import Weather
 
 if TYPE_CHECKING:
     Options = argparse.ArgumentParser | argparse._ArgumentGroup  # what options can be added to
 
 DEFAULT_SENSOR = "hdl64e"
+# What --weather calls each number of `Weather`, and the unit that may stand behind the amount.
+_WEATHER = {"rain": ("rain", "mm"), "snow": ("snow", "mm"), "fog": ("visibility", "m"), "wet": ("wetness", "")}
 
 
 def whole_number(least: int, most: int | None = None) -> Callable[[str], int]:
@@ -28,6 +34,17 @@ def whole_number(least: int, most: int | None = None) -> Callable[[str], int]:
         return value
 
     return parse
+
+
+def number(text: str) -> float:
+    """The type of an option that takes any finite number."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number")
+    return value
 
 
 def minutes(text: str) -> float:
@@ -64,3 +81,20 @@ def add_weights(parser: Options) -> None:
     text = "steps of denoising: more are slower and a little better (default 20)"
     parser.add_argument("--steps", type=whole_number(1), default=20, metavar="N", help=text)
     parser.add_argument("--device", default="cpu", help="where torch runs the model: cpu, cuda, ... (default cpu)")
+
+
+def read_weather(texts: Iterable[str]) -> Weather:
+    """The weather of the values of --weather, as in `rain:10mm`; raises `FormatError` on another text, `SensorError` on
+    an amount that cannot be."""
+    amounts = {}
+    for text in texts:
+        kind, _, amount = text.partition(":")
+        if kind not in _WEATHER:
+            raise FormatError(f"--weather is {text!r}; its kind must be {one_of(_WEATHER, kind)}")
+        field, unit = _WEATHER[kind]
+        if not re.fullmatch(rf"\d+(\.\d+)?({unit})?", amount):
+            raise FormatError(f"--weather is {text!r}; it must be {kind} and an amount, as in {kind}:0.5{unit}")
+        if field in amounts:
+            raise FormatError(f"--weather has {kind} twice")
+        amounts[field] = float(amount.removesuffix(unit))
+    return Weather(**amounts)

@@ -7,12 +7,12 @@ import sys
 from collections.abc import Sequence
 
 import lidardraft
-from lidardraft.cli import draft, evaluate, generate, raycast, streets, view
+from lidardraft.cli import draft, evaluate, generate, raycast, simulate, streets, view
 from lidardraft.cli.command import commands_of, run
 
 _FIRST = """\
 start here:
-  lidardraft generate --text "a bus ahead, trees along both sides" -o scans
+  lidardraft simulate --text "a bus ahead, trees along both sides" -o scans
   lidardraft view scans/000000.bin
 
 `lidardraft COMMAND --help` lists the options of a command; `lidardraft-train --help` trains weights of your own.
@@ -34,6 +34,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"lidardraft {lidardraft.__version__}")
     command = commands_of(parser)
+    simulate.add_arguments(command("simulate", simulate.simulate))
     generate.add_arguments(command("generate", generate.generate))
     view.add_arguments(command("view", view.view))
     draft.add_arguments(command("draft", draft.draft))

@@ -1,0 +1,91 @@
+"""A labelled scan of a layout, simulated or generated, and the files that it is saved as."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from lidardraft import view
+from lidardraft.formats import kitti, semantickitti
+from lidardraft.formats.boxes import write_boxes
+from lidardraft.scene.layout import Box, Layout
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.raycast import raycast
+
+SCAN_ENDINGS = (".bin", ".label", ".boxes.json", ".layout.json", ".sensor.json", ".png")  # of a saved scan's files
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Scan:
+    """A labelled scan and the layout it was made of.
+
+    `pose` is the world_from_sensor [4, 4] it was taken from; of a sensor that moves along its x axis with `speed` [m/s]
+    it is that in the middle of the sweep.
+    """
+
+    image: RangeImage
+    layout: Layout
+    pose: np.ndarray
+    seed: int
+    speed: float = 0.0
+
+    @cached_property
+    def condition_image(self) -> RangeImage:
+        """The cast of the layout from the same place: what a generated scan is conditioned on."""
+        if not self.speed:
+            return raycast(self.layout, self.image.sensor, self.pose)
+        return raycast(self.layout, self.image.sensor, poses=self.poses())
+
+    def poses(self) -> np.ndarray:
+        """The pose of each column, f64 [W, 4, 4]; `image.points(scan.poses())` removes the distortion by motion."""
+        return self.image.sensor.poses_in_motion(self.pose, self.speed * self.pose[:3, 0])
+
+    def points(self) -> np.ndarray:
+        """x, y, z of the returns in the sensor frame [m], float32 [N, 3]."""
+        return self.image.points()
+
+    def intensities(self) -> np.ndarray:
+        """Intensities in [0, 1] of `points()`, float32 [N]."""
+        assert self.image.intensity is not None
+        return self.image.intensity[self.image.valid]
+
+    def labels(self) -> np.ndarray:
+        """Class ids of `points()`, uint8 [N]; 0 for what is not of the layout."""
+        return self.image.label[self.image.valid]
+
+    def instances(self) -> np.ndarray:
+        """Instance numbers of `points()`, uint32 [N]; 0 for stuff."""
+        return self.image.instance[self.image.valid]
+
+    def boxes(self) -> list[Box]:
+        """Boxes of the layout's objects in the sensor frame."""
+        return [box.seen_from(self.pose) for box in self.layout.boxes()]
+
+    def returns_per_box(self) -> list[int]:
+        """How many points are of each of `boxes()`."""
+        return [int(np.count_nonzero(self.image.instance == box.instance)) for box in self.layout.boxes()]
+
+    def picture(self) -> np.ndarray:
+        """Layout, condition image and scan side by side, over the range images of the latter two: uint8 [H, W, 3]."""
+        images = {"condition image": self.condition_image, "scan": self.image}
+        return view.render_scans_of_layout(self.layout, self.pose, images)
+
+    def save(self, name: str | os.PathLike[str]) -> None:
+        """Write `NAME.bin`, `.label`, `.boxes.json`, `.layout.json`, `.sensor.json` and `.png` beside each other, or,
+        where one of them cannot be written, none. What has such a name already is replaced."""
+        target = Path(name)
+        with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as folder:
+            stem = Path(folder) / target.name
+            kitti.write_bin(f"{stem}.bin", self.points(), self.intensities())
+            semantickitti.write_label(f"{stem}.label", self.labels(), self.instances())
+            write_boxes(f"{stem}.boxes.json", self.boxes(), self.returns_per_box())
+            self.layout.save(f"{stem}.layout.json")
+            Path(f"{stem}.sensor.json").write_text(self.image.sensor.to_json())
+            view.save_png(self.picture(), f"{stem}.png")
+            for ending in SCAN_ENDINGS:
+                Path(f"{stem}{ending}").replace(f"{target}{ending}")

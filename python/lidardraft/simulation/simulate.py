@@ -1,0 +1,86 @@
+"""Layouts become lifelike scans by physics alone: no weights, and labels that are exact."""
+
+from __future__ import annotations
+
+import math
+import warnings
+
+import numpy as np
+
+from lidardraft.errors import SensorError
+from lidardraft.scan import Scan
+from lidardraft.scene.layout import Layout
+from lidardraft.scene.pose import finite_array
+from lidardraft.scene.scanner import Scanner
+from lidardraft.scene.sensor import Sensor
+from lidardraft.scene.sensor_model import SensorModel
+from lidardraft.scene.weather import Weather
+from lidardraft.semantics import GROUND
+
+
+class Simulator:
+    """A layout, or the layout of a sentence, made ready to be scanned by one sensor from many poses.
+
+    `model` is by default that of the sensor: its preset, or typical values (`SensorModel.from_sensor`). `weather` is by
+    default clear and dry. `seed` decides the layout of a sentence. `threads` is how many threads a scan may use, by
+    default as many as there are cores; scans are the same for any number, and several Python threads may scan at once.
+
+    Raises `SensorError` where the beams of the sensor are too close for the model; a layout without ground is a
+    `UserWarning`.
+    """
+
+    def __init__(
+        self,
+        layout: Layout | str,
+        sensor: Sensor,
+        *,
+        seed: int = 0,
+        model: SensorModel | None = None,
+        weather: Weather | None = None,
+        threads: int | None = None,
+    ) -> None:
+        self.layout = _from_text(layout, seed) if isinstance(layout, str) else layout
+        if not any(primitive.label in GROUND for primitive in self.layout):
+            warnings.warn("the layout has no ground (road, sidewalk or terrain): nothing returns from it", stacklevel=2)
+        self._scanner = Scanner.from_layout(self.layout, sensor, model=model, weather=weather, threads=threads)
+
+    def scan(self, pose: np.ndarray | None = None, *, speed: float = 0.0, seed: int = 0) -> Scan:
+        """What the sensor reports from world_from_sensor `pose` [4, 4], by default on its mount over the origin.
+
+        It moves along its x axis with `speed` [m/s] while it sweeps, and stands at `pose` in the middle of the sweep.
+        `seed` decides noise, ray drop and how far rays get into foliage. Labels and instances are those of the surface
+        that each return came from; 0 is that of rain, snow and fog.
+
+        Raises `LayoutError` on a pose that is not rigid, `SensorError` on a speed that is not finite.
+        """
+        if not math.isfinite(speed):
+            raise SensorError(f"speed is {speed}; it must be a finite number of metres per second")
+        sensor = self._scanner.sensor
+        pose = sensor.pose() if pose is None else finite_array("pose", pose, 4, 4)
+        poses = sensor.poses_in_motion(pose, speed * pose[:3, 0]) if speed else pose
+        image = self._scanner.observe(self._scanner.cast(poses, seed), seed)
+        return Scan(image=image, layout=self.layout, pose=pose, seed=seed, speed=speed)
+
+
+def simulate(
+    layout: Layout | str,
+    sensor: Sensor,
+    *,
+    seed: int = 0,
+    pose: np.ndarray | None = None,
+    speed: float = 0.0,
+    model: SensorModel | None = None,
+    weather: Weather | None = None,
+) -> Scan:
+    """The scan of a layout or a sentence: `Simulator(layout, sensor, ...).scan(pose, ...)`.
+
+    Same arguments, same scan, for any number of threads; another seed gives another one.
+    """
+    simulator = Simulator(layout, sensor, seed=seed, model=model, weather=weather)
+    return simulator.scan(pose, speed=speed, seed=seed)
+
+
+def _from_text(sentence: str, seed: int) -> Layout:
+    from lidardraft.drafting.text import layout_from_text  # what has a layout need not wait for the grammar
+
+    return layout_from_text(sentence, seed=seed)

@@ -1,0 +1,58 @@
+"""Scans, and the files that they are saved as."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lidardraft import Layout, Primitive, Scan, Sensor, raycast, simulate
+from lidardraft.formats import kitti, semantickitti
+from lidardraft.scan import SCAN_ENDINGS
+
+SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=128)
+LAYOUT = Layout((
+    Primitive(shape="plane", center=(0, 0, 0), size=(200, 200, 0), label="road", id="road"),
+    Primitive(shape="box", center=(9, 1, 0.8), size=(4, 2, 1.5), label="car", id="car_4", instance=4),
+))  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def scan() -> Scan:
+    return simulate(LAYOUT, SMALL, speed=20.0)
+
+
+def test_the_condition_image_is_cast_from_where_the_scan_was_taken(scan: Scan) -> None:
+    assert "condition_image" not in vars(scan)  # it is not cast before it is asked for
+    poses = SMALL.poses_in_motion(SMALL.pose(), (20.0, 0.0, 0.0))
+    np.testing.assert_array_equal(scan.condition_image.depth, raycast(LAYOUT, SMALL, poses=poses).depth)
+    pose = SMALL.pose(x=3.0, yaw=0.4)
+    still = simulate(LAYOUT, SMALL, pose=pose)
+    np.testing.assert_array_equal(still.condition_image.depth, raycast(LAYOUT, SMALL, pose).depth)
+
+
+def test_a_moving_scan_in_the_world_lies_on_the_layout(scan: Scan) -> None:
+    ground = scan.image.label[scan.image.valid] == 1
+    points = scan.condition_image.points(scan.poses())[scan.condition_image.label[scan.condition_image.valid] == 1]
+    np.testing.assert_allclose(points[:, 2], 0.0, atol=1e-4)
+    assert ground.sum() > 500
+
+
+def test_a_scan_is_saved_with_its_sensor(scan: Scan, tmp_path: Path) -> None:
+    scan.save(tmp_path / "name.with.dots")
+    assert {path.name for path in tmp_path.iterdir()} == {f"name.with.dots{ending}" for ending in SCAN_ENDINGS}
+    assert Sensor.preset(tmp_path / "name.with.dots.sensor.json") == SMALL
+    points, intensity = kitti.read_bin(tmp_path / "name.with.dots.bin")
+    np.testing.assert_array_equal(points, scan.points())
+    np.testing.assert_array_equal(intensity, scan.intensities())
+    label, instance = semantickitti.read_label(tmp_path / "name.with.dots.label", len(points))
+    np.testing.assert_array_equal(label, scan.labels())
+    np.testing.assert_array_equal(instance, scan.instances())
+    assert scan.returns_per_box() == [np.count_nonzero(instance == 4)]
+    assert scan.returns_per_box()[0] > 10
+
+
+def test_a_scan_that_cannot_be_saved_leaves_nothing(scan: Scan, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OSError, match="file"):
+        scan.save(tmp_path / "file" / "000000")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
