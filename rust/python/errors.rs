@@ -41,6 +41,7 @@ impl From<CoreError> for PyErr {
             | Error::Depth { .. }
             | Error::Rays { .. }
             | Error::SensorModel { .. }
+            | Error::CurveTable { .. }
             | Error::ObservedSize { .. }
             | Error::SurfaceColumn { .. }
             | Error::ImagePrimitive { .. } => SensorError::new_err(message),

@@ -17,7 +17,7 @@ pub(crate) struct SensorModel(core::SensorModel);
 #[pymethods]
 impl SensorModel {
     #[new]
-    #[pyo3(signature = (*, shares, pulse_duration, detection_threshold, last_return, glass_transmission, speckle, texture, material_noise, dust, fading, drop_probability, unit, offset_spread, gain_spread, jitter, range_step, full_scale, knee, levels, compensation_range))]
+    #[pyo3(signature = (*, shares, pulse_duration, detection_threshold, last_return, glass_transmission, speckle, texture, material_noise, dust, fading, drop_probability, unit, offset_spread, gain_spread, jitter, range_step, full_scale, knee, levels, compensation_range, intensity_curve=None))]
     #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
     fn new(
         shares: Vec<f32>,
@@ -40,6 +40,7 @@ impl SensorModel {
         knee: f32,
         levels: f32,
         compensation_range: f32,
+        intensity_curve: Option<(Vec<(f32, f32)>, Vec<f32>, Vec<f32>, Vec<f32>)>,
     ) -> CoreResult<Self> {
         let model = core::SensorModel {
             shares,
@@ -62,6 +63,9 @@ impl SensorModel {
             knee,
             levels,
             compensation_range,
+            intensity_curve: intensity_curve
+                .map(|(knots, gains, offsets, cutoffs)| core::IntensityCurve::new(&knots, gains, offsets, cutoffs))
+                .transpose()?,
         };
         model.check()?;
         Ok(SensorModel(model))

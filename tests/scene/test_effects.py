@@ -9,6 +9,7 @@ import pytest
 from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
 from lidardraft.errors import LayoutError, SensorError
 from lidardraft.scene.effects import observe
+from lidardraft.scene.intensity_curve import IntensityCurve
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.sensor_model import SensorModel, sub_rays
 from lidardraft.scene.surfaces import Surfaces
@@ -114,6 +115,25 @@ def test_a_knee_keeps_the_upper_scale_for_retroreflectors():
     bright = seen(wall(10.0, "retroreflector"), model).intensity
     assert bright.min() > 100 / 255
     assert bright.max() <= 1.0
+
+
+def test_a_curve_is_linear_in_the_logarithm_and_each_beam_has_a_gain_an_offset_and_a_cutoff():
+    curve = IntensityCurve(
+        responses=(0.045, 0.45, 4.5),
+        readings=(0.1, 0.4, 0.9),
+        gains=(1.0, 10.0, 0.1**0.5, 1e-3),
+        offsets=(0.0, 0.25, 0.05, 0.0),
+        cutoffs=(0.0, 0.1, 0.0, 0.11),
+    )
+    read = seen(wall(10.0), replace(IDEAL, intensity_curve=curve)).intensity
+    # plaster's response is 0.45; that of the last beam is below the curve, whose end is below its cut-off
+    np.testing.assert_allclose(read.T, np.tile([0.4, 0.65, 0.2, 0.0], (1024, 1)), atol=2e-3)
+
+
+def test_a_curve_of_another_sensor_is_refused():
+    curve = IntensityCurve(responses=(0.1,), readings=(0.5,), cutoffs=(0.1, 0.1))
+    with pytest.raises(SensorError, match="cutoffs of the intensity curve has 2 values; it needs 4"):
+        seen(wall(10.0), replace(IDEAL, intensity_curve=curve))
 
 
 def test_a_single_surface_is_the_same_through_sub_rays():
@@ -359,6 +379,7 @@ OTHERWISE = {
     "knee": 0.6,
     "levels": 7,
     "compensation_range": 15.0,
+    "intensity_curve": IntensityCurve(responses=(0.01, 1.0), readings=(0.1, 0.7)),
 }
 
 

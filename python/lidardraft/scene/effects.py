@@ -13,6 +13,7 @@ import numpy as np
 
 from lidardraft import _core
 from lidardraft.errors import SensorError
+from lidardraft.scene.blocked import blank_pixels
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import IMAGES, RangeImage
 from lidardraft.scene.sensor import Sensor
@@ -68,6 +69,8 @@ def observe(
         seed=int(rng.bit_generator.random_raw()) >> 1,
         threads=threads or 0,
     )
+    if sensor.blocked and weather.scatters:  # fog has an echo where the cast has none
+        blank_pixels(vars(scan), sensor.blocked_pixels)
     return scan
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from lidardraft import _core
 from lidardraft.errors import LayoutError, SensorError
 from lidardraft.scene.batch import RangeImageBatch
+from lidardraft.scene.blocked import blank_pixels
 from lidardraft.scene.hits import Hits
 from lidardraft.scene.layout import SHAPES, Layout, Primitive, box_around, object_of
 from lidardraft.scene.pose import as_array, finite_array, inverse, upright
@@ -221,6 +222,8 @@ def cast_scans(
             seed=seed,
             threads=threads or 0,
         )
+    if sensor.blocked:
+        blank_pixels(vars(out), sensor.blocked_pixels)
     return out
 
 

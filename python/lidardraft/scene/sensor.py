@@ -7,7 +7,7 @@ import json
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,10 @@ from lidardraft.errors import SensorError, one_of
 from lidardraft.files import named, read_text
 from lidardraft.json_fields import check_fields, is_number, parse_object
 from lidardraft.scene import beam_tables
+from lidardraft.scene.blocked import Blocked, blocked_pixels, checked_blocked
 from lidardraft.scene.pose import finite_array, rotations, upright
+from lidardraft.scene.sensor_model import SensorModel
+from lidardraft.scene.sensor_model_json import model_from_fields, model_to_fields
 
 # Noise of strong echoes: that of Ouster's sample of an OS1 (benches/fit_sensor.py); an OS0's is in steps of 8 mm.
 _OS0: dict[str, Any] = {"max_range": 100.0, "range_sigma": 0.0015}
@@ -32,6 +35,9 @@ _QUANTITIES = (
     *("mount_height", "range_sigma", "sweep_time"),
 )
 _HIGHEST = 1e9  # m, the core's limit of coordinates
+# Elevations closer than this are of the same beam [rad]: tables are rounded, and the beams of every preset are further
+# apart.
+_SAME_BEAM = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +50,8 @@ class Sensor:
     `origin_heights` over the sensor's origin, seen along its azimuth: the lasers turn with the head. These tables hold
     one value a beam, or nothing for zeros. A whole sweep of all columns takes `sweep_time` [s]; 0 is a flash.
     `mount_height` is the height of the sensor's origin over the road; `range_sigma` the standard deviation of its
-    range noise.
+    range noise. `blocked` are, for each beam, intervals of azimuth [rad] from a start counter-clockwise to an end, in
+    which the vehicle is in the way and nothing returns. `model` is what one unit makes of light, if it is known.
 
     Raises `SensorError` naming the value that cannot be.
     """
@@ -63,6 +70,8 @@ class Sensor:
     mount_height: float = 1.73
     range_sigma: float = 0.02
     sweep_time: float = 0.1
+    blocked: Blocked = ()
+    model: SensorModel | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
@@ -81,6 +90,11 @@ class Sensor:
         if isinstance(self.columns, bool) or not isinstance(self.columns, int | np.integer):
             raise SensorError(f"{self.name}: columns is {self.columns!r}; it must be a whole number")
         object.__setattr__(self, "columns", int(self.columns))
+        beams = len(self.elevations)
+        object.__setattr__(self, "blocked", checked_blocked(self.name, self.blocked, beams))
+        if self.model is not None and self.model.intensity_curve is not None:
+            with named(self.name):
+                self.model.intensity_curve.check_beams(beams)
         try:
             _ = self.pattern  # the core checks everything else
         except OverflowError:
@@ -112,7 +126,26 @@ class Sensor:
 
     def __getstate__(self) -> dict[str, Any]:
         # the core's pattern cannot go to another process; it is made again there
-        return {name: value for name, value in vars(self).items() if name != "pattern"}
+        return {name: value for name, value in vars(self).items() if name in self.__dataclass_fields__}
+
+    @cached_property
+    def blocked_pixels(self) -> np.ndarray:
+        """Which pixels the vehicle hides, bool [H, W]."""
+        middles = self.azimuth_start - (np.arange(self.columns) + 0.5) * self.azimuth_span / self.columns
+        offsets = self.azimuth_offsets or [0.0] * len(self.elevations)
+        return blocked_pixels(self.blocked, np.add.outer(offsets, middles))
+
+    @property
+    def is_preset(self) -> bool:
+        """Whether it is the sensor of the preset of its name: as many beams, each within 1 mrad of the preset's.
+
+        Columns, azimuths, origins, range limits and mounting may differ: they are settings of a sensor, or calibrated
+        for one unit.
+        """
+        preset = PRESETS.get(self.name)
+        if preset is None or len(self.elevations) != len(preset.elevations):
+            return False
+        return bool(np.abs(np.subtract(self.elevations, preset.elevations)).max() <= _SAME_BEAM)
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -155,14 +188,22 @@ class Sensor:
         return poses
 
     def to_json(self) -> str:
-        """All fields as JSON text; `from_json` gives an equal sensor."""
-        return json.dumps(dataclasses.asdict(self))
+        """All fields as JSON text, `blocked` and `model` where they are known; `from_json` gives an equal sensor."""
+        fields = dataclasses.asdict(replace(self, model=None))
+        del fields["model"]
+        if not self.blocked:
+            del fields["blocked"]
+        if self.model is not None:
+            fields["model"] = model_to_fields(self.model)
+        return json.dumps(fields)
 
     @classmethod
     def from_json(cls, text: str) -> Sensor:
         """Raises `FormatError` where the text has not a sensor's fields, `SensorError` where one of them cannot be."""
         fields = parse_object(text)
         check_fields(fields, ("name", "elevations", "columns"), cls.__dataclass_fields__)
+        if fields.get("model") is not None:
+            fields["model"] = model_from_fields(fields["model"])
         return cls(**fields)
 
     @classmethod
@@ -216,7 +257,8 @@ PRESETS: dict[str, Sensor] = {
         # 0.9 to 120 m; 2 cm, of which the lasers' own offsets are a part: errors from firing to firing are "around
         # +-25 mm" (Chen and Chien, Sensors 12, 2012), taken for 2.5 standard deviations. The two blocks start 0.20 and
         # 0.11 m over the origin: means of a published calibration (64e_s2.1-sztaki of ros-drivers/velodyne, BSD).
-        # KITTI mounts it 1.73 m over the road (Geiger et al., IJRR 2013); 64 x 1024 is the usual image of a KITTI scan.
+        # KITTI mounts it 1.73 m over the road (Geiger et al., IJRR 2013) and ends at 80 m; 64 x 1024 is the usual image
+        # of its scans.
         Sensor(
             name="hdl64e",
             elevations=_beams(2.0, -8.333, 32) + _beams(-8.833, -24.333, 32),

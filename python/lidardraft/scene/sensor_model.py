@@ -5,20 +5,21 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from lidardraft import _core
 from lidardraft.errors import SensorError
-from lidardraft.scene.sensor import PRESETS, Sensor
+from lidardraft.scene.intensity_curve import IntensityCurve
 
+if TYPE_CHECKING:
+    from lidardraft.scene.sensor import Sensor  # which has a model
+
+T = TypeVar("T")
 _FWHM = math.sqrt(2.0 / math.log(2.0))  # of a Gaussian: full width at 1 / e^2 over full width at half maximum
 # Where the sub-rays of a ring stand: turned a little, as no two may have one elevation.
 _TURN = 0.17
-# Elevations closer than this are of the same beam [rad]: tables are rounded, and the beams of every preset are further
-# apart.
-_SAME_BEAM = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +46,8 @@ class SensorModel:
 
     Output: an intensity of 1 is a response of `full_scale`, in `levels` steps (0: smooth). With a `knee` below 1 the
     response 1 reads `knee`, and brighter ones climb from there by their logarithm. Intensity is corrected for range up
-    to `compensation_range` [m] (inf: at all ranges).
+    to `compensation_range` [m] (inf: at all ranges). An `intensity_curve` of the unit takes the place of `full_scale`
+    and `knee`.
 
     Raises `SensorError` naming the value that cannot be.
     """
@@ -73,6 +75,7 @@ class SensorModel:
     knee: float = 1.0
     levels: int = 255
     compensation_range: float = math.inf
+    intensity_curve: IntensityCurve | None = None
 
     def __post_init__(self) -> None:
         for name in ("divergence_h", "divergence_v", "tilt_spread"):
@@ -111,6 +114,7 @@ class SensorModel:
             knee=self.knee,
             levels=self.levels,
             compensation_range=self.compensation_range,
+            intensity_curve=None if self.intensity_curve is None else self.intensity_curve.tables,
         )
 
     def __getstate__(self) -> dict[str, Any]:
@@ -124,17 +128,10 @@ class SensorModel:
 
     @classmethod
     def from_sensor(cls, sensor: Sensor) -> SensorModel:
-        """The preset of the same sensor, or typical values for any other.
-
-        The same sensor has the name of a preset and its beams: as many, each within 1 mrad of the preset's elevation.
-        Columns, azimuths, origins, range limits and mounting may differ: they are settings of a sensor, or calibrated
-        for one unit.
-        """
-        preset = PRESETS.get(sensor.name)
-        if preset is None or len(sensor.elevations) != len(preset.elevations):
-            return cls()
-        off = np.abs(np.subtract(sensor.elevations, preset.elevations))
-        return MODELS[sensor.name] if off.max() <= _SAME_BEAM else cls()
+        """The sensor's own model, that of its preset (`Sensor.is_preset`), or typical values for any other."""
+        if sensor.model is not None:
+            return sensor.model
+        return MODELS[sensor.name] if sensor.is_preset else cls()
 
     @classmethod
     def ideal(cls) -> SensorModel:
@@ -212,6 +209,8 @@ def sub_rays(sensor: Sensor, model: SensorModel) -> Sensor:
     return replace(
         sensor,
         name=f"{sensor.name} x {model.rays_per_beam}",
+        model=None,
+        blocked=_repeated(sensor.blocked, model.rays_per_beam),
         elevations=tuple(elevations.tolist()),
         azimuth_offsets=tuple(offsets.tolist()),
         origin_forwards=_repeated(sensor.origin_forwards, model.rays_per_beam),
@@ -232,7 +231,7 @@ def beam_tilts(sensor: Sensor, model: SensorModel) -> np.ndarray:
     return tilts
 
 
-def _repeated(values: tuple[float, ...], times: int) -> tuple[float, ...]:
+def _repeated(values: tuple[T, ...], times: int) -> tuple[T, ...]:
     return tuple(value for value in values for _ in range(times))
 
 

@@ -119,12 +119,14 @@ pub(crate) fn drop_rays(
 }
 
 /// The stored intensity, 0 to 1: the power on the sensor's scale, as far as that corrects for range.
-pub(crate) fn intensity(echoes: &Echoes, model: &SensorModel, shown: &mut [f32]) {
+pub(crate) fn intensity(echoes: &Echoes, beam: usize, model: &SensorModel, shown: &mut [f32]) {
     let (threshold, far) = (model.threshold(), 1.0 / model.compensation_range);
     for ((shown, &depth), &power) in shown.iter_mut().zip(&echoes.depth).zip(&echoes.power) {
         *shown = depth * depth * power * threshold / (1.0 + depth * far * (depth * far));
     }
-    if model.knee < 1.0 {
+    if let Some(curve) = &model.intensity_curve {
+        curve.read(beam, shown);
+    } else if model.knee < 1.0 {
         let climb = (1.0 - model.knee) / model.full_scale.max(1.01).ln();
         for shown in &mut *shown {
             *shown = if *shown > 1.0 { model.knee + climb * ln(*shown) } else { *shown * model.knee };

@@ -3,6 +3,7 @@
 mod effects;
 pub(crate) mod elementary;
 mod images;
+mod intensity_curve;
 pub(crate) mod mixed;
 mod model;
 pub(crate) mod noise;
@@ -10,6 +11,7 @@ pub(crate) mod receiver;
 mod surfaces;
 
 pub use images::{Backscatter, Returns, ReturnsMut};
+pub use intensity_curve::IntensityCurve;
 pub use model::{MOST_RAYS, Ranging, SensorModel};
 pub use surfaces::{INCIDENCES, Surfaces};
 
@@ -46,7 +48,7 @@ pub struct Light<'a> {
 /// number.
 ///
 /// # Errors
-/// Those of [`SensorModel::check`], and [`Error::ObservedSize`], [`Error::SurfaceColumn`] or [`Error::ImagePrimitive`],
+/// Those of [`SensorModel::check`], [`Error::CurveTable`], [`Error::ObservedSize`], [`Error::SurfaceColumn`] or [`Error::ImagePrimitive`],
 /// before anything is written.
 pub fn observe(
     light: &Light<'_>,
@@ -58,6 +60,7 @@ pub fn observe(
 ) -> Result<()> {
     let [rows, columns] = light.shape;
     model.check()?;
+    model.intensity_curve.as_ref().map_or(Ok(()), |curve| curve.check(rows))?;
     light.returns.check(rows * columns * model.shares.len())?;
     light.surfaces.check(light.returns.primitive)?;
     light.backscatter.iter().try_for_each(|echoes| echoes.check(rows * columns))?;
@@ -145,7 +148,7 @@ impl<'a> Observer<'a> {
             add_backscatter(echoes, &backscatter.row(number, columns), work, extinction, model);
         }
         drop_rays(echoes, patches, &numbers.exponential, model, dropped);
-        intensity(echoes, model, scan.intensity);
+        intensity(echoes, number, model, scan.intensity);
         roughness(echoes, surfaces, model, work);
         range_noise(
             echoes,

@@ -1,5 +1,6 @@
 //! The constants of a sensor model.
 
+use super::IntensityCurve;
 use crate::{Error, Result};
 
 /// The most sub-rays that a beam can have.
@@ -50,6 +51,8 @@ pub struct SensorModel {
     pub levels: f32,
     /// Up to which range the intensity is corrected for range [m]; infinite: at all ranges.
     pub compensation_range: f32,
+    /// What each beam reads of a response so corrected, in the place of `full_scale` and `knee`.
+    pub intensity_curve: Option<IntensityCurve>,
 }
 
 impl SensorModel {

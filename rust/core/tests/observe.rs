@@ -28,6 +28,7 @@ pub(super) fn ideal() -> SensorModel {
         knee: 1.0,
         levels: 0.0,
         compensation_range: f32::INFINITY,
+        intensity_curve: None,
     }
 }
 
@@ -52,6 +53,7 @@ fn lively() -> SensorModel {
         full_scale: 300.0,
         levels: 255.0,
         compensation_range: 40.0,
+        intensity_curve: None,
         ..ideal()
     }
 }
