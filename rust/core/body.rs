@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use crate::bvh::Bvh;
 use crate::intersect::{Cuboid, Cylinder, Ellipsoid, Hit, Ray, Rectangle, Span, Triangle, first_interaction};
@@ -170,6 +170,20 @@ impl Body {
     /// How many surfaces it has: a mesh has one for each triangle.
     pub(crate) fn surfaces(&self) -> usize {
         if let Solid::Mesh(mesh) = &self.solid { mesh.faces.len() } else { 1 }
+    }
+
+    /// Adds the normals of its surfaces to those of [`Scene::normals`](crate::Scene).
+    pub(crate) fn push_normals(&self, columns: &mut [Vec<f32>; 3]) {
+        let mut push = |normal: Vec3| columns.iter_mut().zip(normal.to_array()).for_each(|(to, x)| to.push(x));
+        match &self.solid {
+            _ if self.extinction.is_some() => (0..self.surfaces()).for_each(|_| push(Vec3::NAN)),
+            Solid::Mesh(mesh) => {
+                let turned = |&normal| (self.pose.rotation * Vec3::from(normal).as_dvec3()).as_vec3();
+                mesh.normals().iter().map(turned).for_each(push);
+            }
+            Solid::Rectangle(shape) => push((self.pose.rotation * shape.normal()).as_vec3()),
+            Solid::Cuboid(_) | Solid::Ellipsoid(_) | Solid::Cylinder(_) => push(Vec3::INFINITY),
+        }
     }
 
     /// The bounds relative to the origin of the scene.

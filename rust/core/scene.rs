@@ -1,5 +1,7 @@
 //! Scenes: bodies with a class and an instance, compiled for casting.
 
+use std::sync::OnceLock;
+
 use glam::DVec3;
 
 use crate::body::Body;
@@ -38,6 +40,8 @@ pub struct Scene {
     semantics: Vec<(u8, u32)>,
     bvh: Bvh,
     body_table: BodyTable,
+    /// Those of all surfaces, made when a scan first needs them.
+    normals: OnceLock<[Vec<f32>; 3]>,
 }
 
 impl Scene {
@@ -56,7 +60,7 @@ impl Scene {
         let bodies: Vec<Body> = primitives.into_iter().map(|p| p.body(origin)).collect();
         let bvh = Bvh::new(&boxes(&bodies));
         let body_table = BodyTable::new(bodies.iter().map(|body| (body.obb(), body.surfaces())));
-        Ok(Scene { origin, bodies, semantics, bvh, body_table })
+        Ok(Scene { origin, bodies, semantics, bvh, body_table, normals: OnceLock::new() })
     }
 
     /// The same scene with some primitives standing elsewhere: `world_from_primitive` says where the frame of each, its
@@ -75,7 +79,8 @@ impl Scene {
         }
         let bvh = Bvh::new(&boxes(&bodies));
         let body_table = BodyTable::new(bodies.iter().map(|body| (body.obb(), body.surfaces())));
-        Ok(Scene { origin: self.origin, bodies, semantics: self.semantics.clone(), bvh, body_table })
+        let (semantics, normals) = (self.semantics.clone(), OnceLock::new());
+        Ok(Scene { origin: self.origin, bodies, semantics, bvh, body_table, normals })
     }
 
     fn check_moved(&self, primitives: &[u32], poses: usize) -> Result<()> {
@@ -144,6 +149,17 @@ impl Scene {
     /// The bodies as columns of numbers.
     pub(crate) fn body_table(&self) -> &BodyTable {
         &self.body_table
+    }
+
+    /// The unit normal of each surface in the frame of the scene, to either side, as columns that vectors gather. It is
+    /// NaN in a medium and infinite where a surface is not flat; one more, 0, is that of nothing.
+    pub(crate) fn normals(&self) -> &[Vec<f32>; 3] {
+        self.normals.get_or_init(|| {
+            let mut columns = [(); 3].map(|()| Vec::new());
+            self.bodies.iter().for_each(|body| body.push_normals(&mut columns));
+            columns.iter_mut().for_each(|column| column.push(0.0));
+            columns
+        })
     }
 
     /// Class and instance of each primitive.

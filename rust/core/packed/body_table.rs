@@ -2,25 +2,22 @@
 
 use super::{Obb, ObbTable, Outline};
 
-/// So many surfaces share an entry of a table.
-const STEP: usize = 8;
-
 /// Where the bodies of a scene are, and how their surfaces are numbered.
 #[derive(Debug)]
 pub(crate) struct BodyTable {
     /// One for each outline.
     pub(crate) obbs: [ObbTable; 3],
-    /// The number of the first surface of each body: a mesh has one for each triangle. And that of none.
+    /// The number of the first surface of each body: a mesh has one for each triangle.
     surfaces: Vec<u32>,
-    /// The body of each `STEP`-th surface.
-    steps: Vec<u32>,
+    /// The body of each surface.
+    owners: Vec<u32>,
 }
 
 impl BodyTable {
     /// The table of bodies, given the box around each and how many surfaces it has.
     pub(crate) fn new(bodies: impl Iterator<Item = (Obb, usize)>) -> BodyTable {
         let mut obbs = [Outline::Box, Outline::Cylinder, Outline::Ellipsoid].map(ObbTable::new);
-        let (mut next, mut surfaces, mut steps) = (0_usize, Vec::new(), Vec::new());
+        let (mut next, mut surfaces, mut owners) = (0_usize, Vec::new(), Vec::new());
         // Numbers are u32, as many as fit in memory by far; the last one marks pixels that are unresolved.
         let number = |surface: usize| u32::try_from(surface).unwrap_or(u32::MAX);
         for (body, (obb, count)) in bodies.enumerate() {
@@ -29,11 +26,10 @@ impl BodyTable {
                 .for_each(|table| table.push(body as u32, &obb));
             surfaces.push(number(next));
             next += count;
-            steps.resize(next.div_ceil(STEP), body as u32);
+            owners.resize(next, body as u32);
         }
-        surfaces.push(u32::MAX);
         obbs.iter_mut().for_each(ObbTable::pad);
-        BodyTable { obbs, surfaces, steps }
+        BodyTable { obbs, surfaces, owners }
     }
 
     /// The number of the first surface of a body.
@@ -41,13 +37,9 @@ impl BodyTable {
         self.surfaces[body]
     }
 
-    /// The body of a surface, and which of its surfaces it is.
+    /// The body of a surface.
     #[inline(always)]
-    pub(crate) fn body_of(&self, surface: u32) -> (usize, u32) {
-        let mut body = self.steps[surface as usize / STEP] as usize;
-        while self.surfaces[body + 1] <= surface {
-            body += 1;
-        }
-        (body, surface - self.surfaces[body])
+    pub(crate) fn body_of(&self, surface: u32) -> usize {
+        self.owners[surface as usize] as usize
     }
 }

@@ -1,104 +1,109 @@
 //! Incidence and normals of what was rasterized in a view.
 //!
-//! Neighbouring pixels mostly show the same surface, which is looked up once for all of them. A flat one has one normal; on
-//! others the point that was hit is worked out anew in f64, because a range in f32 may be nearer to another face of a thin
-//! body. Rays are those of the view, off from those of the pattern by a rounding in f32.
+//! Flat surfaces, most of what is seen, have one normal each, which vectors of pixels gather from a table of the scene. On
+//! curved ones the point that was hit is worked out anew in f64, because a range in f32 may be nearer to another face of a
+//! thin body. Rays are those of the view, off from those of the pattern by a rounding in f32.
 
-use std::ops::Range;
-
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 use super::view::View;
-use super::visibility_buffer::UNRESOLVED;
 use crate::body::{Body, Solid};
 use crate::intersect::{Cuboid, Ray};
+use crate::packed::padded;
+use crate::simd::{Lanes, Mask, Vector};
 use crate::{ImagesMut, Scene};
 
-/// Turns by less than this change no cosine by more than rounding does.
-const STEADY: f32 = 1e-7;
-
-/// A surface as the rays of a view meet it.
-#[derive(Clone, Copy)]
-enum Surface<'a> {
-    /// One normal, in the frame of the view.
-    Flat(DVec3),
-    Curved(&'a Body),
-    Medium,
-}
-
-/// How many surfaces are remembered: a power of two.
-const CACHED: usize = 512;
-
-/// Writes incidence and normals, row by row: what a row shows, the next one mostly shows too.
+/// Writes incidence and normals, row by row.
 pub(super) struct IncidenceWriter<'a> {
     scene: &'a Scene,
     view: &'a View<'a>,
-    /// Surfaces that were looked up before, each at its number modulo `CACHED`.
-    cache: Vec<(u32, Surface<'a>)>,
-    /// The last body with a flat surface, and the rotation from its frame into the view's.
-    last: (usize, DMat3),
+    /// The headings of rays, phase by phase, and their ups, in the frame of the scene.
+    headings: Vec<[Vec<f32>; 3]>,
+    ups: [Vec<f32>; 3],
+    /// Cosines of incidence in the row that is worked on.
+    cosines: Vec<f32>,
+    /// The columns in which its surfaces are curved.
+    curved: Vec<usize>,
 }
 
 impl<'a> IncidenceWriter<'a> {
     pub(super) fn new(scene: &'a Scene, view: &'a View<'a>) -> IncidenceWriter<'a> {
-        IncidenceWriter {
-            scene,
-            view,
-            cache: vec![(UNRESOLVED, Surface::Medium); CACHED],
-            last: (usize::MAX, DMat3::ZERO),
-        }
+        let padded = padded(view.width());
+        let headings =
+            (0..view.band.phase_count).map(|phase| turned(view, |column| view.ray(phase, column).1)).collect();
+        let ups = turned(view, |column| view.ray(0, column).2);
+        IncidenceWriter { scene, view, headings, ups, cosines: vec![0.0; padded], curved: Vec::new() }
     }
 
-    /// Writes a row of the view; `ids` are numbers of surfaces, where there is a return.
+    /// Writes a row of the view; `ids` are numbers of surfaces where there is a return, and go on for a vector behind it.
     #[inline(always)]
-    pub(super) fn write(&mut self, row: usize, ids: &[u32], image: &mut ImagesMut<'_>) {
+    pub(super) fn write<L: Lanes>(&mut self, row: usize, ids: &[u32], image: &mut ImagesMut<'_>) {
         let rays = Rays::new(self.view, row);
-        let mut start = 0;
-        while start < ids.len() {
-            let id = ids[start];
-            let known = image.depth[start] > 0.0;
-            // Where there is no return, the id is that of an earlier view.
-            let same = |pixel: &(&u32, &f32)| *pixel.0 == id && (*pixel.1 > 0.0) == known;
-            let end = start + ids[start..].iter().zip(&image.depth[start..]).take_while(same).count();
-            if known {
-                self.surface(id).write(&rays, start..end, image);
-            } else {
-                if let Some(incidence) = &mut image.incidence {
-                    incidence[start..end].fill(0.0);
-                }
-                if let Some(normal) = &mut image.normal {
-                    normal[start..end].fill([0.0; 3]);
+        if let Some(incidence) = &mut image.incidence {
+            self.find_cosines::<L>(&rays, ids);
+            for ((to, &cosine), &depth) in incidence.iter_mut().zip(&self.cosines).zip(&*image.depth) {
+                *to = if depth > 0.0 { cosine } else { 0.0 };
+            }
+            for &column in &self.curved {
+                if image.depth.get(column).is_some_and(|&depth| depth > 0.0) {
+                    let (_, cosine) = rays.meet(self.scene, ids[column], column, image.depth[column]);
+                    incidence[column] = cosine.abs().min(1.0) as f32;
                 }
             }
-            start = end;
+        }
+        if let Some(normal) = &mut image.normal {
+            for (column, (to, &depth)) in normal.iter_mut().zip(&*image.depth).enumerate() {
+                *to = if depth > 0.0 { self.normal(&rays, ids[column], column, depth) } else { [0.0; 3] };
+            }
         }
     }
 
+    /// Finds the cosines of incidence of a row but for those on curved surfaces, whose columns are listed.
+    ///
+    /// Where there is no return, the id is that of an earlier view or scene, and the cosine any number.
     #[inline(always)]
-    fn surface(&mut self, id: u32) -> Surface<'a> {
-        let slot = id as usize % CACHED;
-        if self.cache[slot].0 != id {
-            self.cache[slot] = (id, self.look_up(id));
+    fn find_cosines<L: Lanes>(&mut self, rays: &Rays<'_>, ids: &[u32]) {
+        let (normals, headings) = (self.scene.normals(), &self.headings[rays.phase]);
+        let (slope, inverse_length) = (L::splat(rays.slope as f32), L::splat(rays.inverse_length as f32));
+        self.curved.clear();
+        for at in (0..self.view.width()).step_by(L::N) {
+            let direction = Vector::load(headings, at) + Vector::load(&self.ups, at) * slope;
+            let normal = Vector::<L>::gather_at(normals, ids, at);
+            // That of a medium is NaN, which makes the cosine 1.
+            let cosine = (normal.dot(direction) * inverse_length).abs().min(L::splat(1.0));
+            cosine.store(&mut self.cosines, at);
+            let mut left = normal.x.gt(L::splat(f32::MAX)).bits();
+            while left != 0 {
+                self.curved.push(at + left.trailing_zeros() as usize);
+                left &= left - 1;
+            }
         }
-        self.cache[slot].1
     }
 
-    fn look_up(&mut self, id: u32) -> Surface<'a> {
-        let (number, part) = self.scene.body_table().body_of(id);
-        let body = &self.scene.bodies()[number];
-        if body.extinction.is_some() {
-            return Surface::Medium;
-        }
-        let normal = match &body.solid {
-            Solid::Rectangle(shape) => shape.normal(),
-            Solid::Mesh(mesh) => Vec3::from(mesh.normals()[part as usize]).as_dvec3(),
-            _ => return Surface::Curved(body),
+    /// The normal of a surface where a ray meets it, towards the sensor.
+    #[inline(always)]
+    fn normal(&self, rays: &Rays<'_>, id: u32, column: usize, depth: f32) -> [f32; 3] {
+        let [x, y, z] = self.scene.normals();
+        let flat = Vec3::new(x[id as usize], y[id as usize], z[id as usize]);
+        let (normal, cosine) = if flat.x.is_finite() {
+            (flat.as_dvec3(), flat.as_dvec3().dot(rays.ray(column).1))
+        } else if flat.x.is_nan() {
+            (rays.ray(column).1 * rays.inverse_length, 1.0)
+        } else {
+            rays.meet(self.scene, id, column, depth)
         };
-        if self.last.0 != number {
-            self.last = (number, self.view.rotation.transpose() * body.pose.rotation);
-        }
-        Surface::Flat(self.last.1 * normal)
+        (if cosine > 0.0 { -normal } else { normal }).as_vec3().to_array()
     }
+}
+
+/// A vector of each column of a view as columns of coordinates, in the frame of the scene.
+fn turned(view: &View<'_>, vector: impl Fn(usize) -> DVec3) -> [Vec<f32>; 3] {
+    let columns = || (0..padded(view.width())).map(|column| column.min(view.width() - 1));
+    let mut turned = [(); 3].map(|()| Vec::with_capacity(columns().len()));
+    for vector in columns().map(|column| view.rotation * vector(column)) {
+        turned.iter_mut().zip(vector.as_vec3().to_array()).for_each(|(to, x)| to.push(x));
+    }
+    turned
 }
 
 /// The rays of a row of a view.
@@ -117,73 +122,24 @@ impl<'a> Rays<'a> {
         Rays { view, phase: usize::from(view.band.phases[row]), slope, inverse_length }
     }
 
-    /// Where a ray starts and where it looks.
+    /// Where a ray starts and where it looks, in the frame of the scene.
     #[inline(always)]
     fn ray(&self, column: usize) -> (DVec3, DVec3) {
         let (start, heading, up) = self.view.ray(self.phase, column);
-        (start, heading + up * self.slope)
+        let View { origin, rotation, .. } = self.view;
+        (*origin + *rotation * start, *rotation * (heading + up * self.slope))
     }
 
-    /// The cosines of the angles between rays and a normal to either side.
+    /// The unit normal of a surface that is not flat where a ray meets it, at about this distance, and the cosine between
+    /// both.
     #[inline(always)]
-    fn cosines(&self, normal: DVec3, columns: Range<usize>, to: &mut [f32]) {
-        if self.view.motion.as_ref().is_some_and(|motion| motion.twist > STEADY) {
-            for (to, column) in to.iter_mut().zip(columns) {
-                *to = (normal.dot(self.ray(column).1) * self.inverse_length).abs().min(1.0) as f32;
-            }
-            return;
-        }
-        let from = self.view.columns.start + columns.start;
-        let [x, y] = self.view.band.headings(self.phase);
-        let (along, rise) =
-            ((normal * self.inverse_length).as_vec3(), (normal.z * self.slope * self.inverse_length) as f32);
-        for ((to, x), y) in to.iter_mut().zip(&x[from..]).zip(&y[from..]) {
-            *to = (along.x * x + along.y * y + rise).abs().min(1.0);
-        }
+    fn meet(&self, scene: &Scene, id: u32, column: usize, depth: f32) -> (DVec3, f64) {
+        let Body { pose, solid, .. } = &scene.bodies()[scene.body_table().body_of(id)];
+        let (origin, direction) = self.ray(column);
+        let ray = Ray { origin: pose.inverse_point(origin), direction: pose.inverse_vector(direction) };
+        let normal = normal(solid, &ray, f64::from(depth) * self.inverse_length);
+        (pose.rotation * normal, normal.dot(ray.direction) * self.inverse_length)
     }
-}
-
-impl Surface<'_> {
-    /// Writes incidence and normals in these columns.
-    #[inline(always)]
-    fn write(&self, rays: &Rays, columns: Range<usize>, image: &mut ImagesMut<'_>) {
-        if let Surface::Curved(body) = self {
-            let rotation = body.pose.rotation.transpose() * rays.view.rotation;
-            let origin = body.pose.inverse_point(rays.view.origin);
-            for column in columns {
-                let (start, direction) = rays.ray(column);
-                let ray = Ray { origin: origin + rotation * start, direction: rotation * direction };
-                let normal = normal(&body.solid, &ray, f64::from(image.depth[column]) * rays.inverse_length);
-                let cosine = normal.dot(ray.direction) * rays.inverse_length;
-                if let Some(incidence) = &mut image.incidence {
-                    incidence[column] = cosine.abs().min(1.0) as f32;
-                }
-                if let Some(image) = &mut image.normal {
-                    image[column] = towards(body.pose.rotation * normal, cosine);
-                }
-            }
-            return;
-        }
-        if let Some(incidence) = &mut image.incidence {
-            let to = &mut incidence[columns.clone()];
-            match self {
-                Surface::Flat(normal) => rays.cosines(*normal, columns.clone(), to),
-                _ => to.fill(1.0),
-            }
-        }
-        if let Some(image) = &mut image.normal {
-            for column in columns {
-                let (_, direction) = rays.ray(column);
-                let normal = if let Surface::Flat(normal) = self { *normal } else { direction * rays.inverse_length };
-                image[column] = towards(rays.view.rotation * normal, normal.dot(direction));
-            }
-        }
-    }
-}
-
-/// A normal on the side that a ray comes from, given the cosine between both.
-fn towards(normal: DVec3, cosine: f64) -> [f32; 3] {
-    (if cosine > 0.0 { -normal } else { normal }).as_vec3().to_array()
 }
 
 /// The unit normal where a ray meets a solid in its frame, at about this distance.

@@ -135,8 +135,8 @@ impl Kernel for WriteView<'_, '_> {
         if surfaces {
             let mut incidence = IncidenceWriter::new(scene, view);
             for (row, image) in images.iter_mut().enumerate() {
-                let ids = &buffer.id[row * buffer.stride..][..view.width()];
-                incidence.write(row, ids, image);
+                let ids = &buffer.id[row * buffer.stride..][..buffer.stride];
+                incidence.write::<L>(row, ids, image);
             }
         }
     }

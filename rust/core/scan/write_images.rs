@@ -126,7 +126,7 @@ impl Owners<'_> {
     /// The body of an id, its class and its instance.
     #[inline(always)]
     fn look_up(&self, id: u32) -> (usize, u8, u32) {
-        let body = self.surfaces.map_or(id as usize, |table| table.body_of(id).0);
+        let body = self.surfaces.map_or(id as usize, |table| table.body_of(id));
         let (label, instance) = self.semantics[body];
         (body, label, instance)
     }

@@ -49,6 +49,16 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
+    fn gather_at(from: &[f32], indices: &[u32], at: usize) -> F32x8 {
+        assert!(!from.is_empty(), "nothing to gather from");
+        let (lanes, last) = (&indices[at..at + N], i32::try_from(from.len() - 1).unwrap_or(i32::MAX));
+        unsafe {
+            let index = _mm256_min_epu32(_mm256_loadu_si256(lanes.as_ptr().cast()), _mm256_set1_epi32(last));
+            F32x8(_mm256_i32gather_ps::<4>(from.as_ptr(), index))
+        }
+    }
+
+    #[inline(always)]
     fn mul_add(self, factor: F32x8, summand: F32x8) -> F32x8 {
         unsafe { F32x8(_mm256_fmadd_ps(self.0, factor.0, summand.0)) }
     }

@@ -49,6 +49,16 @@ impl Lanes for F32x16 {
     }
 
     #[inline(always)]
+    fn gather_at(from: &[f32], indices: &[u32], at: usize) -> F32x16 {
+        assert!(!from.is_empty(), "nothing to gather from");
+        let (lanes, last) = (&indices[at..at + N], i32::try_from(from.len() - 1).unwrap_or(i32::MAX));
+        unsafe {
+            let index = _mm512_min_epu32(_mm512_loadu_si512(lanes.as_ptr().cast()), _mm512_set1_epi32(last));
+            F32x16(_mm512_i32gather_ps::<4>(index, from.as_ptr()))
+        }
+    }
+
+    #[inline(always)]
     fn mul_add(self, factor: F32x16, summand: F32x16) -> F32x16 {
         unsafe { F32x16(_mm512_fmadd_ps(self.0, factor.0, summand.0)) }
     }

@@ -43,6 +43,8 @@ pub(crate) trait Lanes:
     fn store(self, to: &mut [f32], at: usize);
     /// `from[i]` for each lane i of `self` rounded towards 0, which should be within the slice: another element else.
     fn gather(self, from: &[f32]) -> Self;
+    /// `from[i]` for each i of `indices[at..at + N]`, which should be within the slice: another element else.
+    fn gather_at(from: &[f32], indices: &[u32], at: usize) -> Self;
 
     /// `self * factor + summand`; rounded once where the processor can.
     fn mul_add(self, factor: Self, summand: Self) -> Self;

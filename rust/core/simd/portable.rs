@@ -52,6 +52,12 @@ impl Lanes for F32x8 {
         F32x8(self.0.map(|index| from[(index as usize).min(from.len() - 1)]))
     }
 
+    #[inline(always)]
+    fn gather_at(from: &[f32], indices: &[u32], at: usize) -> F32x8 {
+        let lanes = &indices[at..at + N];
+        F32x8(from_fn(|i| from[(lanes[i] as usize).min(from.len() - 1)]))
+    }
+
     /// Not fused: without such an instruction that would be a call of a function for each lane.
     #[inline(always)]
     fn mul_add(self, factor: F32x8, summand: F32x8) -> F32x8 {

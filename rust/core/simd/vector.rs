@@ -40,6 +40,12 @@ impl<L: Lanes> Vector<L> {
         Vector::new(at.gather(x), at.gather(y), at.gather(z))
     }
 
+    /// The same at places that are whole numbers.
+    #[inline(always)]
+    pub(crate) fn gather_at([x, y, z]: &[Vec<f32>; 3], places: &[u32], at: usize) -> Vector<L> {
+        Vector::new(L::gather_at(x, places, at), L::gather_at(y, places, at), L::gather_at(z, places, at))
+    }
+
     #[inline(always)]
     pub(crate) fn store<const N: usize>(self, [x, y, z]: &mut [[f32; N]; 3]) {
         self.x.store(x, 0);

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::random::{any_pattern, bodies};
 use super::{Random, fast, linear, pattern, primitive, random_scene, scene, seen, spec};
@@ -147,10 +147,20 @@ fn incidence_and_normals() {
     for round in 0..40 {
         let scene = bodies(&mut random, 80);
         let pattern = pattern(any_pattern(&mut random, 12, 150));
-        let pose = random.pose(30.0);
-        let expected = seen(&scene, &pattern, &[pose], Backend::Reference, 1);
+        let (pose, axis) = (random.pose(30.0), random.direction());
+        // Standing still, driving straight on or turning while it sweeps.
+        let (columns, step, twist) = match round % 3 {
+            0 => (1, 0.0, 0.0),
+            turning => (pattern.columns(), 0.01, 0.002 * f64::from(turning - 1)),
+        };
+        let moved = |k: usize| Pose {
+            rotation: DMat3::from_axis_angle(axis, twist * k as f64) * pose.rotation,
+            translation: pose.translation + DVec3::X * (step * k as f64),
+        };
+        let poses: Vec<Pose> = (0..columns).map(moved).collect();
+        let expected = seen(&scene, &pattern, &poses, Backend::Reference, 1);
         for backend in fast() {
-            let found = seen(&scene, &pattern, &[pose], backend, 1);
+            let found = seen(&scene, &pattern, &poses, backend, 1);
             for i in 0..found.depth.len() {
                 let (a, b) =
                     (DVec3::from(found.normal[i].map(f64::from)), DVec3::from(expected.normal[i].map(f64::from)));
