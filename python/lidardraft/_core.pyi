@@ -9,7 +9,7 @@ checked before anything is written.
 are the same bit for bit for any number.
 
 `seed`, 0 or more, decides how far rays travel in media: the free path of a ray in a primitive is a pure function of the
-seed, the primitive's index, and the row and column of the ray.
+seed, the primitive's index (or its number in `media`), and the row and column of the ray.
 """
 
 from math import inf
@@ -94,6 +94,8 @@ class Scene:
         # a free path that is exponential with mean 1 / extinction, or the ray leaves it. No plane and no open mesh is a
         # medium.
         extinctions: NDArray[np.float64] | None = None,
+        # [P], in place of the primitive's index, of which free paths are a function
+        media: NDArray[np.uint32] | None = None,
     ) -> Scene: ...
     def moved(self, primitives: NDArray[np.uint32], world_from_primitive: NDArray[np.float64]) -> Scene:
         """The same scene with primitives [M] standing elsewhere: poses [M, 4, 4] of their own frames (middle, axes),

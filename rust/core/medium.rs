@@ -1,10 +1,10 @@
 //! Media: how far a ray travels in a crown, a hedge or a fence before it meets a leaf, a blade or a wire.
 //!
 //! The free path in a medium of extinction k is exponential with mean 1 / k: Beer and Lambert's law. Here it is counted in
-//! mean free paths, and is a pure function of seed, body, row and column.
+//! mean free paths, and is a pure function of seed, medium, row and column.
 //!
 //! Every pixel gets one of [`QUANTILES`] quantiles of that distribution. Which one is the sum, modulo their number, of two
-//! permutations of them, each read from an offset that is a hash of seed, body and row, and on from there column by column:
+//! permutations of them, each read from an offset that is a hash of seed, medium and row, and on from there column by column:
 //! tables that a vector of columns can load, and numbers without rounding, so that every way of casting has the same bits.
 //! Two rows have the same paths a few columns apart only if both offsets happen to agree, one in 2^28.
 
@@ -27,13 +27,13 @@ pub struct FreePathKey {
 }
 
 impl FreePathKey {
-    /// The free path within a body, in mean free paths.
-    pub(crate) fn path(&self, body: usize) -> f32 {
-        FreePaths::new(self.seed, body as u32, self.row).at(self.column as usize)
+    /// The free path within a medium of that number, in mean free paths.
+    pub(crate) fn path(&self, medium: u32) -> f32 {
+        FreePaths::new(self.seed, medium, self.row).at(self.column as usize)
     }
 }
 
-/// The free paths of a row of rays within one body.
+/// The free paths of a row of rays within one medium.
 #[derive(Clone, Copy)]
 pub(crate) struct FreePaths {
     offsets: [usize; 2],
@@ -48,8 +48,8 @@ struct Tables {
 }
 
 impl FreePaths {
-    pub(crate) fn new(seed: u64, body: u32, row: u32) -> FreePaths {
-        let hash = mix(mix(seed) ^ (u64::from(body) << 32 | u64::from(row)));
+    pub(crate) fn new(seed: u64, medium: u32, row: u32) -> FreePaths {
+        let hash = mix(mix(seed) ^ (u64::from(medium) << 32 | u64::from(row)));
         FreePaths { offsets: [hash as usize, (hash >> 32) as usize], tables: tables() }
     }
 

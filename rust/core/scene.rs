@@ -38,6 +38,8 @@ pub struct Scene {
     bodies: Vec<Body>,
     /// Class and instance of each primitive.
     semantics: Vec<(u8, u32)>,
+    /// What decides the free paths within each primitive, where it is a medium.
+    media: Vec<u32>,
     bvh: Bvh,
     body_table: BodyTable,
     /// Those of all surfaces, made when a scan first needs them.
@@ -60,7 +62,21 @@ impl Scene {
         let bodies: Vec<Body> = primitives.into_iter().map(|p| p.body(origin)).collect();
         let bvh = Bvh::new(&boxes(&bodies));
         let body_table = BodyTable::new(bodies.iter().map(|body| (body.obb(), body.surfaces())));
-        Ok(Scene { origin, bodies, semantics, bvh, body_table, normals: OnceLock::new() })
+        let media = (0..bodies.len() as u32).collect();
+        Ok(Scene { origin, bodies, semantics, media, bvh, body_table, normals: OnceLock::new() })
+    }
+
+    /// The scene with a number for each primitive in place of its index, of which the free paths of rays in it are a pure
+    /// function where it is a medium: one that keeps its number keeps them when other primitives come and go.
+    ///
+    /// # Errors
+    /// [`Error::PrimitiveTable`] if there is not one for each primitive.
+    pub fn with_media(self, media: Vec<u32>) -> Result<Scene> {
+        let (entries, primitives) = (media.len(), self.bodies.len());
+        if entries != primitives {
+            return Err(Error::PrimitiveTable { table: "media", entries, primitives });
+        }
+        Ok(Scene { media, ..self })
     }
 
     /// The same scene with some primitives standing elsewhere: `world_from_primitive` says where the frame of each, its
@@ -79,8 +95,8 @@ impl Scene {
         }
         let bvh = Bvh::new(&boxes(&bodies));
         let body_table = BodyTable::new(bodies.iter().map(|body| (body.obb(), body.surfaces())));
-        let (semantics, normals) = (self.semantics.clone(), OnceLock::new());
-        Ok(Scene { origin: self.origin, bodies, semantics, bvh, body_table, normals })
+        let (semantics, media, normals) = (self.semantics.clone(), self.media.clone(), OnceLock::new());
+        Ok(Scene { origin: self.origin, bodies, semantics, media, bvh, body_table, normals })
     }
 
     fn check_moved(&self, primitives: &[u32], poses: usize) -> Result<()> {
@@ -104,7 +120,7 @@ impl Scene {
     /// Origin and direction must be finite, and the direction not 0; it need not have the length 1.
     pub fn closest(&self, origin: DVec3, direction: DVec3, key: FreePathKey) -> Option<SceneHit> {
         let ray = Ray { origin: origin - self.origin, direction };
-        let meet = |body: usize, limit| self.bodies[body].intersect(&ray, limit, || key.path(body));
+        let meet = |body: usize, limit| self.bodies[body].intersect(&ray, limit, || key.path(self.media[body]));
         let (primitive, hit) = self.bvh.closest(&ray, f32::INFINITY, meet)?;
         Some(self.scene_hit(primitive, hit))
     }
@@ -115,7 +131,7 @@ impl Scene {
         let ray = Ray { origin: origin - self.origin, direction };
         let hits = self.bodies.iter().enumerate();
         let (primitive, hit) = hits
-            .filter_map(|(i, body)| Some((i, body.intersect_all(&ray, || key.path(i))?)))
+            .filter_map(|(i, body)| Some((i, body.intersect_all(&ray, || key.path(self.media[i]))?)))
             .min_by(|a, b| (a.1.distance as f32).total_cmp(&(b.1.distance as f32)))?;
         Some(self.scene_hit(primitive, hit))
     }
@@ -160,6 +176,11 @@ impl Scene {
             columns.iter_mut().for_each(|column| column.push(0.0));
             columns
         })
+    }
+
+    /// What decides the free paths within each primitive.
+    pub(crate) fn media(&self) -> &[u32] {
+        &self.media
     }
 
     /// Class and instance of each primitive.

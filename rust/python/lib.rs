@@ -103,7 +103,7 @@ struct Scene(core::Scene);
 #[pymethods]
 impl Scene {
     #[new]
-    #[pyo3(signature = (*, shapes, centers, sizes, yaws, labels, instances, meshes, extinctions=None))]
+    #[pyo3(signature = (*, shapes, centers, sizes, yaws, labels, instances, meshes, extinctions=None, media=None))]
     #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
     fn new(
         py: Python<'_>,
@@ -115,6 +115,7 @@ impl Scene {
         instances: &Bound<'_, PyAny>,
         meshes: Vec<(Bound<'_, PyAny>, Bound<'_, PyAny>)>,
         extinctions: Option<&Bound<'_, PyAny>>,
+        media: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let shapes: Column<'_, u8> = array("shapes", shapes)?;
         let centers: Table<'_, f64> = array("centers", centers)?;
@@ -135,7 +136,12 @@ impl Scene {
             instances: instances.as_slice()?,
             extinctions: extinctions.as_ref().map_or(Ok(&[][..]), |column| column.as_slice())?,
         };
-        let scene = py.detach(|| core::Scene::new(tables.primitives(meshes)?));
+        let media: Option<Column<'_, u32>> = media.map(|argument| array("media", argument)).transpose()?;
+        let media = media.as_ref().map(|column| column.as_slice()).transpose()?.map(<[u32]>::to_vec);
+        let scene = py.detach(|| {
+            let scene = core::Scene::new(tables.primitives(meshes)?)?;
+            if let Some(media) = media { scene.with_media(media) } else { Ok(scene) }
+        });
         Ok(Scene(scene.map_err(CoreError::from)?))
     }
 

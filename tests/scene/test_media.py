@@ -158,3 +158,14 @@ def test_any_rays():
     again = caster.cast(origins, directions, seed=1, threads=2)
     np.testing.assert_array_equal(hits.distance, again.distance)
     assert (caster.cast(origins, directions, seed=2).distance != hits.distance).any()
+
+
+def test_by_id_the_rays_in_a_medium_go_as_far_when_others_come_and_go() -> None:
+    fewer = edit.remove(STREET, "hedge")
+    before, after = (Raycaster(each, by_id=True).scan(SENSOR, primitive=True) for each in (STREET, fewer))
+    kept = np.flatnonzero([p.id != "hedge" for p in STREET])
+    same = (before.depth == after.depth) & (kept[after.primitive] == before.primitive)
+    hedge = before.primitive == [p.id for p in STREET].index("hedge")
+    assert same[~hedge & before.valid].all()
+    by_number = [raycast(each, SENSOR).depth for each in (STREET, fewer)]
+    assert (by_number[0] != by_number[1])[~hedge].mean() > 0.01

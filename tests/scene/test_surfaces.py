@@ -7,6 +7,7 @@ import pytest
 
 from lidardraft import Layout, Primitive, Sensor, raycast
 from lidardraft.errors import LayoutError, SensorError
+from lidardraft.scene import edit
 from lidardraft.scene.effects import observe
 from lidardraft.scene.materials import MATERIAL_BY_NAME, response
 from lidardraft.scene.sensor_model import SensorModel
@@ -47,9 +48,18 @@ def test_primitives_of_one_material_differ_by_where_they_stand():
     np.testing.assert_allclose(one.table[1], one.table[1, 0] * one.table[2] / one.table[2, 0], rtol=1e-5)
 
 
-def test_variation_is_the_spread_of_a_material():
+def test_by_id_a_primitive_that_is_moved_looks_as_before():
+    layout = boxes("plaster", "cloth", "wood")
+    moved = edit.remove(edit.move(layout, "b_1", (3.0, 1.0, 0.0)), "b_0")
+    before, after = (Surfaces.from_layout(each, by_id=True).table for each in (layout, moved))
+    np.testing.assert_array_equal(before[2:], after[1:])
+    assert (Surfaces.from_layout(layout).table[2] != Surfaces.from_layout(moved).table[1]).any()
+
+
+@pytest.mark.parametrize("by_id", [False, True])
+def test_variation_is_the_spread_of_a_material(by_id: bool):
     spread = MATERIAL_BY_NAME["cloth"].variation
-    factors = np.log(Surfaces.from_layout(boxes(*["cloth"] * 2000)).table[1:, 0] / 0.48)
+    factors = np.log(Surfaces.from_layout(boxes(*["cloth"] * 2000), by_id=by_id).table[1:, 0] / 0.48)
     assert factors.std() == pytest.approx(spread, rel=0.1)
     assert abs(factors.mean()) < 0.05
 

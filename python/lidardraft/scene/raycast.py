@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
+from zlib import crc32
 
 import numpy as np
 
@@ -27,15 +28,16 @@ class Raycaster:
     `layout` is the layout as it was compiled: `move` changes what is cast, and leaves `layout` as it is.
 
     `seed` decides how far rays travel in media (`Primitive.extinction`): a pure function of seed, primitive, row and
-    column of a scan, or number of a ray. `threads` is how many threads a call may use, by default as many as there are
-    cores (`RAYON_NUM_THREADS`); results are the same bit for bit for any number. Images are written into `out`, an
-    image or batch of the same sensor made by an earlier call or by `empty`, and `out` is returned; it says which of the
-    optional images are written. Nothing is written before all is checked. Raises `LayoutError` on poses of another
-    shape or not rigid, `SensorError` on an `out` that does not go with the call, and `TypeError` on one whose arrays
-    cannot be written in place.
+    column of a scan, or number of a ray. The primitive counts by its number in the layout or, with `by_id`, by its id:
+    then rays travel as far as before in those that stay when others come and go. `threads` is how many threads a call
+    may use, by default as many as there are cores (`RAYON_NUM_THREADS`); results are the same bit for bit for any
+    number. Images are written into `out`, an image or batch of the same sensor made by an earlier call or by `empty`,
+    and `out` is returned; it says which of the optional images are written. Nothing is written before all is checked.
+    Raises `LayoutError` on poses of another shape or not rigid, `SensorError` on an `out` that does not go with the
+    call, and `TypeError` on one whose arrays cannot be written in place.
     """
 
-    def __init__(self, layout: Layout) -> None:
+    def __init__(self, layout: Layout, *, by_id: bool = False) -> None:
         primitives = layout.primitives
         self.layout = layout
         self._scene = _core.Scene(
@@ -47,6 +49,7 @@ class Raycaster:
             instances=np.array([p.instance for p in primitives], dtype=np.uint32),
             meshes=[(p.mesh.vertices, p.mesh.faces) for p in primitives if p.mesh is not None],
             extinctions=np.array([p.extinction or 0.0 for p in primitives], dtype=np.float64),
+            media=_hashed_ids(primitives) if by_id else None,
         )
 
     def scan(
@@ -161,6 +164,10 @@ class Raycaster:
         for index, primitive in enumerate(self.layout):
             parts.setdefault(object_of(primitive), []).append(index)
         return parts
+
+
+def _hashed_ids(primitives: tuple[Primitive, ...]) -> np.ndarray:
+    return np.array([crc32(p.id.encode()) if p.extinction else 0 for p in primitives], dtype=np.uint32)
 
 
 def raycast(

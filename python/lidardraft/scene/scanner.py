@@ -39,16 +39,18 @@ class Scanner:
         *,
         model: SensorModel | None = None,
         weather: Weather | None = None,
+        by_id: bool = False,
         threads: int | None = None,
     ) -> Scanner:
-        """`model` is by default `SensorModel.from_sensor(sensor)`, `weather` a clear and dry day.
+        """`model` is by default `SensorModel.from_sensor(sensor)`, `weather` a clear and dry day. With `by_id` a
+        primitive keeps its brightness and its free paths when it is moved, and when others come and go.
 
         Raises `LayoutError` for a material that is unknown.
         """
         weather = weather or Weather()
-        surfaces = Surfaces.from_layout(layout, wetness=weather.wetness)
+        surfaces = Surfaces.from_layout(layout, wetness=weather.wetness, by_id=by_id)
         model = model or SensorModel.from_sensor(sensor)
-        return cls(sensor, model, Raycaster(layout), surfaces, weather, threads)
+        return cls(sensor, model, Raycaster(layout, by_id=by_id), surfaces, weather, threads)
 
     def cast(self, poses: np.ndarray, seed: int) -> RangeImage:
         """The clean returns of all sub-rays from world_from_sensor `poses`: one [4, 4], or one for each column

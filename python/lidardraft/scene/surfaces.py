@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from zlib import crc32
 
 import numpy as np
 
@@ -42,10 +43,13 @@ class Surfaces:
     rms_height: np.ndarray
 
     @classmethod
-    def from_layout(cls, layout: Layout, *, wetness: float = 0.0, variation: bool = True) -> Surfaces:
+    def from_layout(
+        cls, layout: Layout, *, wetness: float = 0.0, variation: bool = True, by_id: bool = False
+    ) -> Surfaces:
         """The surfaces of `layout`, its ground wet by `wetness`, 0 to 1.
 
-        Without `variation` the primitives of one material are all alike.
+        Without `variation` the primitives of one material are all alike. It follows from where a primitive stands or,
+        with `by_id`, from its id: then one that is moved looks as before.
         Raises `LayoutError` for a material that is unknown, `SensorError` for a `wetness` that is no share.
         """
         if not 0.0 <= wetness <= 1.0:
@@ -59,7 +63,7 @@ class Surfaces:
         table[1 + np.array(media, dtype=np.intp)] = [[leaf_response(MATERIALS[index[i]])] for i in media] or 0.0
         if variation and primitives:
             spread = np.array([m.variation for m in MATERIALS])[index]
-            table[1:] *= np.exp(spread * _scatter(primitives)).astype(np.float32)[:, None]
+            table[1:] *= np.exp(spread * _scatter(primitives, by_id)).astype(np.float32)[:, None]
         transmission, grain, rms_height = np.zeros((3, len(primitives) + 1), np.float32)
         transmission[1:] = np.array([m.transmission for m in MATERIALS])[index]
         grain[1:] = np.array([m.grain for m in MATERIALS])[index]
@@ -86,10 +90,13 @@ def _responses(wetness: float) -> np.ndarray:
     return np.array(rows, np.float32)
 
 
-def _scatter(primitives: tuple[Primitive, ...]) -> np.ndarray:
-    """A number for each primitive, nearly normal, that depends on where it stands alone: f64 [P]."""
-    places = np.array([p.center for p in primitives]).view(np.uint64)
-    mixed = (places * np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)).sum(axis=1)
+def _scatter(primitives: tuple[Primitive, ...], by_id: bool) -> np.ndarray:
+    """A number for each primitive, nearly normal, that depends on where it stands, or on its id, alone: f64 [P]."""
+    factors = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
+    if by_id:
+        mixed = np.array([crc32(p.id.encode()) for p in primitives], np.uint64) * factors[0]
+    else:
+        mixed = (np.array([p.center for p in primitives]).view(np.uint64) * factors).sum(axis=1)
     mixed ^= mixed >> np.uint64(31)
     mixed *= np.uint64(0xBF58476D1CE4E5B9)
     mixed ^= mixed >> np.uint64(29)

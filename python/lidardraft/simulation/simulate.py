@@ -42,7 +42,9 @@ class Simulator:
         self.layout = _from_text(layout, seed) if isinstance(layout, str) else layout
         if not any(primitive.label in GROUND for primitive in self.layout):
             warnings.warn("the layout has no ground (road, sidewalk or terrain): nothing returns from it", stacklevel=2)
-        self._scanner = Scanner.from_layout(self.layout, sensor, model=model, weather=weather, threads=threads)
+        self._scanner = Scanner.from_layout(
+            self.layout, sensor, model=model, weather=weather, by_id=True, threads=threads
+        )
 
     def scan(self, pose: np.ndarray | None = None, *, speed: float = 0.0, seed: int = 0) -> Scan:
         """What the sensor reports from world_from_sensor `pose` [4, 4], by default on its mount over the origin.

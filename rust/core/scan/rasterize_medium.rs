@@ -12,7 +12,8 @@ use crate::simd::{Lanes, Mask, Vector};
 #[derive(Clone, Copy)]
 pub(super) struct Medium {
     pub(super) seed: u64,
-    pub(super) body: u32,
+    /// What decides its free paths, with the seed.
+    pub(super) number: u32,
     /// The mean free path [m].
     pub(super) mean: f32,
 }
@@ -110,7 +111,7 @@ fn rasterize_columns<L: Lanes>(
 /// The free paths of rays in a medium, in lengths of their directions: those of a row of the view, from a column on.
 #[inline(always)]
 fn free_paths<L: Lanes>(medium: &Medium, view: &View, row: usize, at: usize) -> L {
-    let paths = FreePaths::new(medium.seed, medium.body, view.band.rows[row]);
+    let paths = FreePaths::new(medium.seed, medium.number, view.band.rows[row]);
     let [a, b] = paths.ranks(view.columns.start + at);
     let (rank, count) = (L::load(a, 0) + L::load(b, 0), L::splat(QUANTILES as f32));
     let rank = L::select(rank.ge(count), rank - count, rank);

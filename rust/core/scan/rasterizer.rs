@@ -68,7 +68,7 @@ impl Rasterizer {
                 }
                 solid => {
                     let mean = body.extinction.map(|extinction| (1.0 / extinction) as f32);
-                    let medium = mean.map(|mean| Medium { seed, body: visible.body, mean });
+                    let medium = mean.map(|mean| Medium { seed, number: scene.media()[visible.body as usize], mean });
                     rasterize_solid::<L>(solid, &body.pose, (medium, id), &visible.rect, view, &mut self.buffer);
                 }
             }

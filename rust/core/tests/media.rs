@@ -253,3 +253,21 @@ fn range_limits() {
     near((-1.0_f64).exp() - (-2.0_f64).exp(), count(&|i| (2.0..4.1).contains(&images.depth[i])));
     near((-2.0_f64).exp(), count(&|i| images.label[i] == 7));
 }
+
+#[test]
+fn a_medium_that_keeps_its_number_keeps_its_paths() {
+    let bush = || medium(Shape::Ellipsoid, [10.0, 0.0, 0.0], [4.0; 3], 0.5);
+    let wall = primitive(Shape::Box, [0.0, 0.0, 40.0], [1.0; 3]);
+    let distances = |scene: &Scene| {
+        rays(scene, DVec3::ZERO, DVec3::X, 500).iter().map(|hit| hit.map(|hit| hit.distance)).collect::<Vec<_>>()
+    };
+    let numbered = |primitives: Vec<Primitive>, numbers: &[u32]| {
+        distances(&Scene::new(primitives).unwrap().with_media(numbers.to_vec()).unwrap())
+    };
+    let alone = numbered(vec![bush()], &[77]);
+    assert_eq!(alone, numbered(vec![wall.clone(), bush()], &[3, 77]));
+    assert_ne!(alone, numbered(vec![bush()], &[78]));
+    assert_eq!(numbered(vec![bush()], &[0]), distances(&Scene::new(vec![bush()]).unwrap()));
+    let error = Scene::new(vec![wall, bush()]).unwrap().with_media(vec![1]).err().unwrap();
+    assert_eq!(error.to_string(), "media has 1 entries; there are 2 primitives");
+}
