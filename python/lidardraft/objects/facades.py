@@ -54,6 +54,18 @@ def walls(bays: int, deep: int, storeys: int, opening: float, blind: bool) -> tu
     )
 
 
+@lru_cache(maxsize=256)
+def front(bays: int, storeys: int, opening: float) -> tuple[MeshTemplate, MeshTemplate]:
+    """Wall and panes of a front alone, which faces -y and has no door.
+
+    In shares of its length and height, and in metres of depth: the wall is at y = 0, panes lie behind it.
+    """
+    length, height = bays * WINDOW_BAY, storeys * STOREY
+    extents = np.array([length, 1.0, height])
+    wall, panes = (_turned(part, 0.0, 0) / extents for part in _facade(length, bays, storeys, opening, -1))
+    return MeshTemplate.from_triangles(*quads(wall)), MeshTemplate.from_triangles(*quads(panes))
+
+
 def _facade(span: float, count: int, storeys: int, opening: float, door: int) -> tuple[np.ndarray, np.ndarray]:
     """Quadrilaterals [Q, 4, 3] of (u, height, out) [m]: wall with reveals, and panes."""
     step = span / count

@@ -120,15 +120,18 @@ class _Boughs:
 _LEAVES, _TREE, _BUSH, _HEDGE, _GRASS, _BOUGH = _LeafArea(), _Tree(), _Bush(), _Hedge(), _Grass(), _Boughs()
 
 
-def tree(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
-    """A trunk, boughs, and a crown from `clearance` to the top: broadleaf of lobes, a column, a conifer, or bare."""
+def tree(placed: PlacedObject, rng: np.random.Generator, *, bare: bool | None = None) -> list[Primitive]:
+    """A trunk, boughs, and a crown from `clearance` to the top: broadleaf of lobes, a column, a conifer, or bare.
+
+    `bare` says whether it is, which is else left to chance.
+    """
     length, width, height = placed.size
     builder = ObjectBuilder(placed)
     crown, diameter = height - placed.clearance, trunk_diameter(height)
     pick = rng.random()
     slender = crown / max(length, width)
     conifer = pick < _TREE.conifer_p[slender > _TREE.slender]
-    bare = not conifer and pick > _TREE.bare_above
+    bare = not conifer and (pick > _TREE.bare_above if bare is None else bare)
     top = placed.clearance + _TREE.trunk[conifer] * crown
     builder.add("cylinder", (0.0, 0.0, (top - EMBEDMENT) / 2), (diameter, diameter, top + EMBEDMENT), "trunk")
     if conifer:

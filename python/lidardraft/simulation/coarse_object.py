@@ -1,0 +1,162 @@
+"""One object of a layout as it was given: its primitives, and what every rule asks of them."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from lidardraft.objects.placed_object import Vector
+from lidardraft.scene.layout import Layout, Primitive, object_of
+from lidardraft.semantics import BY_NAME, GROUND
+
+_MACHINES = ("bicycle", "motorcycle")
+_RIDES_WITHIN = 0.8  # m between the middles of a rider and of what is ridden: an estimate of ours
+_MOST_EMPTY = 2.0  # times the volume of parts that the box around one object has: an estimate of ours
+
+
+class UprightBox(NamedTuple):
+    """A box on its base: the middle of the base (x, y, bottom) [m], yaw [rad], size (length, width, height) [m]."""
+
+    x: float
+    y: float
+    bottom: float
+    yaw: float
+    size: Vector
+
+    @classmethod
+    def around(cls, parts: Sequence[Primitive]) -> UprightBox:
+        """The box around shapes, with the yaw of the largest."""
+        if len(parts) == 1:
+            (part,) = parts
+            x, y, z = part.center
+            return cls(x, y, z - part.size[2] / 2, part.yaw, part.size)
+        yaw = max(parts, key=lambda part: math.prod(part.size)).yaw
+        cos, sin = math.cos(yaw), math.sin(yaw)
+        low, high = [math.inf] * 3, [-math.inf] * 3
+        for part in parts:
+            x, y, z = part.center
+            length, width, height = part.size
+            c, s = abs(math.cos(part.yaw - yaw)), abs(math.sin(part.yaw - yaw))
+            middle = (cos * x + sin * y, cos * y - sin * x, z)
+            half = ((c * length + s * width) / 2, (s * length + c * width) / 2, height / 2)
+            low = [min(a, m - h) for a, m, h in zip(low, middle, half, strict=True)]
+            high = [max(a, m + h) for a, m, h in zip(high, middle, half, strict=True)]
+        u, v = (low[0] + high[0]) / 2, (low[1] + high[1]) / 2
+        size = (high[0] - low[0], high[1] - low[1], high[2] - low[2])
+        return cls(cos * u - sin * v, sin * u + cos * v, low[2], yaw, size)
+
+    def turned(self, quarters: int) -> UprightBox:
+        """The same box, its x axis turned on by quarters of a circle."""
+        length, width, height = self.size
+        size = (width, length, height) if quarters % 2 else self.size
+        return self._replace(yaw=self.yaw + quarters * math.pi / 2, size=size)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CoarseObject:
+    """The primitives of one object, or of a rider and what is ridden, and the generator of its random numbers.
+
+    `name` is the part of their ids before the dot; `owners` says, by class, whose name and instance its parts have.
+    `seed` is that of the whole layout.
+    """
+
+    name: str
+    parts: tuple[Primitive, ...]
+    owners: dict[str, tuple[str, int]]
+    seed: int
+    rng: np.random.Generator
+
+    @classmethod
+    def of(cls, parts: Sequence[Primitive], seed: int, name: str) -> CoarseObject:
+        """Of the primitives of one object: its random numbers depend on `seed` and `name` alone."""
+        owners = {part.label: (object_of(part), part.instance) for part in reversed(parts)}
+        return cls(name, tuple(parts), owners, seed, generator_of(seed, name))
+
+    def again(self) -> CoarseObject:
+        """The same with its random numbers from the first on, for parts that are to be alike."""
+        return replace(self, rng=generator_of(self.seed, self.name))
+
+    @property
+    def label(self) -> str:
+        """The class of its first part."""
+        return self.parts[0].label
+
+    @property
+    def word(self) -> str:
+        """What its name begins with: `car` of `car_3`."""
+        return self.name.rpartition("_")[0]
+
+    def box(self) -> UprightBox:
+        """The box around all of it."""
+        return UprightBox.around(self.parts)
+
+    def labelled(self, label: str) -> list[Primitive]:
+        """Its parts of one class."""
+        return [part for part in self.parts if part.label == label]
+
+
+def coarse_objects(layout: Layout, seed: int) -> Iterator[CoarseObject]:
+    """The objects of `layout` but ground, in order; who rides comes with what is ridden.
+
+    Left out is what has a part with a material, a mesh or an extinction: it is no coarse object.
+    """
+    groups: dict[str, list[Primitive]] = {}
+    for primitive in layout:
+        if primitive.label not in GROUND:
+            groups.setdefault(object_of(primitive), []).append(primitive)
+    groups = {name: parts for name, parts in groups.items() if all(map(_is_coarse, parts))}
+    machines = [parts for parts in groups.values() if len(parts) == 1 and parts[0].label in _MACHINES]
+    ridden: set[str] = set()
+    for parts in groups.values():
+        if len(parts) == 1 and parts[0].label == "rider":
+            machine = _nearest(parts[0], [m for m in machines if object_of(m[0]) not in ridden])
+            if machine is not None:
+                ridden.add(object_of(machine[0]))
+                parts.extend(machine)
+    for name, parts in groups.items():
+        if name not in ridden:
+            apart = _apart(parts)
+            yield from (CoarseObject.of(one, seed, name if len(apart) == 1 else one[0].id) for one in apart)
+
+
+def _is_coarse(part: Primitive) -> bool:
+    return part.material is None and part.mesh is None and part.extinction is None and part.shape != "plane"
+
+
+def _apart(parts: list[Primitive]) -> list[list[Primitive]]:
+    """Parts of one name by object: several things may have one name, as `car.1` and `car.2` do."""
+    if len(parts) == 1 or not BY_NAME[parts[0].label].is_thing:
+        return [parts]
+    ridden = [part for part in parts if part.label in _MACHINES]
+    if len(parts) == 2 and len(ridden) == 1 and any(part.label == "rider" for part in parts):
+        return [parts]
+    numbered: dict[tuple[str, int], list[Primitive]] = {}
+    for part in parts:
+        numbered.setdefault((part.label, part.instance), []).append(part)
+    apart = []
+    for one in numbered.values():
+        whole = math.prod(UprightBox.around(one).size)
+        together = whole <= _MOST_EMPTY * sum(math.prod(part.size) for part in one)
+        apart += [one] if together else [[part] for part in one]
+    return apart
+
+
+def generator_of(seed: int, name: str) -> np.random.Generator:
+    """The random numbers of what has that name, the same on every machine."""
+    digest = hashlib.blake2b(f"{seed} {name}".encode(), digest_size=8).digest()
+    return np.random.Generator(np.random.SFC64(int.from_bytes(digest, "little")))
+
+
+def _nearest(rider: Primitive, machines: list[list[Primitive]]) -> list[Primitive] | None:
+    x, y, _ = rider.center
+    found, least = None, _RIDES_WITHIN
+    for machine in machines:
+        away = math.hypot(machine[0].center[0] - x, machine[0].center[1] - y)
+        if away < least:
+            found, least = machine, away
+    return found

@@ -1,0 +1,91 @@
+"""Any layout in detail: its boxes, cylinders and ellipsoids become the objects that they stand for."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+
+from lidardraft.errors import LayoutError
+from lidardraft.scene.layout import Layout, Primitive, object_of
+from lidardraft.simulation.barriers import fence, wall
+from lidardraft.simulation.buildings import building
+from lidardraft.simulation.clutter import clutter_around
+from lidardraft.semantics import GROUND
+from lidardraft.simulation.coarse_object import CoarseObject, coarse_objects
+from lidardraft.simulation.furniture import other
+from lidardraft.simulation.ground import ground_parts
+from lidardraft.simulation.people import machine, person, rider
+from lidardraft.simulation.plants import plant
+from lidardraft.simulation.poles import pole
+from lidardraft.simulation.surroundings import Surroundings
+from lidardraft.simulation.vehicles import bus, car, train, truck
+
+# What an object becomes, by the first of these classes that it has.
+RULES: dict[str, Callable[[CoarseObject, Surroundings], list[Primitive]]] = {
+    "rider": rider,
+    "car": car,
+    "truck": truck,
+    "bus": bus,
+    "train": train,
+    "motorcycle": machine,
+    "bicycle": machine,
+    "person": person,
+    "building": building,
+    "wall": wall,
+    "fence": fence,
+    "vegetation": plant,
+    "trunk": plant,
+    "traffic-sign": pole,
+    "traffic-light": pole,
+    "pole": pole,
+    "other": other,
+}
+
+
+def detail(layout: Layout, seed: int = 0, *, clutter: float = 0.0) -> Layout:
+    """The layout with each coarse object replaced by a detailed one in its place, as docs/simulation.md has it.
+
+    Ids keep the part before the dot, and objects their classes, instances, places and extents. What has a material, a
+    mesh or an extinction stays as it is, and so does the ground, which gets markings and kerbs. An object's random
+    numbers depend on `seed` and its name alone, so that an edit of one changes no other. `clutter`, 0 to 1, is how much
+    stands beside the roads that nobody put there: grass, bins, plants, signs.
+
+    Raises `LayoutError` on a seed that is no integer >= 0, and on a clutter that is not 0 to 1.
+    """
+    if type(seed) is not int or seed < 0:
+        raise LayoutError(f"seed is {seed!r}; it must be an integer >= 0")
+    if isinstance(clutter, bool) or not isinstance(clutter, int | float) or not 0.0 <= clutter <= 1.0:
+        raise LayoutError(f"clutter is {clutter!r}; it must be a number from 0 to 1")
+    surroundings = Surroundings.of(layout)
+    detailed: dict[str, list[Primitive]] = {}
+    for coarse in coarse_objects(layout, seed):
+        rule = next(rule for label, rule in RULES.items() if label in coarse.owners)
+        for part in coarse.parts:
+            detailed.setdefault(object_of(part), [])
+        for part in rule(coarse, surroundings):
+            detailed[coarse.owners[part.label][0]].append(part)
+    primitives: list[Primitive] = []
+    for primitive in layout:
+        name = object_of(primitive)
+        if primitive.label in GROUND or name not in detailed:
+            primitives.append(primitive)
+        elif detailed[name]:
+            primitives += _named(detailed[name], name)
+            detailed[name] = []
+    primitives += ground_parts(layout, surroundings.strips)
+    if clutter:
+        primitives += clutter_around(layout, surroundings.strips, seed, float(clutter))
+    return dataclasses.replace(layout, primitives=tuple(primitives))
+
+
+def _named(parts: list[Primitive], name: str) -> list[Primitive]:
+    """Parts of one object with an id each: new ones are `name`, `name.1`, ..., given ones keep theirs."""
+    given = {part.id for part in parts}
+    number = 0
+    for part in parts:
+        if not part.id:
+            while (id := f"{name}.{number}" if number else name) in given:
+                number += 1
+            number += 1
+            object.__setattr__(part, "id", id)
+    return parts

@@ -1,0 +1,202 @@
+"""A builder's object in the box that was given: built as near to it as such objects are, then stretched into it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from lidardraft.objects.cars import BODIES
+from lidardraft.objects.kinds import kind_of
+from lidardraft.objects.placed_object import PlacedObject, Vector
+from lidardraft.scene.layout import Primitive
+from lidardraft.scene.materials import CLASS_MATERIALS
+from lidardraft.scene.mesh import TriangleMesh
+from lidardraft.semantics import CLASSES
+from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
+
+Extents = tuple[Vector, Vector]
+
+
+def _times(size: Vector, by: float) -> Vector:
+    return size[0] * by, size[1] * by, size[2] * by
+
+
+# Smallest and largest extents [m] that builders are right for, as `tests/objects` builds them; a box beyond them has a
+# stretched one. Of kinds that are not here, any extents are right.
+EXTENTS: dict[str, Extents] = {
+    **{name: (_times(body.size, 0.5), _times(body.size, 2.0)) for name, body in BODIES.items()},
+    "truck": ((5.5, 2.1, 2.6), (12.0, 2.6, 4.0)),
+    "trailer_truck": ((12.5, 2.3, 3.2), (18.8, 2.6, 4.2)),
+    "bus": ((8.0, 2.3, 2.8), (18.8, 2.6, 3.5)),
+    "tram": ((14.0, 2.2, 3.2), (60.0, 2.7, 3.9)),
+    "bicycle": ((1.5, 0.45, 1.0), (2.0, 0.7, 1.15)),
+    "cyclist": ((1.6, 0.5, 1.5), (1.95, 0.66, 1.95)),
+    "motorcycle": ((1.8, 0.6, 1.05), (2.4, 0.9, 1.3)),
+    "motorcyclist": ((1.9, 0.65, 1.4), (2.4, 0.9, 1.75)),
+    "person": ((0.2, 0.28, 1.0), (1.0, 0.6, 2.0)),
+    "house": ((5.0, 5.0, 4.0), (40.0, 20.0, 14.0)),
+    "block": ((5.0, 5.0, 3.5), (60.0, 40.0, 60.0)),
+    "shed": ((2.4, 2.4, 2.2), (30.0, 20.0, 6.0)),
+    "hedge": ((0.6, 0.3, 0.4), (60.0, 4.0, 5.0)),
+    "fence": ((0.6, 0.05, 0.4), (60.0, 0.4, 3.0)),
+    "mesh_fence": ((1.0, 0.05, 0.6), (60.0, 0.4, 3.0)),
+    "garden_wall": ((0.5, 0.1, 0.35), (60.0, 0.8, 1.6)),
+    "wall": ((1.0, 0.1, 0.7), (60.0, 1.0, 8.0)),
+    "shelter": ((2.4, 1.1, 2.2), (7.0, 2.2, 3.0)),
+    "bin": ((0.35, 0.35, 0.6), (1.3, 1.4, 1.5)),
+    "bench": ((1.0, 0.4, 0.65), (3.0, 0.9, 1.1)),
+    "cabinet": ((0.25, 0.5, 0.7), (0.6, 2.5, 1.8)),
+    "pole": ((0.03, 0.03, 0.3), (1.0, 1.0, 15.0)),
+    "sign": ((0.05, 0.3, 0.5), (0.4, 4.0, 6.0)),
+    "traffic_light": ((0.2, 0.25, 1.0), (0.6, 0.6, 6.0)),
+    "tree": ((0.8, 0.8, 1.5), (20.0, 20.0, 30.0)),
+}
+_PROUD = (0.05, 0.05, 0.0)  # m that trim may stand out of a box: length, width, height
+_MOST_PROUD = 0.6  # m; parts that reach further out, as balconies do, are left out
+_MOST_CUTS = 512
+_MATERIAL_OF = {row.name: CLASS_MATERIALS[row.id].name for row in CLASSES}
+
+_cuts: dict[tuple[int, float], tuple[TriangleMesh, TriangleMesh]] = {}
+
+
+def fitted(
+    coarse: CoarseObject,
+    kind: str,
+    box: UprightBox,
+    *,
+    clearance: float = 0.0,
+    proud: Vector = _PROUD,
+    labels: tuple[str, ...] | None = None,
+    build: Callable[[PlacedObject, np.random.Generator], list[Primitive]] | None = None,
+) -> list[Primitive]:
+    """An object of a kind of `objects.kinds` in `box`, its front along the box's yaw; ids are left empty.
+
+    `clearance` [m] is that of `PlacedObject`. Parts stand out of the box by `proud` [m] at most and do not reach under
+    it; they have the instances of `coarse`, and a class that it has. `labels` are the classes of the parts that are wanted, all by
+    default; `build` takes the place of the kind's own builder.
+    """
+    low, high = EXTENTS.get(kind, (box.size, box.size))
+    size = tuple(min(max(extent, a), b) for extent, a, b in zip(box.size, low, high, strict=True))
+    placed = PlacedObject(
+        kind=kind, id=coarse.name, x=0.0, y=0.0, z=0.0, level=0.0, yaw=0.0, size=size,
+        clearance=clearance * size[2] / box.size[2],
+    )  # fmt: skip
+    parts = (build or kind_of(kind).build)(placed, coarse.rng)
+    if labels is not None:
+        parts = [part for part in parts if part.label in labels]
+    return stretched(coarse, parts, box, size, proud)
+
+
+def stretched(
+    coarse: CoarseObject, parts: Sequence[Primitive], box: UprightBox, size: Vector, proud: Vector = _PROUD
+) -> list[Primitive]:
+    """Parts that were built for extents `size` on the origin, in `box`."""
+    out = [_reach(part) for part in parts]
+    kept = [k for k, reach in enumerate(out) if all(r <= s / 2 + _MOST_PROUD for r, s in zip(reach[:2], size, strict=False))]
+    scale = []
+    for axis, (extent, built, over) in enumerate(zip(box.size, size, proud, strict=True)):
+        reach = max((out[k][axis] for k in kept), default=0.0) * (1 if axis == 2 else 2)
+        allowed = (extent + over * (1 if axis == 2 else 2)) / max(reach, 1e-9)
+        scale.append(min(extent / built, allowed))
+    cos, sin = math.cos(box.yaw), math.sin(box.yaw)
+    made = []
+    for k in kept:
+        part = _cut_at_base(parts[k])
+        if part is None:
+            continue
+        (x, y, z), (a, b, c) = part.center, part.size
+        x, y, z = x * scale[0], y * scale[1], z * scale[2]
+        label = part.label if part.label in coarse.owners else coarse.label
+        made.append(
+            Primitive.unchecked(
+                shape=part.shape,
+                center=(box.x + cos * x - sin * y, box.y + sin * x + cos * y, box.bottom + z),
+                size=(a * scale[0], b * scale[1], c * scale[2]),
+                label=label,
+                id="",
+                yaw=box.yaw + part.yaw,
+                instance=coarse.owners[label][1],
+                material=part.material or _MATERIAL_OF[part.label],
+                mesh=part.mesh,
+                extinction=part.extinction,
+            )
+        )
+    return made
+
+
+def solid(coarse: CoarseObject, part: Primitive, material: str | None = None) -> Primitive:
+    """A part as it was given, with its material, by default that of its class."""
+    return _changed(part, material=material or _MATERIAL_OF[part.label])
+
+
+def part_of(
+    coarse: CoarseObject, shape: str, box: UprightBox, center: Vector, size: Vector, label: str, material: str
+) -> Primitive:
+    """A new part at a place in the frame of `box`, whose origin is the middle of its base."""
+    x, y, z = center
+    cos, sin = math.cos(box.yaw), math.sin(box.yaw)
+    return Primitive.unchecked(
+        shape=shape,
+        center=(box.x + cos * x - sin * y, box.y + sin * x + cos * y, box.bottom + z),
+        size=size,
+        label=label,
+        id="",
+        yaw=box.yaw,
+        instance=coarse.owners[label][1],
+        material=material,
+        mesh=None,
+        extinction=None,
+    )
+
+
+def medium(part: Primitive, extinction: float, share: float = 1.0) -> Primitive:
+    """A part as it was given, or a `share` of it about its middle, as a medium with `extinction` [1/m]."""
+    a, b, c = part.size
+    return _changed(
+        part,
+        id=part.id if share == 1.0 else "",
+        size=(share * a, share * b, share * c),
+        material=_MATERIAL_OF[part.label],
+        extinction=extinction,
+    )
+
+
+def _changed(part: Primitive, **fields: object) -> Primitive:
+    return Primitive.unchecked(**({name: getattr(part, name) for name in part.__slots__} | fields))
+
+
+def _reach(part: Primitive) -> Vector:
+    """How far a part reaches from the middle of its object along x and y, and up [m]."""
+    (x, y, z), (a, b, c) = part.center, part.size
+    return abs(x) + a / 2, abs(y) + b / 2, z + c / 2
+
+
+def _cut_at_base(part: Primitive) -> Primitive | None:
+    """The part over z = 0; None if there is nothing of it."""
+    x, y, z = part.center
+    a, b, c = part.size
+    top = z + c / 2
+    if z - c / 2 >= 0.0:
+        return part
+    if top <= 0.0:
+        return None
+    mesh = part.mesh
+    if mesh is not None:
+        mesh = _cut_mesh(mesh, round(0.5 - top / c, 6))
+    return _changed(part, center=(x, y, top / 2), size=(a, b, top), mesh=mesh)
+
+
+def _cut_mesh(mesh: TriangleMesh, at: float) -> TriangleMesh:
+    """A mesh of the unit box over z = `at`, in the unit box again; what is made once is kept, so that it is shared."""
+    key = (id(mesh), at)
+    if key not in _cuts:
+        if len(_cuts) >= _MOST_CUTS:
+            _cuts.clear()
+        vertices = mesh.vertices.copy()
+        vertices[:, 2] = (np.maximum(vertices[:, 2], at) - at) / (0.5 - at) - 0.5
+        over = (mesh.vertices[mesh.faces, 2] > at).any(axis=1)
+        # the mesh itself is kept as well: another could get its id
+        _cuts[key] = (mesh, TriangleMesh(vertices, mesh.faces[over]))
+    return _cuts[key][1]

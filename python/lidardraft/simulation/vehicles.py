@@ -1,0 +1,62 @@
+"""Vehicles: the body whose proportions are nearest to the box, stretched to it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from lidardraft.objects.cars import BODIES, SHARES
+from lidardraft.objects.placed_object import Vector
+from lidardraft.scene.layout import Primitive
+from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
+from lidardraft.simulation.fitting import fitted
+from lidardraft.simulation.surroundings import Surroundings
+
+MIRRORS = 0.13  # m that mirrors stand out of a box on each side
+_SIDEWAYS = 1.25  # times as wide as long: the box is of a vehicle that stands across it
+_PROUD = (0.08, MIRRORS, 0.0)  # m; plates stand before and behind
+_NEAR = 0.08  # deviation of the logarithms of sizes in which bodies still compete
+_TRAILER_FROM, _TRAM_FROM = 12.6, 12.0  # m of length
+_LOGS = {name: np.log(body.size) for name, body in BODIES.items()}
+_NAMES, _SIZES = tuple(_LOGS), np.array(list(_LOGS.values()))
+_COMMON = np.array([SHARES[name] for name in _NAMES])
+
+
+def car(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
+    """A passenger car or a van; what is `hatchback_3` is a hatchback."""
+    box = _lengthwise(coarse, surroundings)
+    name = coarse.word if coarse.word in BODIES else _nearest_body(box.size, float(coarse.rng.random()))
+    return fitted(coarse, name, box, proud=_PROUD)
+
+
+def truck(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
+    """A rigid truck, or from 12.6 m on a tractor with its trailer."""
+    box = _lengthwise(coarse, surroundings)
+    kind = "trailer_truck" if box.size[0] > _TRAILER_FROM else "truck"
+    return fitted(coarse, kind, box, proud=_PROUD)
+
+
+def bus(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
+    """A bus."""
+    return fitted(coarse, "bus", _lengthwise(coarse, surroundings), proud=_PROUD)
+
+
+def train(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
+    """A tram."""
+    return fitted(coarse, "tram", _lengthwise(coarse, surroundings), proud=_PROUD)
+
+
+def _lengthwise(coarse: CoarseObject, surroundings: Surroundings) -> UprightBox:
+    """The box with the front of what stands in it ahead."""
+    box = coarse.box()
+    length, width, _ = box.size
+    return surroundings.headed(coarse, box.turned(1) if width > _SIDEWAYS * length else box)
+
+
+def _nearest_body(size: Vector, chance: float) -> str:
+    """The name of a body with the proportions of `size`; of several that are as near, the commoner is likelier."""
+    off = ((_SIZES - [math.log(extent) for extent in size]) / _NEAR) ** 2
+    far = off.sum(axis=1)
+    shares = np.cumsum(_COMMON * np.exp(-0.5 * (far - far.min())))
+    return _NAMES[int(np.searchsorted(shares, chance * shares[-1]))]
