@@ -44,5 +44,5 @@ def _lengthwise(part: Primitive) -> UprightBox:
 def _stretch_of(coarse: CoarseObject, part: Primitive, kind: str, box: UprightBox, thickest: float) -> list[Primitive]:
     length, thick, height = box.size
     if part.shape != "box" or length < _LEAST[0] or height < _LEAST[1] or thick > thickest:
-        return [solid(coarse, part)]
+        return [solid(part)]
     return fitted(coarse, kind, box)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-
 from lidardraft.objects.buildings import EAVES
 from lidardraft.objects.facades import RECESS, STOREY, WINDOW_BAY, front
 from lidardraft.objects.object_builder import ObjectBuilder
@@ -34,11 +33,11 @@ def building(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive
         box = UprightBox.around([part])
         length, width, height = box.size
         if part.shape != "box" or height < _LEAST_FRONT[1] or max(length, width) < _LEAST_FRONT[0]:
-            made.append(solid(coarse, part))
+            made.append(solid(part))
         elif min(length, width) <= _FRONT:
             made += _front(coarse, box)
         elif min(length, width) < _LEAST_BODY[0] or height < _LEAST_BODY[1]:
-            made.append(solid(coarse, part))
+            made.append(solid(part))
         else:
             made += _body(coarse, _facing(box, surroundings.road_side(box)))
     return made
@@ -65,7 +64,7 @@ def _front(coarse: CoarseObject, box: UprightBox) -> list[Primitive]:
     """A wall with recessed windows towards the ego vehicle, all of it within the box."""
     if box.size[1] > box.size[0]:
         box = box.turned(1)
-    if math.sin(box.yaw) * box.x - math.cos(box.yaw) * box.y < 0.0:
+    if math.sin(box.yaw) * box.x - math.cos(box.yaw) * box.y > 0.0:
         box = box.turned(2)
     length, depth, height = box.size
     builder = ObjectBuilder(PlacedObject(kind="block", id="", x=0.0, y=0.0, z=0.0, level=0.0, yaw=0.0, size=box.size))

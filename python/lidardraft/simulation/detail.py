@@ -7,10 +7,10 @@ from collections.abc import Callable
 
 from lidardraft.errors import LayoutError
 from lidardraft.scene.layout import Layout, Primitive, object_of
+from lidardraft.semantics import GROUND
 from lidardraft.simulation.barriers import fence, wall
 from lidardraft.simulation.buildings import building
 from lidardraft.simulation.clutter import clutter_around
-from lidardraft.semantics import GROUND
 from lidardraft.simulation.coarse_object import CoarseObject, coarse_objects
 from lidardraft.simulation.furniture import other
 from lidardraft.simulation.ground import ground_parts
@@ -64,13 +64,14 @@ def detail(layout: Layout, seed: int = 0, *, clutter: float = 0.0) -> Layout:
             detailed.setdefault(object_of(part), [])
         for part in rule(coarse, surroundings):
             detailed[coarse.owners[part.label][0]].append(part)
+    taken = {primitive.id for primitive in layout if primitive.label in GROUND}
     primitives: list[Primitive] = []
     for primitive in layout:
         name = object_of(primitive)
         if primitive.label in GROUND or name not in detailed:
             primitives.append(primitive)
         elif detailed[name]:
-            primitives += _named(detailed[name], name)
+            primitives += _named(detailed[name], name, taken)
             detailed[name] = []
     primitives += ground_parts(layout, surroundings.strips)
     if clutter:
@@ -78,9 +79,9 @@ def detail(layout: Layout, seed: int = 0, *, clutter: float = 0.0) -> Layout:
     return dataclasses.replace(layout, primitives=tuple(primitives))
 
 
-def _named(parts: list[Primitive], name: str) -> list[Primitive]:
+def _named(parts: list[Primitive], name: str, taken: set[str]) -> list[Primitive]:
     """Parts of one object with an id each: new ones are `name`, `name.1`, ..., given ones keep theirs."""
-    given = {part.id for part in parts}
+    given = taken | {part.id for part in parts}
     number = 0
     for part in parts:
         if not part.id:

@@ -74,11 +74,12 @@ def fitted(
     """An object of a kind of `objects.kinds` in `box`, its front along the box's yaw; ids are left empty.
 
     `clearance` [m] is that of `PlacedObject`. Parts stand out of the box by `proud` [m] at most and do not reach under
-    it; they have the instances of `coarse`, and a class that it has. `labels` are the classes of the parts that are wanted, all by
-    default; `build` takes the place of the kind's own builder.
+    it; they have the instances of `coarse`, and a class that it has. `labels` are the classes of the parts that are
+    wanted, by default all; `build` takes the place of the kind's own builder.
     """
     low, high = EXTENTS.get(kind, (box.size, box.size))
-    size = tuple(min(max(extent, a), b) for extent, a, b in zip(box.size, low, high, strict=True))
+    length, width, height = (min(max(extent, a), b) for extent, a, b in zip(box.size, low, high, strict=True))
+    size = (length, width, height)
     placed = PlacedObject(
         kind=kind, id=coarse.name, x=0.0, y=0.0, z=0.0, level=0.0, yaw=0.0, size=size,
         clearance=clearance * size[2] / box.size[2],
@@ -94,7 +95,8 @@ def stretched(
 ) -> list[Primitive]:
     """Parts that were built for extents `size` on the origin, in `box`."""
     out = [_reach(part) for part in parts]
-    kept = [k for k, reach in enumerate(out) if all(r <= s / 2 + _MOST_PROUD for r, s in zip(reach[:2], size, strict=False))]
+    most = size[0] / 2 + _MOST_PROUD, size[1] / 2 + _MOST_PROUD
+    kept = [k for k, (x, y, _) in enumerate(out) if x <= most[0] and y <= most[1]]
     scale = []
     for axis, (extent, built, over) in enumerate(zip(box.size, size, proud, strict=True)):
         reach = max((out[k][axis] for k in kept), default=0.0) * (1 if axis == 2 else 2)
@@ -126,9 +128,9 @@ def stretched(
     return made
 
 
-def solid(coarse: CoarseObject, part: Primitive, material: str | None = None) -> Primitive:
-    """A part as it was given, with its material, by default that of its class."""
-    return _changed(part, material=material or _MATERIAL_OF[part.label])
+def solid(part: Primitive) -> Primitive:
+    """A part as it was given, with the material of its class."""
+    return _changed(part, material=_MATERIAL_OF[part.label])
 
 
 def part_of(

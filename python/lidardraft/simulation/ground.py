@@ -6,6 +6,7 @@ in towns, 4 and 8 m outside. Shapes of the ground keep their places; their mater
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import NamedTuple
 
@@ -21,6 +22,7 @@ _TOWN, _COUNTRY = (3.0, 6.0), (4.0, 8.0)  # m of line and gap
 _EDGE_OFF = 0.25  # m from an edge line to the edge of the road
 _LANE = (2.9, 4.0)  # m, widths of lanes that are looked for
 _PARKING = (1.7, 3.5)  # m, widths of strips for parked cars, or hard shoulders
+_EXACT = 0.05  # m that lanes may leave of the width of a road, or exceed it by
 _TWO_LANES = 5.0  # m: a narrower road has no lines
 _LINED_LANES = 3.6  # m: width of the lanes of a road that nothing tells the lanes of, at most
 _CLEAR = 3.0  # m from lines to a crossing road
@@ -85,15 +87,16 @@ def _lanes(strip: RoadStrip) -> tuple[int, float, float]:
     along, across = strip.along_across(np.zeros((1, 2)))
     off = -float(across[0])
     if 0.0 < float(along[0]) < strip.length and 0.0 < off < strip.half:
-        for lanes in range(1, 7):
-            for lane in range(lanes):
-                width = off / (lanes - lane - 0.5)
-                parking = strip.half - lanes * width
-                if _LANE[0] <= width <= _LANE[1]:
-                    if abs(parking) < 0.05:
-                        return lanes, width, 0.0
-                    if _PARKING[0] <= parking <= _PARKING[1]:
-                        return lanes, width, parking
+        found = [
+            (lanes, width, strip.half - lanes * width)
+            for lanes in range(1, 7)
+            for lane in range(lanes)
+            if _LANE[0] <= (width := off / (lanes - lane - 0.5)) <= _LANE[1]
+        ]
+        for least, most in ((-_EXACT, _EXACT), _PARKING):
+            for lanes, width, parking in found:
+                if least <= parking <= most:
+                    return lanes, width, parking if parking > _EXACT else 0.0
     lanes = max(1, math.ceil(strip.half / _LINED_LANES - 0.25))
     return lanes, strip.half / lanes, 0.0
 
@@ -105,7 +108,7 @@ def _pieces(strip: RoadStrip, line: _Line) -> list[tuple[float, float, float]]:
         return [(start, start + line.dash, line.across) for start in starts.tolist()]
     step = line.dash if len(strip.middle) > 2 else _STRAIGHT
     ends = np.linspace(0.0, strip.length, max(1, math.ceil(strip.length / step)) + 1).tolist()
-    return [(low, high, line.across) for low, high in zip(ends[:-1], ends[1:], strict=True)]
+    return [(low, high, line.across) for low, high in itertools.pairwise(ends)]
 
 
 def _kerb(walk: Primitive, strips: tuple[RoadStrip, ...]) -> Primitive | None:
@@ -114,7 +117,7 @@ def _kerb(walk: Primitive, strips: tuple[RoadStrip, ...]) -> Primitive | None:
     best, side, nearest = None, 0, _BESIDE
     for strip in strips:
         for k, edge in enumerate(edges):
-            along, across = strip.along_across(edge.mean(axis=0)[None])
+            along, across = strip.along_across(edge[len(edge) // 2][None] if len(edge) > 2 else edge.mean(axis=0)[None])
             away = abs(abs(float(across[0])) - strip.half)
             if 0.0 <= float(along[0]) <= strip.length and away < nearest:
                 best, side, nearest = edge, k, away

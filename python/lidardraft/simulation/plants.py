@@ -7,7 +7,6 @@ from functools import partial
 import numpy as np
 
 from lidardraft.objects import plants
-from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.layout import Primitive
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
 from lidardraft.simulation.fitting import fitted, medium, solid
@@ -28,14 +27,14 @@ def plant(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
     trunks, foliage = coarse.labelled("trunk"), coarse.labelled("vegetation")
     if len(trunks) == 1 and len(foliage) == 1 and foliage[0].shape == "ellipsoid" and trunks[0].shape == "cylinder":
         return _tree(coarse, trunks[0], foliage[0])
-    made = [solid(coarse, trunk) for trunk in trunks]
+    made = [solid(trunk) for trunk in trunks]
     for part in foliage:
         made += _hedge(coarse, part) if part.shape == "box" else _tuft(coarse, part, surroundings)
     return made
 
 
 def _tree(coarse: CoarseObject, trunk: Primitive, crown: Primitive) -> list[Primitive]:
-    """The boughs and the lobes of a tree in leaf in the crown's box, and the trunk as thick as it is and where it is."""
+    """Boughs and lobes of a tree in leaf in the crown's box, and the trunk where it is and as thick as it is."""
     foot = trunk.center[2] - trunk.size[2] / 2
     x, y, _ = crown.center
     length, width, _ = crown.size

@@ -26,19 +26,17 @@ def pole(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
         if part.label == "traffic-sign":
             made += _plate(coarse, part, surroundings)
         elif part.label == "traffic-light" or part.shape not in ("cylinder", "box"):
-            made.append(solid(coarse, part))
+            made.append(solid(part))
         elif part.shape == "cylinder":
             made += fitted(coarse, "pole", UprightBox.around([part]))
         elif posts:
             made += _lamp(coarse, posts[0], part)
         else:
-            made.append(solid(coarse, part))
+            made.append(solid(part))
     return made
 
 
-def _on_post(
-    coarse: CoarseObject, post: Primitive, head: Primitive, surroundings: Surroundings
-) -> list[Primitive]:
+def _on_post(coarse: CoarseObject, post: Primitive, head: Primitive, surroundings: Surroundings) -> list[Primitive]:
     """A sign or a signal on its post, from the foot of one to the top of the other."""
     foot = min(post.center[2] - post.size[2] / 2, head.center[2] - head.size[2] / 2)
     top = max(post.center[2] + post.size[2] / 2, head.center[2] + head.size[2] / 2)
@@ -53,7 +51,7 @@ def _plate(coarse: CoarseObject, part: Primitive, surroundings: Surroundings) ->
     """A plate without a post."""
     box = _facing(UprightBox.around([part]), surroundings)
     if part.shape != "box" or box.size[1] < _LONG * box.size[0]:
-        return [solid(coarse, part)]
+        return [solid(part)]
     return fitted(coarse, "sign", box, labels=("traffic-sign",))
 
 

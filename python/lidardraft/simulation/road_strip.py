@@ -11,6 +11,7 @@ import numpy as np
 from lidardraft.scene.layout import Layout, Primitive
 
 _SHORTEST, _NARROWEST, _WIDEST = 10.0, 2.5, 45.0  # m of what is taken for a road
+_SLENDER = 1.5  # times as long as wide, at least
 _FLAT, _EVEN = 1e-3, 0.02  # m that the surface may rise; m that a strip's width may change
 
 
@@ -74,7 +75,8 @@ def road_strips(layout: Layout) -> Iterator[RoadStrip]:
             edges = _mesh_edges(primitive) if primitive.mesh is not None else _edges(primitive)
             if edges is not None:
                 strip = _strip(primitive, *edges)
-                if _NARROWEST <= 2 * strip.half <= _WIDEST and strip.length >= max(_SHORTEST, 2 * strip.half):
+                width, least = 2 * strip.half, max(_SHORTEST, 2 * _SLENDER * strip.half)
+                if _NARROWEST <= width <= _WIDEST and strip.length >= least:
                     yield strip
 
 

@@ -1,0 +1,56 @@
+"""Vehicles: bodies by proportions, headings, and extents that no vehicle has."""
+
+import math
+
+import pytest
+from coarse_boxes import box, detailed, materials
+
+from lidardraft.objects.cars import BODIES
+from lidardraft.simulation.vehicles import _nearest_body
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_a_box_of_a_body_gets_that_body_or_one_much_like_it(name: str) -> None:
+    size = BODIES[name].size
+    found = {_nearest_body(size, (k + 0.5) / 40) for k in range(40)}
+    assert all(abs(a / b - 1) < 0.25 for other in found for a, b in zip(BODIES[other].size, size, strict=True))
+    if name in ("large_van", "van", "off_roader", "city_car"):
+        assert name in found
+
+
+def test_the_front_is_where_the_box_has_it() -> None:
+    cars = [detailed(box("car", (4.2, 1.8, 1.5), yaw=yaw), seed=3) for yaw in (0.0, math.pi)]
+    plates = [next(p for p in parts if p.material == "retroreflector").center[0] - 15.0 for parts in cars]
+    assert plates[0] == pytest.approx(-plates[1], abs=1e-9)
+
+
+@pytest.mark.parametrize(("y", "ahead"), [(0.0, 1.0), (-3.0, 1.0), (3.6, -1.0), (7.0, -1.0)])
+def test_of_a_clustering_cars_stand_in_the_direction_of_their_lane(y: float, ahead: float) -> None:
+    yaws = [
+        detailed(box("car", (4.2, 1.8, 1.5), at=(15, y, 0), id=f"car_{k}"), source="point cloud")[0].yaw
+        for k in range(200)
+    ]
+    assert 0.88 < sum(math.cos(yaw) * ahead > 0 for yaw in yaws) / 200 < 0.995
+    assert math.cos(detailed(box("car", (4.2, 1.8, 1.5), at=(15, y, 0)))[0].yaw) > 0
+
+
+def test_a_long_truck_has_a_trailer() -> None:
+    short, long = (detailed(box("truck", (length, 2.5, 3.6))) for length in (9.0, 16.5))
+    wheels = [sum(p.material == "rubber" for p in parts) for parts in (short, long)]
+    assert wheels[1] > wheels[0]
+
+
+@pytest.mark.parametrize("label", ["car", "truck", "bus", "train"])
+@pytest.mark.parametrize(
+    "size", [(1.0, 0.4, 0.3), (0.02, 0.02, 0.02), (9.0, 3.0, 0.1), (60.0, 8.0, 9.0), (1.5, 4.0, 1.5)]
+)
+def test_no_box_is_too_small_too_large_or_too_flat(label: str, size: tuple[float, float, float]) -> None:
+    parts = detailed(box(label, size, instance=4))
+    assert {(p.label, p.instance) for p in parts} == {(label, 4)}
+    assert len(parts) > 3
+    assert "rubber" in materials(parts)
+
+
+def test_a_name_that_is_a_body_says_which() -> None:
+    pickup, other = (detailed(box("car", (5.0, 1.9, 1.7), id=id)) for id in ("pickup_1", "minivan_1"))
+    assert pickup[0].mesh is not other[0].mesh
