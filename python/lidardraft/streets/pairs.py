@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections import deque
 from collections.abc import Generator, Iterator
 from concurrent.futures import Future
@@ -13,8 +14,9 @@ import numpy as np
 
 from lidardraft.errors import LayoutError
 from lidardraft.scene.layout import Layout
-from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.range_image import IMAGES, RangeImage
 from lidardraft.scene.scanner import Scanner
+from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.streets.coarse.coarse_layout import Style, coarse_layout, sample_style
@@ -22,7 +24,12 @@ from lidardraft.streets.coarse.coarse_street import place_of
 from lidardraft.streets.coarse.visible import VisibleObjects
 from lidardraft.streets.ego import Ego, mount, sample_ego
 from lidardraft.streets.street import Street, StreetConfig, check_number, make_street
-from lidardraft.streets.worker_processes import process_pools
+from lidardraft.streets.worker_processes import worker_processes
+
+# the images of a pair, which worker processes hand over as they are
+_SCAN = ("depth", "label", "instance", "intensity")
+_CONDITION_IMAGE = ("depth", "label", "instance")
+_Rest = tuple[ShapeTable, np.ndarray, Style, str, float, int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,7 +93,7 @@ def streets(
     numbers = (number for number in itertools.count(first) if number % shards == mine)
     runs = (_StreetRun(seed, config, number, skip if number == first else 0) for number in numbers)
     if workers > 1:
-        return _in_processes(runs, workers)
+        return _in_processes(runs, config.sensor, workers)
     return (pair for run in runs for pair in run.pairs(None))
 
 
@@ -118,28 +125,36 @@ def _scanned_street(seed: int, config: StreetConfig, number: int, threads: int |
     return street, Scanner.from_layout(street.scene, config.sensor, model=model, threads=threads)
 
 
-def _in_processes(runs: Iterator[_StreetRun], workers: int) -> Generator[StreetPair, None, None]:
-    # a pool each: all pairs of a street are made by the process that has built it
-    with process_pools(workers) as pools:
-        turns = itertools.cycle(pools)
+def _in_processes(runs: Iterator[_StreetRun], sensor: Sensor, workers: int) -> Generator[StreetPair, None, None]:
+    pixel_bytes = sum(IMAGES[name].itemsize for name in _SCAN + _CONDITION_IMAGE)
+    with worker_processes(workers, math.prod(sensor.shape) * pixel_bytes) as processes:
+        turns = itertools.cycle(processes)
 
-        # Pairs come one by one: buffers of a megabyte are reused, while larger ones are asked of the system each time,
-        # which takes longer than everything else on the way.
-        def submit() -> deque[Future[StreetPair]]:
-            run, pool = next(runs), next(turns)
-            return deque(pool.submit(_pair_in_worker, run, index) for index in run.indices())
+        # all pairs of a street are made by the process that has built it, and come one by one
+        def submit() -> deque[Future[tuple[list[np.ndarray], _Rest]]]:
+            run, process = next(runs), next(turns)
+            return deque(process.submit(_pair_in_worker, run, index) for index in run.indices())
 
         # one more street for each worker, so that none waits while a street is consumed
         ahead = deque(submit() for _ in range(2 * workers))
         while True:
             street = ahead.popleft()
             while street:
-                yield street.popleft().result()
+                images, rest = street.popleft().result()
+                scan = dict(zip(_SCAN, images, strict=False))
+                condition_image = dict(zip(_CONDITION_IMAGE, images[len(_SCAN) :], strict=True))
+                yield StreetPair(
+                    RangeImage.unchecked(sensor, **scan), RangeImage.unchecked(sensor, **condition_image), *rest
+                )
             ahead.append(submit())
 
 
-def _pair_in_worker(run: _StreetRun, index: int) -> StreetPair:
-    return _pair(*_scanned_street(run.seed, run.config, run.number, 1), index)
+def _pair_in_worker(run: _StreetRun, index: int) -> tuple[list[np.ndarray], _Rest]:
+    """The images of a pair, and the rest of it."""
+    pair = _pair(*_scanned_street(run.seed, run.config, run.number, 1), index)
+    images = [getattr(pair.scan, name) for name in _SCAN]
+    images += [getattr(pair.condition_image, name) for name in _CONDITION_IMAGE]
+    return images, (pair.shapes, pair.pose, pair.style, pair.district, pair.speed, pair.index)
 
 
 def scan_street(street: Street, scanner: Scanner, index: int) -> tuple[Ego, VisibleObjects, np.random.Generator]:

@@ -7,34 +7,82 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from multiprocessing.context import SpawnContext
+from multiprocessing.synchronize import Semaphore
+from typing import Any, TypeVar
+
+import numpy as np
 
 from lidardraft.errors import LidarDraftError
 
+T = TypeVar("T")
+_Layout = list[tuple[tuple[int, ...], np.dtype[Any]]]  # shapes and types of arrays that lie one behind the other
+
+
+class WorkerProcess:
+    """A process that runs one task after the other.
+
+    The arrays of a result come through memory that both processes have: a pipe takes three to six times as long. It has room
+    for `array_bytes` of one result, and is free again as soon as that is copied out of it.
+    """
+
+    def __init__(self, context: SpawnContext, array_bytes: int) -> None:
+        shared, self._free = context.RawArray("B", max(array_bytes, 1)), context.Semaphore(1)
+        self._memory = np.frombuffer(shared, dtype=np.uint8)
+        self._pool = ProcessPoolExecutor(1, mp_context=context, initializer=_start, initargs=(shared, self._free))
+        self._pool.submit(int)  # a pool starts its process with its first task
+
+    def submit(self, task: Callable[..., tuple[list[np.ndarray], T]], *args: Any) -> Future[tuple[list[np.ndarray], T]]:
+        """The result of `task(*args)`, a function of a module, once it is there: arrays, and what else it returns."""
+        result: Future[tuple[list[np.ndarray], T]] = Future()
+
+        def receive(sent: Future[tuple[_Layout, T]]) -> None:
+            try:
+                layout, rest = sent.result()
+                result.set_result((self._copied(layout), rest))
+            except BaseException as error:  # is raised where the result is asked for
+                result.set_exception(error)
+            finally:
+                self._free.release()
+
+        self._pool.submit(_run, task, args).add_done_callback(receive)
+        return result
+
+    def shutdown(self) -> None:
+        """Ends the process after the task that it is at."""
+        self._pool.shutdown(cancel_futures=True)
+
+    def _copied(self, layout: _Layout) -> list[np.ndarray]:
+        arrays, start = [np.empty(shape, dtype) for shape, dtype in layout], 0
+        for array in arrays:
+            array.reshape(-1).view(np.uint8)[:] = self._memory[start : start + array.nbytes]
+            start += array.nbytes
+        return arrays
+
 
 @contextmanager
-def process_pools(count: int) -> Iterator[list[ProcessPoolExecutor]]:
-    """`count` pools of one process each; all have ended when the block is left.
+def worker_processes(count: int, array_bytes: int) -> Iterator[list[WorkerProcess]]:
+    """`count` processes, with room for the arrays of one result each; all have ended when the block is left.
 
     Raises `LidarDraftError` in place of the block's error where one of the processes was killed.
     """
     context = multiprocessing.get_context("spawn")  # a fork would copy the threads' locks
-    pools = [ProcessPoolExecutor(1, mp_context=context, initializer=_follow_parent) for _ in range(count)]
+    workers = list[WorkerProcess]()
     try:
         with _signals_held():
-            for pool in pools:
-                pool.submit(int)  # a pool starts its process with its first task
-        yield pools
+            workers += [WorkerProcess(context, array_bytes) for _ in range(count)]
+        yield workers
     except BrokenProcessPool:
         raise LidarDraftError(
             f"one of {count} worker processes was killed; with too little memory for {count}, ask for fewer workers"
         ) from None
     finally:
-        for pool in pools:
-            pool.shutdown(cancel_futures=True)
+        for worker in workers:
+            worker.shutdown()
 
 
 @contextmanager
@@ -49,6 +97,28 @@ def _signals_held() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+_memory: np.ndarray  # of this worker process
+_free: Semaphore  # whether the result before is out of it
+
+
+def _start(shared: Any, free: Semaphore) -> None:
+    global _memory, _free
+    _memory, _free = np.frombuffer(shared, dtype=np.uint8), free
+    _follow_parent()
+
+
+def _run(task: Callable[..., tuple[list[np.ndarray], T]], args: tuple[object, ...]) -> tuple[_Layout, T]:
+    try:
+        arrays, rest = task(*args)
+    finally:
+        _free.acquire()  # until the parent has what comes of it, be it an error
+    start = 0
+    for array in arrays:
+        _memory[start : start + array.nbytes] = array.reshape(-1).view(np.uint8)
+        start += array.nbytes
+    return [(array.shape, array.dtype) for array in arrays], rest
 
 
 def _follow_parent() -> None:
