@@ -26,8 +26,8 @@ _Layout = list[tuple[tuple[int, ...], np.dtype[Any]]]  # shapes and types of arr
 class WorkerProcess:
     """A process that runs one task after the other.
 
-    The arrays of a result come through memory that both processes have: a pipe takes three to six times as long. It has room
-    for `array_bytes` of one result, and is free again as soon as that is copied out of it.
+    The arrays of a result come through memory that both processes have: a pipe takes three to six times as long. It
+    has room for `array_bytes` of one result, and is free again as soon as that is copied out of it.
     """
 
     def __init__(self, context: SpawnContext, array_bytes: int) -> None:
