@@ -15,6 +15,7 @@ from lidardraft.scene import edit
 from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.weather import Weather
+from lidardraft.simulation.detail import detail
 
 SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=256)
 SENTENCE = "two parked cars on the left, trees along both sides, a person ahead"
@@ -56,10 +57,9 @@ def test_an_edit_changes_what_it_hides_and_shows_and_nothing_else() -> None:
     for edited, name in ((edit.remove(layout, "car_4"), "car_4"), (edit.move(layout, "tree_1", (0, 2, 0)), "tree_1")):
         after = simulate(edited, sensor, seed=2)
         clean, ids = [], []
-        for each in (layout, edited):
-            scanner = Scanner.from_layout(each, sensor, by_id=True)
-            clean.append(scanner.cast(sensor.pose(), 2))
-            ids.append(np.array([*(p.id for p in each), "none"])[clean[-1].primitive])
+        for scene in (detail(layout, 2), detail(edited, 2)):
+            clean.append(Scanner.from_layout(scene, sensor, by_id=True).cast(sensor.pose(), 2))
+            ids.append(np.array([*(p.id for p in scene), "none"])[clean[-1].primitive])
         moved = clean[0].depth != clean[1].depth
         hidden_or_shown = np.char.startswith(ids[0], name) | np.char.startswith(ids[1], name)
         assert hidden_or_shown.any()
@@ -101,6 +101,18 @@ def test_weather_and_model_are_used() -> None:
     assert (foggy.image.instance[backscatter] == 0).all()
     assert np.count_nonzero(foggy.image.label) < np.count_nonzero(clear.image.label)
     assert not same(simulate(layout, SMALL, model=SensorModel.ideal()).image, clear.image)
+
+
+def test_the_scene_is_the_layout_in_detail_or_as_it_is() -> None:
+    layout = Layout((ROAD, CAR))
+    assert Simulator(layout, SMALL, seed=3).scene == detail(layout, 3)
+    assert Simulator(layout, SMALL, seed=3, clutter=0.5).scene == detail(layout, 3, clutter=0.5)
+    assert Simulator(layout, SMALL, detail=False).scene == layout
+    plain, lifelike = (simulate(layout, SMALL, detail=on) for on in (False, True))
+    assert plain.layout == lifelike.layout == layout
+    assert not same(plain.image, lifelike.image)
+    with pytest.raises(LayoutError, match=r"clutter is 0\.5; without detail it must be 0"):
+        simulate(layout, SMALL, detail=False, clutter=0.5)
 
 
 def test_a_layout_without_ground_is_a_warning_and_is_scanned() -> None:

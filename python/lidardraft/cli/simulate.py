@@ -32,7 +32,7 @@ def _simulated(arguments: argparse.Namespace, sensor: Sensor, weather: Weather, 
 
     with tqdm(total=arguments.num, unit="scan", disable=None) as bar:
         for seed, each in layouts(arguments, layout):
-            simulator = Simulator(each, sensor, seed=seed, weather=weather)
+            simulator = Simulator(each, sensor, seed=seed, weather=weather, clutter=arguments.clutter)
             yield simulator.scan(speed=arguments.speed, seed=seed)
             bar.update()
 
@@ -50,4 +50,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     world.add_argument("--weather", action="append", default=[], metavar="KIND:AMOUNT", help=text)
     text = "how fast the sensor moves ahead while it sweeps [m/s] (default 0)"
     world.add_argument("--speed", type=number, default=0.0, metavar="V", help=text)
+    text = "what stands beside the roads and is not in the layout, from 0 (nothing) to 1 (default 0)"
+    world.add_argument("--clutter", type=number, default=0.0, metavar="SHARE", help=text)
     add_scan_output(parser)

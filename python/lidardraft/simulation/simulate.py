@@ -7,7 +7,7 @@ import warnings
 
 import numpy as np
 
-from lidardraft.errors import SensorError
+from lidardraft.errors import LayoutError, SensorError
 from lidardraft.scan import Scan
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.pose import finite_array
@@ -16,17 +16,20 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.weather import Weather
 from lidardraft.semantics import GROUND
+from lidardraft.simulation.detail import detail as detailed
 
 
 class Simulator:
     """A layout, or the layout of a sentence, made ready to be scanned by one sensor from many poses.
 
-    `model` is by default that of the sensor: its preset, or typical values (`SensorModel.from_sensor`). `weather` is by
-    default clear and dry. `seed` decides the layout of a sentence. `threads` is how many threads a scan may use, by
-    default as many as there are cores; scans are the same for any number, and several Python threads may scan at once.
+    What is scanned is `scene`: `layout` in detail, with as much `clutter` (0 to 1) beside its roads; or `layout` itself
+    without `detail`. `model` is by default that of the sensor: its preset, or typical values
+    (`SensorModel.from_sensor`). `weather` is by default clear and dry. `seed` decides the layout of a sentence and the
+    details. `threads` is how many threads a scan may use, by default as many as there are cores; scans are the same for
+    any number, and several Python threads may scan at once.
 
-    Raises `SensorError` where the beams of the sensor are too close for the model; a layout without ground is a
-    `UserWarning`.
+    Raises `SensorError` where the beams of the sensor are too close for the model, `LayoutError` on a seed or a clutter
+    that cannot be; a layout without ground is a `UserWarning`.
     """
 
     def __init__(
@@ -37,13 +40,18 @@ class Simulator:
         seed: int = 0,
         model: SensorModel | None = None,
         weather: Weather | None = None,
+        detail: bool = True,
+        clutter: float = 0.0,
         threads: int | None = None,
     ) -> None:
         self.layout = _from_text(layout, seed) if isinstance(layout, str) else layout
         if not any(primitive.label in GROUND for primitive in self.layout):
             warnings.warn("the layout has no ground (road, sidewalk or terrain): nothing returns from it", stacklevel=2)
+        if clutter and not detail:
+            raise LayoutError(f"clutter is {clutter}; without detail it must be 0")
+        self.scene = detailed(self.layout, seed, clutter=clutter) if detail else self.layout
         self._scanner = Scanner.from_layout(
-            self.layout, sensor, model=model, weather=weather, by_id=True, threads=threads
+            self.scene, sensor, model=model, weather=weather, by_id=True, threads=threads
         )
 
     def scan(self, pose: np.ndarray | None = None, *, speed: float = 0.0, seed: int = 0) -> Scan:
@@ -73,12 +81,14 @@ def simulate(
     speed: float = 0.0,
     model: SensorModel | None = None,
     weather: Weather | None = None,
+    detail: bool = True,
+    clutter: float = 0.0,
 ) -> Scan:
     """The scan of a layout or a sentence: `Simulator(layout, sensor, ...).scan(pose, ...)`.
 
     Same arguments, same scan, for any number of threads; another seed gives another one.
     """
-    simulator = Simulator(layout, sensor, seed=seed, model=model, weather=weather)
+    simulator = Simulator(layout, sensor, seed=seed, model=model, weather=weather, detail=detail, clutter=clutter)
     return simulator.scan(pose, speed=speed, seed=seed)
 
 
