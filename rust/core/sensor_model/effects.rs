@@ -19,6 +19,7 @@ const STAINED: f32 = 1.2;
 /// Lets rays pass through glass, in some of its `patches`, to what is a little behind it, and back.
 ///
 /// The stronger echo counts: that of the glass, which is weak unless it faces the sensor, or that from behind.
+#[inline(always)]
 pub(crate) fn transmit_through_glass(
     echoes: &mut Echoes,
     patches: &[f32],
@@ -47,6 +48,7 @@ pub(crate) fn transmit_through_glass(
 /// `gain` is the logarithm of that of the beam, `patches` the texture of surfaces. Speckle is the sensor's, from pulse
 /// to pulse; `grain`, which is written, that of the surface each pixel shows. Both are independent from pixel to pixel,
 /// so one `normal` number stands for both.
+#[inline(always)]
 pub(crate) fn scatter_power(
     echoes: &mut Echoes,
     gain: f32,
@@ -68,6 +70,7 @@ pub(crate) fn scatter_power(
 }
 
 /// Dims what passes through dust on the window, by its pattern `stains`.
+#[inline(always)]
 pub(crate) fn dim_by_dust(echoes: &mut Echoes, stains: &[f32], model: &SensorModel) {
     if model.dust == 0.0 {
         return;
@@ -80,6 +83,7 @@ pub(crate) fn dim_by_dust(echoes: &mut Echoes, stains: &[f32], model: &SensorMod
 /// Lets the echo of fog, of a raindrop or a snowflake take the place of those that are weaker and further away.
 ///
 /// It comes from no primitive of the layout. `white`, which is written, is its power if all light came back.
+#[inline(always)]
 pub(crate) fn add_backscatter(
     echoes: &mut Echoes,
     backscatter: &Backscatter<'_>,
@@ -104,6 +108,7 @@ pub(crate) fn add_backscatter(
 /// developed speckle, which is distributed as the `exponential` numbers. This is how rays to the ground are dropped in
 /// recordings of a Pandar64, see docs/sensor-model.md. The fading f has the mean 1 and follows the `patches` of
 /// surfaces, so that dropped rays come in runs.
+#[inline(always)]
 pub(crate) fn drop_rays(
     echoes: &Echoes,
     patches: &[f32],
@@ -119,6 +124,7 @@ pub(crate) fn drop_rays(
 }
 
 /// The stored intensity, 0 to 1: the power on the sensor's scale, as far as that corrects for range.
+#[inline(always)]
 pub(crate) fn intensity(echoes: &Echoes, beam: usize, model: &SensorModel, shown: &mut [f32]) {
     let (threshold, far) = (model.threshold(), 1.0 / model.compensation_range);
     for ((shown, &depth), &power) in shown.iter_mut().zip(&echoes.depth).zip(&echoes.power) {
@@ -149,6 +155,7 @@ pub(crate) fn intensity(echoes: &Echoes, beam: usize, model: &SensorModel, shown
 /// Variance of ranges to rough surfaces, whose heights vary by their `rms_height`.
 ///
 /// Along the ray it is the height over the cosine of incidence, but for grazing rays, which meet the tops.
+#[inline(always)]
 pub(crate) fn roughness(echoes: &Echoes, surfaces: &Surfaces<'_>, model: &SensorModel, variance: &mut [f32]) {
     if !model.material_noise {
         return variance.fill(0.0);
@@ -165,6 +172,7 @@ pub(crate) fn roughness(echoes: &Echoes, surfaces: &Surfaces<'_>, model: &Sensor
 ///
 /// The timing error of a pulse grows with the inverse root of its signal-to-noise ratio (Jutzi and Stilla, ISPRS 2006),
 /// here from `ranging.sigma` of strong echoes by `jitter` at the detection threshold.
+#[inline(always)]
 pub(crate) fn range_noise(
     echoes: &mut Echoes,
     offset: f32,

@@ -107,6 +107,7 @@ impl ReturnsMut<'_> {
     }
 
     /// Writes a row: the echoes, what the sub-rays behind them saw, and nothing where they are `dropped`.
+    #[inline(always)]
     pub(super) fn write(&mut self, returns: &Returns<'_>, echoes: &Echoes, dropped: &[bool]) {
         let columns = dropped.len();
         self.label.copy_from_slice(&returns.label[..columns]);
@@ -158,6 +159,7 @@ fn same_size(image: &'static str, pixels: usize, expected: usize) -> Result<()> 
     if pixels == expected { Ok(()) } else { Err(Error::ObservedSize { image, pixels, expected }) }
 }
 
+#[inline(always)]
 fn blank<T: Copy>(image: &mut [T], dropped: &[bool], nothing: T) {
     for (pixel, &dropped) in image.iter_mut().zip(dropped) {
         *pixel = if dropped { nothing } else { *pixel };

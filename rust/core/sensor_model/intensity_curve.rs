@@ -73,6 +73,7 @@ impl IntensityCurve {
     }
 
     /// Puts what `beam` reads in the place of each response.
+    #[inline(always)]
     pub(super) fn read(&self, beam: usize, responses: &mut [f32]) {
         let of = |values: &[f32], otherwise| values.get(beam).copied().unwrap_or(otherwise);
         let (gain, offset, cutoff) = (of(&self.gains, 1.0), of(&self.offsets, 0.0), of(&self.cutoffs, 0.0));

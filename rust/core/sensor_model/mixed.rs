@@ -33,6 +33,7 @@ pub(crate) struct Echo {
 
 impl Mixed {
     /// Takes the sub-rays of the mixed pixels out of a row; `white` [S, W] are their powers if all were white.
+    #[inline(always)]
     pub(crate) fn gather(&mut self, rays: &Returns<'_>, white: &[f32], columns: usize, surfaces: &Surfaces<'_>) {
         let beams = self.columns.len();
         for numbers in [&mut self.depth, &mut self.power] {
@@ -54,6 +55,7 @@ impl Mixed {
     /// Finds the echo of each beam: the strongest, or with `last_return` the last above the threshold.
     ///
     /// Sub-rays whose ranges lie within the length of a pulse of each other make one echo at their mean range.
+    #[inline(always)]
     pub(crate) fn separate(&mut self, model: &SensorModel) {
         let beams = self.columns.len();
         if beams == 0 {
@@ -90,6 +92,7 @@ impl Mixed {
     }
 
     /// Finds the range in the middle of each echo that is reported: that of a sub-ray.
+    #[inline(always)]
     fn choose(&mut self, model: &SensorModel) {
         let beams = self.columns.len();
         let pulse_length = model.pulse_length() as f32;
@@ -124,6 +127,7 @@ fn together(a: f32, b: f32, pulse_length: f32) -> bool {
 }
 
 /// So many times the same value, in the memory of what was there before.
+#[inline(always)]
 pub(crate) fn restart<T: Copy>(numbers: &mut Vec<T>, count: usize, value: T) {
     numbers.clear();
     numbers.resize(count, value);

@@ -15,8 +15,9 @@ pub use intensity_curve::IntensityCurve;
 pub use model::{MOST_RAYS, Ranging, SensorModel};
 pub use surfaces::{INCIDENCES, Surfaces};
 
-use crate::Result;
+use crate::simd::{self, Kernel, Lanes};
 use crate::threads::spread;
+use crate::{Backend, Result};
 use effects::{
     add_backscatter, dim_by_dust, drop_rays, intensity, range_noise, roughness, scatter_power, transmit_through_glass,
 };
@@ -68,7 +69,9 @@ pub fn observe(
 
     let observer = Observer::new(light, ranging, model, seed);
     let bands = scan.bands(BAND * columns).into_iter().enumerate().collect();
-    spread(threads, bands, |(band, mut scan): (usize, ReturnsMut<'_>)| observer.observe_rows(band * BAND, &mut scan));
+    spread(threads, bands, |(band, scan): (usize, ReturnsMut<'_>)| {
+        simd::run(Backend::fastest(), ObserveRows { observer: &observer, first: band * BAND, scan });
+    });
     Ok(())
 }
 
@@ -84,6 +87,23 @@ struct Observer<'a> {
     stains: Option<Patches>,
     /// Two normal numbers for each beam of the unit.
     beams: Numbers,
+}
+
+/// Some rows, to be observed with the widest vectors of this machine: the compiler makes them of loops over pixels.
+///
+/// Nothing is fused or reordered, so the bits are the same with any. What is called is inlined, or it would be compiled
+/// for any machine.
+struct ObserveRows<'a> {
+    observer: &'a Observer<'a>,
+    first: usize,
+    scan: ReturnsMut<'a>,
+}
+
+impl Kernel for ObserveRows<'_> {
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) {
+        self.observer.observe_rows(self.first, &mut self.scan);
+    }
 }
 
 /// What is worked on in a row.
@@ -119,6 +139,7 @@ impl<'a> Observer<'a> {
         Observer { light, ranging, model, seed, patches, stains, beams }
     }
 
+    #[inline(always)]
     fn observe_rows(&self, first: usize, scan: &mut ReturnsMut<'_>) {
         let columns = self.light.shape[1];
         let mut row = Row::new(columns);
@@ -128,6 +149,7 @@ impl<'a> Observer<'a> {
     }
 
     /// The effects in the order of the light.
+    #[inline(always)]
     fn observe_row(&self, number: usize, row: &mut Row, scan: &mut ReturnsMut<'_>) {
         let (model, surfaces, extinction) = (self.model, &self.light.surfaces, self.light.extinction);
         let columns = self.light.shape[1];

@@ -50,6 +50,7 @@ pub(crate) struct Numbers {
 }
 
 impl Numbers {
+    #[inline(always)]
     pub(crate) fn sample(&mut self, key: Key, columns: usize) {
         for numbers in [&mut self.normal, &mut self.other, &mut self.exponential] {
             numbers.resize(columns, 0.0);
@@ -111,6 +112,7 @@ impl Patches {
     }
 
     /// One row, blended from its neighbours such that the variance stays.
+    #[inline(always)]
     pub(crate) fn blend(&self, row: usize, noise: &mut [f32]) {
         let (above, step) = (row / (PATCH / 2), row % (PATCH / 2));
         let blend = |step: usize, steps: usize| {

@@ -35,6 +35,7 @@ struct Spread {
 ///
 /// The lidar equation for surfaces that fill the (sub-)beam: response over range squared, less the extinction there and
 /// back.
+#[inline(always)]
 pub(crate) fn received_power(depth: &[f32], response: f32, extinction: f32, model: &SensorModel, power: &mut [f32]) {
     let scale = 1.0 / model.threshold();
     for (power, &depth) in power.iter_mut().zip(depth) {
@@ -50,6 +51,7 @@ pub(crate) fn received_power(depth: &[f32], response: f32, extinction: f32, mode
 /// One echo a beam out of a row of sub-rays, of which each brings its share of the power.
 ///
 /// Where all of them met one surface, its response is that at their mean incidence.
+#[inline(always)]
 pub(crate) fn receive(
     rays: &Returns<'_>,
     surfaces: &Surfaces<'_>,
@@ -84,6 +86,7 @@ pub(crate) fn receive(
 
 impl Echoes {
     /// Power, range, primitive and mean incidence of each beam, as if its sub-rays had met one surface, which is white.
+    #[inline(always)]
     fn sum_up(&mut self, rays: &Returns<'_>, columns: usize) {
         for image in [&mut self.power, &mut self.depth, &mut self.incidence] {
             restart(image, columns, 0.0);
@@ -111,6 +114,7 @@ impl Echoes {
     }
 
     /// Finds the beams whose sub-rays met more than one primitive, or one in places further apart than a pulse is long.
+    #[inline(always)]
     fn find_mixed(&mut self, rays: &Returns<'_>, columns: usize, model: &SensorModel) {
         let Spread { nearest, furthest, primitive } = &mut self.spread;
         restart(nearest, columns, f32::INFINITY);
