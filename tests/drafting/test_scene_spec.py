@@ -48,7 +48,7 @@ def test_json_round_trip(road: RoadSpec, wanted: list[ObjectGroup], absent: list
         ('{"groups": [{"kind": "dragon"}]}', "group: kind is 'dragon'; it must be one of vehicle, car"),
         (
             '{"groups": [{"kind": "car", "count": 0}]}',
-            "car: count is 0; it must be 1 to 200, or one of few, some, many",
+            "car: count is 0; it must be 1 to 5000, or one of few, some, many",
         ),
         ('{"groups": [{"kind": "car", "count": true}]}', "car: count is True"),
         ('{"groups": [{"kind": "car", "count": "lots"}]}', "car: count is 'lots'; it must be one of few, some, many"),
@@ -60,7 +60,7 @@ def test_json_round_trip(road: RoadSpec, wanted: list[ObjectGroup], absent: list
         ('{"groups": [{"kind": "tree", "surface": "road"}]}', "tree: surface is 'road'; it must be one of sidewalk"),
         ('{"groups": [{"kind": "car", "distance": [9, 3]}]}', "car: distance is 9 to 3 m; it must be 0 <= from <= to"),
         ('{"groups": [{"kind": "car", "distance": [NaN, 3]}]}', "car: distance is nan to 3 m"),
-        ('{"groups": [{"kind": "car", "spacing": 0}]}', "car: spacing is 0 m; it must be > 0"),
+        ('{"groups": [{"kind": "car", "spacing": 0}]}', "car: spacing is 0 m; it must be 0.1 m or more"),
         ('{"groups": [{"kind": "car", "count": ' + "9" * 1_000_000 + "}]}", "spec: not JSON"),
         ('{"groups": [{"kind": "car", "spacing": ' + "9" * 4000 + "}]}", "spec: "),
         ('{"groups": [{"kind": "car", "distance": [1, ' + "9" * 4000 + "]}]}", "spec: "),

@@ -1,12 +1,15 @@
 import math
 from collections import Counter
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from spec_checker import broken
 
-from lidardraft.drafting.scene_spec import HEADINGS, PLACES, ROADS, ObjectGroup, RoadSpec, SceneSpec
+from lidardraft.drafting.scene_spec import HEADINGS, LANES, PLACES, RELATIONS, ROADS, ObjectGroup, RoadSpec, SceneSpec
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.solver import layout_from_spec
 from lidardraft.errors import LayoutError
@@ -136,11 +139,13 @@ def test_strips_follow_the_bend(radius_kind: str) -> None:
 
 
 def test_no_room_is_said() -> None:
-    with pytest.raises(LayoutError, match=r"bus at place 'front': \d+ of 60 found room"):
+    with pytest.raises(LayoutError, match=r"bus in front: \d+ of 60 found room; in the way: .*bus_\d"):
         layout_from_spec(one("bus", 60, "front"), 0)
-    with pytest.raises(LayoutError, match="car at place 'front': 0 of 1 found room"):
-        layout_from_spec(one("car", 1, "front", distance=(1, 1)), 0)
-    with pytest.raises(LayoutError, match="tree at place 'left': 0 of 'some' found room"):
+    with pytest.raises(
+        LayoutError, match=r"bus in front, 0 to 10 m away: \d of 40 found room; in the way: .*the ego vehicle"
+    ):
+        layout_from_spec(one("bus", 40, "front", distance=(0, 10)), 0)
+    with pytest.raises(LayoutError, match="tree on the left, 2 m away: 0 of 'some' found room; in the way: the road;"):
         layout_from_spec(one("tree", "some", "left", distance=(2, 2)), 0)
 
 
@@ -175,3 +180,87 @@ def test_things_stand_on_the_ground_and_differ(kind: str) -> None:
 def test_spacing_that_leaves_the_road_is_refused() -> None:
     with pytest.raises(LayoutError, match="of 10 found room"):
         layout_from_spec(one("tree", 10, "left", spacing=(30.0)), 0)
+
+
+def random_spec(rng: np.random.Generator) -> SceneSpec:
+    """A spec that a sentence could ask for: some groups, some of them placed from others."""
+
+    def chance(share: float) -> bool:
+        return bool(rng.random() < share)
+
+    def pick(values: Sequence[Any]) -> Any:
+        return values[int(rng.integers(len(values)))]
+
+    groups: list[ObjectGroup] = []
+    road = RoadSpec(kind=pick(ROADS), one_way=chance(0.1), sidewalk=pick((None, None, True)))
+    for number in range(int(rng.integers(1, 6))):
+        kind = pick(list(SENTENCE_KINDS.values()))
+        fields: dict[str, Any] = {"count": pick((1, 1, 2, 3, "some", (2, 4)))}
+        relation = pick(RELATIONS) if number and chance(0.3) else None
+        others = [n for n in range(number) if groups[n].kind != "vehicle"]
+        if relation and others and kind.sizes is not None and not (kind.is_vehicle and relation == "opposite"):
+            fields["relation"], fields["references"] = relation, (pick(others),)
+            if relation == "between":
+                fields["references"] = tuple(sorted({pick(others), pick(others)}))
+                if len(fields["references"]) == 1 and groups[fields["references"][0]].count == 1:
+                    fields["relation"] = "near"
+            fields["count"] = pick((1, 1, "some"))
+        elif chance(0.8):
+            fields["places"] = (pick(PLACES),)
+            if kind.is_vehicle and "beside" in fields["places"][0]:  # there is room for no more
+                fields["count"] = 1
+            fore = fields["places"][0].startswith(("front", "behind"))
+            if fore and chance(0.4):
+                near = float(rng.uniform(8.0, 60.0))
+                fields["distance"] = (near, near + pick((0.0, 10.0)))
+        if kind.drives and kind.is_vehicle and not fields.get("relation"):
+            if not road.one_way and "right" not in str(fields.get("places")):
+                fields["heading"] = pick((None, None, "with", "parked", "against"))
+            if fields.get("places") in (("front",), ("behind",)) and chance(0.2):
+                fields["heading"], fields["lane"] = None, pick(LANES)
+            if not fields.get("places") and chance(0.3) and road.kind != "parking-lot":
+                fields["heading"] = pick(("across", "turning-left", "turning-right"))
+        groups.append(ObjectGroup(kind=kind.name, **fields))
+    return SceneSpec(road=road, groups=tuple(groups))
+
+
+@pytest.mark.parametrize("tenth", range(10))
+def test_every_relation_of_a_random_spec_holds(tenth: int) -> None:
+    refused = 0
+    for number in range(100 * tenth, 100 * tenth + 100):
+        spec = random_spec(np.random.default_rng([7, number]))
+        try:
+            layout = layout_from_spec(spec, number)
+        except LayoutError:
+            refused += 1
+            continue
+        assert broken(spec, layout) == [], (number, spec)
+        assert check(layout) == [], (number, spec)
+    assert refused <= 20  # trucks to the right of the only lane, and the like
+
+
+@pytest.mark.parametrize(
+    ("kind", "distance"), [("truck", 8.0), ("bus", 8.0), ("tram", 10.0), ("car", 3.0), ("car", 1.0)]
+)
+def test_what_is_close_finds_room_for_every_seed(kind: str, distance: float) -> None:
+    for seed in range(12):
+        layout = layout_from_spec(one(kind, 1, "front", distance=(distance, distance)), seed)
+        assert check(layout) == []
+        (box,) = layout.boxes()
+        near_end = box.center[0] - box.size[0] / 2
+        assert near_end - 2.25 - 1.0 <= distance <= box.center[0] + 0.01
+
+
+def test_other_roads() -> None:
+    roundabout = layout_from_spec(one("car", 3, road="roundabout", at_junction=True), 0)
+    middle = roundabout["roundabout"].center
+    assert all(8.0 < math.dist(box.center[:2], middle[:2]) < 36.0 for box in roundabout.boxes())
+    lot = layout_from_spec(one("car", 100, road="parking-lot"), 0)
+    assert sum(abs(math.sin(box.yaw)) > 0.9 for box in lot.boxes()) == 100
+    one_way = layout_from_spec(SceneSpec(road=RoadSpec(one_way=True), groups=(ObjectGroup(kind="car", count=6),)), 0)
+    assert all(math.cos(box.yaw) > 0.9 for box in one_way.boxes())
+
+
+def test_a_thousand_trees_find_room() -> None:
+    layout = layout_from_spec(one("tree", 1000), 0)
+    assert len(objects(layout)) == 1000

@@ -6,6 +6,7 @@ Sizes are (length, width, height) [m]; numbers without a source are estimates of
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -105,6 +106,24 @@ def in_segments(strip: ObjectPart) -> list[ObjectPart]:
             size=(step, thickness, height),
         )
         for number in range(count)
+    ]
+
+
+def extents(parts: Sequence[ObjectPart]) -> Size:
+    """Length, width and height [m] of the upright box around all parts, about the middle of their footprint."""
+    length, width = (2 * max(abs(part.center[axis]) + part.size[axis] / 2 for part in parts) for axis in (0, 1))
+    return length, width, max(part.center[2] + part.size[2] / 2 for part in parts)
+
+
+def resized(parts: list[ObjectPart], by: Size) -> list[ObjectPart]:
+    """The parts of an object stretched along each of its axes."""
+    (x, y, z) = by
+    return [
+        part._replace(
+            center=(part.center[0] * x, part.center[1] * y, part.center[2] * z),
+            size=(part.size[0] * x, part.size[1] * y, part.size[2] * z),
+        )
+        for part in parts
     ]
 
 

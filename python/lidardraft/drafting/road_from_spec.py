@@ -4,47 +4,86 @@ from __future__ import annotations
 
 import numpy as np
 
+from lidardraft.drafting.parking_bays import LOT_DEPTH
 from lidardraft.drafting.road_zones import queue_length
 from lidardraft.drafting.scene_spec import ObjectGroup, SceneSpec, split_place
 from lidardraft.errors import LayoutError
 from lidardraft.scene.check import MAX_RANGE
-from lidardraft.scene.road import LEFT, RIGHT, Road
+from lidardraft.scene.road import LEFT, RIGHT, RING, PavedArea, Road
 
 HARD_SHOULDER = 3.0  # m, estimate of ours
 MAX_DISTANCE = MAX_RANGE - 10.0  # m, that an object can be asked for at
+AISLE_LANE = 3.0  # m; the aisle of a parking lot is 6 m wide (EAR 05)
+_LOT_LENGTH = (60.0, 90.0)  # m, estimate of ours
+_MAX_LANES = 6
 
 
-def road_from_spec(spec: SceneSpec, rng: np.random.Generator) -> Road:
+def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -> Road:
     """A road in the ego's frame, with what the spec leaves open sampled.
 
-    Raises `LayoutError` on a distance that is further than a sensor sees.
+    Each `effort` more makes what is open larger, for what found no room before. Raises `LayoutError` on a distance that
+    is further than a sensor sees.
     """
     kind = spec.road.kind
-    motorway = kind == "motorway"
-    lanes = spec.road.lanes or (int(rng.choice([2, 3])) if motorway else int(rng.choice([1, 2], p=[0.75, 0.25])))
-    farthest = max((group.distance[1] for group in spec.groups if group.distance), default=0.0)
+    motorway, lot = kind == "motorway", kind == "parking-lot"
+    ego_lane, needed = _ego_lane(spec)
+    lanes = spec.road.lanes or _sample_lanes(spec, rng, max(needed, 1 + effort // 2))
+    farthest = max((g.distance[1] for g in spec.groups if g.distance and g.relation is None), default=0.0)
     if farthest > MAX_DISTANCE:
         raise LayoutError(f"distance is {farthest:g} m; objects can be asked for up to {MAX_DISTANCE:g} m away")
     queue = max((queue_length(group) for group in spec.groups if group.record.is_vehicle), default=0.0)
-    half_length = max(80.0, farthest + 15.0, min(MAX_DISTANCE, queue + 10.0))
+    half_length = max(80.0, farthest + 15.0, min(MAX_DISTANCE, max(queue, 30.0 * effort) + 10.0))
     wanted = spec.road.sidewalk
-    sidewalk = float(rng.uniform(1.8, 3.0)) if wanted or (wanted is None and not motorway) else 0.0
+    sidewalk = float(rng.uniform(1.8, 3.0)) if wanted or (wanted is None and not (motorway or lot)) else 0.0
     bend = {"left-bend": 1.0, "right-bend": -1.0, "bend": float(rng.choice([-1, 1]))}.get(kind, 0.0)
-    crossing = kind in ("crossroads", "t-junction") or any(group.crosses for group in spec.groups)
-    lane_width = 3.75 if motorway else float(rng.uniform(3.3, 3.7))
-    parking = HARD_SHOULDER if motorway else _parking_width(spec, lanes)
-    near = lanes * lane_width + parking + sidewalk + 6.0
+    lane_width = 3.75 if motorway else AISLE_LANE if lot else float(rng.uniform(3.3, 3.7))
+    parking = HARD_SHOULDER if motorway else 0.0 if lot else _parking_width(spec, min(ego_lane, lanes - 1))
+    edge = lanes * lane_width * (0.5 if spec.road.one_way else 1.0) + parking
+    radius = edge + sidewalk + RING + float(rng.uniform(1.0, 5.0)) if kind == "roundabout" else None
+    near = (edge if radius is None else radius) + sidewalk + 6.0
+    curvature = bend / float(rng.uniform(90.0, 160.0))
     return Road(
         lanes=lanes,
-        ego_lane=1 if lanes > 1 and any(_on_the_right(group) for group in spec.groups) else 0,
+        ego_lane=min(ego_lane, lanes - 1),
         lane_width=lane_width,
         parking=parking,
         sidewalk=sidewalk,
-        curvature=bend / float(rng.uniform(90.0, 160.0)),
-        junction=float(rng.uniform(near, near + 12.0)) if crossing else None,
+        curvature=curvature,
+        junction=float(rng.uniform(near, near + 12.0 + 8.0 * effort)) if _has_junction(spec) else None,
         side_roads=(int(rng.choice([LEFT, RIGHT])),) if kind == "t-junction" else (LEFT, RIGHT),
         half_length=half_length,
+        roundabout_radius=radius,
+        paved_areas=_parking_lot(lanes * lane_width, farthest, rng) if lot else (),
+        one_way=spec.road.one_way,
     )
+
+
+def _sample_lanes(spec: SceneSpec, rng: np.random.Generator, needed: int) -> int:
+    if spec.road.kind == "parking-lot":
+        return needed
+    if spec.road.kind == "motorway":
+        return max(needed, int(rng.choice([2, 3])))
+    return min(_MAX_LANES, max(needed, int(rng.choice([1, 2], p=[0.75, 0.25]))))
+
+
+def _ego_lane(spec: SceneSpec) -> tuple[int, int]:
+    """The number of the ego's lane where there are more, and how many lanes the places of vehicles need."""
+    left = any(_beside_the_ego(group, "left", spec.road.one_way) for group in spec.groups)
+    right = any(_beside_the_ego(group, "right", spec.road.one_way) for group in spec.groups)
+    middle = any(group.lane == "middle" for group in spec.groups)
+    needed = 3 if middle or (left and right) else 2 if left or right else 1
+    usual = any(_on_the_right(group) for group in spec.groups)
+    return int(right or (usual and not left)), needed
+
+
+def _beside_the_ego(group: ObjectGroup, side: str, one_way: bool) -> bool:
+    """Whether a group needs a lane of the ego's direction on that side of the ego's."""
+    if not group.record.is_vehicle or group.heading == "parked" or group.crosses or group.turns:
+        return False
+    at_side = any(split_place(place)[1] == side for place in group.places)
+    if side == "left":
+        return group.lane == "left" or (at_side and (group.heading == "with" or one_way))
+    return group.lane == "right" or (at_side and group.heading in ("with", "against"))
 
 
 def _on_the_right(group: ObjectGroup) -> bool:
@@ -52,8 +91,24 @@ def _on_the_right(group: ObjectGroup) -> bool:
     return right and group.record.drives and group.heading in (None, "with")
 
 
-def _parking_width(spec: SceneSpec, lanes: int) -> float:
+def _has_junction(spec: SceneSpec) -> bool:
+    kinds = ("crossroads", "t-junction", "roundabout")
+    return spec.road.kind in kinds or any(
+        group.crosses or group.turns or group.at_junction for group in spec.groups if spec.road.kind != "parking-lot"
+    )
+
+
+def _parking_lot(edge: float, farthest: float, rng: np.random.Generator) -> tuple[PavedArea, ...]:
+    """Both sides of the aisle that the ego drives in, as far as something is asked for [m]."""
+    length = float(rng.uniform(*_LOT_LENGTH))
+    before = length * float(rng.uniform(0.3, 0.5))
+    along = (-max(before, farthest + 5.0), max(length - before, farthest + 5.0))
+    far = edge + LOT_DEPTH
+    return tuple(PavedArea(along, across) for across in ((-far, -edge), (edge, far)))
+
+
+def _parking_width(spec: SceneSpec, ego_lane: int) -> float:
     parked = [
-        group.record for group in spec.groups if group.heading == "parked" or (lanes == 1 and _on_the_right(group))
+        group.record for group in spec.groups if group.heading == "parked" or (ego_lane == 0 and _on_the_right(group))
     ]
     return max((kind.parking_width for kind in parked if kind.is_vehicle), default=0.0)

@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
+from lidardraft.drafting.junction_poses import STOP_LINE, at_corner, half_of, in_turn, on_crossing_road, on_ring
+from lidardraft.drafting.parking_bays import LOT_DEPTH, in_aisle, in_bay
+from lidardraft.drafting.road_pose import BACKWARDS, PoseSampler, RoadPose, alternate, turned
 from lidardraft.drafting.scene_spec import ObjectGroup, split_place
 from lidardraft.drafting.sentence_kinds import SentenceKind
-from lidardraft.scene.road import LEFT, RIGHT, Road
+from lidardraft.scene.road import Road
 
-LANE_OFFSET = 0.15  # m from the middle of a lane, at most; estimate of ours
-YAW_DEVIATION = 0.01  # rad, standard deviation of the heading in a lane or along a kerb; estimate of ours
-NEAREST = 8.0  # m to the middle of what is in front or behind, where no distance is asked for; estimate of ours
-
-
-class RoadPose(NamedTuple):
-    """A place in the road's frame: along and across [m], and the yaw from the road's heading there [rad]."""
-
-    along: float
-    across: float
-    yaw: float
-
-
-PoseSampler = Callable[[np.random.Generator, float, int, float], RoadPose]
+# Estimates of ours.
+LANE_OFFSET = 0.15  # m from the middle of a lane, at most
+NEAREST = 8.0  # m to the middle of what is in front or behind, where no distance is asked for
+QUEUE_BEFORE = 25.0  # m before a junction that things are "at" it
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +33,15 @@ class Zone:
     sample_pose: PoseSampler
     sides: int = 1
 
+    def grown(self, effort: int, road: Road) -> Zone:
+        """With a longer span, for what found no room in this one."""
+        near, far = self.span
+        if near == far or not effort:
+            return self
+        limit, more = road.half_length - 10.0, 0.4 * effort * (far - near)
+        low = max(-limit, near - more) if near < 0 < far else near
+        return dataclasses.replace(self, span=(low, min(limit, far + more) if far > near else max(-limit, far + more)))
+
 
 def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Zone:
     """The zone for an object of `kind` that the group wants at `place`, one of PLACES or ""."""
@@ -48,28 +49,73 @@ def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Z
     if group.distance is not None and not fore and "road" in kind.surfaces:
         fore = "front"
     sides = {"left": (1,), "right": (-1,)}.get(side, (1, -1))
-    if group.crosses and road.junction is not None:
-        return Zone((road.junction, road.junction), _crossing_lane(road))
+    if road.junction is not None:
+        zone = _junction_zone(group, kind, sides, road, road.junction)
+        if zone is not None:
+            return zone
     if kind.drives:
-        if group.heading == "parked" or (
-            side == "right" and road.ego_lane == 0 and kind.is_vehicle and not group.heading
-        ):
-            sample_pose = _kerb(road, sides) if kind.is_vehicle else _sidewalk(road, sides)
-            return Zone(_span(group, fore, road, 45.0), sample_pose, len(sides))
-        if group.surface == "sidewalk":
-            return Zone(_span(group, fore, road, 45.0), _sidewalk(road, sides), len(sides))
-        return Zone(
-            _span(group, fore, road, 45.0 if fore else 60.0), _lane(road, _lanes(group, fore, side, road), kind)
-        )
+        return _driven(group, kind, fore, side, sides, road)
     if kind.walks:
         return _person(group, fore, side, sides, road)
     span = _span(group, fore, road, 65.0)
     if group.surface == "sidewalk":
         return Zone(span, _sidewalk(road, sides), len(sides))
+    if "road" in kind.surfaces:
+        lanes = _lanes(group, fore, side, road)
+        sample_pose = _in_lane(road, lanes) if group.lane is not None else _road_edge(road, sides)
+        return Zone(span, sample_pose, len(sides))
     lateral = group.distance if not fore else None
     if kind.at_junction and road.junction is not None and not fore and lateral is None:
-        span = (road.junction - road.edge - 5.0, road.junction - road.edge - 1.0)
+        span = (road.junction - half_of(road) - 5.0, road.junction - half_of(road) - 1.0)
     return Zone(span, _roadside(kind, road, sides, lateral), len(sides))
+
+
+def _junction_zone(
+    group: ObjectGroup, kind: SentenceKind, sides: tuple[int, ...], road: Road, junction: float
+) -> Zone | None:
+    """Where another road meets the ego's, if the group belongs there."""
+    if group.crosses:
+        return Zone((junction, junction), on_crossing_road(road, str(group.heading), sides))
+    if group.turns:
+        ring = road.roundabout_radius is not None
+        return Zone((junction, junction), on_ring(road) if ring else in_turn(road, str(group.heading)))
+    if not group.at_junction or kind.at_junction:
+        return None
+    if kind.walks and group.heading != "across":
+        return Zone((junction, junction), at_corner(road, sides), len(sides))
+    if kind.drives and group.heading != "parked":
+        if road.roundabout_radius is not None and group.heading is None:
+            return Zone((junction, junction), on_ring(road))
+        stop = junction - half_of(road) - STOP_LINE
+        lanes = _lanes(group, "front", "left" if sides == (1,) else "right" if sides == (-1,) else "", road)
+        return Zone((stop - 3.0, max(NEAREST, stop - QUEUE_BEFORE)), _lane(road, lanes, kind, group.heading))
+    near = junction - half_of(road) - road.sidewalk
+    if kind.drives:
+        return Zone((near - 4.0, near - QUEUE_BEFORE), _kerb(road, sides), len(sides))
+    return None if kind.walks else Zone((near - 1.0, near - 15.0), _roadside(kind, road, sides, None), len(sides))
+
+
+def _driven(group: ObjectGroup, kind: SentenceKind, fore: str, side: str, sides: tuple[int, ...], road: Road) -> Zone:
+    """For what drives: a lane, the kerb, a bay, or the sidewalk."""
+    span = _span(group, fore, road, 45.0)
+    if road.paved_areas and group.lane is None and group.heading in (None, "parked") and fore != "beside":
+        return Zone(_in_lot(span, road), in_bay(kind, road, sides), len(sides))
+    stands = side == "right" and road.ego_lane == 0 and kind.is_vehicle and not group.heading
+    if group.lane is None and (group.heading == "parked" or stands):
+        sample_pose = _kerb(road, sides) if kind.is_vehicle else _sidewalk(road, sides)
+        return Zone(span, sample_pose, len(sides))
+    if group.surface == "sidewalk":
+        return Zone(span, _sidewalk(road, sides), len(sides))
+    if not fore:
+        span = _span(group, fore, road, 60.0)
+    return Zone(span, _lane(road, _lanes(group, fore, side, road), kind, group.heading, side))
+
+
+def _in_lot(span: tuple[float, float], road: Road) -> tuple[float, float]:
+    """As much of a span as lies along a parking lot."""
+    start, end = road.paved_areas[0].along
+    near, far = (min(max(along, start + 1.5), end - 1.5) for along in span)
+    return (near, far) if near != far or span[0] == span[1] else span
 
 
 def _span(group: ObjectGroup, fore: str, road: Road, usual: float) -> tuple[float, float]:
@@ -79,17 +125,24 @@ def _span(group: ObjectGroup, fore: str, road: Road, usual: float) -> tuple[floa
         far = min(road.half_length - 10.0, max(far, queue_length(group)))
     if group.distance is not None and fore in ("front", "behind"):
         near, far = group.distance
-        if near == far and group.count != 1:
-            far = min(road.half_length - 10.0, near + 10.0 * (group.count if isinstance(group.count, int) else 4))
+        if near == far and group.fewest != 1:
+            far = min(road.half_length - 10.0, near + _row_step(group) * (group.fewest or 4))
     if fore == "front":
         return near, far
     if fore == "behind":
         return -near, -far
     if fore == "beside":
         return -4.0, 4.0
-    if isinstance(group.count, int):  # a few objects are seen best close by
-        usual = min(usual, 15.0 + 10.0 * group.count)
+    if group.fewest is not None:  # a few objects are seen best close by
+        usual = min(usual, 15.0 + 10.0 * group.fewest)
     return -usual, usual
+
+
+def _row_step(group: ObjectGroup) -> float:
+    """From one object to the next [m], of those that begin at one distance; people stand side by side."""
+    if group.record.drives:
+        return 10.0 if group.record.sizes is None else group.record.sizes.largest[0] + 5.0
+    return 0.8 if group.record.walks else 6.0
 
 
 def queue_length(group: ObjectGroup) -> float:
@@ -101,54 +154,46 @@ def queue_length(group: ObjectGroup) -> float:
 def _lanes(group: ObjectGroup, fore: str, side: str, road: Road) -> list[tuple[int, int]]:
     """(number, direction) of the lanes that fit, the ego's own first where it does."""
     own = [(road.ego_lane, 1), *((n, 1) for n in range(road.lanes) if n != road.ego_lane)]
-    oncoming = [(n, -1) for n in range(road.lanes)]
+    oncoming = [] if road.one_way else [(n, -1) for n in range(road.lanes)]
+    left, right = ([(n, d) for n, d in own if (n - road.ego_lane) * way > 0] for way in (1, -1))
+    if group.lane is not None:
+        leftmost = own[:0] if road.lanes == 1 and oncoming else [(road.lanes - 1, 1)]
+        middle, rightmost = [(road.lanes // 2, 1)], [(0, 1)]
+        named = {"own": own[:1], "left": leftmost, "middle": middle, "right": rightmost, "opposite": oncoming}
+        return named[group.lane] or oncoming or own
     if group.heading == "against":
-        return oncoming
+        return (right if side == "right" else []) or oncoming or own
     if side == "left":
-        left = [(n, d) for n, d in own if n > road.ego_lane]
-        return left or ([] if group.heading == "with" else oncoming) or own
+        return left or oncoming or own
     if side == "right":
-        return [(n, d) for n, d in own if n < road.ego_lane] or own
+        return right or own[:1]
     if fore == "beside":
-        return own[1:] or oncoming
+        return own[1:] or oncoming or own
     return own if fore or group.heading == "with" else own + oncoming
 
 
-def _lane(road: Road, lanes: list[tuple[int, int]], kind: SentenceKind) -> PoseSampler:
+def _lane(
+    road: Road, lanes: list[tuple[int, int]], kind: SentenceKind, heading: str | None, side: str = ""
+) -> PoseSampler:
     def sample(rng: np.random.Generator, along: float, number: int, effort: float) -> RoadPose:
         lane, direction = lanes[0] if number == 0 and effort < 0.5 else lanes[int(rng.integers(len(lanes)))]
-        middle = road.lane(lane, direction) + float(rng.uniform(-LANE_OFFSET, LANE_OFFSET))
-        if kind.cycles:  # keeps to the right of its lane
-            middle -= direction * (road.lane_width / 2 - 0.7)
-        return RoadPose(along, middle, (0.0 if direction > 0 else math.pi) + float(rng.normal(0.0, YAW_DEVIATION)))
-
-    return sample
-
-
-def _crossing_lane(road: Road) -> PoseSampler:
-    """On the crossing road, before, in or after the junction; `along` is the middle of that road."""
-
-    def sample(rng: np.random.Generator, along: float, _number: int, effort: float) -> RoadPose:
-        direction = 1 if rng.random() < 0.5 else -1
-        far = 8.0 + 30.0 * effort
-        low = -far if RIGHT in road.side_roads else -road.edge / 2
-        high = far if LEFT in road.side_roads else road.edge / 2
-        across = float(rng.uniform(low, high))
-        # beside a bend the road's frame is stretched, the crossing road is not
-        lane = road.lane(0, direction) / (1.0 - road.curvature * across)
-        return RoadPose(along - lane, across, direction * math.pi / 2)
+        middle = road.lane(lane) * direction + float(rng.uniform(-LANE_OFFSET, LANE_OFFSET))
+        if kind.cycles:  # keeps to the right of its lane, to the left only where the whole lane is the ego's
+            to_the_left = side == "left" and (lane, direction) == (road.ego_lane, 1)
+            middle -= (-1 if to_the_left else direction) * (road.lane_width / 2 - 0.7)
+        direction = {"with": 1, "against": -1}.get(str(heading), direction)
+        return RoadPose(along, middle, turned(rng, 0.0 if direction > 0 else BACKWARDS))
 
     return sample
 
 
 def _kerb(road: Road, sides: tuple[int, ...]) -> PoseSampler:
     def sample(rng: np.random.Generator, along: float, number: int, _effort: float) -> RoadPose:
-        side = _alternate(sides, number)
-        turned = rng.random() < 0.1
+        side = alternate(sides, number)
+        other_way = rng.random() < 0.1
         middle = side * (road.edge - road.parking / 2)
-        return RoadPose(
-            along, middle, (math.pi if (side > 0) != turned else 0.0) + float(rng.normal(0.0, YAW_DEVIATION))
-        )
+        backwards = (side > 0 and not road.one_way) != other_way
+        return RoadPose(along, middle, turned(rng, BACKWARDS if backwards else 0.0))
 
     return sample
 
@@ -158,7 +203,7 @@ def _sidewalk(road: Road, sides: tuple[int, ...]) -> PoseSampler:
 
     def sample(rng: np.random.Generator, along: float, number: int, _effort: float) -> RoadPose:
         turn = float(rng.choice([0.0, math.pi])) + float(rng.normal(0.0, 0.2))
-        return RoadPose(along, _alternate(sides, number) * float(rng.uniform(low, high)), turn)
+        return RoadPose(along, alternate(sides, number) * float(rng.uniform(low, high)), turn)
 
     return sample
 
@@ -172,8 +217,12 @@ def _person(group: ObjectGroup, fore: str, side: str, sides: tuple[int, ...], ro
         return Zone(span, _carriageway(road, sides, math.pi / 2))
     if group.surface == "road":
         return Zone(_span(group, fore, road, 35.0), _carriageway(road, sides, 0.0))
+    if group.lane is not None:
+        return Zone(_span(group, fore, road, 35.0), _in_lane(road, _lanes(group, fore, side, road)))
     if group.surface is None and fore in ("front", "behind") and not side:
-        return Zone(_span(group, fore, road, 35.0), _ego_lane(road))
+        return Zone(_span(group, fore, road, 35.0), _in_lane(road, [(road.ego_lane, 1)]))
+    if road.paved_areas:
+        return Zone(_in_lot(_span(group, fore, road, 40.0), road), in_aisle(road, sides), len(sides))
     return Zone(_span(group, fore, road, 40.0), _sidewalk(road, sides), len(sides))
 
 
@@ -188,11 +237,23 @@ def _carriageway(road: Road, sides: tuple[int, ...], turn: float) -> PoseSampler
     return sample
 
 
-def _ego_lane(road: Road) -> PoseSampler:
+def _in_lane(road: Road, lanes: list[tuple[int, int]]) -> PoseSampler:
+    """On foot, or set down, in one of the lanes."""
+
     def sample(rng: np.random.Generator, along: float, _number: int, _effort: float) -> RoadPose:
-        return RoadPose(
-            along, road.lane(road.ego_lane) + float(rng.uniform(-1.2, 1.2)), float(rng.uniform(-math.pi, math.pi))
-        )
+        lane, direction = lanes[0] if len(lanes) == 1 else lanes[int(rng.integers(len(lanes)))]
+        off = float(rng.uniform(-1.2, 1.2))
+        return RoadPose(along, direction * road.lane(lane) + off, float(rng.uniform(-math.pi, math.pi)))
+
+    return sample
+
+
+def _road_edge(road: Road, sides: tuple[int, ...]) -> PoseSampler:
+    """What is set down on the road: in a line along its edges."""
+
+    def sample(rng: np.random.Generator, along: float, number: int, effort: float) -> RoadPose:
+        off = float(rng.uniform(0.4, 0.5 + effort * road.lane_width))
+        return RoadPose(along, alternate(sides, number) * (road.edge - off), float(rng.uniform(-math.pi, math.pi)))
 
     return sample
 
@@ -202,21 +263,18 @@ def _roadside(
 ) -> PoseSampler:
     """Behind the verge, or right at the kerb for what has no setback; `distance` [m] from the ego overrules both."""
     ego, setback = road.lane(road.ego_lane), kind.setback
+    verge = road.edge + LOT_DEPTH if road.paved_areas else road.verge
 
     def sample(rng: np.random.Generator, along: float, number: int, effort: float) -> RoadPose:
-        side = _alternate(sides, number)
+        side = alternate(sides, number)
         turn = (0.0 if side > 0 else math.pi) + (
             float(rng.normal(0.0, kind.yaw_deviation)) if kind.yaw_deviation else 0.0
         )
         if distance is not None:
             return RoadPose(along, ego + side * float(rng.uniform(*distance)), turn)
         if setback is None:
-            return RoadPose(along, side * (road.edge + 0.5 if road.sidewalk > 0.9 else road.verge + 0.6), turn)
+            return RoadPose(along, side * (road.edge + 0.5 if road.sidewalk > 0.9 else verge + 0.6), turn)
         farthest = setback.usual + (setback.farthest - setback.usual) * effort
-        return RoadPose(along, side * (road.verge + float(rng.uniform(setback.nearest, farthest))), turn)
+        return RoadPose(along, side * (verge + float(rng.uniform(setback.nearest, farthest))), turn)
 
     return sample
-
-
-def _alternate(sides: tuple[int, ...], number: int) -> int:
-    return sides[number % len(sides)]

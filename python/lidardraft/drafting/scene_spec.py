@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import graphlib
 import json
 import math
 from collections.abc import Mapping
@@ -14,7 +15,10 @@ from lidardraft.errors import LayoutError, LidarDraftError, one_of
 from lidardraft.files import named
 from lidardraft.json_fields import check_fields, check_object, parse_object
 
-ROADS = ("straight", "bend", "left-bend", "right-bend", "crossroads", "t-junction", "motorway")
+ROADS = (
+    *("straight", "bend", "left-bend", "right-bend", "crossroads", "t-junction", "roundabout"),
+    *("motorway", "parking-lot"),
+)
 PLACES = tuple(
     "-".join(filter(None, (fore, side)))
     for fore in ("", "front", "behind", "beside")
@@ -22,8 +26,15 @@ PLACES = tuple(
     if fore or side
 )
 SURFACES = ("road", "sidewalk")
-HEADINGS = ("with", "against", "across", "parked")
-MAX_COUNT = 200
+HEADINGS = (
+    *("with", "against", "parked"),
+    *("across", "across-left", "across-right", "turning-left", "turning-right"),
+)
+LANES = ("own", "left", "middle", "right", "opposite")
+RELATIONS = ("behind", "in-front-of", "beside", "left-of", "right-of", "between", "opposite", "near")
+MAX_COUNT = 5000
+MIN_SPACING = 0.1  # m
+EXTENTS = (0.05, 100.0)  # m, that an object can be asked for with
 
 
 def split_place(place: str) -> tuple[str, str]:
@@ -34,11 +45,15 @@ def split_place(place: str) -> tuple[str, str]:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RoadSpec:
-    """The road under the ego vehicle; `lanes` (in one direction) and `sidewalk` are None where its kind decides."""
+    """The road under the ego vehicle; `lanes` (in one direction) and `sidewalk` are None where its kind decides.
+
+    With `one_way` all lanes lead in the ego's direction.
+    """
 
     kind: str = "straight"
     lanes: int | None = None
     sidewalk: bool | None = None
+    one_way: bool = False
 
     def __post_init__(self) -> None:
         _one_of("road: kind", self.kind, ROADS)
@@ -46,49 +61,87 @@ class RoadSpec:
             raise LayoutError(f"road: lanes is {self.lanes!r}; a road has 1 to 6 in each direction")
         if self.sidewalk not in (None, True, False):
             raise LayoutError(f"road: sidewalk is {self.sidewalk!r}; it must be true, false or null")
+        if type(self.one_way) is not bool:
+            raise LayoutError(f"road: one_way is {self.one_way!r}; it must be true or false")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ObjectGroup:
     """Objects of one kind.
 
-    `count` is a number or one of COUNTS, meant for each of `places`; no places is anywhere on or beside the road.
-    `surface` asks for one other than the usual of the kind; `heading` is relative to the ego's. `distance` is a range
-    from the ego [m]: across the road for what stands beside it at a place that is neither in front nor behind, else
-    along the road. `spacing` is the distance between neighbours [m].
+    `count` is a number, a range of them (from, to) or one of COUNTS, meant for each of `places`; no places is anywhere
+    on or beside the road, but at none of `not_places`. `surface` asks for one other than the usual of the kind, `lane`
+    for one of LANES ("left" is the leftmost in the ego's direction), `at_junction` for where another road meets the
+    ego's; `heading` is relative to the ego's. `distance` is a range from the ego [m]: across the road for what stands
+    beside it at a place that is neither in front nor behind, else along the road. `spacing` is the distance between
+    neighbours [m]. `size` is length, width and height [m], None where nothing is said, and `scale` what the usual size
+    is multiplied by.
+
+    `relation` says where the objects are from those of other groups, `references`, by their numbers in the spec;
+    then `distance` is measured from there. `words` are those of the sentence that asked for the group.
     """
 
     kind: str
-    count: int | str = 1
+    count: int | str | tuple[int, int] = 1
     places: tuple[str, ...] = ()
+    not_places: tuple[str, ...] = ()
     surface: str | None = None
+    lane: str | None = None
+    at_junction: bool = False
     heading: str | None = None
     distance: tuple[float, float] | None = None
     spacing: float | None = None
+    size: tuple[float | None, float | None, float | None] | None = None
+    scale: tuple[float, float, float] | None = None
+    relation: str | None = None
+    references: tuple[int, ...] = ()
+    words: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "places", tuple(self.places))
+        for name in ("places", "not_places", "references"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
         _one_of("group: kind", self.kind, tuple(SENTENCE_KINDS))
-        if isinstance(self.count, str):
-            _one_of(f"{self.kind}: count", self.count, COUNTS)
-        elif type(self.count) is not int or not 1 <= self.count <= MAX_COUNT:
-            limit = f"1 to {MAX_COUNT}, or one of {', '.join(COUNTS)}"
-            raise LayoutError(f"{self.kind}: count is {self.count!r}; it must be {limit}")
-        for place in self.places:
+        self._check_count()
+        for place in (*self.places, *self.not_places):
             _one_of(f"{self.kind}: place", place, PLACES)
+        for name, choices in (("lane", LANES), ("heading", HEADINGS), ("relation", RELATIONS)):
+            if getattr(self, name) is not None:
+                _one_of(f"{self.kind}: {name}", getattr(self, name), choices)
         if self.surface is not None:
             _one_of(f"{self.kind}: surface", self.surface, SENTENCE_KINDS[self.kind].surfaces)
-        if self.heading is not None:
-            _one_of(f"{self.kind}: heading", self.heading, HEADINGS)
+        if (self.relation is None) != (not self.references):
+            raise LayoutError(f"{self.kind}: relation is {self.relation!r} to {self.references}; one needs the other")
+        self._check_lengths()
+
+    def _check_count(self) -> None:
+        limit = f"it must be 1 to {MAX_COUNT}, or one of {', '.join(COUNTS)}"
+        if isinstance(self.count, str):
+            _one_of(f"{self.kind}: count", self.count, COUNTS)
+            return
+        numbers = self.count if isinstance(self.count, tuple | list) else (self.count, self.count)
+        low, high = numbers
+        if type(low) is not int or type(high) is not int or not 1 <= low <= high <= MAX_COUNT:
+            said = self.count if low == high else f"{low} to {high}"
+            raise LayoutError(f"{self.kind}: count is {said!r}; {limit}")
+        object.__setattr__(self, "count", low if low == high else (low, high))
+
+    def _check_lengths(self) -> None:
         if self.distance is not None:
             near, far = self.distance
             if not 0.0 <= near <= far < math.inf:
                 raise LayoutError(f"{self.kind}: distance is {near} to {far} m; it must be 0 <= from <= to")
             object.__setattr__(self, "distance", (float(near), float(far)))
         if self.spacing is not None:
-            if not 0.0 < self.spacing < math.inf:
-                raise LayoutError(f"{self.kind}: spacing is {self.spacing!r} m; it must be > 0")
+            if not MIN_SPACING <= self.spacing < math.inf:
+                raise LayoutError(f"{self.kind}: spacing is {self.spacing!r} m; it must be {MIN_SPACING} m or more")
             object.__setattr__(self, "spacing", float(self.spacing))
+        for name, (low, high) in (("size", EXTENTS), ("scale", (0.1, 10.0))):
+            value = getattr(self, name)
+            if value is None:
+                continue
+            if len(value) != 3 or not all(v is None or low <= v <= high for v in value):
+                raise LayoutError(f"{self.kind}: {name} is {list(value)}; three numbers of {low:g} to {high:g}")
+            object.__setattr__(self, name, tuple(None if v is None else float(v) for v in value))
 
     @property
     def record(self) -> SentenceKind:
@@ -98,7 +151,17 @@ class ObjectGroup:
     @property
     def crosses(self) -> bool:
         """Whether it drives on a road that crosses the ego's."""
-        return self.heading == "across" and self.record.drives
+        return self.heading is not None and self.heading.startswith("across") and self.record.drives
+
+    @property
+    def turns(self) -> bool:
+        """Whether it drives from one road into another."""
+        return self.heading is not None and self.heading.startswith("turning") and self.record.drives
+
+    @property
+    def fewest(self) -> int | None:
+        """The fewest objects that meet a count in numbers, None for a word."""
+        return None if isinstance(self.count, str) else self.count if isinstance(self.count, int) else self.count[0]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -118,6 +181,20 @@ class SceneSpec:
             object.__setattr__(self, name, tuple(getattr(self, name)))
         for kind in self.absent:
             _one_of("absent: kind", kind, tuple(SENTENCE_KINDS))
+        for number, group in enumerate(self.groups):
+            for reference in group.references:
+                if type(reference) is not int or not 0 <= reference < len(self.groups) or reference == number:
+                    raise LayoutError(f"{group.kind}: reference is {reference!r}; it must be another of the groups")
+        self._check_circles()
+
+    def _check_circles(self) -> None:
+        """A group that is placed from another cannot be what that one is placed from."""
+        sorter = graphlib.TopologicalSorter({n: group.references for n, group in enumerate(self.groups)})
+        try:
+            sorter.prepare()
+        except graphlib.CycleError as error:
+            kinds = ", ".join(self.groups[number].kind for number in error.args[1][1:])
+            raise LayoutError(f"references go in a circle: {kinds}") from None
 
     def to_dict(self) -> dict[str, Any]:
         """The spec as JSON types; fields that say nothing are left out."""
@@ -154,8 +231,12 @@ class SceneSpec:
 
 def _plain(value: Any) -> Any:
     if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items() if item not in (None, ())}
+        return {key: _plain(item) for key, item in value.items() if not _says_nothing(key, item)}
     return [_plain(item) for item in value] if isinstance(value, tuple | list) else value
+
+
+def _says_nothing(key: str, item: Any) -> bool:
+    return item is None or item == () or (key in ("one_way", "at_junction", "words") and not item)
 
 
 def _one_of(name: str, value: object, choices: tuple[str, ...]) -> None:

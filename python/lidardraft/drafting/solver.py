@@ -3,175 +3,283 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
+import json
 import math
-from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
 
-from lidardraft.drafting.object_shapes import ObjectPart
+from lidardraft.drafting.occupancy import Occupancy
+from lidardraft.drafting.relation_text import group_relations
+from lidardraft.drafting.relative_poses import Footprint, RelativePoses
 from lidardraft.drafting.road_from_spec import road_from_spec
-from lidardraft.drafting.road_zones import RoadPose, Zone, zone_of
+from lidardraft.drafting.road_pose import RoadPose
+from lidardraft.drafting.road_zones import Zone, zone_of
 from lidardraft.drafting.scene_spec import ObjectGroup, SceneSpec
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.errors import LayoutError
-from lidardraft.scene.check import EGO, LayoutGround, Solid, penetration
-from lidardraft.scene.layout import Layout, Primitive
-from lidardraft.scene.road import Road
-from lidardraft.semantics import BY_NAME
+from lidardraft.scene.check import EGO_SIZE
+from lidardraft.scene.layout import Layout
 
 TRIES = 60  # of places for one object
-# Estimates of ours.
-GAP = 0.25  # m between any two objects
-FOLLOWING_GAP = 2.0  # m before and behind whatever drives
+ARRANGEMENTS = 8  # of the whole scene
+_CROWDED = 100  # objects of one group that need more room from the start
+_MOST_SPACED = 40  # objects of a row whose number is a word
 
 
 def layout_from_spec(spec: SceneSpec, seed: int = 0) -> Layout:
-    """A layout that satisfies the spec and passes every check; the same for the same spec and seed.
+    """A layout in which every relation of the spec holds and that passes every check; the same for the same arguments.
 
-    Raises `LayoutError` on a seed that is no integer >= 0, and where an object that is asked for finds no room, naming
-    how many of how many did.
+    What finds no room makes the scene be arranged anew, with that first and more room for what the spec leaves open.
+    `layout.provenance` holds the spec, the numbers of the road, and for each object the number of its group.
+
+    Raises `LayoutError` on a seed that is no integer >= 0, and where a relation cannot hold, naming it, how many of how
+    many objects found room, and what is in the way.
     """
     if type(seed) is not int or seed < 0:
         raise LayoutError(f"seed is {seed!r}; it must be an integer >= 0")
-    rng = np.random.default_rng(seed)
-    road = road_from_spec(spec, rng)
-    scene = _Scene(road, rng)
-    for group in sorted(spec.groups, key=_rank):
-        for place in group.places or ("",):
-            _fill(scene, spec, group, place)
-    return Layout(
-        primitives=tuple(scene.primitives), provenance={"source": "spec", "seed": seed, "spec": spec.to_dict()}
-    )
+    urgent: set[int] = set()
+    most = max((group.fewest or 0 for group in spec.groups), default=0)
+    for attempt in range(min(most // _CROWDED, ARRANGEMENTS - 1), ARRANGEMENTS):
+        solver = _Solver(spec, np.random.default_rng([seed, attempt] if attempt else seed), attempt)
+        failed = solver.arrange(urgent)
+        if failed is None:
+            return Layout(primitives=tuple(solver.scene.primitives), provenance=solver.provenance(seed))
+        urgent |= _with_references(spec, failed)
+    raise LayoutError(solver.refusal)
 
 
-def _rank(group: ObjectGroup) -> tuple[bool, bool, int]:
-    return group.distance is None, group.spacing is None, -group.record.precedence
+class _Solver:
+    """One arrangement of a scene; `attempt` numbers those that came to nothing before."""
 
+    def __init__(self, spec: SceneSpec, rng: np.random.Generator, attempt: int) -> None:
+        self.spec, self.rng, self.attempt = spec, rng, attempt
+        self.road = road_from_spec(spec, rng, attempt)
+        self.scene = Occupancy(self.road, rng)
+        self.placed: dict[int, list[Footprint]] = {}
+        self.refusal = ""
 
-def _fill(scene: _Scene, spec: SceneSpec, group: ObjectGroup, place: str) -> None:
-    """Place what a group wants at one place; a number is met exactly, a word by at least one."""
-    wanted = _count(group, place, scene.rng)
-    placed = 0
-    for number in range(wanted):
-        kind = _kind(group, spec, scene.rng)
-        zone = zone_of(group, kind, place, scene.road)
-        if any(scene.place(kind, group, pose) for pose in _poses(scene, zone, group, number, wanted)):
-            placed += 1
-        elif isinstance(group.count, int):
-            break
-    if placed == 0 or (isinstance(group.count, int) and placed < wanted):
-        where = f" at place {place!r}" if place else ""
-        asked = wanted if isinstance(group.count, int) else f"{group.count!r}"
-        raise LayoutError(f"{group.kind}{where}: {placed} of {asked} found room; ask for fewer or for another place")
+    def arrange(self, urgent: set[int]) -> int | None:
+        """Place all groups; the number of the group that found no room, or None."""
+        spec = self.spec
+        for number in placing_order(spec, urgent):
+            if number in self.placed:
+                continue
+            group = spec.groups[number]
+            row = _row_of(spec, number)
+            if row is not None:
+                if not self._place_row(row):
+                    return number
+                continue
+            for place in group.places or ("",):
+                if not self._fill(number, group, place):
+                    return number
+        return None
 
+    def provenance(self, seed: int) -> dict[str, object]:
+        """Where the layout came from, as JSON types."""
+        objects = {footprint.name: number for number in self.placed for footprint in self.placed[number]}
+        return {
+            "source": "spec",
+            "seed": seed,
+            "spec": self.spec.to_dict(),
+            "road": json.loads(json.dumps(dataclasses.asdict(self.road))),
+            "objects": objects,
+        }
 
-def _count(group: ObjectGroup, place: str, rng: np.random.Generator) -> int:
-    if isinstance(group.count, int):
-        return group.count
-    low, high = getattr(group.record.counts, group.count)
-    if group.spacing is not None:
-        return max(low, min(40, int(100.0 / group.spacing)))
-    return int(rng.integers(low, high + 1)) * (1 if place else 2)
+    def _fill(self, number: int, group: ObjectGroup, place: str) -> bool:
+        """Place what a group wants at one place; a number is met exactly, a word by as many as find room."""
+        wanted = self._count(group, place)
+        self.scene.in_the_way.clear()
+        placed: list[Footprint] = []
+        for index in range(wanted):
+            footprint = self._place(group, place, index, wanted)
+            if footprint is not None:
+                placed.append(footprint)
+            elif isinstance(group.count, int):
+                break
+        self.placed.setdefault(number, []).extend(placed)
+        if len(placed) >= self._least(group, wanted):
+            return True
+        self._refuse(group, place, len(placed), wanted)
+        return False
 
+    def _place(self, group: ObjectGroup, place: str, index: int, wanted: int) -> Footprint | None:
+        kind = self._kind(group)
+        if group.relation is not None:
+            return self._place_relative(group, kind, group.relation, self._references(group), index)
+        bound = group.distance is not None or place.startswith("beside")
+        zone = zone_of(group, kind, place, self.road).grown(0 if bound else self.attempt, self.road)
+        for pose in self._poses(zone, group, kind, index, wanted):
+            footprint = self.scene.place(kind, group, pose)
+            if footprint is not None:
+                return footprint
+        return None
 
-def _kind(group: ObjectGroup, spec: SceneSpec, rng: np.random.Generator) -> SentenceKind:
-    """The kind of one object of a group: its own, or one of the mix that traffic is."""
-    kind = group.record
-    if kind.sizes is not None:
-        return kind
-    mix = [one for one in SENTENCE_KINDS.values() if one.traffic_share and one.name not in spec.absent]
-    if group.heading == "parked":  # what a usual parking strip takes
-        mix = [one for one in mix if one.parking_width < kind.parking_width]
-    if not mix:
-        raise LayoutError(f"{kind.name}: every kind of it is absent: {', '.join(spec.absent)}")
-    shares = np.array([one.traffic_share for one in mix])
-    return SENTENCE_KINDS[str(rng.choice([one.name for one in mix], p=shares / shares.sum()))]
+    def _references(self, group: ObjectGroup) -> list[Footprint]:
+        """What the objects of a group are placed from; where they are between others, two neighbours."""
+        each = [self.placed[reference] for reference in group.references]
+        if group.relation != "between":
+            return [footprint for footprints in each for footprint in footprints]
+        if len(each) == 2:
+            one = each[0][int(self.rng.integers(len(each[0])))]
+            return [one, min(each[1], key=lambda other: math.dist(one.pose[:2], other.pose[:2]))]
+        line = sorted(each[0], key=lambda footprint: (footprint.side, footprint.pose.along))
+        pairs = list(itertools.pairwise(line)) or [(line[0], line[0])]
+        pairs = [pair for pair in pairs if pair[0].side == pair[1].side] or pairs
+        return list(pairs[int(self.rng.integers(len(pairs)))])
 
+    def _place_relative(
+        self, group: ObjectGroup, kind: SentenceKind, relation: str, references: list[Footprint], index: int
+    ) -> Footprint | None:
+        assert kind.sizes is not None
+        length, width, _ = kind.sizes.largest
+        sides = (group.scale or (1.0, 1.0))[:2]
+        size = tuple((group.size or (None, None))[axis] or (length, width)[axis] * sides[axis] for axis in (0, 1))
+        poses = RelativePoses(self.road, kind, (size[0], size[1]), group.heading == "parked", relation, group.distance)
+        for attempt in range(TRIES):
+            pose = poses.sample(references, self.rng, index, attempt / TRIES)
+            if pose is None:
+                self.scene.in_the_way["the road"] += 1
+                continue
+            footprint = self.scene.place(kind, group, pose)
+            if footprint is not None:
+                return footprint
+        return None
 
-def _poses(scene: _Scene, zone: Zone, group: ObjectGroup, number: int, wanted: int) -> Iterator[RoadPose]:
-    """The poses to try in order: in the object's own slot first, then, unless it is bound to it, anywhere."""
-    rng = scene.rng
-    near, far = zone.span
-    step = (far - near) / wanted
-    for attempt in range(TRIES):
+    def _place_row(self, row: tuple[int, int, int]) -> bool:
+        """Place one object, then in line with it those of the group between, then the other one."""
+        first, between, last = row
+        start = self.spec.groups[first]
+        self.scene.in_the_way.clear()
+        found = self._place(start, (start.places or ("",))[0], 0, 1)
+        line = [found] if found else []
+        wanted = self._count(self.spec.groups[between], "one")
+        members = [between] * wanted + [last]
+        self.placed[first] = list(line)
+        for member in members:
+            if not line:
+                break
+            group = self.spec.groups[member]
+            found = self._place_relative(group, self._kind(group), "row", line[-1:], 0)
+            if found is None:
+                break
+            line.append(found)
+            self.placed.setdefault(member, []).append(found)
+        if len(line) == wanted + 2:
+            return True
+        self._refuse(self.spec.groups[between], "", max(0, len(line) - 1), wanted)
+        return False
+
+    def _refuse(self, group: ObjectGroup, place: str, placed: int, wanted: int) -> None:
+        said = group_relations(group, self.spec, place)
+        asked = wanted if group.fewest is not None else repr(group.count)
+        blockers = [name for name, _ in self.scene.in_the_way.most_common()] or ["the end of the road"]
+        more = f" and {len(blockers) - 3} more" if len(blockers) > 3 else ""
+        self.refusal = (
+            f"{' '.join([group.kind, ', '.join(said)]).strip()}: {placed} of {asked} found room; "
+            f"in the way: {', '.join(blockers[:3])}{more}; ask for fewer or for another place"
+        )
+
+    def _least(self, group: ObjectGroup, wanted: int) -> int:
+        """How many objects meet a count; in the last arrangement one is enough for a word."""
+        if isinstance(group.count, int):
+            return wanted
+        if isinstance(group.count, tuple):
+            return group.count[0]
+        few = getattr(group.record.counts, group.count)[0]
+        return 1 if self.attempt == ARRANGEMENTS - 1 else min(few, wanted)
+
+    def _count(self, group: ObjectGroup, place: str) -> int:
+        if isinstance(group.count, int):
+            return group.count
+        if isinstance(group.count, tuple):
+            low, high = group.count
+            return int(self.rng.integers(low, high + 1))
+        low, high = getattr(group.record.counts, group.count)
         if group.spacing is not None:
-            along = near + math.copysign(group.spacing, far - near) * (number // zone.sides)
-            if abs(along) > scene.road.half_length:
-                return
-        elif near == far:
-            along = near
-        elif attempt < TRIES // 4:
-            along = near + step * (number + float(rng.uniform(0.25, 0.75)))
-        else:
-            along = near + (far - near) * float(rng.random())
-        yield zone.sample_pose(rng, along, number, attempt / TRIES)
+            return max(low, min(_MOST_SPACED, int(100.0 / group.spacing)))
+        return int(self.rng.integers(low, high + 1)) * (1 if place or group.relation else 2)
+
+    def _kind(self, group: ObjectGroup) -> SentenceKind:
+        """The kind of one object of a group: its own, or one of the mix that traffic is."""
+        kind = group.record
+        if kind.sizes is not None:
+            return kind
+        mix = [one for one in SENTENCE_KINDS.values() if one.traffic_share and one.name not in self.spec.absent]
+        if group.heading == "parked":  # what a usual parking strip takes
+            mix = [one for one in mix if one.parking_width < kind.parking_width]
+        if not mix:
+            raise LayoutError(f"{kind.name}: every kind of it is absent: {', '.join(self.spec.absent)}")
+        shares = np.array([one.traffic_share for one in mix])
+        return SENTENCE_KINDS[str(self.rng.choice([one.name for one in mix], p=shares / shares.sum()))]
+
+    def _poses(
+        self, zone: Zone, group: ObjectGroup, kind: SentenceKind, number: int, wanted: int
+    ) -> Iterator[RoadPose]:
+        """The poses to try in order: in the object's own slot first, then, unless it is bound to it, anywhere."""
+        rng = self.rng
+        near, far = zone.span
+        step = (far - near) / wanted
+        for attempt in range(TRIES):
+            if group.spacing is not None:
+                along = near + math.copysign(group.spacing, far - near) * (number // zone.sides)
+                if abs(along) > self.road.half_length:
+                    self.scene.in_the_way["the end of the road"] += 1
+                    return
+            elif near == far:
+                along = near + math.copysign(_measured_from(kind, attempt), near) if group.distance else near
+            elif attempt < TRIES // 4:
+                along = near + step * (number + float(rng.uniform(0.25, 0.75)))
+            else:
+                along = near + (far - near) * float(rng.random())
+            yield zone.sample_pose(rng, along, number, attempt / TRIES * (1 + self.attempt) ** 1.3)
 
 
-class _Scene:
-    """What stands so far, and where there is still room."""
+def _measured_from(kind: SentenceKind, attempt: int) -> float:
+    """How much further an object stands than asked for [m], as tries go on.
 
-    def __init__(self, road: Road, rng: np.random.Generator) -> None:
-        self.road, self.rng = road, rng
-        self.primitives = road.surfaces()
-        self.ground = LayoutGround(self.primitives)
-        self.solids: list[Solid] = [Solid.from_primitive(EGO)]
-        self.side_roads = [
-            Solid.from_primitive(_raised(p)) for p in self.primitives if p.id in ("road_left", "road_right")
-        ]
-        self.numbers: Counter[str] = Counter()
-        self.instances = 0
-
-    def place(self, kind: SentenceKind, group: ObjectGroup, pose: RoadPose) -> bool:
-        """Place one object there if there is room for it."""
-        parked = group.heading == "parked"
-        parts = kind.sample_parts(self.rng, parked=parked, bent=self.road.curvature != 0.0)
-        if "road" not in kind.surfaces and any(_reaches(part, pose.across, self.road) for part in parts):
-            return False
-        primitives = [self._primitive(kind, part, pose) for part in parts]
-        moving = kind.drives and not parked
-        wide = [Solid.from_primitive(_widened(p, FOLLOWING_GAP if moving else GAP, GAP)) for p in primitives]
-        obstacles = self.solids if moving or kind.walks else self.solids + self.side_roads
-        if any(penetration(solid, other) > 0 for solid in wide for other in obstacles):
-            return False
-        self.numbers[kind.name] += 1
-        name = f"{kind.name}_{self.numbers[kind.name]}"
-        numbers: dict[str, int] = {}  # a rider and what is ridden are two instances of one name
-        for part, primitive in zip(parts, primitives, strict=True):
-            if BY_NAME[part.label].is_thing and part.label not in numbers:
-                self.instances += 1
-                numbers[part.label] = self.instances
-            id = f"{name}.{part.name}" if part.name else name
-            self.primitives.append(dataclasses.replace(primitive, id=id, instance=numbers.get(part.label, 0)))
-        self.solids += map(Solid.from_primitive, primitives)
-        return True
-
-    def _primitive(self, kind: SentenceKind, part: ObjectPart, pose: RoadPose) -> Primitive:
-        along, across, yaw = pose
-        length, width, height = part.size
-        dx, dy, dz = part.center
-        if kind.follows_road:  # each segment follows the bend, as long as the arc is there
-            along, dx, length = along + dx, 0.0, length * (1.0 - self.road.curvature * across)
-        x, y, heading = self.road.at(along, across)
-        z = self.ground.height(x, y)
-        yaw += heading
-        cos, sin = math.cos(yaw), math.sin(yaw)
-        center = (x + cos * dx - sin * dy, y + sin * dx + cos * dy, z + dz)
-        size = (length, width, height)
-        return Primitive(shape=part.shape, center=center, size=size, yaw=yaw, label=part.label, id=kind.name)
+    Its middle is at the distance; where that leaves no room its near end is, at last as seen from the ego's bumper.
+    """
+    assert kind.sizes is not None
+    half = kind.sizes.largest[0] / 2
+    return (0.0, 0.0, half, half + EGO_SIZE[0] / 2)[4 * attempt // TRIES]
 
 
-def _reaches(part: ObjectPart, across: float, road: Road) -> bool:
-    """Whether a part that stands beside the road would stand on it; what hangs over it, as a crown does, may."""
-    low = part.center[2] - part.size[2] / 2 < 0.5
-    return low and abs(across) - part.size[1] / 2 < road.edge
+def placing_order(spec: SceneSpec, urgent: set[int]) -> list[int]:
+    """The numbers of the groups as they are placed: the `urgent`, what has relations, what is bound, the largest."""
+    referenced = {reference for group in spec.groups for reference in group.references}
+
+    def depth(number: int) -> int:
+        return max((1 + depth(reference) for reference in spec.groups[number].references), default=0)
+
+    def rank(number: int) -> tuple[bool, bool, int, bool, bool, int]:
+        group = spec.groups[number]
+        related = number in referenced or bool(group.references)
+        bound = group.distance is None, group.spacing is None, -group.record.precedence
+        return number not in urgent, not related, depth(number), *bound
+
+    return sorted(range(len(spec.groups)), key=rank)
 
 
-def _widened(primitive: Primitive, ahead: float, aside: float) -> Primitive:
-    length, width, height = primitive.size
-    return dataclasses.replace(primitive, size=(length + 2 * ahead, width + 2 * aside, height))
+def _with_references(spec: SceneSpec, number: int) -> set[int]:
+    return {number}.union(*(_with_references(spec, reference) for reference in spec.groups[number].references))
 
 
-def _raised(surface: Primitive) -> Primitive:
-    """An obstacle over a surface that has to stay free."""
-    return dataclasses.replace(surface, shape="box", size=(*surface.size[:2], 20.0), label="other")
+def _row_of(spec: SceneSpec, number: int) -> tuple[int, int, int] | None:
+    """The two ends of a row and the group between them, if a group is one of its ends and both are free to move."""
+    for between, group in enumerate(spec.groups):
+        ends = group.references
+        if group.relation != "between" or number not in ends:
+            continue
+        counts = {spec.groups[end].fewest for end in ends}
+        if (len(ends), counts) not in ((1, {2}), (2, {1})) or not all(_is_free(spec.groups[end]) for end in ends):
+            continue
+        if isinstance(group.count, int) and group.heading not in ("across", "parked"):
+            return ends[0], between, ends[-1]
+    return None
+
+
+def _is_free(group: ObjectGroup) -> bool:
+    return group.relation is None and group.distance is None and group.spacing is None and len(group.places) < 2

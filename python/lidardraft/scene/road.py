@@ -32,7 +32,7 @@ class PavedArea:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Road:
-    """A two-way road of constant curvature under the ego vehicle, right-hand traffic, with at most one crossing road.
+    """A road of constant curvature under the ego vehicle, right-hand traffic, with at most one crossing road.
 
     `along` [m] runs in the ego's direction with the ego at 0; `across` [m] is positive to the left with the centreline
     at 0. `lanes` counts one direction; the ego drives in number `ego_lane`, counted from the kerb. `parking` is the
@@ -40,7 +40,8 @@ class Road:
     for a left bend. `junction` is the `along` of the middle of the crossing road, or None; `side_roads` are the sides
     on which it leaves, `LEFT` or `RIGHT`. The road goes on `half_length` [m] either way. `median` is the width [m] of
     the strip between the directions, `roundabout_radius` the outer radius [m] of a roundabout in the junction (or
-    None), `paved_areas` what is paved beside the road, such as a car park.
+    None), `paved_areas` what is paved beside the road, such as a car park. With `one_way` all `lanes` lead in the ego's
+    direction, on both sides of the centreline.
     """
 
     lanes: int = 1
@@ -55,6 +56,7 @@ class Road:
     median: float = 0.0
     roundabout_radius: float | None = None
     paved_areas: tuple[PavedArea, ...] = ()
+    one_way: bool = False
 
     def __post_init__(self) -> None:
         if not 1 <= self.lanes <= 6:
@@ -73,6 +75,8 @@ class Road:
             raise LayoutError(f"side_roads is {self.side_roads}; sides are {LEFT} (left) and {RIGHT} (right)")
         if not 0.0 <= self.median <= 20.0:
             raise LayoutError(f"median is {self.median} m; it must be 0 to 20 m")
+        if self.one_way and self.median:
+            raise LayoutError(f"median is {self.median} m; a one-way road has none")
         if self.roundabout_radius is not None:
             self._check_roundabout(self.roundabout_radius)
 
@@ -87,6 +91,8 @@ class Road:
     @property
     def edge(self) -> float:
         """Distance from the centreline to the kerb [m]."""
+        if self.one_way:
+            return self.lanes * self.lane_width / 2 + self.parking
         return self.median / 2 + self.lanes * self.lane_width + self.parking
 
     @property
@@ -103,6 +109,8 @@ class Road:
         """`across` of the middle of a lane: number 0 is the outermost, direction 1 the ego's and -1 the opposite."""
         if not 0 <= number < self.lanes:
             raise LayoutError(f"lane {number} of a road with {self.lanes} lanes in each direction")
+        if self.one_way:
+            return (number + 0.5 - self.lanes / 2) * self.lane_width
         return -direction * (self.median / 2 + (self.lanes - number - 0.5) * self.lane_width)
 
     @overload

@@ -18,9 +18,10 @@ from lidardraft.drafting.object_shapes import (
     traffic_light_parts,
     traffic_sign_parts,
 )
-from lidardraft.drafting.road_zones import LANE_OFFSET, YAW_DEVIATION
+from lidardraft.drafting.occupancy import GAP
+from lidardraft.drafting.road_pose import YAW_DEVIATION
+from lidardraft.drafting.road_zones import LANE_OFFSET
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS, SentenceKind
-from lidardraft.drafting.solver import GAP
 from lidardraft.objects.coarse_shapes import CoarseShape, box_of
 from lidardraft.objects.kinds import Alignment, Kind, kind_of
 from lidardraft.objects.placed_object import PlacedObject

@@ -1,0 +1,202 @@
+"""Poses from other objects: behind, in front of, beside, between, opposite or near what stands already."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lidardraft.drafting.parking_bays import LOT_DEPTH
+from lidardraft.drafting.road_pose import BACKWARDS, RoadPose, turned
+from lidardraft.drafting.sentence_kinds import SentenceKind
+from lidardraft.scene.road import Road
+
+# Estimates of ours: gaps between two objects [m], smallest and largest, where no distance is asked for.
+_IN_LANE = (1.5, 5.0)  # along a lane
+_CLOSE = (0.4, 1.2)
+_NEAR = (0.5, 4.0)
+_FURTHER = 8.0  # m more, for want of room
+_ACROSS_LANES = 0.6  # m between what stands side by side
+_MOVED, _MOVED_BETWEEN = 12.0, 3.0  # m across the road, at most, to where its kind may be
+
+
+@dataclass(frozen=True, slots=True)
+class Footprint:
+    """Where an object stands in the road's frame, and how far it reaches from its middle along and across [m]."""
+
+    name: str
+    kind: SentenceKind
+    pose: RoadPose
+    half_along: float
+    half_across: float
+
+    @classmethod
+    def of(cls, name: str, kind: SentenceKind, pose: RoadPose, length: float, width: float) -> Footprint:
+        """The footprint of an object of such a length and width [m]."""
+        cos, sin = abs(math.cos(pose.yaw)), abs(math.sin(pose.yaw))
+        return cls(name, kind, pose, (cos * length + sin * width) / 2, (sin * length + cos * width) / 2)
+
+    @property
+    def forwards(self) -> int:
+        """1 if its front is in the direction of the ego's, as far as it has one, or away from the ego; else -1."""
+        if self.kind.drives:
+            return 1 if math.cos(self.pose.yaw) > 0 else -1
+        return 1 if self.pose.along >= 0 else -1
+
+    @property
+    def side(self) -> int:
+        """1 on the left of the road, -1 on the right."""
+        return 1 if self.pose.across > 0 else -1
+
+
+@dataclass(frozen=True, slots=True)
+class RelativePoses:
+    """Samples poses of an object of `kind` by its `relation` to the `references`; `distance` is a range from them [m].
+
+    The relation "row" continues a row: in line with the reference, on the side away from the ego.
+    """
+
+    road: Road
+    kind: SentenceKind
+    size: tuple[float, float]
+    parked: bool
+    relation: str
+    distance: tuple[float, float] | None = None
+
+    def sample(
+        self, references: Sequence[Footprint], rng: np.random.Generator, number: int, effort: float
+    ) -> RoadPose | None:
+        """A pose, or None where one of its kind cannot be; `effort` rises from 0 to 1 while nothing fits."""
+        reference = references[number % len(references)]
+        if self.relation == "between":
+            return self._between(references[0], references[1], rng, effort)
+        if self.relation == "opposite":
+            across = -reference.side * max(self.road.edge + 2.0, abs(reference.pose.across))
+            return self._pose(reference.pose.along + float(rng.uniform(-1.0, 1.0)), across, rng, reference)
+        if self.relation in ("left-of", "right-of"):
+            return self._aside(reference, 1 if self.relation == "left-of" else -1, rng, effort)
+        if self.relation == "row":
+            return self._in_line(reference, 1 if reference.pose.along >= 0 else -1, rng, effort)
+        if self.relation == "behind":
+            return self._behind(reference, rng, effort)
+        if self.relation == "in-front-of":
+            return self._in_front(reference, rng, effort)
+        return self._beside(reference, rng, effort, _NEAR if self.relation == "near" else _CLOSE)
+
+    def _behind(self, reference: Footprint, rng: np.random.Generator, effort: float) -> RoadPose | None:
+        """At its back: of what drives the rear, of what stands beside the road the side away from it."""
+        if reference.kind.drives or reference.kind.walks or self._needs_road:
+            way = -1 if reference.kind.drives else 1
+            return self._in_line(reference, way * reference.forwards, rng, effort)
+        off = reference.half_across + self.size[1] / 2 + self._gap(_CLOSE, rng, effort)
+        along = reference.pose.along + float(rng.uniform(-0.5, 0.5)) * reference.half_along
+        return self._pose(along, reference.pose.across + reference.side * off, rng, reference)
+
+    def _in_front(self, reference: Footprint, rng: np.random.Generator, effort: float) -> RoadPose | None:
+        """At its front: of what drives the nose, of what stands beside the road the side towards it."""
+        if reference.kind.drives or reference.kind.walks:
+            way = 1 if reference.kind.drives else -1
+            return self._in_line(reference, way * reference.forwards, rng, effort)
+        off = reference.half_across + self.size[1] / 2 + self._gap(_CLOSE, rng, effort)
+        along = reference.pose.along + float(rng.uniform(-0.6, 0.6)) * reference.half_along
+        return self._pose(along, reference.pose.across - reference.side * off, rng, reference)
+
+    def _in_line(self, reference: Footprint, way: int, rng: np.random.Generator, effort: float) -> RoadPose | None:
+        usual = _IN_LANE if self.kind.is_vehicle or reference.kind.is_vehicle else _CLOSE
+        least = reference.half_along + self.size[0] / 2
+        off = max(least + 0.3, self._asked(rng)) if self.distance else least + self._gap(usual, rng, effort)
+        return self._pose(reference.pose.along + way * off, reference.pose.across, rng, reference)
+
+    def _beside(
+        self, reference: Footprint, rng: np.random.Generator, effort: float, usual: tuple[float, float]
+    ) -> RoadPose | None:
+        """At its side across the road, or along it."""
+        along_it = not (self.kind.drives and reference.kind.drives) and rng.random() < 0.5
+        if along_it and not self._needs_road:
+            off = reference.half_along + self.size[0] / 2 + self._gap(usual, rng, effort)
+            along = reference.pose.along + (off if rng.random() < 0.5 else -off)
+            across = reference.pose.across
+            if not reference.kind.drives:  # in line with the face towards the road
+                across -= reference.side * (reference.half_across - self.size[1] / 2)
+            return self._pose(along, across, rng, reference)
+        return self._aside(reference, 1 if rng.random() < 0.5 else -1, rng, effort, usual)
+
+    def _aside(
+        self,
+        reference: Footprint,
+        side: int,
+        rng: np.random.Generator,
+        effort: float,
+        usual: tuple[float, float] = _CLOSE,
+    ) -> RoadPose | None:
+        off = reference.half_across + self.size[1] / 2 + max(_ACROSS_LANES, self._gap(usual, rng, effort / 4))
+        along = reference.pose.along + float(rng.uniform(-0.4, 0.4)) * reference.half_along
+        return self._pose(along, reference.pose.across + side * off, rng, reference, side)
+
+    def _between(self, one: Footprint, other: Footprint, rng: np.random.Generator, effort: float) -> RoadPose | None:
+        """On the way from one to the other, where it leaves room."""
+        share = 0.5 + float(rng.uniform(-0.25, 0.25)) * effort
+        along = one.pose.along + share * (other.pose.along - one.pose.along)
+        across = one.pose.across + share * (other.pose.across - one.pose.across)
+        return self._pose(along, across, rng, one)
+
+    def _gap(self, usual: tuple[float, float], rng: np.random.Generator, effort: float) -> float:
+        gap = float(rng.uniform(*usual)) + _FURTHER * effort * float(rng.random())
+        return max(gap, self._asked(rng)) if self.distance else gap
+
+    def _asked(self, rng: np.random.Generator) -> float:
+        return float(rng.uniform(*self.distance)) if self.distance else 0.0
+
+    @property
+    def _needs_road(self) -> bool:
+        return self.kind.is_vehicle
+
+    def _pose(
+        self, along: float, across: float, rng: np.random.Generator, reference: Footprint, side: int = 0
+    ) -> RoadPose | None:
+        """The pose there, moved to where its kind may be: a lane or the kerb, or beside the road."""
+        found, yaw = self._ground_at(across, rng, reference, side)
+        moved, apart = abs(found - across), (found - reference.pose.across) * side
+        in_between = self.relation == "between" and reference.kind.drives == self.kind.drives
+        if moved > (_MOVED_BETWEEN if in_between else _MOVED) or (side and apart < 0.3):
+            return None
+        towards = reference.half_across < abs(reference.pose.across) - abs(found)
+        if self.relation == "in-front-of" and not (towards or reference.kind.drives or reference.kind.walks):
+            return None
+        return RoadPose(along, found, yaw)
+
+    def _ground_at(
+        self, across: float, rng: np.random.Generator, reference: Footprint, side: int
+    ) -> tuple[float, float]:
+        """The nearest place across the road where its kind may be, and the yaw there."""
+        if self.kind.walks or (self.kind.cycles and self.parked):
+            return across, float(rng.uniform(-math.pi, math.pi))
+        if not self.kind.drives:
+            clear = self._verge + self.size[1] / 2 + 0.3
+            if "road" not in self.kind.surfaces and abs(across) < clear:
+                across = math.copysign(clear, across)
+            return across, 0.0 if across > 0 else BACKWARDS
+        ways = [(self.road.lane(n) * way, way) for n in range(self.road.lanes) for way in self._directions]
+        at_kerb = abs(across) > self.road.edge - self.road.parking
+        if self.road.parking and (self.parked or at_kerb):
+            ways += [(s * (self.road.edge - self.road.parking / 2), -s) for s in (1, -1)]
+        if reference.kind.drives and self.road.paved_areas:
+            ways.append((across, reference.forwards))
+        if side:  # beside it, not in its own lane
+            ways = [way for way in ways if (way[0] - reference.pose.across) * side > 1.0] or ways
+        lane, way = min(ways, key=lambda way: (round(abs(way[0] - across), 2), way))
+        same_row = abs(lane - reference.pose.across) < 1.0 and reference.kind.drives
+        return lane, turned(rng, reference.pose.yaw if same_row else 0.0 if way > 0 else BACKWARDS)
+
+    @property
+    def _verge(self) -> float:
+        """Where the land begins that this kind stands on, from the centreline [m]."""
+        if self.road.paved_areas:
+            return self.road.edge + LOT_DEPTH
+        return self.road.edge if "sidewalk" in self.kind.surfaces else self.road.verge
+
+    @property
+    def _directions(self) -> tuple[int, ...]:
+        return (1,) if self.road.one_way else (1, -1)

@@ -1,0 +1,37 @@
+"""A place in the frame of a road, and how such places are sampled."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+YAW_DEVIATION = 0.01  # rad, standard deviation of the heading in a lane or along a kerb; estimate of ours
+
+
+class RoadPose(NamedTuple):
+    """A place in the road's frame: along and across [m], and the yaw from the road's heading there [rad]."""
+
+    along: float
+    across: float
+    yaw: float
+
+
+PoseSampler = Callable[[np.random.Generator, float, int, float], RoadPose]
+"""A pose from a generator, a distance along [m], the number of the object, and an effort that rises from 0 to 1 while
+nothing fits."""
+
+
+def alternate(sides: tuple[int, ...], number: int) -> int:
+    """The side of one of several objects that take the sides in turns."""
+    return sides[number % len(sides)]
+
+
+def turned(rng: np.random.Generator, yaw: float) -> float:
+    """A yaw [rad] as precise as drivers are."""
+    return yaw + float(rng.normal(0.0, YAW_DEVIATION))
+
+
+BACKWARDS = math.pi  # rad, against the ego's direction

@@ -1,0 +1,53 @@
+"""Poses where roads meet."""
+
+import math
+
+import numpy as np
+import pytest
+
+from lidardraft.drafting.junction_poses import at_corner, in_turn, on_crossing_road, on_ring
+from lidardraft.drafting.road_pose import PoseSampler, RoadPose
+from lidardraft.scene.road import LEFT, RIGHT, Road
+
+ROAD = Road(junction=40.0)
+ROUNDABOUT = Road(junction=40.0, roundabout_radius=20.0)
+
+
+def sampled(sample_pose: PoseSampler) -> list[RoadPose]:
+    rng = np.random.default_rng(0)
+    return [sample_pose(rng, 40.0, number, 0.5) for number in range(40)]
+
+
+def test_who_crosses_keeps_to_the_right_and_comes_from_the_side_that_is_said() -> None:
+    for pose in sampled(on_crossing_road(ROAD, "across", (1, -1))):
+        assert (pose.along < 40.0) == (math.sin(pose.yaw) < 0)
+    from_left = sampled(on_crossing_road(ROAD, "across", (LEFT,)))
+    assert all(pose.across > 0 and math.sin(pose.yaw) < 0 for pose in from_left)
+    assert all(math.sin(pose.yaw) > 0 for pose in sampled(on_crossing_road(ROAD, "across-left", (1, -1))))
+
+
+@pytest.mark.parametrize(("heading", "side"), [("turning-left", LEFT), ("turning-right", RIGHT)])
+def test_a_turn_leads_from_a_lane_into_one_of_the_crossing_road(heading: str, side: int) -> None:
+    for pose in sampled(in_turn(ROAD, heading)):
+        way = 1 if abs(math.remainder(pose.yaw - side * math.pi / 4, math.tau)) < math.pi / 2 else -1
+        turned = math.remainder(pose.yaw - (0.0 if way > 0 else math.pi), math.tau) * side
+        assert 0.0 < turned < math.pi / 2
+        assert math.hypot(pose.along - 40.0, pose.across) < 10.0
+
+
+def test_a_t_junction_is_left_by_its_side_road() -> None:
+    to_the_left = Road(junction=40.0, side_roads=(LEFT,))
+    assert all(math.sin(pose.yaw) > 0 for pose in sampled(in_turn(to_the_left, "turning-right")))
+
+
+def test_the_ring_is_driven_counter_clockwise() -> None:
+    for pose in sampled(on_ring(ROUNDABOUT)):
+        x, y = pose.along - 40.0, pose.across
+        assert math.hypot(x, y) == pytest.approx(16.0)
+        assert x * math.sin(pose.yaw) - y * math.cos(pose.yaw) > 15.0
+
+
+def test_a_corner_is_on_the_sidewalk_clear_of_the_crossing_road() -> None:
+    for pose in sampled(at_corner(ROAD, (LEFT,))):
+        assert ROAD.edge < pose.across < ROAD.verge
+        assert ROAD.verge < abs(pose.along - 40.0) < 15.0
