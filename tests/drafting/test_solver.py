@@ -141,9 +141,7 @@ def test_strips_follow_the_bend(radius_kind: str) -> None:
 def test_no_room_is_said() -> None:
     with pytest.raises(LayoutError, match=r"bus in front: \d+ of 60 found room; in the way: .*bus_\d"):
         layout_from_spec(one("bus", 60, "front"), 0)
-    with pytest.raises(
-        LayoutError, match=r"bus in front, 0 to 10 m away: \d of 40 found room; in the way: .*the ego vehicle"
-    ):
+    with pytest.raises(LayoutError, match=r"bus in front, 0 to 10 m away: \d of 40 found room; in the way: bus_"):
         layout_from_spec(one("bus", 40, "front", distance=(0, 10)), 0)
     with pytest.raises(LayoutError, match="tree on the left, 2 m away: 0 of 'some' found room; in the way: the road;"):
         layout_from_spec(one("tree", "some", "left", distance=(2, 2)), 0)

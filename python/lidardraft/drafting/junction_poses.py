@@ -60,7 +60,7 @@ def in_turn(road: Road, heading: str) -> PoseSampler:
         way = int(rng.choice(ways)) if ways else 1
         turn = float(rng.uniform(*_TURN)) * math.pi / 2
         # forward and left as the driver sees it: from the lane to the right of one road into that of the other
-        start, end = (-far - 3.0 * effort, -lane), (side * lane, side * far)
+        start, end = (-far - 3.0 * min(1.0, effort), -lane), (side * lane, side * far)
         forward, left = end[0] - start[0], end[1] - start[1]
         x, y = start[0] + forward * math.sin(turn), start[1] + left * (1.0 - math.cos(turn))
         yaw = math.atan2(left * math.sin(turn), forward * math.cos(turn))
@@ -86,7 +86,7 @@ def at_corner(road: Road, sides: tuple[int, ...]) -> PoseSampler:
     clear = half_of(road) + max(road.sidewalk, 0.5)
 
     def sample(rng: np.random.Generator, along: float, number: int, effort: float) -> RoadPose:
-        off = clear + float(rng.uniform(_CORNER[0], _CORNER[1] + 6.0 * effort))
+        off = clear + float(rng.uniform(_CORNER[0], _CORNER[1] + 6.0 * min(1.0, effort)))
         end = -1.0 if rng.random() < 0.7 else 1.0
         across = alternate(sides, number) * float(rng.uniform(low, high))
         return RoadPose(along + end * off, across, float(rng.uniform(-math.pi, math.pi)))
