@@ -13,6 +13,8 @@ from hypothesis import strategies as st
 from lidardraft.drafting.scene_spec import SceneSpec
 from lidardraft.errors import LidarDraftError
 from lidardraft.formats.boxes import read_boxes, write_boxes
+from lidardraft.formats.carla import read_carla
+from lidardraft.formats.cast import read_cast
 from lidardraft.formats.kitti import read_bin, write_bin
 from lidardraft.formats.obj import read_obj
 from lidardraft.formats.pcd import read_pcd
@@ -40,6 +42,17 @@ def write_obj(path: Path) -> None:
     path.write_text("o car\nv 0 0 0\nv 4 0 0\nv 0 2 1\nf 1 2 3\n")
 
 
+def write_ply(path: Path) -> None:
+    fields = ["float32 x", "float32 y", "float32 z", "float32 CosAngle", "uint32 ObjIdx", "uint32 ObjTag"]
+    head = ["ply", "format ascii 1.0", "element vertex 2", *(f"property {field}" for field in fields), "end_header"]
+    path.write_text("\n".join([*head, "9.0000 1.0000 -1.5000 0.5000 7 14", "4.0 -2.0 -1.7 0.3 0 24", ""]))
+
+
+def write_carla_records(path: Path) -> None:
+    fields = [*((name, "<f4") for name in ("x", "y", "z", "CosAngle")), ("ObjIdx", "<u4"), ("ObjTag", "<u4")]
+    np.save(path, np.array([(9, 1, -1.5, 0.5, 7, 14)], fields))
+
+
 # What reads a file, the ending it goes by, and what writes one.
 READERS: dict[str, tuple[Callable[[Path], object], str, Callable[[Path], object]]] = {
     "bin": (read_bin, ".bin", lambda path: write_bin(path, POINTS, np.ones(4))),
@@ -54,6 +67,9 @@ READERS: dict[str, tuple[Callable[[Path], object], str, Callable[[Path], object]
     "boxes": (read_boxes, ".json", lambda path: write_boxes(path, Layout((CAR,)).boxes(), [3])),
     "layout": (Layout.load, ".json", Layout((CAR,), {"seed": 1}, (-1.0, 1.0)).save),
     "sensor": (Sensor.preset, ".json", lambda path: path.write_text(SENSOR.to_json())),
+    "carla ply": (read_carla, ".ply", write_ply),
+    "carla npy": (read_carla, ".npy", write_carla_records),
+    "cast": (read_cast, ".npz", raycast(Layout((CAR,)), SENSOR).save),
     "range image": (RangeImage.load, ".npz", raycast(Layout((CAR,)), SENSOR).save),
 }
 readers = pytest.mark.parametrize("name", READERS)

@@ -22,6 +22,8 @@ _LAZY = {
     "Scan": "lidardraft.scan",
     "Simulator": "lidardraft.simulation.simulate",
     "detail": "lidardraft.simulation.detail",
+    "observe_cast": "lidardraft.simulation.observe_cast",
+    "observe_points": "lidardraft.simulation.observe_cast",
     "simulate": "lidardraft.simulation.simulate",
     "layout_from_text": "lidardraft.drafting.text",
     "layout_from_cloud": "lidardraft.drafting.cloud",
@@ -45,6 +47,8 @@ __all__ = [
     "detail",
     "layout_from_cloud",
     "layout_from_text",
+    "observe_cast",
+    "observe_points",
     "raycast",
     "simulate",
 ]

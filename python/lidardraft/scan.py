@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -78,14 +80,31 @@ class Scan:
     def save(self, name: str | os.PathLike[str]) -> None:
         """Write `NAME.bin`, `.label`, `.boxes.json`, `.layout.json`, `.sensor.json` and `.png` beside each other, or,
         where one of them cannot be written, none. What has such a name already is replaced."""
-        target = Path(name)
-        with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as folder:
-            stem = Path(folder) / target.name
-            kitti.write_bin(f"{stem}.bin", self.points(), self.intensities())
-            semantickitti.write_label(f"{stem}.label", self.labels(), self.instances())
+        with _files_beside_each_other(name) as stem:
+            _save_image(self.image, self.picture(), stem)
             write_boxes(f"{stem}.boxes.json", self.boxes(), self.returns_per_box())
             self.layout.save(f"{stem}.layout.json")
-            Path(f"{stem}.sensor.json").write_text(self.image.sensor.to_json())
-            view.save_png(self.picture(), f"{stem}.png")
-            for ending in SCAN_ENDINGS:
-                Path(f"{stem}{ending}").replace(f"{target}{ending}")
+
+
+def save_observed(image: RangeImage, name: str | os.PathLike[str]) -> None:
+    """Write an image with intensity as a `Scan` is saved, without the `.boxes.json` and `.layout.json` of a layout."""
+    with _files_beside_each_other(name) as stem:
+        _save_image(image, view.render_range_image(image), stem)
+
+
+@contextmanager
+def _files_beside_each_other(name: str | os.PathLike[str]) -> Iterator[str]:
+    """Where to write files that get this name, with their endings, when the block has ended well."""
+    target = Path(name)
+    with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as folder:
+        yield f"{folder}/{target.name}"
+        for file in Path(folder).iterdir():
+            file.replace(target.parent / file.name)
+
+
+def _save_image(image: RangeImage, picture: np.ndarray, stem: str) -> None:
+    assert image.intensity is not None
+    kitti.write_bin(f"{stem}.bin", image.points(), image.intensity[image.valid])
+    semantickitti.write_label(f"{stem}.label", image.label[image.valid], image.instance[image.valid])
+    Path(f"{stem}.sensor.json").write_text(image.sensor.to_json())
+    view.save_png(picture, f"{stem}.png")

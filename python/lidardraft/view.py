@@ -165,9 +165,9 @@ def render_file(path: Path, sensor: Sensor) -> np.ndarray:
     if path.suffix == ".json":
         return _render_layout_and_cast(Layout.load(path), sensor)
     if path.suffix == ".bin":
-        return _render_range_image(_read_scan(path, sensor))
+        return render_range_image(_read_scan(path, sensor))
     if path.suffix == ".npz":
-        return _render_range_image(RangeImage.load(path))
+        return render_range_image(RangeImage.load(path))
     kind = path.suffix or "a file without an ending"
     raise FormatError(f"{path}: there is no picture of {kind}; it must be .bin, .npz or .json")
 
@@ -178,7 +178,8 @@ def _render_layout_and_cast(layout: Layout, sensor: Sensor) -> np.ndarray:
     return stack([stack(views, across=True), render_image(image)])
 
 
-def _render_range_image(image: RangeImage) -> np.ndarray:
+def render_range_image(image: RangeImage) -> np.ndarray:
+    """A scan on its sensor's mount by height and by label, over the range image itself: uint8 [H, W, 3]."""
     pose = image.sensor.pose()
     views = [render_scan(image, pose), render_scan(image, pose, by_label=True)]
     return stack([stack(views, across=True), render_image(image)])

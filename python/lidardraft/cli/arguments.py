@@ -83,6 +83,12 @@ def add_weights(parser: Options) -> None:
     parser.add_argument("--device", default="cpu", help="where torch runs the model: cpu, cuda, ... (default cpu)")
 
 
+def add_weather(parser: Options) -> None:
+    """--weather, which `read_weather` reads."""
+    text = "rain:10mm or snow:2mm (of water, an hour), fog:100m (visibility), wet:0.5 (of the ground); repeatable"
+    parser.add_argument("--weather", action="append", default=[], metavar="KIND:AMOUNT", help=text)
+
+
 def read_weather(texts: Iterable[str]) -> Weather:
     """The weather of the values of --weather, as in `rain:10mm`; raises `FormatError` on another text, `SensorError` on
     an amount that cannot be."""

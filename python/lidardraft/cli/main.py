@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 import lidardraft
-from lidardraft.cli import draft, evaluate, generate, raycast, simulate, streets, view
+from lidardraft.cli import draft, evaluate, generate, observe, raycast, simulate, streets, view
 from lidardraft.cli.command import commands_of, run
 
 _FIRST = """\
@@ -39,6 +39,7 @@ def _parser() -> argparse.ArgumentParser:
     view.add_arguments(command("view", view.view))
     draft.add_arguments(command("draft", draft.draft))
     raycast.add_arguments(command("raycast", raycast.raycast))
+    observe.add_arguments(command("observe", observe.observe))
     streets.add_arguments(command("streets", streets.streets))
     evaluate.add_arguments(command("evaluate", evaluate.evaluate))
     return parser

@@ -42,10 +42,13 @@ def observe(
     often (and holds the wetness of its ground). `threads` is how many threads may be used, by default as many as there
     are cores; the scan is the same for any number.
 
-    Raises `SensorError` for an image of another sensor or without primitive and incidence, `LayoutError` for a material
-    that is unknown.
+    Raises `SensorError` for an image of another sensor or without primitive and incidence, and for a seed below 0;
+    `LayoutError` for a material that is unknown.
     """
-    rng = np.random.Generator(np.random.SFC64(rng)) if isinstance(rng, int) else rng
+    if not isinstance(rng, np.random.Generator):
+        if rng < 0:
+            raise SensorError(f"seed is {rng}; it must be 0 or more")
+        rng = np.random.Generator(np.random.SFC64(rng))
     weather = weather or Weather()
     model = model or SensorModel.from_sensor(sensor or image.sensor)
     if sensor is None:

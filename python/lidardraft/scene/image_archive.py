@@ -54,6 +54,17 @@ def read_array(archive: zipfile.ZipFile, name: str, dtype: np.dtype[Any], shape:
     return np.frombuffer(data, dtype).reshape(shape, order="F" if fortran else "C").copy()
 
 
+def read_numbers(archive: zipfile.ZipFile, name: str, shape: tuple[int, ...]) -> np.ndarray:
+    """The array of that name, of any type of numbers; raises `FormatError` as `read_array` does."""
+    if not holds(archive, name):
+        raise FormatError(f"{name!r} is missing")
+    with archive.open(f"{name}.npy") as file:
+        _, _, dtype = _header(name, file)
+    if dtype.kind not in "fiu":
+        raise FormatError(f"{name} is {dtype}; it must hold numbers")
+    return read_array(archive, name, dtype, shape)
+
+
 def read_text(archive: zipfile.ZipFile, name: str) -> str:
     """The text of that name, stored as an array of one string; raises `FormatError` as `read_array` does."""
     if not holds(archive, name):

@@ -21,6 +21,7 @@ from lidardraft.scene.materials import (
 from lidardraft.semantics import BY_NAME
 
 _BINS = 128  # of incidence, as many as the core looks up; 0.9 degrees each
+_FACTORS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
 _INDEX = {material.name: i for i, material in enumerate(MATERIALS)}
 # A film of water fills the pores of what is porous: it sends back about half as much (Lekner and Dorf, Applied Optics
 # 27, 1988), and what the film mirrors never comes back to a sensor that does not face it.
@@ -52,23 +53,37 @@ class Surfaces:
         with `by_id`, from its id: then one that is moved looks as before.
         Raises `LayoutError` for a material that is unknown, `SensorError` for a `wetness` that is no share.
         """
-        if not 0.0 <= wetness <= 1.0:
-            raise SensorError(f"wetness is {wetness}; it must be 0 to 1")
         primitives = layout.primitives
         index = np.array([_INDEX[_material(p).name] for p in primitives], dtype=np.intp)
-        table = np.zeros((len(primitives) + 1, _BINS), np.float32)
+        media = np.array([p.extinction is not None for p in primitives], dtype=bool)
+        keys = _keys_from_ids(primitives) if by_id else _keys_from_places(primitives)
+        return cls._made_of(index, media, keys if variation else None, wetness)
+
+    @classmethod
+    def from_materials(cls, materials: np.ndarray, keys: np.ndarray, *, wetness: float = 0.0) -> Surfaces:
+        """Surfaces of `materials` [P], indices of `MATERIALS`; foliage is a medium, whose leaves face every way.
+
+        How one differs from others of its material follows from `keys` u64 [P]; with 0 it is the typical one. Raises
+        `SensorError` for a `wetness` that is no share.
+        """
+        return cls._made_of(materials, materials == _INDEX["foliage"], keys, wetness)
+
+    @classmethod
+    def _made_of(cls, index: np.ndarray, media: np.ndarray, keys: np.ndarray | None, wetness: float) -> Surfaces:
+        if not 0.0 <= wetness <= 1.0:
+            raise SensorError(f"wetness is {wetness}; it must be 0 to 1")
+        table = np.zeros((len(index) + 1, _BINS), np.float32)
         np.take(_responses(wetness), index, axis=0, out=table[1:])
         # leaves face every way: the incidence on the hull of a medium says nothing
-        media = [i for i, p in enumerate(primitives) if p.extinction is not None]
-        table[1 + np.array(media, dtype=np.intp)] = [[leaf_response(MATERIALS[index[i]])] for i in media] or 0.0
-        if variation and primitives:
+        table[1:][media] = np.array([leaf_response(m) for m in MATERIALS])[index[media], None]
+        if keys is not None:
             spread = np.array([m.variation for m in MATERIALS])[index]
-            table[1:] *= np.exp(spread * _scatter(primitives, by_id)).astype(np.float32)[:, None]
-        transmission, grain, rms_height = np.zeros((3, len(primitives) + 1), np.float32)
+            scatter = np.where(keys == 0, 0.0, _nearly_normal(keys))
+            table[1:] *= np.exp(spread * scatter).astype(np.float32)[:, None]
+        transmission, grain, rms_height = np.zeros((3, len(index) + 1), np.float32)
         transmission[1:] = np.array([m.transmission for m in MATERIALS])[index]
         grain[1:] = np.array([m.grain for m in MATERIALS])[index]
-        rms_height[1:] = np.array([m.rms_height for m in MATERIALS])[index]
-        rms_height[1 + np.array(media, dtype=np.intp)] = 0.0
+        rms_height[1:] = np.where(media, 0.0, np.array([m.rms_height for m in MATERIALS])[index])
         return cls(table, transmission, grain, rms_height)
 
 
@@ -90,14 +105,19 @@ def _responses(wetness: float) -> np.ndarray:
     return np.array(rows, np.float32)
 
 
-def _scatter(primitives: tuple[Primitive, ...], by_id: bool) -> np.ndarray:
-    """A number for each primitive, nearly normal, that depends on where it stands, or on its id, alone: f64 [P]."""
-    factors = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
-    if by_id:
-        mixed = np.array([crc32(p.id.encode()) for p in primitives], np.uint64) * factors[0]
-    else:
-        mixed = (np.array([p.center for p in primitives]).view(np.uint64) * factors).sum(axis=1)
-    mixed ^= mixed >> np.uint64(31)
+def _keys_from_places(primitives: tuple[Primitive, ...]) -> np.ndarray:
+    places = np.array([p.center for p in primitives]).reshape(-1, 3).view(np.uint64)
+    keys: np.ndarray = (places * _FACTORS).sum(axis=1)
+    return keys
+
+
+def _keys_from_ids(primitives: tuple[Primitive, ...]) -> np.ndarray:
+    return np.array([crc32(p.id.encode()) for p in primitives], np.uint64) * _FACTORS[0]
+
+
+def _nearly_normal(keys: np.ndarray) -> np.ndarray:
+    """A number for each key u64 [P], nearly normal, of variance 1: f64 [P]."""
+    mixed = keys ^ keys >> np.uint64(31)
     mixed *= np.uint64(0xBF58476D1CE4E5B9)
     mixed ^= mixed >> np.uint64(29)
     quarters = mixed.view(np.uint16).reshape(-1, 4) / 65535.0

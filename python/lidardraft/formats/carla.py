@@ -1,0 +1,181 @@
+"""Clouds of CARLA's semantic LiDAR (`sensor.lidar.ray_cast_semantic`): x y z CosAngle ObjIdx ObjTag, as .ply or .npy.
+
+CARLA's frame is left-handed, with y to the right. Tags are those of CARLA 0.9.14 and later (`CityObjectLabel` in
+LibCarla/source/carla/rpc/ObjectLabel.h); earlier ones count otherwise, and are those of `TAGS_BEFORE_0_9_14`.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from lidardraft.errors import FormatError
+from lidardraft.files import named, read_bytes
+from lidardraft.scene.materials import MATERIALS
+from lidardraft.scene.sensor import Sensor
+from lidardraft.semantics import BY_NAME
+
+# Class of each tag and, where it is not that of the class, its material.
+TAGS: dict[int, tuple[str, str | None]] = {
+    0: ("none", None),
+    1: ("road", None),
+    2: ("sidewalk", None),
+    3: ("building", None),
+    4: ("wall", None),
+    5: ("fence", None),
+    6: ("pole", None),
+    7: ("traffic-light", None),
+    8: ("traffic-sign", None),
+    9: ("vegetation", None),
+    10: ("terrain", None),
+    11: ("none", None),  # sky
+    12: ("person", None),
+    13: ("rider", None),
+    14: ("car", None),
+    15: ("truck", None),
+    16: ("bus", None),
+    17: ("train", None),
+    18: ("motorcycle", None),
+    19: ("bicycle", None),
+    20: ("other", None),  # static
+    21: ("other", None),  # dynamic
+    22: ("other", None),
+    23: ("none", None),  # water
+    24: ("road", "road-paint"),
+    25: ("terrain", "concrete"),  # ground: what is level and nothing else
+    26: ("other", "concrete"),  # bridge
+    27: ("terrain", "gravel"),  # rail track
+    28: ("fence", "metal"),  # guard rail
+}
+# The number that each tag had before; 10 were all vehicles, 4 people with or without one.
+TAGS_BEFORE_0_9_14: dict[int, tuple[str, str | None]] = {
+    before: TAGS[tag]
+    for before, tag in enumerate(
+        (0, 3, 5, 22, 12, 6, 24, 1, 2, 9, 14, 4, 8, 11, 25, 26, 27, 28, 7, 20, 21, 23, 10),
+    )
+}
+_FIELDS = ("x", "y", "z", "CosAngle", "ObjIdx", "ObjTag")
+_RECORD = np.dtype([(name, "<u4" if name.startswith("Obj") else "<f4") for name in _FIELDS])
+_PLY_TYPES = {"float32": "f", "float": "f", "uint32": "u", "uint": "u"}
+_MOST = 2**32 - 1  # actors and tags
+_LONGEST_HEADER = 100_000  # bytes; a real one has 200
+_INDEX = {material.name: i for i, material in enumerate(MATERIALS)}
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class CarlaCloud:
+    """N hits in the sensor frame: `points` f32 [N, 3] [m], `incidence` f32 [N], `label` u8 [N] of `CLASSES`,
+    `instance` u32 [N], the actor's id of things and 0 for stuff, `materials` i64 [N] of `MATERIALS`, -1 for that of the
+    class. These are the arguments of `observe_points`."""
+
+    points: np.ndarray
+    incidence: np.ndarray
+    label: np.ndarray
+    instance: np.ndarray
+    materials: np.ndarray
+
+
+def read_carla(path: str | os.PathLike[str], tags: Mapping[int, tuple[str, str | None]] = TAGS) -> CarlaCloud:
+    """A cloud as `save_to_disk` writes it (.ply), or as an .npy file of the records of `raw_data`.
+
+    Raises `FormatError` naming the file where it is neither, is truncated, or has a tag that `tags` does not have.
+    """
+    data = read_bytes(path)
+    with named(path):
+        hits = _from_ply(data) if data.startswith(b"ply") else _from_npy(data)
+        table = np.full((max(tags) + 2, 2), -1)
+        for tag, (name, material) in tags.items():
+            table[tag] = BY_NAME[name].id, -1 if material is None else _INDEX[material]
+        label, materials = table[np.minimum(hits["ObjTag"], len(table) - 1)].T
+        unknown = np.flatnonzero(label < 0)
+        if len(unknown):
+            raise FormatError(f"hit {unknown[0]} has tag {hits['ObjTag'][unknown[0]]}; CARLA has tags 0 to {max(tags)}")
+        numbers = np.stack([hits[name] for name in _FIELDS[:4]], axis=1)
+        if not np.isfinite(numbers).all():
+            raise FormatError(f"hit {np.argwhere(~np.isfinite(numbers))[0, 0]} is not finite")
+        is_thing = np.array([row.is_thing for row in BY_NAME.values()])[label]
+        return CarlaCloud(
+            points=numbers[:, :3] * np.array([1, -1, 1], np.float32),
+            incidence=np.minimum(np.abs(numbers[:, 3]), 1.0),
+            label=label.astype(np.uint8),
+            instance=np.where(is_thing, hits["ObjIdx"], 0).astype(np.uint32),
+            materials=materials,
+        )
+
+
+def carla_sensor(
+    *,
+    channels: int = 32,
+    upper_fov: float = 10.0,
+    lower_fov: float = -30.0,
+    max_range: float = 10.0,
+    points_per_second: int = 56000,
+    rotation_frequency: float = 10.0,
+    mount_height: float = 2.4,
+) -> Sensor:
+    """The sensor of these attributes of the blueprint, in CARLA's units [degrees, m, Hz] and with its defaults.
+
+    Its simulation must take one step a rotation, so that a cloud is a full turn.
+    """
+    columns = round(points_per_second / rotation_frequency / channels)
+    return Sensor(
+        name="carla",
+        elevations=tuple(np.deg2rad(np.linspace(upper_fov, lower_fov, channels)).tolist()),
+        columns=columns,
+        azimuth_start=math.pi + math.pi / max(columns, 1),  # the first ray of a turn looks straight ahead
+        min_range=0.0,
+        max_range=max_range,
+        mount_height=mount_height,
+        range_sigma=0.01,
+        sweep_time=1.0 / rotation_frequency,
+    )
+
+
+def _from_ply(data: bytes) -> np.ndarray:
+    head, end, body = data[:_LONGEST_HEADER].partition(b"end_header\n")
+    lines = [line.split() for line in head.decode("latin-1").splitlines()]
+    if not end or ["format", "ascii", "1.0"] not in lines:
+        raise FormatError("no header of an ascii .ply file, as CARLA writes it")
+    body += data[_LONGEST_HEADER:]
+    elements = [line[1:] for line in lines if line[:1] == ["element"]]
+    fields = [(line[2], _PLY_TYPES.get(line[1])) for line in lines if line[:1] == ["property"] and len(line) == 3]
+    if fields != [(name, _RECORD[name].kind) for name in _FIELDS]:
+        raise FormatError(f"the fields of a hit must be {' '.join(_FIELDS)}, as the semantic LiDAR has them")
+    if len(elements) != 1 or elements[0][:1] != ["vertex"] or not elements[0][-1].isdecimal():
+        raise FormatError("the file must have one element, vertex, and how many there are")
+    count, words = elements[0][-1], body.split()
+    if len(count) > 18 or len(words) < int(count) * len(_FIELDS):
+        raise FormatError(f"{count} hits of {len(_FIELDS)} numbers need more than the {len(words)} that are there")
+    table = np.array(words[: int(count) * len(_FIELDS)], dtype=bytes).reshape(-1, len(_FIELDS))
+    hits = np.zeros(len(table), _RECORD)
+    try:
+        for column, name in enumerate(_FIELDS):
+            numbers = table[:, column].astype(np.float64 if column < 4 else np.uint64)
+            if column >= 4 and numbers.max(initial=0) > _MOST:
+                raise ValueError(f"{name} is {numbers.max()}; it must be 0 to {_MOST}")
+            with np.errstate(over="ignore"):  # what is too large for float32 is infinite there
+                hits[name] = numbers
+    except (ValueError, OverflowError) as error:
+        raise FormatError(str(error)) from None
+    return hits
+
+
+def _from_npy(data: bytes) -> np.ndarray:
+    file = io.BytesIO(data)
+    try:
+        if np.lib.format.read_magic(file) != (1, 0):
+            raise ValueError("not in version 1.0 of numpy's format")
+        shape, _, found = np.lib.format.read_array_header_1_0(file)
+    except Exception as error:  # numpy's parser raises whatever it meets
+        raise FormatError(f"neither a .ply nor an .npy file: {str(error).splitlines()[0]}") from None
+    if found != _RECORD or len(shape) != 1:
+        raise FormatError(f"the array is {found} {shape}; it must hold N records of {' '.join(_FIELDS)}")
+    body = data[file.tell() :]
+    if len(body) < shape[0] * _RECORD.itemsize:
+        raise FormatError(f"{shape[0]} hits need {shape[0] * _RECORD.itemsize} bytes; there are {len(body)}")
+    return np.frombuffer(body, _RECORD, shape[0])
