@@ -97,13 +97,13 @@ _NEW_JERSEY = ((0.5, 0.0), (0.5, 0.4), (0.28, 0.55), (0.18, 1.0))
 _W_BEAM = ((-0.5, -0.5), (0.5, -0.25), (-0.3, 0.0), (0.5, 0.25), (-0.5, 0.5))
 
 
-def fence(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
-    """Upright palings or bars with gaps between them, on posts with two rails."""
+def fence(placed: PlacedObject, rng: np.random.Generator, *, dense: bool = False) -> list[Primitive]:
+    """Upright palings or bars with gaps between them, on posts with two rails; a `dense` one has close palings."""
     length, width, height = placed.size
     builder = ObjectBuilder(placed)
-    iron = rng.random() < _FENCE.iron_p
+    iron = not dense and rng.random() < _FENCE.iron_p
     material = "metal" if iron else "wood"
-    cover = _FENCE.iron_cover if iron else float(rng.choice(_FENCE.paling_covers))
+    cover = _FENCE.iron_cover if iron else float(rng.choice(_FENCE.paling_covers[-1:] if dense else _FENCE.paling_covers))
     before, depth = _FENCE.palings_at
     size, at = (length, depth * width, height - _FENCE.gap), (0.0, before * width, _FENCE.gap)
     builder.add_mesh(_palings(_paling_count(length), cover), size, "fence", material, at=at)

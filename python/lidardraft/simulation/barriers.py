@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from functools import partial
+
+from lidardraft.objects import fences
 from lidardraft.scene.layout import Primitive
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
-from lidardraft.simulation.fitting import fitted, solid
+from lidardraft.simulation.fitting import Build, fitted, solid
 from lidardraft.simulation.surroundings import Surroundings
 
 # Estimates of ours.
@@ -25,11 +28,15 @@ def wall(coarse: CoarseObject, _surroundings: Surroundings) -> list[Primitive]:
     return made
 
 
-def fence(coarse: CoarseObject, _surroundings: Surroundings) -> list[Primitive]:
-    """Fences of palings, iron bars or mesh, all segments of one alike."""
+def fence(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
+    """Fences of palings, iron bars or mesh, all segments of one alike; of a clustering, which has pieces of what sent
+    back most rays, of close palings."""
     made = []
     for part in coarse.parts:
         alike, box = coarse.again(), _lengthwise(part)
+        if surroundings.clustered:
+            made += _stretch_of(alike, part, "fence", box, _THICK_FENCE, build=partial(fences.fence, dense=True))
+            continue
         mesh = float(alike.rng.random()) < _MESH and max(box.size) > _MESH_FROM
         kind = coarse.word if coarse.word in _FENCES else "mesh_fence" if mesh else "fence"
         made += _stretch_of(alike, part, kind, box, _THICK_FENCE)
@@ -41,8 +48,10 @@ def _lengthwise(part: Primitive) -> UprightBox:
     return box.turned(1) if box.size[1] > box.size[0] else box
 
 
-def _stretch_of(coarse: CoarseObject, part: Primitive, kind: str, box: UprightBox, thickest: float) -> list[Primitive]:
+def _stretch_of(
+    coarse: CoarseObject, part: Primitive, kind: str, box: UprightBox, thickest: float, *, build: Build | None = None
+) -> list[Primitive]:
     length, thick, height = box.size
     if part.shape != "box" or length < _LEAST[0] or height < _LEAST[1] or thick > thickest:
         return [solid(part)]
-    return fitted(coarse, kind, box)
+    return fitted(coarse, kind, box, build=build)

@@ -17,6 +17,7 @@ from lidardraft.semantics import CLASSES
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
 
 Extents = tuple[Vector, Vector]
+Build = Callable[[PlacedObject, np.random.Generator], list[Primitive]]
 
 
 def _times(size: Vector, by: float) -> Vector:
@@ -69,7 +70,7 @@ def fitted(
     clearance: float = 0.0,
     proud: Vector = _PROUD,
     labels: tuple[str, ...] | None = None,
-    build: Callable[[PlacedObject, np.random.Generator], list[Primitive]] | None = None,
+    build: Build | None = None,
 ) -> list[Primitive]:
     """An object of a kind of `objects.kinds` in `box`, its front along the box's yaw; ids are left empty.
 

@@ -18,7 +18,8 @@ _LEAF_AREA, _NARROWING = 0.5 * 3.5, 1.5
 _SPREAD = 0.25  # deviation of the logarithm of densities
 _CORE, _CORE_DENSER = 0.6, 2.0  # twigs in the middle: share of the extents; times as dense
 _TUFT = 1.6  # m: smaller ones are pieces of a crown that a clustering cut
-_TUFT_EXTINCTION = 3.0  # 1/m
+# Mean free paths through such a piece: with 3 the returns of PandaSet's crowns come out as rough, with 5 as near.
+_TUFT_PATHS = 4.0
 _HIGHEST_FOOT = 0.35  # of the height of a tree, between the top of its trunk and its crown
 
 
@@ -61,6 +62,6 @@ def _tuft(coarse: CoarseObject, part: Primitive, surroundings: Surroundings) -> 
     if part.shape not in ("ellipsoid", "cylinder"):
         return [part]
     if surroundings.clustered and max(part.size) <= _TUFT:
-        return [medium(part, _TUFT_EXTINCTION)]
+        return [medium(part, _TUFT_PATHS / min(part.size))]
     density = _NARROWING * _LEAF_AREA / part.size[2] * float(np.exp(coarse.rng.normal(0.0, _SPREAD)))
     return [medium(part, density), medium(part, _CORE_DENSER * density, _CORE)]

@@ -1,0 +1,146 @@
+"""How well detailed layouts obey the coarse ones, by class: Markdown tables.
+
+    python benches/report_detail.py [--streets N] [--data FOLDER]
+
+A cell is the share of the returns of a class in the bare cast of a coarse layout (hdl64e) for which another clean cast
+from there returns within 0.5 m or 5 % and of the same class. That is the cast of `detail(layout)` for sentences and for
+the coarse layouts of streets in each style; "street" is the detailed scene of the same street itself. For labelled
+recordings in FOLDER (PandaSet's, by default in LIDARDRAFT_DATA) it is the share of the recorded returns of a class for
+which the bare cast, and that of the detailed layout, of their clustering is as near: "bare" and "detailed".
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import time
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
+
+from lidardraft import Layout, RangeImage, Sensor, detail, layout_from_cloud, layout_from_text, raycast
+from lidardraft.metrics.sweep import Sweep
+from lidardraft.scene.labelling import agrees
+from lidardraft.scene.layout import object_of
+from lidardraft.scene.scanner import Scanner
+from lidardraft.scene.sensor import PRESETS
+from lidardraft.semantics import CLASSES, GROUND, NUM_CLASSES
+from lidardraft.streets.coarse.as_boxes import BoxStyle
+from lidardraft.streets.coarse.as_clusters import ClusterStyle
+from lidardraft.streets.coarse.as_picture import PictureStyle
+from lidardraft.streets.coarse.as_text import TextStyle
+from lidardraft.streets.coarse.coarse_layout import coarse_layout
+from lidardraft.streets.pairs import scan_street
+from lidardraft.streets.street import StreetConfig, make_street
+from recordings import pandar64
+
+SENSOR = PRESETS["hdl64e"]
+SENTENCES = (
+    "a car ahead and a van behind, trees on both sides",
+    "a busy crossroads with pedestrians crossing and buildings along both sides",
+    "a quiet residential street with houses, gardens, trees and parked cars on both sides",
+    "a motorway with three lanes, a bus, trucks on the right and a motorcycle behind",
+    "a street with street lights and benches on the right, hedges on the left and a tram ahead",
+    "a fence on the left, a wall on the right, a few bushes, two traffic signs and a cyclist",
+    "a t-junction with traffic lights, three pedestrians on the left sidewalk, a bin and poles on the right",
+    "a road curving to the left with houses on the left, fences on the right and two bicycles",
+    "a narrow street with parked cars on both sides, buildings on the left and a truck ahead",
+    "five oncoming cars, many trees on the left, a house on the right and a motorcycle ahead",
+)
+SEEDS = 3  # of each sentence
+STYLES = (TextStyle(), ClusterStyle(), PictureStyle(), BoxStyle())
+POSES = 2  # of each street
+
+Counts = dict[str, np.ndarray]  # by column: agreeing returns and all [2, K]
+
+
+def add(counts: Counts, column: str, given: RangeImage, other: RangeImage) -> None:
+    """Count the returns of `given`, and those with which `other` agrees."""
+    same = agrees(other, given) & (other.label == given.label)
+    found = counts[column]
+    found[0] += np.bincount(given.label[given.valid & same], minlength=NUM_CLASSES)
+    found[1] += np.bincount(given.label[given.valid], minlength=NUM_CLASSES)
+
+
+def report(counts: Counts) -> str:
+    """The table: a row a class, and one of all but ground; a column each, with the returns of the first."""
+    rows = {row.name: [row.id] for row in CLASSES[1:]}
+    rows["all objects"] = [row.id for row in CLASSES[1:] if row.name not in GROUND]
+    lines = [f"| | {' | '.join(counts)} | returns |", "|---" * (len(counts) + 2) + "|"]
+    for name, ids in rows.items():
+        cells = [found[:, ids].sum(axis=1) for found in counts.values()]
+        if any(total for _, total in cells):
+            shares = [f"{near / total:.2f}" if total else "" for near, total in cells]
+            lines.append(f"| {name} | {' | '.join(shares)} | {max(total for _, total in cells):.0f} |")
+    return "\n".join(lines)
+
+
+def new_counts() -> Counts:
+    """Without a return."""
+    return defaultdict(lambda: np.zeros((2, NUM_CLASSES)))
+
+
+def of_sentences(counts: Counts, sentences: tuple[str, ...] = SENTENCES, seeds: int = SEEDS) -> list[float]:
+    """Add the layouts of sentences; returns milliseconds of `detail` for a hundred objects, of each."""
+    times = []
+    for sentence in sentences:
+        for seed in range(seeds):
+            layout = layout_from_text(sentence, seed=seed)
+            start = time.process_time()
+            detailed = detail(layout, seed)
+            taken = time.process_time() - start
+            times.append(1e5 * taken / len({object_of(primitive) for primitive in layout}))
+            add(counts, "sentences", raycast(layout, SENSOR), raycast(detailed, SENSOR))
+    return times
+
+
+def of_streets(counts: Counts, number: int) -> None:
+    """Add the coarse layouts of a street in every style, and its own detailed scene beside each."""
+    street = make_street(11, StreetConfig(sensor=SENSOR), number=number)
+    scanner = Scanner.from_layout(street.scene, SENSOR)
+    for index in range(POSES):
+        ego, visible, rng = scan_street(street, scanner, index)
+        scene = scanner.caster.scan(SENSOR, ego.pose @ visible.pose)
+        for style in STYLES:
+            table = coarse_layout(street.coarse, style, rng, ego.pose, visible)
+            layout = table.layout({"source": style.source})
+            bare = raycast(layout, SENSOR, visible.pose)
+            add(counts, f"{style.source}", bare, raycast(detail(layout, number), SENSOR, visible.pose))
+            add(counts, f"{style.source}: street", bare, scene)
+
+
+def of_recording(counts: Counts, sweep: Sweep, sensor: Sensor) -> Layout:
+    """Add a labelled sweep beside the casts of its clustering, which is returned."""
+    assert sweep.label is not None
+    seen = (sweep.depth > 0) & (sweep.label > 0)
+    points, label = sweep.points[seen], sweep.label[seen]
+    recorded = RangeImage.project(points, sensor, label=label)
+    layout = layout_from_cloud(points, label, sensor_height=sensor.mount_height)
+    add(counts, "bare", recorded, raycast(layout, sensor))
+    add(counts, "detailed", recorded, raycast(detail(layout), sensor))
+    return layout
+
+
+def main() -> None:
+    """Print all tables."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--streets", type=int, default=12, metavar="N", help="how many streets (default 12)")
+    parser.add_argument("--data", type=Path, default=os.environ.get("LIDARDRAFT_DATA"), metavar="FOLDER")
+    arguments = parser.parse_args()
+    counts = new_counts()
+    times = of_sentences(counts)
+    for number in range(arguments.streets):
+        of_streets(counts, number)
+    print(report(counts))
+    print(f"\ndetail takes {np.median(times):.1f} ms for a hundred objects (median of {len(times)} sentences)")
+    if arguments.data is not None:
+        counts = new_counts()
+        for sweeps in pandar64(Path(arguments.data), 1800).labelled.values():
+            for sweep in sweeps:
+                of_recording(counts, sweep, PRESETS["pandar64"])
+        print(f"\n{report(counts)}" if counts else "")
+
+
+if __name__ == "__main__":
+    main()
