@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lidardraft.objects.facades import PLINTH, RECESS, STOREY, WINDOW_BAY, walls
+from lidardraft.objects.facades import PLINTH, RECESS, STOREY, WINDOW_BAY, front, walls
 
 
 @pytest.mark.parametrize(("bays", "deep", "storeys"), [(1, 1, 1), (4, 3, 2), (10, 5, 6)])
@@ -36,3 +36,13 @@ def test_a_larger_opening_leaves_less_wall():
         return float(facing.sum())
 
     assert area(0.36) > area(0.45) > area(0.6)
+
+
+def test_a_front_alone_is_that_of_a_building_without_its_door():
+    wall, panes = front(4, 2, 0.45)
+    assert len(panes.mesh.faces) == 2 * 4 * 2
+    assert wall.size[0] == pytest.approx(1.0)
+    assert (wall.center[2] + wall.size[2] / 2) * 2 * STOREY == pytest.approx(2 * STOREY)
+    # panes lie behind the wall's face, y = 0, and ledges before it
+    assert panes.center[1] == pytest.approx(RECESS)
+    assert -0.1 < wall.center[1] - wall.size[1] / 2 < 0.0

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from built_objects import build, cast, extinction_along, placed
 
+from lidardraft.objects import fences
+
 
 def test_rays_pass_between_palings():
     fence = build(placed("fence", 1), 0)
@@ -39,3 +41,14 @@ def test_barriers_are_of_steel_or_from_a_height_on_of_concrete():
     assert "concrete" not in {p.material for p in build(placed("barrier", 0), 0)}
     rails = [sum(p.size[2] == pytest.approx(0.31) for p in build(placed("barrier", v), 0)) for v in (0, 1)]
     assert rails == [1, 2]  # a wide one has rails on both sides
+
+
+def test_a_dense_fence_has_close_palings_of_wood():
+    made = placed("fence")
+    for seed in range(20):
+        parts = fences.fence(made, np.random.default_rng(seed), dense=True)
+        assert {p.material for p in parts} == {"wood"}
+        palings = next(p for p in parts if p.size[1] == 0.0)
+        assert palings.mesh is not None
+        widths = np.ptp(palings.mesh.vertices.reshape(-1, 4, 3)[..., 0], axis=1) * palings.size[0]
+        assert widths.sum() == pytest.approx(0.9 * made.size[0])

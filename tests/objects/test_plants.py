@@ -1,8 +1,10 @@
 """Plants: media of foliage, trunks that hold it."""
 
+import numpy as np
 import pytest
 from built_objects import build, placed
 
+from lidardraft.objects import plants
 from lidardraft.objects.plants import trunk_diameter
 
 
@@ -48,3 +50,15 @@ def test_the_middle_of_a_verge_has_the_height_of_the_grass():
     heights = [p.size[2] for p in build(made, 0)]
     assert max(heights) == made.size[2]
     assert len(heights) == 4
+
+
+def test_whether_a_tree_is_bare_can_be_said():
+    made = placed("tree", 1)
+
+    def light(seed: int, bare: bool | None) -> float:
+        parts = plants.tree(made, np.random.default_rng(seed), bare=bare)
+        return max(p.extinction for p in parts if p.extinction is not None)
+
+    assert all(light(seed, False) > 0.15 for seed in range(60))
+    assert sum(light(seed, True) < 0.15 for seed in range(60)) > 50  # conifers are never bare
+    assert light(3, None) == max(p.extinction for p in build(made, 3) if p.extinction is not None)

@@ -35,3 +35,10 @@ def test_walls_have_plinths_or_copings_and_no_other_class() -> None:
 def test_a_thick_block_stays_a_block() -> None:
     (part,) = detailed(box("fence", (4.0, 3.0, 1.5)))
     assert (part.size, part.material) == ((4.0, 3.0, 1.5), "wood")
+
+
+def test_the_fences_of_a_clustering_send_back_most_rays() -> None:
+    pieces = [box("fence", (2.5, 0.3, 1.2), at=(15, 3 * k, 0), id=f"fence_{k}") for k in range(20)]
+    made = detailed(*pieces, source="point cloud")
+    assert {p.material for p in made} == {"wood"}
+    assert not any(p.extinction for p in made)
