@@ -49,3 +49,11 @@ def test_cylinders_of_any_size_stay_where_they_are(label: str, size: tuple[float
     assert parts[0].shape == "cylinder"
     assert parts[0].size == pytest.approx(size)
     assert parts[0].center == pytest.approx((15.0, 3.0, size[2] / 2))
+
+
+def test_a_clustered_plate_fills_what_was_seen() -> None:
+    for k in range(12):
+        parts = detailed(box("traffic-sign", (0.1, 0.7, 0.7), at=(15, -5, 2), id=f"traffic-sign_{k}"), source="cloud")
+        face = next(p for p in parts if p.material == "retroreflector")
+        assert face.mesh is not None
+        assert len(face.mesh.vertices) == 4

@@ -74,8 +74,11 @@ _UPPER_PLATES = ("disc", "triangle")  # of two, one over the other
 _OUTLINES = {"disc": (12, 0.5), "triangle": (3, 0.75), "square": (4, 0.5), "octagon": (8, 0.5)}
 
 
-def sign(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
-    """A plate from `clearance` to the top on a post: its face, to the front (+x), reflects back, its back is grey."""
+def sign(placed: PlacedObject, rng: np.random.Generator, *, square: bool = False) -> list[Primitive]:
+    """A plate from `clearance` to the top on a post: its face, to the front (+x), reflects back, its back is grey.
+
+    It fills its extents if it is to be `square`; else it may be a disc, a triangle, an octagon, or two plates.
+    """
     _, width, height = placed.size
     builder = ObjectBuilder(placed)
     tall = height - placed.clearance
@@ -86,12 +89,12 @@ def sign(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
         return builder.primitives
     add_post(builder, _SIGN.post, height - _SIGN.post_lower)
     slender, often = _SIGN.two_plates
-    if tall > slender * width and rng.random() < often:
+    if not square and tall > slender * width and rng.random() < often:
         _add_plate(builder, str(rng.choice(_UPPER_PLATES)), 0.0, (width, width), height - width)
         _add_plate(builder, "square", 0.0, (width, tall - width - _SIGN.plate_gap), placed.clearance)
     else:
         low, high = _SIGN.square
-        outline = sample_name(_PLATES, rng) if low < tall / width < high else "square"
+        outline = sample_name(_PLATES, rng) if not square and low < tall / width < high else "square"
         _add_plate(builder, outline, 0.0, (width, tall), placed.clearance)
     return builder.primitives
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
+from lidardraft.objects import signs
 from lidardraft.scene.layout import Primitive
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
 from lidardraft.simulation.fitting import fitted, part_of, solid
@@ -17,10 +19,10 @@ _LONG = 1.5  # times as long as wide: what is not has no thin side
 
 def pole(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
     """Masts, lamps on arms, signs and signals, each part where it was given."""
-    signs, lights = coarse.labelled("traffic-sign"), coarse.labelled("traffic-light")
+    plates, lights = coarse.labelled("traffic-sign"), coarse.labelled("traffic-light")
     posts = [part for part in coarse.labelled("pole") if part.shape == "cylinder"]
-    if len(posts) == 1 and len(signs) + len(lights) == 1 and len(coarse.parts) == 2:
-        return _on_post(coarse, posts[0], (signs + lights)[0], surroundings)
+    if len(posts) == 1 and len(plates) + len(lights) == 1 and len(coarse.parts) == 2:
+        return _on_post(coarse, posts[0], (plates + lights)[0], surroundings)
     made: list[Primitive] = []
     for part in coarse.parts:
         if part.label == "traffic-sign":
@@ -48,11 +50,12 @@ def _on_post(coarse: CoarseObject, post: Primitive, head: Primitive, surrounding
 
 
 def _plate(coarse: CoarseObject, part: Primitive, surroundings: Surroundings) -> list[Primitive]:
-    """A plate without a post."""
+    """A plate without a post; of a clustering, whose box holds what was seen, one that fills it."""
     box = _facing(UprightBox.around([part]), surroundings)
     if part.shape != "box" or box.size[1] < _LONG * box.size[0]:
         return [solid(part)]
-    return fitted(coarse, "sign", box, labels=("traffic-sign",))
+    build = partial(signs.sign, square=surroundings.clustered)
+    return fitted(coarse, "sign", box, labels=("traffic-sign",), build=build)
 
 
 def _facing(box: UprightBox, surroundings: Surroundings) -> UprightBox:
