@@ -103,9 +103,8 @@ def fence(placed: PlacedObject, rng: np.random.Generator, *, dense: bool = False
     builder = ObjectBuilder(placed)
     iron = not dense and rng.random() < _FENCE.iron_p
     material = "metal" if iron else "wood"
-    cover = (
-        _FENCE.iron_cover if iron else float(rng.choice(_FENCE.paling_covers[-1:] if dense else _FENCE.paling_covers))
-    )
+    covers = _FENCE.paling_covers[-1:] if dense else _FENCE.paling_covers
+    cover = _FENCE.iron_cover if iron else float(rng.choice(covers))
     before, depth = _FENCE.palings_at
     size, at = (length, depth * width, height - _FENCE.gap), (0.0, before * width, _FENCE.gap)
     builder.add_mesh(_palings(_paling_count(length), cover), size, "fence", material, at=at)
