@@ -5,6 +5,7 @@ use super::noise::{Key, uniform};
 use super::receiver::{Echoes, received_power};
 use super::surfaces::entry;
 use super::{Backscatter, Ranging, SensorModel, Surfaces};
+use crate::simd::Lanes;
 
 /// Behind glass: above how many standard deviations of the patches there is something within reach, its mean depth [m]
 /// and response (seats, curtains, frames): estimates of ours.
@@ -31,7 +32,7 @@ pub(crate) fn transmit_through_glass(
         return;
     }
     for (column, &primitive) in echoes.primitive.iter().enumerate() {
-        let through = surfaces.transmission[entry(primitive)];
+        let through = surfaces.transmission[entry(primitive) as usize];
         if through > 0.0 && patches[column] > BEHIND {
             let deeper = echoes.depth[column] - BEHIND_DEPTH * ln(uniform(key.bits(column) as u32));
             // the little way behind it is in clear air
@@ -49,7 +50,7 @@ pub(crate) fn transmit_through_glass(
 /// to pulse; `grain`, which is written, that of the surface each pixel shows. Both are independent from pixel to pixel,
 /// so one `normal` number stands for both.
 #[inline(always)]
-pub(crate) fn scatter_power(
+pub(crate) fn scatter_power<L: Lanes>(
     echoes: &mut Echoes,
     gain: f32,
     patches: &[f32],
@@ -58,9 +59,7 @@ pub(crate) fn scatter_power(
     surfaces: &Surfaces<'_>,
     model: &SensorModel,
 ) {
-    for (grain, &primitive) in grain.iter_mut().zip(&echoes.primitive) {
-        *grain = surfaces.grain[entry(primitive)];
-    }
+    echoes.look_up::<L>(surfaces.grain, grain);
     let (grainy, speckle) = (if model.material_noise { 1.0 } else { 0.0 }, model.speckle * model.speckle);
     let pulses = echoes.power.iter_mut().zip(grain.iter());
     for (((power, &grain), &normal), &patch) in pulses.zip(normal).zip(patches) {
@@ -156,13 +155,18 @@ pub(crate) fn intensity(echoes: &Echoes, beam: usize, model: &SensorModel, shown
 ///
 /// Along the ray it is the height over the cosine of incidence, but for grazing rays, which meet the tops.
 #[inline(always)]
-pub(crate) fn roughness(echoes: &Echoes, surfaces: &Surfaces<'_>, model: &SensorModel, variance: &mut [f32]) {
+pub(crate) fn roughness<L: Lanes>(
+    echoes: &mut Echoes,
+    surfaces: &Surfaces<'_>,
+    model: &SensorModel,
+    variance: &mut [f32],
+) {
     if !model.material_noise {
         return variance.fill(0.0);
     }
-    let pixels = echoes.primitive.iter().zip(&echoes.incidence);
-    for (variance, (&primitive, &incidence)) in variance.iter_mut().zip(pixels) {
-        let height = surfaces.rms_height[entry(primitive)] / larger(incidence, GRAZING);
+    echoes.look_up::<L>(surfaces.rms_height, variance);
+    for (variance, &incidence) in variance.iter_mut().zip(&echoes.incidence) {
+        let height = *variance / larger(incidence, GRAZING);
         *variance = height * height;
     }
 }

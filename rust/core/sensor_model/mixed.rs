@@ -1,7 +1,9 @@
 //! Mixed pixels: beams whose sub-rays met more than one surface, and the echo that is reported of each.
 
 use super::elementary::larger;
+use super::surfaces::response_place;
 use super::{Returns, SensorModel, Surfaces};
+use crate::simd::Lanes;
 
 /// The N mixed pixels of a row, whose beams are S sub-rays.
 #[derive(Default)]
@@ -14,6 +16,9 @@ pub(crate) struct Mixed {
     pub(crate) power: Vec<f32>,
     /// The echoes [N] that are reported.
     pub(crate) echo: Echo,
+    /// Where the responses of sub-rays are, and those.
+    places: Vec<u32>,
+    responses: Vec<f32>,
     sum: Vec<f32>,
     most: Vec<f32>,
     middle: Vec<f32>,
@@ -34,8 +39,16 @@ pub(crate) struct Echo {
 impl Mixed {
     /// Takes the sub-rays of the mixed pixels out of a row; `white` [S, W] are their powers if all were white.
     #[inline(always)]
-    pub(crate) fn gather(&mut self, rays: &Returns<'_>, white: &[f32], columns: usize, surfaces: &Surfaces<'_>) {
+    pub(crate) fn gather<L: Lanes>(
+        &mut self,
+        rays: &Returns<'_>,
+        white: &[f32],
+        columns: usize,
+        surfaces: &Surfaces<'_>,
+    ) {
         let beams = self.columns.len();
+        restart(&mut self.places, beams, 0);
+        restart(&mut self.responses, beams, 0.0);
         for numbers in [&mut self.depth, &mut self.power] {
             numbers.resize(beams * white.len() / columns, 0.0);
         }
@@ -43,11 +56,16 @@ impl Mixed {
             let (row, beams) = (ray * columns..(ray + 1) * columns, ray * beams..(ray + 1) * beams);
             let (far, primitive) = (&rays.depth[row.clone()], &rays.primitive[row.clone()]);
             let (white, incidence) = (&white[row.clone()], &rays.incidence[row]);
-            let taken = self.depth[beams.clone()].iter_mut().zip(&mut self.power[beams]);
-            for ((depth, power), &column) in taken.zip(&self.columns) {
+            let power = &mut self.power[beams.clone()];
+            let taken = self.depth[beams].iter_mut().zip(&mut *power).zip(&mut self.places);
+            for (((depth, power), place), &column) in taken.zip(&self.columns) {
                 let column = column as usize;
-                *depth = far[column];
-                *power = white[column] * surfaces.response(primitive[column], incidence[column]);
+                (*depth, *power) = (far[column], white[column]);
+                *place = response_place(primitive[column], incidence[column]);
+            }
+            surfaces.responses::<L>(&self.places, &mut self.responses);
+            for (power, &response) in power.iter_mut().zip(&self.responses) {
+                *power *= response;
             }
         }
     }

@@ -59,6 +59,19 @@ pub fn observe(
     scan: &mut ReturnsMut<'_>,
     threads: usize,
 ) -> Result<()> {
+    observe_with(Backend::fastest(), light, ranging, model, seed, scan, threads)
+}
+
+/// The same with the vectors of one backend, all of which make the same bits.
+pub(crate) fn observe_with(
+    backend: Backend,
+    light: &Light<'_>,
+    ranging: Ranging,
+    model: &SensorModel,
+    seed: u64,
+    scan: &mut ReturnsMut<'_>,
+    threads: usize,
+) -> Result<()> {
     let [rows, columns] = light.shape;
     model.check()?;
     model.intensity_curve.as_ref().map_or(Ok(()), |curve| curve.check(rows))?;
@@ -70,7 +83,7 @@ pub fn observe(
     let observer = Observer::new(light, ranging, model, seed);
     let bands = scan.bands(BAND * columns).into_iter().enumerate().collect();
     spread(threads, bands, |(band, scan): (usize, ReturnsMut<'_>)| {
-        simd::run(Backend::fastest(), ObserveRows { observer: &observer, first: band * BAND, scan });
+        simd::run(backend, ObserveRows { observer: &observer, first: band * BAND, scan });
     });
     Ok(())
 }
@@ -102,7 +115,7 @@ struct ObserveRows<'a> {
 impl Kernel for ObserveRows<'_> {
     #[inline(always)]
     fn run<L: Lanes>(mut self) {
-        self.observer.observe_rows(self.first, &mut self.scan);
+        self.observer.observe_rows::<L>(self.first, &mut self.scan);
     }
 }
 
@@ -140,17 +153,17 @@ impl<'a> Observer<'a> {
     }
 
     #[inline(always)]
-    fn observe_rows(&self, first: usize, scan: &mut ReturnsMut<'_>) {
+    fn observe_rows<L: Lanes>(&self, first: usize, scan: &mut ReturnsMut<'_>) {
         let columns = self.light.shape[1];
         let mut row = Row::new(columns);
         for (k, mut scan) in scan.bands(columns).into_iter().enumerate() {
-            self.observe_row(first + k, &mut row, &mut scan);
+            self.observe_row::<L>(first + k, &mut row, &mut scan);
         }
     }
 
     /// The effects in the order of the light.
     #[inline(always)]
-    fn observe_row(&self, number: usize, row: &mut Row, scan: &mut ReturnsMut<'_>) {
+    fn observe_row<L: Lanes>(&self, number: usize, row: &mut Row, scan: &mut ReturnsMut<'_>) {
         let (model, surfaces, extinction) = (self.model, &self.light.surfaces, self.light.extinction);
         let columns = self.light.shape[1];
         let Row { echoes, numbers, patches, stains, work, dropped } = row;
@@ -161,17 +174,17 @@ impl<'a> Observer<'a> {
             dust.blend(number, stains);
         }
 
-        receive(&returns, surfaces, extinction, model, echoes);
+        receive::<L>(&returns, surfaces, extinction, model, echoes);
         transmit_through_glass(echoes, patches, surfaces, model, Key::new(self.seed, Stream::Glass, number));
         let gain = self.beams.other[number] * model.gain_spread;
-        scatter_power(echoes, gain, patches, work, &numbers.normal, surfaces, model);
+        scatter_power::<L>(echoes, gain, patches, work, &numbers.normal, surfaces, model);
         dim_by_dust(echoes, stains, model);
         for backscatter in self.light.backscatter {
             add_backscatter(echoes, &backscatter.row(number, columns), work, extinction, model);
         }
         drop_rays(echoes, patches, &numbers.exponential, model, dropped);
         intensity(echoes, number, model, scan.intensity);
-        roughness(echoes, surfaces, model, work);
+        roughness::<L>(echoes, surfaces, model, work);
         range_noise(
             echoes,
             self.beams.normal[number] * model.offset_spread,

@@ -2,7 +2,9 @@
 
 use super::elementary::{exp, larger, smaller};
 use super::mixed::{Mixed, restart};
+use super::surfaces::{entry, look_up, response_place};
 use super::{Returns, SensorModel, Surfaces};
+use crate::simd::Lanes;
 
 /// The echo of each beam of a row.
 #[derive(Default)]
@@ -20,6 +22,9 @@ pub(crate) struct Echoes {
     /// Power of each sub-ray [S, W] if everything were white and faced the sensor.
     white: Vec<f32>,
     spread: Spread,
+    /// Where in a table of the surfaces something of each beam is.
+    places: Vec<u32>,
+    responses: Vec<f32>,
 }
 
 /// How the sub-rays of each beam differ.
@@ -52,7 +57,7 @@ pub(crate) fn received_power(depth: &[f32], response: f32, extinction: f32, mode
 ///
 /// Where all of them met one surface, its response is that at their mean incidence.
 #[inline(always)]
-pub(crate) fn receive(
+pub(crate) fn receive<L: Lanes>(
     rays: &Returns<'_>,
     surfaces: &Surfaces<'_>,
     extinction: f32,
@@ -67,14 +72,20 @@ pub(crate) fn receive(
     }
     echoes.sum_up(rays, columns);
     echoes.find_mixed(rays, columns, model);
-    let met = echoes.primitive.iter().zip(&echoes.incidence);
-    for (power, (&primitive, &incidence)) in echoes.power.iter_mut().zip(met) {
-        *power *= surfaces.response(primitive, incidence);
+    let Echoes { primitive, incidence, places, responses, .. } = echoes;
+    restart(places, columns, 0);
+    restart(responses, columns, 0.0);
+    for ((place, &primitive), &incidence) in places.iter_mut().zip(&*primitive).zip(&*incidence) {
+        *place = response_place(primitive, incidence);
+    }
+    surfaces.responses::<L>(places, responses);
+    for (power, &response) in echoes.power.iter_mut().zip(&echoes.responses) {
+        *power *= response;
     }
     echoes.incidence.copy_from_slice(&rays.incidence[..columns]);
 
     let Echoes { mixed, white, .. } = echoes;
-    mixed.gather(rays, white, columns, surfaces);
+    mixed.gather::<L>(rays, white, columns, surfaces);
     mixed.separate(model);
     for (beam, &column) in mixed.columns.iter().enumerate() {
         let column = column as usize;
@@ -85,6 +96,15 @@ pub(crate) fn receive(
 }
 
 impl Echoes {
+    /// What a column of the surfaces has for the primitive of each beam.
+    #[inline(always)]
+    pub(super) fn look_up<L: Lanes>(&mut self, column: &[f32], values: &mut [f32]) {
+        for (place, &primitive) in self.places.iter_mut().zip(&self.primitive) {
+            *place = entry(primitive);
+        }
+        look_up::<L>(column, &self.places, values);
+    }
+
     /// Power, range, primitive and mean incidence of each beam, as if its sub-rays had met one surface, which is white.
     #[inline(always)]
     fn sum_up(&mut self, rays: &Returns<'_>, columns: usize) {

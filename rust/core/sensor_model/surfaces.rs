@@ -1,6 +1,7 @@
 //! What primitives send back.
 
 use super::elementary::{larger, whole_part};
+use crate::simd::Lanes;
 
 /// How many bins of incidence there are; 0.9 degrees each.
 pub const INCIDENCES: usize = 128;
@@ -19,16 +20,34 @@ pub struct Surfaces<'a> {
 }
 
 impl Surfaces<'_> {
-    /// The share of the light that comes back from a primitive; 1 is a white surface that faces the sensor.
+    /// The share of the light that comes back from `places`; 1 is a white surface that faces the sensor.
     #[inline(always)]
-    pub(super) fn response(&self, primitive: i32, incidence: f32) -> f32 {
-        let cell = larger(1.0 - incidence, 0.0).sqrt() * (INCIDENCES as f32 - 1e-3);
-        self.table[entry(primitive)][whole_part(cell) as usize % INCIDENCES]
+    pub(super) fn responses<L: Lanes>(&self, places: &[u32], responses: &mut [f32]) {
+        look_up::<L>(self.table.as_flattened(), places, responses);
     }
+}
+
+/// Where in the table of responses that of a primitive is.
+#[inline(always)]
+pub(super) fn response_place(primitive: i32, incidence: f32) -> u32 {
+    let cell = larger(1.0 - incidence, 0.0).sqrt() * (INCIDENCES as f32 - 1e-3);
+    entry(primitive) * INCIDENCES as u32 + whole_part(cell) % INCIDENCES as u32
 }
 
 /// The entry of a primitive; what is below 0 is no return.
 #[inline(always)]
-pub(super) fn entry(primitive: i32) -> usize {
-    (primitive.max(-1) + 1) as usize
+pub(super) fn entry(primitive: i32) -> u32 {
+    (primitive.max(-1) + 1).cast_unsigned()
+}
+
+/// What a table has at each of some places.
+#[inline(always)]
+pub(super) fn look_up<L: Lanes>(table: &[f32], places: &[u32], values: &mut [f32]) {
+    let whole = places.len() - places.len() % L::N;
+    for at in (0..whole).step_by(L::N) {
+        L::gather_at(table, places, at).store(values, at);
+    }
+    for (value, &place) in values[whole..].iter_mut().zip(&places[whole..]) {
+        *value = table[place as usize];
+    }
 }

@@ -1,9 +1,9 @@
 //! The sensor model as a whole: what it checks, and that threads change nothing.
 
-use crate::Error;
 use crate::sensor_model::{
-    Backscatter, INCIDENCES, Light, Ranging, Returns, ReturnsMut, SensorModel, Surfaces, observe,
+    Backscatter, INCIDENCES, Light, Ranging, Returns, ReturnsMut, SensorModel, Surfaces, observe_with,
 };
+use crate::{Backend, Error};
 
 /// A model with every effect off.
 pub(super) fn ideal() -> SensorModel {
@@ -77,6 +77,16 @@ struct Scan {
 
 /// What a model makes of walls, windows and sky in turn; `spoil` changes what it is given.
 fn seen(model: &SensorModel, seed: u64, threads: usize, spoil: impl Fn(&mut Light<'_>)) -> Result<Scan, Error> {
+    seen_with(Backend::fastest(), model, seed, threads, spoil)
+}
+
+fn seen_with(
+    backend: Backend,
+    model: &SensorModel,
+    seed: u64,
+    threads: usize,
+    spoil: impl Fn(&mut Light<'_>),
+) -> Result<Scan, Error> {
     let [rows, columns] = SHAPE;
     let (pixels, rays) = (rows * columns, rows * columns * model.shares.len());
     let met = |k: usize| (k / 7 % 4) as i32 - 1;
@@ -114,7 +124,7 @@ fn seen(model: &SensorModel, seed: u64, threads: usize, spoil: impl Fn(&mut Ligh
         incidence: &mut scan.incidence,
         intensity: &mut scan.intensity,
     };
-    observe(&light, RANGING, model, seed, &mut written, threads)?;
+    observe_with(backend, &light, RANGING, model, seed, &mut written, threads)?;
     Ok(scan)
 }
 
@@ -127,6 +137,16 @@ fn a_scan_is_the_same_for_any_number_of_threads_and_another_for_another_seed() {
     }
     assert_ne!(seen(&model, 8, 1, |_| ()).unwrap(), one);
     assert_ne!(seen(&SensorModel { unit: 4, ..model }, 7, 1, |_| ()).unwrap(), one);
+}
+
+#[test]
+fn a_scan_is_the_same_bit_for_bit_with_every_backend() {
+    for model in [lively(), SensorModel { last_return: true, knee: 1.0, ..lively() }] {
+        let plain = seen_with(Backend::Portable, &model, 7, 1, |_| ()).unwrap();
+        for backend in Backend::available() {
+            assert_eq!(seen_with(backend, &model, 7, 1, |_| ()).unwrap(), plain, "{}", backend.name());
+        }
+    }
 }
 
 #[test]

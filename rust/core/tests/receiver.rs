@@ -2,9 +2,11 @@
 
 use super::Random;
 use super::observe::ideal;
+use crate::Backend;
 use crate::sensor_model::mixed::Mixed;
 use crate::sensor_model::receiver::{Echoes, receive, received_power};
 use crate::sensor_model::{INCIDENCES, Returns, SensorModel, Surfaces};
+use crate::simd::{self, Kernel, Lanes};
 
 /// A model that sums up sub-rays of these shares in pulses of 75 cm, which last 5 ns.
 fn model(shares: Vec<f32>) -> SensorModel {
@@ -84,8 +86,17 @@ fn received(depth: &[f32], primitive: &[i32], model: &SensorModel) -> Echoes {
     let (label, instance, incidence) = (vec![1; depth.len()], vec![0; depth.len()], vec![1.0; depth.len()]);
     let rays = Returns { depth, label: &label, instance: &instance, primitive, incidence: &incidence };
     let mut echoes = Echoes::default();
-    receive(&rays, &surfaces, 0.0, model, &mut echoes);
+    simd::run(Backend::fastest(), Receive(&rays, &surfaces, model, &mut echoes));
     echoes
+}
+
+struct Receive<'a>(&'a Returns<'a>, &'a Surfaces<'a>, &'a SensorModel, &'a mut Echoes);
+
+impl Kernel for Receive<'_> {
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        receive::<L>(self.0, self.1, 0.0, self.2, self.3);
+    }
 }
 
 #[test]
