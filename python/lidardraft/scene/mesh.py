@@ -36,14 +36,13 @@ class TriangleMesh:
             raise LayoutError(
                 f"a mesh needs vertices [V, 3] and at least one face [F, 3]; got {vertices.shape} and {faces.shape}"
             )
-        bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
-        if len(bad):
+        if not np.isfinite(vertices).all():
+            bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
             raise LayoutError(
                 f"vertex {bad[0]} of a mesh is {vertices[bad[0]].tolist()}; every coordinate must be finite"
             )
-        outside = np.flatnonzero(((faces < 0) | (faces >= len(vertices))).any(axis=1))
-        if len(outside):
-            face = outside[0]
+        if faces.min() < 0 or faces.max() >= len(vertices):
+            face = np.flatnonzero(((faces < 0) | (faces >= len(vertices))).any(axis=1))[0]
             raise LayoutError(f"face {face} is {faces[face].tolist()}; the mesh has {len(vertices)} vertices")
         faces = faces.astype(np.uint32)
         vertices.flags.writeable = faces.flags.writeable = False

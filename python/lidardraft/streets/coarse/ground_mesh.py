@@ -41,19 +41,20 @@ class GroundMesh:
         """The ground near street_from_ego `pose` [4, 4]: a mesh for each class, with heights over the plane that stands
         there, and else in the frame of the road."""
         near = np.hypot(*(self._middles - pose[:2, 3]).T) < _SEEN
-        labels = self._labels[near]
+        quads, labels = self._quads[near], self._labels[near]
         found = np.flatnonzero(np.bincount(labels, minlength=1))
         vertices = np.column_stack([self._vertices[:, :2], (self._vertices - pose[:3, 3]) @ pose[:3, 2]])
         rows, meshes, bottom = [], [], 0.0
         for number in found.tolist():
-            mine = self._quads[near][labels == number]
-            faces = np.concatenate([mine[:, [0, 1, 2]], mine[:, [0, 2, 3]]])
+            mine = quads[labels == number]
             used = np.zeros(len(vertices), dtype=bool)
-            used[faces] = True
-            low, high = vertices[used].min(axis=0), vertices[used].max(axis=0)
+            used[mine] = True
+            corners, faces = vertices[used], (np.cumsum(used) - 1)[mine]
+            low, high = corners.min(axis=0), corners.max(axis=0)
             size = np.maximum(high - low, 0.1)
             rows.append((low + size / 2, size))
-            meshes.append(TriangleMesh((vertices[used] - low) / size - 0.5, (np.cumsum(used) - 1)[faces]))
+            triangles = np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
+            meshes.append(TriangleMesh((corners - low) / size - 0.5, triangles))
             bottom = min(bottom, float(low[2]))
         count = len(found)
         return ShapeTable(

@@ -80,12 +80,10 @@ def _resized(placed: PlacedObject, kind: Kind) -> PlacedObject:
     """The object in the nearest size that its word has in sentences; who rides keeps the size of both."""
     if kind.word not in _EXTENTS or kind.instances > 1:
         return placed
-    size = np.array(placed.size)
+    length, width, height = placed.size
     if kind.word == "house":
-        size[2] = (placed.clearance + size[2]) / 2
-    most = np.maximum(_MOST_RESIZED * size, _ALWAYS_RESIZED)
-    nearest = np.clip(np.clip(size, *_EXTENTS[kind.word]), size - most, size + most)
-    length, width, height = nearest.tolist()
+        height = (placed.clearance + height) / 2
+    length, width, height = map(_nearest, (length, width, height), *_EXTENTS[kind.word])
     if kind.word == "tree":
         clearance = min(max(placed.clearance, CROWN_BASE[0]), CROWN_BASE[1], _LEAST_CROWN * height)
         return replace(placed, size=((length + width) / 2, (length + width) / 2, height), clearance=clearance)
@@ -94,11 +92,17 @@ def _resized(placed: PlacedObject, kind: Kind) -> PlacedObject:
     return replace(placed, size=(length, width, height))
 
 
+def _nearest(extent: float, low: float, high: float) -> float:
+    """What is nearest to an extent within the limits, as far as one may be resized."""
+    most = max(_MOST_RESIZED * extent, _ALWAYS_RESIZED)
+    return min(max(min(max(extent, low), high), extent - most), extent + most)
+
+
 def _shapes(placed: PlacedObject, kind: Kind) -> list[CoarseShape]:
     """The parts that `drafting.object_shapes` makes for the word of a kind, at the size of the object."""
     length, width, height = placed.size
     if kind.word == "tree":
-        trunk = float(np.clip(_TRUNK_SHARE * height, *TRUNK_DIAMETER))
+        trunk = min(max(_TRUNK_SHARE * height, TRUNK_DIAMETER[0]), TRUNK_DIAMETER[1])
         crown = height - placed.clearance
         top = placed.clearance + TRUNK_IN_CROWN * crown
         return [
@@ -137,10 +141,10 @@ def _settled(placed: PlacedObject, alignment: Alignment, road: Road, rows: np.nd
         return placed.x, placed.y, heading + square
     if abs(turn - square) > _CROOKED:
         return placed.x, placed.y, placed.yaw
-    turn = square + float(np.clip(turn - square, -_MOST_YAW, _MOST_YAW))
+    turn = square + min(max(turn - square, -_MOST_YAW), _MOST_YAW)
     if alignment is Alignment.LANE and round(square / (math.pi / 2)) % 2 == 0:
         row = rows[int(np.argmin(np.abs(rows - across)))]
         if abs(row - across) < _IN_LANE:
-            across = float(np.clip(across, row - LANE_OFFSET, row + LANE_OFFSET))
+            across = min(max(across, row - LANE_OFFSET), row + LANE_OFFSET)
     x, y, heading = road.at(along, across)
     return x, y, heading + turn

@@ -229,7 +229,11 @@ class SpaceIndex:
     def touches(self, space: Space, margin: float = 0.0) -> bool:
         """Whether any of the spaces kept comes within `margin` [m] of one."""
         cells = self._cells
-        return any(touch(space, other, margin) for cell in _cells(space, margin) for other in cells.get(cell, ()))
+        for cell in _cells(space, margin):
+            for other in cells.get(cell, ()):
+                if touch(space, other, margin):
+                    return True
+        return False
 
 
 def _cells(space: Space, margin: float) -> list[tuple[int, int]]:
