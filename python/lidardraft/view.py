@@ -219,4 +219,4 @@ def caption(picture: np.ndarray, text: str) -> np.ndarray:
 def save_png(picture: np.ndarray, path: str | os.PathLike[str]) -> None:
     """Write the picture uint8 [H, W, 3]."""
     with written_whole(path) as temporary:
-        Image.fromarray(picture).save(temporary, format="png", optimize=True)
+        Image.fromarray(picture).save(temporary, format="png")

@@ -1,0 +1,136 @@
+"""Simulated scans a second, and where the time goes.
+
+    python benches/bench_simulate.py [--sensor hdl64e] [--scans 200] [--workers 2] [--clutter 0]
+
+Two rates: scans of one detailed layout from many poses, by Python threads that share a `Simulator`; and scans of a new
+layout each, by processes. Milliseconds are of processor time, in one thread; ratios and the overhead are medians of
+runs that alternate with what they are held against.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import multiprocessing
+import time
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from functools import partial
+from statistics import median
+
+import numpy as np
+
+from lidardraft import Layout, Raycaster, Sensor, Simulator, layout_from_text
+from lidardraft.scene.scanner import Scanner
+from lidardraft.simulation.detail import detail
+
+SENTENCE = "a busy street with parked cars on both sides, people on the sidewalks, trees, houses and a bus ahead"
+SPEED = 9.0  # m/s
+
+
+def milliseconds(function: Callable[[int], object], count: int = 20) -> float:
+    """Of processor time a call, with the numbers 0, 1, ...: the median."""
+    spent = []
+    for number in range(count):
+        start = time.process_time()
+        function(number)
+        spent.append(time.process_time() - start)
+    return 1e3 * median(spent)
+
+
+def poses_a_second(simulator: Simulator, sensor: Sensor, scans: int, workers: int) -> tuple[float, float]:
+    """Scans of one layout a second, by threads; milliseconds of processor time for each."""
+    poses = [sensor.pose(x=0.1 * number) for number in range(scans)]
+    with ThreadPoolExecutor(workers) as pool:
+        start, spent = time.perf_counter(), time.process_time()
+        for _ in pool.map(partial(simulator.scan, speed=SPEED), poses):
+            pass
+        return scans / (time.perf_counter() - start), 1e3 * (time.process_time() - spent) / scans
+
+
+def _seconds(layout: Layout, sensor: Sensor, seed: int, clutter: float) -> float:
+    start = time.process_time()
+    Simulator(layout, sensor, seed=seed, clutter=clutter, threads=1).scan(speed=SPEED, seed=seed)
+    return time.process_time() - start
+
+
+def layouts_a_second(
+    layouts: list[Layout], sensor: Sensor, scans: int, workers: int, clutter: float
+) -> tuple[float, float]:
+    """Scans a second, of a layout each, by processes; milliseconds of processor time for each."""
+    each = list(itertools.islice(itertools.cycle(layouts), scans))
+    with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn")) as pool:
+        arguments = [sensor] * scans, range(scans), [clutter] * scans
+        for _ in pool.map(_seconds, each[: 4 * workers], *arguments):  # the workers have started
+            pass
+        start = time.perf_counter()
+        spent = sum(pool.map(_seconds, each, *arguments, chunksize=4))
+        return scans / (time.perf_counter() - start), 1e3 * spent / scans
+
+
+def overhead(simulator: Simulator, scanner: Scanner, sensor: Sensor, count: int = 60) -> float:
+    """Milliseconds that `Simulator.scan` takes longer than a cast that is observed."""
+
+    def bare(number: int) -> None:
+        poses = sensor.poses_in_motion(sensor.pose(x=0.1 * number), (SPEED, 0.0, 0.0))
+        scanner.observe(scanner.cast(poses, number), number)
+
+    more = []
+    for number in range(count):
+        start = time.process_time()
+        simulator.scan(sensor.pose(x=0.1 * number), speed=SPEED, seed=number)
+        middle = time.process_time()
+        bare(number)
+        more.append(2 * middle - start - time.process_time())
+    return 1e3 * median(more)
+
+
+def shares(layouts: list[Layout], sensor: Sensor, clutter: float) -> dict[str, float]:
+    """Milliseconds of each step."""
+    scenes = [detail(layout, 0, clutter=clutter) for layout in layouts]
+    scanners = [Scanner.from_layout(scene, sensor, by_id=True, threads=1) for scene in scenes]
+    moving = sensor.poses_in_motion(sensor.pose(), (SPEED, 0.0, 0.0))
+    clean = [scanner.cast(moving, 0) for scanner in scanners]
+    casters = [Raycaster(layout) for layout in layouts]
+    count = len(layouts)
+    return {
+        "bare cast of the layout": milliseconds(lambda k: casters[k].scan(sensor, poses=moving, threads=1), count),
+        "layout of the sentence": milliseconds(lambda k: layout_from_text(SENTENCE, seed=k), count),
+        "detail": milliseconds(lambda k: detail(layouts[k], 0, clutter=clutter), count),
+        "compiling": milliseconds(lambda k: Scanner.from_layout(scenes[k], sensor, by_id=True, threads=1), count),
+        "cast of the sub-rays": milliseconds(lambda k: scanners[k].cast(moving, 0), count),
+        "sensor model": milliseconds(lambda k: scanners[k].observe(clean[k], 0), count),
+    }
+
+
+def main() -> None:
+    """Print rates and shares."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sensor", default="hdl64e")
+    parser.add_argument("--scans", type=int, default=200)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--clutter", type=float, default=0.0)
+    arguments = parser.parse_args()
+    sensor, clutter = Sensor.preset(arguments.sensor), arguments.clutter
+    layouts = [layout_from_text(SENTENCE, seed=seed) for seed in range(12)]
+    simulator = Simulator(layouts[0], sensor, clutter=clutter, threads=1)
+    scanner = Scanner.from_layout(simulator.scene, sensor, by_id=True, threads=1)
+    height, width = sensor.shape
+    sizes = [len(detail(layout, 0, clutter=clutter)) for layout in layouts]
+    shapes, workers = np.mean([len(layout) for layout in layouts]), arguments.workers
+    print(f"{height} x {width}, {shapes:.0f} shapes, in detail {np.mean(sizes):.0f}")
+    rate, spent = poses_a_second(simulator, sensor, arguments.scans, workers)
+    print(
+        f"{rate:.0f} scans/s of one layout from many poses, {workers} threads; {spent:.2f} ms of processor time a scan"
+    )
+    rate, spent = layouts_a_second(layouts, sensor, arguments.scans, workers, clutter)
+    print(f"{rate:.0f} scans/s of a new layout each, {workers} processes; {spent:.2f} ms of processor time a scan")
+    steps = shares(layouts, sensor, clutter)
+    bare = steps["bare cast of the layout"]
+    for step, spent in steps.items():
+        print(f"{step:24} {spent:6.2f} ms {spent / bare:5.1f} x the bare cast")
+    print(f"{'overhead of a scan':24} {overhead(simulator, scanner, sensor):6.2f} ms over cast and sensor model")
+
+
+if __name__ == "__main__":
+    main()
