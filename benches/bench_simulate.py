@@ -26,6 +26,7 @@ from lidardraft.simulation.detail import detail
 
 SENTENCE = "a busy street with parked cars on both sides, people on the sidewalks, trees, houses and a bus ahead"
 SPEED = 9.0  # m/s
+STRETCH = 5.0  # m of the road, which is free that far
 
 
 def milliseconds(function: Callable[[int], object], count: int = 20) -> float:
@@ -40,7 +41,7 @@ def milliseconds(function: Callable[[int], object], count: int = 20) -> float:
 
 def poses_a_second(simulator: Simulator, sensor: Sensor, scans: int, workers: int) -> tuple[float, float]:
     """Scans of one layout a second, by threads; milliseconds of processor time for each."""
-    poses = [sensor.pose(x=0.1 * number) for number in range(scans)]
+    poses = [sensor.pose(x=STRETCH * number / scans) for number in range(scans)]
     with ThreadPoolExecutor(workers) as pool:
         start, spent = time.perf_counter(), time.process_time()
         for _ in pool.map(partial(simulator.scan, speed=SPEED), poses):
@@ -72,13 +73,13 @@ def overhead(simulator: Simulator, scanner: Scanner, sensor: Sensor, count: int 
     """Milliseconds that `Simulator.scan` takes longer than a cast that is observed."""
 
     def bare(number: int) -> None:
-        poses = sensor.poses_in_motion(sensor.pose(x=0.1 * number), (SPEED, 0.0, 0.0))
+        poses = sensor.poses_in_motion(sensor.pose(x=STRETCH * number / count), (SPEED, 0.0, 0.0))
         scanner.observe(scanner.cast(poses, number), number)
 
     more = []
     for number in range(count):
         start = time.process_time()
-        simulator.scan(sensor.pose(x=0.1 * number), speed=SPEED, seed=number)
+        simulator.scan(sensor.pose(x=STRETCH * number / count), speed=SPEED, seed=number)
         middle = time.process_time()
         bare(number)
         more.append(2 * middle - start - time.process_time())
@@ -120,11 +121,9 @@ def main() -> None:
     shapes, workers = np.mean([len(layout) for layout in layouts]), arguments.workers
     print(f"{height} x {width}, {shapes:.0f} shapes, in detail {np.mean(sizes):.0f}")
     rate, spent = poses_a_second(simulator, sensor, arguments.scans, workers)
-    print(
-        f"{rate:.0f} scans/s of one layout from many poses, {workers} threads; {spent:.2f} ms of processor time a scan"
-    )
+    print(f"{rate:.0f} scans/s of one layout from many poses, {workers} threads; {spent:.2f} ms a scan")
     rate, spent = layouts_a_second(layouts, sensor, arguments.scans, workers, clutter)
-    print(f"{rate:.0f} scans/s of a new layout each, {workers} processes; {spent:.2f} ms of processor time a scan")
+    print(f"{rate:.0f} scans/s of a new layout each, {workers} processes; {spent:.2f} ms a scan")
     steps = shares(layouts, sensor, clutter)
     bare = steps["bare cast of the layout"]
     for step, spent in steps.items():
