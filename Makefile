@@ -12,7 +12,7 @@ RUST := $(shell find rust -name '*.rs' 2>/dev/null) Cargo.toml Cargo.lock rust/p
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 16
 
-demo: install ## a sentence becomes a labelled LiDAR scan in out/demo/
+demo: install ## a sentence becomes labelled LiDAR scans, simulated and generated, in out/demo/
 	$(BIN)/python examples/demo.py
 
 test: install ## all tests, Python and Rust

@@ -1,4 +1,4 @@
-"""A sentence becomes a labelled LiDAR scan: the paper's own example, written to out/demo/."""
+"""A sentence becomes labelled LiDAR scans, simulated and generated: the paper's own example, in out/demo/."""
 
 import argparse
 import time
@@ -33,17 +33,22 @@ def main() -> None:
     say(f"drafting: {arguments.text}")
     layout = lidardraft.layout_from_text(arguments.text, seed=arguments.seed)
     layout.save(folder / "layout.json")
-    say(f"{len(layout)} shapes, {len(layout.boxes())} objects with a box; loading the generator")
+    say(f"{len(layout)} shapes, {len(layout.boxes())} objects with a box; simulating")
+    sensor = lidardraft.Sensor.preset("hdl64e")
+    simulated = lidardraft.simulate(layout, sensor, seed=arguments.seed)
+    say(f"{len(simulated.points())} points; loading the generator")
     pipeline = lidardraft.Pipeline.from_pretrained("street")
-    say(f"casting with {pipeline.sensor.name} and generating in {pipeline.steps} steps")
-    scan = pipeline(layout, seed=arguments.seed)
-    view.save_png(view.render_image(scan.condition_image), folder / "condition.png")
-    kitti.write_bin(folder / "scan.bin", scan.points(), scan.intensities())
-    semantickitti.write_label(folder / "scan.label", scan.labels(), scan.instances())
-    write_boxes(folder / "boxes.json", scan.boxes(), scan.returns_per_box())
-    view.save_png(scan.picture(), folder / "preview.png")
-    labelled = np.mean(scan.labels() > 0)
-    say(f"{len(scan.points())} points, {labelled:.0%} of them labelled; look at {folder / 'preview.png'}")
+    say(f"generating in {pipeline.steps} steps")
+    generated = pipeline(layout, sensor=sensor, seed=arguments.seed)
+    for name, scan in (("simulated", simulated), ("generated", generated)):
+        kitti.write_bin(folder / f"{name}.bin", scan.points(), scan.intensities())
+        semantickitti.write_label(folder / f"{name}.label", scan.labels(), scan.instances())
+    write_boxes(folder / "boxes.json", simulated.boxes(), simulated.returns_per_box())
+    view.save_png(view.render_image(generated.condition_image), folder / "condition.png")
+    images = {"condition image": generated.condition_image, "simulated": simulated.image, "generated": generated.image}
+    view.save_png(view.render_scans_of_layout(layout, generated.pose, images), folder / "preview.png")
+    labelled = np.mean(generated.labels() > 0)
+    say(f"{len(generated.points())} points, {labelled:.0%} of them labelled; look at {folder / 'preview.png'}")
 
 
 if __name__ == "__main__":

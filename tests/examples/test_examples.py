@@ -24,14 +24,20 @@ def run(name: str, *argv: str) -> str:
 
 def test_demo(tmp_path: Path) -> None:
     assert "labelled" in run("demo.py", "-o", str(tmp_path))
-    names = {"layout.json", "condition.png", "scan.bin", "scan.label", "boxes.json", "preview.png"}
-    assert {path.name for path in tmp_path.iterdir()} == names
-    points, _ = kitti.read_bin(tmp_path / "scan.bin")
-    label, instance = semantickitti.read_label(tmp_path / "scan.label", len(points))
-    assert len(points) > 30_000
-    assert (label > 0).mean() > 0.7
+    scans = {f"{name}{ending}" for name in ("simulated", "generated") for ending in (".bin", ".label")}
+    assert {path.name for path in tmp_path.iterdir()} == scans | {
+        "layout.json",
+        "condition.png",
+        "boxes.json",
+        "preview.png",
+    }
     objects = {box.instance for box in Layout.load(tmp_path / "layout.json").boxes()}
-    assert set(instance.tolist()) - {0} <= objects
+    for name, least in (("simulated", 1.0), ("generated", 0.7)):
+        points, _ = kitti.read_bin(tmp_path / f"{name}.bin")
+        label, instance = semantickitti.read_label(tmp_path / f"{name}.label", len(points))
+        assert len(points) > 30_000
+        assert (label > 0).mean() >= least
+        assert set(instance.tolist()) - {0} <= objects
     boxes = json.loads((tmp_path / "boxes.json").read_text())
     assert boxes["frame"] == "sensor"
     assert max(box["num_points"] for box in boxes["boxes"]) > 50

@@ -12,6 +12,17 @@ from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.scene.sensor_model import MODELS, SensorModel, beam_fan, beam_tilts, sub_rays
 
 
+@pytest.mark.parametrize("degrees", [2.0, 0.125, 0.1, 0.01])
+def test_the_beams_of_any_sensor_can_be_split(degrees: float):
+    elevations = tuple(np.deg2rad(np.arange(200) * -degrees / 2 + 20).tolist())
+    sensor = Sensor(name="dense", elevations=elevations[:60], columns=64)
+    model = SensorModel.from_sensor(sensor)
+    assert len(sub_rays(sensor, model).elevations) == 180
+    assert (model == SensorModel()) == (degrees > 0.3)
+    for unit in range(200):  # tilted in any way
+        sub_rays(sensor, replace(model, unit=unit))
+
+
 def test_every_preset_has_a_model_and_another_sensor_a_typical_one():
     assert set(MODELS) == set(PRESETS)
     assert SensorModel.from_sensor(PRESETS["vlp16"]) is MODELS["vlp16"]

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 _FWHM = math.sqrt(2.0 / math.log(2.0))  # of a Gaussian: full width at 1 / e^2 over full width at half maximum
+# The largest width of a beam, over the distance to the next, at which sub-rays do not cross however beams are tilted.
+_FILL = 0.6
 # Where the sub-rays of a ring stand: turned a little, as no two may have one elevation.
 _TURN = 0.17
 
@@ -128,10 +130,17 @@ class SensorModel:
 
     @classmethod
     def from_sensor(cls, sensor: Sensor) -> SensorModel:
-        """The sensor's own model, that of its preset (`Sensor.is_preset`), or typical values for any other."""
+        """The sensor's own model, that of its preset (`Sensor.is_preset`), or typical values for any other.
+
+        Beams of another sensor that are close together are as much narrower than typical ones as keeps them apart.
+        """
         if sensor.model is not None:
             return sensor.model
-        return MODELS[sensor.name] if sensor.is_preset else cls()
+        if sensor.is_preset:
+            return MODELS[sensor.name]
+        model = cls()
+        closest = -np.diff(sensor.elevations).max(initial=-math.inf)
+        return replace(model, divergence_v=min(model.divergence_v, _FILL * closest))
 
     @classmethod
     def ideal(cls) -> SensorModel:
