@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from lidardraft import CLASSES, Layout, Primitive, Raycaster, Sensor, _core
+from lidardraft import CLASSES, Layout, Primitive, RangeImageBatch, Raycaster, Sensor, _core
 
 _SHAPES = {"cuboid": "box", "ellipsoid": "ellipsoid", "plane": "plane"}
 
@@ -80,11 +80,8 @@ class Peer:
         """Make the sensor and the buffers."""
         self.sensor = sensor_of(pattern)
         self.image = self.caster.scan(self.sensor, np.eye(4), primitive=True)
-        self.buffers: dict[str, Any] = {
-            "depth": np.zeros((1, *pattern.shape), np.float32),
-            "label": np.zeros((1, *pattern.shape), np.uint8),
-            "instance": np.zeros((1, *pattern.shape), np.uint32),
-        }
+        empty = RangeImageBatch.empty(self.sensor, 1)
+        self.buffers: dict[str, Any] = {"depth": empty.depth, "label": empty.label, "instance": empty.instance}
         self.batch_out: Any = None
 
     def cast(self, pose: np.ndarray) -> dict[str, np.ndarray]:

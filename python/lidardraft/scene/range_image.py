@@ -197,13 +197,17 @@ def _shape(sensor: Sensor, name: str) -> tuple[int, ...]:
     return (*sensor.shape, 3) if name == "normal" else sensor.shape
 
 
+# The core writes as much at once: a line of the processor's cache, and no more than one if images begin with one.
+_LINE = 64  # bytes
+
+
 def new_images(shape: tuple[int, ...], primitive: bool, incidence: bool, normal: bool) -> dict[str, np.ndarray]:
     """What a scan writes, not yet written: depth, label, instance and those asked for, each [*shape]."""
     pixels = math.prod(shape)
     # One block of memory for all: the allocator hands out one block of this size again and again, and gives several
     # back to the system, which takes longer to make new pages of zeros than the core to scan.
-    block = np.empty(pixels * (9 + 4 * primitive + 4 * incidence + 12 * normal), np.uint8)
-    images, start = {}, 0
+    block = np.empty(pixels * (9 + 4 * primitive + 4 * incidence + 12 * normal) + _LINE, np.uint8)
+    images, start = {}, -block.__array_interface__["data"][0] % _LINE
     # The label comes last: what is one byte wide would leave the others askew.
     for name, wanted in (
         ("depth", True),

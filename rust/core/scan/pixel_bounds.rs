@@ -4,11 +4,10 @@
 
 use std::f32::consts::PI;
 
-use super::pixel_rect::PixelRects;
 use super::ray_tests::UNBOUNDED;
 use super::view::View;
 use crate::packed::Outline;
-use crate::simd::{Lanes, Mask, Matrix, Vector, WIDEST, arctangent};
+use crate::simd::{Lanes, Matrix, Vector, arctangent};
 
 /// The part of a view that a body may be visible in.
 pub(super) struct PixelBounds<L: Lanes> {
@@ -67,7 +66,7 @@ impl View<'_> {
         PixelBounds { inverse_depth, low, high, first, last, visible }
     }
 
-    /// Whether columns of this view lie between two of the whole turn, where [`View::column_spans`] says which.
+    /// Whether columns of this view lie between two of the whole turn, where [`PixelBounds::rects`] says which.
     #[inline(always)]
     pub(super) fn has_columns<L: Lanes>(&self, low: L, high: L) -> L::Mask {
         if self.width() as f32 >= self.band.columns_per_turn {
@@ -108,30 +107,5 @@ fn reach<L: Lanes>(Vector { x: a, y: b, z: c }: Vector<L>, outline: Outline) -> 
         Outline::Box => a.abs() + b.abs() + c.abs(),
         Outline::Cylinder => a.mul_add(a, b * b).sqrt() + c.abs(),
         Outline::Ellipsoid => a.mul_add(a, b.mul_add(b, c * c)).sqrt(),
-    }
-}
-
-impl<L: Lanes> PixelBounds<L> {
-    /// The first `count` of them as plain numbers.
-    #[inline(always)]
-    pub(super) fn rects(&self, count: usize) -> PixelRects {
-        let none = [0.0; WIDEST];
-        let mut rects = PixelRects {
-            inverse_depth: none,
-            low: none,
-            high: none,
-            first: none,
-            last: none,
-            visible: self.visible.bits(),
-        };
-        if count < WIDEST {
-            rects.visible &= (1 << count) - 1;
-        }
-        self.inverse_depth.store(&mut rects.inverse_depth, 0);
-        self.low.store(&mut rects.low, 0);
-        self.high.store(&mut rects.high, 0);
-        self.first.store(&mut rects.first, 0);
-        self.last.store(&mut rects.last, 0);
-        rects
     }
 }

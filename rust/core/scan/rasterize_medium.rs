@@ -34,7 +34,7 @@ pub(super) fn rasterize_medium<L: Lanes, S: ShapeInView>(
     S::Test<L>: MediumTest<L>,
 {
     let still = shape.test_from(Vector::splat([0.0; 3]));
-    for (from, to) in view.column_spans(rect) {
+    for (from, to) in rect.spans() {
         for at in steps::<L>(from, to) {
             let Some(motion) = &view.motion else {
                 let up = Vector::splat([0.0, 0.0, 1.0]);

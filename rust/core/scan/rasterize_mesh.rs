@@ -9,7 +9,7 @@ use super::small_triangles::SmallTriangles;
 use super::view::View;
 use super::visibility_buffer::VisibilityBuffer;
 use crate::Pose;
-use crate::packed::{AabbTable, GROUP_SIZE, LargeTriangle, Meshlets, Outline, PHASES};
+use crate::packed::{AabbTable, GROUP_SIZE, LargeTriangle, Meshlets, Outline};
 use crate::simd::{Lanes, Matrix, Vector, WIDEST, rows};
 
 /// Where a mesh stands in a view.
@@ -73,7 +73,7 @@ impl Meshlets {
             let bounds = view.bounds(center, &axes, Outline::Box);
             let mut centers = [[0.0; WIDEST]; 3];
             center.store(&mut centers);
-            for (lane, rect) in bounds.rects(end - at).iter() {
+            for (lane, rect) in bounds.rects(end - at, view).iter() {
                 if !buffer.is_occluded::<L>(view, &rect) {
                     let rough = Vec2::new(centers[0][lane], centers[1][lane]);
                     let middle = MeshletCenter::new(placed, &self.meshlet_aabbs, at + lane, rough, &rect);
@@ -103,7 +103,7 @@ impl Meshlets {
                 rows.apply(Vector::load(c, at)) + center,
             ];
             let bounds = view.triangle_bounds(&corners, middle);
-            let mut rects = bounds.rects(meshlet.count - at);
+            let mut rects = bounds.rects(meshlet.count - at, view);
             if rects.is_empty() {
                 continue;
             }
@@ -124,12 +124,7 @@ impl Meshlets {
                 triangles.store_tests(&test);
                 for (lane, rect) in rects.iter() {
                     let (test, id) = (triangles.test(lane), first + step * ids[lane]);
-                    // Most patterns have one phase, whose products then stay in registers.
-                    if view.band.phase_count == 1 {
-                        rasterize_still::<L, 1>(&test, id, &rect, view, buffer);
-                    } else {
-                        rasterize_still::<L, PHASES>(&test, id, &rect, view, buffer);
-                    }
+                    rasterize_still::<L>(&test, id, &rect, view, buffer);
                 }
             }
         }
@@ -177,7 +172,7 @@ impl MeshletCenter {
             inverse_depth: rect.inverse_depth,
             center: center.to_array(),
             heading: heading.to_array(),
-            column: (rect.low + rect.high) / 2.0,
+            column: rect.middle,
             reach: center.length() + boxes.size[meshlet],
         }
     }

@@ -21,9 +21,9 @@ pub(super) fn rasterize_shape<L: Lanes>(
 ) {
     let Some(motion) = &view.motion else {
         let test = shape.test_from(Vector::splat([0.0; 3]));
-        return rasterize_still::<L, PHASES>(&test, id, rect, view, buffer);
+        return rasterize_still::<L>(&test, id, rect, view, buffer);
     };
-    for (from, to) in view.column_spans(rect) {
+    for (from, to) in rect.spans() {
         for at in steps::<L>(from, to) {
             let columns = motion.columns::<L>(at);
             let test = shape.test_from(columns.start);
@@ -40,9 +40,26 @@ pub(super) fn rasterize_shape<L: Lanes>(
     }
 }
 
-/// Rasterizes a shape in a view that stands still and has no more than `P` phases.
+/// Rasterizes a shape in a view that stands still.
 #[inline(always)]
-pub(super) fn rasterize_still<L: Lanes, const P: usize>(
+pub(super) fn rasterize_still<L: Lanes>(
+    test: &impl RayTest<L>,
+    id: u32,
+    rect: &PixelRect,
+    view: &View,
+    buffer: &mut VisibilityBuffer,
+) {
+    // Most patterns have one phase, whose products then stay in registers.
+    if view.band.phase_count == 1 {
+        rasterize_phases::<L, 1>(test, id, rect, view, buffer);
+    } else {
+        rasterize_phases::<L, PHASES>(test, id, rect, view, buffer);
+    }
+}
+
+/// The same for no more than `P` phases.
+#[inline(always)]
+fn rasterize_phases<L: Lanes, const P: usize>(
     test: &impl RayTest<L>,
     id: u32,
     rect: &PixelRect,
@@ -51,7 +68,7 @@ pub(super) fn rasterize_still<L: Lanes, const P: usize>(
 ) {
     let [a, b, c, d] = test.rows();
     let rise = [a.z, b.z, c.z, d.z];
-    for (from, to) in view.column_spans(rect) {
+    for (from, to) in rect.spans() {
         for at in steps::<L>(from, to) {
             let mut along = [[L::splat(0.0); 4]; P];
             for (phase, along) in along.iter_mut().enumerate().take(view.band.phase_count) {
@@ -119,27 +136,26 @@ fn rasterize_columns<L: Lanes, const P: usize>(
             rise[2].mul_add(slope, along[2]),
             rise[3].mul_add(slope, along[3]),
         ];
+        let (inverse_depth, resolved) = test.resolved(direction, tolerance);
         let (nearest, margin) = test.upper_bounds(direction);
         // What overflowed is unresolved.
-        let known = nearest.ge(nearest) & margin.ge(margin);
+        let known = nearest.ordered(margin);
         // And nothing is nearer than its bounds: what is rasterized here changes no pixel where it is occluded.
         let (nearest, margin) = (L::select(known, nearest.min(bound), bound), L::select(known, margin, zero));
         let stored = L::load(depths, 0);
         let tie = view.tie(stored);
         let maybe = margin.ge(zero) & nearest.gt(stored.neg_mul_add(tie, stored));
-        if maybe.any() {
-            let (inverse_depth, resolved) = test.resolved(direction, tolerance);
-            let surely = maybe & resolved & inverse_depth.gt(stored.mul_add(tie, stored));
-            let mut nearer = L::select(surely, inverse_depth, stored);
-            if surely.bits() != maybe.bits() {
-                // An error without bound has no end at the rectangle.
-                let unresolved = maybe & lanes_within::<L>(at, to);
-                nearer = L::select(unresolved, L::select(surely, inverse_depth, nearest.max(stored)), nearer);
-                L::masked_store(unresolved, UNRESOLVED, ids, 0);
-            }
-            nearer.store(depths, 0);
-            L::masked_store(surely, id, ids, 0);
+        let surely = maybe & resolved & inverse_depth.gt(stored.mul_add(tie, stored));
+        let mut nearer = L::select(surely, inverse_depth, stored);
+        // The only branch: whether a vector meets a shape at all is hard to predict.
+        if surely.bits() != maybe.bits() {
+            // An error without bound has no end at the rectangle.
+            let unresolved = maybe & lanes_within::<L>(at, to);
+            nearer = L::select(unresolved, L::select(surely, inverse_depth, nearest.max(stored)), nearer);
+            L::masked_store(unresolved, UNRESOLVED, ids, 0);
         }
+        nearer.store(depths, 0);
+        L::masked_store(surely, id, ids, 0);
     }
 }
 
@@ -147,7 +163,7 @@ fn rasterize_columns<L: Lanes, const P: usize>(
 #[inline(always)]
 pub(super) fn rasterize_unresolved<L: Lanes>(rect: &PixelRect, view: &View, buffer: &mut VisibilityBuffer) {
     let nearest = L::splat(rect.inverse_depth);
-    for (from, to) in view.column_spans(rect) {
+    for (from, to) in rect.spans() {
         for row in rect.first..=rect.last {
             for at in steps::<L>(from, to) {
                 let pixel = row * buffer.stride + at;

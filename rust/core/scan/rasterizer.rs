@@ -92,7 +92,7 @@ impl Rasterizer {
                 z: into_view.apply(Vector::load(z, at)),
             };
             let bounds = view.bounds(center, &axes, obbs.outline);
-            for (lane, rect) in bounds.rects(obbs.bodies.len() - at).iter() {
+            for (lane, rect) in bounds.rects(obbs.bodies.len() - at, view).iter() {
                 let body = obbs.bodies[at + lane];
                 match &bodies[body as usize] {
                     // A mesh of one part fills the box that was looked at.
@@ -118,7 +118,7 @@ impl Rasterizer {
             for at in (0..boxes.count).step_by(L::N) {
                 let (center, axes) = placed.boxes::<L>(boxes, at);
                 let bounds = view.bounds(center, &axes, Outline::Box);
-                for (lane, mut rect) in bounds.rects(boxes.count - at).iter() {
+                for (lane, mut rect) in bounds.rects(boxes.count - at, view).iter() {
                     rect.inverse_depth = if within { UNBOUNDED } else { rect.inverse_depth };
                     self.visible.push(VisiblePart { rect, body: number, part: part + (at + lane) as u32 });
                 }

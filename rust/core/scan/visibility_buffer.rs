@@ -3,7 +3,7 @@
 use super::pixel_rect::PixelRect;
 use super::ray_tests::Tolerance;
 use super::view::View;
-use crate::simd::{Lanes, Mask, WIDEST};
+use crate::simd::{Aligned, Lanes, Mask, WIDEST};
 
 /// What is nearest so far at each pixel of a view, by rows.
 ///
@@ -12,8 +12,8 @@ use crate::simd::{Lanes, Mask, WIDEST};
 #[derive(Default)]
 pub(super) struct VisibilityBuffer {
     /// Inverse depth, 1 / horizontal distance [1/m]; 0 where nothing is.
-    pub(super) inverse_depth: Vec<f32>,
-    pub(super) id: Vec<u32>,
+    pub(super) inverse_depth: Aligned<f32>,
+    pub(super) id: Aligned<u32>,
     pub(super) stride: usize,
 }
 
@@ -30,8 +30,7 @@ impl VisibilityBuffer {
         // One row more, so that a whole stride follows every pixel.
         let pixels = self.stride * (view.band.rows.len() + 1);
         if self.inverse_depth.len() < pixels {
-            self.inverse_depth.resize(pixels, 0.0);
-            self.id.resize(pixels, UNRESOLVED);
+            (self.inverse_depth, self.id) = (Aligned::new(0.0, pixels, 0), Aligned::new(UNRESOLVED, pixels, 2048));
         }
     }
 
@@ -39,7 +38,7 @@ impl VisibilityBuffer {
     #[inline(always)]
     pub(super) fn is_occluded<L: Lanes>(&self, view: &View, rect: &PixelRect) -> bool {
         let nearest = L::splat(rect.inverse_depth);
-        for (from, to) in view.column_spans(rect) {
+        for (from, to) in rect.spans() {
             let rows = self.inverse_depth[rect.first * self.stride..].chunks_exact(self.stride);
             for row in rows.take(rect.last + 1 - rect.first) {
                 for at in steps::<L>(from, to) {

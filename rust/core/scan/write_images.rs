@@ -22,39 +22,35 @@ impl VisibilityBuffer {
         unresolved: &mut Unresolved,
     ) {
         let (limits, zero) = (Limits::new(view), L::splat(0.0));
-        let (width, whole) = (view.width(), view.width() - view.width() % L::N);
-        let mut plain = [0.0; WIDEST];
         for (row, image) in images.iter_mut().enumerate() {
             let start = row * self.stride;
-            // One more vector: the last that was rasterized may have reached beyond the view.
-            let (depths, beyond) = self.inverse_depth[start..start + whole + 2 * L::N].split_at_mut(whole);
-            let (ids, rest) = self.id[start..start + width].split_at(whole);
+            let (depths, ids) = (&mut self.inverse_depth[start..][..self.stride], &self.id[start..][..self.stride]);
             let secant = L::splat(view.band.secants[row]);
-            let mut left = ImageRow::from_images(image);
-            for (inverse_depth, ids) in depths.chunks_exact_mut(L::N).zip(ids.chunks_exact(L::N)) {
-                let mut to = left.first(L::N);
-                let depth = secant / L::load(inverse_depth, 0);
+            let mut primitive = image.primitive.as_mut().map(|primitive| primitive.chunks_mut(L::N));
+            let to =
+                image.depth.chunks_mut(L::N).zip(image.label.chunks_mut(L::N)).zip(image.instance.chunks_mut(L::N));
+            let from = depths.chunks_exact_mut(L::N).zip(ids.chunks_exact(L::N));
+            let mut at = 0;
+            for (((depth, label), instance), (inverse_depth, ids)) in to.zip(from) {
+                let range = secant / L::load(inverse_depth, 0);
                 zero.store(inverse_depth, 0);
-                if limits.surely_reported(depth) && ids.iter().fold(true, |all, &id| all & (id != UNRESOLVED)) {
-                    depth.store(to.depth, 0);
-                    if L::all_equal(ids, 0) {
-                        // Most vectors lie within one body.
-                        to.fill(owners.look_up(ids[0]));
-                    } else {
-                        to.fill_each(ids, owners);
-                    }
-                } else if limits.surely_beyond(depth) {
-                    to.clear();
-                } else {
-                    depth.store(&mut plain, 0);
-                    let at = width - left.depth.len() - L::N;
-                    write_pixels(&plain, ids, &limits, (row, at), owners, to, unresolved);
+                let (reported, unknown) = limits.reported(range, L::load(ids, 0));
+                L::select(reported, range, zero).store_first(depth);
+                let [labels, instances, bodies] = owners.look_up::<L>(ids, reported);
+                labels.store_bytes(label);
+                instances.store_first(instance);
+                if let Some(primitive) = primitive.as_mut().and_then(Iterator::next) {
+                    bodies.store_first(primitive);
                 }
+                let mut unknown = unknown & ((1 << depth.len()) - 1);
+                while unknown != 0 {
+                    unresolved.push((row, at + unknown.trailing_zeros() as usize));
+                    unknown &= unknown - 1;
+                }
+                at += L::N;
             }
-            (secant / L::load(beyond, 0)).store(&mut plain, 0);
-            zero.store(beyond, 0);
-            zero.store(beyond, L::N);
-            write_pixels(&plain, rest, &limits, (row, whole), owners, left, unresolved);
+            // The last vector that was rasterized may have reached beyond the view.
+            zero.store(depths, at);
         }
     }
 }
@@ -75,42 +71,15 @@ impl Limits {
         Limits { nearest: min + slack(min), furthest: max - slack(max), beyond: max + slack(max) }
     }
 
+    /// Which depths are reported, and which of the others may have to be, bit by bit.
     #[inline(always)]
-    fn surely_reported<L: Lanes>(&self, depth: L) -> bool {
-        (depth.ge(L::splat(self.nearest)) & L::splat(self.furthest).ge(depth)).all()
-    }
-
-    /// Where nothing was rasterized, depth is infinite.
-    #[inline(always)]
-    fn surely_beyond<L: Lanes>(&self, depth: L) -> bool {
-        !L::splat(self.beyond).ge(depth).any()
-    }
-}
-
-/// Writes pixels that differ, one by one. Not inlined: it would take the registers of the loop that it is in.
-#[inline(never)]
-fn write_pixels(
-    depths: &[f32],
-    ids: &[u32],
-    limits: &Limits,
-    (row, at): (usize, usize),
-    owners: &Owners,
-    mut to: ImageRow<'_>,
-    unresolved: &mut Unresolved,
-) {
-    for ((column, &id), &depth) in (at..).zip(ids).zip(depths) {
-        let mut pixel = to.first(1);
-        let unknown = id == UNRESOLVED || depth < limits.nearest || depth > limits.furthest;
-        if unknown || depth > limits.beyond {
-            pixel.clear();
-            // What is surely beyond the limit is no return, whatever it is.
-            if depth <= limits.beyond {
-                unresolved.push((row, column));
-            }
-        } else {
-            pixel.depth[0] = depth;
-            pixel.fill(owners.look_up(id));
-        }
+    fn reported<L: Lanes>(&self, depth: L, ids: L) -> (L::Mask, u32) {
+        let unresolved = ids.eq_bits(L::splat_bits(UNRESOLVED));
+        let known = L::select(unresolved, L::splat(f32::NAN), depth);
+        let reported = known.ge(L::splat(self.nearest)) & L::splat(self.furthest).ge(known);
+        // What is surely beyond the limit is no return, whatever it is; where nothing was rasterized, depth is infinite.
+        let unknown = L::splat(self.beyond).ge(depth).bits() & !reported.bits();
+        (reported, unknown)
     }
 }
 
@@ -123,86 +92,40 @@ pub(super) struct Owners<'a> {
 }
 
 impl Owners<'_> {
-    /// The body of an id, its class and its instance.
+    /// Class, instance and body of each id where one is reported; 0, 0 and -1 elsewhere.
     #[inline(always)]
-    fn look_up(&self, id: u32) -> (usize, u8, u32) {
+    fn look_up<L: Lanes>(&self, ids: &[u32], reported: L::Mask) -> [L; 3] {
+        let (bits, zero, none) = (reported.bits(), L::splat_bits(0), L::splat_bits(u32::MAX));
+        if bits == 0 {
+            return [zero, zero, none];
+        }
+        let all = L::load(ids, 0);
+        let (first, last) = (ids[bits.trailing_zeros() as usize], ids[bits.ilog2() as usize]);
+        let (is_first, is_last) = (all.eq_bits(L::splat_bits(first)), all.eq_bits(L::splat_bits(last)));
+        let [labels, instances, bodies] = if bits & !(is_first | is_last).bits() == 0 {
+            // Most vectors lie within one body, few in more than two.
+            let ([a, b, c], [d, e, f]) = (self.owner(first), self.owner(last));
+            [
+                L::select(is_first, L::splat_bits(a), L::splat_bits(d)),
+                L::select(is_first, L::splat_bits(b), L::splat_bits(e)),
+                L::select(is_first, L::splat_bits(c), L::splat_bits(f)),
+            ]
+        } else {
+            let (mut known, mut owners) = ([0; WIDEST], [[0; WIDEST]; 3]);
+            L::select(reported, all, L::splat_bits(first)).store(&mut known, 0);
+            for (lane, &id) in known[..L::N].iter().enumerate() {
+                [owners[0][lane], owners[1][lane], owners[2][lane]] = self.owner(id);
+            }
+            [L::load(&owners[0], 0), L::load(&owners[1], 0), L::load(&owners[2], 0)]
+        };
+        [L::select(reported, labels, zero), L::select(reported, instances, zero), L::select(reported, bodies, none)]
+    }
+
+    /// Class, instance and body of an id.
+    #[inline(always)]
+    fn owner(&self, id: u32) -> [u32; 3] {
         let body = self.surfaces.map_or(id as usize, |table| table.body_of(id));
         let (label, instance) = self.semantics[body];
-        (body, label, instance)
+        [u32::from(label), instance, body as u32]
     }
-}
-
-/// What is left to be written of one row of the images.
-struct ImageRow<'a> {
-    depth: &'a mut [f32],
-    label: &'a mut [u8],
-    instance: &'a mut [u32],
-    primitive: Option<&'a mut [i32]>,
-}
-
-impl<'a> ImageRow<'a> {
-    #[inline(always)]
-    fn from_images(image: &'a mut ImagesMut<'_>) -> ImageRow<'a> {
-        ImageRow {
-            depth: image.depth,
-            label: image.label,
-            instance: image.instance,
-            primitive: image.primitive.as_deref_mut(),
-        }
-    }
-
-    /// Takes off the next columns.
-    #[inline(always)]
-    fn first(&mut self, count: usize) -> ImageRow<'a> {
-        ImageRow {
-            depth: first(&mut self.depth, count),
-            label: first(&mut self.label, count),
-            instance: first(&mut self.instance, count),
-            primitive: self.primitive.as_mut().map(|left| first(left, count)),
-        }
-    }
-
-    /// Writes that nothing is in these columns.
-    #[inline(always)]
-    fn clear(&mut self) {
-        self.depth.fill(0.0);
-        self.label.fill(0);
-        self.instance.fill(0);
-        if let Some(primitive) = &mut self.primitive {
-            primitive.fill(-1);
-        }
-    }
-
-    /// Writes which body is in each of these columns.
-    #[inline(always)]
-    fn fill_each(&mut self, ids: &[u32], owners: &Owners) {
-        let (mut last, mut owner) = (ids[0], owners.look_up(ids[0]));
-        for (k, &id) in ids.iter().enumerate() {
-            if id != last {
-                (last, owner) = (id, owners.look_up(id));
-            }
-            (self.label[k], self.instance[k]) = (owner.1, owner.2);
-            if let Some(primitive) = &mut self.primitive {
-                primitive[k] = owner.0 as i32;
-            }
-        }
-    }
-
-    /// Writes which body is in all of these columns.
-    #[inline(always)]
-    fn fill(&mut self, (body, label, instance): (usize, u8, u32)) {
-        self.label.fill(label);
-        self.instance.fill(instance);
-        if let Some(primitive) = &mut self.primitive {
-            primitive.fill(body as i32);
-        }
-    }
-}
-
-/// Takes off the first elements of a slice.
-#[inline(always)]
-fn first<'a, T>(left: &mut &'a mut [T], count: usize) -> &'a mut [T] {
-    let (first, rest) = std::mem::take(left).split_at_mut(count);
-    *left = rest;
-    first
 }

@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 
-use super::{Kernel, Lanes, Mask};
+use super::{Kernel, Lanes, Mask, WIDEST, Word};
 
 const N: usize = 8;
 
@@ -25,15 +25,20 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
-    fn load(from: &[f32], at: usize) -> F32x8 {
-        let lanes = &from[at..at + N];
-        unsafe { F32x8(_mm256_loadu_ps(lanes.as_ptr())) }
+    fn splat_bits(bits: u32) -> F32x8 {
+        unsafe { F32x8(_mm256_castsi256_ps(_mm256_set1_epi32(bits as i32))) }
     }
 
     #[inline(always)]
-    fn store(self, to: &mut [f32], at: usize) {
+    fn load<W: Word>(from: &[W], at: usize) -> F32x8 {
+        let lanes = &from[at..at + N];
+        unsafe { F32x8(_mm256_loadu_ps(lanes.as_ptr().cast())) }
+    }
+
+    #[inline(always)]
+    fn store<W: Word>(self, to: &mut [W], at: usize) {
         let lanes = &mut to[at..at + N];
-        unsafe { _mm256_storeu_ps(lanes.as_mut_ptr(), self.0) }
+        unsafe { _mm256_storeu_ps(lanes.as_mut_ptr().cast(), self.0) }
     }
 
     #[inline(always)]
@@ -94,6 +99,11 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
+    fn whole(self) -> F32x8 {
+        unsafe { F32x8(_mm256_castsi256_ps(_mm256_cvttps_epi32(self.0))) }
+    }
+
+    #[inline(always)]
     fn copysign(self, other: F32x8) -> F32x8 {
         unsafe {
             let sign = _mm256_set1_ps(-0.0);
@@ -109,6 +119,19 @@ impl Lanes for F32x8 {
     #[inline(always)]
     fn ge(self, other: F32x8) -> Mask8 {
         unsafe { Mask8(_mm256_cmp_ps::<_CMP_GE_OQ>(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    fn ordered(self, other: F32x8) -> Mask8 {
+        unsafe { Mask8(_mm256_cmp_ps::<_CMP_ORD_Q>(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    fn eq_bits(self, other: F32x8) -> Mask8 {
+        unsafe {
+            let same = _mm256_cmpeq_epi32(_mm256_castps_si256(self.0), _mm256_castps_si256(other.0));
+            Mask8(_mm256_castsi256_ps(same))
+        }
     }
 
     #[inline(always)]
@@ -128,13 +151,17 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
-    fn all_equal(of: &[u32], at: usize) -> bool {
-        let lanes = &of[at..at + N];
+    fn low_bytes(self) -> [u8; WIDEST] {
+        let mut bytes = [0; WIDEST];
         unsafe {
-            let all = _mm256_loadu_si256(lanes.as_ptr().cast());
-            let same = _mm256_cmpeq_epi32(all, _mm256_set1_epi32(lanes[0] as i32));
-            _mm256_movemask_epi8(same) == -1
+            // The bytes of each half side by side, and then those of both halves.
+            let low = _mm256_set1_epi32(0xff);
+            let lanes = _mm256_and_si256(_mm256_castps_si256(self.0), low);
+            let (front, back) = (_mm256_castsi256_si128(lanes), _mm256_extracti128_si256::<1>(lanes));
+            let words = _mm_packus_epi32(front, back);
+            _mm_storel_epi64(bytes.as_mut_ptr().cast(), _mm_packus_epi16(words, words));
         }
+        bytes
     }
 }
 

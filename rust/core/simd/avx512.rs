@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 
-use super::{Kernel, Lanes, Mask};
+use super::{Kernel, Lanes, Mask, WIDEST, Word};
 
 const N: usize = 16;
 
@@ -25,15 +25,20 @@ impl Lanes for F32x16 {
     }
 
     #[inline(always)]
-    fn load(from: &[f32], at: usize) -> F32x16 {
-        let lanes = &from[at..at + N];
-        unsafe { F32x16(_mm512_loadu_ps(lanes.as_ptr())) }
+    fn splat_bits(bits: u32) -> F32x16 {
+        unsafe { F32x16(_mm512_castsi512_ps(_mm512_set1_epi32(bits as i32))) }
     }
 
     #[inline(always)]
-    fn store(self, to: &mut [f32], at: usize) {
+    fn load<W: Word>(from: &[W], at: usize) -> F32x16 {
+        let lanes = &from[at..at + N];
+        unsafe { F32x16(_mm512_loadu_ps(lanes.as_ptr().cast())) }
+    }
+
+    #[inline(always)]
+    fn store<W: Word>(self, to: &mut [W], at: usize) {
         let lanes = &mut to[at..at + N];
-        unsafe { _mm512_storeu_ps(lanes.as_mut_ptr(), self.0) }
+        unsafe { _mm512_storeu_ps(lanes.as_mut_ptr().cast(), self.0) }
     }
 
     #[inline(always)]
@@ -94,6 +99,11 @@ impl Lanes for F32x16 {
     }
 
     #[inline(always)]
+    fn whole(self) -> F32x16 {
+        unsafe { F32x16(_mm512_castsi512_ps(_mm512_cvttps_epi32(self.0))) }
+    }
+
+    #[inline(always)]
     fn copysign(self, other: F32x16) -> F32x16 {
         unsafe {
             let sign = _mm512_set1_ps(-0.0);
@@ -112,6 +122,16 @@ impl Lanes for F32x16 {
     }
 
     #[inline(always)]
+    fn ordered(self, other: F32x16) -> Mask16 {
+        unsafe { Mask16(_mm512_cmp_ps_mask::<_CMP_ORD_Q>(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    fn eq_bits(self, other: F32x16) -> Mask16 {
+        unsafe { Mask16(_mm512_cmpeq_epi32_mask(_mm512_castps_si512(self.0), _mm512_castps_si512(other.0))) }
+    }
+
+    #[inline(always)]
     fn select(mask: Mask16, yes: F32x16, no: F32x16) -> F32x16 {
         unsafe { F32x16(_mm512_mask_blend_ps(mask.0, no.0, yes.0)) }
     }
@@ -123,12 +143,10 @@ impl Lanes for F32x16 {
     }
 
     #[inline(always)]
-    fn all_equal(of: &[u32], at: usize) -> bool {
-        let lanes = &of[at..at + N];
-        unsafe {
-            let all = _mm512_loadu_si512(lanes.as_ptr().cast());
-            _mm512_cmpeq_epi32_mask(all, _mm512_set1_epi32(lanes[0] as i32)) == 0xffff
-        }
+    fn low_bytes(self) -> [u8; WIDEST] {
+        let mut bytes = [0; WIDEST];
+        unsafe { _mm_storeu_si128(bytes.as_mut_ptr().cast(), _mm512_cvtepi32_epi8(_mm512_castps_si512(self.0))) }
+        bytes
     }
 }
 

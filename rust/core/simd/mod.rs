@@ -8,6 +8,7 @@
 //! - every method, and everything generic over `Lanes`, is `#[inline(always)]`, so that it is compiled into those functions;
 //! - loads, stores and gathers check their bounds, on every backend.
 
+mod aligned;
 mod arctangent;
 #[cfg(target_arch = "x86_64")]
 #[expect(unsafe_code, reason = "processor instructions")]
@@ -20,6 +21,7 @@ mod vector;
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 
+pub(crate) use aligned::Aligned;
 pub(crate) use arctangent::{arctangent, small_arctangent};
 pub(crate) use vector::{Matrix, Vector, rows};
 
@@ -37,10 +39,12 @@ pub(crate) trait Lanes:
     type Mask: Mask;
 
     fn splat(value: f32) -> Self;
+    /// The same 32 bits in every lane.
+    fn splat_bits(bits: u32) -> Self;
     /// `from[at..at + N]`.
-    fn load(from: &[f32], at: usize) -> Self;
+    fn load<W: Word>(from: &[W], at: usize) -> Self;
     /// Writes `to[at..at + N]`.
-    fn store(self, to: &mut [f32], at: usize);
+    fn store<W: Word>(self, to: &mut [W], at: usize);
     /// `from[i]` for each lane i of `self` rounded towards 0, which should be within the slice: another element else.
     fn gather(self, from: &[f32]) -> Self;
     /// `from[i]` for each i of `indices[at..at + N]`, which should be within the slice: another element else.
@@ -56,6 +60,8 @@ pub(crate) trait Lanes:
     fn sqrt(self) -> Self;
     /// The next whole number below; `self` must be between -2^31 and 2^31.
     fn floor(self) -> Self;
+    /// The bits of whole numbers: `self` rounded towards 0, which must be between -2^31 and 2^31.
+    fn whole(self) -> Self;
     /// The magnitude of `self` with the sign of `other`.
     fn copysign(self, other: Self) -> Self;
 
@@ -63,7 +69,11 @@ pub(crate) trait Lanes:
     fn gt(self, other: Self) -> Self::Mask;
     /// `self >= other`.
     fn ge(self, other: Self) -> Self::Mask;
-    /// `yes` where the mask is true, else `no`.
+    /// Where neither is NaN.
+    fn ordered(self, other: Self) -> Self::Mask;
+    /// Where both have the same 32 bits.
+    fn eq_bits(self, other: Self) -> Self::Mask;
+    /// `yes` where the mask is true, else `no`; bit by bit, whatever the lanes hold.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
     /// The least lane.
@@ -74,11 +84,60 @@ pub(crate) trait Lanes:
         lanes.into_iter().fold(f32::INFINITY, f32::min)
     }
 
+    /// The lowest eight bits of each lane.
+    fn low_bytes(self) -> [u8; WIDEST];
+
+    /// Writes the lowest eight bits of the first lanes, as many as there is room for; no more than `N`.
+    #[inline(always)]
+    fn store_bytes(self, to: &mut [u8]) {
+        let bytes = self.low_bytes();
+        if to.len() == Self::N {
+            to.copy_from_slice(&bytes[..Self::N]);
+        } else {
+            to.copy_from_slice(&bytes[..to.len()]);
+        }
+    }
+
+    /// Writes the first lanes, as many as there is room for; no more than `N`.
+    #[inline(always)]
+    fn store_first<W: Word>(self, to: &mut [W]) {
+        if to.len() == Self::N {
+            return self.store(to, 0);
+        }
+        let mut lanes = [W::default(); WIDEST];
+        self.store(&mut lanes, 0);
+        to.copy_from_slice(&lanes[..to.len()]);
+    }
+
     /// Writes `value` to `to[at + i]` for the lanes i where the mask is true.
     fn masked_store(mask: Self::Mask, value: u32, to: &mut [u32], at: usize);
-    /// Whether `of[at..at + N]` are all the same.
-    fn all_equal(of: &[u32], at: usize) -> bool;
 }
+
+/// What a lane may hold: 32 bits.
+pub(crate) trait Word: Copy + Default {
+    fn to_lane(self) -> f32;
+    fn from_lane(lane: f32) -> Self;
+}
+
+macro_rules! word {
+    ($type:ident, $to_lane:expr, $from_lane:expr) => {
+        impl Word for $type {
+            #[inline(always)]
+            fn to_lane(self) -> f32 {
+                $to_lane(self)
+            }
+
+            #[inline(always)]
+            fn from_lane(lane: f32) -> $type {
+                $from_lane(lane)
+            }
+        }
+    };
+}
+
+word!(f32, |x| x, |x| x);
+word!(u32, f32::from_bits, f32::to_bits);
+word!(i32, |x| f32::from_bits(x as u32), |x: f32| x.to_bits() as i32);
 
 /// One truth value a lane.
 pub(crate) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {

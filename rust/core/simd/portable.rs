@@ -3,7 +3,7 @@
 use std::array::from_fn;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 
-use super::{Lanes, Mask};
+use super::{Lanes, Mask, WIDEST, Word};
 
 const N: usize = 8;
 
@@ -36,14 +36,21 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
-    fn load(from: &[f32], at: usize) -> F32x8 {
-        let lanes = &from[at..at + N];
-        F32x8(from_fn(|i| lanes[i]))
+    fn splat_bits(bits: u32) -> F32x8 {
+        F32x8([f32::from_bits(bits); N])
     }
 
     #[inline(always)]
-    fn store(self, to: &mut [f32], at: usize) {
-        to[at..at + N].copy_from_slice(&self.0);
+    fn load<W: Word>(from: &[W], at: usize) -> F32x8 {
+        let lanes = &from[at..at + N];
+        F32x8(from_fn(|i| lanes[i].to_lane()))
+    }
+
+    #[inline(always)]
+    fn store<W: Word>(self, to: &mut [W], at: usize) {
+        for (to, lane) in to[at..at + N].iter_mut().zip(self.0) {
+            *to = W::from_lane(lane);
+        }
     }
 
     #[inline(always)]
@@ -99,6 +106,11 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
+    fn whole(self) -> F32x8 {
+        F32x8(self.0.map(|a| f32::from_bits(a as i32 as u32)))
+    }
+
+    #[inline(always)]
     fn copysign(self, other: F32x8) -> F32x8 {
         self.zip(other, f32::copysign)
     }
@@ -111,6 +123,16 @@ impl Lanes for F32x8 {
     #[inline(always)]
     fn ge(self, other: F32x8) -> Mask8 {
         self.compare(other, |a, b| a >= b)
+    }
+
+    #[inline(always)]
+    fn ordered(self, other: F32x8) -> Mask8 {
+        self.compare(other, |a, b| !a.is_nan() && !b.is_nan())
+    }
+
+    #[inline(always)]
+    fn eq_bits(self, other: F32x8) -> Mask8 {
+        self.compare(other, |a, b| a.to_bits() == b.to_bits())
     }
 
     #[inline(always)]
@@ -127,9 +149,8 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
-    fn all_equal(of: &[u32], at: usize) -> bool {
-        let lanes = &of[at..at + N];
-        lanes.iter().fold(0, |all, &lane| all | (lane ^ lanes[0])) == 0
+    fn low_bytes(self) -> [u8; WIDEST] {
+        from_fn(|i| if i < N { self.0[i].to_bits() as u8 } else { 0 })
     }
 }
 
