@@ -24,6 +24,7 @@ ALLOWED = {
     "drafting": BASE | {"scene"},
     "objects": BASE | {"scene"},
     "streets": BASE | {"scene", "drafting", "objects"},
+    "calibration": BASE | {"scene", "formats", "metrics", "streets"},
     "networks": BASE,
     "diffusion": BASE | {"scene", "networks"},
     "metrics": BASE | {"scene"},
@@ -36,7 +37,7 @@ ALLOWED = {
     "evaluation": BASE | {"scene", "streets", "diffusion", "metrics", "pipeline"},
     "cli": BASE
     | {"scene", "formats", "drafting", "streets", "networks", "diffusion", "metrics", "view", "pipeline", "evaluation"}
-    | {"scan", "simulation", "training"},
+    | {"scan", "simulation", "training", "calibration"},
     "__main__": {"cli"},
 }
 # The rooms and modules of streets, and which others each may use.

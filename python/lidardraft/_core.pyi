@@ -183,8 +183,8 @@ class SensorModel:
         knee: float,  # (0, 1]
         levels: float,
         compensation_range: float,  # m, > 0, inf for all ranges
-        # Knots of response and reading; then gains, offsets and cut-offs of the beams, or none.
-        intensity_curve: tuple[list[tuple[float, float]], list[float], list[float], list[float]] | None = None,
+        # Responses, readings of each beam or of all, distances [m], their gains, cut-offs of each beam or none.
+        intensity_curve: tuple[list[float], list[list[float]], list[float], list[float], list[float]] | None = None,
     ) -> SensorModel: ...
     @property
     def pulse_length(self) -> float:

@@ -155,7 +155,7 @@ pub enum Error {
     /// A number of a sensor model that cannot be.
     #[error("{field} is {value}; it must be {limit}")]
     SensorModel { field: &'static str, value: f32, limit: &'static str },
-    /// A table of an intensity curve that does not go with the beams of the sensor.
+    /// A table of an intensity curve that does not go with its knots or with the beams of the sensor.
     #[error("{table} of the intensity curve has {found} values; it needs {expected}")]
     CurveTable { table: &'static str, found: usize, expected: usize },
     /// An image of more or fewer pixels than a sensor with these sub-rays has.

@@ -14,6 +14,9 @@ use crate::{SensorPattern, checked_seed, thread_count};
 #[pyclass(frozen, module = "lidardraft._core")]
 pub(crate) struct SensorModel(core::SensorModel);
 
+/// Responses and the readings of each beam, distances and their gains, cut-offs.
+type CurveTables = (Vec<f32>, Vec<Vec<f32>>, Vec<f32>, Vec<f32>, Vec<f32>);
+
 #[pymethods]
 impl SensorModel {
     #[new]
@@ -40,7 +43,7 @@ impl SensorModel {
         knee: f32,
         levels: f32,
         compensation_range: f32,
-        intensity_curve: Option<(Vec<(f32, f32)>, Vec<f32>, Vec<f32>, Vec<f32>)>,
+        intensity_curve: Option<CurveTables>,
     ) -> CoreResult<Self> {
         let model = core::SensorModel {
             shares,
@@ -64,7 +67,9 @@ impl SensorModel {
             levels,
             compensation_range,
             intensity_curve: intensity_curve
-                .map(|(knots, gains, offsets, cutoffs)| core::IntensityCurve::new(&knots, gains, offsets, cutoffs))
+                .map(|(responses, readings, distances, gains, cutoffs)| {
+                    core::IntensityCurve::new(&responses, &readings, &distances, &gains, cutoffs)
+                })
                 .transpose()?,
         };
         model.check()?;

@@ -70,6 +70,7 @@ def test_a_file_carries_it_and_an_open_sensor_has_none():
     assert Sensor.from_json(HALF.to_json()) == HALF
     assert "blocked" not in json.loads(OPEN.to_json())
     assert replace(OPEN, blocked=((), (), ())) == OPEN
+    assert not OPEN.blocked_pixels.any()
 
 
 @pytest.mark.parametrize(

@@ -117,21 +117,33 @@ def test_a_knee_keeps_the_upper_scale_for_retroreflectors():
     assert bright.max() <= 1.0
 
 
-def test_a_curve_is_linear_in_the_logarithm_and_each_beam_has_a_gain_an_offset_and_a_cutoff():
+def test_a_curve_is_linear_in_the_logarithm_and_each_beam_may_have_its_own():
+    flat, steep, low, dark = (0.4, 0.4, 0.4), (0.0, 0.65, 1.0), (0.1, 0.4, 0.9), (0.0, 0.1, 0.2)
     curve = IntensityCurve(
-        responses=(0.045, 0.45, 4.5),
-        readings=(0.1, 0.4, 0.9),
-        gains=(1.0, 10.0, 0.1**0.5, 1e-3),
-        offsets=(0.0, 0.25, 0.05, 0.0),
-        cutoffs=(0.0, 0.1, 0.0, 0.11),
+        responses=(0.045, 0.45, 4.5), readings=(flat, steep, low, dark), cutoffs=(0.0, 0.7, 0.2, 0.11)
     )
-    read = seen(wall(10.0), replace(IDEAL, intensity_curve=curve)).intensity
-    # plaster's response is 0.45; that of the last beam is below the curve, whose end is below its cut-off
-    np.testing.assert_allclose(read.T, np.tile([0.4, 0.65, 0.2, 0.0], (1024, 1)), atol=2e-3)
+    for model, expected in (
+        (replace(IDEAL, intensity_curve=curve), [0.4, 0.0, 0.4, 0.0]),
+        (replace(IDEAL, intensity_curve=replace(curve, readings=(low,), cutoffs=())), [0.4] * 4),
+    ):
+        np.testing.assert_allclose(seen(wall(10.0), model).intensity.T, np.tile(expected, (1024, 1)), atol=3e-3)
+    third = replace(curve, responses=(0.45 / 10, 0.45 * 10, 45.0), readings=(low,), cutoffs=())
+    np.testing.assert_allclose(seen(wall(10.0), replace(IDEAL, intensity_curve=third)).intensity, 0.25, atol=3e-3)
+
+
+def test_a_curve_has_gains_by_distance():
+    curve = IntensityCurve(
+        responses=(0.0045, 0.45), readings=((0.0, 1.0),), distances=(10.0, 20.0), distance_gains=(0.1, 0.01)
+    )
+    near, middle, far = (
+        seen(wall(distance), replace(IDEAL, intensity_curve=curve)).intensity for distance in (5.0, 15.0, 40.0)
+    )
+    for read, expected in ((near, 0.5), (middle, 0.25), (far, 0.0)):
+        np.testing.assert_allclose(read, expected, atol=2e-3)
 
 
 def test_a_curve_of_another_sensor_is_refused():
-    curve = IntensityCurve(responses=(0.1,), readings=(0.5,), cutoffs=(0.1, 0.1))
+    curve = IntensityCurve(responses=(0.1,), readings=((0.5,),), cutoffs=(0.1, 0.1))
     with pytest.raises(SensorError, match="cutoffs of the intensity curve has 2 values; it needs 4"):
         seen(wall(10.0), replace(IDEAL, intensity_curve=curve))
 
@@ -379,7 +391,7 @@ OTHERWISE = {
     "knee": 0.6,
     "levels": 7,
     "compensation_range": 15.0,
-    "intensity_curve": IntensityCurve(responses=(0.01, 1.0), readings=(0.1, 0.7)),
+    "intensity_curve": IntensityCurve(responses=(0.01, 1.0), readings=((0.1, 0.7),)),
 }
 
 

@@ -12,7 +12,7 @@ from lidardraft.scene.intensity_curve import IntensityCurve
 from lidardraft.scene.sensor_model import MODELS, SensorModel
 
 SENSOR = Sensor(name="mine", elevations=(0.1, -0.1), columns=8)
-CURVE = IntensityCurve(responses=(0.1, 1.0), readings=(0.0, 0.5), gains=(1.0, 2.0), cutoffs=(0.1, 0.0))
+CURVE = IntensityCurve(responses=(0.1, 1.0), readings=((0.0, 0.5), (0.1, 0.2)), cutoffs=(0.1, 0.0))
 
 
 @pytest.mark.parametrize(
@@ -46,10 +46,10 @@ def test_a_sensor_file_carries_the_model(model, tmp_path):
         ({"compensation_range": "far"}, "compensation_range of the model is 'far'; it must be a number or null"),
         ({"intensity_curve": 3}, "3 is no JSON object"),
         ({"intensity_curve": {"responses": [1]}}, "'readings' is missing"),
-        ({"intensity_curve": {"responses": [1], "readings": ["a"]}}, r"readings of the intensity curve is \['a'\]"),
+        ({"intensity_curve": {"responses": [1], "readings": [["a"]]}}, r"readings of the intensity curve is \['a'\]"),
         (
-            {"intensity_curve": {"responses": [1], "readings": [1], "offsets": [0.1]}},
-            "mine: offsets of the intensity curve has 1 values; it needs 2",
+            {"intensity_curve": {"responses": [1], "readings": [[1]], "cutoffs": [0.1]}},
+            "mine: cutoffs of the intensity curve has 1 values; it needs 2",
         ),
     ],
     ids=str,

@@ -37,9 +37,9 @@ def checked_blocked(name: str, blocked: Any, beams: int) -> Blocked:
 
 
 def blocked_pixels(blocked: Blocked, azimuths: np.ndarray) -> np.ndarray:
-    """Which pixels are blocked, bool [H, W], that look to `azimuths` [H, W]; read-only."""
+    """Which pixels are `blocked` (or none), bool [H, W], that look to `azimuths` [H, W]; read-only."""
     pixels = np.zeros(azimuths.shape, dtype=bool)
-    for row, intervals, towards in zip(pixels, blocked, azimuths, strict=True):
+    for row, intervals, towards in zip(pixels, blocked or ((),) * len(pixels), azimuths, strict=True):
         for start, end in intervals:
             row |= (towards - start) % (2 * math.pi) < end - start
     pixels.flags.writeable = False

@@ -54,14 +54,18 @@ def read_array(archive: zipfile.ZipFile, name: str, dtype: np.dtype[Any], shape:
     return np.frombuffer(data, dtype).reshape(shape, order="F" if fortran else "C").copy()
 
 
-def read_numbers(archive: zipfile.ZipFile, name: str, shape: tuple[int, ...]) -> np.ndarray:
-    """The array of that name, of any type of numbers; raises `FormatError` as `read_array` does."""
+def read_numbers(archive: zipfile.ZipFile, name: str, shape: tuple[int, ...] | None = None) -> np.ndarray:
+    """The array of that name, of any type of numbers, and of any shape if none is given; raises `FormatError` as
+    `read_array` does."""
     if not holds(archive, name):
         raise FormatError(f"{name!r} is missing")
     with archive.open(f"{name}.npy") as file:
-        _, _, dtype = _header(name, file)
+        found, _, dtype = _header(name, file)
     if dtype.kind not in "fiu":
         raise FormatError(f"{name} is {dtype}; it must hold numbers")
+    if math.prod(found) * dtype.itemsize > archive.getinfo(f"{name}.npy").file_size:
+        raise FormatError(f"{name} is truncated: its header says {found}")
+    shape = found if shape is None else shape
     return read_array(archive, name, dtype, shape)
 
 

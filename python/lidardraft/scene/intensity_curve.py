@@ -10,42 +10,43 @@ from lidardraft.json_fields import is_number
 
 @dataclass(frozen=True, kw_only=True)
 class IntensityCurve:
-    """Readings, 0 to 1, of responses: a curve that all beams share, and how each of them differs.
+    """Readings, 0 to 1, of responses: a curve for each beam, row 0 the highest, or one for all.
 
-    `readings` are those of `responses`, which ascend; between these knots a reading is linear in the logarithm of the
-    response, beyond them it stays. A response of 1 is that of a white surface that faces the sensor. `gains` are what
-    each beam's responses are multiplied by before, `offsets` what it reads less; what is then below its value of
-    `cutoffs` reads 0. These tables have a value for each beam, row 0 the highest, or none: 1 and 0 for all.
+    Each of `readings` has a value for each of `responses`, which ascend; between these knots a reading is linear in the
+    logarithm of the response, beyond them it stays. A response of 1 is that of a white surface that faces the sensor.
+    Responses are multiplied before by `distance_gains`, linear in their logarithm between `distances` [m], which
+    ascend: optics have a focus. A reading below a beam's value of `cutoffs` is 0; without values none is.
 
-    Raises `SensorError` naming the table that cannot be; the core checks its values.
+    Raises `SensorError` naming the table that is none; the core checks its values.
     """
 
     responses: tuple[float, ...]
-    readings: tuple[float, ...]
-    gains: tuple[float, ...] = ()
-    offsets: tuple[float, ...] = ()
+    readings: tuple[tuple[float, ...], ...]
+    distances: tuple[float, ...] = ()
+    distance_gains: tuple[float, ...] = ()
     cutoffs: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        for table in self.__dataclass_fields__:
-            values = getattr(self, table)
-            if not isinstance(values, list | tuple) or not all(map(is_number, values)):
-                raise SensorError(f"{table} of the intensity curve is {values!r}; it must be a list of finite numbers")
-            object.__setattr__(self, table, tuple(map(float, values)))
-        if len(self.responses) != len(self.readings):
-            raise SensorError(
-                f"the intensity curve has {len(self.readings)} readings; it needs one for each of "
-                f"{len(self.responses)} responses"
-            )
+        for table in ("responses", "distances", "distance_gains", "cutoffs"):
+            object.__setattr__(self, table, _numbers(table, getattr(self, table)))
+        if not isinstance(self.readings, list | tuple):
+            raise SensorError(f"readings of the intensity curve is {self.readings!r:.50}; it must be a list of lists")
+        object.__setattr__(self, "readings", tuple(_numbers("readings", values) for values in self.readings))
 
     @property
-    def tables(self) -> tuple[list[tuple[float, float]], list[float], list[float], list[float]]:
-        """Knots, gains, offsets and cut-offs, as the core has them."""
-        knots = list(zip(self.responses, self.readings, strict=True))
-        return knots, list(self.gains), list(self.offsets), list(self.cutoffs)
+    def tables(self) -> tuple[list[float], list[list[float]], list[float], list[float], list[float]]:
+        """Responses, readings, distances, gains and cut-offs, as the core has them."""
+        readings = [list(values) for values in self.readings]
+        return list(self.responses), readings, list(self.distances), list(self.distance_gains), list(self.cutoffs)
 
     def check_beams(self, beams: int) -> None:
         """Raises `SensorError` where a table is not of so many beams."""
-        for table, values in (("gains", self.gains), ("offsets", self.offsets), ("cutoffs", self.cutoffs)):
-            if len(values) not in (0, beams):
-                raise SensorError(f"{table} of the intensity curve has {len(values)} values; it needs {beams}")
+        for table, found, other in (("readings", len(self.readings), 1), ("cutoffs", len(self.cutoffs), 0)):
+            if found not in (beams, other):
+                raise SensorError(f"{table} of the intensity curve has {found} values; it needs {beams}")
+
+
+def _numbers(table: str, values: object) -> tuple[float, ...]:
+    if not isinstance(values, list | tuple) or not all(map(is_number, values)):
+        raise SensorError(f"{table} of the intensity curve is {values!r:.50}; it must be a list of finite numbers")
+    return tuple(map(float, values))

@@ -130,7 +130,7 @@ pub(crate) fn intensity(echoes: &Echoes, beam: usize, model: &SensorModel, shown
         *shown = depth * depth * power * threshold / (1.0 + depth * far * (depth * far));
     }
     if let Some(curve) = &model.intensity_curve {
-        curve.read(beam, shown);
+        curve.read(beam, &echoes.depth, shown);
     } else if model.knee < 1.0 {
         let climb = (1.0 - model.knee) / model.full_scale.max(1.01).ln();
         for shown in &mut *shown {

@@ -1,4 +1,4 @@
-//! What one unit's lasers read of an echo: a curve of all of them, and a gain, an offset and a cut-off of each.
+//! What one unit's lasers read of an echo: a curve and a cut-off of each, and gains by distance that they share.
 
 use super::elementary::{larger, ln, smaller};
 use crate::{Error, Result};
@@ -9,87 +9,117 @@ const LANES: usize = 16;
 /// Readings, 0 to 1, of responses: linear in the logarithm of the response between the knots, level beyond them.
 #[derive(Clone, Debug)]
 pub struct IntensityCurve {
-    /// What the first knot reads.
-    first: f32,
-    segments: Vec<Segment>,
-    /// What each beam's responses are multiplied by; none for 1. So with the next two, for 0.
-    gains: Vec<f32>,
-    /// What each beam reads less.
-    offsets: Vec<f32>,
-    /// Readings below this are 0.
+    /// Readings over logarithms of responses: one curve for all beams, or one for each.
+    readings: Vec<Pieces>,
+    /// Logarithms of gains over distances [m].
+    focus: Pieces,
+    /// Readings of each beam below this are 0; none for 0.
     cutoffs: Vec<f32>,
 }
 
-/// A piece of the curve, from one knot to the next.
-#[derive(Clone, Copy, Debug)]
-struct Segment {
-    /// The logarithm of the response where it starts.
-    start: f32,
-    width: f32,
-    slope: f32,
+/// A function that is linear between knots and level beyond them.
+#[derive(Clone, Debug)]
+struct Pieces {
+    /// Its value before the first knot.
+    first: f32,
+    /// Where pieces start, how wide they are, and their slopes.
+    pieces: Vec<[f32; 3]>,
+}
+
+impl Pieces {
+    fn new(at: &[f32], values: &[f32]) -> Pieces {
+        let piece = |(at, of): (&[f32], &[f32])| [at[0], at[1] - at[0], (of[1] - of[0]) / (at[1] - at[0])];
+        let pieces = at.windows(2).zip(values.windows(2)).map(piece).collect();
+        Pieces { first: values.first().copied().unwrap_or(0.0), pieces }
+    }
+
+    /// Adds its values at `at` to `sums`.
+    #[inline(always)]
+    fn add(&self, at: &[f32; LANES], sums: &mut [f32; LANES]) {
+        for sum in &mut *sums {
+            *sum += self.first;
+        }
+        for &[start, width, slope] in &self.pieces {
+            for (sum, &at) in sums.iter_mut().zip(at) {
+                *sum += slope * smaller(larger(at - start, 0.0), width);
+            }
+        }
+    }
 }
 
 impl IntensityCurve {
-    /// The curve through `knots` of response and reading; the other tables have a value for each beam, or none.
+    /// The curves through `responses` and the readings of all beams, or of each; and gains at `distances`, if any.
     ///
     /// # Errors
     /// [`Error::SensorModel`] or [`Error::CurveTable`].
-    pub fn new(knots: &[(f32, f32)], gains: Vec<f32>, offsets: Vec<f32>, cutoffs: Vec<f32>) -> Result<IntensityCurve> {
-        let held = |field, value: f32, holds, limit| {
-            if holds && value.is_finite() { Ok(()) } else { Err(Error::SensorModel { field, value, limit }) }
+    pub fn new(
+        responses: &[f32],
+        readings: &[Vec<f32>],
+        distances: &[f32],
+        gains: &[f32],
+        cutoffs: Vec<f32>,
+    ) -> Result<IntensityCurve> {
+        let same = |table, found, expected| {
+            if found == expected { Ok(()) } else { Err(Error::CurveTable { table, found, expected }) }
         };
-        for &(response, reading) in knots {
-            held("a response of the curve", response, response > 0.0, "finite and greater than 0")?;
-            held("a reading of the curve", reading, (0.0..=1.0).contains(&reading), "0 to 1")?;
+        same("responses", responses.len().min(1), 1)?;
+        same("distance_gains", gains.len(), distances.len())?;
+        readings.iter().try_for_each(|curve| same("readings of a beam", curve.len(), responses.len()))?;
+        all("a response of the curve", responses, |r| r > 0.0, "finite and greater than 0")?;
+        all("a distance of the curve", distances, |d| d >= 0.0, "finite and 0 or more")?;
+        all("a gain of the curve", gains, |gain| gain > 0.0, "finite and greater than 0")?;
+        all("a cut-off of the curve", &cutoffs, |cutoff| cutoff >= 0.0, "finite and 0 or more")?;
+        ascending("a response of the curve", responses)?;
+        ascending("a distance of the curve", distances)?;
+        for curve in readings {
+            all("a reading of the curve", curve, |reading| (0.0..=1.0).contains(&reading), "0 to 1")?;
         }
-        for pair in knots.windows(2) {
-            held("a response of the curve", pair[1].0, pair[0].0 < pair[1].0, "greater than the one before it")?;
-        }
-        for &gain in &gains {
-            held("a gain of the curve", gain, gain > 0.0, "finite and greater than 0")?;
-        }
-        for &offset in &offsets {
-            held("an offset of the curve", offset, true, "finite")?;
-        }
-        for &cutoff in &cutoffs {
-            held("a cut-off of the curve", cutoff, cutoff >= 0.0, "finite and 0 or more")?;
-        }
-        let first = knots.first().ok_or(Error::CurveTable { table: "knots", found: 0, expected: 1 })?.1;
-        let segment = |pair: &[(f32, f32)]| {
-            let (start, end) = (pair[0].0.ln(), pair[1].0.ln());
-            Segment { start, width: end - start, slope: (pair[1].1 - pair[0].1) / (end - start) }
-        };
-        Ok(IntensityCurve { first, segments: knots.windows(2).map(segment).collect(), gains, offsets, cutoffs })
+        let logarithms = |values: &[f32]| values.iter().map(|value| value.ln()).collect::<Vec<_>>();
+        let at = logarithms(responses);
+        let readings = readings.iter().map(|curve| Pieces::new(&at, curve)).collect();
+        Ok(IntensityCurve { readings, focus: Pieces::new(distances, &logarithms(gains)), cutoffs })
     }
 
-    /// Whether each table has as many values as there are beams, or none.
+    /// Whether there is a curve for all beams or one for each, and as many cut-offs as beams, or none.
     pub(super) fn check(&self, beams: usize) -> Result<()> {
-        for (table, values) in [("gains", &self.gains), ("offsets", &self.offsets), ("cutoffs", &self.cutoffs)] {
-            if ![0, beams].contains(&values.len()) {
-                return Err(Error::CurveTable { table, found: values.len(), expected: beams });
+        for (table, found, other) in [("readings", self.readings.len(), 1), ("cutoffs", self.cutoffs.len(), 0)] {
+            if found != beams && found != other {
+                return Err(Error::CurveTable { table, found, expected: beams });
             }
         }
         Ok(())
     }
 
-    /// Puts what `beam` reads in the place of each response.
+    /// Puts what `beam` reads at these distances [m] in the place of each response.
     #[inline(always)]
-    pub(super) fn read(&self, beam: usize, responses: &mut [f32]) {
-        let of = |values: &[f32], otherwise| values.get(beam).copied().unwrap_or(otherwise);
-        let (gain, offset, cutoff) = (of(&self.gains, 1.0), of(&self.offsets, 0.0), of(&self.cutoffs, 0.0));
-        for shown in responses.chunks_mut(LANES) {
-            let (mut log, mut reading) = ([0.0; LANES], [self.first - offset; LANES]);
+    pub(super) fn read(&self, beam: usize, distances: &[f32], responses: &mut [f32]) {
+        let curve = &self.readings[beam % self.readings.len()];
+        let cutoff = self.cutoffs.get(beam).copied().unwrap_or(0.0);
+        for (distances, shown) in distances.chunks(LANES).zip(responses.chunks_mut(LANES)) {
+            let (mut distance, mut log, mut reading) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+            distance[..distances.len()].copy_from_slice(distances);
             for (log, &response) in log.iter_mut().zip(&*shown) {
-                *log = ln(response * gain);
+                *log = ln(response);
             }
-            for &Segment { start, width, slope } in &self.segments {
-                for (reading, &log) in reading.iter_mut().zip(&log) {
-                    *reading += slope * smaller(larger(log - start, 0.0), width);
-                }
-            }
+            self.focus.add(&distance, &mut log);
+            curve.add(&log, &mut reading);
             for (shown, &reading) in shown.iter_mut().zip(&reading) {
-                *shown = if reading < cutoff { 0.0 } else { larger(reading, 0.0) };
+                *shown = if reading < cutoff { 0.0 } else { reading };
             }
         }
+    }
+}
+
+fn all(field: &'static str, values: &[f32], holds: impl Fn(f32) -> bool, limit: &'static str) -> Result<()> {
+    match values.iter().copied().find(|&value| !(holds(value) && value.is_finite())) {
+        Some(value) => Err(Error::SensorModel { field, value, limit }),
+        None => Ok(()),
+    }
+}
+
+fn ascending(field: &'static str, values: &[f32]) -> Result<()> {
+    match values.windows(2).find(|pair| pair[0] >= pair[1]) {
+        Some(pair) => Err(Error::SensorModel { field, value: pair[1], limit: "greater than the one before it" }),
+        None => Ok(()),
     }
 }

@@ -1,0 +1,147 @@
+"""The lasers of a unit: where each of them starts and how high it looks.
+
+All returns of a laser lie on a cone about the axis of the head: z = height + distance from the axis x tan(elevation).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lidardraft.calibration.recording import Recording
+from lidardraft.errors import FormatError
+from lidardraft.metrics.sweep import firing_step
+
+_MOST_POINTS = 40_000  # of a laser: more say nothing new
+_FEWEST_POINTS = 20
+_SCALE = 0.005  # m off the cone, beyond which a return counts less (Cauchy): a motion, a shake of the head
+_ROUNDS = 12
+_FINEST = 1e-3  # m: no recording is less noisy
+_ALIKE = 0.5  # length of the mean direction of a laser's firings, seen from their columns
+_SURE = 0.005  # m: a height less sure than this is that of the nearest laser whose is
+
+
+@dataclass(frozen=True)
+class BeamTable:
+    """Lasers from the highest: `elevations` and `azimuth_offsets` [rad], `heights` over the sensor's origin [m], and
+    the numbers `rings` that the recording has for them.
+
+    `columns` is the number of firings in a turn, `residual` the root mean square distance of returns from their cones
+    [m], `angle_residual` the same over their distance [rad]. Azimuth offsets are known where firings are numbered, else
+    0.
+    """
+
+    elevations: np.ndarray
+    heights: np.ndarray
+    azimuth_offsets: np.ndarray
+    rings: np.ndarray
+    columns: int
+    residual: float
+    angle_residual: float
+
+    def rows(self, recording: Recording) -> np.ndarray:
+        """The row of each point, i64 [N]; raises `FormatError` for a ring that the table does not have."""
+        row = np.full(int(max(self.rings.max(), recording.ring.max())) + 1, -1)
+        row[self.rings] = np.arange(len(self.rings))
+        rows: np.ndarray = row[recording.ring]
+        if (rows < 0).any():
+            ring = recording.ring[rows < 0][0]
+            raise FormatError(f"{recording.name} has a ring {ring}, which the other scans do not have")
+        return rows
+
+
+def fit_beam_table(recordings: Sequence[Recording]) -> BeamTable:
+    """The lasers of recordings of one unit. Raises `FormatError` where a laser has too few returns to say."""
+    rings = np.unique(np.concatenate([np.unique(r.ring) for r in recordings]))
+    cones, errors, angles = [], [], []
+    for ring in rings:
+        points = np.concatenate([r.points[r.ring == ring] for r in recordings]).astype(np.float64)
+        if len(points) < _FEWEST_POINTS:
+            raise FormatError(f"ring {ring} has {len(points)} returns; a laser needs {_FEWEST_POINTS} to be fitted")
+        points = points[:: max(1, len(points) // _MOST_POINTS)]
+        out = np.hypot(points[:, 0], points[:, 1])
+        cones.append(_cone(out, points[:, 2]))
+        off = (points[:, 2] - cones[-1][1] - out * math.tan(cones[-1][0])) * math.cos(cones[-1][0])
+        errors.append(off)
+        angles.append(off / np.maximum(np.hypot(out, points[:, 2]), 1.0))
+    elevations, heights, unsure = np.array(cones).T
+    sure, unsure = unsure <= _SURE, unsure > _SURE
+    for k in np.flatnonzero(unsure):  # all its returns lie at one distance
+        points = np.concatenate([r.points[r.ring == rings[k]] for r in recordings]).astype(np.float64)
+        out = np.maximum(np.hypot(points[:, 0], points[:, 1]), 1e-3)
+        elevations[k] = math.atan(float(np.median(points[:, 2] / out)))
+        nearest = np.argmin(np.where(sure, np.abs(elevations - elevations[k]), np.inf))
+        heights[k] = heights[nearest] if sure.any() else 0.0
+        elevations[k] = math.atan(float(np.median((points[:, 2] - heights[k]) / out)))
+    order = np.argsort(-elevations, kind="stable")
+    if (np.diff(elevations[order]) >= 0).any():
+        raise FormatError("two lasers have the same elevation; their rings are not those of one unit")
+    columns = _columns(recordings)
+    every, each = np.concatenate(errors), np.concatenate(angles)
+    return BeamTable(
+        elevations=elevations[order],
+        heights=heights[order],
+        azimuth_offsets=_azimuth_offsets(recordings, rings[order], columns),
+        rings=rings[order],
+        columns=columns,
+        residual=_rms(every),
+        angle_residual=_rms(each),
+    )
+
+
+def _cone(out: np.ndarray, z: np.ndarray) -> tuple[float, float, float]:
+    """Elevation [rad], height and its standard error [m], by reweighted least squares."""
+    design = np.stack([out, np.ones_like(out)], axis=1)
+    weight = np.ones_like(out)
+    for _ in range(_ROUNDS):
+        solution, *_ = np.linalg.lstsq(design * weight[:, None], z * weight, rcond=None)
+        weight = 1.0 / np.sqrt(1.0 + ((z - design @ solution) / _SCALE) ** 2)
+    left = max(_rms((z - design @ solution) * weight), _FINEST)
+    error = left / max(_rms(out - out.mean()), 1e-9) * _rms(out) / math.sqrt(len(out))
+    return math.atan(solution[0]), float(solution[1]), error
+
+
+def _azimuth_offsets(recordings: Sequence[Recording], rings: np.ndarray, columns: int) -> np.ndarray:
+    """By how much each laser looks further to the left than the mean of all, where firings are numbered [rad]."""
+    turned = np.zeros(len(rings), dtype=complex)
+    for recording in recordings:
+        if recording.column is None:
+            return np.zeros(len(rings))
+        ahead = np.exp(1j * (_azimuths(recording) + 2 * np.pi * (recording.column + 0.5) / columns - np.pi))
+        turned += [ahead[recording.ring == ring].mean() for ring in rings]
+    if np.abs(turned).min() < _ALIKE * len(recordings):  # columns that are no firings, or count the other way
+        return np.zeros(len(rings))
+    offsets = np.angle(turned)
+    middle = np.angle(np.exp(1j * offsets).mean())
+    found: np.ndarray = np.angle(np.exp(1j * (offsets - middle)))
+    return found
+
+
+def _columns(recordings: Sequence[Recording]) -> int:
+    """Firings in a turn, by the step from one to the next."""
+    steps = []
+    for recording in recordings:
+        turned = -_azimuths(recording) % (2 * np.pi)
+        if recording.column is None:
+            steps.append(firing_step(turned, recording.ring))
+            continue
+        order = np.lexsort((recording.column, recording.ring))
+        firings = np.diff(recording.column[order])
+        same = (np.diff(recording.ring[order]) == 0) & (firings > 0) & (firings < 8)
+        step = np.angle(np.exp(1j * np.diff(turned[order])))[same] / firings[same]
+        steps.append(abs(float(np.median(step))) if len(step) else math.inf)
+    if not math.isfinite(max(steps)) or not min(steps) > 0:
+        raise FormatError("no laser has two returns side by side; the step between firings is unknown")
+    return round(2 * math.pi / float(np.median(steps)))
+
+
+def _azimuths(recording: Recording) -> np.ndarray:
+    azimuths: np.ndarray = np.arctan2(recording.points[:, 1], recording.points[:, 0]).astype(np.float64)
+    return azimuths
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))

@@ -1,0 +1,111 @@
+"""A sensor out of recordings of it: lasers, vehicle, receiver and intensity, in one screen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lidardraft.calibration.beam_table import BeamTable, fit_beam_table
+from lidardraft.calibration.intensity import fit_intensity
+from lidardraft.calibration.receiver import fit_receiver, fit_speckle
+from lidardraft.calibration.recording import Recording
+from lidardraft.calibration.street_casts import StreetCasts, with_rays_that_fit
+from lidardraft.calibration.vehicle_mask import fit_blocked
+from lidardraft.errors import FormatError
+from lidardraft.metrics.profiles import road_level
+from lidardraft.metrics.sweep import Sweep
+from lidardraft.scene.sensor import Sensor
+from lidardraft.scene.sensor_model import SensorModel
+
+MOST_COLUMNS = 1024  # that recordings are held against streets with; more take time and say nothing new
+STREETS = 48
+_LAST, _MANY = 0.95, 15  # so many returns in the last twentieth of all ranges say that there is a limit
+SEED = 3_000_000  # no training and no report uses it
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The fitted `sensor` with its model, its `table`, and what is left of its intensities (of 1; NaN without any)."""
+
+    sensor: Sensor
+    table: BeamTable
+    intensity_residual: float
+
+
+def fit_sensor(
+    recordings: Sequence[Recording],
+    name: str,
+    *,
+    like: Sensor | None = None,
+    columns: int | None = None,
+    num_streets: int = STREETS,
+) -> Fit:
+    """The sensor that took `recordings`, called `name`.
+
+    What no recording tells (the divergence, the return mode, the time of a sweep) is that of `like`, or typical.
+    `columns` are by default the firings of a turn. Raises `FormatError` where there is nothing to fit to.
+    """
+    table = fit_beam_table(recordings)
+    columns = columns or table.columns
+    recorded = sweeps_of(recordings, table, min(columns, MOST_COLUMNS))
+    sensor = _geometry(name, table, recorded, like or Sensor(name=name, elevations=(0.0,), columns=1))
+    typical = SensorModel.from_sensor(like or sensor)
+    # the lasers are known, one by one
+    model = with_rays_that_fit(sensor, replace(typical, tilt_spread=0.0, gain_spread=0.0, intensity_curve=None))
+    casts = StreetCasts.from_sensor(sensor, model, num_streets, seed=SEED)
+    model, sigma = fit_receiver(recorded, casts, model)
+    left = math.nan
+    if all(sweep.intensity is not None for sweep in recorded):
+        found = fit_intensity(recorded, casts.responses(model, sigma))
+        model, left = replace(model, compensation_range=math.inf, intensity_curve=found.curve), found.residual
+        model = fit_speckle(recorded, casts, model, sigma)
+    return Fit(replace(sensor, columns=columns, range_sigma=sigma, model=model), table, left)
+
+
+def sweeps_of(recordings: Sequence[Recording], table: BeamTable, columns: int) -> list[Sweep]:
+    """The scans in the order of a table's lasers and of so many columns."""
+    return [
+        Sweep.from_points(
+            one.points,
+            table.rows(one),
+            height=len(table.rings),
+            columns=columns,
+            label=one.label,
+            intensity=one.intensity,
+        )
+        for one in recordings
+    ]
+
+
+def _geometry(name: str, table: BeamTable, recorded: Sequence[Sweep], like: Sensor) -> Sensor:
+    depth = np.concatenate([sweep.depth[sweep.valid] for sweep in recorded])
+    offsets = tuple(table.azimuth_offsets.tolist()) if table.azimuth_offsets.any() else ()
+    if not any((sweep.points[..., 2] < -1.0).any() for sweep in recorded):
+        raise FormatError("no return lies 1 m or more below the sensor; without a road there is nothing to fit to")
+    levels = [road_level(sweep) for sweep in recorded if (sweep.points[..., 2] < -1.0).any()]
+    return replace(
+        like,
+        name=name,
+        elevations=tuple(table.elevations.tolist()),
+        azimuth_offsets=offsets,
+        origin_forwards=(),
+        origin_lefts=(),
+        origin_heights=tuple(table.heights.tolist()),
+        columns=recorded[0].points.shape[1],
+        azimuth_start=math.pi,
+        azimuth_span=2 * math.pi,
+        min_range=min(like.min_range, math.floor(10 * float(depth.min())) / 10),
+        max_range=_max_range(depth, like.max_range),
+        mount_height=-float(np.median(levels)),
+        blocked=fit_blocked(recorded, table.elevations),
+        model=None,
+    )
+
+
+def _max_range(depth: np.ndarray, usual: float) -> float:
+    """Where the returns end, if there are so many before that it is a limit; else the usual one."""
+    end = float(math.ceil(float(depth.max())))
+    return end if (depth > _LAST * end).sum() >= _MANY else max(usual, end)

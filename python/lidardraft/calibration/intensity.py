@@ -1,0 +1,204 @@
+"""The intensity curve of a unit: readings of streets get the quantiles of the recorded ones.
+
+What a laser reads of an echo is not published, but known from what is common in streets: among the returns of the same
+group, laser and range, recorded readings and the responses of simulated streets have the same ranks. One curve for all
+lasers, a gain at each range, and a gain and an offset of each laser make of the ones the others, in least squares; then
+each laser gets a curve of its own, as far as it has returns enough to tell. Its least reading over 0 is its cut-off.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lidardraft.calibration.surface_groups import groups_of
+from lidardraft.metrics.sweep import Sweep
+from lidardraft.scene.intensity_curve import IntensityCurve
+
+_RANGES = np.array([2.0, 5.0, 8.0, 12.0, 16.0, 20.0, 25.0, 30.0, 40.0, 50.0, 65.0, 80.0, 120.0])  # m
+_DISTANCES = np.sqrt(_RANGES[1:] * _RANGES[:-1])  # m, where there is a gain each
+_REFERENCE = 2  # the range whose gain is 1
+_FEWEST = 100  # returns of a cell: of one group, one laser and one range
+_MOST = 2000  # that count
+_LEVELS = np.linspace(0.025, 0.975, 20)  # of the quantiles
+_KNOTS = 16
+# Logarithms of gains that are tried of a laser and at a range, and offsets of a laser.
+_GAINS = np.linspace(-2.0, 2.0, 81)
+_FOCUS = np.linspace(-3.0, 1.5, 91)
+_MOST_OFFSET = 0.4
+_DRAWN = 0.005  # of a cell of _FEWEST returns: how much that weighs which draws gains towards 1 and offsets to 0
+_SHARED = 150.0  # returns at each knot that stand for the shared curve against a laser's own
+_ROUNDS, _OWN_ROUNDS = 12, 3
+_LEAST_SHARE = 0.005  # of a laser's readings over 0 are below its cut-off: outliers
+_NO_ZEROS = 0.002  # a laser that reads 0 less often has no cut-off
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Quantiles of what is alike, of C cells of one group, one laser and one range each."""
+
+    row: np.ndarray  # i64 [C]
+    range: np.ndarray  # i64 [C], which of _DISTANCES
+    response: np.ndarray  # logarithms [C, Q]
+    reading: np.ndarray  # [C, Q]
+    weight: np.ndarray  # [C, 1], roots of returns
+
+
+@dataclass(frozen=True)
+class IntensityFit:
+    """The fitted curve, and the root mean square of what is left between quantiles, of 1."""
+
+    curve: IntensityCurve
+    residual: float
+
+
+def fit_intensity(recorded: Sequence[Sweep], simulated: Sequence[Sweep]) -> IntensityFit:
+    """The curve with which simulated sweeps, whose intensities are responses, read as the recorded ones do.
+
+    Returns are grouped by class if all recorded sweeps have labels, else by place and shape (`surface_groups.py`).
+    """
+    cells, cutoffs = _cells(recorded, simulated), _cutoffs(recorded)
+    least, beams = cutoffs[cells.row][:, None], len(cutoffs)
+    gains, offsets, focus = np.zeros(beams), np.zeros(beams), np.zeros(len(_DISTANCES))
+    known = cells.reading
+    for _ in range(_ROUNDS):
+        strength = cells.response + focus[cells.range][:, None]
+        own = strength + gains[cells.row][:, None]
+        knots = _knots(own)
+        curve = _monotone(own, known + offsets[cells.row][:, None], cells.weight, knots)
+        apart = cells.response + gains[cells.row][:, None], known + offsets[cells.row][:, None]
+        focus, _ = _shifts(*apart, cells.weight, cells.range, (knots, curve), _FOCUS, len(focus), 0.0)
+        focus -= focus[_REFERENCE]
+        strength = cells.response + focus[cells.range][:, None]
+        gains, offsets = _shifts(strength, known, cells.weight, cells.row, (knots, curve), _GAINS, beams, _MOST_OFFSET)
+        shown = np.interp(strength + gains[cells.row][:, None], knots, curve) - offsets[cells.row][:, None]
+        known = _imputed(cells.reading, shown, least)
+    at = _knots(strength)
+    shared = np.array([np.interp(at + gain, knots, curve) for gain in gains]) - offsets[:, None]
+    readings, shown = _own_curves(cells, strength, at, shared, least)
+    left = np.where(shown < least, 0.0, shown) - cells.reading
+    share = np.broadcast_to(cells.weight**2, left.shape)
+    fitted = IntensityCurve(
+        responses=tuple(np.exp(at).tolist()),
+        readings=tuple(map(tuple, np.clip(readings, 0.0, 1.0).tolist())),
+        distances=tuple(_DISTANCES.tolist()),
+        distance_gains=tuple(np.exp(focus).tolist()),
+        cutoffs=tuple(cutoffs.tolist()),
+    )
+    return IntensityFit(fitted, math.sqrt(float((share * left**2).sum() / share.sum())))
+
+
+def _cells(recorded: Sequence[Sweep], simulated: Sequence[Sweep]) -> Cells:
+    labelled = all(sweep.label is not None for sweep in recorded)
+    readings, responses = _by_cell(recorded, labelled), _by_cell(simulated, labelled)
+    both = sorted(set(readings) & set(responses))
+    beams = len(recorded[0].points)
+    return Cells(
+        row=np.array([key % beams for key in both]),
+        range=np.array([key // beams % len(_DISTANCES) for key in both]),
+        response=np.log(np.maximum([responses[key][0] for key in both], 1e-5)),
+        reading=np.array([readings[key][0] for key in both]),
+        weight=np.sqrt([min(readings[key][1], responses[key][1], _MOST) for key in both]).reshape(-1, 1),
+    )
+
+
+def _by_cell(sweeps: Sequence[Sweep], labelled: bool) -> dict[int, tuple[np.ndarray, int]]:
+    """Quantiles of intensities, and their count, of each cell that has enough returns."""
+    keys, found = [], []
+    for sweep in sweeps:
+        assert sweep.intensity is not None
+        bins = np.digitize(sweep.depth, _RANGES) - 1
+        inside = sweep.valid & (bins >= 0) & (bins < len(_DISTANCES))
+        rows = np.broadcast_to(np.arange(len(bins))[:, None], bins.shape)
+        keys.append(((groups_of(sweep, labelled) * len(_DISTANCES) + bins) * len(bins) + rows)[inside])
+        found.append(sweep.intensity[inside])
+    key, value = np.concatenate(keys), np.concatenate(found)
+    order = np.argsort(key, kind="stable")
+    names, starts = np.unique(key[order], return_index=True)
+    pieces = zip(names.tolist(), np.split(order, starts[1:]), strict=True)
+    return {name: (np.quantile(value[p], _LEVELS), len(p)) for name, p in pieces if len(p) >= _FEWEST}
+
+
+def _cutoffs(recorded: Sequence[Sweep]) -> np.ndarray:
+    """The least reading of each laser over 0, [H]; 0 where it hardly ever reads 0."""
+    found = []
+    for row in range(len(recorded[0].points)):
+        read = np.concatenate([s.intensity[row][s.valid[row]] for s in recorded if s.intensity is not None])
+        above = read[read > 0]
+        none = len(above) < _FEWEST or (read == 0).mean() < _NO_ZEROS
+        found.append(0.0 if none else float(np.quantile(above, _LEAST_SHARE)))
+    return np.array(found)
+
+
+def _imputed(reading: np.ndarray, shown: np.ndarray, least: np.ndarray) -> np.ndarray:
+    """Readings, and for those of 0, of which only that is known that they are below the cut-off, what is shown."""
+    return np.where(reading > 0, reading, np.minimum(shown, least))
+
+
+def _knots(strength: np.ndarray) -> np.ndarray:
+    low, high = np.quantile(strength, (0.003, 0.997))
+    return np.linspace(float(low), float(high), _KNOTS)
+
+
+def _own_curves(
+    cells: Cells, strength: np.ndarray, knots: np.ndarray, shared: np.ndarray, least: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """A curve of each laser [H, K] near the `shared` one, and what it reads in the cells [C, Q]."""
+    curves, shown = shared.copy(), np.empty_like(strength)
+    for _ in range(_OWN_ROUNDS):
+        for beam in np.unique(cells.row):
+            ours = cells.row == beam
+            shown[ours] = np.interp(strength[ours], knots, curves[beam])
+            reading = _imputed(cells.reading[ours], shown[ours], least[ours])
+            weight = np.broadcast_to(cells.weight[ours], reading.shape)
+            curves[beam] = _monotone(
+                np.r_[strength[ours].ravel(), knots],
+                np.r_[reading.ravel(), shared[beam]],
+                np.r_[weight.ravel(), np.full(len(knots), math.sqrt(_SHARED * len(_LEVELS)))],
+                knots,
+            )
+    for beam in np.unique(cells.row):
+        shown[cells.row == beam] = np.interp(strength[cells.row == beam], knots, curves[beam])
+    return curves, shown
+
+
+def _monotone(strength: np.ndarray, reading: np.ndarray, weight: np.ndarray, knots: np.ndarray) -> np.ndarray:
+    """The readings at `knots` that never fall and fit best, by least squares of steps of 0 or more."""
+    from scipy.optimize import lsq_linear
+
+    rows = np.broadcast_to(weight, strength.shape).ravel()
+    steps = [np.interp(strength.ravel(), knots[k : k + 2], [0.0, 1.0]) for k in range(len(knots) - 1)]
+    design = np.stack([np.ones_like(rows), *steps], axis=1) * rows[:, None]
+    root = np.linalg.cholesky(design.T @ design + 1e-3 * np.mean(rows**2) * np.eye(len(knots)))
+    target = np.linalg.solve(root, design.T @ (reading.ravel() * rows))
+    bounds = (np.r_[-1.0, np.zeros(len(knots) - 1)], np.ones(len(knots)))
+    solution: np.ndarray = np.cumsum(lsq_linear(root.T, target, bounds).x)
+    return solution
+
+
+def _shifts(
+    strength: np.ndarray,
+    reading: np.ndarray,
+    weight: np.ndarray,
+    of: np.ndarray,
+    curve: tuple[np.ndarray, np.ndarray],
+    tried: np.ndarray,
+    count: int,
+    most: float,
+) -> tuple[np.ndarray, np.ndarray]:
+    """For each of `count` lasers or ranges, which cells are `of`, the best of the shifts `tried` of its strengths, and
+    the offset up to `most` that goes with it."""
+    shifts, offsets = np.zeros(count), np.zeros(count)
+    drawn = _DRAWN * _FEWEST * len(_LEVELS)
+    for number in np.unique(of):
+        ours = of == number
+        share = np.broadcast_to(weight[ours] ** 2, reading[ours].shape)
+        over = np.interp(strength[ours] + tried[:, None, None], *curve) - reading[ours]
+        offset = np.clip((share * over).sum(axis=(1, 2)) / (share.sum() + drawn), -most, most)
+        left = (share * (over - offset[:, None, None]) ** 2).sum(axis=(1, 2)) + drawn * (0.1 * tried**2 + offset**2)
+        best = int(np.argmin(left))
+        shifts[number], offsets[number] = tried[best], offset[best]
+    return shifts, offsets

@@ -1,0 +1,203 @@
+"""The receiver of a unit: constants with which simulated streets drop, scatter and mix returns as recorded ones do.
+
+Each constant has a figure that it moves and little else does, and is found by bisection.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from lidardraft.calibration.street_casts import StreetCasts
+from lidardraft.calibration.surface_groups import GROUND, LANE, groups_of
+from lidardraft.metrics import edges, returns
+from lidardraft.metrics.sweep import Sweep
+from lidardraft.scene.sensor import Sensor
+from lidardraft.scene.sensor_model import SensorModel
+
+_FAR = returns.RANGE_EDGES[:-1] >= 20.0  # m: where echoes get weak
+_NEAR_GROUND = 12.0  # m: where the ground hardly ever fails
+_LONGEST_HOLE = 3  # firings that are missing on it at once
+_STEPS = 9
+_LEAST_CHANGE = 0.1  # of a figure, from one limit of its constant to the other: what moves it less is not told by it
+_ROUNDS = 2
+_THRESHOLDS = (1e-8, 1e-2)  # 1/m2
+_DROPS = (1e-5, 0.3)
+_SIGMAS = (2e-4, 0.2)  # m
+_JITTERS = (1e-3, 0.5)  # m
+_OFFSETS = (5e-4, 0.1)  # m
+_SPECKLES = (0.01, 1.0)
+_PULSES = (1e-9, 5e-8)  # s
+_CLOSE = math.radians(1.0)  # lasers
+_FAR_BENDS = (25.0, 60.0)  # m
+
+
+def fit_receiver(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorModel) -> tuple[SensorModel, float]:
+    """The model with its pulse, drop and noise fitted, and the `range_sigma` [m] that goes with it."""
+    sigma = casts.scanners[0].sensor.range_sigma
+    # surfaces further apart than a pulse is long make two echoes, closer ones a return that hangs between them
+    model = _found(
+        lambda value: replace(model, pulse_duration=value),
+        lambda one: _mixed(casts.observed(one, sigma)),
+        _mixed(recorded),
+        _PULSES,
+        model,
+    )
+    for _ in range(_ROUNDS):  # one bends a little what the other is found by
+        model = _fit_drop(recorded, casts, model, sigma)
+    for _ in range(_ROUNDS):
+        model, sigma = _fit_noise(recorded, casts, model)
+    return model, sigma
+
+
+def _fit_drop(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorModel, sigma: float) -> SensorModel:
+    model = _found(
+        lambda value: replace(model, detection_threshold=value),
+        lambda one: _far_rate(casts.observed(one, sigma)),
+        _far_rate(recorded),
+        _THRESHOLDS,
+        model,
+    )
+    return _found(
+        lambda value: replace(model, drop_probability=value),
+        lambda one: _ground_rate(casts.observed(one, sigma)),
+        _ground_rate(recorded),
+        _DROPS,
+        model,
+    )
+
+
+def _fit_noise(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorModel) -> tuple[SensorModel, float]:
+    sensor = casts.scanners[0].sensor
+    target, sigma = _bend(recorded, near=True), sensor.range_sigma
+    if not math.isnan(target):
+        sigma = bisected(lambda value: _bend(casts.observed(model, value), near=True), target, _SIGMAS, rising=True)
+    noisy = _found(
+        lambda value: replace(model, jitter=value),
+        lambda one: _bend(casts.observed(one, sigma), near=False),
+        _bend(recorded, near=False),
+        _JITTERS,
+        model,
+    )
+    apart = _found(
+        lambda value: replace(noisy, offset_spread=value),
+        lambda one: _rise(casts.observed(one, sigma), sensor),
+        _rise(recorded, sensor),
+        _OFFSETS,
+        noisy,
+    )
+    return apart, sigma
+
+
+def fit_speckle(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorModel, sigma: float) -> SensorModel:
+    """The model with the scatter of readings from firing to firing, whose intensity curve is known."""
+    return _found(
+        lambda value: replace(model, speckle=value),
+        lambda one: _reading_step(casts.observed(one, sigma)),
+        _reading_step(recorded),
+        _SPECKLES,
+        model,
+    )
+
+
+def _found(
+    with_value: Callable[[float], SensorModel],
+    figure: Callable[[SensorModel], float],
+    target: float,
+    limits: tuple[float, float],
+    otherwise: SensorModel,
+) -> SensorModel:
+    """The model with the value at which a figure is `target`, or `otherwise` where it is not known or says little."""
+    if math.isnan(target):
+        return otherwise
+    ends = [figure(with_value(limit)) for limit in limits]
+    if not abs(ends[1] - ends[0]) > _LEAST_CHANGE * abs(target):
+        return otherwise
+    return with_value(bisected(lambda value: figure(with_value(value)), target, limits, rising=ends[1] > ends[0]))
+
+
+def bisected(figure: Callable[[float], float], target: float, limits: tuple[float, float], *, rising: bool) -> float:
+    """The value between two limits over 0 at which a monotone figure is `target`; a limit, where it is at none."""
+    low, high = map(math.log, limits)
+    for _ in range(_STEPS):
+        middle = (low + high) / 2
+        if (figure(math.exp(middle)) < target) == rising:
+            low = middle
+        else:
+            high = middle
+    return math.exp((low + high) / 2)
+
+
+def _far_rate(sweeps: Sequence[Sweep]) -> float:
+    """Mean over far ranges of the share of firings into surfaces that return."""
+    counts = np.sum([returns.returns_by_range(sweep) for sweep in sweeps], axis=0)[_FAR]
+    known = counts[counts[:, 1] >= 500]
+    return float((known[:, 0] / known[:, 1]).mean()) if len(known) else math.nan
+
+
+def _ground_rate(sweeps: Sequence[Sweep]) -> float:
+    """Share of firings into the ground near by that return: cars, windows and plants lose more for reasons of their
+    own."""
+    found = missing = 0
+    for sweep in sweeps:
+        group = groups_of(sweep, labelled=False)
+        ground = sweep.valid & ((group == LANE) | (group == GROUND)) & (sweep.depth < _NEAR_GROUND)
+        rows, starts, ends = returns.runs(~sweep.valid).T
+        inner = (ends - starts <= _LONGEST_HOLE) & (starts > 0) & (ends < ground.shape[1])
+        rows, starts, ends = rows[inner], starts[inner], ends[inner]
+        inside = ground[rows, starts - 1] & ground[rows, ends]
+        missing += int((ends - starts)[inside].sum())
+        found += int(ground.sum())
+    return found / (found + missing) if found >= 500 else math.nan
+
+
+def _mixed(sweeps: Sequence[Sweep]) -> float:
+    shares = [share for share in map(edges.mixed_share, sweeps) if not math.isnan(share)]
+    return float(np.mean(shares)) if shares else math.nan
+
+
+def _bend(sweeps: Sequence[Sweep], near: bool) -> float:
+    """How far returns lie off the middle of their neighbours in the row [m]: the median on the ground near by, the
+    lower quartile of all further off, where few surfaces are smooth."""
+    found = []
+    for sweep in sweeps:
+        before, here, after = sweep.depth[:, :-2], sweep.depth[:, 1:-1], sweep.depth[:, 2:]
+        inside = (before > 0) & (after > 0)
+        if near:
+            ground = np.isin(groups_of(sweep, labelled=False), (LANE, GROUND))[:, 1:-1]
+            inside &= ground & (here > 0) & (here < _NEAR_GROUND)
+        else:
+            inside &= (here > _FAR_BENDS[0]) & (here < _FAR_BENDS[1])
+        found.append(np.abs(here - (before + after) / 2)[inside])
+    bends = np.concatenate(found)
+    return float(np.quantile(bends, 0.5 if near else 0.25)) if len(bends) >= 500 else math.nan
+
+
+def _rise(sweeps: Sequence[Sweep], sensor: Sensor) -> float:
+    """Lower quartile of how far near returns lie off the middle of those of the lasers above and below [m], where
+    these are close: further apart, it is the ground that bends."""
+    steps = -np.diff(sensor.elevations)
+    close = np.maximum(steps[1:], steps[:-1]) < _CLOSE
+    found = [np.zeros(0)]
+    for sweep in sweeps:
+        above, here, below = sweep.depth[:-2], sweep.depth[1:-1], sweep.depth[2:]
+        inside = close[:, None] & (above > 0) & (below > 0) & (here > 0) & (here < _NEAR_GROUND)
+        found.append(np.abs(here - (above + below) / 2)[inside])
+    rises = np.concatenate(found)
+    return float(np.quantile(rises, 0.25)) if len(rises) >= 500 else math.nan
+
+
+def _reading_step(sweeps: Sequence[Sweep]) -> float:
+    """Median step of readings over 0 from firing to firing, at one range."""
+    found = []
+    for sweep in sweeps:
+        assert sweep.intensity is not None
+        read, depth = sweep.intensity, sweep.depth
+        near = (np.abs(np.diff(depth, axis=1)) < 0.1) & (read[:, 1:] > 0) & (read[:, :-1] > 0)
+        found.append(np.abs(np.diff(read, axis=1))[near])
+    steps = np.concatenate(found)
+    # readings are in steps: their mean says more than a median that is one of them
+    return float(np.minimum(steps, np.quantile(steps, 0.9)).mean()) if len(steps) >= 500 else math.nan

@@ -1,0 +1,148 @@
+"""Recorded scans of one sensor: points whose lasers are known.
+
+Which laser took a point is known from the order of KITTI's files (laser by laser, each once around), from a field
+`ring`, or from the rows of an organised cloud. It is not guessed from elevations: in the frame of a vehicle, or with
+its motion taken out, the points of one laser have many.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from lidardraft.errors import FormatError
+from lidardraft.files import named, read_bytes
+from lidardraft.formats.kitti import read_bin
+from lidardraft.formats.pcd import read_pcd
+from lidardraft.formats.semantickitti import read_label
+from lidardraft.scene import image_archive
+
+_NEAREST = 0.1  # m: what is nearer is no return (zeros stand for those of organised clouds)
+_MOST_LASERS = 512
+_ORDERLY = 0.98  # of the steps in a file of KITTI's order are small ones ahead
+_SMALL_STEP = np.deg2rad(5.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Recording:
+    """One scan: `points` f32 [N, 3] in the sensor frame [m], and the laser `ring` i64 [N] of each, in any order.
+
+    `intensity` f32 [N] in 0 to 1, `label` u8 [N] of our classes, `column` i64 [N], the number of the firing, where they
+    are known.
+    """
+
+    name: str
+    points: np.ndarray
+    ring: np.ndarray
+    intensity: np.ndarray | None = None
+    label: np.ndarray | None = None
+    column: np.ndarray | None = None
+
+
+def read_recording(path: str | os.PathLike[str]) -> Recording:
+    """A scan out of a file: `.bin` of KITTI, with SemanticKITTI's labels if they lie beside it, `.pcd` or `.npz`.
+
+    A KITTI file has its points laser by laser. A PCD file has x, y, z and a field `ring` (or `channel`), or is
+    organised (its HEIGHT lasers are rows) or in KITTI's order; `intensity` in 0 to 1 or 0 to 255. An .npz file has
+    `xyz` [N, 3], and `ring`, `intensity`, `label` (our classes) and `column` [N] where they are known. Raises
+    `FormatError` where the file is something else, has no points, or where nothing says which laser took them.
+    """
+    name, suffix = os.fspath(path), Path(path).suffix
+    if suffix == ".bin":
+        points, intensity = read_bin(path)
+        fields = {"intensity": intensity} | _labels_beside(Path(path), len(points))
+    elif suffix == ".pcd":
+        points, fields = _from_pcd(path)
+    elif suffix == ".npz":
+        points, fields = _from_npz(path)
+    else:
+        raise FormatError(f"{name}: a recorded scan is a .bin, .pcd or .npz file")
+    with named(name):
+        return recording_of(name, points, **fields)
+
+
+def recording_of(name: str, points: np.ndarray, **fields: np.ndarray) -> Recording:
+    """The recording of `points` [N, 3] and `ring`, `intensity`, `label`, `column` [N]; what is no return or not finite
+    is left out. Raises `FormatError` as `read_recording` does."""
+    points = np.asarray(points)
+    if points.ndim != 2 or points.shape[1] != 3 or any(len(values) != len(points) for values in fields.values()):
+        raise FormatError(f"points {points.shape} must be [N, 3], with a value of each field for each")
+    distance = np.linalg.norm(points.astype(np.float64), axis=1)
+    there = np.isfinite(distance) & (distance > _NEAREST)
+    if not there.any():
+        raise FormatError("the scan is empty; there is nothing to fit a sensor to")
+    points = points[there].astype(np.float32)
+    fields = {field: np.asarray(values)[there] for field, values in fields.items()}
+    ring = fields.pop("ring", None)
+    ring = _rings_of_order(points) if ring is None else ring.astype(np.int64)
+    if ring.min() < 0 or ring.max() >= _MOST_LASERS:
+        raise FormatError(f"rings are {ring.min()} to {ring.max()}; they must be 0 to {_MOST_LASERS - 1}")
+    intensity = fields.get("intensity")
+    if intensity is not None:
+        intensity = intensity.astype(np.float32)
+        if not np.isfinite(intensity).all() or intensity.min() < 0 or intensity.max() > 255:
+            raise FormatError("an intensity is not finite or not within 0 to 255")
+        fields["intensity"] = intensity / np.float32(255) if intensity.max() > 1 else intensity
+    for field in ("label", "column"):
+        if field in fields:
+            fields[field] = fields[field].astype(np.uint8 if field == "label" else np.int64)
+    return Recording(name=name, points=points, ring=ring, **fields)
+
+
+def _rings_of_order(points: np.ndarray) -> np.ndarray:
+    """The lasers of points that come laser by laser, each once around from straight ahead, as in KITTI's files."""
+    azimuth = np.arctan2(points[:, 1], points[:, 0]).astype(np.float64) % (2 * np.pi)
+    steps = np.diff(azimuth)
+    wraps = np.abs(steps) > np.pi
+    ahead = np.sign(np.median(steps[~wraps])) if (~wraps).any() else 0.0
+    orderly = wraps | ((steps * ahead >= -1e-3) & (np.abs(steps) < _SMALL_STEP))
+    if len(steps) < 8 or orderly.mean() < _ORDERLY or wraps.sum() >= _MOST_LASERS:
+        raise FormatError(
+            "nothing says which laser took a point: no field ring, no rows, not laser by laser as KITTI's files are"
+        )
+    return np.concatenate([[0], np.cumsum(wraps)])
+
+
+def _labels_beside(path: Path, count: int) -> dict[str, np.ndarray]:
+    """SemanticKITTI's labels: NAME.label beside the scan, or in the folder labels/ beside the scan's."""
+    for file in (path.with_suffix(".label"), path.parent.parent / "labels" / f"{path.stem}.label"):
+        if file.exists():
+            return {"label": read_label(file, count)[0]}
+    return {}
+
+
+def _from_pcd(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    columns = read_pcd(path)
+    missing = [axis for axis in "xyz" if axis not in columns]
+    if missing:
+        raise FormatError(f"{os.fspath(path)}: there is no field {missing[0]}")
+    if "channel" in columns:
+        columns.setdefault("ring", columns["channel"])
+    fields = {str(field): columns[field] for field in ("ring", "intensity") if field in columns}
+    points = np.stack([columns[axis] for axis in "xyz"], axis=1)
+    width, height = _rows_of_header(path)
+    if "ring" not in fields and height > 1 and width * height == len(points):
+        fields |= {"ring": np.arange(len(points)) // width, "column": np.arange(len(points)) % width}
+    return points, fields
+
+
+def _rows_of_header(path: str | os.PathLike[str]) -> tuple[int, int]:
+    """WIDTH and HEIGHT of a PCD file that has been read; 0 where it does not say."""
+    found = {"WIDTH": 0, "HEIGHT": 0}
+    for line in read_bytes(path)[:100_000].splitlines():
+        words = line.decode("latin-1").split()
+        if words and words[0] == "DATA":
+            break
+        if len(words) == 2 and words[0] in found and words[1].isdecimal():
+            found[words[0]] = int(words[1])
+    return found["WIDTH"], found["HEIGHT"]
+
+
+def _from_npz(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    with image_archive.opened(path) as archive:
+        points = image_archive.read_numbers(archive, "xyz")
+        found = [field for field in ("ring", "intensity", "label", "column") if image_archive.holds(archive, field)]
+        return points, {field: image_archive.read_numbers(archive, field) for field in found}

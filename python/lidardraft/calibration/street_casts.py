@@ -1,0 +1,73 @@
+"""Streets cast once, to be observed with one sensor model after the other: what a recording is held against."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lidardraft.errors import SensorError
+from lidardraft.metrics.sweep import Sweep
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.scanner import Scanner
+from lidardraft.scene.sensor import Sensor
+from lidardraft.scene.sensor_model import SensorModel, sub_rays
+from lidardraft.streets.ego import mount, sample_ego
+from lidardraft.streets.street import StreetConfig, make_street
+
+_BRIGHTEST = 1e4  # times a white surface: responses are read without a limit
+
+
+@dataclass(frozen=True, eq=False)
+class StreetCasts:
+    """Clean casts by one sensor, one of each street, with what is needed to observe them."""
+
+    scanners: tuple[Scanner, ...]
+    casts: tuple[RangeImage, ...]
+
+    @classmethod
+    def from_sensor(cls, sensor: Sensor, model: SensorModel, num: int, *, seed: int) -> StreetCasts:
+        """The casts of streets 0 to `num` of a seed."""
+        scanners, casts = [], []
+        config = StreetConfig(sensor=sensor, poses_per_street=1)
+        for number in range(num):
+            street = make_street(seed, config, number=number)
+            rng = np.random.default_rng([street.seed, number, 1])
+            ego = sample_ego(street.occupancy, street.lanes, rng)
+            in_motion = sensor.poses_in_motion(mount(sensor, ego, rng), (ego.speed, 0.0, 0.0))
+            scanners.append(Scanner.from_layout(street.scene, sensor, model=model))
+            casts.append(scanners[-1].cast(ego.pose @ in_motion, seed=number))
+        return cls(tuple(scanners), tuple(casts))
+
+    def observed(self, model: SensorModel, range_sigma: float) -> list[Sweep]:
+        """What a sensor with this model, whose sub-rays are those of the casts, reports."""
+        found = []
+        sensor = replace(self.scanners[0].sensor, range_sigma=range_sigma)
+        rays = sub_rays(sensor, model)
+        for number, (scanner, clean) in enumerate(zip(self.scanners, self.casts, strict=True)):
+            noisy = replace(scanner, sensor=sensor, model=model)
+            found.append(
+                Sweep.from_image(noisy.observe(RangeImage.unchecked(**vars(clean) | {"sensor": rays}), number))
+            )
+        return found
+
+    def responses(self, model: SensorModel, range_sigma: float) -> list[Sweep]:
+        """As `observed`, with the response of each return as its intensity: 1 is a white surface facing the sensor."""
+        linear = replace(
+            model, intensity_curve=None, full_scale=_BRIGHTEST, knee=1.0, levels=0, compensation_range=math.inf
+        )
+        return [
+            replace(sweep, intensity=sweep.intensity * np.float32(_BRIGHTEST))
+            for sweep in self.observed(linear, range_sigma)
+            if sweep.intensity is not None
+        ]
+
+
+def with_rays_that_fit(sensor: Sensor, model: SensorModel) -> SensorModel:
+    """The model, with one ray a beam where the sensor's beams are too close for several."""
+    try:
+        sub_rays(sensor, model)
+    except SensorError:
+        return replace(model, rays_per_beam=1)
+    return model

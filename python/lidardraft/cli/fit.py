@@ -1,0 +1,112 @@
+"""`lidardraft fit`: a sensor file out of recordings of one's own."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lidardraft.cli.arguments import whole_number
+from lidardraft.errors import FormatError
+from lidardraft.files import written_whole
+from lidardraft.scene.sensor import Sensor
+
+if TYPE_CHECKING:
+    from lidardraft.calibration.fit import Fit
+    from lidardraft.calibration.recording import Recording
+
+_HELD_BACK = 0.25  # of the scans judge, the last ones, where no others are named
+
+
+def fit(arguments: argparse.Namespace) -> None:
+    """Fit a sensor to your own recorded scans: its lasers, what the vehicle hides, how it drops, scatters and reads."""
+    from lidardraft.calibration.fit import fit_sensor
+    from lidardraft.calibration.recording import read_recording
+
+    output = Path(arguments.output)
+    if output.suffix != ".json":
+        raise FormatError(f"{output}: a sensor file ends in .json")
+    like = None if arguments.like is None else Sensor.preset(arguments.like)
+    recordings = [read_recording(path) for path in arguments.scans]
+    held = [read_recording(path) for path in arguments.judge]
+    if not held and len(recordings) > 1:
+        count = max(1, round(_HELD_BACK * len(recordings)))
+        recordings, held = recordings[:-count], recordings[-count:]
+    found = fit_sensor(recordings, output.stem, like=like, columns=arguments.columns, num_streets=arguments.streets)
+    with written_whole(output) as temporary:
+        temporary.write_text(found.sensor.to_json())
+    _print_sensor(found, [*recordings, *held])
+    if held:
+        _print_rows(found, like, recordings, held, arguments.streets)
+    print(f"{output}: fitted to {len(recordings)} scan{'s' * (len(recordings) > 1)}")
+
+
+def _print_sensor(found: Fit, recordings: list[Recording]) -> None:
+    sensor, table, model = found.sensor, found.table, found.sensor.model
+    assert model is not None
+    print(
+        f"lasers: {len(table.rings)}, returns {1e3 * table.residual:.2f} mm ({1e3 * table.angle_residual:.3f} mrad) off"
+    )
+    moved, shared = _lost(found, recordings)
+    print(f"points lost in projection: {moved:.2%}, {shared:.2%} more share a pixel at {sensor.columns} columns")
+    print(f"ranges: {sensor.min_range:g} to {sensor.max_range:g} m; mounted {sensor.mount_height:.2f} m over the road")
+    print(f"hidden by the vehicle: {sensor.blocked_pixels.mean():.1%} of the firings")
+    print(f"range noise: {1e3 * sensor.range_sigma:.1f} mm, and {1e3 * model.jitter:.0f} mm over the root of the power")
+    print(f"detected: {1 / math.sqrt(model.detection_threshold / 0.10):.0f} m far at a reflectance of 0.10; "
+          f"{model.drop_probability:.2%} dropped at any range")  # fmt: skip
+    print(f"echoes: one within {model.pulse_length:.2f} m")
+    if model.intensity_curve is not None:
+        print(f"intensity: quantiles agree to {found.intensity_residual:.3f} of 1")
+
+
+def _lost(found: Fit, recordings: list[Recording]) -> tuple[float, float]:
+    """Of all points, the share that the sensor has in another laser's row or in none, and the share that lie in the
+    pixel of another one."""
+    points = moved = shared = 0
+    for one in recordings:
+        row, column, _ = found.sensor.pattern.project(one.points.astype(np.float64))
+        points += len(row)
+        moved += int((row != found.table.rows(one)).sum())
+        shared += len(row) - len(np.unique(row.astype(np.int64) * found.sensor.columns + column))
+    return moved / points, shared / points
+
+
+def _print_rows(
+    found: Fit, like: Sensor | None, recordings: list[Recording], held: list[Recording], num_streets: int
+) -> None:
+    """What the fit moves, on scans that it has not seen."""
+    from lidardraft.calibration.fit import MOST_COLUMNS, sweeps_of
+    from lidardraft.calibration.judge import judged
+    from lidardraft.scene.sensor_model import SensorModel
+
+    usual = like or Sensor(name="typical", elevations=found.sensor.elevations, columns=1)
+    before = replace(
+        found.sensor, model=SensorModel.from_sensor(usual), range_sigma=usual.range_sigma, max_range=usual.max_range
+    )
+    columns = min(found.sensor.columns, MOST_COLUMNS)
+    fitted_to, judging = (sweeps_of(scans, found.table, columns) for scans in (recordings, held))
+    print(f"\nscans of streets beside {len(held)} scans that nothing was fitted to, before and after:\n")
+    print("| property | before | after | fitted scans | ratio before | ratio after |\n|---|---:|---:|---:|---:|---:|")
+    for row in judged(before, found.sensor, fitted_to, judging, num_streets):
+        unit = row.recorded if row.recorded > 0 else math.nan
+        cells = (row.before, row.after, row.recorded, row.before / unit, row.after / unit)
+        print(f"| {row.name} | {' | '.join('-' if math.isnan(cell) else f'{cell:.3g}' for cell in cells)} |")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of the command."""
+    text = "scans of one sensor: KITTI .bin (labels beside it are used), .pcd with rings or rows, .npz"
+    parser.add_argument("scans", nargs="+", metavar="SCAN", help=text)
+    parser.add_argument("-o", "--output", required=True, metavar="SENSOR.json", help="where the sensor goes")
+    text = "scans that the fit is judged on (default: a quarter of SCANs, the last ones, is kept back for that)"
+    parser.add_argument("--judge", nargs="+", default=[], metavar="SCAN", help=text)
+    text = "the preset or sensor file that has what no scan tells, as the divergence (default: typical values)"
+    parser.add_argument("--like", metavar="SENSOR", help=text)
+    text = "firings in a turn of the sensor that is written (default: those of the scans)"
+    parser.add_argument("--columns", type=whole_number(8), metavar="N", help=text)
+    text = "streets that the scans are held against (default 48)"
+    parser.add_argument("--streets", type=whole_number(4), default=48, metavar="N", help=text)

@@ -1,0 +1,67 @@
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lidardraft import Sensor
+from lidardraft.calibration.street_casts import StreetCasts
+from lidardraft.cli import main as cli
+from lidardraft.formats.kitti import write_bin
+from lidardraft.scene.sensor_model import SensorModel
+
+
+@pytest.fixture
+def scans(folder: Path) -> list[str]:
+    """Three scans of streets in KITTI's order: laser by laser, once around to the left from straight ahead."""
+    sensor = Sensor(name="truth", elevations=tuple(np.deg2rad(np.linspace(2, -20, 8)).tolist()), columns=256)
+    model = SensorModel(tilt_spread=0.0, gain_spread=0.0)
+    names = []
+    for number, sweep in enumerate(StreetCasts.from_sensor(sensor, model, 3, seed=0).observed(model, 0.01)):
+        row, _ = np.nonzero(sweep.valid)
+        points, intensity = sweep.points[sweep.valid], sweep.intensity[sweep.valid]
+        order = np.lexsort((np.arctan2(points[:, 1], points[:, 0]) % (2 * np.pi), row))
+        names.append(f"{number}.bin")
+        write_bin(folder / names[-1], points[order], intensity[order])
+    return names
+
+
+def test_scans_become_a_sensor_that_other_commands_take(scans: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["fit", *scans, "-o", "mine.json", "--streets", "4"]) == 0
+    said = capsys.readouterr().out
+    assert "lasers: 8, returns " in said
+    assert "points lost in projection: 0.0" in said
+    assert "| intensity (JSD) |" in said
+    assert said.endswith("mine.json: fitted to 2 scans\n")
+    sensor = Sensor.preset("mine.json")
+    assert (sensor.name, len(sensor.elevations)) == ("mine", 8)
+    assert sensor.model is not None
+    assert sensor.model.intensity_curve is not None
+    assert cli.main(["raycast", "--text", "a car ahead", "--sensor", "mine.json", "-o", "a.npz"]) == 0
+    assert cli.main(["simulate", "--text", "a car ahead", "--sensor", "mine.json", "-o", "scans"]) == 0
+    assert cli.main(["streets", "--sensor", "mine.json", "-n", "1", "--workers", "1", "-o", "pairs"]) == 0
+
+
+def test_scans_to_judge_by_are_named_and_all_others_are_fitted_to(
+    scans: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["fit", *scans[:2], "--judge", scans[2], "-o", "mine.json", "--streets", "4", "--columns", "200"]
+    assert cli.main([*command, "--like", "vlp16"]) == 0
+    said = capsys.readouterr().out
+    assert "beside 1 scans that nothing was fitted to" in said
+    assert said.endswith("mine.json: fitted to 2 scans\n")
+    assert json.loads(Path("mine.json").read_text())["columns"] == 200
+
+
+def test_bad_input_is_one_line(refused: Callable[..., str], scans: list[str]) -> None:
+    assert "nowhere.bin: No such file" in refused("fit", "nowhere.bin", "-o", "mine.json")
+    assert "scan.las: a recorded scan is a .bin, .pcd or .npz file" in refused("fit", "scan.las", "-o", "mine.json")
+    assert "mine.txt: a sensor file ends in .json" in refused("fit", scans[0], "-o", "mine.txt")
+    assert "did you mean 'hdl64e'?" in refused("fit", scans[0], "--like", "hdl65e", "-o", "mine.json")
+    Path("empty.bin").write_bytes(b"")
+    assert "empty.bin is empty" in refused("fit", "empty.bin", "-o", "mine.json")
+    np.savez("zeros.npz", xyz=np.zeros((50, 3)), ring=np.zeros(50))
+    assert "zeros.npz: the scan is empty" in refused("fit", "zeros.npz", "-o", "mine.json")
+    write_bin("mixed.bin", np.random.default_rng(0).normal(size=(500, 3)), np.zeros(500))
+    assert "mixed.bin: nothing says which laser took a point" in refused("fit", "mixed.bin", "-o", "mine.json")
