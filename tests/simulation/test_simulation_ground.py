@@ -5,7 +5,7 @@ import pytest
 
 from lidardraft import Layout, Primitive, detail, layout_from_text
 from lidardraft.scene.mesh import primitive_mesh
-from lidardraft.scene.road import KERB_HEIGHT, Road
+from lidardraft.scene.road import KERB_HEIGHT, PavedArea, Road
 from lidardraft.simulation.ground import _lanes
 from lidardraft.simulation.road_strip import road_strips
 
@@ -26,7 +26,7 @@ def across(road: Road, part: Primitive) -> np.ndarray:
 def test_the_lanes_of_the_solver_are_found(lanes: int, ego_lane: int, parking: float, width: float) -> None:
     road = Road(lanes=lanes, ego_lane=min(ego_lane, lanes - 1), parking=parking, lane_width=width)
     (strip,) = road_strips(Layout(primitives=tuple(road.surfaces())))
-    assert _lanes(strip) == (lanes, pytest.approx(width), pytest.approx(parking, abs=1e-9))
+    assert _lanes(strip) == (lanes, pytest.approx(width), pytest.approx(parking, abs=1e-9), True)
 
 
 @pytest.mark.parametrize("curvature", [0.0, 0.01])
@@ -72,3 +72,23 @@ def test_the_ground_itself_stays() -> None:
     given = layout_from_text("a crossroads", seed=1)
     made = {p.id: p for p in detail(given)}
     assert all(made[p.id] == p for p in given)
+
+
+@pytest.mark.parametrize(("lanes", "lines"), [(1, 0), (2, 1), (3, 2)])
+def test_lines_of_one_way_roads_lie_between_their_lanes(lanes: int, lines: int) -> None:
+    for ego_lane in range(lanes):
+        road = Road(lanes=lanes, ego_lane=ego_lane, one_way=True)
+        parts = of(road)
+        assert ("road.markings" in parts) == (lines > 0)
+        if lines:
+            off = across(road, parts["road.markings"])
+            places = (np.arange(1, lanes) - lanes / 2) * 3.5
+            assert np.abs(off[:, None] - places).min(axis=1).max() < 0.07
+
+
+def test_no_line_crosses_a_roundabout_and_a_car_park_has_no_lanes() -> None:
+    road = Road(junction=40.0, roundabout_radius=18.0, paved_areas=(PavedArea((-40.0, -5.0), (3.5, 20.0)),))
+    parts = of(road)
+    assert "patch_1.markings" not in parts
+    vertices = primitive_mesh(parts["road.markings"]).vertices
+    assert np.hypot(vertices[:, 0] - 40.0, vertices[:, 1] - 1.75).min() > 18.0

@@ -62,12 +62,14 @@ def front(bays: int, storeys: int, opening: float) -> tuple[MeshTemplate, MeshTe
     """
     length, height = bays * WINDOW_BAY, storeys * STOREY
     extents = np.array([length, 1.0, height])
-    wall, panes = (_turned(part, 0.0, 0) / extents for part in _facade(length, bays, storeys, opening, -1))
+    wall, panes = (_turned(part, 0.0, 0) / extents for part in _facade(length, bays, storeys, opening, -1, sills=True))
     return MeshTemplate.from_triangles(*quads(wall)), MeshTemplate.from_triangles(*quads(panes))
 
 
-def _facade(span: float, count: int, storeys: int, opening: float, door: int) -> tuple[np.ndarray, np.ndarray]:
-    """Quadrilaterals [Q, 4, 3] of (u, height, out) [m]: wall with reveals, and panes."""
+def _facade(
+    span: float, count: int, storeys: int, opening: float, door: int, *, sills: bool = False
+) -> tuple[np.ndarray, np.ndarray]:
+    """Quadrilaterals [Q, 4, 3] of (u, height, out) [m]: wall with reveals, with or without `sills`, and panes."""
     step = span / count
     half = opening * step / 2
     middle = (np.arange(count) + 0.5) * step - span / 2
@@ -96,6 +98,8 @@ def _facade(span: float, count: int, storeys: int, opening: float, door: int) ->
         _reveal((right, foot), (right, head)),
         _reveal((left, head), (right, head)),
     ]
+    if sills:
+        reveals.append(_reveal((left, foot), (right, foot)))
     stones = [_ledge(wide, _SILL_STONE[1]), _ledge(courses, _LEDGE[1])]
     return np.concatenate([flat, *reveals, *stones, pane[entrance]]), pane[~entrance]
 

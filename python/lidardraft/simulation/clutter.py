@@ -60,13 +60,16 @@ def clutter_around(layout: Layout, strips: tuple[RoadStrip, ...], seed: int, amo
     """
     ground = LayoutGround(layout)
     given = [Solid.from_primitive(primitive) for primitive in layout if primitive.label not in GROUND]
+    middles = np.array([solid.primitive.center[:2] for solid in given]).reshape(-1, 2)
+    radii = np.array([solid.radius for solid in given])
     names = {object_of(primitive) for primitive in layout}
     made: list[Primitive] = []
     for strip in strips:
         others = [other for other in strips if other is not strip]
         for placed in _places(strip, ground, seed, amount):
             solid = Solid.from_primitive(_room(placed))
-            free = not any(penetration(solid, other) > 0.0 for other in given)
+            near = np.flatnonzero(np.hypot(*(middles - (placed.x, placed.y)).T) < radii + solid.radius)
+            free = not any(penetration(solid, given[k]) > 0.0 for k in near.tolist())
             if free and placed.id not in names and not _meets(others, placed.x, placed.y):
                 made += kind_of(placed.kind).build(placed, generator_of(seed, placed.id))
     return made

@@ -22,6 +22,9 @@ _TOWN, _COUNTRY = (3.0, 6.0), (4.0, 8.0)  # m of line and gap
 _EDGE_OFF = 0.25  # m from an edge line to the edge of the road
 _LANE = (2.9, 4.0)  # m, widths of lanes that are looked for
 _PARKING = (1.7, 3.5)  # m, widths of strips for parked cars, or hard shoulders
+_AMID = 0.2  # m from the middle of a one-way road that the ego vehicle is at most
+_CARS = 2.2  # m, the strip of parked cars on a one-way road
+_WIDEST_ROUND = 100.0  # m
 _EXACT = 0.05  # m that lanes may leave of the width of a road, or exceed it by
 _TWO_LANES = 5.0  # m: a narrower road has no lines
 _LINED_LANES = 3.6  # m: width of the lanes of a road that nothing tells the lanes of, at most
@@ -37,16 +40,26 @@ class _Line(NamedTuple):
     gap: float
 
 
+class _Lanes(NamedTuple):
+    number: int  # of one direction
+    width: float  # m
+    parking: float  # m beside the outermost lanes
+    two_way: bool = True
+
+
 def ground_parts(layout: Layout, strips: tuple[RoadStrip, ...]) -> list[Primitive]:
     """The lines and kerbstones of a layout."""
     walks = [p for p in layout if p.label == "sidewalk" and p.material is None]
     taken = {p.id for p in layout}
-    made = [p for strip in strips if (p := _markings(strip, strips, bool(walks))) is not None]
+    rounds = _rounds(layout, strips) if strips else []
+    made = [p for strip in strips if (p := _markings(strip, strips, rounds, bool(walks))) is not None]
     made += [p for walk in walks if (p := _kerb(walk, strips)) is not None]
     return [p for p in made if p.id not in taken]
 
 
-def _markings(strip: RoadStrip, strips: tuple[RoadStrip, ...], town: bool) -> Primitive | None:
+def _markings(
+    strip: RoadStrip, strips: tuple[RoadStrip, ...], rounds: list[tuple[float, float, float]], town: bool
+) -> Primitive | None:
     spans = [span for line in _lines(strip, town) for span in _pieces(strip, line)]
     if not spans:
         return None
@@ -59,6 +72,8 @@ def _markings(strip: RoadStrip, strips: tuple[RoadStrip, ...], town: bool) -> Pr
             # a side road begins at the edge of the road that it meets
             reach = 2 * strip.half
             kept &= ~((np.abs(aside) < other.half + _CLEAR) & (along > -reach) & (along < other.length + reach))
+    for x, y, radius in rounds:
+        kept &= np.hypot(middle[:, 0] - x, middle[:, 1] - y) > radius + _CLEAR
     low, high, across = low[kept], high[kept], across[kept]
     if not len(low):
         return None
@@ -68,37 +83,58 @@ def _markings(strip: RoadStrip, strips: tuple[RoadStrip, ...], town: bool) -> Pr
     return Primitive.from_mesh(*quads(corners), label="road", id=f"{strip.id}.markings", material="road-paint")
 
 
+def _rounds(layout: Layout, strips: tuple[RoadStrip, ...]) -> list[tuple[float, float, float]]:
+    """Middle and radius of each circle around a road that is no strip, as a roundabout is."""
+    known = {strip.id for strip in strips}
+    others = (p for p in layout if p.label == "road" and p.id not in known and p.material is None)
+    return [(p.center[0], p.center[1], max(p.size[:2]) / 2) for p in others if max(p.size[:2]) < _WIDEST_ROUND]
+
+
 def _lines(strip: RoadStrip, town: bool) -> list[_Line]:
     """Between lanes, along parked cars, and, outside towns, along the edges."""
+    lanes = _lanes(strip)
     if 2 * strip.half < _TWO_LANES:
         return []
-    lanes, width, parking = _lanes(strip)
     dash, gap = _TOWN if town else _COUNTRY
-    lines = [_Line(0.0, dash, 0.0 if lanes > 1 else gap)]
-    lines += [_Line(side * k * width, dash, gap) for k in range(1, lanes) for side in (-1, 1)]
-    if not town or parking > 0.0:
-        edge = strip.half - (parking or _EDGE_OFF)
+    if lanes.two_way:
+        lines = [_Line(0.0, dash, 0.0 if lanes.number > 1 else gap)]
+        lines += [_Line(side * k * lanes.width, dash, gap) for k in range(1, lanes.number) for side in (-1, 1)]
+    else:
+        lines = [_Line((k - lanes.number / 2) * lanes.width, dash, gap) for k in range(1, lanes.number)]
+    if not town or lanes.parking > 0.0:
+        edge = strip.half - (lanes.parking or _EDGE_OFF)
         lines += [_Line(side * edge, dash, 0.0) for side in (-1, 1)]
     return lines
 
 
-def _lanes(strip: RoadStrip) -> tuple[int, float, float]:
-    """Lanes of one direction, their width and that of the strip of parked cars [m]: the ego drives amid a lane."""
+def _lanes(strip: RoadStrip) -> _Lanes:
+    """What the place of the ego vehicle, amid a lane, tells of the lanes of its road."""
     along, across = strip.along_across(np.zeros((1, 2)))
     off = -float(across[0])
-    if 0.0 < float(along[0]) < strip.length and 0.0 < off < strip.half:
-        found = [
-            (lanes, width, strip.half - lanes * width)
-            for lanes in range(1, 7)
-            for lane in range(lanes)
-            if _LANE[0] <= (width := off / (lanes - lane - 0.5)) <= _LANE[1]
-        ]
-        for least, most in ((-_EXACT, _EXACT), _PARKING):
-            for lanes, width, parking in found:
-                if least <= parking <= most:
-                    return lanes, width, parking if parking > _EXACT else 0.0
+    if 0.0 < float(along[0]) < strip.length and abs(off) < strip.half:
+        if abs(off) < _AMID:
+            return _one_way(strip.half)
+        # lanes and how many widths of them the ego is off the middle: on the right, or anywhere on a one-way road
+        two_way = [(n, n - k - 0.5) for n in range(1, 7) for k in range(n)] if off > 0.0 else []
+        one_way = [(n, (n - 1) / 2 - k) for n in range(2, 5) for k in range(n) if n - 1 != 2 * k]
+        for ways, both in ((two_way, True), (one_way, False)):
+            for least, most in ((-_EXACT, _EXACT), _PARKING):
+                for lanes, share in ways:
+                    parking = strip.half - lanes * off / share * (1.0 if both else 0.5)
+                    if _LANE[0] <= off / share <= _LANE[1] and least <= parking <= most:
+                        return _Lanes(lanes, off / share, parking if parking > _EXACT else 0.0, both)
     lanes = max(1, math.ceil(strip.half / _LINED_LANES - 0.25))
-    return lanes, strip.half / lanes, 0.0
+    return _Lanes(lanes, strip.half / lanes, 0.0)
+
+
+def _one_way(half: float) -> _Lanes:
+    """The lanes of a road whose middle the ego vehicle drives along: one, or three."""
+    for count in (1, 3):
+        for parking in (0.0, _CARS):
+            width = 2 * (half - parking) / count
+            if _LANE[0] <= width <= _LANE[1]:
+                return _Lanes(count, width, parking, two_way=False)
+    return _Lanes(1, 2 * half, 0.0, two_way=False)
 
 
 def _pieces(strip: RoadStrip, line: _Line) -> list[tuple[float, float, float]]:

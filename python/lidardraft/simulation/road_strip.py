@@ -12,6 +12,7 @@ from lidardraft.scene.layout import Layout, Primitive
 
 _SHORTEST, _NARROWEST, _WIDEST = 10.0, 2.5, 45.0  # m of what is taken for a road
 _SLENDER = 1.5  # times as long as wide, at least
+_ADJOINING = 0.5  # m between roads that are one surface
 _FLAT, _EVEN = 1e-3, 0.02  # m that the surface may rise; m that a strip's width may change
 
 
@@ -69,7 +70,8 @@ class RoadStrip:
 
 
 def road_strips(layout: Layout) -> Iterator[RoadStrip]:
-    """The roads of a layout whose frame can be told."""
+    """The roads of a layout whose frame can be told; what lies along a longer road, as a car park does, is none."""
+    found = []
     for primitive in layout:
         if primitive.label == "road" and primitive.material is None:
             edges = _mesh_edges(primitive) if primitive.mesh is not None else _edges(primitive)
@@ -77,7 +79,16 @@ def road_strips(layout: Layout) -> Iterator[RoadStrip]:
                 strip = _strip(primitive, *edges)
                 width, least = 2 * strip.half, max(_SHORTEST, 2 * _SLENDER * strip.half)
                 if _NARROWEST <= width <= _WIDEST and strip.length >= least:
-                    yield strip
+                    found.append(strip)
+    for strip in found:
+        if not any(_lies_along(strip, other) for other in found if other.length > strip.length):
+            yield strip
+
+
+def _lies_along(strip: RoadStrip, road: RoadStrip) -> bool:
+    along, across = road.along_across(strip.middle[[0, -1]])
+    beside = np.abs(np.abs(across) - road.half - strip.half) < _ADJOINING
+    return bool(beside.all() and (along >= 0.0).all() and (along <= road.length).all())
 
 
 def strip_rows(primitive: Primitive, width: int) -> np.ndarray | None:
