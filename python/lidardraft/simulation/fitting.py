@@ -24,8 +24,8 @@ def _times(size: Vector, by: float) -> Vector:
     return size[0] * by, size[1] * by, size[2] * by
 
 
-# Smallest and largest extents [m] that builders are right for, as `tests/objects` builds them; a box beyond them has a
-# stretched one. Of kinds that are not here, any extents are right.
+# Smallest and largest extents [m] that builders are right for, about those that `tests/objects` builds; a box beyond
+# them has a stretched one. Of kinds that are not here, any extents are right.
 EXTENTS: dict[str, Extents] = {
     **{name: (_times(body.size, 0.5), _times(body.size, 2.0)) for name, body in BODIES.items()},
     "truck": ((5.5, 2.1, 2.6), (12.0, 2.6, 4.0)),
@@ -95,18 +95,17 @@ def stretched(
     coarse: CoarseObject, parts: Sequence[Primitive], box: UprightBox, size: Vector, proud: Vector = _PROUD
 ) -> list[Primitive]:
     """Parts that were built for extents `size` on the origin, in `box`."""
-    out = [_reach(part) for part in parts]
     most = size[0] / 2 + _MOST_PROUD, size[1] / 2 + _MOST_PROUD
-    kept = [k for k, (x, y, _) in enumerate(out) if x <= most[0] and y <= most[1]]
-    scale = []
-    for axis, (extent, built, over) in enumerate(zip(box.size, size, proud, strict=True)):
-        reach = max((out[k][axis] for k in kept), default=0.0) * (1 if axis == 2 else 2)
-        allowed = (extent + over * (1 if axis == 2 else 2)) / max(reach, 1e-9)
-        scale.append(min(extent / built, allowed))
+    reaches = [(part, reach) for part in parts if (reach := _reach(part))[0] <= most[0] and reach[1] <= most[1]]
+    limits = (box.size[0] / 2 + proud[0], box.size[1] / 2 + proud[1], box.size[2] + proud[2])
+    scale = [
+        min(extent / built, limit / max([1e-9, *(reach[axis] for _, reach in reaches)]))
+        for axis, (extent, built, limit) in enumerate(zip(box.size, size, limits, strict=True))
+    ]
     cos, sin = math.cos(box.yaw), math.sin(box.yaw)
     made = []
-    for k in kept:
-        part = _cut_at_base(parts[k])
+    for whole, _ in reaches:
+        part = _cut_at_base(whole)
         if part is None:
             continue
         (x, y, z), (a, b, c) = part.center, part.size

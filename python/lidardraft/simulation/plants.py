@@ -20,7 +20,6 @@ _CORE, _CORE_DENSER = 0.6, 2.0  # twigs in the middle: share of the extents; tim
 _TUFT = 1.6  # m: smaller ones are pieces of a crown that a clustering cut
 # Mean free paths through such a piece: with 3 the returns of PandaSet's crowns come out as rough, with 5 as near.
 _TUFT_PATHS = 4.0
-_HIGHEST_FOOT = 0.35  # of the height of a tree, between the top of its trunk and its crown
 
 
 def plant(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:

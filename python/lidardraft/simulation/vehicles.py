@@ -13,11 +13,10 @@ from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
 from lidardraft.simulation.fitting import fitted
 from lidardraft.simulation.surroundings import Surroundings
 
-MIRRORS = 0.13  # m that mirrors stand out of a box on each side
 _SIDEWAYS = 1.25  # times as wide as long: the box is of a vehicle that stands across it
-_PROUD = (0.08, MIRRORS, 0.0)  # m; plates stand before and behind
+_PROUD = (0.08, 0.13, 0.0)  # m that plates and mirrors stand out of a box
 _NEAR = 0.08  # deviation of the logarithms of sizes in which bodies still compete
-_TRAILER_FROM, _TRAM_FROM = 12.6, 12.0  # m of length
+_TRAILER_FROM = 12.6  # m of length
 _LOGS = {name: np.log(body.size) for name, body in BODIES.items()}
 _NAMES, _SIZES = tuple(_LOGS), np.array(list(_LOGS.values()))
 _COMMON = np.array([SHARES[name] for name in _NAMES])
