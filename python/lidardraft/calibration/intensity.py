@@ -3,7 +3,8 @@
 What a laser reads of an echo is not published, but known from what is common in streets: among the returns of the same
 group, laser and range, recorded readings and the responses of simulated streets have the same ranks. One curve for all
 lasers, a gain at each range, and a gain and an offset of each laser make of the ones the others, in least squares; then
-each laser gets a curve of its own, as far as it has returns enough to tell. Its least reading over 0 is its cut-off.
+each laser gets a curve of its own, as far as it has returns enough to tell. What a laser reads least but 0 is its
+cut-off, or somewhat more, where it reads 0 more often than that explains.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ _DRAWN = 0.005  # of a cell of _FEWEST returns: how much that weighs which draws
 _SHARED = 150.0  # returns at each knot that stand for the shared curve against a laser's own
 _ROUNDS, _OWN_ROUNDS = 12, 3
 _LEAST_SHARE = 0.005  # of a laser's readings over 0 are below its cut-off: outliers
+_MOST_RAISED = 2.0  # times the least reading
 _NO_ZEROS = 0.002  # a laser that reads 0 less often has no cut-off
 
 
@@ -79,7 +81,8 @@ def fit_intensity(recorded: Sequence[Sweep], simulated: Sequence[Sweep]) -> Inte
     at = _knots(strength)
     shared = np.array([np.interp(at + gain, knots, curve) for gain in gains]) - offsets[:, None]
     readings, shown = _own_curves(cells, strength, at, shared, least)
-    left = np.where(shown < least, 0.0, shown) - cells.reading
+    cutoffs = _raised(cutoffs, recorded, simulated, focus, (at, readings))
+    left = np.where(shown < cutoffs[cells.row][:, None], 0.0, shown) - cells.reading
     share = np.broadcast_to(cells.weight**2, left.shape)
     fitted = IntensityCurve(
         responses=tuple(np.exp(at).tolist()),
@@ -131,6 +134,26 @@ def _cutoffs(recorded: Sequence[Sweep]) -> np.ndarray:
         none = len(above) < _FEWEST or (read == 0).mean() < _NO_ZEROS
         found.append(0.0 if none else float(np.quantile(above, _LEAST_SHARE)))
     return np.array(found)
+
+
+def _raised(
+    cutoffs: np.ndarray,
+    recorded: Sequence[Sweep],
+    simulated: Sequence[Sweep],
+    focus: np.ndarray,
+    curves: tuple[np.ndarray, np.ndarray],
+) -> np.ndarray:
+    """Cut-offs with which as many simulated readings of each laser are 0 as recorded ones, up to twice as high."""
+    found = cutoffs.copy()
+    for row in np.flatnonzero(cutoffs):
+        zeros = np.concatenate([s.intensity[row][s.valid[row]] == 0 for s in recorded if s.intensity is not None])
+        response = np.concatenate([s.intensity[row][s.valid[row]] for s in simulated if s.intensity is not None])
+        distance = np.concatenate([s.depth[row][s.valid[row]] for s in simulated])
+        if len(response) >= _FEWEST:
+            strength = np.log(np.maximum(response, 1e-5)) + np.interp(distance, _DISTANCES, focus)
+            shown = np.interp(strength, curves[0], curves[1][row])
+            found[row] = np.clip(np.quantile(shown, zeros.mean()), cutoffs[row], _MOST_RAISED * cutoffs[row])
+    return found
 
 
 def _imputed(reading: np.ndarray, shown: np.ndarray, least: np.ndarray) -> np.ndarray:
