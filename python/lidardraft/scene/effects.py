@@ -72,7 +72,7 @@ def observe(
         seed=int(rng.bit_generator.random_raw()) >> 1,
         threads=threads or 0,
     )
-    if sensor.blocked and weather.scatters:  # fog has an echo where the cast has none
+    if sensor.blocked:  # fog has an echo where the cast has none, and casts of others do not know the vehicle
         blank_pixels(vars(scan), sensor.blocked_pixels)
     return scan
 
