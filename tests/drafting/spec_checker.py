@@ -36,7 +36,7 @@ class Placed:
         )
         base = min(parts, key=lambda part: part.center[2] - part.size[2] / 2)
         self.foot = road.along_across(*base.center[:2])[1]  # across, of what stands on the ground
-        self.height = max(part.center[2] + part.size[2] / 2 for part in parts)
+        self.height = max(part.center[2] + part.size[2] / 2 for part in parts) - base.center[2] + base.size[2] / 2
 
     def gap(self, other: "Placed") -> float:
         """Metres between the two boxes along the axes of the road."""

@@ -52,12 +52,13 @@ def in_turn(road: Road, heading: str) -> PoseSampler:
 
     The ego's road is left by the side that the junction has, by any where it has both.
     """
-    side = {"turning-left": LEFT, "turning-right": RIGHT}[heading]
+    given = {"turning-left": (LEFT,), "turning-right": (RIGHT,)}.get(heading, (LEFT, RIGHT))
     lane, far = -road.lane(0), road.edge + 1.0
 
     def sample(rng: np.random.Generator, along: float, _number: int, effort: float) -> RoadPose:
-        ways = [way for way in ((1,) if road.one_way else (1, -1)) if side * way in road.side_roads]
-        way = int(rng.choice(ways)) if ways else 1
+        ways = [(side, way) for side in given for way in ((1,) if road.one_way else (1, -1))]
+        ways = [(side, way) for side, way in ways if side * way in road.side_roads] or ways
+        side, way = ways[int(rng.integers(len(ways)))]
         turn = float(rng.uniform(*_TURN)) * math.pi / 2
         # forward and left as the driver sees it: from the lane to the right of one road into that of the other
         start, end = (-far - 3.0 * min(1.0, effort), -lane), (side * lane, side * far)

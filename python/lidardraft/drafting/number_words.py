@@ -18,7 +18,7 @@ _SCALES = {"thousand": 1e3, "million": 1e6, "billion": 1e9}
 _VALUE_OF = {word: value for value, word in enumerate(_BELOW_TWENTY)} | {
     word: 20 + 10 * index for index, word in enumerate(_TENS)
 }
-_METRES_OF = {"m": 1.0, "f": 0.3048, "y": 0.9144}  # by the first letter of the unit
+_METRES_OF = {"m": 1.0, "f": 0.3048, "y": 0.9144, "k": 1000.0}  # by the first letter of the unit
 
 # Patterns for the grammar and for `metres`. Floats hold fifteen digits exactly; longer figures are no numbers here.
 _digit = rf"(?:{'|'.join(_BELOW_TWENTY[1:10])})\b"
@@ -35,23 +35,40 @@ _in_words = (
 )
 NUMBER = rf"(?:{_in_words}|{_figures})"
 LONE_NUMBER = rf"{NUMBER}(?=[,.;:!?()\/\"]*(?:\s|$))"  # with nothing glued to it, as in "4x4", "2nd" or "20+"
-UNIT = r"(?:metres?|meters?|m|feet|foot|ft|yards?|yd)\b"
+UNIT = r"(?:kilometres?|kilometers?|km|metres?|meters?|m|feet|foot|ft|yards?|yd)\b"
 _word = rf"(?:{'|'.join((*_VALUE_OF, 'hundred', *_SCALES))})"
 _goes_on = rf"(?:(?:{_word}|dozen|and|to|or|point|lanes?|ways?)\b|{UNIT})"
 # A word such as "ten-ton" or "sixty-five-seat", whose number counts no objects; "ten-metre" and "two-lane" are read.
 NUMBERED_COMPOUND = re.compile(rf"(?<![a-z0-9])(?:{_word}|[\d.,]*\d)-(?!{_goes_on})[a-z]")
-_LENGTHS = re.compile(
-    rf"(?:(?:between|from|every) )?({NUMBER})(?:(?: (?:to|and|or) |-| - )({NUMBER}))? ?([mfy])[a-z]*(?: apart)?"
-)
+_LENGTHS = re.compile(rf"([a-z ]*?)({NUMBER})(?:(?: (?:to|and|or) |-| - )({NUMBER}))? ?([kmfy])[a-z]*(?: .*)?")
+_COUNTS = re.compile(rf"([a-z ]*?)({NUMBER})(?:(?: (?:to|and|or) |-| - )({NUMBER}))?( or (?:more|fewer|so))?")
+_AT_MOST = ("within", "less than", "closer than", "under", "up to", "at most", "no more than", "fewer than")
+_AT_LEAST = ("at least", "more than", "over", "no fewer than")
+_FURTHER = 40.0  # m, what "at least 20 m" reaches beyond; estimate of ours
+_FEW_OF = {"a few": (3, 5), "several": (3, 6), "a couple of": (2, 2)}  # dozen, hundred, thousand; estimate of ours
+_EACH = {"dozen": 12, "hundred": 100, "thousand": 1000}
 
 _EXACT = ("NUMBER", "PAIR", "DOZEN")
 _VAGUE = {"FEW": "few", "SOME": "some", "MANY": "many", "DOZENS": "many"}
+_GROUPS: dict[str, int | str | tuple[int, int]] = {"couple": 2, "family": (3, 4), "crowd": "many", "crowds": "many"}
 COUNT_TYPES = ("NO", "COUNT_RANGE", *_EXACT, *_VAGUE)
-_PLURALS = ("people", "men", "women", "children", "shrubbery", "greenery", "vegetation", "apartments", "passers by")
+_PLURALS = (
+    "folk",
+    "ladies",
+    "people",
+    "men",
+    "women",
+    "children",
+    "shrubbery",
+    "greenery",
+    "vegetation",
+    "apartments",
+    "passers by",
+)
 
 
-def count_of(tokens: list[Token]) -> int | str:
-    """How many a noun phrase means: a number, "few", "some" or "many"; 0 where it denies them.
+def count_of(tokens: list[Token]) -> int | str | tuple[int, int]:
+    """How many a noun phrase means: a number, a range of them, "few", "some" or "many"; 0 where it denies them.
 
     What `unclear_counts` finds says nothing here.
     """
@@ -59,12 +76,19 @@ def count_of(tokens: list[Token]) -> int | str:
     count = None if unclear else exact_count(tokens)
     if count is not None:
         return count
+    ranges = [token for token in tokens if token.type == "COUNT_RANGE"]
+    if ranges and not unclear:
+        return count_range(ranges[0])
     vague = [_VAGUE[token.type] for token in tokens if token.type in _VAGUE]
     if vague and not unclear:
         return vague[0]
-    noun = tokens[-1]
-    plural = noun in _PLURALS or (noun.endswith("s") and noun != "bus")
-    return "some" if plural else 1
+    noun = str(tokens[-1])
+    return _GROUPS.get(noun) or ("some" if is_plural(noun) else 1)
+
+
+def is_plural(noun: str) -> bool:
+    """Whether a noun of the grammar speaks of several objects."""
+    return noun in _PLURALS or (noun.endswith("s") and not noun.endswith("bus"))
 
 
 def exact_count(tokens: list[Token]) -> int | None:
@@ -75,17 +99,38 @@ def exact_count(tokens: list[Token]) -> int | None:
     (token,) = exact
     if token.type == "NUMBER":
         return int(number(token))
-    return {"NO": 0, "PAIR": 2, "DOZEN": 6 if token.startswith("half") else 12}[token.type]
+    if token.type == "DOZEN":
+        times = token.removesuffix(" of").removesuffix("dozen").strip()
+        return {"half a": 6, "a": 12, "": 12}.get(times) or int(12 * number(times))
+    return {"NO": 0, "PAIR": 2}[token.type]
+
+
+def count_range(text: str) -> tuple[int, int]:
+    """The fewest and the most that a text such as "20 to 30", "up to 5" or "a few hundred" means."""
+    few = next((few for few in _FEW_OF if text.startswith(few)), None)
+    if few is not None:
+        (each,) = (times for unit, times in _EACH.items() if unit in text)
+        return _FEW_OF[few][0] * each, _FEW_OF[few][1] * each
+    found = _COUNTS.fullmatch(text)
+    assert found is not None
+    before, first, second, behind = found.groups()
+    values = [int(number(value)) for value in (first, second) if value]
+    low, high = min(values), max(values)
+    if before.startswith(_AT_MOST) or behind == " or fewer":
+        return 1, max(1, high - before.startswith(("fewer", "less", "under")))
+    if before.startswith(_AT_LEAST) or behind == " or more":
+        return low + before.startswith(("more", "over")), low + max(2, low // 2)
+    return low, high
 
 
 def unclear_counts(tokens: list[Token]) -> list[Token]:
-    """The words of a noun phrase for its number, if they are no single whole number, as "20 to 30" or "two dozen"."""
+    """The words of a noun phrase for its number, if they are no single whole number or range, as "two three"."""
     counts = [token for token in tokens if token.type in COUNT_TYPES]
     # "a row of ten trees": a row counts nothing beside the ten, but two rows would
     collective = [token for token in counts if token.type in ("SOME", "MANY") and token.endswith(" of")]
     if len(counts) == len(collective) + 1 and counts[-1] not in collective:
         counts = counts[-1:]
-    clear = len(counts) == 1 and not (counts[0].type == "COUNT_RANGE" or _is_fraction(counts[0]))
+    clear = len(counts) == 1 and not _is_fraction(counts[0])
     return [] if clear else counts
 
 
@@ -107,13 +152,21 @@ def number(text: str) -> float:
 
 
 def metres(text: str) -> tuple[float, float]:
-    """The range [m] in a text such as "20 m", "ten to 30 feet" or "every 8 metres"."""
+    """The range [m] in a text such as "20 m", "ten to 30 feet", "within 5 m" or "every 8 metres"."""
     found = _LENGTHS.fullmatch(text)
     assert found is not None
-    values = [number(value) for value in found.groups()[:2] if value]
-    scale = _METRES_OF[found.group(3)]
-    return min(values) * scale, max(values) * scale
+    before, first, second, unit = found.groups()
+    values = [number(value) for value in (first, second) if value]
+    low, high = min(values) * _METRES_OF[unit], max(values) * _METRES_OF[unit]
+    if before.startswith(_AT_MOST):
+        return 0.0, high
+    if before.startswith(_AT_LEAST):
+        return low, low + _FURTHER
+    return low, high
 
 
 def _is_fraction(token: Token) -> bool:
-    return token.type == "NUMBER" and ("." in token or " point " in token)
+    """Whether it counts in parts of a thing, or from none."""
+    if token.type in ("NUMBER", "COUNT_RANGE"):
+        return "." in token or " point " in token or (token.type == "COUNT_RANGE" and count_range(token)[0] < 1)
+    return False

@@ -22,6 +22,7 @@ _HEDGE_HEIGHT = (0.6, 1.1)  # m, of a garden; that of its bushes, and how far be
 _BUSH_HEIGHT, _BUSHES_BEHIND = (0.7, 1.2), 1.3
 _SADDLE = 0.6  # of the height of a two-wheeler
 _RIDER_TOP = (1.6, 1.85)  # m
+_CONE_FOOT = 0.04  # m high
 _SEGMENT = 4.0  # m; the chord of a 90 m bend leaves the arc by 2 cm
 
 
@@ -190,6 +191,16 @@ def sample_pole(sizes: Sizes, label: str, rng: np.random.Generator) -> list[Obje
     """An upright cylinder."""
     width, height = _between(sizes, 0, rng), _between(sizes, 2, rng)
     return [_standing("", "cylinder", (width, width, height), label)]
+
+
+def sample_cone(sizes: Sizes, label: str, rng: np.random.Generator) -> list[ObjectPart]:
+    """A square foot and a cylinder as wide as the cone is in its middle."""
+    foot, height = _between(sizes, 0, rng), _between(sizes, 2, rng)
+    body = (0.5 * foot, 0.5 * foot, height - _CONE_FOOT)
+    return [
+        _standing("foot", "box", (foot, foot, _CONE_FOOT), label),
+        ObjectPart("body", "cylinder", (0.0, 0.0, _CONE_FOOT + body[2] / 2), body, label),
+    ]
 
 
 def sample_street_light(sizes: Sizes, _label: str, rng: np.random.Generator) -> list[ObjectPart]:

@@ -149,7 +149,7 @@ def _sized(parts: list[ObjectPart], group: ObjectGroup) -> list[ObjectPart]:
     label = group.record.label
     low, high = SIZE_RANGES.get(label, ((0.0, 0.0, 0.0), (EXTENTS[1],) * 3))
     wanted = [
-        min(max(length * factor, least), most) if said is None else said
+        min(max(length * factor, least), most * (1 - 1e-6)) if said is None else said
         for said, factor, length, least, most in zip(asked, times, has, low, high, strict=True)
     ]
     for name, said, least, most in zip(("length", "width", "height"), asked, low, high, strict=True):

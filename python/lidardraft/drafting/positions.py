@@ -1,4 +1,4 @@
-"""Where something is: the meaning of words for places, distances and spacings."""
+"""Where something is from the ego: the meaning of words for places, lanes, distances and spacings."""
 
 from __future__ import annotations
 
@@ -18,20 +18,39 @@ _PLACES_OF: dict[str, tuple[Place, ...]] = {
     "LEFT": (("", "left"),),
     "RIGHT": (("", "right"),),
     "SIDES": (("", "left"), ("", "right")),
+    "OPPOSITE": (("", "left"),),
+    "OVERTAKING": (("beside", ""),),
 }
 _RANGE_OF = {"NEAR": (8.0, 18.0), "FAR": (35.0, 60.0)}  # m
+_LANE_OF = {
+    "OWN_LANE": "own",
+    "LEFT_LANE": "left",
+    "MIDDLE_LANE": "middle",
+    "RIGHT_LANE": "right",
+    "OPPOSITE_LANE": "opposite",
+    "OVERTAKING": "left",
+}
+LANE_WORDS = tuple(word for word in _LANE_OF if word.endswith("_LANE"))
+_HEADING_OF = {"OPPOSITE_LANE": "against", "OVERTAKING": "with", "FROM_SIDE": "across", "CROSSWALK": "across"}
 
 
 @dataclass(frozen=True, slots=True)
 class Position:
-    """Where something is; the default says nothing. `beside_road` is on any side of it."""
+    """Where something is; the default says nothing. `beside_road` is on any side of it.
+
+    `heading` is the one that goes with such a place.
+    """
 
     places: tuple[Place, ...] = (("", ""),)
     distance: tuple[float, float] | None = None
     spacing: float | None = None
     sidewalk: bool = False
+    on_road: bool = False
     beside_road: bool = False
     both_sides: bool = False
+    at_junction: bool = False
+    lane: str | None = None
+    heading: str | None = None
 
     def narrowed(self, other: Position) -> Position:
         """Both at once: "ahead" and "on the left" are ahead on the left. Contradictions are alternatives."""
@@ -42,8 +61,12 @@ class Position:
             distance=other.distance or self.distance,
             spacing=other.spacing or self.spacing,
             sidewalk=self.sidewalk or other.sidewalk,
+            on_road=self.on_road or other.on_road,
             beside_road=self.beside_road or other.beside_road,
             both_sides=self.both_sides or other.both_sides,
+            at_junction=self.at_junction or other.at_junction,
+            lane=other.lane or self.lane,
+            heading=other.heading or self.heading,
         )
 
     def or_at(self, other: Position) -> Position:
@@ -60,20 +83,30 @@ def read_position(tokens: list[Token], *, beside_road: bool = False) -> Position
     """The position that a run of words describes; `beside_road` if a road follows them, as in "next to the road"."""
     position = Position()
     for token in tokens:
-        if token.type == "BESIDE" and beside_road:
+        if token.type in ("BESIDE", "NEAR") and beside_road:
             word = Position(beside_road=True)
         elif token.type == "DISTANCE":
             word = Position(distance=metres(token))
         elif token.type == "SPACING":
             word = Position(spacing=metres(token)[0])
+        elif token.type == "FROM_SIDE":
+            word = Position(places=(("", "left" if "left" in token else "right"),), heading="across")
         else:
             word = Position(
                 places=_PLACES_OF.get(token.type, (("", ""),)),
                 distance=_RANGE_OF.get(token.type),
                 sidewalk=token.type == "SIDEWALK",
+                on_road=token.type == "ON_ROAD",
                 beside_road=token.type == "ALONG",
                 both_sides=token.type == "SIDES",
+                at_junction=token.type == "CORNER",
+                lane=_LANE_OF.get(token.type),
+                heading=_HEADING_OF.get(token.type),
             )
+            if token.type == "FRONT" and token.startswith("far "):
+                word = dataclasses.replace(word, distance=_RANGE_OF["FAR"])
+            elif token.endswith(" end of the road") or token.endswith(" end of the street"):
+                word = dataclasses.replace(word, places=(("front", ""),))
         position = position.narrowed(word)
     return position
 

@@ -12,6 +12,7 @@ _HEADINGS = {
     "across": "crossing",
     "across-left": "crossing to the left",
     "across-right": "crossing to the right",
+    "turning": "turning",
     "turning-left": "turning left",
     "turning-right": "turning right",
 }
@@ -51,7 +52,7 @@ def group_relations(group: ObjectGroup, spec: SceneSpec, place: str) -> list[str
     fore, side = split_place(place)
     found = ([_FORE[fore]] if fore else []) + ([f"on the {side}"] if side else [])
     found += [f"not {' '.join(split_place(place)).strip()}" for place in group.not_places]
-    found += [f"in the {group.lane} lane"] * (group.lane is not None)
+    found += [f"in the {'ego' if group.lane == 'own' else group.lane} lane"] * (group.lane is not None)
     found += ["at the junction"] * group.at_junction
     found += [f"on the {group.surface}"] * (group.surface is not None)
     if group.relation is not None:

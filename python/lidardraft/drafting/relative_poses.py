@@ -73,7 +73,8 @@ class RelativePoses:
         if self.relation == "between":
             return self._between(references[0], references[1], rng, effort)
         if self.relation == "opposite":
-            across = -reference.side * max(self.road.edge + 2.0, abs(reference.pose.across))
+            beside = self.road.edge / 2 if self.kind.drives else max(self.road.edge + 2.0, abs(reference.pose.across))
+            across = -reference.side * beside
             return self._pose(reference.pose.along + float(rng.uniform(-1.0, 1.0)), across, rng, reference)
         if self.relation in ("left-of", "right-of"):
             return self._aside(reference, 1 if self.relation == "left-of" else -1, rng, effort)

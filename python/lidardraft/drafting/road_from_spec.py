@@ -70,6 +70,7 @@ def _ego_lane(spec: SceneSpec) -> tuple[int, int]:
     """The number of the ego's lane where there are more, and how many lanes the places of vehicles need."""
     left = any(_beside_the_ego(group, "left", spec.road.one_way) for group in spec.groups)
     right = any(_beside_the_ego(group, "right", spec.road.one_way) for group in spec.groups)
+    right = right or any(group.relation == "right-of" and group.record.drives for group in spec.groups)
     middle = any(group.lane == "middle" for group in spec.groups)
     needed = 3 if middle or (left and right) else 2 if left or right else 1
     usual = any(_on_the_right(group) for group in spec.groups)

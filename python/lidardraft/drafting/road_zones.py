@@ -18,6 +18,7 @@ from lidardraft.scene.road import Road
 # Estimates of ours.
 LANE_OFFSET = 0.15  # m from the middle of a lane, at most
 NEAREST = 8.0  # m to the middle of what is in front or behind, where no distance is asked for
+_DEEPEST = 105.0  # m behind the sidewalk, for hundreds of objects
 QUEUE_BEFORE = 25.0  # m before a junction that things are "at" it
 
 
@@ -48,6 +49,8 @@ def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Z
     fore, side = split_place(place)
     if group.distance is not None and not fore and "road" in kind.surfaces:
         fore = "front"
+    if not side:
+        side = "right" if "left" in group.not_places else "left" if "right" in group.not_places else ""
     sides = {"left": (1,), "right": (-1,)}.get(side, (1, -1))
     if road.junction is not None:
         zone = _junction_zone(group, kind, sides, road, road.junction)
@@ -274,7 +277,7 @@ def _roadside(
             return RoadPose(along, ego + side * float(rng.uniform(*distance)), turn)
         if setback is None:
             return RoadPose(along, side * (road.edge + 0.5 if road.sidewalk > 0.9 else verge + 0.6), turn)
-        farthest = setback.usual + (setback.farthest - setback.usual) * effort
+        farthest = min(_DEEPEST, setback.usual + (setback.farthest - setback.usual) * effort)
         return RoadPose(along, side * (verge + float(rng.uniform(setback.nearest, farthest))), turn)
 
     return sample

@@ -28,7 +28,7 @@ PLACES = tuple(
 SURFACES = ("road", "sidewalk")
 HEADINGS = (
     *("with", "against", "parked"),
-    *("across", "across-left", "across-right", "turning-left", "turning-right"),
+    *("across", "across-left", "across-right", "turning", "turning-left", "turning-right"),
 )
 LANES = ("own", "left", "middle", "right", "opposite")
 RELATIONS = ("behind", "in-front-of", "beside", "left-of", "right-of", "between", "opposite", "near")
@@ -121,7 +121,7 @@ class ObjectGroup:
         numbers = self.count if isinstance(self.count, tuple | list) else (self.count, self.count)
         low, high = numbers
         if type(low) is not int or type(high) is not int or not 1 <= low <= high <= MAX_COUNT:
-            said = self.count if low == high else f"{low} to {high}"
+            said = low if low == high else f"{low} to {high}"
             raise LayoutError(f"{self.kind}: count is {said!r}; {limit}")
         object.__setattr__(self, "count", low if low == high else (low, high))
 

@@ -20,6 +20,7 @@ from lidardraft.drafting.object_shapes import (
     in_segments,
     sample_box,
     sample_bush,
+    sample_cone,
     sample_garden,
     sample_pole,
     sample_street_light,
@@ -291,6 +292,16 @@ _STREET_FURNITURE = (
         setback=Setback(0.7, 1.0, 3.0),
     ),
 )
+_SET_DOWN = (
+    # 0.75 m for motorways and 0.5 m for other roads in the German rules for road works (RSA 21)
+    SentenceKind(
+        name="cone",
+        label="other",
+        sizes=SizeBetween((0.28, 0.28, 0.5), (0.4, 0.4, 0.75)),
+        shapes=sample_cone,
+        surfaces=_ROADS_AND_WALKS,
+    ),
+)
 SENTENCE_KINDS: dict[str, SentenceKind] = {
-    kind.name: kind for kind in (*_VEHICLES, _PERSON, *_BEHIND_THE_SIDEWALK, *_STREET_FURNITURE)
+    kind.name: kind for kind in (*_VEHICLES, _PERSON, *_BEHIND_THE_SIDEWALK, *_STREET_FURNITURE, *_SET_DOWN)
 }

@@ -4,71 +4,135 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from lidardraft.drafting.positions import Position
+from lidardraft.drafting.positions import Place, Position
 from lidardraft.drafting.scene_spec import ObjectGroup, RoadSpec, SceneSpec
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 
+Span = tuple[int, int]  # of characters of the sentence: from and to
 _SIDES = ("left", "right")
+_BESIDE_EACH_OTHER = 1.0  # m between people in a queue; estimate of ours
+_QUEUE_GAP = 2.5  # m between vehicles in a queue; estimate of ours
 
 
-@dataclass
+@dataclass(eq=False)
 class Mention:
-    """A group while its modifiers are being read; count 0 denies it, a `weak` position is overruled by the next one."""
+    """A group while its modifiers are being read; count 0 denies it, a `weak` position is overruled by the next one.
 
-    kind: str
-    count: int | str
+    The kind is None for what is unknown, which takes the words after it and makes nothing. What is `described` by a
+    verb shares no position with what is listed after it; `same_as` is the mention whose noun "one" or "two" stand for.
+    """
+
+    kind: str | None
+    count: int | str | tuple[int, int] = 1
     at: Position = field(default_factory=Position)
+    not_at: list[Place] = field(default_factory=list)
     heading: str | None = None
     on_road: bool = False
+    in_queue: bool = False
     placed: bool = False
     weak: bool = False
+    size: list[float | None] = field(default_factory=lambda: [None, None, None])
+    scale: list[float] = field(default_factory=lambda: [1.0, 1.0, 1.0])
+    relation: str | None = None
+    references: list[Mention] = field(default_factory=list)
+    described: bool = False
+    same_as: Mention | None = None
+    spans: list[Span] = field(default_factory=list)
 
-    def group(self) -> ObjectGroup:
+    def group(self, references: tuple[int, ...] = (), words: str = "") -> ObjectGroup:
         """As a group of the spec; vehicles along the sides of a road are parked."""
-        heading, kind = self.heading, SENTENCE_KINDS[self.kind]
-        if kind.is_vehicle and heading is None and (self.at.beside_road or self.at.both_sides):
+        assert self.kind is not None
+        at, kind = self.at, SENTENCE_KINDS[self.kind]
+        heading = "across" if at.heading == "across" else self.heading or at.heading
+        lane, spacing = at.lane, at.spacing
+        if kind.is_vehicle and heading is None and (at.beside_road or at.both_sides):
             heading = "parked"
-        surface = "road" if self.on_road and {"road", "sidewalk"} <= set(kind.surfaces) else None
+        if heading == "parked" and not kind.drives:
+            heading = None
+        if self.in_queue and kind.drives and heading is None and not references:
+            heading, lane = "with", lane or "own"
+            spacing = spacing or (kind.sizes.largest[0] if kind.sizes else 6.0) + _QUEUE_GAP
+        elif self.in_queue and kind.walks:
+            spacing = spacing or _BESIDE_EACH_OTHER
+        if at.on_road and kind.is_vehicle and heading is None:
+            lane = lane or "own"
+        in_road = (self.on_road or at.on_road) and {"road", "sidewalk"} <= set(kind.surfaces)
+        places = tuple(dict.fromkeys(_named(place) for place in at.places if any(place)))
         return ObjectGroup(
             kind=self.kind,
-            count=self.count,
-            places=tuple(dict.fromkeys("-".join(filter(None, place)) for place in self.at.places if any(place))),
-            surface="sidewalk" if self.at.sidewalk and "sidewalk" in kind.surfaces else surface,
+            count="some" if spacing and self.count == 1 else self.count,
+            places=places or (("front",) if self.in_queue and kind.drives and not references else ()),
+            not_places=tuple(dict.fromkeys(_named(place) for place in self.not_at if any(place))),
+            surface="sidewalk" if at.sidewalk and "sidewalk" in kind.surfaces else "road" if in_road else None,
+            lane=lane if "road" in kind.surfaces else None,
+            at_junction=at.at_junction,
             heading=heading,
-            distance=self.at.distance,
-            spacing=self.at.spacing,
+            distance=at.distance,
+            spacing=spacing,
+            size=(self.size[0], self.size[1], self.size[2]) if any(self.size) else None,
+            scale=(self.scale[0], self.scale[1], self.scale[2]) if self.scale != [1.0, 1.0, 1.0] else None,
+            relation=self.relation if references else None,
+            references=references,
+            words=words,
         )
+
+
+def _named(place: Place) -> str:
+    return "-".join(filter(None, place))
 
 
 @dataclass
 class SentenceNotes:
-    """The mentions of objects, the road, and the setting ("BUSY", "RESIDENTIAL", ...: terminals of the grammar)."""
+    """The mentions of objects, the road, and the setting ("BUSY", "RESIDENTIAL", ...: terminals of the grammar).
 
+    `unclear` are the parts of the `text` that say nothing here.
+    """
+
+    text: str = ""
     mentions: list[Mention] = field(default_factory=list)
     road: str | None = None
     lanes: int = 0
     each_way: bool = False
+    one_way: bool = False
     sidewalk: bool | None = None
     settings: set[str] = field(default_factory=set)
-    not_understood: list[str] = field(default_factory=list)
+    unclear: list[Span] = field(default_factory=list)
+
+    @property
+    def not_understood(self) -> list[str]:
+        """The words of the text that say nothing here; what adjoins is one."""
+        joined: list[Span] = []
+        for start, end in sorted(self.unclear):
+            if joined and not self.text[joined[-1][1] : start].strip():
+                joined[-1] = (joined[-1][0], max(end, joined[-1][1]))
+            else:
+                joined.append((start, end))
+        return [self.text[start:end] for start, end in joined]
 
     @property
     def empty(self) -> bool:
         """Whether nothing at all was understood."""
-        return not (self.mentions or self.road or self.lanes or self.settings) and self.sidewalk is None
+        said = self.mentions or self.road or self.lanes or self.settings or self.one_way
+        return not said and self.sidewalk is None
 
     def spec(self) -> SceneSpec:
         """The spec: what is wanted, less what is denied, with what the setting implies."""
-        wanted = [mention for mention in self.mentions if mention.count != 0]
+        wanted = [mention for mention in self.mentions if mention.count != 0 and not self._is_divided(mention)]
         denied = [mention for mention in self.mentions if mention.count == 0]
         for mention in wanted:
             for no in denied:
-                if no.placed and no.kind == mention.kind:
-                    mention.at = mention.at.without(no.at)
+                if no.placed and _covers(no, mention):
+                    keep_away(mention, no.at)
             if "BUSY" in self.settings and mention.count == "some" and _drives(mention.kind, mention.heading):
                 mention.count = "many"
-        absent = {mention.kind for mention in denied if not mention.placed and mention.heading is None}
-        groups = [mention.group() for mention in wanted]
+        absent = {str(mention.kind) for mention in denied if not mention.placed and mention.heading is None}
+        number_of = {id(mention): number for number, mention in enumerate(wanted)}
+        groups = [
+            mention.group(
+                tuple(number_of[id(one)] for one in mention.references if id(one) in number_of), self._words(mention)
+            )
+            for mention in wanted
+        ]
         groups += [group for group in self._implied(groups) if group.kind not in absent]
         return SceneSpec(
             road=self._road_spec(any(group.surface == "sidewalk" for group in groups)),
@@ -77,11 +141,26 @@ class SentenceNotes:
             not_understood=tuple(self.not_understood),
         )
 
+    def _is_divided(self, mention: Mention) -> bool:
+        """Whether it only sums up those after it, as in "three cars: one ahead, two behind"."""
+        parts = [other.count for other in self.mentions if other.same_as is mention]
+        return not mention.placed and bool(parts) and sum(p for p in parts if isinstance(p, int)) == mention.count
+
+    def _words(self, mention: Mention) -> str:
+        """The words that a mention was read from: all between its first and its last, unless others are among them."""
+        start, end = min((a for a, _ in mention.spans), default=0), max((b for _, b in mention.spans), default=0)
+        others = [span for other in self.mentions if other is not mention for span in other.spans]
+        if any(a < end and b > start for a, b in others):
+            return " ".join(self.text[a:b] for a, b in sorted(set(mention.spans)))
+        return self.text[start:end]
+
     def _road_spec(self, needs_sidewalk: bool) -> RoadSpec:
         kind = self.road or "straight"
-        lanes = self.lanes if kind == "motorway" or self.each_way else (self.lanes + 1) // 2
+        whole = kind == "motorway" or self.each_way or self.one_way
+        lanes = self.lanes if whole else (self.lanes + 1) // 2
         sidewalk = self.sidewalk if self.sidewalk is not None or "RURAL" not in self.settings else False
-        return RoadSpec(kind=kind, lanes=lanes or None, sidewalk=True if needs_sidewalk else sidewalk)
+        sidewalk = True if needs_sidewalk else sidewalk
+        return RoadSpec(kind=kind, lanes=lanes or None, sidewalk=sidewalk, one_way=self.one_way)
 
     def _implied(self, groups: list[ObjectGroup]) -> list[ObjectGroup]:
         """What the setting means where the sentence does not say it itself."""
@@ -98,5 +177,19 @@ class SentenceNotes:
         return implied
 
 
-def _drives(kind: str, heading: str | None) -> bool:
-    return SENTENCE_KINDS[kind].is_vehicle and heading != "parked"
+def _covers(no: Mention, mention: Mention) -> bool:
+    """Whether what is denied somewhere is, or may be, what is wanted."""
+    kinds = {no.kind, mention.kind}
+    return len(kinds) == 1 or ("vehicle" in kinds and all(SENTENCE_KINDS[str(kind)].is_vehicle for kind in kinds))
+
+
+def keep_away(mention: Mention, no: Position) -> None:
+    """Leave out places: of those that the mention names, else of everywhere."""
+    if mention.relation is None and any(place in mention.at.places for place in no.places):
+        mention.at = mention.at.without(no)
+    else:
+        mention.not_at += [place for place in no.places if any(place)]
+
+
+def _drives(kind: str | None, heading: str | None) -> bool:
+    return kind is not None and SENTENCE_KINDS[kind].is_vehicle and heading != "parked"

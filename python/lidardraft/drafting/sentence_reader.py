@@ -1,271 +1,234 @@
-"""What belongs to what in a parsed sentence: numbers to objects, positions to the objects they follow or introduce."""
+"""What belongs to what in a sentence: numbers to objects, positions to the objects they follow or introduce.
+
+Chunks are read from left to right, clause by clause. What is unknown takes the words up to the next link with it, so
+that it changes nothing of what is known.
+"""
 
 from __future__ import annotations
 
 import dataclasses
 
-from lark import Token, Tree
-
-from lidardraft.drafting.number_words import COUNT_TYPES, count_of, exact_count, unclear_counts
-from lidardraft.drafting.positions import Position, read_position
+from lidardraft.drafting.chunk_reader import LISTED
+from lidardraft.drafting.number_words import COUNT_TYPES, count_of, exact_count
+from lidardraft.drafting.object_qualities import add_qualities
+from lidardraft.drafting.position_reader import PositionReader
+from lidardraft.drafting.positions import Position
+from lidardraft.drafting.references import mention_of
+from lidardraft.drafting.sentence_chunks import JUNCTIONS, KIND_OF, ROAD_OF, SETTINGS, Chunk
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.sentence_notes import Mention, SentenceNotes
 
-Chunk = Tree[Token] | Token
-
-KIND_OF = {kind.upper().replace("-", "_"): kind for kind in SENTENCE_KINDS}  # by its terminal in the grammar
-_ROAD_OF = {"ROAD": "straight", "MOTORWAY": "motorway", "CROSSROADS": "crossroads", "T_JUNCTION": "t-junction"}
-_SETTINGS = {"BUSY", "QUIET", "URBAN", "RESIDENTIAL", "RURAL", "TREE_LINED"}
-_HEADING_OF = {"PARKED": "parked", "MOVING": "with", "CROSSING": "across", "ONCOMING": "against"}
-_LISTED = ("AND", "OR", "COMMA")
+_PASSED_ON_THE_WAY = ("MOVING", "ALONG", "A", "THE", "NUMBER", "LANE", "UNKNOWN", *SETTINGS)
+_ASIDE = ("FRONT", "BEHIND", "BESIDE", "LEFT", "RIGHT", "SIDES", "DISTANCE")
 
 
-class SentenceReader:
-    """Reads the chunks of a parsed sentence from left to right."""
-
-    def __init__(self, chunks: list[Chunk]) -> None:
-        self.chunks = chunks
-        self.notes = SentenceNotes()
-        self.open: list[Mention] = []  # what the next position or state belongs to
-        self.prefix: Position | None = None  # introduces the objects that follow
-        self.prefix_weak = False
-        self.denial = ""  # the word that denies a list of objects
-        self.has_ego = False
+class SentenceReader(PositionReader):
+    """Reads the chunks of a parsed sentence."""
 
     def read(self) -> SentenceNotes:
         """The notes on all chunks."""
-        for index, chunk in enumerate(self.chunks):
-            if isinstance(chunk, Token):
-                self._link(chunk)
-            elif chunk.data == "bend":
-                side = "".join(f"{t.type.lower()}-" for t in _tokens(chunk) if t.type != "BEND")
+        while self.index < len(self.chunks):
+            chunk = self.chunks[self.index]
+            self.index += 1
+            if chunk.name == "phrase":
+                self._phrase(chunk)
+            elif chunk.name == "position":
+                self._position(chunk)
+            elif chunk.name == "turn":
+                self._turn(chunk)
+            elif chunk.name == "bend":
+                side = "".join(f"{t.type.lower()}-" for t in chunk.tokens if t.type != "BEND")
                 self.notes.road = f"{side}bend"
-            elif chunk.data == "position":
-                self._position(index, _tokens(chunk))
             else:
-                self._phrase(index, _tokens(chunk))
+                self._link(chunk)
         return self.notes
 
-    def _link(self, token: Token) -> None:
-        if token.type in ("WITH", "STOP"):
+    def _link(self, chunk: Chunk) -> None:
+        if chunk.name in ("WITH", "STOP"):
+            self.host = self.open if chunk.name == "WITH" and self._before() == "" else []
             self.open, self.prefix, self.denial = [], None, ""
-        elif token.type == "EGO":
+        elif chunk.name == "EGO":
             self.has_ego = True
-        elif token.type == "COMMA":
-            self.prefix_weak, self.denial = True, ""
-        elif token.type == "AND" and self.denial != "without":
+        elif chunk.name == "COMMA":
+            unknown = any(mention.kind is None for mention in self.open)
+            self.prefix_weak, self.denial, self.prefix = True, "", None if unknown else self.prefix
+        elif chunk.name == "AND" and self.denial != "without":
             self.denial = ""
-
-    def _phrase(self, index: int, tokens: list[Token]) -> None:
-        noun = tokens[-1].type
-        if self._is_compound(index, tokens):
-            whole = [*self._tokens_at(index - 1), *tokens]
-            self.notes.mentions.remove(self.open.pop())
-            self.notes.not_understood.append(" ".join(token for token in whole if token.type not in ("A", "THE")))
-            return
-        if exact_count(tokens) == 0 and noun in (*_ROAD_OF, "LANE", "EACH_WAY", "NO_SIDEWALK"):
-            self.notes.not_understood.append(" ".join(tokens))
-            return
-        if noun in _ROAD_OF or noun in _SETTINGS:
-            self.notes.settings |= _SETTINGS & {token.type for token in tokens}
-        strange = {"UNKNOWN"} | (_SETTINGS if noun in KIND_OF or noun == "UNKNOWN" else set())
-        idle = {id(token) for token in self._idle_counts(tokens)}
-        unknown = " ".join(token for token in tokens if token.type in strange or id(token) in idle)
-        self.notes.not_understood += [unknown] if unknown else []
-        if noun in KIND_OF:
-            self._object(index, tokens)
-        elif noun == "TRAFFIC":
-            self._traffic(index, tokens)
-        elif noun in _ROAD_OF:
-            self._road(index, tokens)
-        elif noun == "LANE":
-            self.notes.lanes = self.notes.lanes or exact_count(tokens) or 0
-        elif noun == "EACH_WAY":
-            self.notes.each_way = True
-        elif noun == "NO_SIDEWALK":
+        elif chunk.name == "EXCEPT":
+            self.excepting = True
+        elif chunk.name == "NO_SIDEWALK":
             self.notes.sidewalk = False
-        else:
-            self._state(tokens)
+        elif chunk.name == "EACH_WAY":
+            self._each_way()
 
-    def _state(self, tokens: list[Token]) -> None:
-        """Words without a noun: how the objects before them stand or move."""
-        heading = _heading(tokens)
-        for mention in self.open:
-            mention.heading = heading or mention.heading
-        lone = " ".join(token for token in tokens if token.type in ("PARKED", "CROSSING", "ONCOMING"))
-        self.notes.not_understood += [lone] if lone and not self.open else []
-
-    def _idle_counts(self, tokens: list[Token]) -> list[Token]:
-        """The words for a number in a phrase that say nothing of its noun."""
-        noun, exact = tokens[-1].type, exact_count(tokens)
-        if noun in KIND_OF:
-            return unclear_counts(tokens)
-        if noun == "TRAFFIC":
-            clear = not exact and not unclear_counts(tokens)
-        elif noun == "LANE":
-            clear = exact is not None and self.notes.lanes in (0, exact)
-        else:
-            clear = exact == 1 and (noun in _ROAD_OF or noun in ("EACH_WAY", "NO_SIDEWALK"))
-        return [] if clear else [token for token in tokens if token.type in COUNT_TYPES]
-
-    def _object(self, index: int, tokens: list[Token]) -> None:
-        kind = KIND_OF[tokens[-1].type]
-        if self._is_reference(index, tokens):
+    def _each_way(self) -> None:
+        """Of lanes, or of what drives in them."""
+        driven = [m for m in self.open if m.kind is not None and SENTENCE_KINDS[m.kind].drives and m.heading is None]
+        if self._previous().head == "LANE" or not driven:
+            self.notes.each_way = True
             return
-        if self._is_ego(index, tokens, kind):
-            self.has_ego = True
-        elif SENTENCE_KINDS[kind].is_ridden and self._is_ridden(index):
-            self.open[-1].kind = kind
-            if exact_count(tokens) not in (None, 1, self.open[-1].count):
-                self.notes.not_understood += [token for token in tokens if token.type in COUNT_TYPES]
+        for mention in driven:
+            half = mention.count // 2 if isinstance(mention.count, int) and mention.count > 1 else 0
+            other = dataclasses.replace(mention, heading="against", count=half or mention.count)
+            mention.heading, mention.count = "with", mention.count - half if half else mention.count  # type: ignore
+            self.notes.mentions.append(other)
+
+    def _phrase(self, chunk: Chunk) -> None:
+        head = chunk.head
+        self.notes.one_way = self.notes.one_way or "ONE_WAY" in chunk.types
+        if exact_count(chunk.tokens) == 0 and head in (*ROAD_OF, "LANE"):
+            self._report(chunk)
+            return
+        if chunk.is_unknown or (chunk.may_be_unknown and self._before(1) != ""):
+            self._unknown(chunk)
+            return
+        if head in ROAD_OF or head in SETTINGS:
+            self.notes.settings |= chunk.types & set(SETTINGS)
+        self._report_strange(chunk)
+        if head in KIND_OF or head == "TRAFFIC":
+            self._object(chunk)
+        elif head in ROAD_OF:
+            self._road(chunk)
+        elif head == "LANE":
+            self._lanes(chunk)
+        elif chunk.types <= {*COUNT_TYPES, "A", "THE", "ANOTHER"}:
+            self._ellipsis(chunk)
         else:
-            self._put(index, Mention(kind, count_of(tokens), heading=_heading(tokens)))
+            self._state(chunk)
 
-    def _traffic(self, index: int, tokens: list[Token]) -> None:
-        types = {token.type for token in tokens}
-        many, few = types & {"BUSY", "MANY", "DOZENS"} or tokens[-1] != "traffic", types & {"QUIET", "FEW"}
-        count: int | str = 0 if "NO" in types else "few" if few else "many" if many else "some"
-        self._put(index, Mention("vehicle", count, heading=_heading(tokens)))
+    def _unknown(self, chunk: Chunk) -> None:
+        """Open what is unknown; where no link parts it from an object, it only says something of that one."""
+        self._report(chunk)
+        before = self._before(1)
+        if before == "WITH" and self.host and not any(mention.placed for mention in self.host):
+            self.open = self.host
+        elif before != "" or not self.open or any(mention.placed for mention in self.open):
+            self.open = [Mention(None)]
+            self.relation = None
 
-    def _put(self, index: int, mention: Mention) -> None:
+    def _ellipsis(self, chunk: Chunk) -> None:
+        """A number without a noun means more of the same, as in "two cars ahead and one behind"."""
+        last = self.notes.mentions[-1] if self.notes.mentions else None
+        following = self._following()
+        if last is None or self._before(1) not in LISTED or following.name not in ("position", "turn"):
+            self._report(chunk)
+            return
+        count = count_of(chunk.tokens)
+        self.open = []
+        one = 1 if count == "some" and not chunk.types & {"SOME", "ANOTHER"} else count
+        self._put(chunk, Mention(last.kind, one, spans=[chunk.span], same_as=last.same_as or last))
+
+    def _state(self, chunk: Chunk) -> None:
+        """Words without a noun: how the objects before them stand or move, and how large they are."""
+        for mention in self.open:
+            if mention.kind is None:
+                self._report(chunk)
+            else:
+                add_qualities(mention, chunk.tokens)
+                mention.spans.append(chunk.span)
+                mention.described = True
+        if not self.open:
+            lone = ("PARKED", "CROSSING", "ONCOMING", "QUEUEING", "SIZE")
+            self._report_tokens(t for t in chunk.tokens if t.type in lone)
+
+    def _lanes(self, chunk: Chunk) -> None:
+        count = exact_count(chunk.tokens)
+        if count is not None and count > 3 and chunk.tokens[-1] == "lane" and self._following().head == "MOTORWAY":
+            count //= 2  # a six-lane motorway has three each way
+        if count is None and self.notes.road is None and not self.open:
+            self.notes.road = "straight"  # "a country lane"
+            self.notes.settings |= chunk.types & set(SETTINGS)
+        self.notes.lanes = self.notes.lanes or count or 0
+
+    def _object(self, chunk: Chunk) -> None:
+        mention = mention_of(chunk)
+        kind = SENTENCE_KINDS[str(mention.kind)]
+        before = self._previous()
+        if self._is_ego(chunk, mention):
+            self.has_ego = True
+        elif kind.is_ridden and self._is_ridden(chunk, before):
+            self.open[-1].kind = mention.kind
+            self.open[-1].spans.append(chunk.span)
+            if exact_count(chunk.tokens) not in (None, 1, self.open[-1].count):
+                self._report_tokens(t for t in chunk.tokens if t.type in COUNT_TYPES)
+        elif before.name == "PREPOSITION" and self._before(2) == "" and self._open_known():
+            self._relate("near", [self._reference(chunk)], Position())
+        else:
+            self._put(chunk, mention)
+
+    def _put(self, chunk: Chunk, mention: Mention) -> None:
         """Open a mention: alone, or beside those that a list has opened and no position has closed."""
-        listed = self._type_before(index) in _LISTED
-        if not listed or any(other.placed for other in self.open):
+        listed = self._before(1) in LISTED
+        if not listed or any(
+            other.placed or other.described or other.kind is None or (other.count == 0 and mention.count != 0)
+            for other in self.open
+        ):
             self.open = []
-        if mention.count == 0:
-            self.denial = str(_tokens(self.chunks[index])[0])
+        if self.excepting:
+            self.excepting = False
+            denied = bool(self.notes.mentions) and self.notes.mentions[-1].count == 0
+            mention.count = mention.count if denied else 0
+        elif mention.count == 0:
+            self.denial = str(chunk.tokens[0])
         elif self.denial and listed:
             mention.count = 0
+        if self.turning is not None:
+            mention.heading, self.turning = self.turning, None
         if self.prefix is not None:
             mention.at, mention.placed, mention.weak = self.prefix, True, self.prefix_weak
         self.open.append(mention)
         self.notes.mentions.append(mention)
+        if self.relation is not None:
+            name, references, at = self.relation
+            self.relation = None
+            self._relate(name, references, at)
 
-    def _road(self, index: int, tokens: list[Token]) -> None:
-        kind = _ROAD_OF[tokens[-1].type]
+    def _road(self, chunk: Chunk) -> None:
+        kind = ROAD_OF[chunk.head]
         if kind != "straight" or self.notes.road is None:
             self.notes.road = kind
-        if tokens[0].type == "THE" and self._type_before(index) not in _LISTED:
-            for mention in self.open:
+        if chunk.types & {"WIDE", "NARROW"}:
+            self.notes.lanes = self.notes.lanes or (4 if "WIDE" in chunk.types else 2)
+        linked = self._before(2 if self._previous().name == "PREPOSITION" else 1) != ""
+        at_junction = chunk.head in JUNCTIONS and "THE" in chunk.types and not linked
+        for mention in self.open:
+            if mention.kind is None:
+                continue
+            if at_junction:
+                mention.at = dataclasses.replace(mention.at, at_junction=not SENTENCE_KINDS[mention.kind].at_junction)
+                mention.placed = True
+                if "approaching" in self._previous().tokens:
+                    mention.heading = None
+            elif chunk.tokens[0].type == "THE" and self._before(1) not in LISTED:
                 mention.on_road = not mention.placed
 
-    def _position(self, index: int, tokens: list[Token]) -> None:
-        """Give a position to the objects before it, or keep it for those after it."""
-        following = self._tokens_at(index + 1)
-        types = {token.type for token in tokens}
-        before = self._type_before(index)
-        listed = before in _LISTED
-        for types_of_length in (_DISTANCES, ("SPACING",)):  # the last one counts
-            self.notes.not_understood += [token for token in tokens if token.type in types_of_length][:-1]
-        position = read_position(tokens, beside_road=bool(following) and following[-1].type in _ROAD_OF)
-        if _refers(tokens, following):
-            self.notes.not_understood.append(" ".join([*tokens, *following]))
-        elif types <= {"SIDEWALK", "SIDES", "ALONG"} and position.sidewalk and (listed or not self.open):
-            self.notes.sidewalk = True
-        elif before in (None, "STOP", "WITH", *_LISTED) and self._introduces(index, strongly=not self.open):
-            self.prefix, self.prefix_weak = position, False
-        elif self.open:
-            self._attach(position, tokens, listed)
-        elif position != Position(beside_road=position.beside_road):  # a road alone has no place
-            self.notes.not_understood.append(" ".join(tokens))
+    def _turn(self, chunk: Chunk) -> None:
+        """Of a road, or of what drives."""
+        side = "".join(f"{t.type.lower()}" for t in chunk.tokens if t.type != "TURNING")
+        driven = [m for m in self._open_known() if SENTENCE_KINDS[str(m.kind)].drives]
+        heading = f"turning-{side}" if side else "turning"
+        if self._previous().head in ROAD_OF or (side and not driven and not self.open):
+            self.notes.road = f"{side}-bend" if side else "bend"
+        elif driven:
+            for mention in driven:
+                mention.heading, mention.placed = heading, True
+                mention.spans.append(chunk.span)
+        elif self._following().is_object:
+            self.turning = heading
+        else:
+            self._report(chunk)
 
-    def _attach(self, position: Position, tokens: list[Token], listed: bool) -> None:
-        """To the open mentions: a further place after "and", a closer description of the same place otherwise."""
-        for mention in list(self.open):
-            if position.sidewalk and "sidewalk" not in SENTENCE_KINDS[mention.kind].surfaces:
-                self.notes.not_understood.append("sidewalk")
-            if not mention.placed or mention.weak:
-                mention.at = position
-            elif listed and (position.distance or mention.at.distance):
-                other = dataclasses.replace(mention, at=position)
-                self.notes.mentions.append(other)
-                self.open[self.open.index(mention)] = other
-            elif listed:
-                mention.at = mention.at.or_at(position)
-            else:
-                mention.at = mention.at.narrowed(self._without_second_length(position, tokens, mention.at))
-            mention.placed, mention.weak = True, False
-
-    def _without_second_length(self, position: Position, tokens: list[Token], at: Position) -> Position:
-        """A further position of what is `at` a place: its first distance and spacing stay, and others are reported."""
-        for types, known in ((_DISTANCES, at.distance), (("SPACING",), at.spacing)):
-            self.notes.not_understood += [token for token in tokens if known and token.type in types]
-        return dataclasses.replace(
-            position,
-            distance=None if at.distance else position.distance,
-            spacing=None if at.spacing else position.spacing,
-        )
-
-    def _introduces(self, index: int, *, strongly: bool) -> bool:
-        """Whether an object follows a position at once, or, where nothing is open yet, after a comma."""
-        passed = ("EGO", "COMMA") if strongly else ("EGO",)
-        nouns = [_tokens(chunk)[-1].type for chunk in self.chunks[index + 1 : index + 4]]
-        noun = next((noun for noun in nouns if noun not in passed), "")
-        return noun in KIND_OF or noun == "TRAFFIC"
-
-    def _is_compound(self, index: int, tokens: list[Token]) -> bool:
-        """Whether unknown words make something else of the object right before them, as in "bus stop"."""
-        before = self._tokens_at(index - 1)
-        if not self.open or not before or KIND_OF.get(before[-1].type) != self.open[-1].kind:
-            return False
-        if before[-1].endswith("s") and before[-1] != "bus":  # compounds begin with a singular
-            return False
-        return all(token.type == "UNKNOWN" for token in tokens) and not tokens[0].endswith(("ing", "ed", "ly"))
-
-    def _is_reference(self, index: int, tokens: list[Token]) -> bool:
-        """Whether an object only tells where another one is, as in "behind the bus"."""
-        before = self._tokens_at(index - 1)
-        return bool(before) and _is_position(self.chunks[index - 1]) and _refers(before, tokens)
-
-    def _is_ego(self, index: int, tokens: list[Token], kind: str) -> bool:
+    def _is_ego(self, chunk: Chunk, mention: Mention) -> bool:
         """Whether the first object of a sentence is who looks: a vehicle that drives on a road, and nowhere else."""
-        if self.notes.mentions or self.has_ego or not SENTENCE_KINDS[kind].is_vehicle or count_of(tokens) != 1:
+        vehicle = SENTENCE_KINDS[str(mention.kind)].is_vehicle and chunk.head != "TRAFFIC"
+        if self.notes.mentions or self.has_ego or not vehicle or mention.count != 1:
             return False
-        after = [token.type for chunk in self.chunks[index + 1 :] for token in _tokens(chunk)]
+        after = [token.type for chunk in self.chunks[self.index :] for token in chunk.tokens]
         rest = [type for type in after if type not in _PASSED_ON_THE_WAY] + ["", ""]
-        return after[:1] == ["MOVING"] and (rest[0] in _ROAD_OF or rest[0] == "BEND") and rest[1] not in _ASIDE
+        return after[:1] == ["MOVING"] and (rest[0] in ROAD_OF or rest[0] == "BEND") and rest[1] not in _ASIDE
 
-    def _is_ridden(self, index: int) -> bool:
-        """Whether a two-wheeler is that of a person just named, as in "a man riding a bike"."""
-        said = [token for chunk in self.chunks[max(0, index - 1) : index + 1] for token in _tokens(chunk)]
-        riding = any(token.type == "DOING" and token.startswith("rid") for token in said)
-        return riding and bool(self.open) and SENTENCE_KINDS[self.open[-1].kind].walks
-
-    def _type_before(self, index: int) -> str | None:
-        """The type of the link before a chunk; None at the start, "" after anything but a link."""
-        if index == 0:
-            return None
-        before = self.chunks[index - 1]
-        return before.type if isinstance(before, Token) and before.type != "EGO" else ""
-
-    def _tokens_at(self, index: int) -> list[Token]:
-        inside = 0 <= index < len(self.chunks) and isinstance(self.chunks[index], Tree)
-        return _tokens(self.chunks[index]) if inside else []
-
-
-_PASSED_ON_THE_WAY = ("MOVING", "ALONG", "A", "THE", "NUMBER", "LANE", "UNKNOWN", *_SETTINGS)
-_ASIDE = ("FRONT", "BEHIND", "BESIDE", "LEFT", "RIGHT", "SIDES", "DISTANCE")
-_DISTANCES = ("DISTANCE", "NEAR", "FAR")
-_REFERRING = ("BEHIND", "BESIDE", "NEAR", "RELATED")
-
-
-def _tokens(chunk: Chunk) -> list[Token]:
-    return [chunk] if isinstance(chunk, Token) else [token for token in chunk.children if isinstance(token, Token)]
-
-
-def _is_position(chunk: Chunk) -> bool:
-    return isinstance(chunk, Tree) and chunk.data == "position"
-
-
-def _heading(tokens: list[Token]) -> str | None:
-    return next((_HEADING_OF[token.type] for token in tokens if token.type in _HEADING_OF), None)
-
-
-def _refers(position: list[Token], named: list[Token]) -> bool:
-    """Whether a position is relative to the object named after it."""
-    if not named or named[-1].type not in KIND_OF:
-        return False
-    last, definite = position[-1], named[0].type == "THE"
-    if last.type in ("BESIDE", "RELATED") or (last.type == "FRONT" and last.endswith(" of")):
-        return True
-    return definite and last.type in _REFERRING
+    def _is_ridden(self, chunk: Chunk, before: Chunk) -> bool:
+        """Whether a two-wheeler is that of a person just named, as in "a man riding a bike" or "on a bike"."""
+        riding = any(t.type == "DOING" and t.startswith("rid") for t in (*before.tokens, *chunk.tokens))
+        riding = riding or any(token == "on" for token in before.tokens)
+        return riding and bool(self._open_known()) and SENTENCE_KINDS[str(self.open[-1].kind)].walks

@@ -23,7 +23,7 @@ from lidardraft.scene.check import EGO_SIZE
 from lidardraft.scene.layout import Layout
 
 TRIES = 60  # of places for one object
-ARRANGEMENTS = 8  # of the whole scene
+ARRANGEMENTS = 10  # of the whole scene
 _CROWDED = 100  # objects of one group that need more room from the start
 _MOST_SPACED = 40  # objects of a row whose number is a word
 
@@ -41,7 +41,7 @@ def layout_from_spec(spec: SceneSpec, seed: int = 0) -> Layout:
         raise LayoutError(f"seed is {seed!r}; it must be an integer >= 0")
     urgent: set[int] = set()
     most = max((group.fewest or 0 for group in spec.groups), default=0)
-    for attempt in range(min(most // _CROWDED, ARRANGEMENTS - 1), ARRANGEMENTS):
+    for attempt in range(min(most // _CROWDED, ARRANGEMENTS - 3), ARRANGEMENTS):
         solver = _Solver(spec, np.random.default_rng([seed, attempt] if attempt else seed), attempt)
         failed = solver.arrange(urgent)
         if failed is None:
@@ -222,29 +222,31 @@ class _Solver:
         rng = self.rng
         near, far = zone.span
         step = (far - near) / wanted
-        for attempt in range(TRIES):
+        tries = TRIES * 5 if wanted >= _CROWDED else TRIES
+        for attempt in range(tries):
             if group.spacing is not None:
                 along = near + math.copysign(group.spacing, far - near) * (number // zone.sides)
                 if abs(along) > self.road.half_length:
                     self.scene.in_the_way["the end of the road"] += 1
                     return
             elif near == far:
-                along = near + math.copysign(_measured_from(kind, attempt), near) if group.distance else near
-            elif attempt < TRIES // 4:
+                along = near + math.copysign(_measured_from(kind, attempt / tries), near) if group.distance else near
+            elif attempt < tries // 4:
                 along = near + step * (number + float(rng.uniform(0.25, 0.75)))
             else:
                 along = near + (far - near) * float(rng.random())
-            yield zone.sample_pose(rng, along, number, attempt / TRIES * (1 + self.attempt) ** 1.3)
+            effort = float(rng.random()) if wanted >= _CROWDED else attempt / tries
+            yield zone.sample_pose(rng, along, number, effort * (1 + self.attempt) ** 1.3)
 
 
-def _measured_from(kind: SentenceKind, attempt: int) -> float:
-    """How much further an object stands than asked for [m], as tries go on.
+def _measured_from(kind: SentenceKind, effort: float) -> float:
+    """How much further an object stands than asked for [m], as `effort` rises from 0 to 1.
 
     Its middle is at the distance; where that leaves no room its near end is, at last as seen from the ego's bumper.
     """
     assert kind.sizes is not None
     half = kind.sizes.largest[0] / 2
-    return (0.0, 0.0, half, half + EGO_SIZE[0] / 2)[4 * attempt // TRIES]
+    return (0.0, 0.0, half, half + EGO_SIZE[0] / 2)[int(4 * effort)]
 
 
 def placing_order(spec: SceneSpec, urgent: set[int]) -> list[int]:

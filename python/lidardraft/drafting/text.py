@@ -7,11 +7,12 @@ import re
 from functools import cache
 from pathlib import Path
 
-from lark import Lark, Token, Tree
+from lark import Lark
 
 from lidardraft.drafting.number_words import LONE_NUMBER, NUMBER, NUMBERED_COMPOUND, UNIT
 from lidardraft.drafting.scene_spec import SceneSpec
-from lidardraft.drafting.sentence_reader import KIND_OF, SentenceReader
+from lidardraft.drafting.sentence_chunks import KIND_OF, chunks_of
+from lidardraft.drafting.sentence_reader import SentenceReader
 from lidardraft.drafting.solver import layout_from_spec
 from lidardraft.errors import TextError
 from lidardraft.scene.layout import Layout
@@ -42,8 +43,7 @@ def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
     text = _normalised(sentence)
     if not text:
         raise TextError("the sentence is empty")
-    chunks = [chunk for chunk in grammar().parse(text).children if not _is_article(chunk)]
-    notes = SentenceReader(chunks).read()
+    notes = SentenceReader(text, chunks_of(grammar().parse(text))).read()
     if notes.empty:
         parts = f" (unknown as a whole: {', '.join(map(repr, notes.not_understood))})" if notes.not_understood else ""
         raise TextError(f"nothing of {sentence!r} was understood{parts}; name a road, or objects and where they are")
@@ -61,17 +61,33 @@ def grammar() -> Lark:
 
 
 def _normalised(sentence: str) -> str:
-    """Lower case, single blanks, also for what cannot be printed, and for hyphens.
+    """Lower case, single blanks, also for what cannot be printed, and for hyphens; symbols as words.
 
-    Those in ranges and in words such as "ten-ton" stay.
+    Hyphens in ranges and in words such as "ten-ton" stay.
     """
-    text = "".join(character if character.isprintable() else " " for character in sentence.lower())
-    text = text.replace("\u2019", "'").replace("\u2013", "-").replace("\u2026", ". ")
-    return " ".join(
+    text = _UNIT_STOP.sub(r"\1", sentence).lower()
+    text = "".join(character if character.isprintable() else " " for character in text)
+    for symbol, plain in _PLAIN.items():
+        text = text.replace(symbol, plain)
+    for pattern, plain in _SPELLINGS:
+        text = pattern.sub(plain, text)
+    text = " ".join(
         word if NUMBERED_COMPOUND.search(word) else re.sub(r"(?<=[a-z0-9])-(?=[a-z])", " ", word)
         for word in text.split()
     )
+    return text
 
 
-def _is_article(chunk: Tree[Token] | Token) -> bool:
-    return isinstance(chunk, Tree) and all(isinstance(t, Token) and t.type in ("THE", "A") for t in chunk.children)
+_PLAIN = {
+    **{"\u2019": "'", "\u2013": "-", "\u2014": ", ", "\u2026": ". ", "\u00d7": "x", "&": " and ", " + ": " and "},
+    **{"w/o ": "without ", "w/ ": "with "},
+}
+_UNIT_STOP = re.compile(r"(\d ?(?:m|ft|yd|km))\.(?= [a-z])")  # "10 m. ahead", but not "10 m. A bus"
+_SPELLINGS = (
+    (re.compile(r"\b(there|it|that|here|who)'s\b"), r"\1 is"),
+    (re.compile(r"\b(i|we|you|they)'(?:m|re|ve|d|ll)\b"), r"\1"),
+    (re.compile(r"\b(left|right|ahead|behind|front|sides?|back|rear|background|foreground): "), r"\1 "),
+    (re.compile(r": "), ", "),
+    (re.compile(r"(?<![\w.,-])(\d{1,9}) ?x ?(?=[a-z]{2})"), r"\1 "),  # "2x cars"
+    (re.compile(r"(?<![\w-])([a-z]{2,}) \(?x ?(\d{1,9})\)?(?![\w.,-])"), r"\2 \1"),  # "cars x3"
+)

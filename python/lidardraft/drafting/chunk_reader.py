@@ -1,0 +1,83 @@
+"""A place in the run of chunks of a sentence, what is open there, and the notes on all before."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from lark import Token
+
+from lidardraft.drafting.number_words import COUNT_TYPES, exact_count, unclear_counts
+from lidardraft.drafting.object_qualities import SIZES
+from lidardraft.drafting.positions import Position
+from lidardraft.drafting.sentence_chunks import KIND_OF, ROAD_OF, SETTINGS, Chunk
+from lidardraft.drafting.sentence_notes import Mention, SentenceNotes
+
+LISTED = ("AND", "OR", "COMMA")
+LINKS = ("WITH", "STOP", "EXCEPT", *LISTED)
+END = Chunk("", [])
+
+
+class ChunkReader:
+    """What readers of phrases and of positions share."""
+
+    def __init__(self, text: str, chunks: list[Chunk]) -> None:
+        self.chunks, self.index = chunks, 0
+        self.notes = SentenceNotes(text)
+        self.open: list[Mention] = []  # what the next position or state belongs to
+        self.host: list[Mention] = []  # what was open before "with"
+        self.prefix: Position | None = None  # introduces the objects that follow
+        self.prefix_weak = False
+        self.relation: tuple[str, list[Mention], Position] | None = None  # of the object that follows
+        self.turning: str | None = None  # how the object that follows turns
+        self.denial = ""  # the word that denies a list of objects
+        self.excepting = False
+        self.has_ego = False
+
+    def _open_known(self) -> list[Mention]:
+        return [mention for mention in self.open if mention.kind is not None]
+
+    def _report(self, chunk: Chunk) -> None:
+        self.notes.unclear.append(chunk.span)
+
+    def _report_tokens(self, tokens: Iterable[Token]) -> None:
+        self.notes.unclear += [(token.start_pos or 0, token.end_pos or 0) for token in tokens]
+
+    def _following(self, further: int = 0) -> Chunk:
+        index = self.index + further
+        return self.chunks[index] if index < len(self.chunks) else END
+
+    def _previous(self) -> Chunk:
+        """The chunk before the one that is being read."""
+        return self.chunks[self.index - 2] if self.index >= 2 else END
+
+    def _before(self, back: int = 1) -> str | None:
+        """The name of the link before the chunk that is being read; None at the start, "" after anything but a link."""
+        index = self.index - 1 - back
+        if index < 0:
+            return None
+        return self.chunks[index].name if self.chunks[index].name in LINKS else ""
+
+    def _report_strange(self, chunk: Chunk) -> None:
+        """The words of a phrase that say nothing of its noun."""
+        head, strange = chunk.head, {"UNKNOWN"}
+        if head in KIND_OF or head == "UNKNOWN":
+            strange |= set(SETTINGS)
+        if head not in KIND_OF and head not in SIZES:
+            strange |= set(SIZES) - ({"WIDE", "NARROW"} if head == "ROAD" else set())
+        idle = {id(token) for token in self._idle_counts(chunk)}
+        self._report_tokens(token for token in chunk.tokens if token.type in strange or id(token) in idle)
+
+    def _idle_counts(self, chunk: Chunk) -> list[object]:
+        """The words for a number in a phrase that say nothing of its noun."""
+        head, exact = chunk.head, exact_count(chunk.tokens)
+        if head in KIND_OF:
+            return list(unclear_counts(chunk.tokens))
+        if head == "TRAFFIC":
+            clear = not exact and not unclear_counts(chunk.tokens)
+        elif head == "LANE":
+            clear = exact is not None and self.notes.lanes in (0, exact)
+        elif chunk.types <= {*COUNT_TYPES, "A", "THE", "ANOTHER"}:
+            return []
+        else:
+            clear = exact == 1 and head in ROAD_OF
+        return [] if clear else [token for token in chunk.tokens if token.type in COUNT_TYPES]

@@ -1,0 +1,193 @@
+"""What positions in a sentence belong to: the objects before them, those after them, or another object."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from lidardraft.drafting.chunk_reader import END, LINKS, LISTED, ChunkReader
+from lidardraft.drafting.number_words import count_of
+from lidardraft.drafting.positions import LANE_WORDS, Position, read_position
+from lidardraft.drafting.references import known_mention, mention_of, refers, relation_of
+from lidardraft.drafting.sentence_chunks import JUNCTIONS, ROAD_OF, Chunk
+from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
+from lidardraft.drafting.sentence_notes import Mention, keep_away
+
+_DISTANCES = ("DISTANCE", "NEAR", "FAR")
+_FROM_THE_EGO = {  # where something is that the ego is behind, in front of, ...
+    "behind": ("front", ""),
+    "in-front-of": ("behind", ""),
+    "beside": ("beside", ""),
+    "left-of": ("", "right"),
+    "right-of": ("", "left"),
+}
+
+
+class PositionReader(ChunkReader):
+    """Reads one position at a time."""
+
+    def _position(self, chunk: Chunk) -> None:
+        """Give a position to the objects before it, or keep it for those after it."""
+        self._report_second_lengths(chunk)
+        following, before = self._following(), self._before(1)
+        if chunk.types & {"SIDEWALK"} and self._previous().head == "BUSY" and not self.open:
+            self.notes.settings.discard("BUSY")  # it is the sidewalk that is crowded
+            self._report(self._previous())
+        linked = before != ""
+        relation = relation_of(chunk.tokens[-1])
+        if following.name == "PRONOUN" and relation is not None:
+            self.index += 1
+            earlier = [m for m in self.notes.mentions if all(m is not one for one in self.open) or linked]
+            self._refer(chunk, relation, earlier[-1:], before)
+        elif (following.is_object or following.is_unknown) and refers(chunk, following, linked=linked):
+            self.index += 1
+            self._refer(chunk, relation, self._references(chunk, following), before)
+        elif chunk.tokens[-1].type in ("RELATED", "BETWEEN", "LEFT_OF", "RIGHT_OF", "FOLLOWED"):
+            self._report(chunk)
+        else:
+            self._place(chunk, following, before)
+
+    def _references(self, chunk: Chunk, named: Chunk) -> list[Mention]:
+        """What a position is relative to, one mention or two; none where it is unknown."""
+        chunks = [named]
+        following, after = self._following(), self._following(1)
+        pair = chunk.tokens[-1].type == "BETWEEN" and count_of(named.tokens) == 1
+        if pair and following.name == "AND" and (after.is_object or after.is_unknown):
+            chunks.append(after)
+            self.index += 2
+        if any(one.is_unknown for one in chunks):
+            for one in chunks:
+                self._report(one)
+            return []
+        return [self._reference(one) for one in chunks]
+
+    def _reference(self, chunk: Chunk) -> Mention:
+        """The mention that a phrase means: one that is known, or a new one."""
+        known = known_mention(chunk, self.notes.mentions, self.open)
+        if known is None:
+            self._report_strange(chunk)
+            known = mention_of(chunk)
+            self.notes.mentions.append(known)
+        return known
+
+    def _refer(self, chunk: Chunk, relation: str | None, references: list[Mention], before: str | None) -> None:
+        """Note a relation for the objects before it, or for those after it where it begins a clause."""
+        at = read_position(chunk.tokens[:-1])
+        if not references or relation is None or any(reference.kind is None for reference in references):
+            self._report(chunk)
+        elif chunk.tokens[-1].type == "FOLLOWED" and self._open_known():
+            subjects, self.open = self._open_known()[-1:], references
+            self._relate(relation, subjects, at)
+        elif (before != "" and (self._following().is_object or self._following().is_unknown)) or (
+            before in (None, "STOP") and self._following().name == "COMMA"
+        ):
+            self.relation = (relation, references, at)
+        elif self._open_known():
+            if chunk.tokens[-1].type == "OVERTAKING":
+                at = dataclasses.replace(at, heading="with")
+            for mention in self._open_known():
+                mention.spans.append(chunk.span)
+            self._relate(relation, references, at)
+        elif self.has_ego and relation in _FROM_THE_EGO and not any(one.placed for one in references):
+            for mention in references:
+                mention.at, mention.placed = at.narrowed(Position(places=(_FROM_THE_EGO[relation],))), True
+                mention.spans.append(chunk.span)
+            self.open = references
+        else:
+            self._report(chunk)
+
+    def _relate(self, relation: str, references: list[Mention], at: Position) -> None:
+        """The open mentions are at this relation to the references, which the next position then places."""
+        subjects = [one for one in self._open_known() if all(one is not reference for reference in references)]
+        for mention in subjects:
+            mention.relation, mention.references = relation, references
+            mention.at = mention.at.narrowed(at) if mention.placed and not mention.weak else at
+            mention.placed, mention.weak = True, False
+        new = [reference for reference in references if not reference.placed and not reference.references]
+        self.open = subjects if len(new) < len(references) else new
+
+    def _place(self, chunk: Chunk, following: Chunk, before: str | None) -> None:
+        """A position that is relative to the ego, or to a road."""
+        by_road = following.name == "phrase" and following.head in ROAD_OF
+        position = read_position(chunk.tokens, beside_road=by_road)
+        if by_road and following.head in JUNCTIONS and chunk.tokens[-1].type in ("FRONT", "BEHIND", "NEAR", "BESIDE"):
+            position = dataclasses.replace(read_position(chunk.tokens[:-1]), at_junction=True)
+        listed = before in LISTED
+        sidewalk_only = chunk.types <= {"SIDEWALK", "SIDES", "ALONG"} and position.sidewalk
+        if self.excepting:
+            self._except(chunk, position)
+        elif any(mention.kind is None for mention in self.open) and not (listed and self._introduces(strongly=False)):
+            self._report(chunk)
+        elif sidewalk_only and (listed or not self.open):
+            self.notes.sidewalk = True
+        elif before in (None, *LINKS) and self._introduces(strongly=not self.open):
+            self.prefix, self.prefix_weak = position, False
+        elif self.open:
+            self._attach(position, chunk, listed)
+        elif position.sidewalk and before in (None, "WITH", "STOP", ""):
+            self.notes.sidewalk = True
+            self._report_tokens(t for t in chunk.tokens if t.type != "SIDEWALK")
+        elif position != Position(beside_road=position.beside_road):  # a road alone has no place
+            self._report(chunk)
+
+    def _except(self, chunk: Chunk, position: Position) -> None:
+        """All but those at a position; none but those, of what is denied."""
+        self.excepting = False
+        for mention in self.notes.mentions[-1:]:
+            if mention.count == 0:
+                mention.count, mention.at, mention.placed = "some", position, True
+            else:
+                keep_away(mention, position)
+            mention.spans.append(chunk.span)
+
+    def _attach(self, position: Position, chunk: Chunk, listed: bool) -> None:
+        """To the open mentions: a further place after "and", a closer description of the same place otherwise."""
+        for mention in list(self.open):
+            at = self._fitting(position, chunk, mention)
+            mention.spans.append(chunk.span)
+            if not mention.placed or mention.weak:
+                mention.at = at
+            elif listed and (at.distance or mention.at.distance) and not self._goes_on(at, mention):
+                other = dataclasses.replace(mention, at=at, spans=[chunk.span])
+                self.notes.mentions.append(other)
+                self.open[self.open.index(mention)] = other
+            elif listed and not self._goes_on(at, mention):
+                mention.at = mention.at.or_at(at)
+            else:
+                mention.at = mention.at.narrowed(self._without_second_length(at, chunk, mention.at))
+            mention.placed, mention.weak = True, False
+
+    def _goes_on(self, at: Position, mention: Mention) -> bool:
+        """Whether a position after a comma describes the same place more closely, as in "on the left, 20 m away"."""
+        only_far = not any(map(any, at.places)) and bool(at.distance) and not mention.at.distance
+        return self._before(1) == "COMMA" and (only_far or bool(at.spacing))
+
+    def _fitting(self, position: Position, chunk: Chunk, mention: Mention) -> Position:
+        """The position without what its kind cannot have, which is reported."""
+        kind = SENTENCE_KINDS[str(mention.kind)]
+        unfit = {"SIDEWALK"} if "sidewalk" not in kind.surfaces else set()
+        unfit |= {"CROSSWALK"} if not kind.walks else set()
+        unfit |= set(LANE_WORDS) if "road" not in kind.surfaces else set()
+        self._report_tokens(t for t in chunk.tokens if t.type in unfit)
+        return position if "CROSSWALK" not in unfit & chunk.types else dataclasses.replace(position, heading=None)
+
+    def _report_second_lengths(self, chunk: Chunk) -> None:
+        for types in (_DISTANCES, ("SPACING",)):  # the last one counts
+            tokens = [token for token in chunk.tokens if token.type in types][:-1]
+            self._report_tokens(tokens)
+
+    def _without_second_length(self, position: Position, chunk: Chunk, at: Position) -> Position:
+        """A further position of what is `at` a place: its first distance and spacing stay, and others are reported."""
+        for types, known in ((_DISTANCES, at.distance), (("SPACING",), at.spacing)):
+            tokens = [token for token in chunk.tokens if known and token.type in types]
+            self._report_tokens(tokens)
+        return dataclasses.replace(
+            position,
+            distance=None if at.distance else position.distance,
+            spacing=None if at.spacing else position.spacing,
+        )
+
+    def _introduces(self, *, strongly: bool) -> bool:
+        """Whether an object follows a position at once, or, where nothing is open yet, after a comma."""
+        passed = ("EGO", "COMMA", "turn") if strongly else ("EGO", "turn")
+        following = next((c for c in self.chunks[self.index : self.index + 3] if c.name not in passed), END)
+        return following.is_object or following.is_unknown

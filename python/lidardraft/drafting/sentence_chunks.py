@@ -1,0 +1,109 @@
+"""A parsed sentence as a run of chunks: noun phrases, positions, and the links between them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from lark import Token, Tree
+
+from lidardraft.drafting.number_words import COUNT_TYPES, is_plural
+from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
+
+KIND_OF = {kind.upper().replace("-", "_"): kind for kind in SENTENCE_KINDS}  # by its terminal in the grammar
+ROAD_OF = {
+    "ROAD": "straight",
+    "MOTORWAY": "motorway",
+    "CROSSROADS": "crossroads",
+    "T_JUNCTION": "t-junction",
+    "ROUNDABOUT": "roundabout",
+    "PARKING_LOT": "parking-lot",
+}
+JUNCTIONS = ("CROSSROADS", "T_JUNCTION", "ROUNDABOUT")
+SETTINGS = ("BUSY", "QUIET", "URBAN", "RESIDENTIAL", "RURAL", "TREE_LINED")
+STATES = ("PARKED", "MOVING", "DOING", "QUEUEING", "CROSSING", "ONCOMING")
+_NOUNS = (*KIND_OF, *ROAD_OF, "TRAFFIC", "LANE", "COMPOUND")
+_OBJECTS = (*KIND_OF, "TRAFFIC")
+_ARTICLES = ("A", "THE")
+_FALSE_NOUNS = ("ed", "ing", "ly")  # endings of words that say more of the noun before them
+
+
+class Chunk(NamedTuple):
+    """A part of a sentence: "phrase", "position", "bend" or "turn", or the terminal of a link; with its tokens."""
+
+    name: str
+    tokens: list[Token]
+
+    @property
+    def head(self) -> str:
+        """The terminal of the last token, which is that of the noun if there is one."""
+        return self.tokens[-1].type if self.tokens else ""
+
+    @property
+    def types(self) -> set[str]:
+        """The terminals of all tokens."""
+        return {token.type for token in self.tokens}
+
+    @property
+    def span(self) -> tuple[int, int]:
+        """Where its words stand in the text: from and to, without articles before them."""
+        first = next((token for token in self.tokens if token.type not in _ARTICLES), self.tokens[0])
+        return first.start_pos or 0, self.tokens[-1].end_pos or 0
+
+    @property
+    def is_object(self) -> bool:
+        """Whether it names objects of a kind, or traffic."""
+        return self.name == "phrase" and self.head in _OBJECTS
+
+    @property
+    def is_unknown(self) -> bool:
+        """Whether it names something that is no kind of object: a determiner or a compound without a noun."""
+        if self.name != "phrase" or self.head in _NOUNS:
+            return self.name == "phrase" and self.head == "COMPOUND"
+        return "UNKNOWN" in self.types and bool(self.types & {*COUNT_TYPES, *_ARTICLES, "ANOTHER"})
+
+    @property
+    def may_be_unknown(self) -> bool:
+        """Whether words without a determiner can name something, at the beginning of a clause."""
+        unknown = [token for token in self.tokens if token.type == "UNKNOWN"]
+        bare = bool(unknown) and self.name == "phrase" and self.head == "UNKNOWN" and not self.types & set(STATES)
+        return bare and not unknown[0].endswith(_FALSE_NOUNS)
+
+
+def chunks_of(tree: Tree[Token]) -> list[Chunk]:
+    """The chunks of a parsed sentence: one noun a phrase, no articles alone, no prepositions before places."""
+    chunks: list[Chunk] = []
+    for child in tree.children:
+        if isinstance(child, Token):
+            chunks.append(Chunk(child.type, [child]))
+            continue
+        tokens = [token for token in child.children if isinstance(token, Token)]
+        parts = _one_noun_each(tokens) if child.data == "phrase" else iter([tokens])
+        chunks += [Chunk(str(child.data), part) for part in parts if any(t.type not in _ARTICLES for t in part)]
+    return _joined(chunks)
+
+
+def _one_noun_each(tokens: list[Token]) -> Iterator[list[Token]]:
+    """A noun in the singular belongs to the next one, as in "garden fence"; one in the plural stands alone."""
+    part: list[Token] = []
+    for token, following in zip(tokens, [*tokens[1:], None], strict=True):
+        part.append(token)
+        ends = token.type in _NOUNS and (token.type not in KIND_OF or is_plural(token))
+        if following is None or ends:
+            yield part
+            part = []
+
+
+def _joined(chunks: list[Chunk]) -> list[Chunk]:
+    """Without the prepositions that no object follows, and with positions that then adjoin as one."""
+    found: list[Chunk] = []
+    for index, chunk in enumerate(chunks):
+        if chunk.name == "PREPOSITION":
+            following = chunks[index + 1] if index + 1 < len(chunks) else None
+            if following is None or following.name != "phrase" or following.head not in (*KIND_OF, *JUNCTIONS):
+                continue
+        if chunk.name == "position" and found and found[-1].name == "position":
+            found[-1] = Chunk("position", [*found[-1].tokens, *chunk.tokens])
+        else:
+            found.append(chunk)
+    return found
