@@ -24,6 +24,8 @@ def test_lanes_are_counted_on_both_sides_but_on_motorways():
 
 
 def test_nothing_noted_is_empty():
-    assert SentenceNotes(not_understood=["llama"]).empty
+    notes = SentenceNotes("a llama, red", unclear=[(9, 12), (2, 7)])
+    assert notes.empty
+    assert notes.not_understood == ["llama", "red"]
     assert not SentenceNotes(sidewalk=False).empty
     assert Mention("car", 1).group() == ObjectGroup(kind="car", count=1)

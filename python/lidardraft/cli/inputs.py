@@ -69,7 +69,8 @@ def _from_text(text: str, seed: int) -> Layout:
 
     layout = layout_from_text(text, seed=seed)
     if layout.provenance["not_understood"]:
-        say("lidardraft", f"not understood: {', '.join(layout.provenance['not_understood'])}")
+        near = "".join(f"; did you mean {known!r}?" for known in layout.provenance["nearest_words"].values())
+        say("lidardraft", f"not understood: {', '.join(layout.provenance['not_understood'])}{near}")
     return layout
 
 

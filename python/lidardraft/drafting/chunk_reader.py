@@ -32,6 +32,7 @@ class ChunkReader:
         self.denial = ""  # the word that denies a list of objects
         self.excepting = False
         self.has_ego = False
+        self.restart = -1  # the link that ended what is unknown
 
     def _open_known(self) -> list[Mention]:
         return [mention for mention in self.open if mention.kind is not None]
@@ -55,6 +56,8 @@ class ChunkReader:
         index = self.index - 1 - back
         if index < 0:
             return None
+        if index == self.restart:
+            return "STOP"
         return self.chunks[index].name if self.chunks[index].name in LINKS else ""
 
     def _report_strange(self, chunk: Chunk) -> None:

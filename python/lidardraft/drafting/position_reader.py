@@ -36,7 +36,7 @@ class PositionReader(ChunkReader):
         relation = relation_of(chunk.tokens[-1])
         if following.name == "PRONOUN" and relation is not None:
             self.index += 1
-            earlier = [m for m in self.notes.mentions if all(m is not one for one in self.open) or linked]
+            earlier = [m for m in self.notes.mentions if linked or not self.open or m is not self.open[-1]]
             self._refer(chunk, relation, earlier[-1:], before)
         elif (following.is_object or following.is_unknown) and refers(chunk, following, linked=linked):
             self.index += 1
@@ -62,7 +62,7 @@ class PositionReader(ChunkReader):
 
     def _reference(self, chunk: Chunk) -> Mention:
         """The mention that a phrase means: one that is known, or a new one."""
-        known = known_mention(chunk, self.notes.mentions, self.open)
+        known = known_mention(chunk, self.notes.mentions, self.open[-1:])
         if known is None:
             self._report_strange(chunk)
             known = mention_of(chunk)

@@ -103,7 +103,9 @@ def read_position(tokens: list[Token], *, beside_road: bool = False) -> Position
                 lane=_LANE_OF.get(token.type),
                 heading=_HEADING_OF.get(token.type),
             )
-            if token.type == "FRONT" and token.startswith("far "):
+            if token.endswith("shoulder"):
+                word = Position(places=(("", "right"),), heading="parked")
+            elif token.type == "FRONT" and token.startswith("far "):
                 word = dataclasses.replace(word, distance=_RANGE_OF["FAR"])
             elif token.endswith(" end of the road") or token.endswith(" end of the street"):
                 word = dataclasses.replace(word, places=(("front", ""),))

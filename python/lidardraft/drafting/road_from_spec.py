@@ -33,6 +33,8 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
         raise LayoutError(f"distance is {farthest:g} m; objects can be asked for up to {MAX_DISTANCE:g} m away")
     queue = max((queue_length(group) for group in spec.groups if group.record.is_vehicle), default=0.0)
     half_length = max(80.0, farthest + 15.0, min(MAX_DISTANCE, max(queue, 30.0 * effort) + 10.0))
+    if motorway:  # nothing else of it may differ from one seed to the next
+        half_length += float(rng.spawn(1)[0].uniform(0.0, 8.0))
     wanted = spec.road.sidewalk
     sidewalk = float(rng.uniform(1.8, 3.0)) if wanted or (wanted is None and not (motorway or lot)) else 0.0
     bend = {"left-bend": 1.0, "right-bend": -1.0, "bend": float(rng.choice([-1, 1]))}.get(kind, 0.0)

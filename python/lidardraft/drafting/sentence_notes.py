@@ -64,7 +64,7 @@ class Mention:
             places=places or (("front",) if self.in_queue and kind.drives and not references else ()),
             not_places=tuple(dict.fromkeys(_named(place) for place in self.not_at if any(place))),
             surface="sidewalk" if at.sidewalk and "sidewalk" in kind.surfaces else "road" if in_road else None,
-            lane=lane if "road" in kind.surfaces else None,
+            lane=lane if "road" in kind.surfaces and not references else None,
             at_junction=at.at_junction,
             heading=heading,
             distance=at.distance,

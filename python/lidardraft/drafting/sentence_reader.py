@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 
 from lidardraft.drafting.chunk_reader import LISTED
-from lidardraft.drafting.number_words import COUNT_TYPES, count_of, exact_count
+from lidardraft.drafting.number_words import COUNT_TYPES, count_of, exact_count, unclear_counts
 from lidardraft.drafting.object_qualities import add_qualities
 from lidardraft.drafting.position_reader import PositionReader
 from lidardraft.drafting.positions import Position
@@ -49,9 +49,12 @@ class SentenceReader(PositionReader):
             self.open, self.prefix, self.denial = [], None, ""
         elif chunk.name == "EGO":
             self.has_ego = True
+        elif chunk.name in LISTED and any(mention.kind is None for mention in self.open):
+            # what is unknown ends here, and so does the list that it is in; "on the left" still holds after "and"
+            self.open, self.restart, self.denial = [], self.index - 1, ""
+            self.prefix = None if chunk.name == "COMMA" else self.prefix
         elif chunk.name == "COMMA":
-            unknown = any(mention.kind is None for mention in self.open)
-            self.prefix_weak, self.denial, self.prefix = True, "", None if unknown else self.prefix
+            self.prefix_weak, self.denial = True, ""
         elif chunk.name == "AND" and self.denial != "without":
             self.denial = ""
         elif chunk.name == "EXCEPT":
@@ -110,13 +113,15 @@ class SentenceReader(PositionReader):
         """A number without a noun means more of the same, as in "two cars ahead and one behind"."""
         last = self.notes.mentions[-1] if self.notes.mentions else None
         following = self._following()
-        if last is None or self._before(1) not in LISTED or following.name not in ("position", "turn"):
+        unclear = unclear_counts(chunk.tokens) or self._before(1) not in LISTED
+        if last is None or unclear or following.name not in ("position", "turn"):
             self._report(chunk)
             return
         count = count_of(chunk.tokens)
         self.open = []
+        parked = "parked" if last.heading == "parked" else None
         one = 1 if count == "some" and not chunk.types & {"SOME", "ANOTHER"} else count
-        self._put(chunk, Mention(last.kind, one, spans=[chunk.span], same_as=last.same_as or last))
+        self._put(chunk, Mention(last.kind, one, heading=parked, spans=[chunk.span], same_as=last.same_as or last))
 
     def _state(self, chunk: Chunk) -> None:
         """Words without a noun: how the objects before them stand or move, and how large they are."""

@@ -9,7 +9,9 @@ from pathlib import Path
 
 from lark import Lark
 
+from lidardraft.drafting.nearest_words import nearest_words
 from lidardraft.drafting.number_words import LONE_NUMBER, NUMBER, NUMBERED_COMPOUND, UNIT
+from lidardraft.drafting.relation_text import relations
 from lidardraft.drafting.scene_spec import SceneSpec
 from lidardraft.drafting.sentence_chunks import KIND_OF, chunks_of
 from lidardraft.drafting.sentence_reader import SentenceReader
@@ -23,13 +25,23 @@ MAX_LENGTH = 10_000  # characters
 def layout_from_text(sentence: str, seed: int = 0, *, strict: bool = False) -> Layout:
     """A checked layout of what the sentence says; the same for the same sentence and seed.
 
-    `layout.provenance` holds the sentence, the seed, the spec, and as "not_understood" the words that changed nothing.
-    Raises `TextError` where nothing was understood or, with `strict`, anything was not; `LayoutError` where an object
-    that is asked for finds no room.
+    `layout.provenance` holds the sentence, the seed and the spec, and
+    - "understood": the relations that the sentence was read as, a line each;
+    - "not_understood": the words that changed nothing, and "nearest_words": known words that some of them are near to;
+    - "objects": for each object the number of its group in the spec, whose "words" asked for it.
+
+    Raises `TextError` where nothing was understood or, with `strict`, anything was not; `LayoutError` where a relation
+    cannot hold, naming it and what is in the way.
     """
     spec = spec_from_text(sentence, strict=strict)
     layout = layout_from_spec(spec, seed)
-    said = {"source": "text", "sentence": sentence, "not_understood": list(spec.not_understood)}
+    said = {
+        "source": "text",
+        "sentence": sentence,
+        "understood": relations(spec),
+        "not_understood": list(spec.not_understood),
+        "nearest_words": nearest_words(spec.not_understood, grammar()),
+    }
     return dataclasses.replace(layout, provenance=layout.provenance | said)
 
 
@@ -45,10 +57,10 @@ def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
         raise TextError("the sentence is empty")
     notes = SentenceReader(text, chunks_of(grammar().parse(text))).read()
     if notes.empty:
-        parts = f" (unknown as a whole: {', '.join(map(repr, notes.not_understood))})" if notes.not_understood else ""
+        parts = f" (unknown as a whole: {_listed(notes.not_understood)})" if notes.not_understood else ""
         raise TextError(f"nothing of {sentence!r} was understood{parts}; name a road, or objects and where they are")
     if strict and notes.not_understood:
-        raise TextError(f"not understood: {', '.join(map(repr, notes.not_understood))}")
+        raise TextError(f"not understood: {_listed(notes.not_understood)}")
     return notes.spec()
 
 
@@ -58,6 +70,13 @@ def grammar() -> Lark:
     rules = Path(__file__).with_name("english.lark").read_text(encoding="utf-8")
     rules += f"\n_object: {' | '.join(KIND_OF)}\nNUMBER: /{LONE_NUMBER}/\n_NUMBER: /{NUMBER}/\nUNIT: /{UNIT}/\n"
     return Lark(rules, parser="lalr", lexer="basic", maybe_placeholders=False)
+
+
+def _listed(parts: list[str]) -> str:
+    """Words that were not understood, with what may have been meant."""
+    near = nearest_words(parts, grammar())
+    meant = f" (nearest words: {', '.join(f'{known!r} for {word!r}' for word, known in near.items())})" if near else ""
+    return ", ".join(map(repr, parts)) + meant
 
 
 def _normalised(sentence: str) -> str:
@@ -87,7 +106,9 @@ _SPELLINGS = (
     (re.compile(r"\b(there|it|that|here|who)'s\b"), r"\1 is"),
     (re.compile(r"\b(i|we|you|they)'(?:m|re|ve|d|ll)\b"), r"\1"),
     (re.compile(r"\b(left|right|ahead|behind|front|sides?|back|rear|background|foreground): "), r"\1 "),
+    (re.compile(r"\b(?:nobody|no one|no body)\b(?! way)"), "no people"),
     (re.compile(r": "), ", "),
-    (re.compile(r"(?<![\w.,-])(\d{1,9}) ?x ?(?=[a-z]{2})"), r"\1 "),  # "2x cars"
+    (re.compile(r"(?<![\w.,-])(\d{1,9}) ?x (?=[a-z]{2})"), r"\1 "),  # "2x cars"
     (re.compile(r"(?<![\w-])([a-z]{2,}) \(?x ?(\d{1,9})\)?(?![\w.,-])"), r"\2 \1"),  # "cars x3"
+    (re.compile(r" ?[()]"), ", "),
 )
