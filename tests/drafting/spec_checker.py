@@ -100,11 +100,10 @@ def _broken_of(group: ObjectGroup, placed: list[Placed], road: Road) -> list[str
     low, high = _counts(group)
     if not low * len(places) <= len(placed) <= high * len(places):
         wrong.append(f"{len(placed)} objects")
-    if group.relation is None:
-        for place in places:
-            there = sum(_is_at(one, place, road) and _at_distance(one, group, place, road) for one in placed)
-            if there < low:
-                wrong.append(f"{there} at place {place!r}, distance {group.distance}")
+    for place in places:
+        there = sum(_is_at(one, place, road) and _at_distance(one, group, place, road) for one in placed)
+        if there < low:
+            wrong.append(f"{there} at place {place!r}, distance {group.distance}")
     for one in placed:
         wrong += [f"at {place}" for place in group.not_places if _is_at(one, place, road)]
         wrong += _broken_heading(group, one, road)
@@ -147,7 +146,7 @@ def _is_at(one: Placed, place: str, road: Road) -> bool:
 
 def _at_distance(one: Placed, group: ObjectGroup, place: str, road: Road) -> bool:
     """Whether the distance lies between its near end and its middle, or its gap to the bumper is the distance."""
-    if group.distance is None:
+    if group.distance is None or group.relation is not None:
         return True
     near, far = group.distance
     fore, _ = split_place(place)

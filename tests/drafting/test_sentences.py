@@ -101,7 +101,7 @@ def test_every_relation_holds_for_three_seeds(sentence: Sentence) -> None:
         groups = layout.provenance["spec"].get("groups", [])
         assert all(groups[number]["kind"] for number in layout.provenance["objects"].values())
     assert layout_from_text(sentence.text, 2).to_json() == layouts[2].to_json()
-    assert len({tuple(primitive.center for primitive in layout) for layout in layouts}) == 3
+    assert len({tuple((primitive.center, primitive.size) for primitive in layout) for layout in layouts}) == 3
 
 
 @pytest.mark.parametrize("clause", UNKNOWN_CLAUSES)

@@ -80,7 +80,7 @@ class Occupancy:
         if "road" not in kind.surfaces and any(_reaches(part, pose.across, self.road) for part in parts):
             self.in_the_way["the road"] += 1
             return False
-        if any(_is_at(pose, place) for place in group.not_places):
+        if any(is_at(pose, place) for place in group.not_places):
             self.in_the_way["a place where it may not be"] += 1
             return False
         x, y, _ = self.road.at(pose.along, pose.across)
@@ -165,7 +165,8 @@ def _reaches(part: ObjectPart, across: float, road: Road) -> bool:
     return low and abs(across) - part.size[1] / 2 < road.edge
 
 
-def _is_at(pose: RoadPose, place: str) -> bool:
+def is_at(pose: RoadPose, place: str) -> bool:
+    """Whether a pose is at one of PLACES; anywhere is at ""."""
     fore, side = split_place(place)
     along = {"front": pose.along > 0, "behind": pose.along < 0, "beside": abs(pose.along) <= 4.0, "": True}[fore]
     return along and {"left": pose.across > 0, "right": pose.across < 0, "": True}[side]

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from lidardraft.drafting.occupancy import Occupancy
+from lidardraft.drafting.occupancy import Occupancy, is_at
 from lidardraft.drafting.relation_text import group_relations
 from lidardraft.drafting.relative_poses import Footprint, RelativePoses
 from lidardraft.drafting.road_from_spec import road_from_spec
@@ -108,7 +108,7 @@ class _Solver:
     def _place(self, group: ObjectGroup, place: str, index: int, wanted: int) -> Footprint | None:
         kind = self._kind(group)
         if group.relation is not None:
-            return self._place_relative(group, kind, group.relation, self._references(group), index)
+            return self._place_relative(group, kind, group.relation, self._references(group), index, place)
         bound = group.distance is not None or place.startswith("beside")
         zone = zone_of(group, kind, place, self.road).grown(0 if bound else self.attempt, self.road)
         for pose in self._poses(zone, group, kind, index, wanted):
@@ -131,7 +131,13 @@ class _Solver:
         return list(pairs[int(self.rng.integers(len(pairs)))])
 
     def _place_relative(
-        self, group: ObjectGroup, kind: SentenceKind, relation: str, references: list[Footprint], index: int
+        self,
+        group: ObjectGroup,
+        kind: SentenceKind,
+        relation: str,
+        references: list[Footprint],
+        index: int,
+        place: str,
     ) -> Footprint | None:
         assert kind.sizes is not None
         length, width, _ = kind.sizes.largest
@@ -140,8 +146,8 @@ class _Solver:
         poses = RelativePoses(self.road, kind, (size[0], size[1]), group.heading == "parked", relation, group.distance)
         for attempt in range(TRIES):
             pose = poses.sample(references, self.rng, index, attempt / TRIES)
-            if pose is None:
-                self.scene.in_the_way["the road"] += 1
+            if pose is None or not is_at(pose, place):
+                self.scene.in_the_way["the road" if pose is None else "the other place that it has"] += 1
                 continue
             footprint = self.scene.place(kind, group, pose)
             if footprint is not None:
@@ -162,7 +168,7 @@ class _Solver:
             if not line:
                 break
             group = self.spec.groups[member]
-            found = self._place_relative(group, self._kind(group), "row", line[-1:], 0)
+            found = self._place_relative(group, self._kind(group), "row", line[-1:], 0, (group.places or ("",))[0])
             if found is None:
                 break
             line.append(found)
@@ -245,7 +251,7 @@ def _measured_from(kind: SentenceKind, effort: float) -> float:
     Its middle is at the distance; where that leaves no room its near end is, at last as seen from the ego's bumper.
     """
     assert kind.sizes is not None
-    half = kind.sizes.largest[0] / 2
+    half = kind.sizes.smallest[0] / 2
     return (0.0, 0.0, half, half + EGO_SIZE[0] / 2)[int(4 * effort)]
 
 
