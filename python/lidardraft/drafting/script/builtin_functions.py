@@ -1,0 +1,174 @@
+"""The functions that Python has without an import, those that a script may call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from lidardraft.drafting.script.arithmetic import is_key
+from lidardraft.drafting.script.formatting import to_text
+from lidardraft.drafting.script.limits import Budget, RefusalError
+from lidardraft.drafting.script.values import (
+    Builtin,
+    Value,
+    checked,
+    describe,
+    elements,
+    is_number,
+    length,
+    truth,
+    whole,
+)
+
+_LONGEST_NUMBER = 40  # characters of a text that becomes a number
+_TYPES = {"int": (int,), "float": (float,), "str": (str,), "list": (list,), "tuple": (tuple,), "dict": (dict,)}
+Call = Callable[[Value, list[Value]], Value]
+
+
+def builtin_functions(budget: Budget, call: Call) -> dict[str, Builtin]:
+    """The functions by their names; `call(function, arguments)` calls a function of the script."""
+    tables = (_of_numbers(budget), _of_collections(budget), _of_order(budget, call))
+    return {name: Builtin(name, function) for table in tables for name, function in table.items()}
+
+
+def _of_numbers(budget: Budget) -> dict[str, Callable[..., Value]]:
+    def parsed(make: type[int] | type[float]) -> Callable[..., Value]:
+        def number(value: Value = 0, *base: int) -> Value:
+            if isinstance(value, str) and len(value) > _LONGEST_NUMBER:
+                raise RefusalError(f"a number of {len(value)} characters")
+            if not isinstance(value, str | int | float):
+                raise RefusalError(f"{describe(value)} is no number")
+            return checked(make(value, *base))
+
+        return number
+
+    def rounded(value: Value, digits: Value = None) -> Value:
+        if digits is not None and not -18 <= whole(digits, "the digits") <= 18:
+            raise RefusalError(f"round to {digits} digits")
+        return checked(round(value, digits))
+
+    def power(base: Value, exponent: Value) -> Value:
+        if isinstance(exponent, int) and exponent > 64 and isinstance(base, int) and abs(base) > 1:
+            raise RefusalError(f"{base} ** {exponent} is too large")
+        return checked(pow(base, exponent))
+
+    def numbers(*arguments: Value) -> range:
+        return range(*[whole(argument, "a bound of a range") for argument in arguments])
+
+    return {
+        "int": parsed(int),
+        "float": parsed(float),
+        "bool": lambda value=False: truth(value),
+        "abs": lambda value: abs(value) if is_number(value) else value.attribute("length"),
+        "round": rounded,
+        "pow": power,
+        "divmod": lambda a, b: divmod(a, b) if is_number(a) and is_number(b) else None,
+        "range": numbers,
+        "str": lambda value="": to_text(value, budget),
+        "repr": lambda value: to_text([value], budget)[1:-1],
+        "print": lambda *_, **__: None,
+        "isinstance": _isinstance,
+    }
+
+
+def _isinstance(value: Value, kinds: Value) -> bool:
+    names = [kind.name for kind in (kinds if isinstance(kinds, tuple) else (kinds,)) if isinstance(kind, Builtin)]
+    return any(isinstance(value, _TYPES.get(name, ())) for name in names)
+
+
+def _of_collections(budget: Budget) -> dict[str, Callable[..., Value]]:
+    def as_dict(pairs: Value = (), **keywords: Value) -> dict[Value, Value]:
+        if isinstance(pairs, dict):
+            budget.take_cells(3 * len(pairs))
+            return {**pairs, **keywords}
+        found: dict[Value, Value] = {}
+        for pair in elements(pairs, budget):
+            key, value = elements(pair, budget)
+            if not is_key(key):
+                raise RefusalError(f"{describe(key)} cannot be a key")
+            found[key] = value
+        budget.take_cells(3 * len(found))
+        return {**found, **keywords}
+
+    def distinct(items: Value = ()) -> list[Value]:
+        found = elements(items, budget)
+        if not all(map(is_key, found)):
+            raise RefusalError("a set of values that cannot be keys")
+        return list(dict.fromkeys(found))
+
+    def numbered(items: Value, start: Value = 0) -> list[Value]:
+        found = elements(items, budget)
+        budget.take_cells(3 * len(found))
+        return list(enumerate(found, whole(start, "the start")))
+
+    def zipped(*columns: Value, strict: Value = False) -> list[Value]:
+        if not columns:
+            return []
+        shortest = min(length(column) for column in columns)
+        if truth(strict) and any(length(column) != shortest for column in columns):
+            raise RefusalError("zip: the lists are not of the same length")
+        parts = [elements(column[:shortest] if isinstance(column, range) else column, budget) for column in columns]
+        budget.take_cells(3 * shortest)
+        return list(zip(*parts, strict=False))
+
+    return {
+        "len": length,
+        "list": lambda items=(): elements(items, budget),
+        "tuple": lambda items=(): tuple(elements(items, budget)),
+        "set": distinct,
+        "dict": as_dict,
+        "enumerate": numbered,
+        "zip": zipped,
+        "reversed": lambda items: elements(items, budget)[::-1],
+        "any": lambda items: any(map(truth, elements(items, budget))),
+        "all": lambda items: all(map(truth, elements(items, budget))),
+    }
+
+
+def ordered(items: Value, key: Value, reverse: Value, budget: Budget, call: Call) -> list[Value]:
+    """What `sorted` gives: of numbers, of texts, or of flat tuples of them."""
+    found = elements(items, budget)
+    budget.take_steps(len(found))
+    keys = found if key is None else [call(key, [item]) for item in found]
+    if not all(is_key(each) and each is not None for each in keys):
+        raise RefusalError("sorted: values without an order")
+    places = sorted(range(len(found)), key=keys.__getitem__, reverse=truth(reverse))
+    return [found[place] for place in places]
+
+
+def _of_order(budget: Budget, call: Call) -> dict[str, Callable[..., Value]]:
+    def extreme(choose: Callable[..., Value]) -> Callable[..., Value]:
+        def best(*items: Value, key: Value = None, **default: Value) -> Value:
+            found = elements(items[0] if len(items) == 1 else items, budget)
+            if not found and "default" in default:
+                return default["default"]
+            keys = found if key is None else [call(key, [item]) for item in found]
+            if not all(is_key(each) and each is not None for each in keys):
+                raise RefusalError("values without an order")
+            return found[choose(range(len(found)), key=keys.__getitem__)]
+
+        return best
+
+    def total(items: Value, start: Value = 0) -> Value:
+        found = elements(items, budget)
+        if not all(map(is_number, [*found, start])):
+            raise RefusalError("sum: only numbers are added up")
+        return checked(sum(found, start))
+
+    def mapped(function: Value, *columns: Value) -> list[Value]:
+        lists = [elements(column, budget) for column in columns]
+        shortest = min(map(len, lists))
+        if isinstance(function, Builtin) and function.name in ("float", "int"):
+            budget.take_steps(shortest // 4)  # data in a text is as quick as data in a list
+        else:
+            budget.take_steps(2 * shortest)
+        return [call(function, [column[k] for column in lists]) for k in range(shortest)]
+
+    def kept(function: Value, items: Value) -> list[Value]:
+        found = elements(items, budget)
+        budget.take_steps(2 * len(found))
+        return [item for item in found if truth(item if function is None else call(function, [item]))]
+
+    table: dict[str, Any] = {"map": mapped, "filter": kept, "sum": total, "min": extreme(min), "max": extreme(max)}
+    table["sorted"] = lambda items, *, key=None, reverse=False: ordered(items, key, reverse, budget, call)
+    return table

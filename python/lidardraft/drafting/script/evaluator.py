@@ -1,0 +1,84 @@
+"""A script, carried out on values of ours. Nothing of it is ever run by Python."""
+
+from __future__ import annotations
+
+import ast
+from typing import Any
+
+from lidardraft.drafting.script.frame import Frame
+from lidardraft.drafting.script.limits import Limits, RefusalError
+from lidardraft.drafting.script.modules import RandomNumbers, math_module
+from lidardraft.drafting.script.source import parse
+from lidardraft.drafting.script.statements import Execute, Statements
+from lidardraft.drafting.script.values import Namespace, Record, Value
+
+_STEPS_OF_TOKEN = 4  # so that a script that is gone through once is never too long
+
+
+class Evaluator(Statements):
+    """Reads scripts that may use `modules`: math, random, and what is added to them.
+
+    `notes` are lines about what was passed over, each with the line of the script where that was met first.
+    """
+
+    def __init__(self, limits: Limits) -> None:
+        super().__init__(limits)
+        self.notes: dict[str, int] = {}
+        self.modules: dict[str, Value] = {
+            "math": math_module(self.budget),
+            "random": RandomNumbers(self.budget, self.note),
+        }
+        self.statements |= {ast.Import: self._import, ast.ImportFrom: self._import_from}
+
+    def note(self, message: str) -> None:
+        """Keep a line about what is passed over."""
+        if len(self.notes) < 100:
+            self.notes.setdefault(message, self.line)
+
+    def read(self, script: str) -> None:
+        """Go through a whole script. Raises `RefusalError` naming the line of what is not understood or too much."""
+        try:
+            tree, tokens = parse(script, self.limits)
+            self.budget.add_steps(_STEPS_OF_TOKEN * tokens)
+            run = self.block(tree.body)
+            run(Frame(self.builtins, {"__name__": "__main__"}))
+        except RecursionError:
+            raise RefusalError("nested too deeply to be read", self.line) from None
+        except MemoryError:
+            raise RefusalError("too large to be read", self.line) from None
+
+    def _import(self, node: ast.Import) -> Execute:
+        def execute(frame: Frame) -> None:
+            for alias in node.names:
+                module = self._module(alias.name)
+                top = alias.name.split(".")[0]
+                frame.set(alias.asname or top, module if alias.asname else self._module(top))
+
+        return execute
+
+    def _import_from(self, node: ast.ImportFrom) -> Execute:
+        def execute(frame: Frame) -> None:
+            if node.level or node.module is None:
+                raise RefusalError("an import relative to another file is not read")
+            module = self._module(node.module)
+            for alias in node.names:
+                if alias.name == "*" and isinstance(module, Namespace):
+                    for name, value in module.values.items():
+                        frame.set(name, value)
+                elif alias.name.startswith(("*", "_")) or not isinstance(module, Record):
+                    raise RefusalError(f"{node.module}.{alias.name:.60} is not read")
+                else:
+                    frame.set(alias.asname or alias.name, module.attribute(alias.name))
+
+        return execute
+
+    def _module(self, name: str) -> Any:
+        first, *rest = name.split(".")
+        if first not in self.modules:
+            raise RefusalError(f"import of {name:.60}: a script is read, not run; it may use {', '.join(self.modules)}")
+        module = self.modules[first]
+        for part in rest:
+            if part.startswith("_") or not isinstance(module, Record):
+                raise RefusalError(f"import of {name:.60} is not read")
+            module = module.attribute(part)
+        return module

@@ -1,0 +1,115 @@
+"""Text made of values: `str`, f-strings, `%` and `format`, with widths that are bounded."""
+
+from __future__ import annotations
+
+import re
+import string
+from collections.abc import Callable
+
+from lidardraft.drafting.script.limits import Budget, RefusalError
+from lidardraft.drafting.script.values import Record, Value, describe
+
+_WIDEST = 200  # characters that a number or a name is padded to, and digits behind the point
+_SPEC = re.compile(r"(?:.?[<>=^])?[-+ ]?#?(\d*)[,_]?(?:\.(\d+))?[bdeEfFgGosxX%]?", re.DOTALL)
+_PERCENT = re.compile(r"%(?:%|[-+ #0]*(\d*)(?:\.(\d+))?[dioxXeEfFgGsr])")
+
+
+def to_text(value: Value, budget: Budget, level: int = 0) -> str:
+    """What `str` makes of a value; what is in a list looks as in Python's own."""
+    if isinstance(value, Record):
+        return f"<{value.kind}>"
+    if not isinstance(value, list | tuple | dict):
+        return repr(value) if level and isinstance(value, str) else str(value)
+    if level > 8:
+        raise RefusalError("lists within lists, too deep to be written")
+    budget.take_steps(len(value) + 1)
+    if isinstance(value, dict):
+        parts = [f"{key!r}: {to_text(item, budget, level + 1)}" for key, item in value.items()]
+    else:
+        parts = [to_text(item, budget, level + 1) for item in value]
+    budget.take_text(sum(map(len, parts)) + 2 * len(parts) + 2)
+    inner = ", ".join(parts)
+    if isinstance(value, dict):
+        return f"{{{inner}}}"
+    return f"[{inner}]" if isinstance(value, list) else f"({inner}{',' * (len(parts) == 1)})"
+
+
+def format_value(value: Value, spec: str, budget: Budget) -> str:
+    """What an f-string makes of a value with what stands behind its colon."""
+    if not spec:
+        return to_text(value, budget)
+    match = _SPEC.fullmatch(spec)
+    if not match:
+        raise RefusalError(f"the format {spec[:40]!r} is not read")
+    _check_width(match.group(1), match.group(2))
+    return _formatted(format, value, spec)
+
+
+def brace_format(template: str, arguments: list[Value], keywords: dict[str, Value], budget: Budget) -> str:
+    """What `template.format(...)` gives; a field is a number or a name, and nothing of what it stands for."""
+    parts: list[str] = []
+    try:
+        fields = list(string.Formatter().parse(template))
+    except ValueError as error:
+        raise RefusalError(f"{template[:40]!r} is no format: {error}") from None
+    budget.take_cells(len(fields))
+    for count, (literal, field, spec, conversion) in enumerate(fields):
+        parts.append(literal)
+        if field is None:
+            continue
+        if conversion or "{" in (spec or ""):
+            raise RefusalError(f"the format {template[:40]!r} is not read")
+        auto = sum(1 for _, name, _, _ in fields[:count] if name == "") if field == "" and count < 100 else 0
+        if field == "" or (field.isdigit() and len(field) < 4):
+            place = int(field) if field else auto
+            if place >= len(arguments):
+                raise RefusalError(f"the format {template[:40]!r} has more fields than it is given values")
+            value = arguments[place]
+        elif field in keywords:
+            value = keywords[field]
+        else:
+            raise RefusalError(f"the field {field[:40]!r} of a format is not read")
+        parts.append(format_value(value, spec or "", budget))
+    budget.take_text(sum(map(len, parts)))
+    return "".join(parts)
+
+
+def percent_format(template: str, values: Value, budget: Budget) -> str:
+    """What `template % values` gives."""
+    given = list(values) if isinstance(values, tuple) else [values]
+    parts, end = [], 0
+    if "%" in _PERCENT.sub("", template):
+        raise RefusalError(f"the format {template[:40]!r} is not read")
+    for match in _PERCENT.finditer(template):
+        parts.append(template[end : match.start()])
+        end = match.end()
+        if match.group() == "%%":
+            parts.append("%")
+            continue
+        _check_width(match.group(1), match.group(2))
+        if not given:
+            raise RefusalError(f"the format {template[:40]!r} has more fields than it is given values")
+        value = given.pop(0)
+        if match.group()[-1] in "sr" and not isinstance(value, str | int | float):
+            value = to_text(value, budget)
+        parts.append(_formatted(lambda item, spec: spec % item, value, match.group()))
+    parts.append(template[end:])
+    budget.take_text(sum(map(len, parts)))
+    if given:
+        raise RefusalError(f"the format {template[:40]!r} has fewer fields than it is given values")
+    return "".join(parts)
+
+
+def _formatted(write: Callable[[Value, str], str], value: Value, spec: str) -> str:
+    if not isinstance(value, str | int | float):
+        raise RefusalError(f"{describe(value)} cannot be formatted as {spec!r}")
+    try:
+        return write(value, spec)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise RefusalError(f"{describe(value)} cannot be formatted as {spec!r}: {error}") from None
+
+
+def _check_width(*numbers: str | None) -> None:
+    for number in numbers:
+        if number and (len(number) > 4 or int(number) > _WIDEST):
+            raise RefusalError(f"a width of {number[:12]} characters; {_WIDEST} are the most")

@@ -1,0 +1,75 @@
+"""What reading a script may cost: each limit, and the count of what is used up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """The most that one script may ask for; what goes beyond is refused, whatever it is for.
+
+    The defaults keep a script within a tenth of a second and tens of megabytes on a laptop.
+    """
+
+    file: int = 4_000_000  # characters of the script
+    tokens: int = 60_000  # names, numbers and signs of it, outside comments and strings
+    steps: int = 150_000  # nodes of the syntax tree that are evaluated, one for each time; and four for each token
+    levels: int = 150  # of nesting: of the script's text, and of calls within calls
+    length: int = 250_000  # elements or characters of one value
+    cells: int = 1_000_000  # elements of all values that are made or walked through, together
+    objects: int = 5_000
+    vertices: int = 500_000  # of all meshes together
+
+    def __post_init__(self) -> None:
+        for name in self.__slots__:
+            value = getattr(self, name)
+            if type(value) is not int or value < 1:
+                raise ValueError(f"{name} is {value!r}; a limit is a whole number of 1 or more")
+
+
+class RefusalError(Exception):
+    """Why a script is not read on; `line` is the innermost line that it is about, once known."""
+
+    def __init__(self, message: str, line: int | None = None) -> None:
+        super().__init__(message)
+        self.line = line
+
+    def at(self, line: int) -> RefusalError:
+        """It, with a line where it has none yet."""
+        self.line = self.line or line
+        return self
+
+
+class Budget:
+    """What is left of some `Limits`."""
+
+    def __init__(self, limits: Limits) -> None:
+        self.limits = limits
+        self.steps = self.most_steps = limits.steps
+        self.cells = limits.cells
+
+    def take_steps(self, count: int) -> None:
+        """Count so many evaluated nodes, or what takes as long."""
+        self.steps -= count
+        if self.steps < 0:
+            raise RefusalError(f"the script takes more than {self.most_steps} steps")
+
+    def add_steps(self, count: int) -> None:
+        """Allow so many more."""
+        self.steps += count
+        self.most_steps += count
+
+    def take_cells(self, count: int) -> None:
+        """Count so many elements of a value, before it is made."""
+        if count > self.limits.length:
+            raise RefusalError(f"a value of {count} elements; {self.limits.length} are the most")
+        self.cells -= count
+        if self.cells < 0:
+            raise RefusalError(f"all values together have more than {self.limits.cells} elements")
+
+    def take_text(self, characters: int) -> None:
+        """Count the characters of a text, eight to a cell, before it is made."""
+        if characters > self.limits.length:
+            raise RefusalError(f"a text of {characters} characters; {self.limits.length} are the most")
+        self.take_cells(characters // 8 + 1)

@@ -1,0 +1,173 @@
+"""The methods of text, lists, tuples and dicts that a script may call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from lidardraft.drafting.script.arithmetic import equal, is_key
+from lidardraft.drafting.script.formatting import brace_format
+from lidardraft.drafting.script.limits import Budget, RefusalError
+from lidardraft.drafting.script.values import Builtin, Value, describe, elements, text, whole
+
+_WIDEST = 200
+_SIMPLE = ("upper", "lower", "title", "capitalize", "strip", "lstrip", "rstrip", "isdigit", "isalpha", "isalnum")
+_SEARCHES = ("startswith", "endswith", "find", "rfind", "index", "count", "removeprefix", "removesuffix")
+
+
+def method(value: Value, name: str, budget: Budget, order: Callable[..., list[Value]]) -> Builtin:
+    """The method of a text, list, tuple or dict; `order(items, key, reverse)` is `sorted`."""
+    if name == "append" and isinstance(value, list):  # by far the most frequent
+        return Builtin(name, lambda item: _append(value, item, budget))
+    if isinstance(value, str):
+        table = _of_text(value, name, budget)
+    elif isinstance(value, list):
+        table = _of_list(value, budget, order)
+    elif isinstance(value, dict):
+        table = _of_dict(value, budget)
+    elif isinstance(value, tuple):
+        table = {"index": lambda item: _index(value, item, budget), "count": lambda item: _count(value, item, budget)}
+    else:
+        table = {}
+    if name not in table:
+        raise RefusalError(f"{describe(value)} has no {name!r} that is read")
+    return Builtin(name, table[name])
+
+
+def _of_text(value: str, name: str, budget: Budget) -> dict[str, Callable[..., Value]]:
+    budget.take_text(len(value))
+    if name in _SIMPLE or name in _SEARCHES:  # no longer than the text itself
+        return {name: getattr(value, name)}
+
+    def split(separator: str | None = None, maxsplit: int = -1) -> list[str]:
+        pieces = len(value) // 2 + 1 if separator is None else value.count(text(separator, "the separator")) + 1
+        budget.take_cells(2 * pieces)
+        return value.split(separator, maxsplit)
+
+    def join(parts: Value) -> str:
+        words = [text(part, "a part of a text") for part in elements(parts, budget)]
+        budget.take_text(sum(map(len, words)) + len(value) * len(words))
+        return value.join(words)
+
+    def replace(old: str, new: str, count: int = -1) -> str:
+        budget.take_text(len(value) + value.count(old) * len(new) + (len(value) * len(new) if not old else 0))
+        return value.replace(old, new, count)
+
+    def padded(pad: Callable[..., str]) -> Callable[..., str]:
+        def call(width: int, *fill: str) -> str:
+            if whole(width, "the width") > _WIDEST:
+                raise RefusalError(f"a width of {width} characters; {_WIDEST} are the most")
+            return pad(value, width, *fill)
+
+        return call
+
+    def lines() -> list[str]:
+        budget.take_cells(2 * (value.count("\n") + value.count("\r") + 1))
+        return value.replace("\r\n", "\n").replace("\r", "\n").removesuffix("\n").split("\n") if value else []
+
+    return {
+        "split": split,
+        "splitlines": lines,
+        "join": join,
+        "replace": replace,
+        "zfill": padded(str.zfill),
+        "ljust": padded(str.ljust),
+        "rjust": padded(str.rjust),
+        "center": padded(str.center),
+        "format": lambda *arguments, **keywords: brace_format(value, list(arguments), keywords, budget),
+    }
+
+
+def _of_list(value: list[Value], budget: Budget, order: Callable[..., list[Value]]) -> dict[str, Callable[..., Value]]:
+    def extend(more: Value) -> None:
+        items = elements(more, budget)
+        budget.take_cells(len(value) + len(items))
+        value.extend(items)
+
+    def insert(place: int, item: Value) -> None:
+        budget.take_cells(len(value) + 1)
+        value.insert(place, item)
+
+    def remove(item: Value) -> None:
+        del value[_index(value, item, budget)]
+
+    def sort(*, key: Value = None, reverse: Value = False) -> None:
+        value[:] = order(value, key, reverse)
+
+    def copied() -> list[Value]:
+        budget.take_cells(len(value))
+        return value.copy()
+
+    def reverse() -> None:
+        budget.take_cells(len(value))
+        value.reverse()
+
+    return {
+        "extend": extend,
+        "insert": insert,
+        "remove": remove,
+        "pop": lambda place=-1: value.pop(place),
+        "clear": value.clear,
+        "index": lambda item: _index(value, item, budget),
+        "count": lambda item: _count(value, item, budget),
+        "sort": sort,
+        "reverse": reverse,
+        "copy": copied,
+    }
+
+
+def _of_dict(value: dict[Value, Value], budget: Budget) -> dict[str, Callable[..., Value]]:
+    def checked(key: Value) -> Value:
+        if not is_key(key):
+            raise RefusalError(f"{describe(key)} cannot be a key")
+        return key
+
+    def setdefault(key: Value, default: Value = None) -> Value:
+        budget.take_cells(3)
+        return value.setdefault(checked(key), default)
+
+    def update(more: Value = None, **keywords: Value) -> None:
+        if not isinstance(more, dict | None):
+            raise RefusalError(f"{describe(more)} is no dict")
+        budget.take_cells(3 * (len(more or {}) + len(keywords)))
+        value.update(more or {}, **keywords)
+
+    def listed(make: Callable[[], Value]) -> Callable[[], list[Value]]:
+        def call() -> list[Value]:
+            budget.take_cells(2 * len(value))
+            return list(make())
+
+        return call
+
+    def copied() -> dict[Value, Value]:
+        budget.take_cells(3 * len(value))
+        return value.copy()
+
+    return {
+        "get": lambda key, default=None: value.get(checked(key), default),
+        "keys": listed(value.keys),
+        "values": listed(value.values),
+        "items": listed(value.items),
+        "pop": lambda key, *default: value.pop(checked(key), *default),
+        "setdefault": setdefault,
+        "update": update,
+        "clear": value.clear,
+        "copy": copied,
+    }
+
+
+def _append(items: list[Value], item: Value, budget: Budget) -> None:
+    budget.take_cells(1)
+    items.append(item)
+
+
+def _index(items: list[Value] | tuple[Value, ...], wanted: Value, budget: Budget) -> int:
+    budget.take_steps(len(items) // 4)
+    for place, item in enumerate(items):
+        if equal(item, wanted, budget):
+            return place
+    raise RefusalError(f"{describe(wanted)} is not in the list")
+
+
+def _count(items: list[Value] | tuple[Value, ...], wanted: Value, budget: Budget) -> int:
+    budget.take_steps(len(items) // 4)
+    return sum(equal(item, wanted, budget) for item in items)

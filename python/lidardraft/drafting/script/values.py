@@ -1,0 +1,180 @@
+"""What a value of a script can be: None, numbers, text, lists, tuples, dicts, ranges, and records of ours.
+
+Nothing of Python itself is a value: an attribute is looked up in a table of the record, never with `getattr`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from typing import Any
+
+from lidardraft.drafting.script.limits import Budget, RefusalError
+
+Value = Any  # one of the types above; mypy has no way to say it that helps here
+LARGEST = 2**63  # of whole numbers
+
+
+class Record:
+    """A value with attributes, items or operators of its own; here it has none."""
+
+    kind = "a value"
+
+    def attribute(self, name: str) -> Value:
+        """The value of an attribute."""
+        raise RefusalError(f"{self.kind} has no {name!r} that is read")
+
+    def set_attribute(self, name: str, value: Value) -> None:
+        """Give an attribute another value."""
+        raise RefusalError(f"{name!r} of {self.kind} cannot be set to {describe(value)}")
+
+    def item(self, key: Value) -> Value:
+        """What square brackets give."""
+        raise RefusalError(f"{self.kind} has no item {describe(key)}")
+
+    def set_item(self, key: Value, value: Value) -> None:
+        """What an assignment to square brackets does."""
+        raise RefusalError(f"{self.kind} has no item {describe(key)} that can be set to {describe(value)}")
+
+    def elements(self) -> list[Value]:
+        """What a loop goes through."""
+        raise RefusalError(f"{self.kind} cannot be looped over")
+
+    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
+        """The result of an operator with another value, which stands on the left of it where `reflected`."""
+        pair = (describe(other), self.kind) if reflected else (self.kind, describe(other))
+        raise RefusalError(f"{operator.__name__} of {pair[0]} and {pair[1]} is not read")
+
+    def negative(self) -> Value:
+        """The result of a minus sign."""
+        raise RefusalError(f"{self.kind} cannot be calculated with")
+
+    def contains(self, value: Value) -> bool:
+        """Whether `in` finds the value in it."""
+        return value in self.elements()
+
+    def truth(self) -> bool:
+        """What it counts as in a condition."""
+        return True
+
+    def equals(self, other: Value) -> bool:
+        """Whether it is equal to another value."""
+        return self is other
+
+
+class Builtin(Record):
+    """A function of ours; it gets what the script passes, and may raise what Python's functions raise."""
+
+    kind = "a function"
+
+    def __init__(self, name: str, call: Callable[..., Value]) -> None:
+        self.name = name
+        self._call = call
+
+    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
+        """Its result. Raises `RefusalError` with what the function says of wrong arguments."""
+        try:
+            return self._call(*arguments, **keywords)
+        except (TypeError, ValueError, ArithmeticError, LookupError) as error:
+            said = str(error).replace("<lambda>()", self.name)
+            raise RefusalError(f"{self.name}: {said:.200}") from None
+
+
+class Namespace(Record):
+    """A module, or what has fixed attributes like one."""
+
+    def __init__(self, name: str, values: dict[str, Value]) -> None:
+        self.kind = name
+        self.values = values
+
+    def attribute(self, name: str) -> Value:
+        if name not in self.values:
+            raise RefusalError(f"{self.kind}.{name} is not read")
+        return self.values[name]
+
+
+def is_number(value: Value) -> bool:
+    """Whether it is an int, a float or a bool."""
+    return isinstance(value, int | float)
+
+
+def checked(value: Value) -> Value:
+    """The value, which is no number or one that is not too large."""
+    if isinstance(value, int) and not -LARGEST <= value <= LARGEST:
+        raise RefusalError("a whole number of more than 63 bits")
+    if isinstance(value, complex):
+        raise RefusalError("a complex number")
+    return value
+
+
+def whole(value: Value, what: str) -> int:
+    """The value, which is a whole number."""
+    if not isinstance(value, int):
+        raise RefusalError(f"{what} is {describe(value)}; it must be a whole number")
+    return int(value)
+
+
+def real(value: Value, what: str) -> float:
+    """The value as a float, which is a finite number."""
+    if not is_number(value) or not -1e300 < value < 1e300:
+        raise RefusalError(f"{what} is {describe(value)}; it must be a finite number")
+    return float(value)
+
+
+def text(value: Value, what: str) -> str:
+    """The value, which is a text."""
+    if not isinstance(value, str):
+        raise RefusalError(f"{what} is {describe(value)}; it must be a text")
+    return value
+
+
+def reals(value: Value, count: int, what: str) -> tuple[float, ...]:
+    """The value as so many finite floats."""
+    numbers = value.elements() if isinstance(value, Record) else value
+    if not isinstance(numbers, list | tuple) or len(numbers) != count:
+        raise RefusalError(f"{what} is {describe(value)}; it must be {count} numbers")
+    return tuple(real(number, what) for number in numbers)
+
+
+def elements(value: Value, budget: Budget) -> list[Value]:
+    """What a loop over the value goes through, as a list of its own; raises `RefusalError` where it is none."""
+    if isinstance(value, Record):
+        found = value.elements()
+        budget.take_cells(len(found))
+        return found
+    if not isinstance(value, str | list | tuple | dict | range):
+        raise RefusalError(f"{describe(value)} cannot be looped over")
+    budget.take_cells(_length(value))
+    return list(value)
+
+
+def _length(value: Value) -> int:
+    try:
+        return len(value)
+    except OverflowError:  # a range of more than 2^63
+        raise RefusalError("a range without end") from None
+
+
+def length(value: Value) -> int:
+    """The number of its elements or characters."""
+    if isinstance(value, Record):
+        return len(value.elements())
+    if isinstance(value, str | list | tuple | dict | range):
+        return _length(value)
+    raise RefusalError(f"{describe(value)} has no length")
+
+
+def truth(value: Value) -> bool:
+    """What the value counts as in a condition."""
+    return value.truth() if isinstance(value, Record) else bool(value)
+
+
+def describe(value: Value) -> str:
+    """The value, for a message: short, whatever it is."""
+    if isinstance(value, Record):
+        return value.kind
+    if isinstance(value, str):
+        return repr(value[:40])
+    if isinstance(value, list | tuple | dict | range):
+        return f"a {type(value).__name__}"
+    return repr(value)
