@@ -25,6 +25,7 @@ _LAZY = {
     "observe_cast": "lidardraft.simulation.observe_cast",
     "observe_points": "lidardraft.simulation.observe_cast",
     "simulate": "lidardraft.simulation.simulate",
+    "layout_from_blender": "lidardraft.drafting.blender",
     "layout_from_text": "lidardraft.drafting.text",
     "layout_from_cloud": "lidardraft.drafting.cloud",
 }
@@ -45,6 +46,7 @@ __all__ = [
     "Sensor",
     "Simulator",
     "detail",
+    "layout_from_blender",
     "layout_from_cloud",
     "layout_from_text",
     "observe_cast",

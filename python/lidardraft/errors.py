@@ -47,6 +47,10 @@ class TextError(LidarDraftError):
     """A sentence of which nothing was understood."""
 
 
+class ScriptError(LidarDraftError):
+    """A script that cannot be read as a scene; the message names the line."""
+
+
 class CheckpointError(LidarDraftError):
     """A weight file that is not ours or does not fit."""
 

@@ -25,6 +25,11 @@ _NUMBERS: dict[type[ast.operator], Callable[[Value, Value], Value]] = {
     ast.BitOr: operator.or_,
     ast.BitXor: operator.xor,
 }
+_SIGNS: dict[type[ast.unaryop], Callable[[Value], Value]] = {
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+    ast.Invert: operator.invert,
+}
 _ORDERS: dict[type[ast.cmpop], Callable[[Value, Value], bool]] = {
     ast.Lt: operator.lt,
     ast.LtE: operator.le,
@@ -84,7 +89,7 @@ def unary(kind: type[ast.unaryop], value: Value) -> Value:
         return value.negative()
     if not is_number(value) or (kind is ast.Invert and isinstance(value, float)):
         raise RefusalError(f"{describe(value)} cannot have this sign")
-    return {ast.USub: operator.neg, ast.UAdd: operator.pos, ast.Invert: operator.invert}[kind](value)  # type: ignore[index]
+    return _SIGNS[kind](value)
 
 
 def compare(kind: type[ast.cmpop], left: Value, right: Value, budget: Budget) -> bool:

@@ -11,7 +11,7 @@ from lidardraft.drafting.script.builtin_functions import builtin_functions, orde
 from lidardraft.drafting.script.frame import Frame, Function
 from lidardraft.drafting.script.limits import Budget, Limits, RefusalError
 from lidardraft.drafting.script.methods import method
-from lidardraft.drafting.script.values import Builtin, Record, Value, describe, elements, length, text, truth, whole
+from lidardraft.drafting.script.values import Record, Value, describe, elements, length, text, truth, whole
 
 Evaluate = Callable[[Frame], Value]
 _NO_KEYWORDS: dict[str, Value] = {}
@@ -58,10 +58,10 @@ class Expressions:
 
     def call(self, function: Value, arguments: list[Value], keywords: dict[str, Value] = _NO_KEYWORDS) -> Value:
         """What a function returns. Raises `RefusalError` where calls are nested too deeply."""
-        if isinstance(function, Builtin):
-            return function.call(arguments, keywords)
-        if not isinstance(function, Function):
+        if not isinstance(function, Record):
             raise RefusalError(f"{describe(function)} cannot be called")
+        if not isinstance(function, Function):
+            return function.call(arguments, keywords)
         self.levels += function.levels
         if self.levels > self.limits.levels:
             raise RefusalError(f"calls within calls, more than {self.limits.levels} levels deep in all")

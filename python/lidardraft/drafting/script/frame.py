@@ -78,7 +78,7 @@ class Function(Record):
         keyword_defaults = zip(only, given.kw_defaults, self._defaults[count:], strict=True)
         found |= {name: value for name, default, value in keyword_defaults if default is not None}
         passed = dict(zip(names, arguments, strict=False))
-        more = {}
+        more: dict[str, Value] = {}
         for name, value in keywords.items():
             if name in passed:
                 raise RefusalError(f"{self.name}() is given {name!r:.60} twice")

@@ -22,7 +22,10 @@ _LONGEST_TOKEN = 20  # characters, on average, with the spaces around it
 
 
 def parse(text: str, limits: Limits) -> tuple[ast.Module, int]:
-    """The syntax tree of a script and its number of tokens: names, numbers and signs outside strings. Raises `RefusalError` naming the line where it is too long or no Python."""
+    """The syntax tree of a script and its number of tokens: names, numbers and signs outside strings.
+
+    Raises `RefusalError` naming the line where it is too long or no Python.
+    """
     if len(text) > limits.file:
         line = text.count("\n", 0, limits.file) + 1
         raise RefusalError(f"the script has {len(text)} characters; {limits.file} are read", line)

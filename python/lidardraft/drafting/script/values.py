@@ -49,6 +49,10 @@ class Record:
         """The result of a minus sign."""
         raise RefusalError(f"{self.kind} cannot be calculated with")
 
+    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
+        """What it returns when it is called."""
+        raise RefusalError(f"{self.kind} cannot be called with {len(arguments) + len(keywords)} arguments")
+
     def contains(self, value: Value) -> bool:
         """Whether `in` finds the value in it."""
         return value in self.elements()

@@ -1,0 +1,81 @@
+"""A Blender Python script becomes a layout. It is read as data, through its syntax tree; it is never run."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from lidardraft.drafting.blender_scene.bpy_module import bpy_module
+from lidardraft.drafting.blender_scene.scene import Scene
+from lidardraft.drafting.blender_scene.scene_layout import primitives_of
+from lidardraft.drafting.blender_scene.vectors import mathutils_module
+from lidardraft.drafting.script.evaluator import Evaluator
+from lidardraft.drafting.script.limits import Limits, RefusalError
+from lidardraft.errors import FormatError, ScriptError
+from lidardraft.files import named, read_text, regular_size
+from lidardraft.scene.class_names import check_classes
+from lidardraft.scene.layout import Layout
+
+_DEFAULT_LIMITS = Limits()
+PROVENANCE = "lidardraft"  # the property of the scene in which a layout's provenance and coverage travel
+
+
+def layout_from_blender(
+    script: str | os.PathLike[str],
+    *,
+    classes: Mapping[str, str] | None = None,
+    limits: Limits = _DEFAULT_LIMITS,
+) -> Layout:
+    """The layout of the scene that a Blender Python script makes: its text, or a path (no str) to its file.
+
+    Blender's frame is taken as the layout's: x forward, y left, z up, the ego vehicle at the origin. The scene starts
+    empty. Classes are those of `classes`, by names of objects, materials or collections, or else what these names say
+    ("Car.001", "mat_building"). Upright cubes, spheres, cylinders and planes become the layout's own shapes, all else
+    meshes. Numbers of `random` are those of Python's generator for the script's seed, or for 0.
+
+    What was passed over because no shape depends on it is in `provenance["notes"]`. Raises `ScriptError` naming the
+    line of what is not understood or more than `limits`, and `LayoutError` listing the names that say no class.
+    """
+    if isinstance(script, str):
+        return _layout(script, classes or {}, limits, {"source": "blender"})
+    if (size := regular_size(script)) > 4 * limits.file:
+        raise FormatError(f"{os.fspath(script)} has {size} bytes; scripts of up to {4 * limits.file} are read")
+    text = read_text(script)
+    with named(script):
+        return _layout(text, classes or {}, limits, {"source": Path(script).name})
+
+
+def _layout(text: str, classes: Mapping[str, str], limits: Limits, source: dict[str, Any]) -> Layout:
+    check_classes(classes)
+    evaluator = Evaluator(limits)
+    scene = Scene(evaluator.budget, evaluator.note)
+    evaluator.modules |= {"bpy": bpy_module(scene), "mathutils": mathutils_module()}
+    try:
+        evaluator.read(text)
+        primitives = primitives_of(scene, classes)
+    except RefusalError as refusal:
+        raise ScriptError(f"line {refusal.line or evaluator.line}: {refusal}") from None
+    if not primitives:
+        raise ScriptError("the script makes no object with a surface" + _noted(evaluator))
+    if PROVENANCE in scene.current.properties:
+        return Layout(primitives=tuple(primitives), **_travelled(scene.current.properties[PROVENANCE]))
+    notes = [f"line {line}: {note}" for note, line in evaluator.notes.items()]
+    digest = hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
+    return Layout(primitives=tuple(primitives), provenance={**source, "sha256": digest, "notes": notes})
+
+
+def _travelled(value: Any) -> dict[str, Any]:
+    """Provenance and coverage of a layout that has been written as a script."""
+    try:
+        fields = json.loads(value)
+        return {"provenance": fields["provenance"], "coverage": fields["coverage"]}
+    except (TypeError, ValueError, KeyError, RecursionError):
+        raise ScriptError(f"the property {PROVENANCE!r} of the scene is not what an export writes") from None
+
+
+def _noted(evaluator: Evaluator) -> str:
+    return "".join(f"; line {line}: {note}" for note, line in list(evaluator.notes.items())[:3])

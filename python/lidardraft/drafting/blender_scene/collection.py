@@ -1,0 +1,111 @@
+"""Collections of objects, as `bpy.data.collections` holds them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from lidardraft.drafting.blender_scene.blocks import Block, Blocks
+from lidardraft.drafting.blender_scene.objects import Objects, SceneObject
+from lidardraft.drafting.script.limits import RefusalError
+from lidardraft.drafting.script.values import Builtin, Record, Value, describe
+
+
+class Collection(Block):
+    """A collection: objects, and collections within it."""
+
+    kind = "a collection"
+    ignored = ("color_tag", "hide_viewport", "hide_render", "hide_select")
+
+    def __init__(self, owner: Blocks, objects: Objects) -> None:
+        super().__init__(owner)
+        self.all_objects = objects
+        self.children: list[Collection] = []
+
+    def members(self) -> list[SceneObject]:
+        """The objects that are in the collection itself."""
+        return [item for item in self.all_objects.all() if self in item.collections]
+
+    def attribute(self, name: str) -> Value:
+        if name in ("objects", "all_objects"):
+            return LinkedObjects(self)
+        if name == "children":
+            return LinkedCollections(self)
+        return super().attribute(name)
+
+    def within(self) -> Iterator[Collection]:
+        """It and all collections within it."""
+        waiting, seen = [self], set()
+        while waiting:
+            collection = waiting.pop()
+            if id(collection) not in seen:
+                seen.add(id(collection))
+                yield collection
+                waiting.extend(reversed(collection.children))
+
+
+class LinkedObjects(Record):
+    """The objects of a collection."""
+
+    kind = "the objects of a collection"
+
+    def __init__(self, collection: Collection) -> None:
+        self._collection = collection
+
+    def link(self, item: Value) -> None:
+        """Put an object into the collection."""
+        if not isinstance(item, SceneObject):
+            raise RefusalError(f"{describe(item)} is no object")
+        if self._collection in item.collections:
+            raise RefusalError(f"the object {item.name!r:.60} is in this collection already")
+        item.collections.append(self._collection)
+
+    def _unlink(self, item: Value) -> None:
+        if not isinstance(item, SceneObject) or self._collection not in item.collections:
+            raise RefusalError(f"{describe(item)} is not in this collection")
+        item.collections.remove(self._collection)
+
+    def attribute(self, name: str) -> Value:
+        methods: dict[str, Callable[..., Value]] = {"link": self.link, "unlink": self._unlink}
+        methods |= {"get": self._get, "keys": lambda: [item.name for item in self.elements()], "values": self.elements}
+        return Builtin(name, methods[name]) if name in methods else super().attribute(name)
+
+    def _get(self, name: Value, default: Value = None) -> Value:
+        return next((item for item in self.elements() if item.name == name), default)
+
+    def elements(self) -> list[Value]:
+        return list(self._collection.members())
+
+    def item(self, key: Value) -> Value:
+        found = self.elements()[key] if isinstance(key, int) and key < len(self.elements()) else self._get(key)
+        if found is None:
+            raise RefusalError(f"the collection has no object {describe(key)}")
+        return found
+
+    def contains(self, value: Value) -> bool:
+        return any(value in (item, item.name) for item in self.elements())
+
+
+class LinkedCollections(Record):
+    """The collections within a collection."""
+
+    kind = "the collections within a collection"
+
+    def __init__(self, collection: Collection) -> None:
+        self._children = collection.children
+
+    def _link(self, item: Value) -> None:
+        if not isinstance(item, Collection):
+            raise RefusalError(f"{describe(item)} is no collection")
+        self._children.append(item)
+
+    def attribute(self, name: str) -> Value:
+        methods: dict[str, Callable[..., Value]] = {"link": self._link, "unlink": self._children.remove}
+        methods |= {"get": lambda key, default=None: next((c for c in self._children if c.name == key), default)}
+        methods |= {"keys": lambda: [c.name for c in self._children]}
+        return Builtin(name, methods[name]) if name in methods else super().attribute(name)
+
+    def elements(self) -> list[Value]:
+        return list(self._children)
+
+    def contains(self, value: Value) -> bool:
+        return any(value in (child, child.name) for child in self._children)

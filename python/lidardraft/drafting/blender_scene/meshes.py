@@ -1,0 +1,180 @@
+"""Meshes and their materials, as `bpy.data` holds them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from lidardraft.drafting.blender_scene.blocks import Block, Blocks, Unread
+from lidardraft.drafting.blender_scene.mesh_shapes import MeshShape, fans, polyhedron
+from lidardraft.drafting.blender_scene.vectors import Matrix
+from lidardraft.drafting.script.limits import RefusalError
+from lidardraft.drafting.script.values import Builtin, Record, Value, describe, elements, is_number, reals, whole
+
+_MESH_ELEMENTS = (
+    "vertices",
+    "edges",
+    "polygons",
+    "loops",
+    "uv_layers",
+    "vertex_colors",
+    "color_attributes",
+    "attributes",
+)
+
+
+class Material(Block):
+    """A material, of which the name is read alone."""
+
+    kind = "a material"
+
+    def attribute(self, name: str) -> Value:
+        if name in ("node_tree", "diffuse_color", "use_nodes"):
+            return Unread(f"{name} of materials", self.owner.note)
+        return super().attribute(name)
+
+    def set_attribute(self, name: str, value: Value) -> None:
+        if name == "name":
+            super().set_attribute(name, value)
+        else:
+            self.owner.note("what materials look like is passed over")
+
+
+class MaterialList(Record):
+    """The materials of a mesh, in order."""
+
+    kind = "the materials of a mesh"
+
+    def __init__(self) -> None:
+        self.materials: list[Material | None] = []
+
+    def attribute(self, name: str) -> Value:
+        methods: dict[str, Callable[..., Value]] = {
+            "append": self.append,
+            "clear": self.materials.clear,
+            "pop": lambda index=-1, **_: self.materials.pop(whole(index, "the index")),
+        }
+        return Builtin(name, methods[name]) if name in methods else super().attribute(name)
+
+    def append(self, material: Value) -> None:
+        """Add a material."""
+        if not isinstance(material, Material | None):
+            raise RefusalError(f"{describe(material)} is no material")
+        if len(self.materials) >= 256:
+            raise RefusalError("a mesh of more than 256 materials")
+        self.materials.append(material)
+
+    def elements(self) -> list[Value]:
+        return list(self.materials)
+
+    def item(self, key: Value) -> Value:
+        return self.materials[self._place(key)]
+
+    def set_item(self, key: Value, value: Value) -> None:
+        if not isinstance(value, Material | None):
+            raise RefusalError(f"{describe(value)} is no material")
+        self.materials[self._place(key)] = value
+
+    def _place(self, key: Value) -> int:
+        if not isinstance(key, int) or not -len(self.materials) <= key < len(self.materials):
+            raise RefusalError(f"the mesh has no material {describe(key)}")
+        return key
+
+    def truth(self) -> bool:
+        return bool(self.materials)
+
+
+class Mesh(Block):
+    """A mesh: the shape that it is made from, what has been done to that, and its materials."""
+
+    kind = "a mesh"
+    ignored = ("use_auto_smooth", "auto_smooth_angle")
+
+    def __init__(self, owner: Blocks, shape: MeshShape | None = None) -> None:
+        super().__init__(owner)
+        self.shape = shape
+        self.matrix = np.eye(4)
+        self.materials = MaterialList()
+
+    def attribute(self, name: str) -> Value:
+        if name == "materials":
+            return self.materials
+        if name in (
+            "polygons",
+            "vertices",
+            "edges",
+            "loops",
+            "uv_layers",
+            "vertex_colors",
+            "color_attributes",
+            "attributes",
+        ):
+            return MeshElements(self, name)
+        methods: dict[str, Callable[..., Value]] = {
+            "from_pydata": self._from_pydata,
+            "copy": self.copy,
+            "validate": lambda **_: False,
+            "update": lambda **_: None,
+            "calc_normals": lambda: None,
+            "shade_smooth": lambda: None,
+            "shade_flat": lambda: None,
+            "transform": self._transform,
+        }
+        return Builtin(name, methods[name]) if name in methods else super().attribute(name)
+
+    def copy(self) -> Mesh:
+        """Another mesh of the same shape and materials."""
+        mesh: Mesh = self.owner.new(self.name)
+        mesh.shape, mesh.matrix = self.shape, self.matrix
+        mesh.materials.materials = list(self.materials.materials)
+        mesh.properties = dict(self.properties)
+        return mesh
+
+    def _transform(self, matrix: Value) -> None:
+        if not isinstance(matrix, Matrix) or matrix.array.shape != (4, 4):
+            raise RefusalError("a mesh is transformed by a matrix of 4 rows")
+        self.matrix = matrix.array @ self.matrix
+
+    def _from_pydata(self, vertices: Value, edges: Value, faces: Value, *_: Value) -> None:
+        budget = self.owner.budget
+        budget.take_steps(len(elements(vertices, budget)) + len(elements(edges, budget)) + len(elements(faces, budget)))
+        points = np.array([reals(v, 3, "a vertex") for v in elements(vertices, budget)]).reshape(-1, 3)
+        polygons: list[tuple[int, ...]] = []
+        for face in elements(faces, budget):
+            corners = tuple(elements(face, budget))
+            if not all(type(corner) is int and 0 <= corner < len(points) for corner in corners):
+                raise RefusalError(f"face {len(polygons)} is {corners!r:.60}; the mesh has {len(points)} vertices")
+            polygons.append(corners)
+        triangles = fans(polygons)
+        self.shape = polyhedron(points, triangles) if len(triangles) else None
+
+
+class MeshElements(Record):
+    """The vertices, faces and so on of a mesh: how many there are, and that they are not changed here."""
+
+    def __init__(self, mesh: Mesh, name: str) -> None:
+        self.kind = f"`{name}` of a mesh"
+        self._mesh = mesh
+        self._name = name
+
+    def attribute(self, name: str) -> Value:
+        if self._name in ("vertices", "edges"):
+            return super().attribute(name)
+        return Unread(self.kind, self._mesh.owner.note).attribute(name)
+
+    def elements(self) -> list[Value]:
+        if self._name in ("vertices", "edges"):
+            raise RefusalError(f"{self.kind} cannot be looped over")
+        return Unread(self.kind, self._mesh.owner.note).elements()
+
+    def item(self, key: Value) -> Value:
+        return self.attribute("item") if self._name not in ("vertices", "edges") else super().item(key)
+
+    def truth(self) -> bool:
+        return self._mesh.shape is not None
+
+
+def scale_of(value: Value) -> tuple[float, ...]:
+    """Three factors, or one for all axes."""
+    return (float(value),) * 3 if is_number(value) else reals(value, 3, "the scale")

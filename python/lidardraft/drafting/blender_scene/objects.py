@@ -1,0 +1,271 @@
+"""The objects of a Blender scene: where they are, how they are turned and scaled, and whose parts they are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from lidardraft.drafting.blender_scene.blocks import Block, Blocks, Unread
+from lidardraft.drafting.blender_scene.meshes import Material, Mesh, scale_of
+from lidardraft.drafting.blender_scene.vectors import Euler, Matrix, Vector, affine, angles_of, rotation_matrix
+from lidardraft.drafting.script.limits import Budget, RefusalError
+from lidardraft.drafting.script.values import Builtin, Value, describe, real, reals, text, truth
+
+# What changes how an object is shown, and not where it is or what shape it has.
+_LOOKS = (
+    *(
+        "hide_render",
+        "hide_viewport",
+        "hide_select",
+        "display_type",
+        "show_name",
+        "show_in_front",
+        "show_wire",
+        "color",
+    ),
+    *("pass_index", "cycles", "visible_shadow", "visible_camera", "show_axis", "show_bounds", "show_transparent"),
+    *("empty_display_size", "empty_display_type", "use_fake_user", "track_axis", "up_axis", "lock_location"),
+)
+_SMOOTHING = ("BEVEL", "SUBSURF", "EDGE_SPLIT", "WEIGHTED_NORMAL", "SMOOTH", "TRIANGULATE", "SMOOTH_BY_ANGLE")
+_LONGEST_CHAIN = 32  # of parents
+
+
+class Objects(Blocks):
+    """`bpy.data.objects`, with what is selected of them, in the order of selection."""
+
+    def __init__(self, budget: Budget, note: Callable[[str], None]) -> None:
+        super().__init__("objects", SceneObject, budget, note)
+        self.active: SceneObject | None = None
+        self.selection: dict[SceneObject, None] = {}
+
+    def new(self, name: str, *arguments: Value, **named: Value) -> Value:
+        most = self.budget.limits.objects
+        if len(self.by_name) >= most:
+            raise RefusalError(f"more than {most} objects")
+        return super().new(name, *arguments, **named)
+
+    def remove(self, block: Value) -> None:
+        super().remove(block)
+        self.selection.pop(block, None)
+        self.active = None if self.active is block else self.active
+        for child in self.all():
+            if child.parent is block:
+                child.parent = None
+
+    def all(self) -> list[SceneObject]:
+        """All objects, linked to the scene or not, in the order of their making."""
+        self.budget.take_cells(len(self.by_name))
+        return [item for item in self.by_name.values() if isinstance(item, SceneObject)]
+
+    def select_only(self, item: SceneObject) -> None:
+        """Make an object the only selected one, and the active one."""
+        self.selection = {item: None}
+        self.active = item
+
+
+class SceneObject(Block):
+    """An object: a mesh, an empty, a light or a camera, with its transform."""
+
+    kind = "an object"
+    owner: Objects
+
+    def __init__(self, owner: Objects, object_data: Value = None) -> None:
+        super().__init__(owner)
+        if not isinstance(object_data, Mesh | Unread | None):
+            raise RefusalError(f"an object of {describe(object_data)} is not read")
+        self.data = object_data
+        self.location = Vector([0.0, 0.0, 0.0])
+        self.rotation = Euler([0.0, 0.0, 0.0])
+        self.scale = Vector([1.0, 1.0, 1.0])
+        self.parent: SceneObject | None = None
+        self.parent_inverse = np.eye(4)
+        self.collections: list[Block] = []
+
+    def local(self) -> np.ndarray:
+        """parent_from_object [4, 4], without the inverse of the parent."""
+        return affine(rotation_matrix(self.rotation.numbers) * self.scale.numbers, np.array(self.location.numbers))
+
+    def world(self) -> np.ndarray:
+        """world_from_object [4, 4]."""
+        matrix, parent = self.local(), self.parent
+        inverse = self.parent_inverse
+        while parent is not None:
+            matrix = parent.local() @ inverse @ matrix
+            inverse, parent = parent.parent_inverse, parent.parent
+        return matrix
+
+    def set_world(self, matrix: np.ndarray) -> None:
+        """Place it so that `world()` is the matrix [4, 4]; raises `RefusalError` for one that shears."""
+        if self.parent is not None:
+            matrix = np.linalg.inv(self.parent.world() @ self.parent_inverse) @ matrix
+        scale = np.linalg.norm(matrix[:3, :3], axis=0)
+        if np.linalg.det(matrix[:3, :3]) < 0:
+            scale = -scale
+        rotation = matrix[:3, :3] / np.where(scale == 0, 1.0, scale)
+        if scale.all() and not np.allclose(rotation.T @ rotation, np.eye(3), atol=1e-6):
+            raise RefusalError("a matrix that shears an object")
+        self.location.numbers, self.scale.numbers = matrix[:3, 3].tolist(), scale.tolist()
+        self.rotation.numbers = angles_of(rotation)
+
+    def set_parent(self, parent: Value) -> None:
+        """Make it a part of another object, or of none."""
+        if not isinstance(parent, SceneObject | None):
+            raise RefusalError(f"the parent is {describe(parent)}; it must be an object")
+        above, count = parent, 0
+        while above is not None:
+            count += 1
+            if above is self or count > _LONGEST_CHAIN:
+                raise RefusalError(
+                    f"the parents of {self.name!r:.60} go in a circle, or are more than {_LONGEST_CHAIN}"
+                )
+            above = above.parent
+        self.parent = parent
+
+    def copy(self) -> SceneObject:
+        """Another object with the same data, transform and parent, in no collection yet."""
+        other: SceneObject = self.owner.new(self.name, self.data)
+        for name in ("location", "rotation", "scale"):
+            getattr(other, name).numbers = list(getattr(self, name).numbers)
+        other.parent, other.parent_inverse = self.parent, self.parent_inverse
+        other.properties = dict(self.properties)
+        return other
+
+    def extents(self) -> np.ndarray:
+        """The full extents [3] of its mesh along the mesh's own axes, before the object's scale."""
+        if not isinstance(self.data, Mesh) or self.data.shape is None:
+            return np.zeros(3)
+        self.owner.budget.take_steps(self.data.shape.vertices)
+        vertices, _ = self.data.shape.triangles()
+        moved = vertices @ self.data.matrix[:3, :3].T
+        return np.asarray(np.ptp(moved, axis=0))
+
+    def attribute(self, name: str) -> Value:
+        fields: dict[str, Callable[[], Value]] = {
+            "data": lambda: self.data,
+            "type": lambda: "MESH" if isinstance(self.data, Mesh) else "EMPTY" if self.data is None else self.data.kind,
+            "location": lambda: self.location,
+            "rotation_euler": lambda: self.rotation,
+            "rotation_mode": lambda: "XYZ",
+            "scale": lambda: self.scale,
+            "parent": lambda: self.parent,
+            "matrix_world": lambda: Matrix(self.world()),
+            "matrix_local": lambda: Matrix(self.local()),
+            "matrix_basis": lambda: Matrix(self.local()),
+            "dimensions": lambda: Vector((self.extents() * np.abs(self.scale.numbers)).tolist()),
+            "active_material": lambda: self._materials()[0] if self._materials() else None,
+            "users_collection": lambda: tuple(self.collections),
+            "material_slots": lambda: Unread("material_slots", self.owner.note),
+            "modifiers": lambda: Modifiers(self.owner.note),
+            "constraints": self._constraints,
+            "animation_data": lambda: None,
+        }
+        methods: dict[str, Callable[..., Value]] = {
+            "select_set": self.select,
+            "select_get": lambda: self in self.owner.selection,
+            "copy": self.copy,
+            "hide_set": lambda *_: self.owner.note("what hides objects is passed over"),
+            "keyframe_insert": lambda *_, **__: self.owner.note("animation is passed over"),
+        }
+        if name in fields:
+            return fields[name]()
+        if name in methods:
+            return Builtin(name, methods[name])
+        if isinstance(self.data, Unread) or name in _LOOKS:
+            return Unread(f"{name} of objects", self.owner.note)
+        return super().attribute(name)
+
+    def _materials(self) -> list[Material | None]:
+        return self.data.materials.materials if isinstance(self.data, Mesh) else []
+
+    def select(self, state: Value = True) -> None:
+        """Select it, or not."""
+        if truth(state):
+            self.owner.selection[self] = None
+        else:
+            self.owner.selection.pop(self, None)
+
+    def _constraints(self) -> Value:
+        if isinstance(self.data, Mesh | None):
+            raise RefusalError("constraints of objects are not read")
+        return Unread("constraints", self.owner.note)
+
+    def set_attribute(self, name: str, value: Value) -> None:
+        if name == "location":
+            self.location.numbers = list(reals(value, 3, "the location"))
+        elif name == "rotation_euler":
+            self.rotation.numbers = list(reals(value, 3, "the rotation"))
+        elif name == "scale":
+            self.scale.numbers = list(scale_of(value))
+        elif name == "dimensions":
+            self._set_dimensions(reals(value, 3, "the dimensions"))
+        elif name == "parent":
+            self.set_parent(value)
+        elif name in ("matrix_world", "matrix_parent_inverse"):
+            self._set_matrix(name, value)
+        elif name == "active_material":
+            self._set_material(value)
+        elif name == "data" and isinstance(value, Mesh | None):
+            self.data = value
+        elif name == "rotation_mode" and value == "XYZ":
+            pass
+        elif name in _LOOKS or isinstance(self.data, Unread):
+            self.owner.note(f"{name} of objects is passed over")
+        else:
+            super().set_attribute(name, value)
+
+    def _set_dimensions(self, wanted: tuple[float, ...]) -> None:
+        extents = self.extents().tolist()
+        for axis, (extent, length) in enumerate(zip(extents, wanted, strict=True)):
+            if extent > 0:
+                self.scale.numbers[axis] = real(length / extent, "the scale")
+
+    def _set_matrix(self, name: str, value: Value) -> None:
+        if not isinstance(value, Matrix) or value.array.shape != (4, 4):
+            raise RefusalError(f"{name} is {describe(value)}; it must be a Matrix of 4 rows")
+        if name == "matrix_world":
+            self.set_world(value.array)
+        else:
+            self.parent_inverse = value.array
+
+    def _set_material(self, value: Value) -> None:
+        if not isinstance(self.data, Mesh):
+            return
+        if self.data.materials.materials:
+            self.data.materials.set_item(0, value)
+        else:
+            self.data.materials.append(value)
+
+    def class_names(self) -> list[str]:
+        """The names that may say its class, the most telling ones first: its own, those of its materials, parents,
+        collections and mesh."""
+        names, parent = [self.name, *(material.name for material in self._materials() if material)], self.parent
+        while parent is not None:
+            names.append(parent.name)
+            parent = parent.parent
+        names += [collection.name for collection in self.collections]
+        return [*names, self.data.name] if isinstance(self.data, Mesh) else names
+
+
+class Modifiers(Unread):
+    """The modifiers of an object: those that only make it smoother are passed over, others are refused."""
+
+    def __init__(self, note: Callable[[str], None]) -> None:
+        super().__init__("modifiers", note)
+
+    def attribute(self, name: str) -> Value:
+        return (
+            Builtin("modifiers.new", lambda name, type: self._new(name, type))
+            if name == "new"
+            else super().attribute(name)
+        )
+
+    def _new(self, _: Value, type: Value) -> Value:
+        check_modifier(type)
+        return self
+
+
+def check_modifier(kind: Value) -> None:
+    """Raises `RefusalError` for a modifier that makes an object another shape."""
+    if text(kind, "the modifier") not in _SMOOTHING:
+        raise RefusalError(f"the modifier {kind!r:.40} is not read; only {', '.join(_SMOOTHING)} can be passed over")

@@ -1,0 +1,206 @@
+"""`bpy.data` and `bpy.context`: the scene that a script fills, and what it is asked about it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from lidardraft.drafting.blender_scene.blocks import Block, Blocks, Unread
+from lidardraft.drafting.blender_scene.collection import Collection, LinkedObjects
+from lidardraft.drafting.blender_scene.meshes import Material, Mesh
+from lidardraft.drafting.blender_scene.objects import Objects, SceneObject
+from lidardraft.drafting.script.limits import Budget, RefusalError
+from lidardraft.drafting.script.values import Builtin, Namespace, Record, Value, describe
+
+VERSION = (4, 5, 0)  # of Blender, for scripts that ask
+_PASSED_OVER = ("lights", "cameras", "worlds")  # what may be made, as no shape depends on it
+_UNKNOWN = (
+    *("curves", "metaballs", "fonts", "armatures", "lattices", "images", "textures", "node_groups", "actions"),
+    *("particles", "linestyles", "palettes", "grease_pencils", "speakers", "lightprobes", "brushes", "volumes"),
+)
+_OF_SCENES = (
+    *("render", "world", "cycles", "eevee", "display", "view_settings", "unit_settings", "display_settings", "camera"),
+    *(
+        "frame_start",
+        "frame_end",
+        "frame_current",
+        "frame_set",
+        "tool_settings",
+        "use_nodes",
+        "node_tree",
+        "view_layers",
+    ),
+    *("sequencer_colorspace_settings", "timeline_markers", "gravity", "use_gravity"),
+)
+_OF_CONTEXT = ("area", "screen", "window", "window_manager", "space_data", "region", "evaluated_depsgraph_get")
+
+
+class Scene:
+    """The blocks of a file that holds nothing yet: no cube, camera or light."""
+
+    def __init__(self, budget: Budget, note: Callable[[str], None]) -> None:
+        self.note = note
+        self.objects = Objects(budget, note)
+        self.meshes = Blocks("meshes", Mesh, budget, note)
+        self.materials = Blocks("materials", Material, budget, note)
+        self.collections = Blocks("collections", lambda owner: Collection(owner, self.objects), budget, note)
+        self.master = Collection(self.collections, self.objects)
+        self.master.name = "Scene Collection"
+        self.current = CurrentScene(self)
+        self.edit_mode = False
+
+    def add(self, name: str, data: Value) -> SceneObject:
+        """A new object in the scene, which is then the only selected one, and active."""
+        if self.edit_mode:
+            raise RefusalError("meshes that are edited are not read; leave the edit mode first")
+        item: SceneObject = self.objects.new(name, data)
+        LinkedObjects(self.master).link(item)
+        self.objects.select_only(item)
+        return item
+
+    def clear(self) -> None:
+        """Forget all there is."""
+        for blocks in (self.objects, self.meshes, self.materials, self.collections):
+            blocks.by_name.clear()
+        self.objects.selection.clear()
+        self.objects.active = None
+        self.master.children.clear()
+
+    def modules(self) -> dict[str, Value]:
+        """`bpy.data`, `bpy.context` and `bpy.app` by their names."""
+        data: dict[str, Value] = {
+            "objects": self.objects,
+            "meshes": self.meshes,
+            "materials": self.materials,
+            "collections": self.collections,
+            "scenes": Scenes(self.current),
+        }
+        data |= {name: OtherBlocks(name, self.note) for name in (*_PASSED_OVER, *_UNKNOWN)}
+        app = Namespace("bpy.app", {"version": VERSION, "version_string": "4.5.0", "background": True})
+        return {"data": Namespace("bpy.data", data), "context": Context(self), "app": app}
+
+
+class OtherBlocks(Record):
+    """Blocks of a kind that is not read: none of them is there, and only those that no shape depends on can be made."""
+
+    def __init__(self, name: str, note: Callable[[str], None]) -> None:
+        self.kind = f"bpy.data.{name}"
+        self._name = name
+        self._note = note
+
+    def attribute(self, name: str) -> Value:
+        methods: dict[str, Callable[..., Value]] = {
+            "remove": lambda *_, **__: None,
+            "get": lambda _, default=None: default,
+            "keys": list,
+            "values": list,
+        }
+        if name == "new" and self._name in _PASSED_OVER:
+            kind = self._name.removesuffix("s").upper()
+            return Builtin(f"{self.kind}.new", lambda *_, **__: Unread(kind, self._note))
+        return Builtin(name, methods[name]) if name in methods else super().attribute(name)
+
+    def elements(self) -> list[Value]:
+        return []
+
+    def truth(self) -> bool:
+        return False
+
+
+class Scenes(Record):
+    """`bpy.data.scenes`, of which there is one."""
+
+    kind = "bpy.data.scenes"
+
+    def __init__(self, current: CurrentScene) -> None:
+        self._current = current
+
+    def item(self, key: Value) -> Value:
+        if key not in (0, "Scene"):
+            return super().item(key)
+        return self._current
+
+    def elements(self) -> list[Value]:
+        return [self._current]
+
+
+class CurrentScene(Block):
+    """`bpy.context.scene`."""
+
+    kind = "the scene"
+
+    def __init__(self, scene: Scene) -> None:
+        super().__init__(scene.collections)
+        self.name = "Scene"
+        self._scene = scene
+
+    def attribute(self, name: str) -> Value:
+        if name == "collection":
+            return self._scene.master
+        if name == "objects":
+            return self._scene.objects
+        if name in _OF_SCENES:
+            return Unread(f"{name} of the scene", self._scene.note)
+        return super().attribute(name)
+
+    def set_attribute(self, name: str, value: Value) -> None:
+        if name == "name":
+            return
+        if name not in _OF_SCENES:
+            raise RefusalError(f"{name!r} of the scene cannot be set to {describe(value)}")
+        self._scene.note(f"{name} of the scene is passed over")
+
+
+class Context(Record):
+    """`bpy.context`."""
+
+    kind = "bpy.context"
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+
+    def attribute(self, name: str) -> Value:
+        scene = self._scene
+        if name in ("object", "active_object"):
+            return scene.objects.active
+        if name in ("selected_objects", "selected_editable_objects"):
+            return list(scene.objects.selection)
+        if name == "view_layer":
+            return ViewLayer(scene)
+        if name == "collection":
+            return scene.master
+        if name == "mode":
+            return "EDIT_MESH" if scene.edit_mode else "OBJECT"
+        if name in _OF_CONTEXT:
+            return Unread(f"bpy.context.{name}", scene.note)
+        return scene.current if name == "scene" else super().attribute(name)
+
+
+class ViewLayer(Record):
+    """`bpy.context.view_layer`, and its objects."""
+
+    kind = "the view layer"
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+
+    def attribute(self, name: str) -> Value:
+        if name == "update":
+            return Builtin(name, lambda: None)
+        if name == "objects":
+            return self
+        if name == "active":
+            return self._scene.objects.active
+        if name in ("layer_collection", "active_layer_collection", "depsgraph"):
+            return Unread(name, self._scene.note)
+        return super().attribute(name)
+
+    def set_attribute(self, name: str, value: Value) -> None:
+        if name == "active" and isinstance(value, SceneObject | None):
+            self._scene.objects.active = value
+        elif name == "active_layer_collection":
+            raise RefusalError("another active collection is not read; link objects to their collection instead")
+        else:
+            super().set_attribute(name, value)
+
+    def elements(self) -> list[Value]:
+        return self._scene.objects.elements()

@@ -1,0 +1,129 @@
+"""The objects of a Blender scene become the primitives of a layout: classes, ids, instances and shapes."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from lidardraft.drafting.blender_scene.mesh_shapes import MeshShape
+from lidardraft.drafting.blender_scene.meshes import Mesh
+from lidardraft.drafting.blender_scene.objects import SceneObject
+from lidardraft.drafting.blender_scene.placed_shapes import placed_shape
+from lidardraft.drafting.blender_scene.scene import Scene
+from lidardraft.drafting.script.limits import RefusalError
+from lidardraft.errors import LayoutError
+from lidardraft.scene.class_names import class_of, id_of, words_of
+from lidardraft.scene.layout import Primitive
+from lidardraft.semantics import BY_NAME
+
+_NUMBERED_PART = re.compile(r"(.*?\d+)[._ -]+(\D.*)", re.DOTALL)  # "Car_1_Wheel" is a part of "Car_1"
+
+
+def primitives_of(scene: Scene, classes: Mapping[str, str]) -> list[Primitive]:
+    """The primitives of all objects that are linked to the scene and have a surface, in the order of their making.
+
+    Raises `LayoutError` listing the names that say no class, and `RefusalError` for too many vertices.
+    """
+    meshes = _meshes_of(scene)
+    limit = scene.objects.budget.limits.vertices
+    if (count := sum(shape.vertices for _, _, shape in meshes if shape.shape == "mesh")) > limit:
+        raise RefusalError(f"the scene has {count} vertices; {limit} are the most", 1)
+    labels = [_class_of(item, classes) for item, _, _ in meshes]
+    nameless = sorted({item.name for (item, _, _), label in zip(meshes, labels, strict=True) if label is None})
+    if nameless:
+        raise LayoutError(f"no class for {', '.join(nameless)}; give them in `classes` (--class NAME=CLASS)")
+    numbers = _Instances([item.properties.get("instance") for item, _, _ in meshes])
+    ids: dict[str, int] = {}
+    primitives = []
+    for (item, mesh, shape), label in zip(meshes, labels, strict=True):
+        assert label is not None
+        whole, part = _whole_and_part(item, label, classes)
+        fields: dict[str, Any] = {"label": label, "id": item.properties.get("id") or _distinct(whole, part, ids)}
+        fields["instance"] = numbers.of(item, whole) if BY_NAME[label].is_thing else item.properties.get("instance", 0)
+        fields |= {name: item.properties[name] for name in ("material", "extinction") if name in item.properties}
+        primitive = placed_shape(item, mesh, shape, **fields)
+        if primitive is None:
+            scene.note(f"{item.name:.60} has no surface")
+        else:
+            primitives.append(primitive if "class" in item.properties else _lengthwise(primitive))
+    return primitives
+
+
+def _meshes_of(scene: Scene) -> list[tuple[SceneObject, Mesh, MeshShape]]:
+    linked = set(scene.master.within())
+    found = []
+    for item in scene.objects.all():
+        if "ego" in words_of(item.name):
+            scene.note("the ego vehicle is left out: it carries the sensor")
+        elif not linked.intersection(item.collections):
+            scene.note(f"{item.name:.60} is not linked to the scene")
+        elif isinstance(item.data, Mesh) and item.data.shape is None:
+            scene.note(f"{item.name:.60} has no faces")
+        elif isinstance(item.data, Mesh) and item.data.shape is not None:
+            found.append((item, item.data, item.data.shape))
+    return found
+
+
+def _class_of(item: SceneObject, classes: Mapping[str, str]) -> str | None:
+    given = item.properties.get("class")
+    return given if isinstance(given, str) else class_of(item.class_names(), classes)
+
+
+def _whole_and_part(item: SceneObject, label: str, classes: Mapping[str, str]) -> tuple[str, str]:
+    """The names of the object that it is a part of and of the part; that is "" where it is an object of its own.
+
+    It is a part of the uppermost parent of its class, or else of "Car_1" if its name is "Car_1_Wheel".
+    """
+    top, parent = item, item.parent
+    while parent is not None:
+        if class_of([parent.name], classes) in (label, None) and not isinstance(parent.data, Mesh):
+            top = parent  # an empty holds the parts of one object together
+        elif isinstance(parent.data, Mesh) and _class_of(parent, classes) == label:
+            top = parent
+        parent = parent.parent
+    if top is not item:
+        return top.name, item.name
+    match = _NUMBERED_PART.fullmatch(item.name[:200])
+    return (match.group(1), match.group(2)) if match else (item.name, "")
+
+
+class _Instances:
+    """The numbers of things: those that objects have already, and the first free ones for the others."""
+
+    def __init__(self, given: list[Any]) -> None:
+        self._taken = {number for number in given if type(number) is int}
+        self._of_name: dict[str, int] = {}
+
+    def of(self, item: SceneObject, whole: str) -> Any:
+        """The number of an object that is, or is a part of, `whole`."""
+        if "instance" in item.properties:
+            return item.properties["instance"]
+        if whole not in self._of_name:
+            number = len(self._of_name) + 1
+            while number in self._taken:
+                number += 1
+            self._taken.add(number)
+            self._of_name[whole] = number
+        return self._of_name[whole]
+
+
+def _distinct(whole: str, part: str, taken: dict[str, int]) -> str:
+    """The id of an object or of one more part of it: only parts come after a dot."""
+    name = id_of(whole).replace(".", "_")
+    if part:
+        name += "." + part.replace(".", "_")
+    taken[name] = taken.get(name, 0) + 1
+    return name if taken[name] == 1 else _distinct(f"{whole}_{taken[name]}", part, taken)
+
+
+def _lengthwise(primitive: Primitive) -> Primitive:
+    """A vehicle's box with its length along its yaw: who models one along y has made its width the longer side."""
+    length, width, height = primitive.size
+    is_vehicle = BY_NAME[primitive.label].is_thing and primitive.label != "person"
+    if primitive.shape != "box" or not is_vehicle or length >= width:
+        return primitive
+    yaw = math.remainder(primitive.yaw + math.pi / 2, math.pi)  # which end is the front is not known
+    return dataclasses.replace(primitive, size=(width, length, height), yaw=yaw)

@@ -1,0 +1,259 @@
+"""mathutils as a script sees it: vectors, Euler angles and matrices."""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+from collections.abc import Callable
+
+import numpy as np
+
+from lidardraft.drafting.script.limits import RefusalError
+from lidardraft.drafting.script.values import Builtin, Namespace, Record, Value, describe, is_number, real, reals, text
+
+_AXES = {"x": 0, "y": 1, "z": 2, "w": 3}
+_OPERATORS = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+}
+
+
+class Vector(Record):
+    """Two to four finite numbers, which can be set one by one."""
+
+    kind = "a Vector"
+
+    def __init__(self, numbers: list[float] | tuple[float, ...]) -> None:
+        self.numbers = list(numbers)
+
+    @classmethod
+    def from_value(cls, value: Value) -> Vector:
+        """The vector of a list, a tuple or another vector."""
+        count = (
+            len(value.elements()) if isinstance(value, Record) else len(value) if isinstance(value, list | tuple) else 0
+        )
+        if not 2 <= count <= 4:
+            raise RefusalError(f"a vector of {describe(value)}; it must be 2 to 4 numbers")
+        return cls(reals(value, count, "a vector"))
+
+    def elements(self) -> list[Value]:
+        return list(self.numbers)
+
+    def attribute(self, name: str) -> Value:
+        if name in _AXES and _AXES[name] < len(self.numbers):
+            return self.numbers[_AXES[name]]
+        if name in ("length", "magnitude"):
+            return math.hypot(*self.numbers)
+        if name in ("xy", "xyz", "xz", "yz") and len(self.numbers) > 2:
+            return Vector([self.numbers[_AXES[axis]] for axis in name])
+        methods: dict[str, Callable[..., Value]] = {
+            "copy": lambda: type(self)(self.numbers),
+            "normalized": self._normalized,
+            "normalize": lambda: self._become(self._normalized()),
+            "dot": lambda other: sum(a * b for a, b in zip(self.numbers, self._same(other), strict=True)),
+            "cross": lambda other: Vector(np.cross(self.numbers, self._same(other)).tolist()),
+            "lerp": lambda other, factor: self._between(other, real(factor, "the factor")),
+            "to_tuple": lambda: tuple(self.numbers),
+            "rotate": self._rotate,
+            "to_matrix": lambda: Matrix(rotation_matrix(self.numbers)),
+        }
+        if name not in methods or (name == "to_matrix" and not isinstance(self, Euler)):
+            return super().attribute(name)
+        return Builtin(name, methods[name])
+
+    def set_attribute(self, name: str, value: Value) -> None:
+        if name not in _AXES or _AXES[name] >= len(self.numbers):
+            return super().set_attribute(name, value)
+        self.numbers[_AXES[name]] = real(value, name)
+
+    def item(self, key: Value) -> Value:
+        if isinstance(key, slice):
+            return tuple(self.numbers[key])
+        return self.numbers[self._place(key)]
+
+    def set_item(self, key: Value, value: Value) -> None:
+        self.numbers[self._place(key)] = real(value, "a coordinate")
+
+    def _place(self, key: Value) -> int:
+        if not isinstance(key, int) or not -len(self.numbers) <= key < len(self.numbers):
+            raise RefusalError(f"{self.kind} of {len(self.numbers)} numbers has no place {describe(key)}")
+        return key
+
+    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
+        combine = _OPERATORS.get(operator)
+        additive = operator in (ast.Add, ast.Sub)
+        if combine is None or additive == is_number(other) or (reflected and operator is ast.Div):
+            return super().binary(operator, other, reflected=reflected)
+        others = [real(other, "the factor")] * len(self.numbers) if is_number(other) else self._same(other)
+        pairs = zip(others, self.numbers, strict=True) if reflected else zip(self.numbers, others, strict=True)
+        try:
+            return Vector([real(combine(a, b), "a coordinate") for a, b in pairs])
+        except ZeroDivisionError:
+            raise RefusalError("a vector divided by zero") from None
+
+    def negative(self) -> Value:
+        return type(self)([-number for number in self.numbers])
+
+    def equals(self, other: Value) -> bool:
+        return isinstance(other, Vector) and other.numbers == self.numbers
+
+    def _same(self, other: Value) -> tuple[float, ...]:
+        return reals(other, len(self.numbers), "the other vector")
+
+    def _normalized(self) -> Vector:
+        length = math.hypot(*self.numbers)
+        return Vector([number / length for number in self.numbers] if length else self.numbers)
+
+    def _between(self, other: Value, factor: float) -> Vector:
+        return Vector([a + (b - a) * factor for a, b in zip(self.numbers, self._same(other), strict=True)])
+
+    def _become(self, other: Vector) -> None:
+        self.numbers = other.numbers
+
+    def _rotate(self, turn: Value) -> None:
+        matrix = turn.array[:3, :3] if isinstance(turn, Matrix) else rotation_matrix(reals(turn, 3, "the angles"))
+        self.numbers = (matrix @ np.array(self.numbers[:3])).tolist()
+
+
+class Euler(Vector):
+    """Angles about x, then y, then z [rad]."""
+
+    kind = "an Euler"
+
+
+class Matrix(Record):
+    """A square matrix of three or four rows."""
+
+    kind = "a Matrix"
+
+    def __init__(self, array: np.ndarray) -> None:
+        if not np.isfinite(array).all():
+            raise RefusalError("a matrix with a number that is not finite")
+        self.array = array
+
+    @classmethod
+    def from_value(cls, rows: Value = ()) -> Matrix:
+        """The matrix of a list of rows; of 4 rows, the identity, where there are none."""
+        if rows == ():
+            return cls(np.eye(4))
+        if not isinstance(rows, list | tuple) or len(rows) not in (3, 4):
+            raise RefusalError(f"a matrix of {describe(rows)}; it must be 3 or 4 rows")
+        return cls(np.array([reals(row, len(rows), "a row of a matrix") for row in rows]))
+
+    def attribute(self, name: str) -> Value:
+        if name == "translation" and len(self.array) == 4:
+            return Vector(self.array[:3, 3].tolist())
+        methods: dict[str, Callable[..., Value]] = {
+            "copy": lambda: self,
+            "inverted": self._inverted,
+            "transposed": lambda: Matrix(self.array.T),
+            "to_4x4": lambda: Matrix(
+                affine(self.array[:3, :3], self.array[:3, 3] if len(self.array) == 4 else np.zeros(3))
+            ),
+            "to_3x3": lambda: Matrix(self.array[:3, :3]),
+            "to_translation": lambda: Vector(self.array[:3, 3].tolist()),
+        }
+        return Builtin(name, methods[name]) if name in methods else super().attribute(name)
+
+    def elements(self) -> list[Value]:
+        return [Vector(row) for row in self.array.tolist()]
+
+    def item(self, key: Value) -> Value:
+        if not isinstance(key, int) or not 0 <= key < len(self.array):
+            raise RefusalError(f"a Matrix has no row {describe(key)}")
+        return tuple(self.array[key].tolist())
+
+    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
+        if operator is not ast.MatMult or reflected or not isinstance(other, Vector | Matrix):
+            return super().binary(operator, other, reflected=reflected)
+        if isinstance(other, Matrix):
+            if other.array.shape != self.array.shape:
+                raise RefusalError("matrices of different sizes")
+            return Matrix(self.array @ other.array)
+        numbers = other.numbers
+        if len(numbers) == 3 and len(self.array) == 4:
+            return Vector((self.array[:3, :3] @ numbers + self.array[:3, 3]).tolist())
+        if len(numbers) != len(self.array):
+            raise RefusalError("a matrix and a vector of different sizes")
+        return Vector((self.array @ numbers).tolist())
+
+    def _inverted(self) -> Matrix:
+        try:
+            return Matrix(np.linalg.inv(self.array))
+        except np.linalg.LinAlgError:
+            raise RefusalError("a matrix that has no inverse") from None
+
+
+class MatrixType(Record):
+    """`mathutils.Matrix` itself, which is called and has constructors."""
+
+    kind = "Matrix"
+
+    def attribute(self, name: str) -> Value:
+        makers: dict[str, Callable[..., Value]] = {
+            "Translation": lambda vector: Matrix(affine(np.eye(3), np.array(reals(vector, 3, "the translation")))),
+            "Rotation": _rotation,
+            "Scale": lambda factor, size, *axis: (
+                Matrix(np.diag([*[real(factor, "the factor")] * 3, 1.0])[:size, :size])
+                if not axis
+                else _scale_along(factor, size, *axis)
+            ),
+            "Diagonal": lambda vector: Matrix(np.diag(Vector.from_value(vector).numbers)),
+            "Identity": lambda size: Matrix(np.eye(4)[:size, :size]),
+        }
+        return Builtin(f"Matrix.{name}", makers[name]) if name in makers else super().attribute(name)
+
+
+def _rotation(angle: Value, size: Value, axis: Value) -> Matrix:
+    name = text(axis, "the axis").lower()
+    if name not in ("x", "y", "z"):
+        raise RefusalError(f"the axis is {axis!r}; it must be 'X', 'Y' or 'Z'")
+    angles = [real(angle, "the angle") if name == each else 0.0 for each in "xyz"]
+    return Matrix(affine(rotation_matrix(angles), np.zeros(3))[:size, :size])
+
+
+def _scale_along(factor: Value, size: Value, axis: Value) -> Matrix:
+    direction = np.array(reals(axis, 3, "the axis"))
+    direction = direction / (np.linalg.norm(direction) or 1.0)
+    stretched = np.eye(3) + (real(factor, "the factor") - 1) * np.outer(direction, direction)
+    return Matrix(affine(stretched, np.zeros(3))[:size, :size])
+
+
+def rotation_matrix(angles: list[float] | tuple[float, ...]) -> np.ndarray:
+    """The rotation [3, 3] about x, then y, then z, by so many radians: Blender's order XYZ."""
+    (cx, cy, cz), (sx, sy, sz) = np.cos(angles), np.sin(angles)
+    about_x = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
+    about_y = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
+    about_z = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
+    return about_z @ about_y @ about_x
+
+
+def angles_of(rotation: np.ndarray) -> list[float]:
+    """The angles about x, then y, then z [rad] of a rotation [3, 3]."""
+    across = math.hypot(rotation[0, 0], rotation[1, 0])
+    if across < 1e-9:  # looks straight up or down: the turn about z is taken as 0
+        return [math.atan2(-rotation[1, 2], rotation[1, 1]), math.atan2(-rotation[2, 0], across), 0.0]
+    x, z = math.atan2(rotation[2, 1], rotation[2, 2]), math.atan2(rotation[1, 0], rotation[0, 0])
+    return [x, math.atan2(-rotation[2, 0], across), z]
+
+
+def affine(linear: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    """The matrix [4, 4] of a linear map [3, 3] and an offset [3]."""
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = linear, offset
+    return matrix
+
+
+def mathutils_module() -> Namespace:
+    """Vector, Euler and Matrix."""
+
+    def euler(angles: Value = (0.0, 0.0, 0.0), order: Value = "XYZ") -> Euler:
+        if order != "XYZ":
+            raise RefusalError(f"angles in the order {describe(order)}; only 'XYZ' is read")
+        return Euler(reals(angles, 3, "the angles"))
+
+    vector = Builtin("Vector", lambda numbers=(0.0, 0.0, 0.0): Vector.from_value(numbers))
+    return Namespace("mathutils", {"Vector": vector, "Euler": Builtin("Euler", euler), "Matrix": MatrixType()})

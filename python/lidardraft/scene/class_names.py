@@ -1,0 +1,110 @@
+"""What names of modelled objects, materials and collections say: a class, and which names are parts of one object."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+
+from lidardraft.errors import LayoutError, one_of
+from lidardraft.semantics import BY_NAME
+
+# The words that say each class, besides its name: of two in one name the last one counts ("street lamp").
+_WORDS = {
+    "road": "road street asphalt tarmac lane highway motorway carriageway driveway intersection junction crossroads "
+    "crossroad roundabout crosswalk zebra marking markings crossing",
+    "sidewalk": "sidewalk pavement footpath footway walkway curb kerb",
+    "building": "building house tower skyscraper apartment apartments office shop store church school warehouse garage "
+    "hut shed barn cottage villa facade",
+    "wall": "wall",
+    "fence": "fence railing guardrail barrier gate",
+    "pole": "pole post lamp lamppost streetlight streetlamp bollard pillar mast pylon",
+    "traffic-light": "trafficlight trafficlights stoplight signal semaphore",
+    "traffic-sign": "sign signpost signboard trafficsign roadsign stopsign",
+    "vegetation": "vegetation tree bush shrub hedge plant foliage leaves crown canopy treetop forest",
+    "terrain": "terrain ground grass lawn soil meadow field earth verge",
+    "person": "person pedestrian human man woman child people boy girl walker",
+    "rider": "rider cyclist biker motorcyclist bicyclist",
+    "car": "car van suv taxi sedan hatchback vehicle automobile minivan pickup",
+    "truck": "truck lorry trailer",
+    "bus": "bus coach minibus",
+    "train": "train tram trolley locomotive streetcar",
+    "motorcycle": "motorcycle motorbike scooter moped",
+    "bicycle": "bicycle bike",
+    "trunk": "trunk bark",
+    "other": "other bench bin mailbox hydrant cone rock bridge",
+}
+_CLASS_OF_WORD = {word: name for name, words in _WORDS.items() for word in words.split()}
+# Two words that mean something else than the last of them.
+_PAIRS = {
+    ("traffic", "light"): "traffic-light",
+    ("traffic", "lights"): "traffic-light",
+    ("stop", "light"): "traffic-light",
+    ("street", "light"): "pole",
+    ("bus", "stop"): "other",
+    ("bus", "shelter"): "building",
+    ("parking", "lot"): "road",
+    ("car", "park"): "road",
+    ("car", "trunk"): "car",
+    ("tree", "top"): "vegetation",
+    ("guard", "rail"): "fence",
+    ("fire", "hydrant"): "other",
+    ("traffic", "cone"): "other",
+}
+# Words for parts, and the words after which they say nothing new: the wall of a house is a building.
+_PARTS = {"wall": ("building", "house", "garage", "shop", "office", "tower"), "gate": ("house",), "post": ("sign",)}
+_PLURAL = re.compile(r"(?<=[a-z]{2})(?:(?<=ch|sh|ss)es|(?<!s)s)$")
+PROPERTIES = ("class", "id", "instance", "material", "extinction")  # that an object may carry, which come before names
+
+
+def check_classes(classes: Mapping[str, str]) -> None:
+    """Raises `LayoutError` for a name that is given a class that is none."""
+    for key, value in classes.items():
+        if value not in BY_NAME or value == "none":
+            raise LayoutError(f"labels[{key!r}] is {value!r}; it must be {one_of(list(BY_NAME)[1:], value)}")
+
+
+def class_of(names: Iterable[str], classes: Mapping[str, str]) -> str | None:
+    """The class that the first telling one of some names says; None where none does.
+
+    `classes` says it of whole names, with or without Blender's number behind them, and comes before all words.
+    """
+    known = list(names)
+    for name in known:
+        for whole in (name, without_number(name)):
+            if whole in classes:
+                return classes[whole]
+    return next((found for name in known if (found := _class_of_words(name))), None)
+
+
+def words_of(name: str) -> list[str]:
+    """The words of a name in lower case: "ParkedCar_01.002" is parked and car."""
+    parted = re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", name[:200])
+    return re.findall(r"[a-z]+", parted.lower())
+
+
+def without_number(name: str) -> str:
+    """The name without the number that Blender puts behind a name that is taken: "Car.001" is Car."""
+    return re.sub(r"\.\d+$", "", name[:500])
+
+
+def id_of(name: str) -> str:
+    """The id of an object of that name: a dot before a number is no sign of a part, as "Car.001" is another car."""
+    return re.sub(r"\.(?=\d+$)", "_", name)
+
+
+def _class_of_words(name: str) -> str | None:
+    if (lower := name.lower()) in BY_NAME and lower != "none":
+        return lower
+    words = [_singular(word) for word in words_of(name)]
+    found = None
+    for k, word in enumerate(words):
+        before = words[k - 1] if k else ""
+        if (before, word) in _PAIRS:
+            found = _PAIRS[before, word]
+        elif word in _CLASS_OF_WORD and not (found and before in _PARTS.get(word, ())):
+            found = _CLASS_OF_WORD[word]
+    return found
+
+
+def _singular(word: str) -> str:
+    return word if word in _CLASS_OF_WORD else _PLURAL.sub("", word)
