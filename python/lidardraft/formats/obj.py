@@ -1,4 +1,4 @@
-"""Wavefront OBJ: the objects of a modelled scene become the meshes of a layout."""
+"""Wavefront OBJ, both ways: the objects of a modelled scene are the meshes of a layout."""
 
 from __future__ import annotations
 
@@ -9,13 +9,15 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from lidardraft.errors import LayoutError, one_of
-from lidardraft.files import named
+from lidardraft.errors import FormatError, LayoutError
+from lidardraft.files import named, regular_size, written_whole
 from lidardraft.scene import mesh
+from lidardraft.scene.class_names import check_classes, class_of, id_of
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import BY_NAME
 
 # What Blender's exporter makes of its z-up, y-forward frame by default: y up, -z forward.
+_MAX_BYTES = 2**27  # of a file: more takes longer to read than a person waits, and a gigabyte of memory
 _FRAMES = {"z": np.eye(3), "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])}
 
 
@@ -24,20 +26,20 @@ def read_obj(
 ) -> Layout:
     """The layout of an OBJ file whose axis `up` points up and whose unit is `scale` metres.
 
-    The class of an object is what `labels` says of its name or of its material's, or else either of those names itself:
-    "car", "car.001" and "car_left" are cars. Things are numbered; an object's materials are parts of one thing. Raises
-    `LayoutError` listing the names that say no class, and `FormatError` where the file is broken.
+    The class of an object is what `labels` says of its name or of its material's, or else what these names say:
+    "car", "Car.001" and "ParkedCar_left" are cars. Things are numbered; an object's materials are parts of one thing,
+    and so are "car_1.body" and "car_1.roof". Raises `LayoutError` listing the names that say no class, and `FormatError` where the file is broken.
     """
     if up not in _FRAMES:
         raise LayoutError(f"up is {up!r}; it must be 'y' or 'z'")
     if not (math.isfinite(scale) and scale > 0):
         raise LayoutError(f"scale is {scale}; it must be a finite number of metres > 0")
-    for key, value in (labels or {}).items():
-        if value not in BY_NAME or value == "none":
-            raise LayoutError(f"labels[{key!r}] is {value!r}; it must be {one_of(list(BY_NAME)[1:], value)}")
+    check_classes(labels or {})
+    if (size := regular_size(path)) > _MAX_BYTES:
+        raise FormatError(f"{os.fspath(path)} has {size} bytes; OBJ files of up to {_MAX_BYTES} are read")
     objects = mesh.read_obj(path)
     with named(path):
-        classes = [_class_of(name, material, labels or {}) for name, material, _ in objects]
+        classes = [class_of((name, material), labels or {}) for name, material, _ in objects]
         nameless = sorted(
             {f"{o[0]} ({o[1] or 'no material'})" for o, label in zip(objects, classes, strict=True) if not label}
         )
@@ -56,25 +58,33 @@ def read_obj(
                     shape.faces,
                     label=label,
                     id=_distinct(name or material, ids),
-                    instance=instances.setdefault(name, len(instances) + 1) if BY_NAME[label].is_thing else 0,
+                    instance=instances.setdefault(id_of(name).split(".")[0], len(instances) + 1)
+                    if BY_NAME[label].is_thing
+                    else 0,
                 )
             )
         return Layout(primitives=tuple(primitives), provenance={"source": os.path.basename(os.fspath(path))})
 
 
-def _class_of(name: str, material: str, labels: Mapping[str, str]) -> str | None:
-    for key in (name, material):
-        if key in labels:
-            return labels[key]
-    for key in (name, material):
-        for class_name in list(BY_NAME)[1:]:
-            if re.fullmatch(rf"{class_name}([._].*)?", key, re.IGNORECASE):
-                return class_name
-    return None
+def write_obj(path: str | os.PathLike[str], layout: Layout) -> None:
+    """Write the shapes as triangles, z up, in metres: an object with the id for each, its material the class.
+
+    Round shapes become polyhedra. `read_obj` reads the same triangles, to the last digit.
+    """
+    lines, count = ["# a layout: metres, x forward, y left, z up"], 1
+    for primitive in layout:
+        shape = mesh.primitive_mesh(primitive)
+        lines.append(f"o {re.sub(r'\\s', '_', primitive.id)}")
+        lines += [f"v {x!r} {y!r} {z!r}" for x, y, z in shape.vertices.tolist()]
+        lines.append(f"usemtl {primitive.label}")
+        lines += [f"f {a} {b} {c}" for a, b, c in (shape.faces.astype(np.int64) + count).tolist()]
+        count += len(shape.vertices)
+    with written_whole(path) as temporary:
+        temporary.write_text("\n".join([*lines, ""]), encoding="utf-8")
 
 
 def _distinct(name: str, taken: dict[str, int]) -> str:
-    """The id of an object or of one more part of it, `car_001` or `car_001.2`: only parts come after a dot."""
-    name = name.replace(".", "_")
+    """The id of an object or of one more part of it, `car_001` or `car_001.2`."""
+    name = id_of(name)
     taken[name] = taken.get(name, 0) + 1
     return name if taken[name] == 1 else f"{name}.{taken[name]}"

@@ -74,9 +74,14 @@ def read_obj(path: str | PathLike[str]) -> list[tuple[str, str, TriangleMesh]]:
     return [(name, material, TriangleMesh(v, f)) for name, material, v, f in _core.read_obj(path)]
 
 
+def unit_mesh(shape: str) -> TriangleMesh:
+    """The triangles of a shape that is no mesh, within the unit box; round ones as polyhedra with vertices on them."""
+    return _UNIT_MESHES[shape]
+
+
 def primitive_mesh(primitive: Primitive) -> TriangleMesh:
     """The primitive as triangles in the layout's frame; round shapes as polyhedra whose vertices lie on the surface."""
-    unit = primitive.mesh if primitive.mesh is not None else _UNIT_MESHES[primitive.shape]
+    unit = primitive.mesh if primitive.mesh is not None else unit_mesh(primitive.shape)
     vertices = unit.vertices * primitive.size
     cos, sin = np.cos(primitive.yaw), np.sin(primitive.yaw)
     x, y = vertices[:, 0].copy(), vertices[:, 1].copy()
