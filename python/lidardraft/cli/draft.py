@@ -6,13 +6,15 @@ import argparse
 
 from lidardraft.cli.arguments import add_sensor
 from lidardraft.cli.inputs import add_inputs, read_layout
+from lidardraft.cli.layout_file import check_ending, write_layout
 
 
 def draft(arguments: argparse.Namespace) -> None:
-    """Make a layout, a JSON file of boxes and other shapes that can be edited, from a sentence, a labelled scan or a
-    3D model."""
+    """Make a layout, a file of boxes and other shapes that can be edited, from a sentence, a labelled scan, a 3D model
+    or a Blender script."""
+    check_ending(arguments.output)
     layout = read_layout(arguments)
-    layout.save(arguments.output)
+    write_layout(arguments.output, layout)
     objects = len(layout.boxes())
     print(f"{arguments.output}: shapes: {len(layout)}, objects with a box: {objects}")
 
@@ -22,4 +24,5 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     inputs = add_inputs(parser, layout=False)
     add_sensor(inputs, of=" that took --points, for its height over the road")
     output = parser.add_argument_group("output")
-    output.add_argument("-o", "--output", required=True, metavar="LAYOUT.json", help="where the layout goes")
+    text = "where the layout goes; .obj, .glb and .py (a Blender script) are for 3D modelling programs"
+    output.add_argument("-o", "--output", required=True, metavar="LAYOUT.json", help=text)

@@ -12,12 +12,12 @@ import numpy as np
 from lidardraft.errors import FormatError, LayoutError
 from lidardraft.files import named, regular_size, written_whole
 from lidardraft.scene import mesh
-from lidardraft.scene.class_names import check_classes, class_of, id_of
+from lidardraft.scene.class_names import OUTRIGHT, check_classes, class_of, id_of
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import BY_NAME
 
-# What Blender's exporter makes of its z-up, y-forward frame by default: y up, -z forward.
 _MAX_BYTES = 2**27  # of a file: more takes longer to read than a person waits, and a gigabyte of memory
+# What Blender's exporter makes of its z-up, y-forward frame by default: y up, -z forward.
 _FRAMES = {"z": np.eye(3), "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])}
 
 
@@ -28,7 +28,8 @@ def read_obj(
 
     The class of an object is what `labels` says of its name or of its material's, or else what these names say:
     "car", "Car.001" and "ParkedCar_left" are cars. Things are numbered; an object's materials are parts of one thing,
-    and so are "car_1.body" and "car_1.roof". Raises `LayoutError` listing the names that say no class, and `FormatError` where the file is broken.
+    and so are "car_1.body" and "car_1.roof". Raises `LayoutError` listing the names that say no class, and
+    `FormatError` where the file is broken.
     """
     if up not in _FRAMES:
         raise LayoutError(f"up is {up!r}; it must be 'y' or 'z'")
@@ -67,16 +68,17 @@ def read_obj(
 
 
 def write_obj(path: str | os.PathLike[str], layout: Layout) -> None:
-    """Write the shapes as triangles, z up, in metres: an object with the id for each, its material the class.
+    """Write the shapes as triangles, z up, in metres: an object with the id for each,
+    and a material that names the class, "class:car".
 
     Round shapes become polyhedra. `read_obj` reads the same triangles, to the last digit.
     """
     lines, count = ["# a layout: metres, x forward, y left, z up"], 1
     for primitive in layout:
         shape = mesh.primitive_mesh(primitive)
-        lines.append(f"o {re.sub(r'\\s', '_', primitive.id)}")
+        lines.append("o " + re.sub(r"\s", "_", primitive.id))
         lines += [f"v {x!r} {y!r} {z!r}" for x, y, z in shape.vertices.tolist()]
-        lines.append(f"usemtl {primitive.label}")
+        lines.append(f"usemtl {OUTRIGHT}{primitive.label}")
         lines += [f"f {a} {b} {c}" for a, b, c in (shape.faces.astype(np.int64) + count).tolist()]
         count += len(shape.vertices)
     with written_whole(path) as temporary:

@@ -53,6 +53,7 @@ _PAIRS = {
 # Words for parts, and the words after which they say nothing new: the wall of a house is a building.
 _PARTS = {"wall": ("building", "house", "garage", "shop", "office", "tower"), "gate": ("house",), "post": ("sign",)}
 _PLURAL = re.compile(r"(?<=[a-z]{2})(?:(?<=ch|sh|ss)es|(?<!s)s)$")
+OUTRIGHT = "class:"  # before the class, in a name that says nothing else
 PROPERTIES = ("class", "id", "instance", "material", "extinction")  # that an object may carry, which come before names
 
 
@@ -66,13 +67,17 @@ def check_classes(classes: Mapping[str, str]) -> None:
 def class_of(names: Iterable[str], classes: Mapping[str, str]) -> str | None:
     """The class that the first telling one of some names says; None where none does.
 
-    `classes` says it of whole names, with or without Blender's number behind them, and comes before all words.
+    `classes` says it of whole names, with or without Blender's number behind them, and comes before all words; then
+    comes a name that says it outright, "class:car".
     """
     known = list(names)
     for name in known:
         for whole in (name, without_number(name)):
             if whole in classes:
                 return classes[whole]
+    for name in known:
+        if name.startswith(OUTRIGHT) and without_number(name).removeprefix(OUTRIGHT) in BY_NAME:
+            return without_number(name).removeprefix(OUTRIGHT)
     return next((found for name in known if (found := _class_of_words(name))), None)
 
 
