@@ -1,4 +1,4 @@
-"""What a layout is made of: a sentence, a labelled scan, a 3D model, or a layout file."""
+"""What a layout is made of: a sentence, a labelled scan, a 3D model, a Blender script, or a layout file."""
 
 from __future__ import annotations
 
@@ -13,16 +13,19 @@ from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import Sensor
 
 # Options that say more about an input, by the option that names the input.
-_GOES_WITH = {"labels": "points", "classes": "obj", "up": "obj", "scale": "obj"}
+_GOES_WITH = {"labels": ("points",), "classes": ("obj", "glb", "blender"), "up": ("obj",), "scale": ("obj",)}
 
 
 def add_inputs(parser: argparse.ArgumentParser, *, layout: bool = True) -> argparse._ArgumentGroup:
     """The inputs, of which a command takes one, in a group of their own; `layout`: whether a layout file is one."""
-    group = parser.add_argument_group("input (exactly one of --text, --points, --obj" + ", --layout" * layout + ")")
+    names = "--text, --points, --obj, --glb, --blender" + ", --layout" * layout
+    group = parser.add_argument_group(f"input (exactly one of {names})")
     one = group.add_mutually_exclusive_group(required=True)
     one.add_argument("--text", metavar="SENTENCE", help='what is on the road, in English: "two cars on the left"')
     one.add_argument("--points", metavar="FILE.bin", help="a scan: KITTI .bin, float32 x y z [m] and intensity")
     one.add_argument("--obj", metavar="FILE.obj", help="a 3D model: Wavefront OBJ with the ego vehicle at its origin")
+    one.add_argument("--glb", metavar="FILE.glb", help="a 3D model: binary glTF, as Blender exports it")
+    one.add_argument("--blender", metavar="FILE.py", help="a Blender Python script; it is read as data, never run")
     if layout:
         one.add_argument("--layout", metavar="LAYOUT.json", help="a layout, as `lidardraft draft` writes it")
     group.add_argument(
@@ -33,7 +36,8 @@ def add_inputs(parser: argparse.ArgumentParser, *, layout: bool = True) -> argpa
         dest="classes",
         action="append",
         metavar="NAME=CLASS",
-        help="class of the objects or materials of that name in --obj, where their names are no classes; repeatable",
+        help="class of the objects, materials or collections of that name in --obj, --glb or --blender, where their "
+        "names say none or another; repeatable",
     )
     group.add_argument("--up", choices=("y", "z"), help="axis that points up in --obj (default z)")
     group.add_argument("--scale", type=float, metavar="M", help="length of a unit of --obj, in metres (default 1)")
@@ -43,9 +47,10 @@ def add_inputs(parser: argparse.ArgumentParser, *, layout: bool = True) -> argpa
 
 def read_layout(arguments: argparse.Namespace) -> Layout:
     """The layout that the arguments ask for; what is not understood of a sentence is said on stderr."""
-    for name, needed in _GOES_WITH.items():
-        if getattr(arguments, name) is not None and getattr(arguments, needed) is None:
-            raise FormatError(f"--{'class' if name == 'classes' else name} goes with --{needed}")
+    for name, inputs in _GOES_WITH.items():
+        if getattr(arguments, name) is not None and all(getattr(arguments, needed) is None for needed in inputs):
+            needed = " or ".join(f"--{each}" for each in inputs)
+            raise FormatError(f"--{'class' if name == 'classes' else name} goes with {needed}")
     if arguments.text is not None:
         return _from_text(arguments.text, arguments.seed)
     if arguments.points is not None:
@@ -55,6 +60,12 @@ def read_layout(arguments: argparse.Namespace) -> Layout:
 
         scale = 1.0 if arguments.scale is None else arguments.scale
         return read_obj(arguments.obj, _classes(arguments.classes or []), up=arguments.up or "z", scale=scale)
+    if arguments.glb is not None:
+        from lidardraft.formats.glb import read_glb
+
+        return read_glb(arguments.glb, _classes(arguments.classes or []))
+    if arguments.blender is not None:
+        return _from_blender(arguments.blender, _classes(arguments.classes or []))
     return Layout.load(arguments.layout)
 
 
@@ -71,6 +82,16 @@ def _from_text(text: str, seed: int) -> Layout:
     if layout.provenance["not_understood"]:
         near = "".join(f"; did you mean {known!r}?" for known in layout.provenance["nearest_words"].values())
         say("lidardraft", f"not understood: {', '.join(layout.provenance['not_understood'])}{near}")
+    return layout
+
+
+def _from_blender(path: str, classes: dict[str, str]) -> Layout:
+    from lidardraft.drafting.blender import layout_from_blender
+
+    layout = layout_from_blender(Path(path), classes=classes)
+    if layout.provenance.get("source") == Path(path).name:  # and not that of a layout that was written as a script
+        for note in layout.provenance["notes"]:
+            say("lidardraft", f"{path}: {note}")
     return layout
 
 

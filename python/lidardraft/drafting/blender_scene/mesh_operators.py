@@ -13,8 +13,9 @@ from lidardraft.drafting.blender_scene.scene import Scene
 from lidardraft.drafting.script.limits import RefusalError
 from lidardraft.drafting.script.values import Value, describe, real, reals, whole
 
-_STEPS = 20  # that an object costs
+_STEPS = 30  # that an object costs
 _ORIGIN = (0.0, 0.0, 0.0)
+_NO_SCALE = (1.0, 1.0, 1.0)
 
 
 def mesh_operators(scene: Scene) -> dict[str, Callable[..., Value]]:
@@ -97,7 +98,7 @@ def _add(
     *,
     location: Value = _ORIGIN,
     rotation: Value = _ORIGIN,
-    scale: Value = (1.0, 1.0, 1.0),
+    scale: Value = _NO_SCALE,
     align: Value = "WORLD",
     **others: Value,
 ) -> Value:
@@ -109,7 +110,8 @@ def _add(
     scene.objects.budget.take_steps(_STEPS)
     mesh: Mesh = scene.meshes.new(name)
     mesh.shape = shape
-    mesh.matrix = np.diag([*scale_of(scale), 1.0])
+    if scale is not _NO_SCALE:
+        mesh.matrix = np.diag([*scale_of(scale), 1.0])
     item = scene.add(name, mesh)
     item.location.numbers = list(reals(location, 3, "the location"))
     item.rotation.numbers = list(reals(rotation, 3, "the rotation"))

@@ -8,7 +8,7 @@ import numpy as np
 
 from lidardraft.drafting.blender_scene.blocks import Block, Blocks, Unread
 from lidardraft.drafting.blender_scene.mesh_shapes import MeshShape, fans, polyhedron
-from lidardraft.drafting.blender_scene.vectors import Matrix
+from lidardraft.drafting.blender_scene.vectors import IDENTITY, Matrix
 from lidardraft.drafting.script.limits import RefusalError
 from lidardraft.drafting.script.values import Builtin, Record, Value, describe, elements, is_number, reals, whole
 
@@ -94,7 +94,7 @@ class Mesh(Block):
     def __init__(self, owner: Blocks, shape: MeshShape | None = None) -> None:
         super().__init__(owner)
         self.shape = shape
-        self.matrix = np.eye(4)
+        self.matrix = IDENTITY
         self.materials = MaterialList()
 
     def attribute(self, name: str) -> Value:

@@ -17,7 +17,7 @@ from lidardraft.drafting.script.values import Value, describe, real, reals, text
 
 _DONE = ["FINISHED"]
 _ORIGIN = (0.0, 0.0, 0.0)
-_STEPS = 20  # that an object costs
+_STEPS = 30  # that an object costs
 
 
 def object_operators(scene: Scene) -> dict[str, Callable[..., Value]]:

@@ -8,7 +8,15 @@ import numpy as np
 
 from lidardraft.drafting.blender_scene.blocks import Block, Blocks, Unread
 from lidardraft.drafting.blender_scene.meshes import Material, Mesh, scale_of
-from lidardraft.drafting.blender_scene.vectors import Euler, Matrix, Vector, affine, angles_of, rotation_matrix
+from lidardraft.drafting.blender_scene.vectors import (
+    IDENTITY,
+    Euler,
+    Matrix,
+    Vector,
+    affine,
+    angles_of,
+    rotation_matrix,
+)
 from lidardraft.drafting.script.limits import Budget, RefusalError
 from lidardraft.drafting.script.values import Builtin, Value, describe, real, reals, text, truth
 
@@ -29,6 +37,7 @@ _LOOKS = (
 )
 _SMOOTHING = ("BEVEL", "SUBSURF", "EDGE_SPLIT", "WEIGHTED_NORMAL", "SMOOTH", "TRIANGULATE", "SMOOTH_BY_ANGLE")
 _LONGEST_CHAIN = 32  # of parents
+_STEPS = 20  # that a copy costs
 
 
 class Objects(Blocks):
@@ -79,7 +88,7 @@ class SceneObject(Block):
         self.rotation = Euler([0.0, 0.0, 0.0])
         self.scale = Vector([1.0, 1.0, 1.0])
         self.parent: SceneObject | None = None
-        self.parent_inverse = np.eye(4)
+        self.parent_inverse = IDENTITY
         self.collections: list[Block] = []
 
     def local(self) -> np.ndarray:
@@ -124,6 +133,7 @@ class SceneObject(Block):
 
     def copy(self) -> SceneObject:
         """Another object with the same data, transform and parent, in no collection yet."""
+        self.owner.budget.take_steps(_STEPS)
         other: SceneObject = self.owner.new(self.name, self.data)
         for name in ("location", "rotation", "scale"):
             getattr(other, name).numbers = list(getattr(self, name).numbers)

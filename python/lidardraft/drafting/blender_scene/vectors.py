@@ -12,6 +12,8 @@ import numpy as np
 from lidardraft.drafting.script.limits import RefusalError
 from lidardraft.drafting.script.values import Builtin, Namespace, Record, Value, describe, is_number, real, reals, text
 
+IDENTITY = np.eye(4)
+IDENTITY.flags.writeable = False
 _AXES = {"x": 0, "y": 1, "z": 2, "w": 3}
 _OPERATORS = {
     ast.Add: operator.add,

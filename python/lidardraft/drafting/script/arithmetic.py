@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from lidardraft.drafting.script.formatting import percent_format
 from lidardraft.drafting.script.limits import Budget, RefusalError
-from lidardraft.drafting.script.values import Record, Value, checked, describe, elements, is_number, truth
+from lidardraft.drafting.script.values import Record, Value, checked, describe, is_number, truth
 
 _LONGEST_SHIFT = 64
 _NUMBERS: dict[type[ast.operator], Callable[[Value, Value], Value]] = {
@@ -142,7 +142,13 @@ def contains(container: Value, value: Value, budget: Budget) -> bool:
         return is_key(value) and value in container
     if isinstance(container, Record):
         return container.contains(value)
-    return any(equal(item, value, budget) for item in elements(container, budget))
+    if not isinstance(container, list | tuple):
+        raise RefusalError(f"nothing can be in {describe(container)}")
+    budget.take_cells(len(container))
+    if not isinstance(value, list | tuple | dict | Record):
+        return value in container
+    budget.take_steps(len(container))
+    return any(equal(item, value, budget) for item in container)
 
 
 def is_key(value: Value) -> bool:

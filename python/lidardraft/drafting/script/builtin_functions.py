@@ -151,6 +151,7 @@ def _of_order(budget: Budget, call: Call) -> dict[str, Callable[..., Value]]:
 
     def total(items: Value, start: Value = 0) -> Value:
         found = elements(items, budget)
+        budget.take_steps(len(found) // 8)
         if not all(map(is_number, [*found, start])):
             raise RefusalError("sum: only numbers are added up")
         return checked(sum(found, start))

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from lidardraft.drafting.script.limits import Budget, RefusalError
 from lidardraft.drafting.script.values import Record, Value, describe
 
+_STEPS = 20  # that a format costs
 _WIDEST = 200  # characters that a number or a name is padded to, and digits behind the point
 _SPEC = re.compile(r"(?:.?[<>=^])?[-+ ]?#?(\d*)[,_]?(?:\.(\d+))?[bdeEfFgGosxX%]?", re.DOTALL)
 _PERCENT = re.compile(r"%(?:%|[-+ #0]*(\d*)(?:\.(\d+))?[dioxXeEfFgGsr])")
@@ -47,6 +48,7 @@ def format_value(value: Value, spec: str, budget: Budget) -> str:
 
 def brace_format(template: str, arguments: list[Value], keywords: dict[str, Value], budget: Budget) -> str:
     """What `template.format(...)` gives; a field is a number or a name, and nothing of what it stands for."""
+    budget.take_steps(_STEPS)
     parts: list[str] = []
     try:
         fields = list(string.Formatter().parse(template))
@@ -76,6 +78,7 @@ def brace_format(template: str, arguments: list[Value], keywords: dict[str, Valu
 
 def percent_format(template: str, values: Value, budget: Budget) -> str:
     """What `template % values` gives."""
+    budget.take_steps(_STEPS)
     given = list(values) if isinstance(values, tuple) else [values]
     parts, end = [], 0
     if "%" in _PERCENT.sub("", template):

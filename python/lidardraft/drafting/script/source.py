@@ -18,7 +18,6 @@ _COMMENT_OR_STRING = re.compile(
 
 # A number, a name, or one character of another kind.
 _TOKEN = re.compile(r"\w+(?:\.\w+)?|[^\s\w]")
-_LONGEST_TOKEN = 20  # characters, on average, with the spaces around it
 
 
 def parse(text: str, limits: Limits) -> tuple[ast.Module, int]:
@@ -46,10 +45,12 @@ def parse(text: str, limits: Limits) -> tuple[ast.Module, int]:
 
 def _count_tokens(text: str, limits: Limits) -> int:
     code = _COMMENT_OR_STRING.sub(_code_of, text)
-    count = len(_TOKEN.findall(code[: _LONGEST_TOKEN * limits.tokens]))
-    if len(code) > _LONGEST_TOKEN * limits.tokens or count > limits.tokens:
-        line = code.count("\n", 0, min(len(code), limits.tokens)) + 1
-        raise RefusalError(f'more than {limits.tokens} names, numbers and signs; put data into texts, as "1 2 3"', line)
+    count, most = 0, limits.tokens
+    for match in _TOKEN.finditer(code):
+        count += 1
+        if count > most:
+            line = code.count("\n", 0, match.start()) + 1
+            raise RefusalError(f'more than {most} names, numbers and signs; put data into texts, as "1 2 3"', line)
     return count
 
 
