@@ -58,7 +58,7 @@ def test_what_is_wrong_with_an_obj_file(refused: Callable[..., str]) -> None:
     ("option", "said"),
     [
         (["--labels", "a.label"], "--labels goes with --points"),
-        (["--class", "a=car"], "--class goes with --obj"),
+        (["--class", "a=car"], "--class goes with --obj or --glb or --blender"),
         (["--up", "y"], "--up goes with --obj"),
         (["--scale", "1"], "--scale goes with --obj"),
     ],
@@ -139,3 +139,40 @@ def test_bad_layouts_are_one_line(refused: Callable[..., str], change: dict[str,
         message = refused(*command)
         assert "layout.json" in message
         assert said in message
+
+
+SCRIPT = "import bpy\nbpy.ops.mesh.primitive_cube_add(size=1, location=(9, 0, 0.5))\nbpy.context.object.name = 'Blob'\n"
+
+
+def test_a_blender_script_is_read_and_what_is_passed_over_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("scene.py").write_text(SCRIPT + "bpy.ops.render.render()\nopen_ = 5\n")
+    assert cli.main(["draft", "--blender", "scene.py", "--class", "Blob=car", "-o", "layout.json"]) == 0
+    captured = capsys.readouterr()
+    assert captured.err == "lidardraft: scene.py: line 4: bpy.ops.render.render is passed over\n"
+    assert captured.out == "layout.json: shapes: 1, objects with a box: 1\n"
+    arguments = ["--blender", "scene.py", "--class", "Blob=car", "--sensor", "small.json"]
+    assert cli.main(["raycast", *arguments, "-o", "image.npz"]) == 0
+    assert cli.main(["simulate", *arguments, "-o", "scans"]) == 0
+
+
+def test_what_is_wrong_with_a_blender_script(refused: Callable[..., str]) -> None:
+    draft = ("draft", "-o", "layout.json", "--blender", "scene.py")
+    assert "scene.py: No such file" in refused(*draft)
+    Path("scene.py").write_text(SCRIPT)
+    assert "scene.py: no class for Blob; give them" in refused(*draft)
+    assert "did you mean 'car'?" in refused(*draft, "--class", "Blob=cra")
+    Path("scene.py").write_text("import bpy\nimport os\n")
+    assert "scene.py: line 2: import of os: a script is read, not run" in refused(*draft)
+
+
+def test_what_is_drafted_is_read_again(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["draft", "--text", "two cars ahead, a house on the left", "-o", "a.json"]) == 0
+    for ending, option in ((".py", "--blender"), (".glb", "--glb"), (".obj", "--obj")):
+        source = ["--text", "two cars ahead, a house on the left"]
+        assert cli.main(["draft", *source, "-o", f"a{ending}"]) == 0
+        assert cli.main(["draft", option, f"a{ending}", "-o", f"back{ending}.json"]) == 0
+    layout = Layout.load("a.json")
+    assert Layout.load("back.py.json") == layout
+    assert [p.id for p in Layout.load("back.glb.json")] == [p.id for p in layout]
+    assert [p.label for p in Layout.load("back.obj.json")] == [p.label for p in layout]
+    assert "passed over" not in capsys.readouterr().err

@@ -1,8 +1,11 @@
 import numpy as np
 import pytest
+from exported_layouts import EVERYTHING, drafted
 
 from lidardraft.errors import FormatError, LayoutError
-from lidardraft.formats.obj import read_obj
+from lidardraft.formats.obj import read_obj, write_obj
+from lidardraft.scene.layout import object_of
+from lidardraft.scene.mesh import primitive_mesh
 
 TRIANGLE = "v 0 0 0\nv 4 0 0\nv 0 0 1\nf -3 -2 -1\n"
 
@@ -81,3 +84,36 @@ def test_a_broken_or_missing_file(tmp_path):
     (tmp_path / "b.obj").write_text("o car\nv 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     with pytest.raises((FormatError, LayoutError), match=r"b.obj|finite"):
         read_obj(tmp_path / "b.obj")
+
+
+@pytest.mark.parametrize("layout", [EVERYTHING, *drafted()])
+def test_a_layout_comes_back_as_the_same_triangles(tmp_path, layout):
+    """The same corners to 1e-9 m, the same class and id, and things that are one thing stay one."""
+    write_obj(tmp_path / "a.obj", layout)
+    found = read_obj(tmp_path / "a.obj")
+    assert [p.label for p in found] == [p.label for p in layout]
+    assert [p.id for p in found] == [p.id.replace(" ", "_") for p in layout]
+    for was, is_ in zip(layout, found, strict=True):
+        corners, expected = (mesh.vertices[mesh.faces] for mesh in (primitive_mesh(is_), primitive_mesh(was)))
+        np.testing.assert_allclose(corners, expected, atol=1e-9)
+        assert (is_.instance > 0) == (was.instance > 0)
+    for a, b in zip(layout, found, strict=True):
+        assert [object_of(p) == object_of(a) for p in layout if p.instance and a.instance] == [
+            p.instance == b.instance for p in found if p.instance and b.instance
+        ]
+
+
+def test_words_of_names_say_the_class_too(tmp_path):
+    layout = read_obj(
+        write(tmp_path / "a.obj", "ParkedCar.001", "StreetLamp_3", "House_Wall", "car_1.body", "car_1.roof")
+    )
+    assert [p.label for p in layout] == ["car", "pole", "building", "car", "car"]
+    assert [p.instance for p in layout] == [1, 0, 0, 2, 2]
+    assert [p.id for p in layout][3:] == ["car_1.body", "car_1.roof"]
+
+
+def test_a_huge_file_is_not_opened(tmp_path):
+    with open(tmp_path / "a.obj", "wb") as file:
+        file.truncate(2**27 + 1)
+    with pytest.raises(FormatError, match=r"a.obj has 134217729 bytes; OBJ files of up to 134217728 are read"):
+        read_obj(tmp_path / "a.obj")

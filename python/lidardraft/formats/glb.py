@@ -11,7 +11,7 @@ import numpy as np
 
 from lidardraft.errors import FormatError, LayoutError
 from lidardraft.files import named
-from lidardraft.formats.glb_file import GlbFile, read_glb_file
+from lidardraft.formats.glb_file import GlbFile, open_glb
 from lidardraft.json_fields import are_numbers, check_object
 from lidardraft.scene.class_names import PROPERTIES, check_classes, class_of, id_of
 from lidardraft.scene.layout import Layout, Primitive
@@ -39,7 +39,7 @@ def read_glb(path: str | os.PathLike[str], classes: Mapping[str, str] | None = N
     """
     check_classes(classes or {})
     with named(path):
-        file = read_glb_file(path)
+        file = open_glb(path)
         pieces = list(_pieces(file))
         labels = [_class_of(piece, file, classes or {}) for piece in pieces]
         nameless = sorted({_name(piece) for piece, label in zip(pieces, labels, strict=True) if not label})
@@ -70,7 +70,7 @@ def _primitives(file: GlbFile, pieces: list[Piece], labels: list[str]) -> list[P
             raise FormatError(f"more than {_MOST_VERTICES} vertices or triangles in all nodes")
         extras = {name: value for name, value in _extras(node).items() if name in PROPERTIES and name != "class"}
         whole = extras.setdefault("id", _distinct(id_of(_name(piece)), taken))
-        if BY_NAME[label].is_thing and "instance" not in extras:
+        if label in BY_NAME and BY_NAME[label].is_thing and "instance" not in extras:
             name = whole.split(".")[0] if isinstance(whole, str) else ""
             extras["instance"] = instances.get(name) or instances.setdefault(name, next(free))
         with np.errstate(over="ignore", invalid="ignore"):  # the primitive says what is not finite

@@ -66,7 +66,7 @@ class GlbFile:
         return flat if width > 1 else flat[:, 0]
 
 
-def read_glb_file(path: str | os.PathLike[str]) -> GlbFile:
+def open_glb(path: str | os.PathLike[str]) -> GlbFile:
     """The chunks of a file. Raises `FormatError` for anything but a whole binary glTF 2 that needs no other file."""
     if (size := regular_size(path)) > MAX_BYTES:
         raise FormatError(f"{os.fspath(path)} has {size} bytes; GLB files of up to {MAX_BYTES} are read")
@@ -74,7 +74,7 @@ def read_glb_file(path: str | os.PathLike[str]) -> GlbFile:
 
 
 def parse_glb(data: bytes) -> GlbFile:
-    """As `read_glb_file`, of the bytes of a file."""
+    """As `open_glb`, of the bytes of a file."""
     if len(data) < 20:
         raise FormatError(f"no GLB: {len(data)} bytes")
     magic, version, length, json_length, json_kind = struct.unpack_from("<5I", data)

@@ -33,7 +33,7 @@ def placed_mesh(
     if upright is not None:
         size, yaw = upright
         fields |= {"center": tuple(center.tolist()), "yaw": yaw}
-        if shape == "plane" and min(size[:2]) > 0:
+        if min(size[:2]) > 0 and (shape == "plane" or (shape == "box" and size[2] == 0)):  # a slab without height
             return Primitive(shape="plane", size=(size[0], size[1], 0.0), **fields)
         if shape not in ("plane", "mesh") and min(size) > 0:
             return Primitive(shape=shape, size=(size[0], size[1], size[2]), **fields)
@@ -95,7 +95,8 @@ def size_and_yaw(linear: np.ndarray, shape: str) -> tuple[list[float], float] | 
         return [*size, float(abs(linear[2, 2]))], yaw
     order = [0, 1, 2]
     if shape == "box":  # whichever axis points up
-        up = int(np.argmax(abs(linear[2]) / np.where(lengths > 0, lengths, 1.0)))
+        upwards = abs(linear[2]) / np.where(lengths > 0, lengths, 1.0)
+        up = int(np.argmax(upwards) if upwards.max() > 0.5 else np.argmin(lengths))  # none points up in a slab
         order = [k for k in range(3) if k != up] + [up]
     along, across, upward = (linear[:, k] for k in order)
     level = max(abs(along[2]), abs(across[2])) <= small and abs(along @ across) <= small * lengths.max()

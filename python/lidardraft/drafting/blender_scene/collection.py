@@ -76,6 +76,8 @@ class LinkedObjects(Record):
         return list(self._collection.members())
 
     def item(self, key: Value) -> Value:
+        if isinstance(key, slice):
+            return self.elements()[key]
         found = self.elements()[key] if isinstance(key, int) and key < len(self.elements()) else self._get(key)
         if found is None:
             raise RefusalError(f"the collection has no object {describe(key)}")

@@ -20,7 +20,11 @@ _NO_SCALE = (1.0, 1.0, 1.0)
 
 def mesh_operators(scene: Scene) -> dict[str, Callable[..., Value]]:
     """The operators by their names behind `bpy.ops.`."""
+    shapes = (*_plain(scene), *_round(scene))
+    return {f"mesh.primitive_{shape.__name__}_add": shape for shape in shapes}
 
+
+def _plain(scene: Scene) -> tuple[Callable[..., Value], ...]:
     def cube(size: Value = 2.0, **where: Value) -> Value:
         return _add(scene, "Cube", mesh_shapes.cube(real(size, "the size")), **where)
 
@@ -36,6 +40,13 @@ def mesh_operators(scene: Scene) -> dict[str, Callable[..., Value]]:
         corners, across = _count(vertices, 3, "vertices"), real(radius, "the radius")
         return _add(scene, "Circle", mesh_shapes.disc(across, corners) if fill_type != "NOTHING" else None, **where)
 
+    def monkey(**_: Value) -> Value:
+        raise RefusalError("a monkey is no shape of a layout")
+
+    return cube, plane, grid, circle, monkey
+
+
+def _round(scene: Scene) -> tuple[Callable[..., Value], ...]:
     def cylinder(
         vertices: Value = 32,
         radius: Value = 1.0,
@@ -84,11 +95,7 @@ def mesh_operators(scene: Scene) -> dict[str, Callable[..., Value]]:
         counts = _count(major_segments, 3, "major_segments"), _count(minor_segments, 3, "minor_segments")
         return _add(scene, "Torus", mesh_shapes.torus(major, minor, *counts), **where)
 
-    def monkey(**_: Value) -> Value:
-        raise RefusalError("a monkey is no shape of a layout")
-
-    shapes = (cube, plane, grid, circle, cylinder, cone, uv_sphere, ico_sphere, torus, monkey)
-    return {f"mesh.primitive_{shape.__name__}_add": shape for shape in shapes}
+    return cylinder, cone, uv_sphere, ico_sphere, torus
 
 
 def _add(

@@ -181,9 +181,12 @@ class SceneObject(Block):
             return fields[name]()
         if name in methods:
             return Builtin(name, methods[name])
-        if isinstance(self.data, Unread) or name in _LOOKS:
-            return Unread(f"{name} of objects", self.owner.note)
-        return super().attribute(name)
+        try:
+            return super().attribute(name)
+        except RefusalError:
+            if isinstance(self.data, Unread) or name in _LOOKS:
+                return Unread(f"{name} of objects", self.owner.note)
+            raise
 
     def _materials(self) -> list[Material | None]:
         return self.data.materials.materials if isinstance(self.data, Mesh) else []
@@ -247,14 +250,13 @@ class SceneObject(Block):
             self.data.materials.append(value)
 
     def class_names(self) -> list[str]:
-        """The names that may say its class, the most telling ones first: its own, those of its materials, parents,
-        collections and mesh."""
+        """The names that may say its class, the most telling ones first: its own, those of its materials, parents and
+        collections."""
         names, parent = [self.name, *(material.name for material in self._materials() if material)], self.parent
         while parent is not None:
             names.append(parent.name)
             parent = parent.parent
-        names += [collection.name for collection in self.collections]
-        return [*names, self.data.name] if isinstance(self.data, Mesh) else names
+        return [*names, *(collection.name for collection in self.collections)]
 
 
 class Modifiers(Unread):

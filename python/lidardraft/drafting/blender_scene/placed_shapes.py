@@ -20,7 +20,7 @@ def placed_shape(item: SceneObject, mesh: Mesh, shape: MeshShape, **fields: Any)
     An object that is only moved, scaled and turned about z keeps its numbers to the last digit. Raises `LayoutError`
     for what is too far away or too large.
     """
-    if item.parent is None and item.rotation.numbers[:2] == [0.0, 0.0] and min(item.scale.numbers) > 0:
+    if item.parent is None and item.rotation.numbers[:2] == [0.0, 0.0] and min(item.scale.numbers) >= 0:
         exact = _placed_exactly(item, mesh, shape, **fields)
         if exact is not None:
             return exact

@@ -42,7 +42,8 @@ def primitives_of(scene: Scene, classes: Mapping[str, str]) -> list[Primitive]:
         assert label is not None
         whole, part = _whole_and_part(item, label, classes)
         fields: dict[str, Any] = {"label": label, "id": item.properties.get("id") or _distinct(whole, part, ids)}
-        fields["instance"] = numbers.of(item, whole) if BY_NAME[label].is_thing else item.properties.get("instance", 0)
+        is_thing = label in BY_NAME and BY_NAME[label].is_thing
+        fields["instance"] = numbers.of(item, whole) if is_thing else item.properties.get("instance", 0)
         fields |= {name: item.properties[name] for name in ("material", "extinction") if name in item.properties}
         primitive = placed_shape(item, mesh, shape, **fields)
         if primitive is None:
@@ -69,7 +70,10 @@ def _meshes_of(scene: Scene) -> list[tuple[SceneObject, Mesh, MeshShape]]:
 
 def _class_of(item: SceneObject, classes: Mapping[str, str]) -> str | None:
     given = item.properties.get("class")
-    return given if isinstance(given, str) else class_of(item.class_names(), classes)
+    if isinstance(given, str) or not isinstance(item.data, Mesh):
+        return given
+    # The mesh comes last: most are called after the operator that made them.
+    return class_of(item.class_names(), classes) or class_of([item.data.name], classes)
 
 
 def _whole_and_part(item: SceneObject, label: str, classes: Mapping[str, str]) -> tuple[str, str]:

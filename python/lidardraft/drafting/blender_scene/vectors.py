@@ -194,6 +194,9 @@ class MatrixType(Record):
 
     kind = "Matrix"
 
+    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
+        return Builtin("Matrix", Matrix.from_value).call(arguments, keywords)
+
     def attribute(self, name: str) -> Value:
         makers: dict[str, Callable[..., Value]] = {
             "Translation": lambda vector: Matrix(affine(np.eye(3), np.array(reals(vector, 3, "the translation")))),

@@ -81,4 +81,6 @@ class Evaluator(Statements):
             if part.startswith("_") or not isinstance(module, Record):
                 raise RefusalError(f"import of {name:.60} is not read")
             module = module.attribute(part)
+        if not isinstance(module, Record):
+            raise RefusalError(f"import of {name:.60} is not read")
         return module

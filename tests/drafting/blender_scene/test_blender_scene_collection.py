@@ -1,0 +1,33 @@
+from scene_reading import CUBE, refuses, scene
+
+TREES = "trees = bpy.data.collections.new('Trees')\n"
+
+
+def test_objects_are_in_the_scene_through_their_collections() -> None:
+    moved = CUBE + TREES + "car.name = 'Blob'\nbpy.context.collection.objects.unlink(car)\ntrees.objects.link(car)\n"
+    layout = scene(
+        moved + "bpy.context.scene.collection.children.link(trees)\nassert trees.objects[:] == [car] or True"
+    )
+    assert [p.label for p in layout] == ["vegetation"]
+    more = "bpy.ops.mesh.primitive_cube_add()\nbpy.context.object.name = 'Bus'"
+    layout = scene(moved + more)
+    assert [p.label for p in layout] == ["bus"]
+    assert layout.provenance["notes"] == ["line 11: Blob is not linked to the scene"]
+
+
+def test_what_collections_hold() -> None:
+    scene(
+        CUBE + TREES + "bpy.context.scene.collection.children.link(trees)\n"
+        "assert car.users_collection[0].name == 'Scene Collection' and 'Car' in bpy.context.collection.objects\n"
+        "assert len(trees.objects) == 0 and [c.name for c in bpy.context.scene.collection.children] == ['Trees']\n"
+        "assert bpy.context.collection.objects['Car'] is car and trees.objects.get('Car') is None\n"
+        "inner = bpy.data.collections.new('Inner')\ntrees.children.link(inner)\n"
+        "inner.children.link(trees)\ninner.objects.link(car)"
+    )
+
+
+def test_what_they_refuse() -> None:
+    refuses("bpy.context.collection.objects.link(car)", "the object 'Car' is in this collection already")
+    refuses("bpy.context.collection.objects.link(5)", "5 is no object")
+    refuses(TREES + "trees.objects.unlink(car)", "an object is not in this collection")
+    refuses(TREES + "trees.children.link(car)", "an object is no collection")

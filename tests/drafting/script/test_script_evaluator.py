@@ -1,0 +1,34 @@
+import pytest
+from script_reading import agrees, reads, refuses
+
+from lidardraft.drafting.script.limits import Limits
+
+
+@pytest.mark.parametrize(
+    "script",
+    [
+        "import math\nimport random as r\nfrom math import pi, sin as s\nassert math.pi == pi and "
+        "s(0) == 0 and r.seed(1) is None",
+        "from math import *\nassert sqrt(4) == 2 and tau > pi",
+        "assert __name__ == '__main__'",
+    ],
+)
+def test_modules_are_those_of_python(script: str) -> None:
+    agrees(script)
+
+
+def test_other_modules_are_refused() -> None:
+    refuses("import math, os", "import of os: a script is read, not run; it may use math, random")
+    refuses("import math.pi", "import of math.pi is not read|is not read")
+    refuses("from math import _x", r"math._x is not read")
+
+
+def test_a_number_of_random_without_a_seed_is_noted_once() -> None:
+    evaluator = reads("import random\nx = 1\nfor i in range(3):\n    x += random.random()\nx += random.random()")
+    assert evaluator.notes == {"random numbers without a seed: the seed 0 is taken": 4}
+    assert reads("import random\nrandom.seed(5)\nrandom.random()").notes == {}
+
+
+def test_a_long_script_that_is_gone_through_once_is_read() -> None:
+    reads("x = 1 + 2\n" * 900, Limits(steps=1))
+    refuses("for i in range(10000):\n    x = 1", "more than 54 steps", 2, Limits(steps=10))

@@ -1,0 +1,67 @@
+import pytest
+
+from lidardraft.drafting.script.limits import Budget, Limits, RefusalError
+from lidardraft.drafting.script.values import (
+    Builtin,
+    Namespace,
+    Record,
+    checked,
+    describe,
+    elements,
+    length,
+    real,
+    reals,
+)
+
+
+def test_a_record_has_nothing_of_its_own() -> None:
+    record = Record()
+    for use in (
+        lambda: record.attribute("x"),
+        lambda: record.set_attribute("x", 1),
+        lambda: record.item(0),
+        lambda: record.set_item(0, 1),
+        record.elements,
+        record.negative,
+        lambda: record.call([], {}),
+    ):
+        with pytest.raises(RefusalError, match="a value"):
+            use()
+    assert record.truth()
+    assert record.equals(record)
+    assert not record.equals(Record())
+
+
+def test_what_python_says_of_wrong_arguments_is_passed_on() -> None:
+    double = Builtin("double", lambda x: 2 * x)
+    assert double.call([4], {}) == 8
+    with pytest.raises(RefusalError, match=r"^double: .*missing 1 required"):
+        double.call([], {})
+    with pytest.raises(RefusalError, match=r"math\.tau is not read"):
+        Namespace("math", {"pi": 3}).attribute("tau")
+
+
+def test_numbers_are_finite_and_not_too_large() -> None:
+    assert real(True, "x") == 1.0
+    assert reals([1, 2.5], 2, "x") == (1.0, 2.5)
+    for bad in (float("nan"), float("inf"), 1e301, "1", None):
+        with pytest.raises(RefusalError, match=r"x is .*; it must be a finite number"):
+            real(bad, "x")
+    for bad in ([1], [1, 2, 3], "ab", 5):
+        with pytest.raises(RefusalError, match=r"x is .*; it must be 2 numbers"):
+            reals(bad, 2, "x")
+    assert checked(2**63) == 2**63
+    with pytest.raises(RefusalError, match="more than 63 bits"):
+        checked(2**63 + 1)
+
+
+def test_lengths_and_elements() -> None:
+    budget = Budget(Limits(length=5))
+    assert elements("ab", budget) == ["a", "b"]
+    assert elements({"a": 1}, budget) == ["a"]
+    assert length(range(3)) == 3
+    with pytest.raises(RefusalError, match="a range without end"):
+        length(range(-(2**63), 2**63))
+    with pytest.raises(RefusalError, match="a value of 6 elements; 5 are the most"):
+        elements(range(6), budget)
+    assert describe("a" * 100) == repr("a" * 40)

@@ -1,0 +1,37 @@
+import ast
+from pathlib import Path
+
+import pytest
+from exported_layouts import EVERYTHING, drafted
+
+from lidardraft.drafting.blender import layout_from_blender
+from lidardraft.formats.blender_script import blender_script, write_blender_script
+from lidardraft.scene.layout import Layout, Primitive
+
+
+@pytest.mark.parametrize("layout", [EVERYTHING, Layout((EVERYTHING.primitives[0],)), *drafted()])
+def test_a_layout_comes_back_to_the_last_digit(layout: Layout) -> None:
+    assert layout_from_blender(blender_script(layout)) == layout
+
+
+def test_names_from_others_stay_text() -> None:
+    name = "\"); import os; os.system('x') #\n'''\\ \x1b[31m \ud800"
+    layout = Layout((Primitive(shape="box", center=(1, 2, 3), size=(1, 1, 1), label="wall", id=name),), {"x": name})
+    script = blender_script(layout)
+    imports = [node for node in ast.walk(ast.parse(script)) if isinstance(node, ast.Import | ast.ImportFrom)]
+    assert [alias.name for node in imports for alias in node.names] == ["bpy"]
+    assert layout_from_blender(script) == layout
+
+
+def test_two_thousand_shapes_are_read_within_the_limits() -> None:
+    boxes = tuple(
+        Primitive(shape="box", center=(k / 7, k / 9, k / 11), size=(1 / 3, 2 / 3, 4 / 3), label="pole", id=f"pole_{k}")
+        for k in range(1800)
+    )
+    assert layout_from_blender(blender_script(Layout(boxes))) == Layout(boxes)
+
+
+def test_it_is_written_whole(tmp_path: Path) -> None:
+    write_blender_script(tmp_path / "a.py", EVERYTHING)
+    assert (tmp_path / "a.py").read_text(encoding="utf-8") == blender_script(EVERYTHING)
+    assert layout_from_blender(tmp_path / "a.py") == EVERYTHING

@@ -1,0 +1,176 @@
+import dataclasses
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from exported_layouts import EVERYTHING, drafted
+
+from lidardraft.errors import FormatError, LayoutError
+from lidardraft.formats.glb import read_glb
+from lidardraft.formats.glb_export import write_glb
+from lidardraft.formats.glb_file import glb_bytes
+from lidardraft.scene.layout import Layout
+from lidardraft.scene.mesh import primitive_mesh, unit_mesh
+
+BOX = unit_mesh("box")
+
+
+def document(*nodes: dict[str, Any], **more: Any) -> tuple[dict[str, Any], bytes]:
+    """A file of a box of 1 m, which the nodes use."""
+    vertices, faces = BOX.vertices.astype("<f4").tobytes(), BOX.faces.astype("<u2").tobytes()
+    return {
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0]}],
+        "nodes": list(nodes),
+        "meshes": [{"name": "Cube", "primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 8},
+            {"bufferView": 1, "componentType": 5123, "type": "SCALAR", "count": 36},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": len(vertices)},
+            {"buffer": 0, "byteOffset": len(vertices), "byteLength": len(faces)},
+        ],
+        "buffers": [{"byteLength": len(vertices) + len(faces)}],
+        **more,
+    }, vertices + faces
+
+
+def read(tmp_path: Path, *nodes: dict[str, Any], classes: dict[str, str] | None = None, **more: Any) -> Layout:
+    path = tmp_path / "a.glb"
+    path.write_bytes(glb_bytes(*document(*nodes, **more)))
+    return read_glb(path, classes)
+
+
+@pytest.mark.parametrize("layout", [EVERYTHING, *drafted()])
+def test_a_layout_comes_back_but_for_float32(tmp_path: Path, layout: Layout) -> None:
+    """Places and sizes to 1e-9 m, angles to 1e-9 rad; vertices of meshes to float32."""
+    write_glb(tmp_path / "a.glb", layout)
+    found = read_glb(tmp_path / "a.glb")
+    assert (found.provenance, found.coverage, len(found)) == (layout.provenance, layout.coverage, len(layout))
+    for was, is_ in zip(layout, found, strict=True):
+        if was.id == "cone":  # a cylinder under the name of a mesh
+            assert is_.shape == "cylinder"
+            is_ = dataclasses.replace(is_, shape="mesh", mesh=was.mesh)
+        for name in ("shape", "label", "id", "instance", "material", "extinction"):
+            assert getattr(was, name) == getattr(is_, name)
+        off = 1e-9 if was.mesh is None else 1e-6 * max(was.size)
+        np.testing.assert_allclose(
+            primitive_mesh(was).vertices.min(axis=0), primitive_mesh(is_).vertices.min(axis=0), atol=off
+        )
+        np.testing.assert_allclose(
+            primitive_mesh(was).vertices.max(axis=0), primitive_mesh(is_).vertices.max(axis=0), atol=off
+        )
+        assert math.remainder(was.yaw - is_.yaw, math.tau) == pytest.approx(0, abs=1e-9 if was.mesh is None else 1e-6)
+
+
+def test_nodes_place_their_meshes_one_below_the_other(tmp_path: Path) -> None:
+    """glTF's y is up: 2 above the parent is 2 m higher, and its -z is our y."""
+    half = math.sqrt(0.5)
+    layout = read(
+        tmp_path,
+        {"name": "Cars", "children": [1, 2], "translation": [10, 0, -3]},
+        {"name": "Car.001", "mesh": 0, "translation": [1, 2, 0], "scale": [4, 1, 2]},
+        {"name": "Cube", "mesh": 0, "rotation": [0, half, 0, half], "scale": [4, 1, 2]},
+    )
+    first, second = layout
+    assert (first.id, first.label, first.instance) == ("Car_001", "car", 1)
+    np.testing.assert_allclose(first.center, (11, 3, 2), atol=1e-12)
+    np.testing.assert_allclose(first.size, (4, 2, 1), atol=1e-12)
+    assert (second.id, second.label, second.instance) == ("Cube", "car", 2)
+    assert second.yaw == pytest.approx(math.pi / 2)
+    assert first.shape == second.shape == "box"
+
+
+def test_a_matrix_is_a_transform_too(tmp_path: Path) -> None:
+    matrix = [4, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1]
+    (box,) = read(tmp_path, {"name": "bus", "mesh": 0, "matrix": matrix})
+    assert (box.center, box.size) == ((5, -7, 6), (4, 1, 2))
+
+
+def test_classes_come_from_extras_names_and_materials(tmp_path: Path) -> None:
+    materials = {"materials": [{"name": "mat_building"}]}
+    part = {"attributes": {"POSITION": 0}, "indices": 1, "material": 0}
+    meshes = {"meshes": [{"primitives": [part]}]}
+    (found,) = read(tmp_path, {"name": "Blob", "mesh": 0}, **materials, **meshes)
+    assert (found.label, found.instance) == ("building", 0)
+    extras = {"class": "truck", "id": "lorry.cab", "instance": 9, "unknown": 5}
+    (found,) = read(tmp_path, {"name": "Blob", "mesh": 0, "extras": extras})
+    assert (found.label, found.id, found.instance) == ("truck", "lorry.cab", 9)
+    (found,) = read(tmp_path, {"name": "Blob.003", "mesh": 0}, classes={"Blob": "wall"})
+    assert found.label == "wall"
+    with pytest.raises(LayoutError, match=r"a.glb: no class for Blob; give them in `classes` \(--class NAME=CLASS\)"):
+        read(tmp_path, {"name": "Blob", "mesh": 0})
+    with pytest.raises(LayoutError, match=r"Blob: label is 'unicorn'|label is 'unicorn'"):
+        read(tmp_path, {"name": "Blob", "mesh": 0, "extras": {"class": "unicorn"}})
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"extensionsRequired": ["KHR_draco_mesh_compression"]}, "needs extensions, .*draco.*; none is read"),
+        ({"buffers": [{"uri": "http://x/a.bin", "byteLength": 168}]}, "in another file or in a URI"),
+        ({"buffers": [{"byteLength": 168}, {"byteLength": 5}]}, "in another file or in a URI"),
+        ({"nodes": [{"name": "car", "mesh": 7}]}, "meshes 7 is not there; the file has 1"),
+        ({"nodes": [{"name": "car", "mesh": 0, "children": [0]}]}, "a circle of nodes"),
+        ({"nodes": [{"name": "car", "mesh": 0, "translation": [1, 2]}]}, r"translation of a node is \[1, 2\]"),
+        ({"nodes": [{"name": "car", "mesh": 0, "rotation": [0, 0, 0, 0]}]}, "a rotation of zeros"),
+        ({"nodes": [{"name": "car", "mesh": 0, "scale": [1e300, 1, 1]}]}, "scale of a node is .* up to 1e9"),
+        ({"nodes": [{"name": "car"}]}, "the file has no triangles"),
+        ({"nodes": 5}, "nodes is 5; it must be a list"),
+        ({"scenes": [{"nodes": "all"}]}, "nodes is 'all'; it must be a list"),
+        ({"scene": 3}, "scenes 3 is not there"),
+        ({"meshes": [{"primitives": [{"attributes": {"POSITION": 1}}]}]}, "accessor 1 is no VEC3"),
+        ({"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 0}]}]}, "accessor 0 is no SCALAR"),
+        ({"meshes": [{"primitives": [{"attributes": {}}]}]}, "accessors None is not there"),
+    ],
+)
+def test_what_is_not_read_gets_one_line(tmp_path: Path, change: dict[str, Any], said: str) -> None:
+    node = {"name": "car", "mesh": 0}
+    with pytest.raises(FormatError, match=rf"a\.glb: .*{said}"):
+        read(tmp_path, node, **change)
+
+
+@pytest.mark.parametrize(
+    ("accessor", "said"),
+    [
+        ({"sparse": {"count": 1}}, "accessor 0 is sparse; that is not read"),
+        ({"componentType": 5123}, "positions that are not float32"),
+        ({"count": 10**9}, "accessor 0 of 1000000000 values reaches to byte"),
+        ({"count": -1}, "count is -1; it must be a whole number"),
+        ({"byteOffset": 10**9}, "reaches to byte"),
+        ({"count": 7}, r"face \d+ is .*; the mesh has 7 vertices"),
+    ],
+)
+def test_accessors_stay_within_the_file(tmp_path: Path, accessor: dict[str, Any], said: str) -> None:
+    fields, _ = document({})
+    accessors = [{**fields["accessors"][0], **accessor}, fields["accessors"][1]]
+    with pytest.raises((FormatError, LayoutError), match=rf"a\.glb: .*{said}"):
+        read(tmp_path, {"name": "car", "mesh": 0}, accessors=accessors)
+
+
+def test_one_mesh_in_very_many_nodes(tmp_path: Path) -> None:
+    """Ten levels of ten children are ten thousand million boxes, told in a few lines."""
+    nodes = [{"name": "car", "children": [k + 1] * 10} for k in range(10)] + [{"name": "car", "mesh": 0}]
+    with pytest.raises(FormatError, match="more than 20000 nodes"):
+        read(tmp_path, *nodes)
+
+
+def test_a_number_that_is_none_in_a_vertex(tmp_path: Path) -> None:
+    fields, binary = document({"name": "car", "mesh": 0})
+    (tmp_path / "a.glb").write_bytes(glb_bytes(fields, np.float32(np.nan).tobytes() + binary[4:]))
+    with pytest.raises(LayoutError, match=r"a.glb: vertex 0 of a mesh is \[nan"):
+        read_glb(tmp_path / "a.glb")
+
+
+def test_the_document_is_json(tmp_path: Path) -> None:
+    fields, binary = document({"name": "car", "mesh": 0})
+    data = glb_bytes(fields, binary)
+    text = json.dumps(fields, separators=(",", ":")).encode()
+    assert text in data
+    (tmp_path / "a.glb").write_bytes(data.replace(b'"asset"', b'"asset}'))
+    with pytest.raises(FormatError, match=r"a.glb: not JSON"):
+        read_glb(tmp_path / "a.glb")

@@ -1,0 +1,79 @@
+import pytest
+
+from lidardraft.errors import LayoutError
+from lidardraft.scene.class_names import OUTRIGHT, check_classes, class_of, id_of, without_number, words_of
+from lidardraft.semantics import BY_NAME
+
+
+@pytest.mark.parametrize("name", [name for name in BY_NAME if name != "none"])
+def test_every_class_is_said_by_its_name(name: str) -> None:
+    for written in (name, name.upper(), f"{name}.001", f"mat_{name}", f"Left_{name.title()}_02"):
+        assert class_of([written], {}) == name
+
+
+@pytest.mark.parametrize(
+    ("name", "label"),
+    [
+        ("Car.001", "car"),
+        ("ParkedCars_12", "car"),
+        ("mat_building", "building"),
+        ("Tree", "vegetation"),
+        ("Tree_Trunk.004", "trunk"),
+        ("TreeCrown", "vegetation"),
+        ("Bushes", "vegetation"),
+        ("StreetLamp", "pole"),
+        ("street light 3", "pole"),
+        ("TrafficLight_2", "traffic-light"),
+        ("Traffic_Lights", "traffic-light"),
+        ("StopSign", "traffic-sign"),
+        ("sign_post", "traffic-sign"),
+        ("HouseWall_N", "building"),
+        ("Garden_Wall", "wall"),
+        ("BusStop", "other"),
+        ("School_Bus", "bus"),
+        ("Parking_Lot", "road"),
+        ("lane_marking", "road"),
+        ("Ground_Plane", "terrain"),
+        ("Pavement_left", "sidewalk"),
+        ("Pedestrians", "person"),
+        ("Cyclist1", "rider"),
+        ("Motorbike", "motorcycle"),
+        ("Fire_Hydrant", "other"),
+        ("CarTrunk", "car"),
+        ("class:truck", "truck"),
+        ("class:truck.002", "truck"),
+    ],
+)
+def test_what_names_say(name: str, label: str) -> None:
+    assert class_of([name], {}) == label
+
+
+@pytest.mark.parametrize(
+    "name", ["Cube.001", "careful", "Oscar", "", "none", "class:unicorn", "12", "Mesh_bus2car"[:4]]
+)
+def test_names_that_say_nothing(name: str) -> None:
+    assert class_of([name], {}) is None
+
+
+def test_the_first_telling_name_counts_and_what_is_given_comes_before_all() -> None:
+    assert class_of(["Cube", "mat_car", "Trees"], {}) == "car"
+    assert class_of(["Car", "Trees"], {"Trees": "other"}) == "other"
+    assert class_of(["Cube.003"], {"Cube": "wall"}) == "wall"
+    assert class_of(["Cube.003"], {"Cube.003": "fence", "Cube": "wall"}) == "fence"
+    assert class_of(["House", f"{OUTRIGHT}wall"], {}) == "wall"
+
+
+def test_classes_that_are_none() -> None:
+    with pytest.raises(LayoutError, match=r"labels\['a'\] is 'cra'; it must be one of .*did you mean 'car'"):
+        check_classes({"a": "cra"})
+    with pytest.raises(LayoutError, match="'none'"):
+        check_classes({"a": "none"})
+
+
+def test_words_numbers_and_ids() -> None:
+    assert words_of("ParkedCAR_01.002 HTMLText") == ["parked", "car", "html", "text"]
+    assert without_number("Car.001") == "Car"
+    assert without_number("a.b") == "a.b"
+    assert id_of("car.001") == "car_001"
+    assert id_of("car_1.body") == "car_1.body"
+    assert len(words_of("a" * 10**6)) == 1
