@@ -10,14 +10,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
-from lidardraft import layout_from_text
+from lidardraft import Sensor, layout_from_text
 from lidardraft.drafting.blender import layout_from_blender
 from lidardraft.drafting.script.limits import Limits
 from lidardraft.errors import FormatError, LidarDraftError, ScriptError
 from lidardraft.formats.blender_script import blender_script, write_blender_script
 from lidardraft.scene.check import check
 from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.view import render_file, save_png
 
 HERE = Path(__file__).parent
 SCRIPTS = sorted((HERE / "blender_scripts").glob("*.py"))
@@ -42,6 +44,18 @@ def test_a_street_as_a_language_model_writes_it() -> None:
     assert not [finding for finding in check(layout) if finding.check in ("size", "on_road", "ego_clear", "in_range")]
     assert layout.provenance["source"] == "street.py"
     assert any("bpy" not in note and note.startswith("line ") for note in layout.provenance["notes"])
+
+
+def test_the_picture_of_the_docs_shows_what_is_read_now(tmp_path: Path) -> None:
+    """docs/blender.png; where it is out of date, copy the file that the message names there."""
+    layout_from_blender(HERE / "blender_scripts" / "street.py").save(tmp_path / "street.json")
+    picture = render_file(tmp_path / "street.json", Sensor.preset("hdl64e"))
+    save_png(picture, tmp_path / "blender.png")
+    with Image.open(HERE.parents[1] / "docs" / "blender.png") as image:
+        shown = np.asarray(image)
+    assert shown.shape == picture.shape, tmp_path
+    different = (np.abs(shown.astype(int) - picture) > 2).any(axis=2)
+    assert different.mean() < 0.001, tmp_path
 
 
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
