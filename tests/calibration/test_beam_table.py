@@ -56,7 +56,7 @@ def test_elevations_heights_and_azimuths_are_found(truth, seed):
     table = fit_beam_table(scans)
     np.testing.assert_array_equal(table.rings, order)
     assert table.columns == 360
-    assert table.residual < 0.005
+    assert table.residual < 0.01
     for beam, ring in enumerate(order):
         out = np.concatenate([np.hypot(*one.points[one.ring == ring, :2].T) for one in scans])
         elevation, height = truth.elevations[beam], truth.origin_heights[beam]
@@ -65,8 +65,8 @@ def test_elevations_heights_and_azimuths_are_found(truth, seed):
             height + at * np.tan(elevation), abs=0.02
         )
         if np.quantile(out, 0.8) > 1.5 * np.quantile(out, 0.2):  # one distance does not tell a height from an angle
-            assert table.elevations[beam] == pytest.approx(elevation, abs=1e-3)
-            assert table.heights[beam] == pytest.approx(height, abs=0.008)
+            assert table.elevations[beam] == pytest.approx(elevation, abs=2e-3)
+            assert table.heights[beam] == pytest.approx(height, abs=0.014)
     # what is known is by how much they differ
     apart = table.azimuth_offsets - truth.azimuth_offsets
     np.testing.assert_allclose(apart, apart.mean(), atol=2e-4)
@@ -75,8 +75,18 @@ def test_elevations_heights_and_azimuths_are_found(truth, seed):
 def test_a_beam_with_one_distance_starts_where_its_neighbour_does():
     sensor = Sensor(name="truth", elevations=(0.05, -0.1, -0.5), origin_heights=(0.2, 0.1, 0.1), columns=360)
     table = fit_beam_table([scan(sensor, 0, np.arange(3))])  # the lowest sees the road alone
-    np.testing.assert_allclose(table.heights, sensor.origin_heights, atol=0.005)
+    np.testing.assert_allclose(table.heights, sensor.origin_heights, atol=0.007)
     np.testing.assert_allclose(table.elevations, sensor.elevations, atol=2e-3)
+
+
+def test_heights_that_are_alike_are_one():
+    heights = (0.209, 0.205, 0.199, 0.126, 0.118, 0.04)
+    sensor = Sensor(
+        name="truth", elevations=(0.03, 0.0, -0.03, -0.06, -0.1, -0.15), origin_heights=heights, columns=360
+    )
+    table = fit_beam_table([scan(sensor, k, np.arange(6)) for k in range(3)])
+    np.testing.assert_allclose(table.heights, [0.204] * 3 + [0.122] * 2 + [0.04], atol=1e-3)
+    assert table.residual < 0.006
 
 
 def test_firings_are_counted_by_their_steps_where_they_are_not_numbered():

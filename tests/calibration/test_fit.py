@@ -114,7 +114,7 @@ def test_a_recorded_hdl64e_loses_no_point_to_another_laser():
     scans = [read_recording(path) for path in paths]
     found = fit_sensor(scans, "mine", like=Sensor.preset("hdl64e"), num_streets=4)
     assert len(found.table.rings) == 64
-    assert found.table.residual < 1e-3
+    assert found.table.residual < 5e-3
     assert found.sensor.max_range == pytest.approx(80.0, abs=1.0)
     for scan in scans:
         row, _, _ = found.sensor.pattern.project(scan.points.astype(np.float64))

@@ -19,6 +19,7 @@ _MOST_POINTS = 40_000  # of a laser: more say nothing new
 _FEWEST_POINTS = 20
 _SCALE = 0.005  # m off the cone, beyond which a return counts less (Cauchy): a motion, a shake of the head
 _ROUNDS = 12
+_ALIKE_HEIGHTS = 0.012  # m
 _FINEST = 1e-3  # m: no recording is less noisy
 _ALIKE = 0.5  # length of the mean direction of a laser's firings, seen from their columns
 _SURE = 0.005  # m: a height less sure than this is that of the nearest laser whose is
@@ -56,40 +57,58 @@ class BeamTable:
 def fit_beam_table(recordings: Sequence[Recording]) -> BeamTable:
     """The lasers of recordings of one unit. Raises `FormatError` where a laser has too few returns to say."""
     rings = np.unique(np.concatenate([np.unique(r.ring) for r in recordings]))
-    cones, errors, angles = [], [], []
-    for ring in rings:
-        points = np.concatenate([r.points[r.ring == ring] for r in recordings]).astype(np.float64)
-        if len(points) < _FEWEST_POINTS:
-            raise FormatError(f"ring {ring} has {len(points)} returns; a laser needs {_FEWEST_POINTS} to be fitted")
-        points = points[:: max(1, len(points) // _MOST_POINTS)]
-        out = np.hypot(points[:, 0], points[:, 1])
-        cones.append(_cone(out, points[:, 2]))
-        off = (points[:, 2] - cones[-1][1] - out * math.tan(cones[-1][0])) * math.cos(cones[-1][0])
-        errors.append(off)
-        angles.append(off / np.maximum(np.hypot(out, points[:, 2]), 1.0))
-    elevations, heights, unsure = np.array(cones).T
-    sure, unsure = unsure <= _SURE, unsure > _SURE
-    for k in np.flatnonzero(unsure):  # all its returns lie at one distance
-        points = np.concatenate([r.points[r.ring == rings[k]] for r in recordings]).astype(np.float64)
-        out = np.maximum(np.hypot(points[:, 0], points[:, 1]), 1e-3)
-        elevations[k] = math.atan(float(np.median(points[:, 2] / out)))
-        nearest = np.argmin(np.where(sure, np.abs(elevations - elevations[k]), np.inf))
-        heights[k] = heights[nearest] if sure.any() else 0.0
-        elevations[k] = math.atan(float(np.median((points[:, 2] - heights[k]) / out)))
+    returns = [_returns(recordings, int(ring)) for ring in rings]
+    elevations, heights, unsure = np.array([_cone(*one) for one in returns]).T
+    if (unsure <= _SURE).any():  # a laser whose returns all lie at one distance starts where the nearest one does
+        sure = np.where(unsure <= _SURE, elevations, np.inf)
+        slopes = [math.atan(float(np.median(z / out))) for out, z in returns]
+        heights = np.array([heights[np.argmin(np.abs(sure - slope))] if u > _SURE else h
+                            for h, u, slope in zip(heights, unsure, slopes, strict=True)])  # fmt: skip
+    else:
+        heights = np.zeros(len(rings))
+    heights = _grouped(heights)
+    elevations = np.array(
+        [math.atan(float(np.median((z - h) / out))) for (out, z), h in zip(returns, heights, strict=True)]
+    )
+    off = [
+        (z - h) * math.cos(e) - out * math.sin(e) for (out, z), h, e in zip(returns, heights, elevations, strict=True)
+    ]
+    angles = [one / np.maximum(np.hypot(out, z), 1.0) for one, (out, z) in zip(off, returns, strict=True)]
     order = np.argsort(-elevations, kind="stable")
     if (np.diff(elevations[order]) >= 0).any():
         raise FormatError("two lasers have the same elevation; their rings are not those of one unit")
     columns = _columns(recordings)
-    every, each = np.concatenate(errors), np.concatenate(angles)
     return BeamTable(
         elevations=elevations[order],
         heights=heights[order],
         azimuth_offsets=_azimuth_offsets(recordings, rings[order], columns),
         rings=rings[order],
         columns=columns,
-        residual=_rms(every),
-        angle_residual=_rms(each),
+        residual=_rms(np.concatenate(off)),
+        angle_residual=_rms(np.concatenate(angles)),
     )
+
+
+def _returns(recordings: Sequence[Recording], ring: int) -> tuple[np.ndarray, np.ndarray]:
+    """Distance from the axis and height of a laser's returns, f64 [N]; raises `FormatError` where there are few."""
+    points = np.concatenate([r.points[r.ring == ring] for r in recordings]).astype(np.float64)
+    if len(points) < _FEWEST_POINTS:
+        raise FormatError(f"ring {ring} has {len(points)} returns; a laser needs {_FEWEST_POINTS} to be fitted")
+    points = points[:: max(1, len(points) // _MOST_POINTS)]
+    return np.maximum(np.hypot(points[:, 0], points[:, 1]), 1e-3), points[:, 2]
+
+
+def _grouped(heights: np.ndarray) -> np.ndarray:
+    """Heights with one value for those that lie within _ALIKE_HEIGHTS: lasers of one height are cast together, which
+    takes half the time."""
+    grouped, order = heights.copy(), np.argsort(heights)
+    start = 0
+    for end in range(1, len(order) + 1):
+        if end == len(order) or heights[order[end]] - heights[order[start]] > _ALIKE_HEIGHTS:
+            group = order[start:end]
+            grouped[group] = (heights[group].min() + heights[group].max()) / 2
+            start = end
+    return grouped
 
 
 def _cone(out: np.ndarray, z: np.ndarray) -> tuple[float, float, float]:
