@@ -30,6 +30,8 @@ pub(crate) struct MeshBody {
     normals: OnceLock<Vec<[f32; 3]>>,
     /// The triangles as the scan kernel reads them.
     pub(crate) meshlets: Meshlets,
+    /// Whether rays from outside surely meet a face that looks at them before one that looks away.
+    pub(crate) outward: bool,
     /// The box around them in the frame of the body.
     pub(crate) bounds: Bounds,
 }
@@ -51,12 +53,13 @@ pub(crate) struct Body {
 impl MeshBody {
     /// A mesh scaled by `size` along its axes.
     pub(crate) fn new(mesh: TriangleMesh, size: DVec3) -> MeshBody {
+        let outward = mesh.is_proven_outward();
         let (vertices, faces) = mesh.into_parts();
         let vertices: Vec<DVec3> = vertices.into_iter().map(|v| DVec3::from(v) * size).collect();
         let around = |all: Bounds, &face: &[u32; 3]| all.union(triangle(&vertices, face).bounds());
         let bounds = faces.iter().fold(Bounds::EMPTY, around);
         let (bvh, normals) = (OnceLock::new(), OnceLock::new());
-        MeshBody { bvh, normals, meshlets: Meshlets::new(&vertices, &faces), vertices, faces, bounds }
+        MeshBody { bvh, normals, meshlets: Meshlets::new(&vertices, &faces), outward, vertices, faces, bounds }
     }
 
     /// The hierarchy over the triangles.

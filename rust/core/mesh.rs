@@ -1,6 +1,11 @@
 //! Triangle meshes.
 
-use crate::{Error, Result};
+use glam::DVec3;
+
+use crate::{Bounds, Error, Result};
+
+/// Volumes, as shares of the box around a mesh, that rounding cannot turn to the other side.
+const SURE: f64 = 1e-9;
 
 /// Triangles that share vertices; every coordinate is finite and every index in range.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,6 +54,51 @@ impl TriangleMesh {
             edges[first..].iter().take_while(|&other| other == edge).take(2).count()
         };
         edges.iter().copied().find(|&[a, b]| count(&[a, b]) != 1 || count(&[b, a]) != 1)
+    }
+
+    /// Whether it is proven that the mesh encloses one body, cuts itself nowhere, and that its faces run counterclockwise
+    /// seen from outside. Many meshes that do are not proven to.
+    ///
+    /// If every face looks away from the middle, directions from there meet no face from behind. A closed surface is then met
+    /// equally often in all directions; if that is once in one of them, no two faces cover the same direction, and so none
+    /// touches another.
+    pub(crate) fn is_proven_outward(&self) -> bool {
+        let vertex = |v: u32| DVec3::from(self.vertices[v as usize]);
+        let bounds = self
+            .faces
+            .iter()
+            .flatten()
+            .fold(Bounds::EMPTY, |all, &v| all.union(Bounds { min: vertex(v), max: vertex(v) }));
+        let (middle, sure) = (bounds.center(), SURE * (bounds.max - bounds.min).element_product());
+        let corners = |face: &[u32; 3]| face.map(|v| vertex(v) - middle);
+        let volume = |a: DVec3, b: DVec3, c: DVec3| a.dot(b.cross(c));
+        let looks_away = |face: &[u32; 3]| {
+            let [a, b, c] = corners(face);
+            volume(a, b, c) > sure
+        };
+        if !self.faces.iter().all(looks_away) {
+            return false;
+        }
+        let [a, b, c] = corners(&self.faces[0]);
+        let through = 0.5 * a + 0.3 * b + 0.2 * c;
+        let may_meet = |face: &&[u32; 3]| {
+            let [a, b, c] = corners(face);
+            [(a, b), (b, c), (c, a)].into_iter().all(|(a, b)| volume(through, a, b) >= -sure)
+        };
+        self.faces.iter().filter(may_meet).count() == 1 && self.is_closed()
+    }
+
+    /// Whether each edge is run along once in either direction.
+    fn is_closed(&self) -> bool {
+        let edge = |[from, to]: [u32; 2]| (from.min(to), from.max(to), from < to);
+        let edges = self.faces.iter().flat_map(|&[a, b, c]| [edge([a, b]), edge([b, c]), edge([c, a])]);
+        let mut edges: Vec<(u32, u32, bool)> = edges.collect();
+        edges.sort_unstable();
+        let both =
+            |pair: &[(u32, u32, bool)]| (pair[0].0, pair[0].1) == (pair[1].0, pair[1].1) && pair[0].2 != pair[1].2;
+        // Two equal edges, or a third one, leave some pair that is none.
+        let (pairs, rest) = edges.as_chunks::<2>();
+        rest.is_empty() && pairs.iter().all(|pair| both(pair)) && edges.windows(2).all(|pair| pair[0] != pair[1])
     }
 
     /// The vertices and faces, without a copy.

@@ -1,6 +1,6 @@
 //! Meshes as meshlets: sixteen triangles that lie close together, and groups of sixteen meshlets.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::AabbTable;
 use super::aabb_table::f32_center;
@@ -18,6 +18,9 @@ pub(crate) struct Meshlets {
     pub(crate) meshlets: Vec<Meshlet>,
     /// The boxes around the meshlets, and around each `GROUP_SIZE` of them in a row.
     pub(crate) meshlet_aabbs: AabbTable,
+    /// A cone around the normals of each meshlet: its axis, by coordinate, and the sine of the angle to its side.
+    pub(crate) normal_axes: [Vec<f32>; 3],
+    pub(crate) normal_sines: Vec<f32>,
     pub(crate) group_aabbs: AabbTable,
     /// Triangles that are no part of a meshlet, and the boxes around them.
     pub(crate) large: Vec<LargeTriangle>,
@@ -58,6 +61,7 @@ impl Meshlets {
         let (large, small): (Vec<_>, Vec<_>) = bounded.partition(|face| face.1.diagonal() > LARGE);
         let order = morton_order(small);
         let (mut meshlets, mut boxes) = (Vec::new(), Vec::new());
+        let (mut normal_axes, mut normal_sines) = ([(); 3].map(|()| Vec::new()), Vec::new());
         for chunk in order.chunks(MESHLET_SIZE) {
             let bounds = chunk.iter().fold(Bounds::EMPTY, |all, face| all.union(face.1));
             let mut meshlet =
@@ -69,14 +73,21 @@ impl Meshlets {
                     (0..3).for_each(|axis| meshlet.corners[k][axis][lane] = local[axis]);
                 }
             }
+            let (axis, sine) = normal_cone(chunk.iter().map(|&(face, _)| corners(face)));
+            normal_axes.iter_mut().zip(axis.to_array()).for_each(|(table, x)| table.push(x));
+            normal_sines.push(sine);
             meshlets.push(meshlet);
             boxes.push(bounds);
         }
+        let padded = meshlets.len().next_multiple_of(WIDEST);
+        normal_axes.iter_mut().chain([&mut normal_sines]).for_each(|table| table.resize(padded, 0.0));
         let groups =
             boxes.chunks(GROUP_SIZE).map(|group| group.iter().fold(Bounds::EMPTY, |all, &next| all.union(next)));
         Meshlets {
             group_aabbs: AabbTable::new(groups.collect()),
             meshlet_aabbs: AabbTable::new(boxes),
+            normal_axes,
+            normal_sines,
             meshlets,
             large: large.iter().map(|&(triangle, _)| LargeTriangle { corners: corners(triangle), triangle }).collect(),
             large_aabbs: AabbTable::new(large.iter().map(|face| face.1).collect()),
@@ -89,6 +100,15 @@ impl Meshlets {
     pub(crate) fn parts(&self) -> usize {
         self.group_aabbs.count + self.large_aabbs.count
     }
+}
+
+/// A cone around the normals of triangles: its axis and the sine of the angle to its side, more than 1 if they look anywhere.
+fn normal_cone(triangles: impl Iterator<Item = [DVec3; 3]> + Clone) -> (Vec3, f32) {
+    let normals = triangles.map(|[a, b, c]| (b - a).cross(c - a).normalize_or_zero());
+    let axis = normals.clone().sum::<DVec3>().normalize_or_zero();
+    let cosine = normals.map(|normal| normal.dot(axis)).fold(1.0, f64::min);
+    let sine = if cosine > 0.0 { (1.0 - cosine * cosine).sqrt() + 1e-4 } else { 2.0 };
+    (axis.as_vec3(), sine as f32)
 }
 
 /// The corners in the same order around, such that the edge from the last to the first is the longest.

@@ -8,15 +8,17 @@ use super::ray_tests::{Facet, Triangle, TriangleTest};
 use super::small_triangles::SmallTriangles;
 use super::view::View;
 use super::visibility_buffer::VisibilityBuffer;
-use crate::Pose;
+use crate::body::{Body, MeshBody};
 use crate::packed::{AabbTable, GROUP_SIZE, LargeTriangle, Meshlets, Outline};
-use crate::simd::{Lanes, Matrix, Vector, WIDEST, rows};
+use crate::simd::{Lanes, Mask, Matrix, Vector, WIDEST, rows};
 
 /// Where a mesh stands in a view.
 pub(super) struct PlacedMesh {
     /// The axes of the view, as rows in the frame of the mesh.
     rows: [[f32; 3]; 3],
     offset: [f32; 3],
+    /// Whether faces that look away are left out: others hide them. Rays start no further than this from the origin [m].
+    culled: Option<f32>,
     /// Both again, for what must be exact.
     into_view: DMat3,
     origin: DVec3,
@@ -34,11 +36,15 @@ pub(super) struct MeshletCenter {
 }
 
 impl PlacedMesh {
-    pub(super) fn new(pose: &Pose, view: &View) -> PlacedMesh {
+    pub(super) fn new(body: &Body, mesh: &MeshBody, view: &View) -> PlacedMesh {
+        let shift = view.motion.as_ref().map_or(0.0, |motion| motion.shift);
+        let within = body.bounds().grown(f64::from(shift) + 1e-3).contains(view.origin);
+        let pose = &body.pose;
         let into_view = view.rotation.transpose();
         let offset = into_view * (pose.translation - view.origin);
         let into_view = into_view * pose.rotation;
-        PlacedMesh { rows: rows(&into_view), offset: offset.as_vec3().to_array(), into_view, origin: offset }
+        let culled = (mesh.outward && !within).then_some(shift);
+        PlacedMesh { rows: rows(&into_view), offset: offset.as_vec3().to_array(), culled, into_view, origin: offset }
     }
 
     /// Middles and half axes of boxes from `at` on, in the view.
@@ -73,7 +79,11 @@ impl Meshlets {
             let bounds = view.bounds(center, &axes, Outline::Box);
             let mut centers = [[0.0; WIDEST]; 3];
             center.store(&mut centers);
-            for (lane, rect) in bounds.rects(end - at, view).iter() {
+            let mut rects = bounds.rects(end - at, view);
+            if let Some(shift) = placed.culled {
+                rects.remove(self.looking_away::<L>(at, placed, center, shift));
+            }
+            for (lane, rect) in rects.iter() {
                 if !buffer.is_occluded::<L>(view, &rect) {
                     let rough = Vec2::new(centers[0][lane], centers[1][lane]);
                     let middle = MeshletCenter::new(placed, &self.meshlet_aabbs, at + lane, rough, &rect);
@@ -81,6 +91,18 @@ impl Meshlets {
                 }
             }
         }
+    }
+
+    /// The meshlets from `at` on, at these centers in the view, all of whose triangles surely look away from where rays
+    /// start; one bit each.
+    #[inline(always)]
+    fn looking_away<L: Lanes>(&self, at: usize, placed: &PlacedMesh, center: Vector<L>, shift: f32) -> u32 {
+        let axis = Matrix::splat(placed.rows).apply(Vector::<L>::load(&self.normal_axes, at));
+        let (distance, sine) = (center.length(), L::load(&self.normal_sines, at));
+        // No normal of the cone has a smaller product with the centre than axis . centre - sine * distance, and no point
+        // of the box is further from it than half its diagonal.
+        let radius = L::load(&self.meshlet_aabbs.size, at).mul_add(L::splat(0.501), L::splat(shift));
+        axis.dot(center).gt(distance.mul_add(sine + L::splat(1e-4), radius)).bits()
     }
 
     #[inline(always)]
@@ -108,6 +130,12 @@ impl Meshlets {
                 continue;
             }
             let test = TriangleTest::new(corners, L::splat(middle.reach), view.rounding);
+            if let Some(shift) = placed.culled {
+                rects.remove(test.looks_away(&corners, shift).bits());
+                if rects.is_empty() {
+                    continue;
+                }
+            }
             let ids = &meshlet.triangles[at..at + L::N];
             let small = SmallTriangles { test, corners, reach: middle.reach, numbers: ids, first, step };
             rects.remove(small.rasterize(&bounds, &rects, view, buffer));

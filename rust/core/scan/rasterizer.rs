@@ -56,7 +56,7 @@ impl Rasterizer {
                     rasterize_unresolved::<L>(&visible.rect, view, &mut self.buffer)
                 }
                 Solid::Mesh(mesh) => {
-                    let (placed, ids) = (PlacedMesh::new(&body.pose, view), (id, u32::from(surfaces)));
+                    let (placed, ids) = (PlacedMesh::new(body, mesh, view), (id, u32::from(surfaces)));
                     let (part, groups) = (visible.part as usize, mesh.meshlets.group_aabbs.count);
                     if part < groups {
                         let to = (&mut self.buffer, &mut self.triangles);
@@ -109,7 +109,7 @@ impl Rasterizer {
 
     #[inline(always)]
     fn find_parts<L: Lanes>(&mut self, number: u32, body: &Body, mesh: &MeshBody, view: &View) {
-        let placed = PlacedMesh::new(&body.pose, view);
+        let placed = PlacedMesh::new(body, mesh, view);
         // Rays that start in a medium interact with it before they meet its surface.
         let shift = view.motion.as_ref().map_or(0.0, |motion| f64::from(motion.shift));
         let within = body.extinction.is_some() && body.bounds().grown(shift + 1e-3).contains(view.origin);

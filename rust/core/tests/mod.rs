@@ -10,6 +10,7 @@ mod noise;
 mod obj;
 mod observe;
 mod origins;
+mod outward;
 mod receiver;
 mod scans;
 mod sensor_pattern;

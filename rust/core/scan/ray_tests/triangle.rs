@@ -106,6 +106,15 @@ impl<L: Lanes> TriangleTest<L> {
         }
     }
 
+    /// Where the triangle with these corners surely looks away from all rays that start within `shift` of those it is a
+    /// test for.
+    #[inline(always)]
+    pub(in crate::scan) fn looks_away(&self, [a, b, c]: &[Vector<L>; 3], shift: f32) -> L::Mask {
+        let normal = (*b - *a).cross(*c - *b);
+        let known = L::splat(UNBOUNDED).gt(self.edge_error);
+        known & normal.dot(*b).gt(normal.length() * L::splat(1.01 * shift))
+    }
+
     /// The products of the rows with (x, y, slope).
     #[inline(always)]
     pub(in crate::scan) fn products(&self, x: L, y: L, slope: L) -> [L; 4] {

@@ -211,3 +211,33 @@ fn straight_up_and_down() {
     }
     assert!(tally.hits > tally.rays / 5, "{tally:?}");
 }
+
+/// Faces that look away are left out where a mesh is proven to hide them: not for a sensor within it, nor one that drives
+/// through its wall, nor of a mesh that is inside out.
+#[test]
+fn closed_meshes_from_outside_and_within() {
+    let (mut tally, mut random) = (Tally::default(), Random(31));
+    let whole = box_mesh();
+    let turned = whole.faces().iter().map(|&[a, b, c]| [c, b, a]).collect();
+    let turned = TriangleMesh::new(whole.vertices().to_vec(), turned).unwrap();
+    let pattern = pattern(spec(linear(1.2, -1.2, 25), 70));
+    for round in 0..30 {
+        let body = |mesh: &TriangleMesh, x: f64, random: &mut Random| Primitive {
+            yaw: random.between(-4.0, 4.0),
+            instance: x as u32,
+            ..primitive(Shape::Mesh(mesh.clone()), [x, 0.5, 0.0], random.vector(0.5, 4.0).to_array())
+        };
+        let bodies = [(&whole, 0.0), (&turned, 4.0), (&whole, 9.0)];
+        let bodies = scene(bodies.map(|(mesh, x)| body(mesh, x, &mut random)).to_vec());
+        let pose = Pose { rotation: random.rotation(), translation: random.vector(-0.3, 0.3) };
+        for x in [0.0, 0.25, 2.0, 4.0, 6.5] {
+            let pose = Pose { translation: pose.translation + DVec3::X * x, ..pose };
+            tally.compare(format!("round {round}, {x}"), &bodies, &pattern, &[pose]);
+            let drive: Vec<Pose> = (0..70)
+                .map(|k| Pose { translation: pose.translation + DVec3::Y * 0.05 * f64::from(k), ..pose })
+                .collect();
+            tally.compare(format!("round {round}, {x}, driving"), &bodies, &pattern, &drive);
+        }
+    }
+    assert!(tally.hits > tally.rays / 4, "{tally:?}");
+}
