@@ -24,6 +24,7 @@ class ChunkReader:
         self.chunks, self.index = chunks, 0
         self.notes = SentenceNotes(text)
         self.open: list[Mention] = []  # what the next position or state belongs to
+        self.latest: list[Mention] = []  # what "it" means at the beginning of a clause
         self.host: list[Mention] = []  # what was open before "with"
         self.prefix: Position | None = None  # introduces the objects that follow
         self.prefix_weak = False

@@ -12,6 +12,7 @@ from lidardraft.drafting.sentence_chunks import JUNCTIONS, ROAD_OF, Chunk
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.sentence_notes import Mention, keep_away
 
+_OF_NOTHING = ("RELATED", "BETWEEN", "LEFT_OF", "RIGHT_OF", "FOLLOWED")  # without an object after them
 _DISTANCES = ("DISTANCE", "NEAR", "FAR")
 _FROM_THE_EGO = {  # where something is that the ego is behind, in front of, ...
     "behind": ("front", ""),
@@ -41,10 +42,11 @@ class PositionReader(ChunkReader):
         elif (following.is_object or following.is_unknown) and refers(chunk, following, linked=linked):
             self.index += 1
             self._refer(chunk, relation, self._references(chunk, following), before)
-        elif chunk.tokens[-1].type in ("RELATED", "BETWEEN", "LEFT_OF", "RIGHT_OF", "FOLLOWED"):
-            self._report(chunk)
         else:
-            self._place(chunk, following, before)
+            self._report_tokens(token for token in chunk.tokens if token.type in _OF_NOTHING)
+            tokens = [token for token in chunk.tokens if token.type not in _OF_NOTHING]
+            if tokens:
+                self._place(Chunk("position", tokens), following, before)
 
     def _references(self, chunk: Chunk, named: Chunk) -> list[Mention]:
         """What a position is relative to, one mention or two; none where it is unknown."""
@@ -77,14 +79,12 @@ class PositionReader(ChunkReader):
         elif chunk.tokens[-1].type == "FOLLOWED" and self._open_known():
             subjects, self.open = self._open_known()[-1:], references
             self._relate(relation, subjects, at)
-        elif (before != "" and (self._following().is_object or self._following().is_unknown)) or (
-            before in (None, "STOP") and self._following().name == "COMMA"
-        ):
+        elif before != "" and self._subject_follows(before, references):
             self.relation = (relation, references, at)
-        elif self._open_known():
+        elif self._subjects(references):
             if chunk.tokens[-1].type == "OVERTAKING":
                 at = dataclasses.replace(at, heading="with")
-            for mention in self._open_known():
+            for mention in self._subjects(references):
                 mention.spans.append(chunk.span)
             self._relate(relation, references, at)
         elif self.has_ego and relation in _FROM_THE_EGO and not any(one.placed for one in references):
@@ -95,9 +95,20 @@ class PositionReader(ChunkReader):
         else:
             self._report(chunk)
 
+    def _subject_follows(self, before: str | None, references: list[Mention]) -> bool:
+        """Whether a relation that begins a clause is that of the object after it, as in "behind the bus, a cyclist"."""
+        following, after = self._following(), self._following(1)
+        if following.name == "COMMA" and (before in (None, "STOP") or not self._subjects(references)):
+            following = after
+        return following.is_object or following.is_unknown
+
+    def _subjects(self, references: list[Mention]) -> list[Mention]:
+        """The open mentions that can be placed from the references: those that these are not placed from."""
+        return [mention for mention in self._open_known() if not any(_depends(one, mention) for one in references)]
+
     def _relate(self, relation: str, references: list[Mention], at: Position) -> None:
         """The open mentions are at this relation to the references, which the next position then places."""
-        subjects = [one for one in self._open_known() if all(one is not reference for reference in references)]
+        subjects = self._subjects(references)
         for mention in subjects:
             mention.relation, mention.references = relation, references
             mention.at = mention.at.narrowed(at) if mention.placed and not mention.weak else at
@@ -119,6 +130,9 @@ class PositionReader(ChunkReader):
             self._report(chunk)
         elif sidewalk_only and (listed or not self.open):
             self.notes.sidewalk = True
+        elif before == "WITH" and position.spacing and self.host:
+            self.open = self.host
+            self._attach(position, chunk, listed)
         elif before in (None, *LINKS) and self._introduces(strongly=not self.open):
             self.prefix, self.prefix_weak = position, False
         elif self.open:
@@ -191,3 +205,8 @@ class PositionReader(ChunkReader):
         passed = ("EGO", "COMMA", "turn") if strongly else ("EGO", "turn")
         following = next((c for c in self.chunks[self.index : self.index + 3] if c.name not in passed), END)
         return following.is_object or following.is_unknown
+
+
+def _depends(mention: Mention, other: Mention) -> bool:
+    """Whether a mention is another one, or placed from it."""
+    return mention is other or any(_depends(reference, other) for reference in mention.references)

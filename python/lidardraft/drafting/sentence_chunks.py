@@ -67,7 +67,7 @@ class Chunk(NamedTuple):
         """Whether words without a determiner can name something, at the beginning of a clause."""
         unknown = [token for token in self.tokens if token.type == "UNKNOWN"]
         bare = bool(unknown) and self.name == "phrase" and self.head == "UNKNOWN" and not self.types & set(STATES)
-        return bare and not unknown[0].endswith(_FALSE_NOUNS)
+        return bare and (not unknown[0].endswith(_FALSE_NOUNS) or unknown[0].endswith("thing"))
 
 
 def chunks_of(tree: Tree[Token]) -> list[Chunk]:

@@ -50,7 +50,7 @@ class Mention:
         if heading == "parked" and not kind.drives:
             heading = None
         if self.in_queue and kind.drives and heading is None and not references:
-            heading, lane = "with", lane or "own"
+            heading, lane = "with", lane or (None if any(side for _, side in at.places) else "own")
             spacing = spacing or (kind.sizes.largest[0] if kind.sizes else 6.0) + _QUEUE_GAP
         elif self.in_queue and kind.walks:
             spacing = spacing or _BESIDE_EACH_OTHER

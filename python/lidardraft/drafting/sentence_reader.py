@@ -13,7 +13,7 @@ from lidardraft.drafting.number_words import COUNT_TYPES, count_of, exact_count,
 from lidardraft.drafting.object_qualities import add_qualities
 from lidardraft.drafting.position_reader import PositionReader
 from lidardraft.drafting.positions import Position
-from lidardraft.drafting.references import mention_of
+from lidardraft.drafting.references import known_mention, mention_of
 from lidardraft.drafting.sentence_chunks import JUNCTIONS, KIND_OF, ROAD_OF, SETTINGS, Chunk
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.sentence_notes import Mention, SentenceNotes
@@ -49,6 +49,8 @@ class SentenceReader(PositionReader):
             self.open, self.prefix, self.denial = [], None, ""
         elif chunk.name == "EGO":
             self.has_ego = True
+        elif chunk.name == "PRONOUN" and not self.open:
+            self.open = self.latest
         elif chunk.name in LISTED and any(mention.kind is None for mention in self.open):
             # what is unknown ends here, and so does the list that it is in; "on the left" still holds after "and"
             self.open, self.restart, self.denial = [], self.index - 1, ""
@@ -106,14 +108,14 @@ class SentenceReader(PositionReader):
         if before == "WITH" and self.host and not any(mention.placed for mention in self.host):
             self.open = self.host
         elif before != "" or not self.open or any(mention.placed for mention in self.open):
-            self.open = [Mention(None)]
+            self.open = self.latest = [Mention(None)]
             self.relation = None
 
     def _ellipsis(self, chunk: Chunk) -> None:
         """A number without a noun means more of the same, as in "two cars ahead and one behind"."""
         last = self.notes.mentions[-1] if self.notes.mentions else None
         following = self._following()
-        unclear = unclear_counts(chunk.tokens) or self._before(1) not in LISTED
+        unclear = unclear_counts(chunk.tokens) or self._before(1) not in (*LISTED, "STOP")
         if last is None or unclear or following.name not in ("position", "turn"):
             self._report(chunk)
             return
@@ -149,6 +151,7 @@ class SentenceReader(PositionReader):
         mention = mention_of(chunk)
         kind = SENTENCE_KINDS[str(mention.kind)]
         before = self._previous()
+        known = known_mention(chunk, self.notes.mentions, []) if self._before(1) == "STOP" else None
         if self._is_ego(chunk, mention):
             self.has_ego = True
         elif kind.is_ridden and self._is_ridden(chunk, before):
@@ -158,6 +161,9 @@ class SentenceReader(PositionReader):
                 self._report_tokens(t for t in chunk.tokens if t.type in COUNT_TYPES)
         elif before.name == "PREPOSITION" and self._before(2) == "" and self._open_known():
             self._relate("near", [self._reference(chunk)], Position())
+        elif known is not None:
+            known.spans.append(chunk.span)
+            self.open = self.latest = [known]
         else:
             self._put(chunk, mention)
 
@@ -171,8 +177,9 @@ class SentenceReader(PositionReader):
             self.open = []
         if self.excepting:
             self.excepting = False
-            denied = bool(self.notes.mentions) and self.notes.mentions[-1].count == 0
-            mention.count = mention.count if denied else 0
+            said = [*self.notes.mentions, *(m for m in self.latest if m.kind is None)]
+            wanted = bool(said) and said[-1].count != 0
+            mention.count = 0 if wanted else mention.count
         elif mention.count == 0:
             self.denial = str(chunk.tokens[0])
         elif self.denial and listed:
@@ -182,6 +189,7 @@ class SentenceReader(PositionReader):
         if self.prefix is not None:
             mention.at, mention.placed, mention.weak = self.prefix, True, self.prefix_weak
         self.open.append(mention)
+        self.latest = self.open
         self.notes.mentions.append(mention)
         if self.relation is not None:
             name, references, at = self.relation
