@@ -32,6 +32,7 @@ class ChunkReader:
         self.turning: str | None = None  # how the object that follows turns
         self.denial = ""  # the word that denies a list of objects
         self.excepting = False
+        self.excepted: list[Mention] = []  # what the next object or place is an exception from
         self.has_ego = False
         self.restart = -1  # the link that ended what is unknown
 

@@ -60,7 +60,7 @@ class SentenceReader(PositionReader):
         elif chunk.name == "AND" and self.denial != "without":
             self.denial = ""
         elif chunk.name == "EXCEPT":
-            self.excepting = True
+            self.excepting, self.excepted = True, self.open
         elif chunk.name == "NO_SIDEWALK":
             self.notes.sidewalk = False
         elif chunk.name == "EACH_WAY":
@@ -177,8 +177,7 @@ class SentenceReader(PositionReader):
             self.open = []
         if self.excepting:
             self.excepting = False
-            said = [*self.notes.mentions, *(m for m in self.latest if m.kind is None)]
-            wanted = bool(said) and said[-1].count != 0
+            wanted = bool(self.excepted) and self.excepted[-1].count != 0
             mention.count = 0 if wanted else mention.count
         elif mention.count == 0:
             self.denial = str(chunk.tokens[0])
