@@ -78,7 +78,7 @@ class ChunkReader:
         if head in KIND_OF:
             return list(unclear_counts(chunk.tokens))
         if head == "TRAFFIC":
-            clear = not exact and not unclear_counts(chunk.tokens)
+            clear = not exact and not unclear_counts(chunk.tokens) and "COUNT_RANGE" not in chunk.types
         elif head == "LANE":
             clear = exact is not None and self.notes.lanes in (0, exact)
         elif chunk.types <= {*COUNT_TYPES, "A", "THE", "ANOTHER"}:
