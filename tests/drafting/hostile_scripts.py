@@ -154,7 +154,7 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("conditionals", "x = " + "1 if 1 else " * 5000 + "1", 1),
     ("indentation", "".join(" " * k + "if 1:\n" for k in range(150)) + " " * 150 + "pass", 101),
     ("elif chain", "if 0:\n    pass\n" + "elif 0:\n    pass\n" * 2000, 299),
-    ("f-strings within f-strings", "x = 1\ny = " + "f'{" * 3 + "1" + "}'" * 3, 2),
+    ("unknown conversion of an f-string", "x = 1\ny = f'{x!z}'", 2),
     ("too many tokens", "x = [" + "1," * 200000 + "]", 1),
     ("too many lines", "x = 1\n" * 100000, 20001),
     ("too long", "# " + "a" * 5_000_000, 1),

@@ -54,7 +54,7 @@ def test_arrays_with_a_stride() -> None:
         "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 2, "byteOffset": 4}],
         "bufferViews": [{"buffer": 0, "byteStride": 20, "byteLength": 48}],
     }
-    assert GlbFile(document, values).array(0, "VEC3").tolist() == [[1, 2, 3], [6, 7, 8]]
+    assert GlbFile(document, memoryview(values)).array(0, "VEC3").tolist() == [[1, 2, 3], [6, 7, 8]]
     document["bufferViews"][0]["byteStride"] = 4
     with pytest.raises(FormatError, match="accessor 0 of 2 values"):
-        GlbFile(document, values).array(0, "VEC3")
+        GlbFile(document, memoryview(values)).array(0, "VEC3")

@@ -114,6 +114,20 @@ def test_words_of_names_say_the_class_too(tmp_path):
 
 def test_a_huge_file_is_not_opened(tmp_path):
     with open(tmp_path / "a.obj", "wb") as file:
-        file.truncate(2**27 + 1)
-    with pytest.raises(FormatError, match=r"a.obj has 134217729 bytes; OBJ files of up to 134217728 are read"):
+        file.truncate(2**26 + 1)
+    with pytest.raises(FormatError, match=r"a.obj has 67108865 bytes; OBJ files of up to 67108864 are read"):
+        read_obj(tmp_path / "a.obj")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("\n" * 4_000_001, "4000001 lines; OBJ files of up to 4000000"),
+        ("f " + "1 " * 8_000_000, "8000001 words; OBJ files of up to 8000000"),
+        ("\no car\nf 1 1 1" * 65_536, "65536 objects; OBJ files of up to 65535"),
+    ],
+)
+def test_what_takes_too_long_to_read_is_refused_before(tmp_path, text, said):
+    (tmp_path / "a.obj").write_text(text)
+    with pytest.raises(FormatError, match=rf"a.obj has {said}"):
         read_obj(tmp_path / "a.obj")

@@ -16,14 +16,13 @@ from lidardraft.json_fields import are_numbers, check_object
 from lidardraft.scene.class_names import PROPERTIES, check_classes, class_of, id_of
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.mesh import TriangleMesh
-from lidardraft.scene.placed_mesh import placed_mesh
+from lidardraft.scene.placed_mesh import MOST_RECOGNISED, placed_mesh
 from lidardraft.semantics import BY_NAME
 
 # glTF has y up and looks along +z; Blender's exporters and importers turn it so: x, y, z becomes x, -z, y.
 _LAYOUT_FROM_GLTF = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
 _MOST_NODES, _DEEPEST = 20_000, 64
-_MOST_WELDED = 10_000  # vertices of a mesh that may be a simple shape
-_MOST_VERTICES = 4_000_000  # and triangles, of all nodes together: a mesh may be used by many
+_MOST_VERTICES = 2_000_000  # and triangles, of all nodes together: a mesh may be used by many
 _TRIANGLES = 4
 Piece = tuple[dict[str, Any], np.ndarray, list[str], dict[str, Any]]  # node, world_from_node, names, mesh primitive
 
@@ -158,7 +157,7 @@ def _triangles(file: GlbFile, part: dict[str, Any]) -> tuple[np.ndarray, np.ndar
         raise FormatError(f"{len(positions)} positions and {len(indices)} indices make no triangles that are read")
     faces = indices[: len(indices) // 3 * 3].astype(np.int64).reshape(-1, 3)
     mesh = TriangleMesh(positions, faces)  # names a vertex that is not finite and a face that has no vertex
-    if len(positions) > _MOST_WELDED:
+    if len(positions) > MOST_RECOGNISED:
         return mesh.vertices, mesh.faces
     # Exporters part the faces at sharp edges; vertices at one place are one vertex again.
     vertices, place = np.unique(mesh.vertices, axis=0, return_inverse=True)

@@ -14,7 +14,7 @@ from lidardraft.errors import FormatError
 from lidardraft.files import read_bytes, regular_size
 from lidardraft.json_fields import check_object, is_number, parse_object
 
-MAX_BYTES = 2**28  # of a file: what is made of it fits into 1 GB beside it
+MAX_BYTES = 2**27  # of a file: what is made of it fits into 1 GB beside it
 _MAX_JSON = 2**24  # bytes, that may become ten times as many in memory
 _MAGIC, _VERSION, _JSON, _BINARY = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
 _COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
@@ -26,7 +26,7 @@ class GlbFile:
     """The JSON document of a file and its binary chunk."""
 
     document: dict[str, Any]
-    binary: bytes
+    binary: memoryview
 
     def items(self, name: str) -> list[dict[str, Any]]:
         """The objects of a list of the document, such as "nodes"; none where it has no such list."""
@@ -88,12 +88,12 @@ def parse_glb(data: bytes) -> GlbFile:
         )
     if json_length > _MAX_JSON:
         raise FormatError(f"{json_length} bytes of JSON; up to {_MAX_JSON} are read")
-    document, binary, rest = parse_object(data[20 : 20 + json_length]), b"", 20 + json_length
+    document, binary, rest = parse_object(data[20 : 20 + json_length]), memoryview(b""), 20 + json_length
     if rest + 8 <= length:
         size, kind = struct.unpack_from("<2I", data, rest)
         if kind != _BINARY or rest + 8 + size > length:
             raise FormatError(f"a broken GLB: its second chunk tells of {size} bytes")
-        binary = data[rest + 8 : rest + 8 + size]
+        binary = memoryview(data)[rest + 8 : rest + 8 + size]
     file = GlbFile(document, binary)
     _check_needs(file)
     return file

@@ -10,13 +10,14 @@ from collections.abc import Mapping
 import numpy as np
 
 from lidardraft.errors import FormatError, LayoutError
-from lidardraft.files import named, regular_size, written_whole
+from lidardraft.files import named, read_bytes, regular_size, written_whole
 from lidardraft.scene import mesh
 from lidardraft.scene.class_names import OUTRIGHT, check_classes, class_of, id_of
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import BY_NAME
 
-_MAX_BYTES = 2**27  # of a file: more takes longer to read than a person waits, and a gigabyte of memory
+# What is read in seconds and a gigabyte, whatever it is: bytes, lines, words (which are corners of faces), objects.
+_MAX_BYTES, _MAX_LINES, _MAX_WORDS, _MAX_OBJECTS = 2**26, 4_000_000, 8_000_000, 65_535
 # What Blender's exporter makes of its z-up, y-forward frame by default: y up, -z forward.
 _FRAMES = {"z": np.eye(3), "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])}
 
@@ -36,8 +37,7 @@ def read_obj(
     if not (math.isfinite(scale) and scale > 0):
         raise LayoutError(f"scale is {scale}; it must be a finite number of metres > 0")
     check_classes(labels or {})
-    if (size := regular_size(path)) > _MAX_BYTES:
-        raise FormatError(f"{os.fspath(path)} has {size} bytes; OBJ files of up to {_MAX_BYTES} are read")
+    _check_amount(path)
     objects = mesh.read_obj(path)
     with named(path):
         classes = [class_of((name, material), labels or {}) for name, material, _ in objects]
@@ -65,6 +65,19 @@ def read_obj(
                 )
             )
         return Layout(primitives=tuple(primitives), provenance={"source": os.path.basename(os.fspath(path))})
+
+
+def _check_amount(path: str | os.PathLike[str]) -> None:
+    """Raises `FormatError` for a file that holds more than can be read in a reasonable time."""
+    amounts = {"bytes": regular_size(path)}
+    if amounts["bytes"] <= _MAX_BYTES:
+        data = read_bytes(path)
+        amounts |= {"lines": data.count(b"\n"), "words": data.count(b" ") + data.count(b"\t")}
+        amounts["objects"] = sum(data.count(word) for word in (b"\no ", b"\ng ", b"usemtl "))
+    limits = {"bytes": _MAX_BYTES, "lines": _MAX_LINES, "words": _MAX_WORDS, "objects": _MAX_OBJECTS}
+    for name, amount in amounts.items():
+        if amount > limits[name]:
+            raise FormatError(f"{os.fspath(path)} has {amount} {name}; OBJ files of up to {limits[name]} are read")
 
 
 def write_obj(path: str | os.PathLike[str], layout: Layout) -> None:

@@ -12,6 +12,7 @@ from lidardraft.scene.mesh import TriangleMesh
 
 _LEAN = 1e-6  # the sine of the angle by which a shape may lean, or its axes miss the right angle, and be upright
 _OFF = 1e-4  # of its extents, by which vertices may miss a shape: files hold them in float32
+MOST_RECOGNISED = 10_000  # vertices of a mesh that may be a simple shape
 _ROUND_VERTICES = 20  # that a sphere or a cylinder has at least
 _ROUND_VOLUME = 0.85  # of the round shape, that a polyhedron within it has at least
 
@@ -26,6 +27,8 @@ def placed_mesh(
     """
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     middle, extent = (low + high) / 2, high - low
+    if shape is None and len(vertices) > MOST_RECOGNISED:
+        shape = "mesh"
     shape = shape_of((vertices - middle) / np.where(extent > 0, extent, 1.0), faces) if shape is None else shape
     stretched = matrix[:3, :3] * np.where(extent > 0, extent, 1.0)
     upright = size_and_yaw(stretched, shape)

@@ -44,6 +44,11 @@ def test_parts_of_one_parent_are_one_thing() -> None:
     ]
 
 
+def test_a_parent_that_is_a_part_itself() -> None:
+    script = "add('Car_1_Body')\nbody = bpy.context.object\nadd('Car_1_Cabin')\nbpy.context.object.parent = body"
+    assert [(p.id, p.instance) for p in scene(ADD + script)] == [("Car_1.Body", 1), ("Car_1.Cabin", 1)]
+
+
 def test_properties_come_before_names() -> None:
     layout = scene(
         CUBE + "car['class'] = 'truck'\ncar['id'] = 'lorry.body'\ncar['instance'] = 7\ncar['material'] = 'glass'\n"

@@ -18,9 +18,16 @@ def test_modules_are_those_of_python(script: str) -> None:
 
 
 def test_other_modules_are_refused() -> None:
-    refuses("import math, os", "import of os: a script is read, not run; it may use math, random")
+    refuses("import math, os", "import of os: a script is read, not run; it may use math, random, typing")
     refuses("import math.pi", "import of math.pi is not read|is not read")
     refuses("from math import _x", r"math._x is not read")
+
+
+def test_what_is_said_of_types_is_passed_over() -> None:
+    agrees(
+        "from __future__ import annotations\nimport typing as t\nfrom typing import List\nNumbers = List[float]\n"
+        "def f(a: Numbers, b: t.Optional[int] = None) -> Numbers:\n    return a\nassert f([1]) == [1]"
+    )
 
 
 def test_a_number_of_random_without_a_seed_is_noted_once() -> None:

@@ -88,10 +88,11 @@ def _whole_and_part(item: SceneObject, label: str, classes: Mapping[str, str]) -
         elif isinstance(parent.data, Mesh) and _class_of(parent, classes) == label:
             top = parent
         parent = parent.parent
-    if top is not item:
-        return top.name, item.name
-    match = _NUMBERED_PART.fullmatch(item.name[:200])
-    return (match.group(1), match.group(2)) if match else (item.name, "")
+    match = _NUMBERED_PART.fullmatch(top.name[:200])
+    whole = match.group(1) if match else top.name
+    if item is top:
+        return whole, match.group(2) if match else ""
+    return whole, item.name.removeprefix(whole).lstrip("._ -") or item.name
 
 
 class _Instances:

@@ -60,6 +60,7 @@ class Vector(Record):
             "lerp": lambda other, factor: self._between(other, real(factor, "the factor")),
             "to_tuple": lambda: tuple(self.numbers),
             "rotate": self._rotate,
+            "to_track_quat": lambda track="Z", up="Y": Rotation(tracking(self.numbers, track, up)),
             "to_matrix": lambda: Matrix(rotation_matrix(self.numbers)),
         }
         if name not in methods or (name == "to_matrix" and not isinstance(self, Euler)):
@@ -126,6 +127,22 @@ class Euler(Vector):
     kind = "an Euler"
 
 
+class Rotation(Record):
+    """A quaternion, as the matrix [3, 3] that it stands for."""
+
+    kind = "a Quaternion"
+
+    def __init__(self, array: np.ndarray) -> None:
+        self.array = array
+
+    def attribute(self, name: str) -> Value:
+        methods: dict[str, Callable[..., Value]] = {
+            "to_euler": lambda *_: Euler(angles_of(self.array)),
+            "to_matrix": lambda: Matrix(self.array),
+        }
+        return Builtin(name, methods[name]) if name in methods else super().attribute(name)
+
+
 class Matrix(Record):
     """A square matrix of three or four rows."""
 
@@ -155,6 +172,7 @@ class Matrix(Record):
             "to_4x4": lambda: Matrix(
                 affine(self.array[:3, :3], self.array[:3, 3] if len(self.array) == 4 else np.zeros(3))
             ),
+            "to_euler": lambda *_: Euler(angles_of(self.array[:3, :3] / np.linalg.norm(self.array[:3, :3], axis=0))),
             "to_3x3": lambda: Matrix(self.array[:3, :3]),
             "to_translation": lambda: Vector(self.array[:3, 3].tolist()),
         }
@@ -243,6 +261,22 @@ def angles_of(rotation: np.ndarray) -> list[float]:
         return [math.atan2(-rotation[1, 2], rotation[1, 1]), math.atan2(-rotation[2, 0], across), 0.0]
     x, z = math.atan2(rotation[2, 1], rotation[2, 2]), math.atan2(rotation[1, 0], rotation[0, 0])
     return [x, math.atan2(-rotation[2, 0], across), z]
+
+
+def tracking(direction: list[float], track: Value, up: Value) -> np.ndarray:
+    """The rotation [3, 3] that turns the axis `track` ("X" to "-Z") along a direction, and the axis `up` upwards."""
+    ahead, upward = text(track, "the track axis"), text(up, "the up axis")
+    axes = [name.lower().removeprefix("-") for name in (ahead, upward)]
+    if len(direction) != 3 or not any(direction) or axes[0] == axes[1] or not set(axes) <= {"x", "y", "z"}:
+        raise RefusalError(f"no rotation takes {track!r:.20} along this direction and {up!r:.20} upwards")
+    first, second = (_AXES[name] for name in axes)
+    along = np.array(direction) / np.linalg.norm(direction) * (-1 if ahead.startswith("-") else 1)
+    vertical = np.array([0.0, 0.0, 1.0]) if abs(along[2]) < 1 - 1e-9 else np.array([0.0, 1.0, 0.0])
+    upwards = vertical - (vertical @ along) * along
+    matrix = np.zeros((3, 3))
+    matrix[:, first], matrix[:, second] = along, upwards / np.linalg.norm(upwards)
+    matrix[:, 3 - first - second] = np.cross(matrix[:, first], matrix[:, second])
+    return matrix if np.linalg.det(matrix) > 0 else matrix * np.where(np.arange(3) == 3 - first - second, -1, 1)
 
 
 def affine(linear: np.ndarray, offset: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ from typing import Any
 
 from lidardraft.drafting.script.frame import Frame
 from lidardraft.drafting.script.limits import Limits, RefusalError
-from lidardraft.drafting.script.modules import RandomNumbers, math_module
+from lidardraft.drafting.script.modules import Annotations, RandomNumbers, math_module
 from lidardraft.drafting.script.source import parse
 from lidardraft.drafting.script.statements import Execute, Statements
 from lidardraft.drafting.script.values import Namespace, Record, Value
@@ -27,6 +27,8 @@ class Evaluator(Statements):
         self.modules: dict[str, Value] = {
             "math": math_module(self.budget),
             "random": RandomNumbers(self.budget, self.note),
+            "typing": Annotations(),
+            "__future__": Annotations(),
         }
         self.statements |= {ast.Import: self._import, ast.ImportFrom: self._import_from}
 
@@ -75,7 +77,8 @@ class Evaluator(Statements):
     def _module(self, name: str) -> Any:
         first, *rest = name.split(".")
         if first not in self.modules:
-            raise RefusalError(f"import of {name:.60}: a script is read, not run; it may use {', '.join(self.modules)}")
+            known = ", ".join(module for module in self.modules if not module.startswith("_"))
+            raise RefusalError(f"import of {name:.60}: a script is read, not run; it may use {known}")
         module = self.modules[first]
         for part in rest:
             if part.startswith("_") or not isinstance(module, Record):

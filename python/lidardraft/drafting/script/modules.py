@@ -40,6 +40,18 @@ def math_module(budget: Budget) -> Namespace:
     return Namespace("math", values | {name: getattr(math, name) for name in ("pi", "tau", "e", "inf", "nan")})
 
 
+class Annotations(Record):
+    """`typing` and `__future__`, and all that is in them: what is said of types is passed over."""
+
+    kind = "an annotation"
+
+    def attribute(self, _name: str) -> Value:
+        return self
+
+    def item(self, _key: Value) -> Value:
+        return self
+
+
 class RandomNumbers(Record):
     """`random`, or a `random.Random`: the numbers that Python's generator gives for a seed, which is 0 until it is set.
 
