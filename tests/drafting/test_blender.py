@@ -61,6 +61,7 @@ def test_the_picture_of_the_docs_shows_what_is_read_now(tmp_path: Path) -> None:
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
 def test_a_script_gives_the_same_layout_again(path: Path) -> None:
     assert layout_from_blender(path) == layout_from_blender(path)
+    assert layout_from_blender(str(path)) == layout_from_blender(path)
     text = layout_from_blender(path.read_text())
     assert text.primitives == layout_from_blender(path).primitives
     assert text.provenance["source"] == "blender"

@@ -30,7 +30,7 @@ def layout_from_blender(
     classes: Mapping[str, str] | None = None,
     limits: Limits = _DEFAULT_LIMITS,
 ) -> Layout:
-    """The layout of the scene that a Blender Python script makes: its text, or a path (no str) to its file.
+    """The layout of the scene that a Blender Python script makes: its text, or the path of its file, NAME.py.
 
     Blender's frame is taken as the layout's: x forward, y left, z up, the ego vehicle at the origin. The scene starts
     empty. Classes are those of `classes`, by names of objects, materials or collections, or else what these names say
@@ -40,7 +40,7 @@ def layout_from_blender(
     What was passed over because no shape depends on it is in `provenance["notes"]`. Raises `ScriptError` naming the
     line of what is not understood or more than `limits`, and `LayoutError` listing the names that say no class.
     """
-    if isinstance(script, str):
+    if isinstance(script, str) and ("\n" in script or not script.endswith(".py")):
         return _layout(script, classes or {}, limits, {"source": "blender"})
     if (size := regular_size(script)) > 4 * limits.file:
         raise FormatError(f"{os.fspath(script)} has {size} bytes; scripts of up to {4 * limits.file} are read")
