@@ -189,7 +189,8 @@ def _in_lane(group: ObjectGroup, one: Placed, road: Road) -> bool:
 
 def _related(group: ObjectGroup, one: Placed, references: list[list[Placed]]) -> bool:
     everyone = [reference for of_group in references for reference in of_group]
-    reach = 18.0 + (group.distance or (0.0, 0.0))[1]
+    queue = 12.0 * ((_counts(group)[0]) - 1) if group.relation in ("behind", "in-front-of") else 0.0
+    reach = 18.0 + queue + (group.distance or (0.0, 0.0))[1]
     if group.relation == "between":
         aside = 8.0 if group.record.drives == (max(o.size[2] for o in everyone) < 3.2) else 25.0
         return any(_is_between(one, a, b, aside) for a in everyone for b in everyone if a is not b) or len(everyone) < 2

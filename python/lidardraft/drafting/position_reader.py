@@ -51,16 +51,23 @@ class PositionReader(ChunkReader):
     def _references(self, chunk: Chunk, named: Chunk) -> list[Mention]:
         """What a position is relative to, one mention or two; none where it is unknown."""
         chunks = [named]
-        following, after = self._following(), self._following(1)
+        place = self._following() if self._following().name == "position" else None
+        link, after = self._following(place is not None), self._following(1 + (place is not None))
         pair = chunk.tokens[-1].type == "BETWEEN" and count_of(named.tokens) == 1
-        if pair and following.name == "AND" and (after.is_object or after.is_unknown):
+        if pair and link.name == "AND" and (after.is_object or after.is_unknown):
             chunks.append(after)
-            self.index += 2
+            self.index += 2 + (place is not None)
+        else:
+            place = None
         if any(one.is_unknown for one in chunks):
             for one in chunks:
                 self._report(one)
             return []
-        return [self._reference(one) for one in chunks]
+        references = [self._reference(one) for one in chunks]
+        if place is not None and not references[0].placed:  # "between the bus ahead and the car behind"
+            references[0].at, references[0].placed = read_position(place.tokens), True
+            references[0].spans.append(place.span)
+        return references
 
     def _reference(self, chunk: Chunk) -> Mention:
         """The mention that a phrase means: one that is known, or a new one."""
@@ -114,7 +121,7 @@ class PositionReader(ChunkReader):
             mention.at = mention.at.narrowed(at) if mention.placed and not mention.weak else at
             mention.placed, mention.weak = True, False
         new = [reference for reference in references if not reference.placed and not reference.references]
-        self.open = subjects if len(new) < len(references) else new
+        self.open = new if new and new[-1] is references[-1] else subjects
 
     def _place(self, chunk: Chunk, following: Chunk, before: str | None) -> None:
         """A position that is relative to the ego, or to a road."""

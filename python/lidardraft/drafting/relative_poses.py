@@ -69,7 +69,7 @@ class RelativePoses:
         self, references: Sequence[Footprint], rng: np.random.Generator, number: int, effort: float
     ) -> RoadPose | None:
         """A pose, or None where one of its kind cannot be; `effort` rises from 0 to 1 while nothing fits."""
-        reference = references[number % len(references)]
+        reference, place = references[number % len(references)], number // len(references)
         if self.relation == "between":
             return self._between(references[0], references[1], rng, effort)
         if self.relation == "opposite":
@@ -79,35 +79,40 @@ class RelativePoses:
         if self.relation in ("left-of", "right-of"):
             return self._aside(reference, 1 if self.relation == "left-of" else -1, rng, effort)
         if self.relation == "row":
-            return self._in_line(reference, 1 if reference.pose.along >= 0 else -1, rng, effort)
+            return self._in_line(reference, 1 if reference.pose.along >= 0 else -1, rng, effort, 0)
         if self.relation == "behind":
-            return self._behind(reference, rng, effort)
+            return self._behind(reference, rng, effort, place)
         if self.relation == "in-front-of":
-            return self._in_front(reference, rng, effort)
+            return self._in_front(reference, rng, effort, place)
         return self._beside(reference, rng, effort, _NEAR if self.relation == "near" else _CLOSE)
 
-    def _behind(self, reference: Footprint, rng: np.random.Generator, effort: float) -> RoadPose | None:
+    def _behind(self, reference: Footprint, rng: np.random.Generator, effort: float, place: int) -> RoadPose | None:
         """At its back: of what drives the rear, of what stands beside the road the side away from it."""
         if reference.kind.drives or reference.kind.walks or self._needs_road:
             way = -1 if reference.kind.drives else 1
-            return self._in_line(reference, way * reference.forwards, rng, effort)
+            return self._in_line(reference, way * reference.forwards, rng, effort, place)
         off = reference.half_across + self.size[1] / 2 + self._gap(_CLOSE, rng, effort)
         along = reference.pose.along + float(rng.uniform(-0.5, 0.5)) * reference.half_along
         return self._pose(along, reference.pose.across + reference.side * off, rng, reference)
 
-    def _in_front(self, reference: Footprint, rng: np.random.Generator, effort: float) -> RoadPose | None:
+    def _in_front(self, reference: Footprint, rng: np.random.Generator, effort: float, place: int) -> RoadPose | None:
         """At its front: of what drives the nose, of what stands beside the road the side towards it."""
         if reference.kind.drives or reference.kind.walks:
             way = 1 if reference.kind.drives else -1
-            return self._in_line(reference, way * reference.forwards, rng, effort)
+            return self._in_line(reference, way * reference.forwards, rng, effort, place)
         off = reference.half_across + self.size[1] / 2 + self._gap(_CLOSE, rng, effort)
         along = reference.pose.along + float(rng.uniform(-0.6, 0.6)) * reference.half_along
         return self._pose(along, reference.pose.across - reference.side * off, rng, reference)
 
-    def _in_line(self, reference: Footprint, way: int, rng: np.random.Generator, effort: float) -> RoadPose | None:
+    def _in_line(
+        self, reference: Footprint, way: int, rng: np.random.Generator, effort: float, place: int
+    ) -> RoadPose | None:
+        """In its row, `place` objects of this size after the first."""
         usual = _IN_LANE if self.kind.is_vehicle or reference.kind.is_vehicle else _CLOSE
         least = reference.half_along + self.size[0] / 2
         off = max(least + 0.3, self._asked(rng)) if self.distance else least + self._gap(usual, rng, effort)
+        if self.kind.drives or self.kind.walks:
+            off += place * (self.size[0] + usual[0])
         return self._pose(reference.pose.along + way * off, reference.pose.across, rng, reference)
 
     def _beside(
@@ -138,7 +143,7 @@ class RelativePoses:
 
     def _between(self, one: Footprint, other: Footprint, rng: np.random.Generator, effort: float) -> RoadPose | None:
         """On the way from one to the other, where it leaves room."""
-        share = 0.5 + float(rng.uniform(-0.25, 0.25)) * effort
+        share = 0.5 + float(rng.uniform(-0.25, 0.25)) * effort * (1.6 if self.kind.drives else 1.0)
         along = one.pose.along + share * (other.pose.along - one.pose.along)
         across = one.pose.across + share * (other.pose.across - one.pose.across)
         return self._pose(along, across, rng, one)

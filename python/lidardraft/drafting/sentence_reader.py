@@ -181,7 +181,7 @@ class SentenceReader(PositionReader):
             mention.count = 0 if wanted else mention.count
         elif mention.count == 0:
             self.denial = str(chunk.tokens[0])
-        elif self.denial and listed:
+        elif self.denial and listed and mention.count in (1, "some"):  # "no cars or ten trees" has trees
             mention.count = 0
         if self.turning is not None:
             mention.heading, self.turning = self.turning, None

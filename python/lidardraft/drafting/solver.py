@@ -284,6 +284,8 @@ def _row_of(spec: SceneSpec, number: int) -> tuple[int, int, int] | None:
         counts = {spec.groups[end].fewest for end in ends}
         if (len(ends), counts) not in ((1, {2}), (2, {1})) or not all(_is_free(spec.groups[end]) for end in ends):
             continue
+        if len({spec.groups[end].places for end in ends}) > 1:
+            continue
         if isinstance(group.count, int) and group.heading not in ("across", "parked"):
             return ends[0], between, ends[-1]
     return None
