@@ -159,6 +159,12 @@ def test_one_mesh_in_very_many_nodes(tmp_path: Path) -> None:
         read(tmp_path, *nodes)
 
 
+def test_scales_that_multiply_without_end(tmp_path: Path) -> None:
+    nodes = [{"name": "car", "children": [k + 1], "scale": [1e9] * 3} for k in range(40)] + [{"name": "car", "mesh": 0}]
+    with pytest.raises(LayoutError, match=r"a\.glb: car: a transform or an extent is larger than"):
+        read(tmp_path, *nodes)
+
+
 def test_a_number_that_is_none_in_a_vertex(tmp_path: Path) -> None:
     fields, binary = document({"name": "car", "mesh": 0})
     (tmp_path / "a.glb").write_bytes(glb_bytes(fields, np.float32(np.nan).tobytes() + binary[4:]))

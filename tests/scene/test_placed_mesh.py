@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 
+from lidardraft.errors import LayoutError
 from lidardraft.scene.layout import Primitive
 from lidardraft.scene.mesh import primitive_mesh, unit_mesh
 from lidardraft.scene.placed_mesh import placed_mesh, shape_of, size_and_yaw
@@ -89,3 +90,12 @@ def test_sheared_and_leaning_maps() -> None:
     size_yaw = size_and_yaw(np.array([[2.0, 0.5, 0], [0, 1, 0], [0, 0, 1]]), "cylinder")
     assert size_yaw is not None
     assert size_yaw[0][0] * size_yaw[0][1] == pytest.approx(2)  # a sheared circle is an ellipse of the same area
+
+
+@pytest.mark.parametrize("number", [np.inf, np.nan, 1e10])
+def test_transforms_that_are_no_transforms(number: float) -> None:
+    box = unit_mesh("box")
+    matrix = np.eye(4)
+    matrix[0, 0] = number
+    with pytest.raises(LayoutError, match=r"car_1: a transform or an extent is larger than 1e.09, or no number"):
+        placed_mesh(matrix, box.vertices, box.faces, **FIELDS)

@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from lidardraft.drafting.blender_scene.bpy_module import bpy_module
 from lidardraft.drafting.blender_scene.scene import Scene
 from lidardraft.drafting.blender_scene.scene_layout import primitives_of
@@ -55,8 +57,9 @@ def _layout(text: str, classes: Mapping[str, str], limits: Limits, source: dict[
     scene = Scene(evaluator.budget, evaluator.note)
     evaluator.modules |= {"bpy": bpy_module(scene), "mathutils": mathutils_module()}
     try:
-        evaluator.read(text)
-        primitives = primitives_of(scene, classes)
+        with np.errstate(all="ignore"):  # what is not finite is refused where it is used
+            evaluator.read(text)
+            primitives = primitives_of(scene, classes)
     except RefusalError as refusal:
         raise ScriptError(f"line {refusal.line or evaluator.line}: {refusal}") from None
     if not primitives:

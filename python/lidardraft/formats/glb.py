@@ -72,8 +72,7 @@ def _primitives(file: GlbFile, pieces: list[Piece], labels: list[str]) -> list[P
         if label in BY_NAME and BY_NAME[label].is_thing and "instance" not in extras:
             name = whole.split(".")[0] if isinstance(whole, str) else ""
             extras["instance"] = instances.get(name) or instances.setdefault(name, next(free))
-        with np.errstate(over="ignore", invalid="ignore"):  # the primitive says what is not finite
-            primitive = placed_mesh(matrix, vertices, faces, label=label, **extras)
+        primitive = placed_mesh(matrix, vertices, faces, label=label, **extras)
         if primitive is not None:
             primitives.append(primitive)
     return primitives
@@ -95,7 +94,8 @@ def _pieces(file: GlbFile) -> Iterator[Piece]:
         count += 1
         if count > _MOST_NODES or len(names) > _DEEPEST:
             raise FormatError(f"more than {_MOST_NODES} nodes, more than {_DEEPEST} deep, or a circle of nodes")
-        matrix = parent @ _local(node)
+        with np.errstate(over="ignore", invalid="ignore"):  # the primitive says what is not finite
+            matrix = parent @ _local(node)
         below = (_text(node.get("name")), *names)
         waiting.extend((child, matrix, below) for child in reversed(_indices(node, "children")))
         if "mesh" in node:

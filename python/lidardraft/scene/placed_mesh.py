@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from lidardraft.scene.layout import Primitive
+from lidardraft.errors import LayoutError
+from lidardraft.scene.layout import FURTHEST, Primitive
 from lidardraft.scene.mesh import TriangleMesh
 
 _LEAN = 1e-6  # the sine of the angle by which a shape may lean, or its axes miss the right angle, and be upright
@@ -27,6 +28,8 @@ def placed_mesh(
     """
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     middle, extent = (low + high) / 2, high - low
+    if not (np.isfinite(matrix).all() and max(abs(matrix).max(), extent.max()) <= FURTHEST):
+        raise LayoutError(f"{fields.get('id')}: a transform or an extent is larger than {FURTHEST:g}, or no number")
     if shape is None and len(vertices) > MOST_RECOGNISED:
         shape = "mesh"
     shape = shape_of((vertices - middle) / np.where(extent > 0, extent, 1.0), faces) if shape is None else shape

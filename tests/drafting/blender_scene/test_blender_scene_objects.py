@@ -53,6 +53,15 @@ def test_a_copy_shares_its_mesh_until_that_is_copied() -> None:
         ("car.parent = 5", "the parent is 5; it must be an object"),
         ("car.matrix_world = Matrix(((1, 1, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)))", "a matrix that shears"),
         ("car.constraints.new('COPY_LOCATION')", "constraints of objects are not read"),
+        (
+            "car.matrix_world = Matrix.Scale(1e299, 4) @ Matrix.Scale(1e299, 4)",
+            "a matrix with a number that is not finite",
+        ),
+        (
+            "bpy.ops.object.empty_add()\nempty = bpy.context.object\nempty.scale = (0, 0, 0)\ncar.parent = empty\n"
+            "car.matrix_world = Matrix()",
+            "the parent of 'Car' is scaled to nothing",
+        ),
         ("bpy.data.objects.new('x', 5)", "an object of 5 is not read"),
         ("bpy.data.objects['Bus']", "bpy.data.objects has no 'Bus'"),
     ],

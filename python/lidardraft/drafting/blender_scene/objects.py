@@ -107,7 +107,12 @@ class SceneObject(Block):
     def set_world(self, matrix: np.ndarray) -> None:
         """Place it so that `world()` is the matrix [4, 4]; raises `RefusalError` for one that shears."""
         if self.parent is not None:
-            matrix = np.linalg.inv(self.parent.world() @ self.parent_inverse) @ matrix
+            try:
+                matrix = np.linalg.inv(self.parent.world() @ self.parent_inverse) @ matrix
+            except np.linalg.LinAlgError:
+                raise RefusalError(f"the parent of {self.name!r:.60} is scaled to nothing") from None
+        if not np.isfinite(matrix).all():
+            raise RefusalError(f"{self.name!r:.60} is placed by numbers that are not finite")
         scale = np.linalg.norm(matrix[:3, :3], axis=0)
         if np.linalg.det(matrix[:3, :3]) < 0:
             scale = -scale
