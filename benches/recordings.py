@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import io
 import lzma
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.pcd import pcd_columns
 from lidardraft.formats.semantickitti import CLASS_FROM_RAW
 from lidardraft.metrics.sweep import Sweep
+from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, NUM_CLASSES
 from ouster_packets import read_sweep
 
@@ -43,7 +45,13 @@ _PANDASET = {
     "building": (41,),
     "other": (17, 21, 34, 35, 37, 39, 40, 42),
 }
-_IKA = ["road", "sidewalk", "building", "pole", "vegetation", "person", "bicycle", "car", "truck", "bus", "none"]
+_IKA = ("road", "sidewalk", "building", "pole", "vegetation", "person", "bicycle", "car", "truck", "bus", "none")
+# nuScenes' images: +12 to -30 degrees in 32 equal steps, here pixel centres.
+NUSCENES_GRID = Sensor(
+    name="hdl32e-linear",
+    elevations=tuple(np.deg2rad(np.linspace(12 - 21 / 32, -30 + 21 / 32, 32)).tolist()),
+    columns=1024,
+)
 # Share of all points of SemanticKITTI's training sequences by raw class, as `content` of its semantic-kitti.yaml says
 # (Behley et al., ICCV 2019); classes below a ten thousandth left out.
 _SEMANTIC_KITTI_SHARES = {
@@ -101,11 +109,7 @@ def hdl64e(folder: Path, columns: int) -> Recordings:
     drive = [_kitti_pcd(path, columns) for path in sorted((kitti / "raw_drive_0005").glob("*.pcd*"))[:-1:4]]
     odometry = [_kitti_bin(path, columns) for path in sorted((kitti / "odometry_00" / "velodyne").glob("*.bin"))]
     frames = [_kitti_bin(path, columns) for path in sorted((kitti / "object").glob("*/velodyne/*.bin"))]
-    images = [_load(path) for path in sorted((kitti / "range_images_00").glob("*.npy*")) if "ids30" not in path.name]
-    ids = np.array([BY_NAME[name].id for name in _TRAINING_IDS], dtype=np.uint8)
-    labelled = [
-        Sweep(i[..., :3].astype(np.float32), ids[i[..., 5].astype(int)], i[..., 3].astype(np.float32)) for i in images
-    ]
+    labelled = kitti_images(folder)
     half = 512
     return Recordings(
         sensor="hdl64e",
@@ -117,6 +121,21 @@ def hdl64e(folder: Path, columns: int) -> Recordings:
         spherical=True,
         why="" if drive and odometry and frames else "no recordings under kitti/",
     )
+
+
+def kitti_images(folder: Path) -> list[Sweep]:
+    """SemanticKITTI's scans as images of the usual projection, that of the preset `hdl64e-linear`."""
+    files = sorted((folder / "kitti" / "range_images_00").glob("*.npy*"))
+    return [_sweep(_load(path), _TRAINING_IDS, 1.0) for path in files if "ids30" not in path.name]
+
+
+def nuscenes_images(folder: Path) -> list[Sweep]:
+    """Scans of an HDL-32E as images of `NUSCENES_GRID`; what is nearer than 2.5 m is the recording car."""
+    files = sorted((folder / "nuscenes" / "range_images").glob("*.npy*"))
+    images = [_load(path) for path in files]
+    for image in images:
+        image[np.linalg.norm(image[..., :3], axis=2) < 2.5] = [0, 0, 0, 0, 0, _IKA.index("none")]
+    return [_sweep(image, _IKA, 255.0) for image in images]
 
 
 def pandar64(folder: Path, columns: int) -> Recordings:
@@ -147,11 +166,7 @@ def vlp32c(folder: Path, columns: int) -> Recordings:
     """ika's drive of 37 s: the 48 degrees ahead, split in halves of the drive, for there is no other."""
     del columns  # the images are what they are
     images = [_load(path) for path in sorted((folder / "permissive" / "ika_vlp32c").glob("*.npy.xz"))]
-    ids = np.array([BY_NAME[name].id for name in _IKA], dtype=np.uint8)
-    sweeps = [
-        Sweep(i[..., :3].astype(np.float32), ids[i[..., 5].astype(int)], (i[..., 3] / 255).astype(np.float32))
-        for i in images
-    ]
+    sweeps = [_sweep(image, _IKA, 255.0) for image in images]
     halves = _there({"first half": sweeps[: len(sweeps) // 2], "second half": sweeps[len(sweeps) // 2 :]})
     why = "" if halves else "no recordings under permissive/ika_vlp32c"
     return Recordings(sensor="vlp32c", plain=halves, labelled=halves, fov=np.deg2rad(48.0), why=why)
@@ -190,6 +205,13 @@ def _bytes(path: Path) -> bytes:
 def _load(path: Path) -> np.ndarray:
     image: np.ndarray = np.load(io.BytesIO(_bytes(path)))
     return image
+
+
+def _sweep(image: np.ndarray, classes: Sequence[str], white: float) -> Sweep:
+    """An image [H, W, 6] of x, y, z, intensity up to `white`, range and the number of a class."""
+    ids = np.array([BY_NAME[name].id for name in classes], dtype=np.uint8)
+    intensity = (image[..., 3] / white).astype(np.float32)
+    return Sweep(image[..., :3].astype(np.float32), ids[image[..., 5].astype(int)], intensity)
 
 
 def _kitti_pcd(path: Path, columns: int) -> Sweep:
