@@ -4,8 +4,9 @@
 
 Each labelled recording in FOLDER (by default LIDARDRAFT_DATA) is clustered to a layout, and each street has its coarse
 one. From there come four scans: the bare cast; the cast with the sensor model, `simulate(detail=False)`; `simulate` in
-detail; and, for the first `--generated` scans of each set, that of the packaged weights. A row is a share of returns
-(more is better) or a distance between the sets (less is better). "Near" is within 0.5 m or 5 % of the recorded range.
+detail; and, with `--generated N`, which takes the first N scans of each set alone, that of the packaged weights. A row
+is a share of pixels (more is better) or a distance between the sets (less is better). "Near" is within 0.5 m or 5 % of
+the recorded range. "IoU": of the pixels where either returns from a class, those where both do, and near.
 """
 
 from __future__ import annotations
@@ -50,6 +51,7 @@ BOTH = "returns of either that both have"
 BETTER_IF_MORE = (BOTH, "drop precision", "drop recall")
 
 Render = Callable[[RangeImage], Sweep]
+Table = dict[str, dict[str, float]]  # by row, then by column
 Counts = dict[str, np.ndarray]  # by row: part and whole
 
 
@@ -169,12 +171,12 @@ def shares(recorded: Sweep, made: Sweep, cast: Sweep, firings: bool) -> Iterator
         yield "drop recall", lost, dropped
 
 
-def report(cases: CaseSet, pipeline: Pipeline | None = None, generated: int = 0) -> dict[str, dict[str, float]]:
-    """The table of a set: by row, then by column; of "generated", over the first scans alone."""
+def report(cases: CaseSet, pipeline: Pipeline | None = None) -> Table:
+    """The table of a set; "generated" is left out without a pipeline."""
     counts: dict[str, Counts] = defaultdict(lambda: defaultdict(lambda: np.zeros(2)))
     features: dict[str, dict[str, list[np.ndarray]]] = defaultdict(lambda: defaultdict(list))
     for number, case in enumerate(cases.cases):
-        made = scans_of(case, number, pipeline if number < generated else None)
+        made = scans_of(case, number, pipeline)
         sweeps = {name: _shown(cases.render(image), cases.shown) for name, image in made.items()}
         recorded = _shown(case.recorded, cases.shown)
         for name, sweep in sweeps.items():
@@ -184,32 +186,34 @@ def report(cases: CaseSet, pipeline: Pipeline | None = None, generated: int = 0)
             for one in DISTANCES:
                 if sweep.intensity is not None or not one.name.startswith("intensity"):
                     features[name][one.name].append(one.measure(sweep))
-    table: dict[str, dict[str, float]] = defaultdict(dict)
+    table: Table = defaultdict(dict)
     for name, found in counts.items():
         for row, (part, whole) in found.items():
-            if whole >= (1 if row.startswith("drop") else FEWEST):
-                table[row][name] = part / whole
+            # a class has rows where it was recorded often enough
+            returns = found[row.replace("IoU of", "near, on")][1]
+            if whole and (returns >= FEWEST or row.startswith("drop")):
+                table[row][name] = float(part / whole)
     for one in DISTANCES:
         truth = features["recorded"][one.name]
         for name in counts:
             mine = features[name][one.name]
             counted = one.name.startswith("top view") or np.sum(truth) >= FEWEST
             if mine and counted:
-                table[one.name][name] = one.distance(truth[: len(mine)], mine)
+                table[one.name][name] = one.distance(truth, mine)
     return table
 
 
-def losses(table: dict[str, dict[str, float]]) -> dict[str, float]:
+def losses(table: Table) -> dict[str, float]:
     """By how much the simulated scan is worse than the cast with the sensor model, by row; below 0, better."""
     found = {}
     for row, cells in table.items():
         if not row.startswith("dropped") and {"+ sensor model", "simulated"} <= set(cells):
             more = cells["simulated"] - cells["+ sensor model"]
-            found[row] = -more if row in BETTER_IF_MORE or row.startswith("near") else more
+            found[row] = -more if row in BETTER_IF_MORE or row.startswith(("near", "IoU")) else more
     return found
 
 
-def markdown(table: dict[str, dict[str, float]]) -> str:
+def markdown(table: Table) -> str:
     """The table, and what is worse in it."""
     columns = list(dict.fromkeys(name for cells in table.values() for name in cells))
     lines = [f"| | {' | '.join(columns)} |", f"|---|{'---:|' * len(columns)}"]
@@ -222,22 +226,39 @@ def markdown(table: dict[str, dict[str, float]]) -> str:
     return "\n".join([*lines, "", f"{said} ({', '.join(worse)})." if worse else f"{said}."])
 
 
+def summary(tables: dict[str, Table]) -> str:
+    """All sets in one table: the cast with the sensor model -> the simulated scan."""
+    rows = dict.fromkeys(row for table in tables.values() for row in losses(table))
+    lines = [f"| | {' | '.join(tables)} |", f"|---|{'---|' * len(tables)}"]
+    for row in rows:
+        pairs = [
+            (table.get(row, {}).get("+ sensor model"), table.get(row, {}).get("simulated")) for table in tables.values()
+        ]
+        cells = ["" if a is None or b is None else f"{a:.2g} → {b:.2g}" for a, b in pairs]
+        lines.append(f"| {row} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
 def main() -> None:
     """Print all tables."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--streets", type=int, default=50, metavar="N", help="how many streets (default 50)")
-    parser.add_argument("--generated", type=int, default=0, metavar="N", help="generated scans of each set (default 0)")
+    parser.add_argument("--generated", type=int, default=0, metavar="N", help="the first N scans alone, generated too")
     parser.add_argument("--data", type=Path, default=os.environ.get("LIDARDRAFT_DATA"), metavar="FOLDER")
     parser.add_argument("--only", default="", metavar="NAME", help="sets whose names hold this")
     given = parser.parse_args()
     pipeline = Pipeline.from_pretrained() if given.generated else None
     sets = list(recorded_sets(given.data)) if given.data is not None else []
+    tables = {}
     for name, make in [*sets, ("streets, HDL-64E", partial(street_set, given.streets))]:
-        if given.only in name:
-            cases = make()
-            if cases.cases:
-                print(f"### {name}, {len(cases.cases)} scans\n", flush=True)
-                print(markdown(report(cases, pipeline, given.generated)) + "\n", flush=True)
+        if given.only not in name:
+            continue
+        cases = make()
+        cases = replace(cases, cases=cases.cases[: given.generated or None])
+        if cases.cases:
+            tables[name] = report(cases, pipeline)
+            print(f"### {name}, {len(cases.cases)} scans\n\n{markdown(tables[name])}\n", flush=True)
+    print(summary(tables))
 
 
 if __name__ == "__main__":

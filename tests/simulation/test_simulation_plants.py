@@ -31,6 +31,18 @@ def test_pieces_of_a_crown_become_a_medium_each() -> None:
     assert all(p.extinction for p in made)
 
 
+def test_pieces_of_a_clustering_are_as_dense_whatever_their_size() -> None:
+    sizes = ((0.6, 0.5, 0.4), (1.5, 1.6, 1.69), (2.0, 2.5, 1.8))
+    pieces = [
+        box("vegetation", s, at=(15, 4 * k, 2), id=f"vegetation_{k}", shape="ellipsoid") for k, s in enumerate(sizes)
+    ]
+    made = detailed(*pieces, source="point cloud")
+    assert len(made) == 3
+    paths = [p.extinction * min(p.size) for p in made if p.extinction is not None]
+    assert paths == pytest.approx([paths[0]] * 3)
+    assert paths[0] > 4.0
+
+
 @pytest.mark.parametrize("shape", ["ellipsoid", "cylinder", "box"])
 @pytest.mark.parametrize("size", [(0.02, 0.02, 0.02), (2.0, 2.0, 1.5), (20.0, 20.0, 0.3), (1.0, 8.0, 1.5)])
 def test_foliage_of_any_shape_is_a_medium(shape: str, size: tuple[float, float, float]) -> None:

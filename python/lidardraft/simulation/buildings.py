@@ -23,6 +23,9 @@ _HOUSE = (16.0, 9.0)  # longest and highest
 _SHED = (4.5, 3.6)  # narrower or lower than this
 _RISE, _LEAST_RISE, _MOST_RISE = 0.42, 0.25, 0.45  # of a roof: share of the width; least and most share of the height
 _OPENINGS = (0.36, 0.45, 0.6)  # shares of a bay that are window, as of streets' buildings
+# The same of clusterings, which have the walls that sent rays back: PandaSet's fronts lose 1.8 % of their firings, with
+# 0.2 lost are 2.3 %, with the shares above 2.8 %.
+_CLUSTERED_OPENING = 0.2
 _LEDGE = 0.045  # m that sills and ledges stand out of a wall
 
 
@@ -35,7 +38,7 @@ def building(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive
         if part.shape != "box" or height < _LEAST_FRONT[1] or max(length, width) < _LEAST_FRONT[0]:
             made.append(solid(part))
         elif min(length, width) <= _FRONT:
-            made += _front(coarse, box)
+            made += _front(coarse, box, surroundings)
         elif min(length, width) < _LEAST_BODY[0] or height < _LEAST_BODY[1]:
             made.append(solid(part))
         else:
@@ -60,7 +63,7 @@ def _facing(box: UprightBox, towards: tuple[float, float]) -> UprightBox:
     return box.turned(round(way / (math.pi / 2)) % 4)
 
 
-def _front(coarse: CoarseObject, box: UprightBox) -> list[Primitive]:
+def _front(coarse: CoarseObject, box: UprightBox, surroundings: Surroundings) -> list[Primitive]:
     """A wall with recessed windows towards the ego vehicle, all of it within the box."""
     if box.size[1] > box.size[0]:
         box = box.turned(1)
@@ -68,7 +71,7 @@ def _front(coarse: CoarseObject, box: UprightBox) -> list[Primitive]:
         box = box.turned(2)
     length, depth, height = box.size
     builder = ObjectBuilder(PlacedObject(kind="block", id="", x=0.0, y=0.0, z=0.0, level=0.0, yaw=0.0, size=box.size))
-    opening = _OPENINGS[int(coarse.rng.integers(len(_OPENINGS)))]
+    opening = _CLUSTERED_OPENING if surroundings.clustered else _OPENINGS[int(coarse.rng.integers(len(_OPENINGS)))]
     wall, panes = front(max(1, round(length / WINDOW_BAY)), max(1, round(height / STOREY)), opening)
     deep = min(1.0, depth / (RECESS + _LEDGE))
     at = (0.0, _LEDGE * deep - depth / 2, 0.0)

@@ -17,9 +17,9 @@ from lidardraft.simulation.surroundings import Surroundings
 _LEAF_AREA, _NARROWING = 0.5 * 3.5, 1.5
 _SPREAD = 0.25  # deviation of the logarithm of densities
 _CORE, _CORE_DENSER = 0.6, 2.0  # twigs in the middle: share of the extents; times as dense
-_TUFT = 1.6  # m: smaller ones are pieces of a crown that a clustering cut
-# Mean free paths through such a piece: with 3 the returns of PandaSet's crowns come out as rough, with 5 as near.
-_TUFT_PATHS = 4.0
+# Mean free paths through a piece of a crown that a clustering cut: of 3, 4, 5, 6 and 8, PandaSet's foliage is as rough
+# with 4 or 5 and reads as bright with 5 or more.
+_PIECE_PATHS = 5.0
 
 
 def plant(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
@@ -57,10 +57,10 @@ def _hedge(coarse: CoarseObject, part: Primitive) -> list[Primitive]:
 
 
 def _tuft(coarse: CoarseObject, part: Primitive, surroundings: Surroundings) -> list[Primitive]:
-    """A shape of foliage as a medium, a large one with denser twigs in its middle."""
+    """A shape of foliage as a medium; where it is no piece of a clustering, with denser twigs in its middle."""
     if part.shape not in ("ellipsoid", "cylinder"):
         return [part]
-    if surroundings.clustered and max(part.size) <= _TUFT:
-        return [medium(part, _TUFT_PATHS / min(part.size))]
+    if surroundings.clustered:
+        return [medium(part, _PIECE_PATHS / min(part.size))]
     density = _NARROWING * _LEAF_AREA / part.size[2] * float(np.exp(coarse.rng.normal(0.0, _SPREAD)))
     return [medium(part, density), medium(part, _CORE_DENSER * density, _CORE)]
