@@ -234,9 +234,13 @@ def summary(tables: dict[str, Table]) -> str:
         pairs = [
             (table.get(row, {}).get("+ sensor model"), table.get(row, {}).get("simulated")) for table in tables.values()
         ]
-        cells = ["" if a is None or b is None else f"{a:.2g} → {b:.2g}" for a, b in pairs]
+        cells = ["" if a is None or b is None else f"{_digits(a)} → {_digits(b)}" for a, b in pairs]
         lines.append(f"| {row} | {' | '.join(cells)} |")
     return "\n".join(lines)
+
+
+def _digits(value: float) -> str:
+    return f"{value:.2f}" if value >= 0.1 else f"{value:.2g}"
 
 
 def main() -> None:
