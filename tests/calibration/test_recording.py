@@ -1,17 +1,19 @@
 """Recordings out of files, and files that are none."""
 
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from lidardraft import Sensor, raycast
+from lidardraft import Layout, Primitive, Sensor, raycast
 from lidardraft.calibration.recording import read_recording, recording_of
 from lidardraft.drafting.text import layout_from_text
 from lidardraft.errors import FormatError
 from lidardraft.formats.kitti import write_bin
 from lidardraft.formats.semantickitti import write_label
 
+WALL = Primitive(shape="cylinder", center=(5, 0, 50), size=(60, 60, 100), label="building", id="hall")
 SENSOR = Sensor(name="mine", elevations=(0.0, -0.05, -0.1, -0.2), columns=360, azimuth_start=2 * np.pi)
 
 
@@ -50,6 +52,16 @@ def test_kitti_files_have_their_lasers_in_order_and_labels_beside_them(tmp_path,
     (tmp_path / "a.bin").rename(tmp_path / "velodyne" / "a.bin")
     (tmp_path / "a.label").rename(tmp_path / "labels" / "a.label")
     np.testing.assert_array_equal(read_recording(tmp_path / "velodyne" / "a.bin").label, label)
+
+
+@pytest.mark.parametrize("first", range(4))
+def test_scans_of_ours_have_their_lasers_in_order_from_behind(tmp_path, first):
+    sensor = replace(SENSOR, elevations=SENSOR.elevations[first:], azimuth_start=np.pi)
+    image = raycast(
+        Layout((Primitive(shape="plane", center=(0, 0, 0), size=(90, 90, 0), label="road", id="r"), WALL)), sensor
+    )
+    write_bin(tmp_path / "a.bin", image.points(), np.zeros(image.valid.sum(), np.float32))
+    np.testing.assert_array_equal(read_recording(tmp_path / "a.bin").ring, image.beams())
 
 
 @pytest.mark.parametrize("field", ["ring", "channel"])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from lidardraft import Sensor
+from lidardraft.calibration.recording import read_recording
 from lidardraft.calibration.street_casts import StreetCasts
 from lidardraft.cli import main as cli
 from lidardraft.formats.kitti import write_bin
@@ -49,9 +50,16 @@ def test_scans_to_judge_by_are_named_and_all_others_are_fitted_to(
     command = ["fit", *scans[:2], "--judge", scans[2], "-o", "mine.json", "--streets", "4", "--columns", "200"]
     assert cli.main([*command, "--like", "vlp16"]) == 0
     said = capsys.readouterr().out
-    assert "beside 1 scans that nothing was fitted to" in said
+    assert "beside 1 scan that nothing was fitted to" in said
     assert said.endswith("mine.json: fitted to 2 scans\n")
     assert json.loads(Path("mine.json").read_text())["columns"] == 200
+
+
+def test_lasers_that_are_mixed_up_are_told(scans: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    recording = read_recording(scans[0])
+    np.savez("mixed.npz", xyz=recording.points, ring=recording.ring + (recording.points[:, 1] < 0))
+    assert cli.main(["fit", "mixed.npz", "-o", "mine.json", "--streets", "4"]) == 0
+    assert "% of the points look like those of other lasers" in capsys.readouterr().err
 
 
 def test_bad_input_is_one_line(refused: Callable[..., str], scans: list[str]) -> None:

@@ -2,12 +2,13 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from lidardraft import RangeImage
-from lidardraft.errors import FormatError
+from lidardraft.errors import FormatError, SensorError
 from lidardraft.formats.carla import TAGS, TAGS_BEFORE_0_9_14, carla_sensor, read_carla
 from lidardraft.scene.materials import MATERIALS
 from lidardraft.semantics import BY_NAME
@@ -92,3 +93,9 @@ def test_each_ray_of_the_sensor_has_a_pixel_of_its_own() -> None:
     image = RangeImage.project(points, sensor)
     assert image.valid.all()
     assert math.isclose(image.depth.mean(), 10.0, abs_tol=1e-3)
+
+
+@pytest.mark.parametrize("attribute", [{"channels": 0}, {"channels": -1}, {"rotation_frequency": 0.0}])
+def test_a_sensor_of_carla_that_cannot_be(attribute: dict[str, Any]) -> None:
+    with pytest.raises(SensorError, match="they must be over 0"):
+        carla_sensor(**attribute)

@@ -137,6 +137,10 @@ def test_seeds():
     np.testing.assert_allclose(caster.scan(SENSOR, poses=sweep, seed=7).depth, one.depth, atol=5e-3)
     with pytest.raises(LidarDraftError, match="seed is -1; it must be 0 or more"):
         caster.scan(SENSOR, seed=-1)
+    with pytest.raises(LidarDraftError, match="seed is 9223372036854775808; it must be less than 2"):
+        caster.scan(SENSOR, seed=2**63)
+    with pytest.raises(LidarDraftError, match="seed is 9223372036854775808; it must be less than 2"):
+        caster.cast(np.zeros(3), np.ones((1, 3)), seed=2**63)
 
 
 def test_a_moved_crown_stays_porous():

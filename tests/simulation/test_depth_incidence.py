@@ -65,6 +65,14 @@ def test_what_is_one_pixel_wide_faces_the_sensor_and_the_ground_is_level() -> No
     np.testing.assert_allclose(found[ground], math.sin(0.2), atol=1e-3)
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_single_beam_has_neighbours_in_its_row_alone() -> None:
+    one = Sensor(name="one", elevations=(-0.1,), columns=360)
+    image, found = cast(one, Layout((ROAD,)))
+    np.testing.assert_allclose(found, math.sin(0.1), atol=1e-3)
+    assert image.valid.all()
+
+
 def test_an_empty_image_has_none() -> None:
     _, found = cast(SECTOR, Layout())
     assert (found == 0).all()

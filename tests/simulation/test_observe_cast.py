@@ -138,6 +138,14 @@ def test_a_flat_mirror_is_seen_from_the_front_alone() -> None:
     np.testing.assert_allclose(scan.incidence[scan.valid], math.cos(0.3), rtol=1e-6)
 
 
+def test_lists_and_any_type_of_whole_numbers_are_images() -> None:
+    expected = observed(materials=np.zeros(SENSOR.shape, int))
+    for given in ({"instance": CAST.instance.astype(np.uint64)}, {"materials": np.zeros(SENSOR.shape, int).tolist()}):
+        scan = observed(**{"materials": np.zeros(SENSOR.shape, int)} | given)
+        np.testing.assert_array_equal(scan.depth, expected.depth)
+        np.testing.assert_array_equal(scan.instance, expected.instance)
+
+
 def at(image: np.ndarray, value: float) -> np.ndarray:
     """The image with a value in row 3, column 7."""
     changed = image.astype(np.float64 if isinstance(value, float) else np.int64)
@@ -161,6 +169,7 @@ def at(image: np.ndarray, value: float) -> np.ndarray:
         ({"materials": {"cat": "metal"}}, "materials names the class 'cat'; it must be .*; did you mean 'car'?"),
         ({"materials": {"car": "cheese"}}, "the material of car is 'cheese'; it must be one of asphalt, "),
         ({"materials": np.full(SENSOR.shape, 99)}, "materials is 99 in row 0, column 0; it must be -1 to 29"),
+        ({"depth": [[1.0, 2.0], [3.0]]}, "depth is no array; the sensor's images have"),
         ({"seed": -1}, "seed is -1; it must be 0 or more"),
     ],
 )

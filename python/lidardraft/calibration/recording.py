@@ -24,6 +24,7 @@ _NEAREST = 0.1  # m: what is nearer is no return (zeros stand for those of organ
 _MOST_LASERS = 512
 _ORDERLY = 0.98  # of the steps in a file of KITTI's order are small ones ahead
 _SMALL_STEP = np.deg2rad(5.0)
+_NO_JUMP = 1e-3  # of a slope: lasers are further apart
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -93,10 +94,18 @@ def recording_of(name: str, points: np.ndarray, **fields: np.ndarray) -> Recordi
 
 
 def _rings_of_order(points: np.ndarray) -> np.ndarray:
-    """The lasers of points that come laser by laser, each once around from straight ahead, as in KITTI's files."""
-    azimuth = np.arctan2(points[:, 1], points[:, 0]).astype(np.float64) % (2 * np.pi)
-    steps = np.diff(azimuth)
-    wraps = np.abs(steps) > np.pi
+    """The lasers of points that come laser by laser, each once around: from straight ahead, as in KITTI's files, or
+    from behind, as in ours."""
+    x, y, z = points.astype(np.float64).T
+    azimuth, slope = np.arctan2(y, x), z / np.maximum(np.hypot(x, y), _NEAREST)
+    steps, wraps, most = np.zeros(0), np.zeros(0, bool), -1.0
+    for seam in (0.0, np.pi):
+        found = np.diff((azimuth - seam) % (2 * np.pi))
+        crossed = np.abs(found) > np.pi
+        # from one laser to the next the slope jumps; where a laser crosses the other seam, it hardly does
+        jump = float(np.median(np.abs(np.diff(slope))[crossed])) if crossed.any() else _NO_JUMP
+        if jump > most:
+            steps, wraps, most = found, crossed, jump
     ahead = np.sign(np.median(steps[~wraps])) if (~wraps).any() else 0.0
     orderly = wraps | ((steps * ahead >= -1e-3) & (np.abs(steps) < _SMALL_STEP))
     if len(steps) < 8 or orderly.mean() < _ORDERLY or wraps.sum() >= _MOST_LASERS:

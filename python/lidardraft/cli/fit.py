@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lidardraft.cli.arguments import whole_number
+from lidardraft.cli.command import say
 from lidardraft.errors import FormatError
 from lidardraft.files import written_whole
 from lidardraft.scene.sensor import Sensor
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from lidardraft.calibration.fit import Fit
     from lidardraft.calibration.recording import Recording
 
+_MOST_LOST = 0.1  # of the points; of right recordings less than 0.01 are
 _HELD_BACK = 0.25  # of the scans judge, the last ones, where no others are named
 
 
@@ -53,6 +55,9 @@ def _print_sensor(found: Fit, recordings: list[Recording]) -> None:
     )
     moved, shared = _lost(found, recordings)
     print(f"points lost in projection: {moved:.2%}, {shared:.2%} more share a pixel at {sensor.columns} columns")
+    if moved > _MOST_LOST:
+        say("lidardraft", f"{moved:.0%} of the points look like those of other lasers: their order is not laser by "
+            "laser, or the motion of the vehicle is taken out")  # fmt: skip
     print(f"ranges: {sensor.min_range:g} to {sensor.max_range:g} m; mounted {sensor.mount_height:.2f} m over the road")
     print(f"hidden by the vehicle: {sensor.blocked_pixels.mean():.1%} of the firings")
     print(f"range noise: {1e3 * sensor.range_sigma:.1f} mm, and {1e3 * model.jitter:.0f} mm over the root of the power")
@@ -89,7 +94,8 @@ def _print_rows(
     )
     columns = min(found.sensor.columns, MOST_COLUMNS)
     fitted_to, judging = (sweeps_of(scans, found.table, columns) for scans in (recordings, held))
-    print(f"\nscans of streets beside {len(held)} scans that nothing was fitted to, before and after:\n")
+    beside = f"{len(held)} scan{'s' * (len(held) > 1)}"
+    print(f"\nscans of streets beside {beside} that nothing was fitted to, before and after:\n")
     print("| property | before | after | fitted scans | ratio before | ratio after |\n|---|---:|---:|---:|---:|---:|")
     for row in judged(before, found.sensor, fitted_to, judging, num_streets):
         unit = row.recorded if row.recorded > 0 else math.nan

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.errors import FormatError
+from lidardraft.errors import FormatError, SensorError
 from lidardraft.files import named, read_bytes
 from lidardraft.scene.materials import MATERIALS
 from lidardraft.scene.sensor import Sensor
@@ -120,8 +120,11 @@ def carla_sensor(
 ) -> Sensor:
     """The sensor of these attributes of the blueprint, in CARLA's units [degrees, m, Hz] and with its defaults.
 
-    Its simulation must take one step a rotation, so that a cloud is a full turn.
+    Its simulation must take one step a rotation, so that a cloud is a full turn. Raises `SensorError` on an attribute
+    that cannot be.
     """
+    if channels < 1 or not rotation_frequency > 0.0:
+        raise SensorError(f"channels is {channels} and rotation_frequency {rotation_frequency}; they must be over 0")
     columns = round(points_per_second / rotation_frequency / channels)
     return Sensor(
         name="carla",

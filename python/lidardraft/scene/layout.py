@@ -285,6 +285,10 @@ class Layout:
 def _check_id(id: object) -> None:
     if not isinstance(id, str) or not id:
         raise LayoutError(f"id is {id!r}; it must be a non-empty string")
+    try:
+        id.encode()
+    except UnicodeEncodeError:  # half of a pair of UTF-16, which JSON can spell
+        raise LayoutError(f"id is {id!a}; it must be text that UTF-8 can hold") from None
 
 
 def _vector(id: str, name: str, values: Any, length: int = 3, limit: float = FURTHEST) -> Any:

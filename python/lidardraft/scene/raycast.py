@@ -122,6 +122,7 @@ class Raycaster:
             raise LayoutError(
                 f"there are {len(origins)} origins and {len(directions)} directions; a ray has one of each"
             )
+        _check_seed(seed)
         distance, label, instance, hit, normal = self._scene.cast(
             origins, directions, max_range=max_range, seed=seed, threads=threads or 0
         )
@@ -210,6 +211,7 @@ def cast_scans(
     and normal.
     """
     count = len(world_from_sensor)
+    _check_seed(seed)
     if out is None:
         out = RangeImageBatch.unchecked(sensor, **new_images((count, *sensor.shape), *optional))
     else:
@@ -232,6 +234,11 @@ def cast_scans(
     if sensor.blocked:
         blank_pixels(vars(out), sensor.blocked_pixels)
     return out
+
+
+def _check_seed(seed: int) -> None:
+    if seed >= 2**63:
+        raise SensorError(f"seed is {seed}; it must be less than 2^63")
 
 
 def _pose_of_scan(sensor: Sensor, pose: np.ndarray | None, poses: np.ndarray | None) -> np.ndarray:

@@ -74,7 +74,11 @@ class _Grid:
         for side in (1, -1):
             beside, beyond = _shifted(self.inverse, side, axis), _shifted(self.inverse, 2 * side, axis)
             near, far = (_shifted(places, side * steps, axis) for steps in (1, 2))
-            slope = 1.0 if axis == 1 else np.divide(near - places, far - near)
+            slope = (
+                1.0
+                if axis == 1
+                else np.divide(near - places, far - near, where=far != near, out=np.zeros(places.shape))
+            )
             mine = self._same(side, axis, wraps)
             further = mine & self._same(2 * side, axis, wraps)
             off = np.abs(np.where(further, beside + (beside - beyond) * slope, beside) - self.inverse)

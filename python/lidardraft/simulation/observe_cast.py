@@ -57,7 +57,7 @@ def observe_cast(
     depth = _numbers("depth", depth, shape, "it must be 0 or more, and 0 where there is no return")
     label = _whole_numbers("label", label, shape, 0, NUM_CLASSES - 1)
     instance = np.zeros(shape, np.uint32) if instance is None else instance
-    instance = _whole_numbers("instance", instance, shape, 0, 2**32 - 1)
+    instance = _whole_numbers("instance", instance, shape, 0, 2**32 - 1).astype(np.uint32)
     material = _material_image(materials, label, shape)
     seen = (depth >= sensor.min_range) & (depth <= sensor.max_range) & (depth > 0)
     if sensor.blocked:
@@ -77,7 +77,7 @@ def observe_cast(
     images: dict[str, np.ndarray] = {
         "depth": depth,
         "label": np.where(seen, label, 0).astype(np.uint8),
-        "instance": np.where(seen, instance, 0).astype(np.uint32),
+        "instance": np.where(seen, instance, np.uint32(0)),
         "incidence": np.where(seen, incidence, 0.0).astype(np.float32),
         "primitive": np.full(shape, -1, np.int32),
     }
@@ -134,7 +134,7 @@ def _material_image(
     materials: Mapping[str, str] | np.ndarray | None, label: np.ndarray, shape: tuple[int, int]
 ) -> np.ndarray:
     """Indices of `MATERIALS`, [H, W]."""
-    if isinstance(materials, np.ndarray):
+    if not isinstance(materials, Mapping | None):
         given = _whole_numbers("materials", materials, shape, -1, len(MATERIALS) - 1)
         return np.where(given < 0, _OF_CLASS[label], given)
     of_class = _OF_CLASS.copy()
@@ -169,7 +169,10 @@ def _whole_numbers(name: str, values: Any, shape: tuple[int, int], least: int, m
 
 
 def _image(name: str, values: Any, shape: tuple[int, int]) -> np.ndarray:
-    image = np.asarray(values)
+    try:
+        image = np.asarray(values)
+    except ValueError:  # rows of different lengths
+        raise SensorError(f"{name} is no array; the sensor's images have {shape}") from None
     if image.shape != shape:
         raise SensorError(f"{name} has shape {image.shape}; the sensor's images have {shape}")
     return image
