@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft import view
+from lidardraft.errors import FormatError
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
 from lidardraft.scene.layout import Box, Layout
@@ -97,7 +98,10 @@ def _files_beside_each_other(name: str | os.PathLike[str]) -> Iterator[str]:
     """Where to write files that get this name, with their endings, when the block has ended well."""
     target = Path(name)
     with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as folder:
-        yield f"{folder}/{target.name}"
+        try:
+            yield f"{folder}/{target.name}"
+        except FormatError as error:  # it names the file that was asked for
+            raise FormatError(str(error).replace(folder, str(target.parent))) from None
         for file in Path(folder).iterdir():
             file.replace(target.parent / file.name)
 

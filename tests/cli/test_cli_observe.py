@@ -37,6 +37,12 @@ def test_casts_are_observed_in_their_order(cast: RangeImage, capsys: pytest.Capt
     assert {path.name for path in Path("out").iterdir()} == {f"000000{end}" for end in ENDINGS}
 
 
+def test_the_help_promises_no_sensor(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        cli.main(["observe", "--help"])
+    assert "(default hdl64e)" not in " ".join(capsys.readouterr().out.split())
+
+
 def test_a_cast_without_a_sensor_is_of_the_one_given(cast: RangeImage, refused: Callable[..., str]) -> None:
     np.savez("bare.npz", depth=cast.depth, label=cast.label.astype(np.int64))
     assert "bare.npz: it does not say by which sensor it is" in refused("observe", "bare.npz", "-o", "out")
@@ -65,6 +71,9 @@ def test_bad_input_is_one_line(cast: RangeImage, refused: Callable[..., str]) ->
     assert "--material is 'car'; it must be CLASS=MATERIAL" in refused(*command, "--material", "car")
     assert "the material of car is 'cheese'" in refused(*command, "--material", "car=cheese")
     assert "did you mean 'rain'?" in refused(*command, "--weather", "rian:1mm")
+    np.savez("many.npz", depth=cast.depth, label=cast.label, instance=np.full(cast.depth.shape, 70_000))
+    message = refused("observe", "many.npz", "--sensor", "small.json", "-o", "out")
+    assert "out/000000.label: point 0 has instance 70000; it must be 0 to 65535" in message
     depth = cast.depth.copy()
     depth[2, 3] = np.nan
     np.savez("nan.npz", depth=depth, label=cast.label)

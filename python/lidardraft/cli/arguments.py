@@ -60,7 +60,7 @@ def minutes(text: str) -> float:
 
 def add_sensor(parser: Options, *, default: str | None = DEFAULT_SENSOR, of: str = "") -> None:
     """--sensor; `of` says which sensor is meant."""
-    text = f"sensor{of}: {', '.join(PRESETS)}, or a .json file (default {DEFAULT_SENSOR})"
+    text = f"sensor{of}: {', '.join(PRESETS)}, or a .json file" + (f" (default {default})" if default else "")
     parser.add_argument("--sensor", default=default, metavar="NAME", help=text)
 
 

@@ -33,7 +33,9 @@ def view(arguments: argparse.Namespace) -> None:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of the command."""
     parser.add_argument("path", metavar="FILE", help="a .bin, .npz or .json file")
-    add_sensor(parser, default=None, of=" that took a .bin or is to see a layout; a scan's own where it is known")
+    add_sensor(
+        parser, default=None, of=f" that took a .bin or sees a layout (default the scan's own, or {DEFAULT_SENSOR})"
+    )
     parser.add_argument("-o", "--output", metavar="PICTURE.png", help="where the picture goes (default FILE.view.png)")
 
 
