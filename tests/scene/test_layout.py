@@ -124,7 +124,7 @@ def test_boxes_come_in_the_order_of_instances():
         ({"instance": 65536}, r"car_1: instance is 65536; it must be 0 to 65535"),
         ({"instance": -1}, r"car_1: instance is -1; it must be 0 to 65535"),
         ({"id": ""}, r"id is ''; it must be a non-empty string"),
-        ({"id": "car_\ud800"}, r"id is 'car_.ud800'; it must be text that UTF-8 can hold"),
+        ({"id": "car_\ud800"}, r"id is 'car_.ud800'; it must be a non-empty string of whole"),
     ],
 )
 def test_a_primitive_that_cannot_be(change, message):

@@ -283,12 +283,9 @@ class Layout:
 
 
 def _check_id(id: object) -> None:
-    if not isinstance(id, str) or not id:
-        raise LayoutError(f"id is {id!r}; it must be a non-empty string")
-    try:
-        id.encode()
-    except UnicodeEncodeError:  # half of a pair of UTF-16, which JSON can spell
-        raise LayoutError(f"id is {id!a}; it must be text that UTF-8 can hold") from None
+    whole = isinstance(id, str) and (id.isascii() or not any("\ud800" <= letter <= "\udfff" for letter in id))
+    if not whole or not id:  # JSON can spell halves of characters, which no file and no hash takes
+        raise LayoutError(f"id is {id!r}; it must be a non-empty string of whole characters")
 
 
 def _vector(id: str, name: str, values: Any, length: int = 3, limit: float = FURTHEST) -> Any:
