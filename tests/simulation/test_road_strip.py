@@ -53,5 +53,6 @@ def test_squares_puddles_painted_surfaces_and_fields_of_triangles_are_no_roads()
         Primitive(shape="plane", center=(0, 0, 0), size=(4, 2, 0), label="road", id="b"),
         Primitive(shape="plane", center=(0, 0, 0), size=(60, 7, 0), label="road", id="c", material="gravel"),
         Primitive.from_mesh(vertices, faces, label="road", id="d"),
+        Primitive(shape="plane", center=(0, 0, 0), size=(1e8, 40, 0), label="road", id="f"),
         Primitive(shape="cylinder", center=(0, 0, 0), size=(60, 7, 1), label="road", id="e"),
     )

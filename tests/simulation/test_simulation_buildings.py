@@ -20,6 +20,11 @@ def test_storeys_and_bays_are_of_real_size() -> None:
     assert windows(detailed(box("building", (40.0, 12.0, 6.0), at=(0, 30, 0), id="block_1"))) > 1.4 * windows(low)
 
 
+def test_a_front_has_a_hundred_bays_at_most() -> None:
+    low, high = (windows(detailed(box("building", (length, 0.5, 6.0)))) for length in (300.0, 6000.0))
+    assert low == high > 100
+
+
 @pytest.mark.parametrize("yaw", [0.0, math.pi / 2, math.pi, -math.pi / 2])
 @pytest.mark.parametrize("y", [20.0, -20.0])
 def test_the_front_of_a_house_is_towards_the_road(yaw: float, y: float) -> None:

@@ -18,6 +18,7 @@ _PROUD = {"house": (EAVES, EAVES, 0.0), "block": (0.05, 0.05, 0.0), "shed": (0.1
 # Estimates of ours [m].
 _FRONT = 1.3  # thickness up to which a box is a front without a body
 _LEAST_FRONT = (1.8, 2.0)  # length and height of a front with windows
+_MOST_WINDOWS = 100  # bays of a front, and storeys: more would take memory without a limit
 _LEAST_BODY = (3.0, 2.2)  # length or width, and height, of a box that becomes a building
 _HOUSE = (16.0, 9.0)  # longest and highest
 _SHED = (4.5, 3.6)  # narrower or lower than this
@@ -72,7 +73,8 @@ def _front(coarse: CoarseObject, box: UprightBox, surroundings: Surroundings) ->
     length, depth, height = box.size
     builder = ObjectBuilder(PlacedObject(kind="block", id="", x=0.0, y=0.0, z=0.0, level=0.0, yaw=0.0, size=box.size))
     opening = _CLUSTERED_OPENING if surroundings.clustered else _OPENINGS[int(coarse.rng.integers(len(_OPENINGS)))]
-    wall, panes = front(max(1, round(length / WINDOW_BAY)), max(1, round(height / STOREY)), opening)
+    bays, storeys = (min(max(1, round(a / b)), _MOST_WINDOWS) for a, b in ((length, WINDOW_BAY), (height, STOREY)))
+    wall, panes = front(bays, storeys, opening)
     deep = min(1.0, depth / (RECESS + _LEDGE))
     at = (0.0, _LEDGE * deep - depth / 2, 0.0)
     builder.add_mesh(wall, (length, deep, height), "building", "plaster", at=at)

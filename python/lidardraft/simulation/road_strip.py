@@ -10,7 +10,7 @@ import numpy as np
 
 from lidardraft.scene.layout import Layout, Primitive
 
-_SHORTEST, _NARROWEST, _WIDEST = 10.0, 2.5, 45.0  # m of what is taken for a road
+_SHORTEST, _LONGEST, _NARROWEST, _WIDEST = 10.0, 2e4, 2.5, 45.0  # m of what is taken for a road
 _SLENDER = 1.5  # times as long as wide, at least
 _ADJOINING = 0.5  # m between roads that are one surface
 _FLAT, _EVEN = 1e-3, 0.02  # m that the surface may rise; m that a strip's width may change
@@ -78,7 +78,7 @@ def road_strips(layout: Layout) -> Iterator[RoadStrip]:
             if edges is not None:
                 strip = _strip(primitive, *edges)
                 width, least = 2 * strip.half, max(_SHORTEST, 2 * _SLENDER * strip.half)
-                if _NARROWEST <= width <= _WIDEST and strip.length >= least:
+                if _NARROWEST <= width <= _WIDEST and least <= strip.length <= _LONGEST:
                     found.append(strip)
     for strip in found:
         if not any(_lies_along(strip, other) for other in found if other.length > strip.length):
