@@ -92,6 +92,9 @@ def _signals_held() -> Iterator[None]:
     if sys.platform == "win32":
         yield
         return
+    from multiprocessing import resource_tracker  # which Windows does not have
+
+    resource_tracker.ensure_running()  # when it starts later, by itself, it lets signals through again
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
     try:
         yield
