@@ -47,6 +47,17 @@ def number(text: str) -> float:
     return value
 
 
+def assignments(texts: list[str], option: str, form: str) -> dict[str, str]:
+    """The values of a repeatable option that reads as `form`, NAME=VALUE; raises `FormatError` for what does not."""
+    given = {}
+    for text in texts:
+        name, sign, value = text.rpartition("=")
+        if not (name and sign and value):
+            raise FormatError(f"{option} is {text!r}; it must be {form}")
+        given[name] = value
+    return given
+
+
 def minutes(text: str) -> float:
     """The type of an option that takes minutes: a number over 0, or inf."""
     try:

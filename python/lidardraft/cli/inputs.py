@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from lidardraft.cli.arguments import add_seed
+from lidardraft.cli.arguments import add_seed, assignments
 from lidardraft.cli.command import say
 from lidardraft.errors import FormatError
 from lidardraft.files import named
@@ -51,6 +51,7 @@ def read_layout(arguments: argparse.Namespace) -> Layout:
         if getattr(arguments, name) is not None and all(getattr(arguments, needed) is None for needed in inputs):
             needed = " or ".join(f"--{each}" for each in inputs)
             raise FormatError(f"--{'class' if name == 'classes' else name} goes with {needed}")
+    classes = assignments(arguments.classes or [], "--class", "NAME=CLASS, as in Cube.001=car")
     if arguments.text is not None:
         return _from_text(arguments.text, arguments.seed)
     if arguments.points is not None:
@@ -59,13 +60,13 @@ def read_layout(arguments: argparse.Namespace) -> Layout:
         from lidardraft.formats.obj import read_obj
 
         scale = 1.0 if arguments.scale is None else arguments.scale
-        return read_obj(arguments.obj, _classes(arguments.classes or []), up=arguments.up or "z", scale=scale)
+        return read_obj(arguments.obj, classes, up=arguments.up or "z", scale=scale)
     if arguments.glb is not None:
         from lidardraft.formats.glb import read_glb
 
-        return read_glb(arguments.glb, _classes(arguments.classes or []))
+        return read_glb(arguments.glb, classes)
     if arguments.blender is not None:
-        return _from_blender(arguments.blender, _classes(arguments.classes or []))
+        return _from_blender(arguments.blender, classes)
     return Layout.load(arguments.layout)
 
 
@@ -107,13 +108,3 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
     sensor = sensor_beside(arguments.points) or Sensor.preset(arguments.sensor)
     with named(path):
         return layout_from_cloud(points, labels, instances=instances, sensor_height=sensor.mount_height)
-
-
-def _classes(given: list[str]) -> dict[str, str]:
-    classes = {}
-    for text in given:
-        name, sign, label = text.rpartition("=")
-        if not (name and sign and label):
-            raise FormatError(f"--class is {text!r}; it must be NAME=CLASS, as in Cube.001=car")
-        classes[name] = label
-    return classes

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lidardraft.cli.arguments import add_seed, add_sensor, add_weather, read_weather
+from lidardraft.cli.arguments import add_seed, add_sensor, add_weather, assignments, read_weather
 from lidardraft.cli.scan_folder import add_folder, check_output, write_observed
 from lidardraft.errors import FormatError
 from lidardraft.files import named
@@ -23,7 +23,8 @@ def observe(arguments: argparse.Namespace) -> None:
     images, or clouds of CARLA's semantic LiDAR."""
     check_output(arguments)
     sensor = None if arguments.sensor is None else Sensor.preset(arguments.sensor)
-    materials, weather = _materials(arguments.materials), read_weather(arguments.weather)
+    materials = assignments(arguments.materials, "--material", "CLASS=MATERIAL, as in car=dark-paint")
+    weather = read_weather(arguments.weather)
     write_observed(arguments, _observed(arguments, sensor, materials, weather))
 
 
@@ -59,16 +60,6 @@ def _observed(
                     seed=seed,
                     weather=weather,
                 )
-
-
-def _materials(texts: list[str]) -> dict[str, str]:
-    materials = {}
-    for text in texts:
-        label, sign, material = text.partition("=")
-        if not (label and sign and material):
-            raise FormatError(f"--material is {text!r}; it must be CLASS=MATERIAL, as in car=dark-paint")
-        materials[label] = material
-    return materials
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
