@@ -17,10 +17,10 @@ from lidardraft.formats.blender_script import write_blender_script
 from lidardraft.formats.boxes import read_boxes, write_boxes
 from lidardraft.formats.carla import read_carla
 from lidardraft.formats.cast import read_cast
-from lidardraft.formats.glb import read_glb
+from lidardraft.formats.glb import layout_from_glb
 from lidardraft.formats.glb_export import write_glb
 from lidardraft.formats.kitti import read_bin, write_bin
-from lidardraft.formats.obj import read_obj
+from lidardraft.formats.obj import layout_from_obj
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.semantickitti import read_label, write_label
 from lidardraft.scene.layout import Layout, Primitive
@@ -67,8 +67,8 @@ READERS: dict[str, tuple[Callable[[Path], object], str, Callable[[Path], object]
     ),
     "pcd": (read_pcd, ".pcd", write_pcd),
     "packed pcd": (read_pcd, ".pcd", write_packed_pcd),
-    "obj": (read_obj, ".obj", write_obj),
-    "glb": (read_glb, ".glb", lambda path: write_glb(path, Layout((CAR,), {"seed": 1}))),
+    "obj": (layout_from_obj, ".obj", write_obj),
+    "glb": (layout_from_glb, ".glb", lambda path: write_glb(path, Layout((CAR,), {"seed": 1}))),
     "blender script": (layout_from_blender, ".py", lambda path: write_blender_script(path, Layout((CAR,)))),
     "boxes": (read_boxes, ".json", lambda path: write_boxes(path, Layout((CAR,)).boxes(), [3])),
     "layout": (Layout.load, ".json", Layout((CAR,), {"seed": 1}, (-1.0, 1.0)).save),

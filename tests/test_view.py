@@ -55,6 +55,19 @@ def test_a_top_view_reaches_as_far_as_it_is_asked_to() -> None:
     assert (rows.min(), rows.max()) == (52, 68)
 
 
+def test_a_layout_is_rendered_from_above() -> None:
+    picture = view.render_from_above(LAYOUT, size=200, reach=25.0)
+    car = picture[..., 2].astype(int) - picture[..., 0] > 60
+    rows, columns = np.nonzero(car)
+    # 8 to 12 m ahead is 32 to 48 of 100 pixels up from the middle, 1 m to either side 4 pixels
+    assert (rows.min(), rows.max()) == (52, 67)
+    assert (columns.min(), columns.max()) == (96, 103)
+    assert (picture[100, 100] == 255).all()  # the ego vehicle
+    left = Primitive(shape="box", center=(0, 10, 1), size=(4, 4, 2), label="car", id="left")
+    _, columns = np.nonzero(view.render_from_above(Layout((left,)), size=200, reach=25.0)[..., 2] > 100)
+    assert columns.min() == 52
+
+
 def test_no_return_is_black_and_no_class_white() -> None:
     assert view.colour_by_depth(np.array([[0.0, 5.0]]))[0, 0].tolist() == [0, 0, 0]
     assert view.colour_by_depth(np.array([[0.0, 5.0]]))[0, 1].any()

@@ -26,8 +26,11 @@ _LAZY = {
     "observe_points": "lidardraft.simulation.observe_cast",
     "simulate": "lidardraft.simulation.simulate",
     "layout_from_blender": "lidardraft.drafting.blender",
-    "layout_from_text": "lidardraft.drafting.text",
+    "layout_from_boxes": "lidardraft.drafting.boxes",
     "layout_from_cloud": "lidardraft.drafting.cloud",
+    "layout_from_glb": "lidardraft.formats.glb",
+    "layout_from_obj": "lidardraft.formats.obj",
+    "layout_from_text": "lidardraft.drafting.text",
 }
 
 __all__ = [
@@ -47,7 +50,10 @@ __all__ = [
     "Simulator",
     "detail",
     "layout_from_blender",
+    "layout_from_boxes",
     "layout_from_cloud",
+    "layout_from_glb",
+    "layout_from_obj",
     "layout_from_text",
     "observe_cast",
     "observe_points",

@@ -15,7 +15,7 @@ from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.semantickitti import read_label
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import RangeImage
-from lidardraft.scene.raycast import raycast
+from lidardraft.scene.raycast import Raycaster, raycast
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, CLASSES
 
@@ -25,6 +25,7 @@ _RAMP = np.array(
     [[48, 18, 59], [70, 107, 227], [40, 188, 235], [50, 242, 152], [164, 252, 60], [249, 186, 56], [228, 69, 10]]
 )
 _GAP = 6
+_SKY = 1000.0  # m, the height from which a layout is looked at from above
 
 
 def _camera() -> Sensor:
@@ -140,6 +141,34 @@ def render_top_view(
             middle, radius = pixels(np.array([primitive.center[:2]]))[0], max(primitive.size[:2]) / 2 * scale
             pen.ellipse((*(middle - radius).tolist(), *(middle + radius).tolist()), outline=colour)
     return np.asarray(canvas)
+
+
+def render_from_above(layout: Layout, *, size: int = 480, reach: float = 50.0) -> np.ndarray:
+    """The classes of a layout's shapes from above, what is higher being lighter: uint8 [size, size, 3].
+
+    Forward is up, the edge is `reach` [m] away, and a cross marks the ego vehicle.
+    """
+    middles = reach - (np.arange(size) + 0.5) * 2 * reach / size
+    origins = np.stack([*np.meshgrid(middles, middles, indexing="ij"), np.full((size, size), _SKY)], axis=-1)
+    origins = origins.reshape(-1, 3)
+    hits = Raycaster(layout).cast(origins, np.broadcast_to([0.0, 0.0, -1.0], origins.shape), max_range=2 * _SKY)
+    height = np.clip(_SKY - hits.distance, 0.0, 12.0)
+    shade = (0.75 + 0.25 * height / 12.0)[:, None]
+    colours = np.where((hits.label > 0)[:, None], PALETTE[hits.label] * shade, _BACKGROUND).astype(np.uint8)
+    canvas = Image.fromarray(colours.reshape(size, size, 3))
+    pen, middle = ImageDraw.Draw(canvas), size / 2
+    pen.line((middle - 5, middle, middle + 5, middle), fill=(255, 255, 255), width=2)
+    pen.line((middle, middle - 8, middle, middle + 5), fill=(255, 255, 255), width=2)
+    return np.asarray(canvas)
+
+
+def render_preview(layout: Layout, scan: RangeImage, pose: np.ndarray) -> np.ndarray:
+    """A layout from above beside a scan of it from world_from_sensor `pose`, by class: uint8 [H, W, 3]."""
+    views = [
+        caption(render_from_above(layout), "layout"),
+        caption(render_scan(scan, pose, by_label=True), f"simulated scan, {scan.sensor.name}"),
+    ]
+    return stack(views, across=True)
 
 
 def render_scans_of_layout(layout: Layout, pose: np.ndarray, images: dict[str, RangeImage]) -> np.ndarray:

@@ -1,9 +1,14 @@
 from collections.abc import Callable
+from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 
-from lidardraft import Layout
+from lidardraft import Layout, Primitive, layout_from_text
 from lidardraft.cli import main as cli
+from lidardraft.semantics import BY_NAME
+from lidardraft.view import PALETTE, render_from_above
 
 
 def test_a_sentence_becomes_a_layout(capsys: pytest.CaptureFixture[str]) -> None:
@@ -11,8 +16,34 @@ def test_a_sentence_becomes_a_layout(capsys: pytest.CaptureFixture[str]) -> None
     captured = capsys.readouterr()
     layout = Layout.load("layout.json")
     assert [box.label for box in layout.boxes()] == ["car"]
-    assert captured.out == f"layout.json: shapes: {len(layout)}, objects with a box: 1\n"
+    said = ["layout.preview.png: the layout from above, and a simulated scan of it"]
+    assert captured.out.splitlines() == [f"layout.json: shapes: {len(layout)}, objects with a box: 1", *said]
     assert captured.err == ""
+
+
+def test_the_preview_shows_the_layout_and_a_scan_of_the_asked_sensor() -> None:
+    assert cli.main(["draft", "--text", "a car ahead", "--sensor", "small.json", "-o", "layout.py"]) == 0
+    picture = np.asarray(Image.open("layout.preview.png"))
+    assert picture.shape[1] > picture.shape[0]
+    layout = layout_from_text("a car ahead", seed=0)
+    above = render_from_above(layout)
+    shown = picture[40 : len(above), : above.shape[1]]  # below the caption
+    np.testing.assert_array_equal(shown, above[40:])
+    scan = picture[:, above.shape[1] :]
+    assert (scan == PALETTE[BY_NAME["road"].id]).all(axis=2).sum() > 20
+
+
+def test_no_preview_is_written_if_none_is_asked_for(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["draft", "--text", "a car ahead", "--no-preview", "-o", "layout.json"]) == 0
+    assert not list(folder.glob("*.png"))
+    assert "preview" not in capsys.readouterr().out
+
+
+def test_a_layout_without_ground_is_previewed_without_a_word(capsys: pytest.CaptureFixture[str]) -> None:
+    Layout((Primitive(shape="box", center=(9, 0, 1), size=(4, 2, 2), label="car", id="car"),)).save("a.json")
+    assert cli.main(["draft", "--layout", "a.json", "--sensor", "small.json", "-o", "b.json"]) == 0
+    assert Layout.load("b.json") == Layout.load("a.json")
+    assert capsys.readouterr().err == ""
 
 
 def test_the_ending_says_the_format_before_anything_is_made(refused: Callable[..., str]) -> None:

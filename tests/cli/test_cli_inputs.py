@@ -1,4 +1,4 @@
-"""What layouts are made of: sentences, labelled scans, 3D models, layout files."""
+"""What layouts are made of: sentences, labelled scans, boxes, 3D models, layout files."""
 
 import json
 from collections.abc import Callable
@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lidardraft import Layout, Sensor
+from lidardraft import Box, Layout, Sensor
 from lidardraft.cli import main as cli
 from lidardraft.formats import kitti, semantickitti
+from lidardraft.formats.boxes import write_boxes
 from lidardraft.semantics import BY_NAME
 
 # A cube of a metre on the ground, its y axis up.
@@ -105,6 +106,29 @@ def test_a_scan_is_read_from_the_height_of_its_own_sensor() -> None:
     np.testing.assert_allclose(heights, 0, atol=0.05)
 
 
+def test_boxes_are_read_from_the_height_of_their_sensor() -> None:
+    """That of --sensor, or of the sensor that a scan was written with, which lies beside its boxes."""
+    box = Box("car_1", "car", 1, (9.0, 2.0, -0.9), (4.0, 2.0, 1.6), 0.5)
+    write_boxes("scan.boxes.json", [box], [30])
+    draft = ["draft", "--boxes", "scan.boxes.json", "-o", "layout.json"]
+    assert cli.main([*draft, "--sensor", "small.json"]) == 0
+    (read,) = Layout.load("layout.json").boxes()
+    np.testing.assert_allclose(read.center, (9.0, 2.0, -0.9 + Sensor.preset("small.json").mount_height))
+    assert (read.size, read.yaw) == (box.size, box.yaw)
+    high = Sensor(name="high", elevations=(0.0, -0.1), columns=64, mount_height=3.0)
+    Path("scan.sensor.json").write_text(high.to_json())
+    assert cli.main([*draft, "--sensor", "small.json"]) == 0
+    np.testing.assert_allclose(Layout.load("layout.json").boxes()[0].center, (9.0, 2.0, 2.1))
+
+
+def test_what_is_wrong_with_boxes(refused: Callable[..., str]) -> None:
+    draft = ("draft", "-o", "layout.json", "--boxes", "a.json")
+    write_boxes("a.json", [], [])
+    assert "a.json: there are 0 boxes" in refused(*draft)
+    write_boxes("a.json", [Box("flat", "car", 1, (9.0, 0.0, 0.0), (4.0, 2.0, 0.0), 0.0)], [3])
+    assert "a.json: flat: size is [4.0, 2.0, 0.0]; every extent must be > 0" in refused(*draft)
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [
@@ -149,7 +173,7 @@ def test_a_blender_script_is_read_and_what_is_passed_over_is_said(capsys: pytest
     assert cli.main(["draft", "--blender", "scene.py", "--class", "Blob=car", "-o", "layout.json"]) == 0
     captured = capsys.readouterr()
     assert captured.err == "lidardraft: scene.py: line 4: bpy.ops.render.render is passed over\n"
-    assert captured.out == "layout.json: shapes: 1, objects with a box: 1\n"
+    assert captured.out.splitlines()[0] == "layout.json: shapes: 1, objects with a box: 1"
     arguments = ["--blender", "scene.py", "--class", "Blob=car", "--sensor", "small.json"]
     assert cli.main(["raycast", *arguments, "-o", "image.npz"]) == 0
     assert cli.main(["simulate", *arguments, "-o", "scans"]) == 0

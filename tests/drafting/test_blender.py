@@ -164,7 +164,7 @@ def test_blender_itself_runs_what_is_exported(tmp_path: Path, sentence: str) -> 
 @pytest.mark.skipif(not BLENDER, reason="LIDARDRAFT_BLENDER names no Python that has bpy")
 def test_blender_itself_reads_and_writes_our_glb(tmp_path: Path) -> None:
     """A layout that goes through Blender as GLB keeps its shapes, classes, ids and places."""
-    from lidardraft.formats.glb import read_glb
+    from lidardraft.formats.glb import layout_from_glb
     from lidardraft.formats.glb_export import write_glb
 
     layout = layout_from_text("two parked cars on the left, trees along both sides, houses", seed=2)
@@ -176,7 +176,7 @@ def test_blender_itself_reads_and_writes_our_glb(tmp_path: Path) -> None:
     )
     run = subprocess.run([BLENDER or "", "-c", code], capture_output=True, text=True, timeout=100)
     assert run.returncode == 0, run.stderr[-1000:]
-    found = {primitive.id: primitive for primitive in read_glb(tmp_path / "b.glb")}
+    found = {primitive.id: primitive for primitive in layout_from_glb(tmp_path / "b.glb")}
     assert found.keys() == {primitive.id for primitive in layout}
     for was in layout:
         is_ = found[was.id]

@@ -9,7 +9,7 @@ import pytest
 from exported_layouts import EVERYTHING, drafted
 
 from lidardraft.errors import FormatError, LayoutError
-from lidardraft.formats.glb import read_glb
+from lidardraft.formats.glb import layout_from_glb
 from lidardraft.formats.glb_export import write_glb
 from lidardraft.formats.glb_file import glb_bytes
 from lidardraft.scene.layout import Layout
@@ -42,14 +42,14 @@ def document(*nodes: dict[str, Any], **more: Any) -> tuple[dict[str, Any], bytes
 def read(tmp_path: Path, *nodes: dict[str, Any], classes: dict[str, str] | None = None, **more: Any) -> Layout:
     path = tmp_path / "a.glb"
     path.write_bytes(glb_bytes(*document(*nodes, **more)))
-    return read_glb(path, classes)
+    return layout_from_glb(path, classes)
 
 
 @pytest.mark.parametrize("layout", [EVERYTHING, *drafted()])
 def test_a_layout_comes_back_but_for_float32(tmp_path: Path, layout: Layout) -> None:
     """Places and sizes to 1e-9 m, angles to 1e-9 rad; vertices of meshes to float32."""
     write_glb(tmp_path / "a.glb", layout)
-    found = read_glb(tmp_path / "a.glb")
+    found = layout_from_glb(tmp_path / "a.glb")
     assert (found.provenance, found.coverage, len(found)) == (layout.provenance, layout.coverage, len(layout))
     for was, is_ in zip(layout, found, strict=True):
         if was.id == "cone":  # a cylinder under the name of a mesh
@@ -169,7 +169,7 @@ def test_a_number_that_is_none_in_a_vertex(tmp_path: Path) -> None:
     fields, binary = document({"name": "car", "mesh": 0})
     (tmp_path / "a.glb").write_bytes(glb_bytes(fields, np.float32(np.nan).tobytes() + binary[4:]))
     with pytest.raises(LayoutError, match=r"a.glb: vertex 0 of a mesh is \[nan"):
-        read_glb(tmp_path / "a.glb")
+        layout_from_glb(tmp_path / "a.glb")
 
 
 def test_the_document_is_json(tmp_path: Path) -> None:
@@ -179,4 +179,4 @@ def test_the_document_is_json(tmp_path: Path) -> None:
     assert text in data
     (tmp_path / "a.glb").write_bytes(data.replace(b'"asset"', b'"asset}'))
     with pytest.raises(FormatError, match=r"a.glb: not JSON"):
-        read_glb(tmp_path / "a.glb")
+        layout_from_glb(tmp_path / "a.glb")

@@ -3,7 +3,7 @@ import pytest
 from exported_layouts import EVERYTHING, drafted
 
 from lidardraft.errors import FormatError, LayoutError
-from lidardraft.formats.obj import read_obj, write_obj
+from lidardraft.formats.obj import layout_from_obj, write_obj
 from lidardraft.scene.layout import object_of
 from lidardraft.scene.mesh import primitive_mesh
 
@@ -20,7 +20,7 @@ def write(path, *names):
 
 
 def test_names_say_the_class(tmp_path):
-    layout = read_obj(write(tmp_path / "a.obj", "car.001", "Car_left", "road", "traffic-sign.2"))
+    layout = layout_from_obj(write(tmp_path / "a.obj", "car.001", "Car_left", "road", "traffic-sign.2"))
     assert [p.label for p in layout] == ["car", "car", "road", "traffic-sign"]
     assert [p.instance for p in layout] == [1, 2, 0, 0]
     assert [p.id for p in layout] == ["car_001", "Car_left", "road", "traffic-sign_2"]
@@ -32,8 +32,8 @@ def test_names_that_say_no_class_are_listed(tmp_path):
     with pytest.raises(
         LayoutError, match=r"a.obj: no class for Cube.001 \(no material\), careful \(no material\); pass them"
     ):
-        read_obj(path)
-    assert [p.label for p in read_obj(path, {"Cube.001": "building", "careful": "other"})] == [
+        layout_from_obj(path)
+    assert [p.label for p in layout_from_obj(path, {"Cube.001": "building", "careful": "other"})] == [
         "building",
         "road",
         "other",
@@ -42,7 +42,7 @@ def test_names_that_say_no_class_are_listed(tmp_path):
 
 def test_labels_that_are_no_class(tmp_path):
     with pytest.raises(LayoutError, match=r"labels\['Cube'\] is 'cow'; it must be one of road"):
-        read_obj(write(tmp_path / "a.obj", "Cube"), {"Cube": "cow"})
+        layout_from_obj(write(tmp_path / "a.obj", "Cube"), {"Cube": "cow"})
 
 
 def test_materials_say_the_class_and_are_parts_of_one_thing(tmp_path):
@@ -50,7 +50,7 @@ def test_materials_say_the_class_and_are_parts_of_one_thing(tmp_path):
     (tmp_path / "a.obj").write_text(
         "mtllib a.mtl\no Cube\nv 0 0 0\nv 4 0 0\nv 0 0 1\nv 4 0 1\nusemtl car\nf 1 2 3\nusemtl paint\nf 2 4 3\n"
     )
-    layout = read_obj(tmp_path / "a.obj", {"paint": "car"})
+    layout = layout_from_obj(tmp_path / "a.obj", {"paint": "car"})
     assert [p.label for p in layout] == ["car", "car"]
     assert [p.instance for p in layout] == [1, 1]
     assert len({p.id for p in layout}) == 2
@@ -59,10 +59,10 @@ def test_materials_say_the_class_and_are_parts_of_one_thing(tmp_path):
 def test_axes_and_unit(tmp_path):
     path = tmp_path / "a.obj"
     path.write_text("o car\nv 1 2 3\nv 5 2 3\nv 1 4 3\nf 1 2 3\n")
-    z_up = read_obj(path, scale=0.5).primitives[0]
+    z_up = layout_from_obj(path, scale=0.5).primitives[0]
     np.testing.assert_allclose(z_up.center, (1.5, 1.5, 1.5))
     np.testing.assert_allclose(z_up.size, (2, 1, 0))
-    y_up = read_obj(path, up="y").primitives[0]
+    y_up = layout_from_obj(path, up="y").primitives[0]
     np.testing.assert_allclose(y_up.center, (3, -3, 3))
     np.testing.assert_allclose(y_up.size, (4, 0, 2))
 
@@ -70,27 +70,27 @@ def test_axes_and_unit(tmp_path):
 def test_axes_and_unit_that_cannot_be(tmp_path):
     path = write(tmp_path / "a.obj", "car")
     with pytest.raises(LayoutError, match=r"up is 'x'; it must be 'y' or 'z'"):
-        read_obj(path, up="x")
+        layout_from_obj(path, up="x")
     with pytest.raises(LayoutError, match=r"scale is 0.0; it must be a finite number of metres > 0"):
-        read_obj(path, scale=0.0)
+        layout_from_obj(path, scale=0.0)
 
 
 def test_a_broken_or_missing_file(tmp_path):
     with pytest.raises(FormatError, match=r"none.obj"):
-        read_obj(tmp_path / "none.obj")
+        layout_from_obj(tmp_path / "none.obj")
     (tmp_path / "a.obj").write_text("o car\nv 0 0 0\nf 1 2 3\n")
     with pytest.raises((FormatError, LayoutError), match=r"a.obj|vertex|vertices"):
-        read_obj(tmp_path / "a.obj")
+        layout_from_obj(tmp_path / "a.obj")
     (tmp_path / "b.obj").write_text("o car\nv 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     with pytest.raises((FormatError, LayoutError), match=r"b.obj|finite"):
-        read_obj(tmp_path / "b.obj")
+        layout_from_obj(tmp_path / "b.obj")
 
 
 @pytest.mark.parametrize("layout", [EVERYTHING, *drafted()])
 def test_a_layout_comes_back_as_the_same_triangles(tmp_path, layout):
     """The same corners to 1e-9 m, the same class and id, and things that are one thing stay one."""
     write_obj(tmp_path / "a.obj", layout)
-    found = read_obj(tmp_path / "a.obj")
+    found = layout_from_obj(tmp_path / "a.obj")
     assert [p.label for p in found] == [p.label for p in layout]
     assert [p.id for p in found] == [p.id.replace(" ", "_") for p in layout]
     for was, is_ in zip(layout, found, strict=True):
@@ -104,7 +104,7 @@ def test_a_layout_comes_back_as_the_same_triangles(tmp_path, layout):
 
 
 def test_words_of_names_say_the_class_too(tmp_path):
-    layout = read_obj(
+    layout = layout_from_obj(
         write(tmp_path / "a.obj", "ParkedCar.001", "StreetLamp_3", "House_Wall", "car_1.body", "car_1.roof")
     )
     assert [p.label for p in layout] == ["car", "pole", "building", "car", "car"]
@@ -116,7 +116,7 @@ def test_a_huge_file_is_not_opened(tmp_path):
     with open(tmp_path / "a.obj", "wb") as file:
         file.truncate(2**26 + 1)
     with pytest.raises(FormatError, match=r"a.obj has 67108865 bytes; OBJ files of up to 67108864 are read"):
-        read_obj(tmp_path / "a.obj")
+        layout_from_obj(tmp_path / "a.obj")
 
 
 @pytest.mark.parametrize(
@@ -130,4 +130,4 @@ def test_a_huge_file_is_not_opened(tmp_path):
 def test_what_takes_too_long_to_read_is_refused_before(tmp_path, text, said):
     (tmp_path / "a.obj").write_text(text)
     with pytest.raises(FormatError, match=rf"a.obj has {said}"):
-        read_obj(tmp_path / "a.obj")
+        layout_from_obj(tmp_path / "a.obj")

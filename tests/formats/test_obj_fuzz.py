@@ -89,11 +89,11 @@ def survives(path, data: bytes) -> None:
     if error is None:
         assert all(len(shape.faces) and np.isfinite(shape.vertices).all() for _, _, shape in objects)
         labels = {name: "other" for entry in objects for name in entry[:2]}
-        layout, error = attempt(obj.read_obj, path, labels)
+        layout, error = attempt(obj.layout_from_obj, path, labels)
         image, error = (None, error) if error else attempt(raycast, layout, SENSOR)
         assert error or np.isfinite(image.depth).all()
     else:
-        assert type(attempt(obj.read_obj, path)[1]) is type(error)
+        assert type(attempt(obj.layout_from_obj, path)[1]) is type(error)
     assert error is None or len(str(error).splitlines()) == 1
 
 
@@ -136,6 +136,6 @@ def test_valid_files_with_errors_in_them(path, document, edits):
 def test_vertices_too_far_away_for_arithmetic(path, vertices):
     survives(path, f"o car\n{vertices}\nf 1 2 3\n".encode())
     with pytest.raises(LidarDraftError, match=r"car: the mesh reaches from|vertex|center"):
-        raycast(obj.read_obj(path), SENSOR)
+        raycast(obj.layout_from_obj(path), SENSOR)
     with pytest.raises(LidarDraftError, match="finite"):
-        obj.read_obj(path, scale=1e308)
+        obj.layout_from_obj(path, scale=1e308)

@@ -1,4 +1,4 @@
-"""What a layout is made of: a sentence, a labelled scan, a 3D model, a Blender script, or a layout file."""
+"""What a layout is made of: a sentence, a labelled scan, boxes, a 3D model, a Blender script, or a layout file."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from lidardraft.scene.sensor import Sensor
 _GOES_WITH = {"labels": ("points",), "classes": ("obj", "glb", "blender"), "up": ("obj",), "scale": ("obj",)}
 
 
-def add_inputs(parser: argparse.ArgumentParser, *, layout: bool = True) -> argparse._ArgumentGroup:
-    """The inputs, of which a command takes one, in a group of their own; `layout`: whether a layout file is one."""
-    names = "--text, --points, --obj, --glb, --blender" + ", --layout" * layout
+def add_inputs(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
+    """The inputs, of which a command takes one, in a group of their own."""
+    names = ", ".join(f"--{name}" for name in _READERS)
     group = parser.add_argument_group(f"input (exactly one of {names})")
     one = group.add_mutually_exclusive_group(required=True)
     one.add_argument("--text", metavar="SENTENCE", help='what is on the road, in English: "two cars on the left"')
     one.add_argument("--points", metavar="FILE.bin", help="a scan: KITTI .bin, float32 x y z [m] and intensity")
+    one.add_argument("--boxes", metavar="FILE.json", help="boxes around objects, as in the .boxes.json of a scan")
     one.add_argument("--obj", metavar="FILE.obj", help="a 3D model: Wavefront OBJ with the ego vehicle at its origin")
     one.add_argument("--glb", metavar="FILE.glb", help="a 3D model: binary glTF, as Blender exports it")
     one.add_argument("--blender", metavar="FILE.py", help="a Blender Python script; it is read as data, never run")
-    if layout:
-        one.add_argument("--layout", metavar="LAYOUT.json", help="a layout, as `lidardraft draft` writes it")
+    one.add_argument("--layout", metavar="LAYOUT.json", help="a layout, as `lidardraft draft` writes it")
     group.add_argument(
         "--labels", metavar="FILE.label", help="SemanticKITTI labels of --points (default: the .label beside it)"
     )
@@ -46,53 +46,39 @@ def add_inputs(parser: argparse.ArgumentParser, *, layout: bool = True) -> argpa
 
 
 def read_layout(arguments: argparse.Namespace) -> Layout:
-    """The layout that the arguments ask for; what is not understood of a sentence is said on stderr."""
+    """The layout that the arguments ask for; what of an input is not understood or left out is said on stderr."""
     for name, inputs in _GOES_WITH.items():
         if getattr(arguments, name) is not None and all(getattr(arguments, needed) is None for needed in inputs):
             needed = " or ".join(f"--{each}" for each in inputs)
             raise FormatError(f"--{'class' if name == 'classes' else name} goes with {needed}")
-    classes = assignments(arguments.classes or [], "--class", "NAME=CLASS, as in Cube.001=car")
-    if arguments.text is not None:
-        return _from_text(arguments.text, arguments.seed)
-    if arguments.points is not None:
-        return _from_points(arguments)
-    if arguments.obj is not None:
-        from lidardraft.formats.obj import read_obj
-
-        scale = 1.0 if arguments.scale is None else arguments.scale
-        return read_obj(arguments.obj, classes, up=arguments.up or "z", scale=scale)
-    if arguments.glb is not None:
-        from lidardraft.formats.glb import read_glb
-
-        return read_glb(arguments.glb, classes)
-    if arguments.blender is not None:
-        return _from_blender(arguments.blender, classes)
-    return Layout.load(arguments.layout)
+    read = next(read for name, read in _READERS.items() if getattr(arguments, name) is not None)
+    return read(arguments)
 
 
-def sensor_beside(scan: str | Path) -> Sensor | None:
-    """The sensor of a scan, where `generate` has written it beside the scan: NAME.sensor.json beside NAME.bin."""
-    path = Path(scan).with_suffix(".sensor.json")
+def sensor_beside(file: str | Path) -> Sensor | None:
+    """The sensor of a scan, where `generate` has written it beside the scan: NAME.sensor.json beside NAME.bin and
+    NAME.boxes.json."""
+    path = Path(file)
+    path = path.with_name(f"{path.name.removesuffix(path.suffix).removesuffix('.boxes')}.sensor.json")
     return Sensor.preset(path) if path.exists() else None
 
 
-def _from_text(text: str, seed: int) -> Layout:
+def _sensor_height(arguments: argparse.Namespace, file: str) -> float:
+    """How high over the road the sensor stood in whose frame the file is."""
+    return (sensor_beside(file) or Sensor.preset(arguments.sensor)).mount_height
+
+
+def _classes(arguments: argparse.Namespace) -> dict[str, str]:
+    return assignments(arguments.classes or [], "--class", "NAME=CLASS, as in Cube.001=car")
+
+
+def _from_text(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.text import layout_from_text
 
-    layout = layout_from_text(text, seed=seed)
+    layout = layout_from_text(arguments.text, seed=arguments.seed)
     if layout.provenance["not_understood"]:
         near = "".join(f"; did you mean {known!r}?" for known in layout.provenance["nearest_words"].values())
         say("lidardraft", f"not understood: {', '.join(layout.provenance['not_understood'])}{near}")
-    return layout
-
-
-def _from_blender(path: str, classes: dict[str, str]) -> Layout:
-    from lidardraft.drafting.blender import layout_from_blender
-
-    layout = layout_from_blender(Path(path), classes=classes)
-    if layout.provenance.get("source") == Path(path).name:  # and not that of a layout that was written as a script
-        for note in layout.provenance["notes"]:
-            say("lidardraft", f"{path}: {note}")
     return layout
 
 
@@ -105,6 +91,56 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
         raise FormatError(f"--points needs --labels, as there is no {path}: a layout is made of classes")
     points, _ = kitti.read_bin(arguments.points)
     labels, instances = semantickitti.read_label(path, len(points))
-    sensor = sensor_beside(arguments.points) or Sensor.preset(arguments.sensor)
+    height = _sensor_height(arguments, arguments.points)
     with named(path):
-        return layout_from_cloud(points, labels, instances=instances, sensor_height=sensor.mount_height)
+        return layout_from_cloud(points, labels, instances=instances, sensor_height=height)
+
+
+def _from_boxes(arguments: argparse.Namespace) -> Layout:
+    from lidardraft.drafting.boxes import layout_from_boxes
+    from lidardraft.formats.boxes import read_boxes
+
+    boxes, _ = read_boxes(arguments.boxes)
+    height = _sensor_height(arguments, arguments.boxes)
+    with named(arguments.boxes):
+        return layout_from_boxes(boxes, sensor_height=height)
+
+
+def _from_obj(arguments: argparse.Namespace) -> Layout:
+    from lidardraft.formats.obj import layout_from_obj
+
+    scale = 1.0 if arguments.scale is None else arguments.scale
+    return layout_from_obj(arguments.obj, _classes(arguments), up=arguments.up or "z", scale=scale)
+
+
+def _from_glb(arguments: argparse.Namespace) -> Layout:
+    from lidardraft.formats.glb import layout_from_glb
+
+    return layout_from_glb(arguments.glb, _classes(arguments))
+
+
+def _from_blender(arguments: argparse.Namespace) -> Layout:
+    from lidardraft.drafting.blender import layout_from_blender
+
+    path = Path(arguments.blender)
+    layout = layout_from_blender(path, classes=_classes(arguments))
+    if layout.provenance.get("source") == path.name:  # and not that of a layout that was written as a script
+        for note in layout.provenance["notes"]:
+            say("lidardraft", f"{path}: {note}")
+    return layout
+
+
+def _from_layout(arguments: argparse.Namespace) -> Layout:
+    return Layout.load(arguments.layout)
+
+
+# By the name of the option that gives the input.
+_READERS = {
+    "text": _from_text,
+    "points": _from_points,
+    "boxes": _from_boxes,
+    "obj": _from_obj,
+    "glb": _from_glb,
+    "blender": _from_blender,
+    "layout": _from_layout,
+}

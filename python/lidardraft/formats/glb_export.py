@@ -85,7 +85,7 @@ def glb_of(layout: Layout) -> bytes:
 
 
 def write_glb(path: str | os.PathLike[str], layout: Layout) -> None:
-    """Write the file of `glb_of`; `read_glb` reads the same shapes, meshes to float32's rounding."""
+    """Write the file of `glb_of`; `layout_from_glb` reads the same shapes, meshes to float32's rounding."""
     with written_whole(path) as temporary:
         temporary.write_bytes(glb_of(layout))
 

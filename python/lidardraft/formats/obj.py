@@ -22,7 +22,7 @@ _MAX_BYTES, _MAX_LINES, _MAX_WORDS, _MAX_OBJECTS = 2**26, 4_000_000, 8_000_000, 
 _FRAMES = {"z": np.eye(3), "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])}
 
 
-def read_obj(
+def layout_from_obj(
     path: str | os.PathLike[str], labels: Mapping[str, str] | None = None, *, up: str = "z", scale: float = 1.0
 ) -> Layout:
     """The layout of an OBJ file whose axis `up` points up and whose unit is `scale` metres.
@@ -84,7 +84,7 @@ def write_obj(path: str | os.PathLike[str], layout: Layout) -> None:
     """Write the shapes as triangles, z up, in metres: an object with the id for each,
     and a material that names the class, "class:car".
 
-    Round shapes become polyhedra. `read_obj` reads the same triangles, to the last digit.
+    Round shapes become polyhedra. `layout_from_obj` reads the same triangles, to the last digit.
     """
     lines, count = ["# a layout: metres, x forward, y left, z up"], 1
     for primitive in layout:

@@ -1,0 +1,62 @@
+"""Boxes of objects, as annotators and detectors give them, become a layout on flat ground."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from lidardraft.errors import LayoutError
+from lidardraft.scene.layout import Box, Layout, Primitive
+from lidardraft.semantics import BY_NAME
+
+_MARGIN = 40.0  # m of ground around the boxes and the ego vehicle
+_MOST_BOXES = 65_535  # as many as there are instances
+
+
+def layout_from_boxes(boxes: Sequence[Box], *, sensor_height: float = 0.0) -> Layout:
+    """A box of the layout for each, and a road under all of them, as boxes say nothing of the ground.
+
+    The boxes are in the frame of a sensor `sensor_height` [m] over the road, or in the layout's frame where that is 0.
+    Things without an instance, or with one that another thing has, get a free one. Raises `LayoutError` naming a box
+    that has no extent or no class, and where there is none.
+    """
+    if not math.isfinite(sensor_height):
+        raise LayoutError(f"sensor_height is {sensor_height}; it must be a finite number of metres")
+    if not 1 <= len(boxes) <= _MOST_BOXES:
+        raise LayoutError(f"there are {len(boxes)} boxes; a layout is made of 1 to {_MOST_BOXES}")
+    instances = _instances(boxes)
+    standing = tuple(
+        Primitive(
+            shape="box",
+            center=(box.center[0], box.center[1], box.center[2] + sensor_height),
+            size=box.size,
+            yaw=box.yaw,
+            label=box.label,
+            id=box.id,
+            instance=instance,
+        )
+        for box, instance in zip(boxes, instances, strict=True)
+    )
+    return Layout(primitives=(_ground(boxes), *standing), provenance={"source": "boxes"})
+
+
+def _instances(boxes: Sequence[Box]) -> list[int]:
+    """The instance of each box: its own if no box before it has that, or a free one; 0 for stuff."""
+    used = {box.instance for box in boxes}
+    free = (number for number in range(1, _MOST_BOXES + 1) if number not in used)
+    instances, taken = [], {0}
+    for box in boxes:
+        if not BY_NAME[box.label].is_thing:
+            instances.append(0)
+            continue
+        instances.append(next(free) if box.instance in taken else box.instance)
+        taken.add(instances[-1])
+    return instances
+
+
+def _ground(boxes: Sequence[Box]) -> Primitive:
+    id = "ground"
+    while any(box.id == id for box in boxes):
+        id += "_"
+    reach = max(abs(value) for box in boxes for value in box.center[:2]) + _MARGIN
+    return Primitive(shape="plane", center=(0.0, 0.0, 0.0), size=(2 * reach, 2 * reach, 0.0), label="road", id=id)
