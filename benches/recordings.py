@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lidardraft.calibration.recording import Recording, recording_of
 from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.pcd import pcd_columns
 from lidardraft.formats.semantickitti import CLASS_FROM_RAW
@@ -106,7 +107,7 @@ class Recordings:
 def hdl64e(folder: Path, columns: int) -> Recordings:
     """KITTI: one raw drive, sequence 00 of the odometry set, object frames of many drives; labels of sequence 00."""
     kitti = folder / "kitti"
-    drive = [_kitti_pcd(path, columns) for path in sorted((kitti / "raw_drive_0005").glob("*.pcd*"))[:-1:4]]
+    drive = [_kitti(*_kitti_pcd(path), columns) for path in _drive_files(folder)]
     odometry = [_kitti_bin(path, columns) for path in sorted((kitti / "odometry_00" / "velodyne").glob("*.bin"))]
     frames = [_kitti_bin(path, columns) for path in sorted((kitti / "object").glob("*/velodyne/*.bin"))]
     labelled = kitti_images(folder)
@@ -121,6 +122,15 @@ def hdl64e(folder: Path, columns: int) -> Recordings:
         spherical=True,
         why="" if drive and odometry and frames else "no recordings under kitti/",
     )
+
+
+def hdl64e_drive(folder: Path) -> list[Recording]:
+    """KITTI's raw drive 0005, as a sensor is fitted to it: every fourth of its scans here."""
+    return [
+        recording_of(path.name, points, intensity=intensity)
+        for path in _drive_files(folder)
+        for points, intensity in (_kitti_pcd(path),)
+    ]
 
 
 def kitti_images(folder: Path) -> list[Sweep]:
@@ -214,10 +224,14 @@ def _sweep(image: np.ndarray, classes: Sequence[str], white: float) -> Sweep:
     return Sweep(image[..., :3].astype(np.float32), ids[image[..., 5].astype(int)], intensity)
 
 
-def _kitti_pcd(path: Path, columns: int) -> Sweep:
+def _drive_files(folder: Path) -> list[Path]:
+    return sorted((folder / "kitti" / "raw_drive_0005").glob("*.pcd*"))[:-1:4]
+
+
+def _kitti_pcd(path: Path) -> tuple[np.ndarray, np.ndarray]:
     fields = pcd_columns(path.name, _bytes(path))
     points = np.stack([fields[axis] for axis in "xyz"], axis=1)[:-1]  # the last one is a zero that the conversion added
-    return _kitti(points, fields["intensity"][:-1], columns)
+    return points, fields["intensity"][:-1]
 
 
 def _kitti_bin(path: Path, columns: int) -> Sweep:
