@@ -47,6 +47,29 @@ def test_padding_may_be_wider_than_the_image(columns: int) -> None:
     assert pad_columns(x, columns, False)[0].tolist() == [min(max(i, 0), 3) for i in places]
 
 
+@pytest.mark.parametrize("wraps", [True, False])
+@pytest.mark.parametrize("columns", [1, 3, 5])
+def test_the_gradient_of_padding_is_the_one_of_indexing(columns: int, wraps: bool) -> None:
+    x = torch.randn(2, 3, 4, 5, requires_grad=True)
+    places = torch.arange(-columns, 5 + columns)
+    indexed = x[..., places % 5 if wraps else places.clamp(0, 4)]
+    padded = pad_columns(x, columns, wraps)
+    weights = torch.randn_like(indexed)
+    assert torch.equal(padded, indexed)
+    expected, found = (torch.autograd.grad((y * weights).sum(), x)[0] for y in (indexed, padded))
+    torch.testing.assert_close(found, expected)
+
+
+@pytest.mark.parametrize("wraps", [True, False])
+def test_what_is_folded_stays_channels_last_through_a_convolution_and_back(wraps: bool) -> None:
+    folded = fold(torch.randn(2, 3, 8, 12, requires_grad=True), (2, 4))
+    y = RangeImageConv(24, 8)(folded, wraps)
+    for x in (folded, pad_columns(folded, 1, wraps), pad_columns(folded, 3, wraps), y):
+        assert x.is_contiguous(memory_format=torch.channels_last)
+    (gradient,) = torch.autograd.grad(y.square().sum(), folded)
+    assert gradient.is_contiguous(memory_format=torch.channels_last)
+
+
 def test_unfold_undoes_fold() -> None:
     x = torch.randn(2, 3, 8, 12)
     folded = fold(x, (2, 4))

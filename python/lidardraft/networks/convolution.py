@@ -6,6 +6,8 @@ a sensor that sees a sector, does not.
 
 from __future__ import annotations
 
+from typing import Any
+
 import torch
 from torch import Tensor, nn
 
@@ -31,22 +33,55 @@ def pad_columns(x: Tensor, columns: int, wraps: bool) -> Tensor:
     if columns == 0:
         return x
     width = x.shape[-1]
-    if wraps and columns <= width:
-        return torch.cat([x[..., -columns:], x, x[..., :columns]], dim=-1)
+    if columns <= width:
+        padded: Tensor = _PaddedColumns.apply(x, columns, wraps)  # type: ignore[no-untyped-call]
+        return padded
     places = torch.arange(-columns, width + columns, device=x.device)
     return x[..., places % width if wraps else places.clamp(0, width - 1)]
 
 
+class _PaddedColumns(torch.autograd.Function):
+    """`pad_columns` by at most W columns, whose gradient costs one copy.
+
+    Autograd's own, of slices and `cat`, fills four whole images in another layout: as much work as a convolution's.
+    """
+
+    @staticmethod
+    def forward(ctx: Any, x: Tensor, columns: int, wraps: bool) -> Tensor:
+        """The padded tensor."""
+        ctx.columns, ctx.wraps = columns, wraps
+        if wraps:
+            return torch.cat([x[..., -columns:], x, x[..., :columns]], dim=-1)
+        return torch.cat([*columns * [x[..., :1]], x, *columns * [x[..., -1:]]], dim=-1)
+
+    @staticmethod
+    def backward(ctx: Any, gradient: Tensor) -> tuple[Tensor, None, None]:
+        """What each column received where it stood, and where it was repeated."""
+        columns = ctx.columns
+        left, right = gradient[..., :columns], gradient[..., -columns:]
+        total = gradient[..., columns:-columns].clone()
+        if ctx.wraps:
+            total[..., -columns:] += left
+            total[..., :columns] += right
+        else:
+            total[..., 0] += left.sum(dim=-1)
+            total[..., -1] += right.sum(dim=-1)
+        return total, None, None
+
+
 def fold(x: Tensor, cell: tuple[int, int]) -> Tensor:
-    """[B, C, H, W] -> [B, C h w, H / h, W / w]: the pixels of a cell (h, w) become channels."""
+    """[B, C, H, W] -> [B, C h w, H / h, W / w]: the pixels of a cell (h, w) become channels.
+
+    Channels last in memory: the layout in which convolutions are fast, and which they hand on.
+    """
     b, c, height, width = x.shape
     h, w = cell
-    x = x.reshape(b, c, height // h, h, width // w, w)
-    return x.permute(0, 1, 3, 5, 2, 4).reshape(b, c * h * w, height // h, width // w)
+    x = x.reshape(b, c, height // h, h, width // w, w).permute(0, 2, 4, 1, 3, 5)
+    return x.reshape(b, height // h, width // w, c * h * w).permute(0, 3, 1, 2)
 
 
 def unfold(x: Tensor, cell: tuple[int, int]) -> Tensor:
-    """The inverse of `fold`."""
+    """The inverse of `fold`, channels first in memory."""
     b, c, height, width = x.shape
     h, w = cell
     x = x.reshape(b, c // (h * w), h, w, height, width)
