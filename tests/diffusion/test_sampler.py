@@ -9,6 +9,7 @@ from lidardraft.diffusion.denoiser import Denoiser, DenoiserConfig
 from lidardraft.diffusion.noise import gaussian, karras_levels
 from lidardraft.diffusion.sampler import Denoise, sample, sample_multistep
 from lidardraft.errors import SensorError
+from lidardraft.networks.precision import reduced_precision
 from lidardraft.scene.sensor import Sensor
 
 MEAN, STD = 0.3, 0.5
@@ -109,6 +110,23 @@ def test_whether_the_columns_wrap_follows_from_the_sensor() -> None:
     for end, wraps in zip(ends, (True, False), strict=True):
         sigmas = karras_levels(3)
         x = sigmas[0] * torch.stack([gaussian((3, 4, 16), 3)])
-        *_, expected = sample_multistep(lambda x, s, w=wraps: denoiser.denoise(x, s, beams, wraps=w), x, sigmas)
+        with reduced_precision(torch.device("cpu")):
+            *_, expected = sample_multistep(lambda x, s, w=wraps: denoiser.denoise(x, s, beams, wraps=w), x, sigmas)
         assert torch.equal(end, expected)
     assert not torch.allclose(ends[0], ends[1], atol=1e-3)
+
+
+@torch.no_grad()
+def test_a_processor_with_bfloat16_samples_the_same_scan_within_a_hundredth(monkeypatch: pytest.MonkeyPatch) -> None:
+    torch.manual_seed(0)
+    config = DenoiserConfig(cell=(2, 4), widths=(16, 16), strides=(1, 2), dilations=(1, 1), blocks=1)
+    denoiser = Denoiser.from_config(config).eval()
+    torch.nn.init.normal_(denoiser.network.head.weight, std=0.02)
+    sensor = Sensor(name="ring", elevations=(0.1, 0.0, -0.1, -0.2), columns=64)
+    ends = []
+    for capabilities in ({}, {"avx512_bf16": True}):
+        monkeypatch.setattr(torch.cpu, "get_capabilities", lambda found=capabilities: found, raising=False)
+        ends.append(list(sample(denoiser, sensor, seeds=[3], steps=20))[-1])
+    exact, rough = ends
+    assert rough.dtype == torch.float32
+    assert 0 < (rough - exact).square().mean().sqrt() < 0.01 * exact.std()

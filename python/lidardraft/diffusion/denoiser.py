@@ -26,7 +26,8 @@ class DenoiserConfig:
     """All that decides the shape of the network.
 
     `cell` is the (rows, columns) of pixels that the stem folds into channels; `widths`, `strides` and `dilations` hold
-    one value a stage; `blocks` residual blocks make a stage; `refine_units` and `pools` are those of a refine block.
+    one value a stage; `blocks` residual blocks make a stage; `refine_units` and `pools` are those of a refine block;
+    `groups` of channels are normalised apart: of 16 channels or a multiple each, or the gradient in bfloat16 is slow.
     `controlnet` says whether a condition can be given, `copy_gate` whether its depth is gated in (the paper: no).
     """
 
@@ -37,6 +38,7 @@ class DenoiserConfig:
     blocks: int = 2
     refine_units: int = 1
     pools: int = 1
+    groups: int = 8
     controlnet: bool = False
     copy_gate: bool = True
 
@@ -51,7 +53,7 @@ class DenoiserConfig:
             raise LidarDraftError(
                 f"widths {self.widths}, strides {self.strides} and dilations {self.dilations} must match"
             )
-        for name, low in (("blocks", 1), ("refine_units", 0), ("pools", 0)):
+        for name, low in (("blocks", 1), ("refine_units", 0), ("pools", 0), ("groups", 1)):
             if not isinstance(getattr(self, name), int) or not low <= getattr(self, name) <= 64:
                 raise LidarDraftError(f"{name} is {getattr(self, name)!r}; it must be {low} to 64")
 
@@ -90,6 +92,7 @@ class Denoiser(Network):
             blocks=config.blocks,
             refine_units=config.refine_units,
             pools=config.pools,
+            groups=config.groups,
         )
         controlnet = ControlNet(network.encoder, copy_gate=config.copy_gate) if config.controlnet else None
         return cls(config, network, controlnet)

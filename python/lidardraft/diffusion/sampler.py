@@ -13,6 +13,7 @@ from lidardraft.diffusion.codec import STATE_CHANNELS, encode_elevations
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.noise import gaussian, karras_levels
 from lidardraft.errors import SensorError
+from lidardraft.networks.precision import reduced_precision
 from lidardraft.scene.sensor import Sensor
 
 Denoise = Callable[[Tensor, Tensor], Tensor]
@@ -37,7 +38,8 @@ def sample(
         condition = condition.to(device).expand(len(seeds), -1, -1, -1)
 
     def denoise(x: Tensor, sigma: Tensor) -> Tensor:
-        return denoiser.denoise(x, sigma, beams, condition, wraps=sensor.wraps)
+        with reduced_precision(device):
+            return denoiser.denoise(x, sigma, beams, condition, wraps=sensor.wraps)
 
     return sample_multistep(denoise, sigmas[0] * noise, sigmas)
 

@@ -32,7 +32,11 @@ class NoiseEmbedding(nn.Module):
 
 
 class Encoder(nn.Module):
-    """The stem, which folds cells of pixels into channels, and the residual stages."""
+    """The stem, which folds cells of pixels into channels, and the residual stages.
+
+    What does not change while noise is removed, the `context`, joins the state here: the stem's 3 x 3 cells of the
+    state and one cell of the context make one sum, which is a stem over both, with zeros where the context is far.
+    """
 
     def __init__(
         self,
@@ -43,19 +47,35 @@ class Encoder(nn.Module):
         strides: Sequence[int],
         dilations: Sequence[int],
         blocks: int,
+        groups: int = 8,
+        context: int = 0,
     ) -> None:
         super().__init__()
         self.cell = cell
         self.widths = tuple(widths)
         self.embedding = NoiseEmbedding(EMBEDDING)
         self.stem = RangeImageConv((channels + 2) * cell[0] * cell[1], widths[0])
+        self.context = nn.Conv2d(context, widths[0], cell, stride=cell, bias=False) if context else None
         self.stages = nn.ModuleList()
         inputs = widths[0]
         for width, stride, dilation in zip(widths, strides, dilations, strict=True):
-            stage = [ResidualBlock(inputs, width, embedding=EMBEDDING, stride=stride, dilation=dilation)]
-            stage += [ResidualBlock(width, width, embedding=EMBEDDING, dilation=dilation) for _ in range(blocks - 1)]
-            self.stages.append(nn.ModuleList(stage))
+            stage = nn.ModuleList()
+            for block in range(blocks):
+                sizes = (inputs, width, stride) if block == 0 else (width, width, 1)
+                stage.append(ResidualBlock(*sizes, dilation=dilation, embedding=EMBEDDING, groups=groups))
+            self.stages.append(stage)
             inputs = width
+
+    def embed(self, context: Tensor) -> Tensor:
+        """The hint [B, widths[0], H / h, W / w] of a context [B, channels, H, W]: once for a scan, whatever its noise.
+
+        Fastest where the context lies channels last in memory.
+        """
+        if self.context is None:
+            raise ValueError("this encoder has no context")
+        with torch.autocast(context.device.type, enabled=False):  # depths have more digits than bfloat16
+            hint: Tensor = self.context(context)
+        return hint
 
     def forward(self, x: Tensor, level: Tensor, beams: Tensor, wraps: bool, hint: Tensor | None = None) -> list[Tensor]:
         """Each stage's output for x [B, channels, H, W]; `hint` [B, widths[0], H / h, W / w] is added to the stem's."""
@@ -89,25 +109,45 @@ class ScoreNetwork(nn.Module):
         blocks: int,
         refine_units: int,
         pools: int,
+        groups: int = 8,
+        context: int = 0,
     ) -> None:
         super().__init__()
-        self.encoder = Encoder(inputs, cell=cell, widths=widths, strides=strides, dilations=dilations, blocks=blocks)
+        self.encoder = Encoder(
+            inputs,
+            cell=cell,
+            widths=widths,
+            strides=strides,
+            dilations=dilations,
+            blocks=blocks,
+            groups=groups,
+            context=context,
+        )
         self.refine = nn.ModuleList()
         below = None
         for width in reversed(widths):
             self.refine.append(RefineBlock(width, below, width, units=refine_units, pools=pools))
             below = width
-        self.norm = group_norm(widths[0])
+        self.norm = group_norm(widths[0], groups)
         self.modulation = nn.Linear(EMBEDDING, 2 * widths[0])
         pixels = cell[0] * cell[1]
         self.head = RangeImageConv(widths[0] + inputs * pixels, outputs * pixels)
         nn.init.zeros_(self.head.weight)
 
     def features(
-        self, x: Tensor, level: Tensor, beams: Tensor, wraps: bool, control: Sequence[Tensor] | None = None
+        self,
+        x: Tensor,
+        level: Tensor,
+        beams: Tensor,
+        wraps: bool,
+        control: Sequence[Tensor] | None = None,
+        hint: Tensor | None = None,
     ) -> Tensor:
-        """The decoder's last features [B, widths[0], H / h, W / w]; `control` is added to its skips, stage by stage."""
-        skips = self.encoder(x, level, beams, wraps)
+        """The decoder's last features [B, widths[0], H / h, W / w].
+
+        `control` is added to its skips, stage by stage, and `hint` to the stem's output.
+        """
+        skips = self.encoder(x, level, beams, wraps, hint)
         if control is not None:
             skips = [skip + residual for skip, residual in zip(skips, control, strict=True)]
         h = None
@@ -121,7 +161,13 @@ class ScoreNetwork(nn.Module):
         return unfold(self.head(torch.cat([features, fold(x, cell).to(features)], dim=1), wraps), cell)
 
     def forward(
-        self, x: Tensor, level: Tensor, beams: Tensor, wraps: bool, control: Sequence[Tensor] | None = None
+        self,
+        x: Tensor,
+        level: Tensor,
+        beams: Tensor,
+        wraps: bool,
+        control: Sequence[Tensor] | None = None,
+        hint: Tensor | None = None,
     ) -> Tensor:
         """`output` of `features`: x [B, inputs, H, W], level [B], beams [2, H]."""
-        return self.output(self.features(x, level, beams, wraps, control), x, wraps)
+        return self.output(self.features(x, level, beams, wraps, control, hint), x, wraps)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
@@ -14,14 +15,21 @@ class ResidualBlock(nn.Module):
     """norm, SiLU, convolution, twice, on a shortcut; an `embedding` of that many channels modulates the second norm."""
 
     def __init__(
-        self, inputs: int, outputs: int, *, embedding: int | None = None, stride: int = 1, dilation: int = 1
+        self,
+        inputs: int,
+        outputs: int,
+        stride: int = 1,
+        *,
+        dilation: int = 1,
+        embedding: int | None = None,
+        groups: int = 8,
     ) -> None:
         super().__init__()
         self.stride = stride
-        self.norm_in = group_norm(inputs)
+        self.norm_in = group_norm(inputs, groups)
         self.conv_in = RangeImageConv(inputs, outputs, stride=stride, dilation=dilation)
         self.modulation = None if embedding is None else nn.Linear(embedding, 2 * outputs)
-        self.norm_out = group_norm(outputs)
+        self.norm_out = group_norm(outputs, groups)
         self.conv_out = RangeImageConv(outputs, outputs, dilation=dilation)
         self.shortcut = nn.Conv2d(inputs, outputs, 1) if inputs != outputs else nn.Identity()
 
@@ -49,9 +57,9 @@ class Chain(nn.Sequential):
 def modulated(x: Tensor, scale_and_shift: Tensor) -> Tensor:
     """x [B, C, H, W] scaled by 1 + the first half of [B, 2 C], and shifted by the second."""
     scale, shift = scale_and_shift[:, :, None, None].chunk(2, dim=1)
-    return x * (1 + scale) + shift
+    return torch.addcmul(shift, x, 1 + scale)
 
 
-def group_norm(width: int) -> nn.GroupNorm:
-    """Normalisation over eight groups of channels, or as many as divide the width."""
-    return nn.GroupNorm(math.gcd(8, width), width)
+def group_norm(width: int, groups: int = 8) -> nn.GroupNorm:
+    """Normalisation over so many groups of channels, or as many as divide the width."""
+    return nn.GroupNorm(math.gcd(groups, width), width)

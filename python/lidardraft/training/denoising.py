@@ -6,7 +6,6 @@ import itertools
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import torch
@@ -16,6 +15,7 @@ from lidardraft.diffusion.codec import encode_condition, encode_elevations, enco
 from lidardraft.diffusion.denoiser import Denoiser, DenoiserConfig
 from lidardraft.diffusion.noise import training_levels
 from lidardraft.errors import TrainingError
+from lidardraft.networks.precision import reduced_precision
 from lidardraft.scene.sensor import Sensor
 from lidardraft.training.learner import LearningConfig
 from lidardraft.training.loop import Batch, Measures, Report, device_for_training, train
@@ -78,7 +78,6 @@ def train_denoiser(
     on = device_for_training(device)
     beams = torch.from_numpy(encode_elevations(pairs.sensor)).to(on)
     wraps = pairs.sensor.wraps and config.crop == pairs.sensor.columns
-    bfloat16 = _has_bfloat16(on)
 
     def batch(step: int) -> Batch:
         return _batch(config, pairs, step, conditional=base is not None)
@@ -87,19 +86,13 @@ def train_denoiser(
         if denoiser.controlnet is not None:
             denoiser.controlnet.encoder.requires_grad_(step >= config.zero_conv_steps)
         clean, sigma, noise, *condition = batch
-        with torch.autocast(on.type, dtype=torch.bfloat16, enabled=bfloat16):
+        with reduced_precision(on):
             losses = denoiser.loss(clean, sigma, noise, beams, *condition, wraps=wraps)
         return losses, _by_band(sigma, losses.detach())
 
     for report in train(config, denoiser, batch, loss, pairs, run, device=on, max_minutes=max_minutes):
         _check_zero_convs(denoiser, report.step)
         yield report
-
-
-def _has_bfloat16(device: torch.device) -> bool:
-    """Whether bfloat16 is faster than float32: a CPU without the instructions emulates them."""
-    capabilities: dict[str, Any] = getattr(torch.cpu, "get_capabilities", dict)()  # newer torch
-    return device.type == "cuda" or bool(capabilities.get("avx512_bf16"))
 
 
 def _by_band(sigma: Tensor, losses: Tensor) -> Measures:
