@@ -83,7 +83,7 @@ def whole_scans(data: Path) -> Iterator[RecordedScan]:
 def held_out(folder: PairFolder) -> Iterator[RecordedScan]:
     """The scans of streets as if they were recorded."""
     for i in range(len(folder)):
-        scan, _ = folder[i]
+        scan = folder[i].scan
         assert scan.intensity is not None
         points = scan.points()
         yield RecordedScan(points, scan.intensity[scan.valid], benchmark_ids(points, scan.label[scan.valid]))

@@ -23,7 +23,7 @@ ALLOWED = {
     "formats": BASE | {"scene"},
     "drafting": BASE | {"scene"},
     "objects": BASE | {"scene"},
-    "streets": BASE | {"scene", "drafting", "objects"},
+    "streets": BASE | {"scene", "drafting", "objects", "simulation"},
     "calibration": BASE | {"scene", "formats", "metrics", "streets"},
     "networks": BASE,
     "diffusion": BASE | {"scene", "networks"},
@@ -33,7 +33,7 @@ ALLOWED = {
     "training": BASE | {"scene", "streets", "formats", "drafting", "networks", "diffusion", "metrics", "perception"},
     "view": BASE | {"scene", "formats"},
     "scan": BASE | {"scene", "formats", "view"},
-    "pipeline": BASE | {"scene", "drafting", "networks", "diffusion", "scan"},
+    "pipeline": BASE | {"scene", "drafting", "networks", "diffusion", "simulation", "scan"},
     "evaluation": BASE | {"scene", "streets", "diffusion", "metrics", "pipeline"},
     "cli": BASE
     | {"scene", "formats", "drafting", "streets", "networks", "diffusion", "metrics", "view", "pipeline", "evaluation"}

@@ -38,21 +38,27 @@ def unseen_streets(
     num: int, *, sensor: Sensor, seed: int = 1_000_000, on_street: Callable[[], object] | None = None
 ) -> list[StreetPair]:
     """One pair of each of `num` streets, of a seed that no training used; `on_street` is called after each."""
-    config = StreetConfig(sensor=sensor, poses_per_street=1)
+    config = StreetConfig(sensor=sensor, poses_per_street=1, simulated=True)
     return list(_counted(itertools.islice(streets(seed, config), num), on_street))
 
 
 def evaluate(
     pipeline: Pipeline, pairs: list[StreetPair], *, on_scan: Callable[[], object] | None = None
 ) -> Iterator[Scores]:
-    """The detailed scans, the condition images, the pipeline's scans, and those of the same network with random
-    weights; `on_scan` is called after each generated scan."""
-    random = Pipeline(_random_weights(pipeline.denoiser), steps=pipeline.steps)
+    """The detailed scans, the condition images, the simulated scans of the same layouts, the pipeline's scans, and those
+    of the same network with random weights; `on_scan` is called after each generated scan."""
+    random = Pipeline(_random_weights(pipeline.denoiser), steps=pipeline.steps, start=pipeline.start)
     yield _scores("detailed scan", pairs, (pair.scan for pair in pairs))
     yield _scores("condition image", pairs, (pair.condition_image for pair in pairs))
+    yield _scores("simulated", pairs, (_simulated(pair) for pair in pairs))
     for name, generator in (("generated", pipeline), ("random weights", random)):
-        scans = (_last(generator.denoising(pair.condition_image, seed=pair.index)) for pair in pairs)
+        scans = (_last(generator.denoising(pair.condition_image, _simulated(pair), seed=pair.index)) for pair in pairs)
         yield _scores(name, pairs, _counted(scans, on_scan))
+
+
+def _simulated(pair: StreetPair) -> RangeImage:
+    assert pair.simulated is not None
+    return pair.simulated
 
 
 def _counted(items: Iterable[_Item], on_item: Callable[[], object] | None) -> Iterator[_Item]:

@@ -1,45 +1,60 @@
-"""The product in one screen: draft, raycast, generate, label."""
+"""The product in one screen: draft, raycast, simulate, generate, label."""
 
 from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 import torch
 
 from lidardraft.diffusion.codec import decode_scan, encode_condition
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.sampler import sample
+from lidardraft.diffusion.settle import settle
 from lidardraft.drafting.text import layout_from_text
 from lidardraft.errors import CheckpointError, one_of
 from lidardraft.networks import weight_file
 from lidardraft.scan import Scan
-from lidardraft.scene.labelling import label_from_condition_image
+from lidardraft.scene.labelling import label_by_agreement
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
+from lidardraft.scene.sensor_limits import SensorLimits
+from lidardraft.simulation.simulate import simulate
 
+START = 0.5  # the noise level from which a simulated scan is changed: buildings stay, what is unsure may move
 WEIGHTS = Path(__file__).parent / "weights"
 
 
 class Pipeline:
     """A denoiser, ready to turn sentences and layouts into scans, of an hdl64e where no sensor is given.
 
-    `sensors` are the names of those it was trained on, where they are known: a scan of another one is a `UserWarning`.
+    A scan is sampled in `steps` calls of the network, from the simulated scan of the layout under noise of the level
+    `start`; None is from pure noise, which takes more. `trained` says which sensors it was trained on, where that is
+    known: a scan of another one is a `UserWarning`.
     """
 
-    def __init__(self, denoiser: Denoiser, *, steps: int = 20, sensors: Collection[str] = ()) -> None:
+    def __init__(
+        self, denoiser: Denoiser, *, steps: int = 4, start: float | None = START, trained: SensorLimits | None = None
+    ) -> None:
         self.denoiser = denoiser.eval()
         self.sensor = Sensor.preset("hdl64e")
         self.steps = steps
-        self.sensors = frozenset(sensors)
+        self.start = start
+        self.trained = trained
 
     @classmethod
     def from_pretrained(
-        cls, name: str | os.PathLike[str] = "street", *, device: str = "cpu", steps: int = 20
+        cls,
+        name: str | os.PathLike[str] = "street",
+        *,
+        device: str = "cpu",
+        steps: int = 4,
+        start: float | None = START,
     ) -> Pipeline:
         """The packaged weights of that name, or the weight file at that path; raises `CheckpointError`."""
         packaged = WEIGHTS / f"{os.fspath(name)}.safetensors"
@@ -47,11 +62,12 @@ class Pipeline:
         if not path.exists():
             known = one_of(sorted(file.stem for file in WEIGHTS.glob("*.safetensors")), os.fspath(name))
             raise CheckpointError(f"weights are {os.fspath(name)!r}; they must be a file or {known}")
-        denoiser, sensors = weight_file.load(path, Denoiser), weight_file.read_card(path).get("sensors", [])
+        denoiser, trained = weight_file.load(path, Denoiser), weight_file.read_card(path).get("sensors")
         try:
-            return cls(denoiser.to(device), steps=steps, sensors=sensors)
+            denoiser = denoiser.to(device)
         except (RuntimeError, AssertionError) as error:  # torch's, for a device it does not have
             raise CheckpointError(f"device is {device!r}: {str(error).splitlines()[0]}") from None
+        return cls(denoiser, steps=steps, start=start, trained=trained and SensorLimits.from_dict(trained))
 
     def __call__(
         self,
@@ -66,24 +82,29 @@ class Pipeline:
         sensor = sensor or self.sensor
         layout = layout_from_text(source, seed=seed) if isinstance(source, str) else source
         pose = sensor.pose()
-        condition_image = generated = raycast(layout, sensor, pose)
-        for state in self.denoising(condition_image, seed=seed):
+        condition_image = raycast(layout, sensor, pose)
+        simulated = generated = simulate(layout, sensor, seed=seed, pose=pose).image
+        for state in self.denoising(condition_image, simulated, seed=seed):
             generated = state
             if on_step is not None:
                 on_step()
-        image = label_from_condition_image(generated, condition_image, layout, pose)
+        image = label_by_agreement(generated, (simulated, condition_image), layout, pose)
         return Scan(image=image, layout=layout, pose=pose, seed=seed)
 
-    def denoising(self, condition_image: RangeImage, *, seed: int = 0) -> Iterator[RangeImage]:
-        """The scan while it is made, one image without labels a sampling step; the last is the result."""
-        name = condition_image.sensor.name
-        if self.sensors and name not in self.sensors:
-            trained = ", ".join(sorted(self.sensors))
-            warnings.warn(f"these weights were trained on {trained}; scans of {name} may be poor", stacklevel=2)
-        return self._denoising(condition_image, seed)
+    def denoising(self, condition_image: RangeImage, simulated: RangeImage, *, seed: int = 0) -> Iterator[RangeImage]:
+        """The scan while it is made, from the cast of a layout and its simulated scan: one image without labels a
+        sampling step, of which the last is the result."""
+        difference = self.trained and self.trained.difference(condition_image.sensor)
+        if difference:
+            warnings.warn(f"these weights were trained on {difference}; its scans may be poor", stacklevel=2)
+        return self._denoising(condition_image, simulated, seed)
 
     @torch.inference_mode()
-    def _denoising(self, condition_image: RangeImage, seed: int) -> Iterator[RangeImage]:
-        condition = torch.from_numpy(encode_condition(condition_image))[None]
-        for state in sample(self.denoiser, condition_image.sensor, seeds=[seed], condition=condition, steps=self.steps):
-            yield decode_scan(state[0].cpu().numpy(), condition_image.sensor)
+    def _denoising(self, condition_image: RangeImage, simulated: RangeImage, seed: int) -> Iterator[RangeImage]:
+        sensor = condition_image.sensor
+        condition = torch.from_numpy(encode_condition(condition_image, simulated))[None]
+        for state in sample(
+            self.denoiser, sensor, seeds=[seed], condition=condition, steps=self.steps, start=self.start
+        ):
+            decoded = decode_scan(state[0].cpu().numpy(), sensor)
+            yield settle(decoded, simulated, np.random.default_rng([seed, 7]))

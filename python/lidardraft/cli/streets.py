@@ -37,10 +37,10 @@ def write_pairs_of_streets(folder: str | Path, arguments: argparse.Namespace) ->
     """Fill a folder up to `num` pairs, with a progress bar; what is in it already is kept."""
     from tqdm import tqdm
 
-    from lidardraft.training.pairs import pairs_on_disk, write_pairs
+    from lidardraft.training.pairs import Pair, pairs_on_disk, write_pairs
 
     num, seed, poses = arguments.num, arguments.seed, arguments.poses
-    config = StreetConfig(sensor=Sensor.preset(arguments.sensor), poses_per_street=poses)
+    config = StreetConfig(sensor=Sensor.preset(arguments.sensor), poses_per_street=poses, simulated=True)
     source = f"streets of seed {seed}, {poses} poses each, {config.sensor.name}"
     if not (Path(folder) / "index.json").exists():
         check_empty(Path(folder), "", but=r"\d+\.npz|.*\.partial")  # what a run may leave that was killed early
@@ -57,7 +57,8 @@ def write_pairs_of_streets(folder: str | Path, arguments: argparse.Namespace) ->
             bar.update()
             style = {"source": pair.style.source} | asdict(pair.style)
             note = {"index": pair.index, "district": pair.district, "style": style}
-            return pair.scan, pair.condition_image, note
+            assert pair.simulated is not None
+            return Pair(pair.scan, pair.condition_image, pair.simulated), note
 
         for _ in write_pairs(folder, map(noted, itertools.islice(pairs, num - start)), source=source, start=start):
             pass

@@ -1,37 +1,27 @@
-"""The `lidardraft-train` command: streets become pairs, pairs become weights."""
+"""The `lidardraft-train` command: pairs become weights."""
 
 from __future__ import annotations
 
 import argparse
 import dataclasses
 import sys
+import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import lidardraft
-from lidardraft.cli import evaluate, streets
-from lidardraft.cli.arguments import add_seed, minutes, whole_number
+from lidardraft.cli import evaluate
+from lidardraft.cli.arguments import DEFAULT_SENSOR, add_seed, add_sensor, minutes, whole_number
 from lidardraft.cli.command import commands_of, run
 from lidardraft.errors import TrainingError
 from lidardraft.scene.sensor import Sensor
 
 if TYPE_CHECKING:
-    from lidardraft.training.denoising import DenoisingConfig
+    from lidardraft.diffusion.denoiser import Denoiser
+    from lidardraft.scene.sensor_limits import SensorLimits
+    from lidardraft.training.denoising import DenoisingConfig, PairSource
     from lidardraft.training.loop import Report
-
-
-def unconditional(arguments: argparse.Namespace) -> None:
-    """Train stage one: a score network that learns what scans look like."""
-    config = _config(arguments.recipe, "base", arguments.steps)
-    _train(config, arguments.pairs, arguments.run, device=arguments.device, minutes=arguments.minutes)
-
-
-def controlnet(arguments: argparse.Namespace) -> None:
-    """Train stage two: a ControlNet that learns to keep to the condition image, on the frozen network of stage one."""
-    config = _config(arguments.recipe, "control", arguments.steps)
-    base = Path(arguments.base)
-    _train(config, arguments.pairs, arguments.run, base=base, device=arguments.device, minutes=arguments.minutes)
 
 
 def segmenter(arguments: argparse.Namespace) -> None:
@@ -48,82 +38,114 @@ def segmenter(arguments: argparse.Namespace) -> None:
 
 
 def street(arguments: argparse.Namespace) -> None:
-    """Do it all: pairs, both stages, scores, and the weight file with its card; a second call goes on."""
+    """Train the generator: all stages of a recipe, scores, and the weight file with its card; a second call goes on."""
     from lidardraft.diffusion.denoiser import Denoiser
     from lidardraft.networks import weight_file
     from lidardraft.pipeline import Pipeline
     from lidardraft.training.loop import check_run_folder, device_for_training
-    from lidardraft.training.pairs import PairFolder
 
-    base = _config(arguments.recipe, "base", arguments.base_steps)
-    control = _config(arguments.recipe, "control", arguments.control_steps)
-    sensor = Sensor.preset(arguments.sensor)
+    stages = _stages(arguments)
+    source = _source(arguments)
     # what cannot be is refused before hours of work
     if Path(arguments.output).is_dir():
         raise TrainingError(f"{arguments.output} is a folder; the weights are a file")
-    for config in (base, control):
-        config.check(sensor)
+    runs = [Path(arguments.work) / f"stage-{number}" for number in range(1, len(stages) + 1)]
+    for config, run_folder in zip(stages, runs, strict=True):
+        config.check(source.sensor)
+        check_run_folder(run_folder)
     device_for_training(arguments.device)
-    for stage in ("base", "control"):
-        check_run_folder(Path(arguments.work) / stage)
     Path(arguments.output).parent.mkdir(parents=True, exist_ok=True)
-    work, arguments.pairs = Path(arguments.work), str(Path(arguments.work) / "pairs")
-    streets.write_pairs_of_streets(arguments.pairs, arguments)
-    _train(base, arguments.pairs, work / "base", device=arguments.device)
-    trained = work / "base" / "weights.safetensors"
-    _train(control, arguments.pairs, work / "control", base=trained, device=arguments.device)
-    weights = work / "control" / "weights.safetensors"
+    begin, ends = _initial(arguments.init), time.monotonic() + 60 * arguments.minutes
+    for config, run_folder in zip(stages, runs, strict=True):
+        if not _trained(config, source, run_folder, begin, arguments.device, (ends - time.monotonic()) / 60):
+            print(f"{run_folder}: stopped after {arguments.minutes:g} minutes; the same call goes on")
+            return
+        begin = weight_file.load(run_folder / "weights.safetensors", Denoiser)
     # What is scored is what ships: float16.
-    half = work / "half.safetensors"
-    weight_file.save(weight_file.load(weights, Denoiser), half, {}, half=True)
+    assert begin is not None
+    half = Path(arguments.work) / "half.safetensors"
+    weight_file.save(begin, half, {}, half=True)
     pipeline = Pipeline.from_pretrained(half, device=arguments.device)
-    folder = PairFolder(arguments.pairs)
-    unseen = evaluate.unseen_streets(arguments.evaluate, folder.sensor)
+    sensor = source.sensor or Sensor.preset(DEFAULT_SENSOR)
+    unseen = evaluate.unseen_streets(arguments.evaluate, sensor)
     card = {
         "command": " ".join(["lidardraft-train", *sys.argv[1:]]),
-        "data": f"{len(folder)} scans: {folder.source}",
-        "sensors": [folder.sensor.name],
-        "base": weight_file.read_card(trained),
-        "control": weight_file.read_card(weights),
+        "data": source.source,
+        "sensors": _limits(source.sensor).to_dict(),
+        "stages": [weight_file.read_card(run_folder / "weights.safetensors") for run_folder in runs],
         "scores": [dataclasses.asdict(scores) for scores in evaluate.scores(pipeline, unseen)],
     }
     weight_file.save(pipeline.denoiser, arguments.output, card, half=True)
     print(arguments.output)
 
 
-def _config(recipe: str, stage: str, steps: int | None) -> DenoisingConfig:
+def _stages(arguments: argparse.Namespace) -> list[DenoisingConfig]:
+    """Those of the recipe, for the network of the weights to begin with, where these are given."""
     from lidardraft.training import recipes
 
-    configs = {"small": recipes.small, "tiny": recipes.tiny, "paper": recipes.paper}[recipe]()
-    config: DenoisingConfig = getattr(configs, stage)
-    return config if steps is None else dataclasses.replace(config, steps=steps)
+    named = {"small": recipes.small, "tiny": recipes.tiny, "paper": recipes.paper, "tiny-paper": recipes.tiny_paper}
+    stages = [dataclasses.replace(config, seed=arguments.seed) for config in named[arguments.recipe]().stages]
+    begin = _initial(arguments.init)
+    if begin is not None:
+        stages = [dataclasses.replace(stages[-1], denoiser=begin.config)]
+    if arguments.steps is not None:
+        stages = [dataclasses.replace(config, steps=arguments.steps) for config in stages]
+    return stages
 
 
-def _train(
-    config: DenoisingConfig,
-    pairs: str | Path,
-    run: str | Path,
-    *,
-    base: Path | None = None,
-    device: str,
-    minutes: float = float("inf"),
-) -> None:
-    from lidardraft.diffusion.denoiser import Denoiser
-    from lidardraft.networks import weight_file
-    from lidardraft.training.denoising import train_denoiser
-    from lidardraft.training.loop import check_run_folder
+def _initial(name: str | None) -> Denoiser | None:
+    from lidardraft.pipeline import Pipeline
+
+    return None if name is None else Pipeline.from_pretrained(name).denoiser
+
+
+def _source(arguments: argparse.Namespace) -> PairSource:
+    """What --data names: streets, folders of pairs, or a mixture."""
+    from lidardraft.training.mixed_source import MixedSource
     from lidardraft.training.pairs import PairFolder
+    from lidardraft.training.street_source import StreetSource
 
-    check_run_folder(run)
-    reports = train_denoiser(
-        config,
-        PairFolder(pairs),
-        run,
-        base=weight_file.load(base, Denoiser) if base else None,
-        device=device,
-        max_minutes=minutes,
-    )
-    _show(reports, config.steps, "control" if base else "base")
+    sensor = None if arguments.sensor is None else Sensor.preset(arguments.sensor)
+    sources, weights = list[PairSource](), list[float]()
+    for given in arguments.data or ["streets"]:
+        name, _, weight = given.partition("=")
+        sources.append(StreetSource(seed=arguments.seed, sensor=sensor) if name == "streets" else PairFolder(name))
+        try:
+            weights.append(float(weight or 1))
+        except ValueError:
+            raise TrainingError(
+                f"--data is {given!r}; it must be streets or a folder, and =WEIGHT or nothing"
+            ) from None
+    return sources[0] if len(sources) == 1 else MixedSource(tuple(sources), tuple(weights))
+
+
+def _limits(sensor: Sensor | None) -> SensorLimits:
+    from lidardraft.scene.sensor_limits import SensorLimits
+    from lidardraft.training import sampled_sensor
+
+    return sampled_sensor.LIMITS if sensor is None else SensorLimits.from_sensor(sensor)
+
+
+def _trained(
+    config: DenoisingConfig,
+    source: PairSource,
+    run: Path,
+    begin: Denoiser | None,
+    device: str,
+    minutes: float,
+) -> bool:
+    """Whether a stage is done, after so many minutes at most."""
+    from lidardraft.training.denoising import train_denoiser
+
+    last: Report | None = None
+
+    def reports() -> Iterator[Report]:
+        nonlocal last
+        for last in train_denoiser(config, source, run, begin=begin, device=device, max_minutes=minutes):
+            yield last
+
+    _show(reports(), config.steps, run.name)
+    return last is None or last.step == config.steps
 
 
 def _show(reports: Iterator[Report], steps: int, name: str) -> None:
@@ -140,37 +162,25 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="lidardraft-train",
         description="Weights of your own, from procedural streets.",
-        epilog="start here: `lidardraft-train street` makes streets, trains both stages on them, and writes one weight "
-        "file for `lidardraft generate --weights FILE`. The default recipe takes about an hour on two CPU cores.",
+        epilog="start here: `lidardraft-train street` makes streets and learns from them, and writes one weight file for "
+        "`lidardraft generate --weights FILE`.",
     )
     parser.add_argument("--version", action="version", version=f"lidardraft {lidardraft.__version__}")
     command = commands_of(parser)
 
+    def add_minutes(added: argparse.ArgumentParser) -> None:
+        text = "stop after so many minutes; the same call goes on (default: no limit)"
+        added.add_argument("--minutes", type=minutes, default=float("inf"), metavar="M", help=text)
+
     def pairs(added: argparse.ArgumentParser) -> None:
         text = "training pairs, as `lidardraft streets -o FOLDER` makes them"
         added.add_argument("--pairs", required=True, metavar="FOLDER", help=text)
-        text = "stop after so many minutes; the same call goes on (default: no limit)"
-        added.add_argument("--minutes", type=minutes, default=float("inf"), metavar="M", help=text)
+        add_minutes(added)
         text = "where the weights and the state of the run go; a second call goes on"
         added.add_argument("-o", "--output", dest="run", required=True, metavar="FOLDER", help=text)
 
-    def recipe(added: argparse.ArgumentParser) -> None:
-        text = "size of the network and length of the training (default small)"
-        added.add_argument("--recipe", choices=("small", "tiny", "paper"), default="small", help=text)
-
     def device(added: argparse.ArgumentParser) -> None:
         added.add_argument("--device", default="cpu", help="where torch trains: cpu, cuda, ... (default cpu)")
-
-    for name, function in (("unconditional", unconditional), ("controlnet", controlnet)):
-        added = command(name, function)
-        pairs(added)
-        if function is controlnet:
-            added.add_argument("--base", required=True, metavar="WEIGHTS", help="weights.safetensors of stage one")
-        recipe(added)
-        added.add_argument(
-            "--steps", type=whole_number(1), metavar="N", help="steps of training (default: the recipe's)"
-        )
-        device(added)
 
     added = command("segmenter", segmenter)
     pairs(added)
@@ -181,16 +191,24 @@ def _parser() -> argparse.ArgumentParser:
     device(added)
 
     added = command("street", street)
-    streets.add_pair_arguments(added, num=2400)
-    recipe(added)
-    text = "steps of stage one (default: the recipe's)"
-    added.add_argument("--base-steps", type=whole_number(1), metavar="N", help=text)
-    text = "steps of stage two (default: the recipe's)"
-    added.add_argument("--control-steps", type=whole_number(1), metavar="N", help=text)
+    text = "size of the network and length of the training (default small)"
+    added.add_argument("--recipe", choices=("small", "paper", "tiny", "tiny-paper"), default="small", help=text)
+    text = (
+        "pairs to learn from: `streets`, made as they are needed (default), or a folder of `lidardraft streets -o`; "
+        "repeatable, each with its share as =WEIGHT"
+    )
+    added.add_argument("--data", action="append", metavar="NAME", help=text)
+    add_sensor(added, default=None, of=" of streets (default: another one at each step, drawn at random)")
+    text = "go on from these weights: packaged ones by name, or a .safetensors file"
+    added.add_argument("--init", metavar="NAME", help=text)
+    text = "steps of each stage (default: the recipe's)"
+    added.add_argument("--steps", type=whole_number(1), metavar="N", help=text)
+    add_minutes(added)
+    add_seed(added)
     device(added)
     text = "unseen streets to score the weights on (default 50)"
     added.add_argument("--evaluate", type=whole_number(1), default=50, metavar="N", help=text)
-    text = "where pairs and runs are kept (default out/street)"
+    text = "where runs are kept (default out/street)"
     added.add_argument("--work", default="out/street", metavar="FOLDER", help=text)
     text = "where the weight file goes (default street.safetensors)"
     added.add_argument("-o", "--output", default="street.safetensors", metavar="WEIGHTS", help=text)

@@ -52,7 +52,7 @@ def _pictured(path: Path, name: str | None) -> np.ndarray:
     pairs = read_shard(path)
     if len(pairs) > _PAIRS_SHOWN:
         say("lidardraft", f"{path} holds {len(pairs)} pairs; the picture shows the first {_PAIRS_SHOWN}")
-    return stack([render_pair(scan, condition_image) for scan, condition_image, _ in pairs[:_PAIRS_SHOWN]])
+    return stack([render_pair(pair.scan, pair.condition_image) for pair, _ in pairs[:_PAIRS_SHOWN]])
 
 
 def _sensor(path: Path, name: str | None) -> Sensor:

@@ -18,8 +18,15 @@ from lidardraft.semantics import NUM_CLASSES
 MAX_DEPTH = 120.0  # m, becomes 1
 DEPTH, INTENSITY, VALIDITY = range(3)  # channels of the state
 STATE_CHANNELS = 3
-CONDITION_DEPTH, CONDITION_VALIDITY = NUM_CLASSES, NUM_CLASSES + 1  # channels of the condition, after the one-hot label
-CONDITION_CHANNELS = NUM_CLASSES + 2
+# What a condition is made of, and its channels: the one-hot class and the depth and validity that the layout's cast
+# has, and the state of its simulated scan.
+CONDITION_PARTS = {
+    "class": slice(0, NUM_CLASSES),
+    "depth": slice(NUM_CLASSES, NUM_CLASSES + 2),
+    "simulated": slice(NUM_CLASSES + 2, NUM_CLASSES + 2 + STATE_CHANNELS),
+}
+CONDITION_CHANNELS = NUM_CLASSES + 2 + STATE_CHANNELS
+RAY_CHANNELS = 4
 
 _SCALE = 2 / math.log2(MAX_DEPTH + 1)
 
@@ -39,7 +46,8 @@ def encode_scan(image: RangeImage) -> np.ndarray:
 
 
 def decode_scan(state: np.ndarray, sensor: Sensor) -> RangeImage:
-    """The scan of a state f32 [3, H, W]: a return where validity is positive and depth within the sensor's range.
+    """The scan of a state f32 [3, H, W]: a return where validity is positive, depth within the sensor's range, and
+    the vehicle not in the way.
 
     The state knows no classes: label and instance are 0. Raises `SensorError` on a state of another sensor.
     """
@@ -47,6 +55,7 @@ def decode_scan(state: np.ndarray, sensor: Sensor) -> RangeImage:
         raise SensorError(f"state is {state.shape}; {sensor.name} needs {(STATE_CHANNELS, *sensor.shape)}")
     depth = np.exp2((np.clip(state[DEPTH], -1, 1) + 1) / _SCALE) - 1
     valid = (state[VALIDITY] > 0) & (depth >= sensor.min_range) & (depth <= sensor.max_range)
+    valid &= ~sensor.blocked_pixels
     intensity = np.clip((state[INTENSITY] + 1) / 2, 0, 1)
     return RangeImage(
         sensor=sensor,
@@ -57,22 +66,34 @@ def decode_scan(state: np.ndarray, sensor: Sensor) -> RangeImage:
     )
 
 
-def encode_condition(condition_image: RangeImage) -> np.ndarray:
-    """The condition that an image gives, f32 [K + 2, H, W]: one-hot label with "none", log depth (1 without hit),
-    validity."""
+def encode_condition(condition_image: RangeImage, simulated: RangeImage) -> np.ndarray:
+    """The condition of a layout, f32 [K + 5, H, W], in the order of `CONDITION_PARTS`.
+
+    Of its cast the one-hot label with "none", the log depth (1 without a hit) and validity +-1; of its simulated scan
+    the state (`encode_scan`).
+    """
     valid = condition_image.valid
     condition = np.zeros((CONDITION_CHANNELS, *condition_image.sensor.shape), dtype=np.float32)
     np.put_along_axis(condition, condition_image.label[None].astype(np.intp), 1.0, axis=0)
-    condition[CONDITION_DEPTH] = np.where(valid, _encode_depth(condition_image.depth), 1.0)
-    condition[CONDITION_VALIDITY] = 2.0 * valid - 1.0
+    depth = np.where(valid, _encode_depth(condition_image.depth), 1.0)
+    condition[CONDITION_PARTS["depth"]] = depth, 2.0 * valid - 1.0
+    condition[CONDITION_PARTS["simulated"]] = encode_scan(simulated)
     return condition
 
 
-def encode_elevations(sensor: Sensor) -> np.ndarray:
-    """What the network is told of the beams, f32 [2, H]: elevation and log spacing, each about [-1, 1]."""
+def encode_rays(sensor: Sensor) -> np.ndarray:
+    """What the network is told of the rays, f32 [4, H, W], each of the order of 1.
+
+    Elevation, log spacing of the beams, log spacing of the columns, and whether the vehicle hides the pixel.
+    """
     elevation = np.array(sensor.elevations)
     spacing = -np.gradient(elevation) if len(elevation) > 1 else np.ones(1)
-    return np.stack([elevation / math.radians(30), np.log2(spacing / math.radians(0.5))]).astype(np.float32)
+    rays = np.empty((RAY_CHANNELS, *sensor.shape), dtype=np.float32)
+    rays[0] = elevation[:, None] / math.radians(30)
+    rays[1] = np.log2(spacing / math.radians(0.5))[:, None]
+    rays[2] = math.log2(sensor.azimuth_span / sensor.columns / math.radians(0.35))
+    rays[3] = sensor.blocked_pixels
+    return rays
 
 
 def _encode_depth(depth: np.ndarray) -> np.ndarray:

@@ -10,8 +10,9 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from lidardraft.diffusion.codec import STATE_CHANNELS, VALIDITY
+from lidardraft.diffusion.codec import CONDITION_PARTS, DEPTH, RAY_CHANNELS, STATE_CHANNELS, VALIDITY
 from lidardraft.diffusion.controlnet import ControlNet
+from lidardraft.diffusion.copy_gate import CopyGate
 from lidardraft.diffusion.noise import add_noise
 from lidardraft.diffusion.score_network import ScoreNetwork
 from lidardraft.errors import CheckpointError, LidarDraftError
@@ -28,7 +29,9 @@ class DenoiserConfig:
     `cell` is the (rows, columns) of pixels that the stem folds into channels; `widths`, `strides` and `dilations` hold
     one value a stage; `blocks` residual blocks make a stage; `refine_units` and `pools` are those of a refine block;
     `groups` of channels are normalised apart: of 16 channels or a multiple each, or the gradient in bfloat16 is slow.
-    `controlnet` says whether a condition can be given, `copy_gate` whether its depth is gated in (the paper: no).
+    `condition` names the parts of the condition that the network sees (`CONDITION_PARTS`; none: it makes scans of
+    nothing), with the state, or with `controlnet` through a ControlNet as in the paper. `copy_gate` says whether the
+    depths among them are gated in (the paper: no).
     """
 
     cell: tuple[int, int]
@@ -39,6 +42,7 @@ class DenoiserConfig:
     refine_units: int = 1
     pools: int = 1
     groups: int = 8
+    condition: tuple[str, ...] = tuple(CONDITION_PARTS)
     controlnet: bool = False
     copy_gate: bool = True
 
@@ -56,6 +60,21 @@ class DenoiserConfig:
         for name, low in (("blocks", 1), ("refine_units", 0), ("pools", 0), ("groups", 1)):
             if not isinstance(getattr(self, name), int) or not low <= getattr(self, name) <= 64:
                 raise LidarDraftError(f"{name} is {getattr(self, name)!r}; it must be {low} to 64")
+        if self.condition != tuple(part for part in CONDITION_PARTS if part in self.condition):
+            known = ", ".join(CONDITION_PARTS)
+            raise LidarDraftError(f"condition is {self.condition}; it must be some of {known}, in this order")
+        if self.controlnet and not self.condition:
+            raise LidarDraftError("a ControlNet needs a condition")
+
+    @property
+    def condition_channels(self) -> list[int]:
+        """The channels of the condition that the network sees."""
+        return [channel for part in self.condition for channel in range(*CONDITION_PARTS[part].indices(1000))]
+
+    @property
+    def gated(self) -> tuple[str, ...]:
+        """The parts of the condition whose depth is gated in."""
+        return tuple(part for part in self.condition if self.copy_gate and part != "class")
 
     def to_dict(self) -> dict[str, Any]:
         """The fields as JSON types."""
@@ -73,17 +92,21 @@ class Denoiser(Network):
 
     SCHEMA = "lidardraft.denoiser/1"
 
-    def __init__(self, config: DenoiserConfig, network: ScoreNetwork, controlnet: ControlNet | None) -> None:
+    def __init__(
+        self, config: DenoiserConfig, network: ScoreNetwork, controlnet: ControlNet | None, gate: CopyGate | None
+    ) -> None:
         super().__init__()
         self.config: DenoiserConfig = config
         self.network = network
         self.controlnet = controlnet
+        self.gate = gate
 
     @classmethod
     def from_config(cls, config: DenoiserConfig) -> Denoiser:
         """The only builder: fresh weights, from torch's global seed."""
+        concatenated = 0 if config.controlnet else len(config.condition_channels)
         network = ScoreNetwork(
-            2 * STATE_CHANNELS,
+            2 * STATE_CHANNELS + RAY_CHANNELS + concatenated,
             STATE_CHANNELS,
             cell=config.cell,
             widths=config.widths,
@@ -94,29 +117,28 @@ class Denoiser(Network):
             pools=config.pools,
             groups=config.groups,
         )
-        controlnet = ControlNet(network.encoder, copy_gate=config.copy_gate) if config.controlnet else None
-        return cls(config, network, controlnet)
+        return cls(config, network, *_controls(config, network))
 
     @classmethod
     def from_dict(cls, fields: dict[str, Any]) -> Denoiser:
         """`from_config` of `DenoiserConfig.to_dict`."""
         return cls.from_config(DenoiserConfig.from_dict(fields))
 
-    def with_controlnet(self) -> Denoiser:
-        """The same network, frozen, with a fresh ControlNet that starts as a copy of its encoder."""
-        config = dataclasses.replace(self.config, controlnet=True)
-        controlnet = ControlNet(self.network.encoder, copy_gate=config.copy_gate).requires_grad_(True)
+    def with_controlnet(self, config: DenoiserConfig) -> Denoiser:
+        """The same network, frozen, with a fresh ControlNet of `config` that starts as a copy of its encoder."""
+        denoiser = Denoiser(config, self.network, *_controls(config, self.network)).requires_grad_(True)
         self.network.requires_grad_(False)
-        return Denoiser(config, self.network, controlnet)
+        return denoiser
 
     def denoise(
-        self, x: Tensor, sigma: Tensor, beams: Tensor, condition: Tensor | None = None, *, wraps: bool
+        self, x: Tensor, sigma: Tensor, rays: Tensor, condition: Tensor | None = None, *, wraps: bool
     ) -> Tensor:
-        """D(x, sigma) for x f32 [B, 3, H, W], sigma [B], beams f32 [2, H] (`encode_elevations`).
+        """D(x, sigma) for x f32 [B, 3, H, W], sigma [B], rays f32 [4, H, W] (`encode_rays`).
 
-        `wraps` says whether the last column is the first one's neighbour (`Sensor.wraps`; a crop's is not). `condition`
-        is f32 [B, K + 2, H, W] (`encode_condition`); without it the ControlNet is not called. Preconditioned as in
-        Karras et al., NeurIPS 2022, Table 1. Raises `CheckpointError` on a condition without a ControlNet.
+        `wraps` says whether the last column is the first one's neighbour (`Sensor.wraps`). `condition` is f32
+        [B, K + 5, H, W] (`encode_condition`); without it the ControlNet is not called. Preconditioned as in Karras et
+        al., NeurIPS 2022, Table 1. Raises `CheckpointError` on a condition that these weights have no place for, and
+        without one that they need.
         """
         level = sigma.log() / 4
         sigma = sigma.reshape(-1, 1, 1, 1)
@@ -124,17 +146,25 @@ class Denoiser(Network):
         # Low noise is a small part of the state; it shows in what sets a pixel off from its neighbours, in sigmas.
         padded = pad_columns(x, 1, wraps)
         detail = torch.tanh((x - (padded[..., :-2] + padded[..., 2:]) / 2) / (2 * sigma))
-        seen = torch.cat([x / variance.sqrt(), detail], dim=1)
-        control, hint = None, None
+        seen = [x / variance.sqrt(), detail, rays.expand(len(x), -1, -1, -1)]
+        control = None
+        if condition is not None and not self.config.condition:
+            raise CheckpointError("a condition was given, but these weights have no place for one")
         if condition is not None:
+            shown = condition[:, self.config.condition_channels]
             if self.controlnet is None:
-                raise CheckpointError("a condition was given, but these weights have no ControlNet")
-            control, hint = self.controlnet(seen, level, beams, wraps, condition)
-        features = self.network.features(seen, level, beams, wraps, control)
-        output = self.network.output(features, seen, wraps).float()
+                seen.append(shown)
+            else:
+                control = self.controlnet(torch.cat(seen, dim=1), level, wraps, shown)
+        elif self.config.condition and self.controlnet is None:
+            raise CheckpointError("these weights need a condition")
+        inputs = torch.cat(seen, dim=1)
+        features = self.network.features(inputs, level, wraps, control)
+        output = self.network.output(features, inputs, wraps).float()
         denoised = SIGMA_DATA**2 / variance * x + sigma * SIGMA_DATA / variance.sqrt() * output
-        if condition is not None and self.controlnet is not None and self.controlnet.gate is not None:
-            denoised = self.controlnet.gate(denoised, x, sigma, wraps, condition, features, hint)
+        if condition is not None and self.gate is not None:
+            given = [_depth_and_hit(condition[:, CONDITION_PARTS[part]]) for part in self.config.gated]
+            denoised = self.gate(denoised, x, sigma, features, given, wraps)
         return denoised
 
     def loss(
@@ -142,7 +172,7 @@ class Denoiser(Network):
         clean: Tensor,
         sigma: Tensor,
         noise: Tensor,
-        beams: Tensor,
+        rays: Tensor,
         condition: Tensor | None = None,
         *,
         wraps: bool,
@@ -152,9 +182,21 @@ class Denoiser(Network):
         With D - x = sigma^2 S this is the paper's sigma^2 |S - target|^2, normalised to be about 1 at every noise level
         for an untrained network. Depth and intensity count only where the scan has a return.
         """
-        denoised = self.denoise(add_noise(clean, sigma, noise), sigma, beams, condition, wraps=wraps)
+        denoised = self.denoise(add_noise(clean, sigma, noise), sigma, rays, condition, wraps=wraps)
         weight = (sigma**2 + SIGMA_DATA**2) / (sigma * SIGMA_DATA) ** 2
         counts = (clean[:, VALIDITY : VALIDITY + 1] > 0).expand_as(clean).clone()
         counts[:, VALIDITY] = True
         error = ((denoised - clean) ** 2 * counts).sum(dim=(1, 2, 3)) / counts.sum(dim=(1, 2, 3))
         return weight * error
+
+
+def _controls(config: DenoiserConfig, network: ScoreNetwork) -> tuple[ControlNet | None, CopyGate | None]:
+    """What a score network has beside it for its condition."""
+    controlnet = ControlNet(network.encoder, len(config.condition_channels)) if config.controlnet else None
+    gate = CopyGate(config.widths[0], config.cell, depths=len(config.gated)) if config.gated else None
+    return controlnet, gate
+
+
+def _depth_and_hit(part: Tensor) -> tuple[Tensor, Tensor]:
+    """The first and the last channel of a part of the condition, [B, 1, H, W] each."""
+    return part[:, DEPTH : DEPTH + 1], part[:, -1:]

@@ -12,6 +12,8 @@ def karras_levels(steps: int, *, sigma_min: float = 0.002, sigma_max: float = 20
     """The `steps` falling noise levels of a sampler and a last 0 (Karras et al., NeurIPS 2022, Eq. 5)."""
     if steps < 1:
         raise LidarDraftError(f"steps is {steps}; it must be at least 1")
+    if not sigma_max > sigma_min:
+        raise LidarDraftError(f"sampling starts at the noise level {sigma_max}; it must be greater than {sigma_min}")
     high, low = sigma_max ** (1 / rho), sigma_min ** (1 / rho)
     return [(high + i / max(steps - 1, 1) * (low - high)) ** rho for i in range(steps)] + [0.0]
 

@@ -9,10 +9,10 @@ from collections.abc import Callable, Iterator, Sequence
 import torch
 from torch import Tensor
 
-from lidardraft.diffusion.codec import STATE_CHANNELS, encode_elevations
+from lidardraft.diffusion.codec import CONDITION_PARTS, STATE_CHANNELS, encode_rays
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.noise import gaussian, karras_levels
-from lidardraft.errors import SensorError
+from lidardraft.errors import LidarDraftError, SensorError
 from lidardraft.networks.precision import reduced_precision
 from lidardraft.scene.sensor import Sensor
 
@@ -20,32 +20,44 @@ Denoise = Callable[[Tensor, Tensor], Tensor]
 
 
 def sample(
-    denoiser: Denoiser, sensor: Sensor, *, seeds: Sequence[int], condition: Tensor | None = None, steps: int = 20
+    denoiser: Denoiser,
+    sensor: Sensor,
+    *,
+    seeds: Sequence[int],
+    condition: Tensor | None = None,
+    steps: int = 4,
+    start: float | None = None,
 ) -> Iterator[Tensor]:
     """The states [B, 3, H, W] after each step of `sample_multistep`, one sample a seed; the last one is the result.
 
-    `condition` [B, K + 2, H, W], or one for all [1, K + 2, H, W]; without it the samples are unconditional. Works on
-    the device of the weights. Raises `SensorError` where the image cannot be cut into the network's cells.
+    `condition` [B, K + 5, H, W], or one for all [1, K + 5, H, W]; without it the samples are unconditional. They begin
+    as the simulated scan of the condition under noise of the level `start`, or without it as pure noise. Works on the
+    device of the weights. Raises `SensorError` where the image cannot be cut into the network's cells,
+    `LidarDraftError` on a start that is not positive, or without a condition.
     """
     rows, columns = denoiser.config.cell
     if sensor.shape[0] % rows or sensor.shape[1] % columns:
         raise SensorError(f"{sensor.name} is {sensor.shape}; these weights need multiples of ({rows}, {columns})")
     device = next(denoiser.parameters()).device
-    beams = torch.from_numpy(encode_elevations(sensor)).to(device)
-    sigmas = karras_levels(steps)
-    noise = torch.stack([gaussian((STATE_CHANNELS, *sensor.shape), seed) for seed in seeds]).to(device)
+    rays = torch.from_numpy(encode_rays(sensor)).to(device)
+    sigmas = karras_levels(steps) if start is None else karras_levels(steps, sigma_max=start)
+    x = sigmas[0] * torch.stack([gaussian((STATE_CHANNELS, *sensor.shape), seed) for seed in seeds]).to(device)
     if condition is not None:
         condition = condition.to(device).expand(len(seeds), -1, -1, -1)
+    if start is not None:
+        if condition is None:
+            raise LidarDraftError("a scan without a condition starts from noise")
+        x = x + condition[:, CONDITION_PARTS["simulated"]]
 
     def denoise(x: Tensor, sigma: Tensor) -> Tensor:
         with reduced_precision(device):
-            return denoiser.denoise(x, sigma, beams, condition, wraps=sensor.wraps)
+            return denoiser.denoise(x, sigma, rays, condition, wraps=sensor.wraps)
 
-    return sample_multistep(denoise, sigmas[0] * noise, sigmas)
+    return sample_multistep(denoise, x, sigmas)
 
 
 def sample_multistep(denoise: Denoise, x: Tensor, sigmas: Sequence[float]) -> Iterator[Tensor]:
-    """The state after each step along `sigmas`, from pure noise x = sigmas[0] * gaussian to 0; one call a step.
+    """The state after each step along `sigmas`, from x at the level sigmas[0] to 0; one call a step.
 
     DPM-Solver++(2M), Lu et al., 2022, Algorithm 2: the step before gives the second order; the first step and a step to
     0 have the first.

@@ -54,7 +54,7 @@ class Encoder(nn.Module):
         self.cell = cell
         self.widths = tuple(widths)
         self.embedding = NoiseEmbedding(EMBEDDING)
-        self.stem = RangeImageConv((channels + 2) * cell[0] * cell[1], widths[0])
+        self.stem = RangeImageConv(channels * cell[0] * cell[1], widths[0])
         self.context = nn.Conv2d(context, widths[0], cell, stride=cell, bias=False) if context else None
         self.stages = nn.ModuleList()
         inputs = widths[0]
@@ -77,13 +77,12 @@ class Encoder(nn.Module):
             hint: Tensor = self.context(context)
         return hint
 
-    def forward(self, x: Tensor, level: Tensor, beams: Tensor, wraps: bool, hint: Tensor | None = None) -> list[Tensor]:
+    def forward(self, x: Tensor, level: Tensor, wraps: bool, hint: Tensor | None = None) -> list[Tensor]:
         """Each stage's output for x [B, channels, H, W]; `hint` [B, widths[0], H / h, W / w] is added to the stem's."""
-        rows = beams[None, :, :, None].expand(len(x), -1, -1, x.shape[-1])
         embedding = self.embedding(level)
         # In bfloat16 the state would lose all noise below about 0.01: the stem sees it in float32, whatever follows.
         with torch.autocast(x.device.type, enabled=False):
-            h = self.stem(fold(torch.cat([x, rows], dim=1), self.cell), wraps)
+            h = self.stem(fold(x, self.cell), wraps)
         if hint is not None:
             h = h + hint
         outputs = []
@@ -138,7 +137,6 @@ class ScoreNetwork(nn.Module):
         self,
         x: Tensor,
         level: Tensor,
-        beams: Tensor,
         wraps: bool,
         control: Sequence[Tensor] | None = None,
         hint: Tensor | None = None,
@@ -147,7 +145,7 @@ class ScoreNetwork(nn.Module):
 
         `control` is added to its skips, stage by stage, and `hint` to the stem's output.
         """
-        skips = self.encoder(x, level, beams, wraps, hint)
+        skips = self.encoder(x, level, wraps, hint)
         if control is not None:
             skips = [skip + residual for skip, residual in zip(skips, control, strict=True)]
         h = None
@@ -164,10 +162,9 @@ class ScoreNetwork(nn.Module):
         self,
         x: Tensor,
         level: Tensor,
-        beams: Tensor,
         wraps: bool,
         control: Sequence[Tensor] | None = None,
         hint: Tensor | None = None,
     ) -> Tensor:
-        """`output` of `features`: x [B, inputs, H, W], level [B], beams [2, H]."""
-        return self.output(self.features(x, level, beams, wraps, control, hint), x, wraps)
+        """`output` of `features`: x [B, inputs, H, W], level [B]."""
+        return self.output(self.features(x, level, wraps, control, hint), x, wraps)

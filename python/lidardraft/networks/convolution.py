@@ -25,6 +25,14 @@ class RangeImageConv(nn.Conv2d):
         return super().forward(pad_columns(x, self.reach, wraps))
 
 
+def zero_conv(inputs: int, outputs: int) -> nn.Conv2d:
+    """A 1 x 1 convolution that starts at zero."""
+    conv = nn.Conv2d(inputs, outputs, 1)
+    nn.init.zeros_(conv.weight)
+    nn.init.zeros_(conv.bias)  # type: ignore[arg-type]
+    return conv
+
+
 def pad_columns(x: Tensor, columns: int, wraps: bool) -> Tensor:
     """`x` [..., W] with `columns` more on either side: those of the other end if it wraps, else the outermost repeated.
 

@@ -1,8 +1,9 @@
-"""Labels for a generated scan, from the condition image and the layout it was generated from."""
+"""Labels for a generated scan, from scans of the layout that it was generated from, and the layout itself."""
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -16,27 +17,27 @@ RELATIVE_TOLERANCE = 0.05
 _GROWTH = 0.3  # m; how far outside a shape of the layout a point still belongs to it
 
 
-def agrees(scan: RangeImage, condition_image: RangeImage) -> np.ndarray:
-    """bool [H, W]: where both have a return, and at the same distance within 0.5 m or 5 % of the condition image's."""
-    if scan.sensor.shape != condition_image.sensor.shape:
-        raise SensorError(
-            f"the scan is {scan.sensor.shape}, the condition image {condition_image.sensor.shape}; both need one sensor"
-        )
-    tolerance = np.maximum(ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE * condition_image.depth)
-    return scan.valid & condition_image.valid & (np.abs(scan.depth - condition_image.depth) <= tolerance)
+def agrees(scan: RangeImage, other: RangeImage) -> np.ndarray:
+    """bool [H, W]: where both have a return, and at the same distance within 0.5 m or 5 % of the other's."""
+    if scan.sensor.shape != other.sensor.shape:
+        raise SensorError(f"one scan is {scan.sensor.shape}, the other {other.sensor.shape}; both need one sensor")
+    tolerance = np.maximum(ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE * other.depth)
+    return scan.valid & other.valid & (np.abs(scan.depth - other.depth) <= tolerance)
 
 
-def label_from_condition_image(
-    scan: RangeImage, condition_image: RangeImage, layout: Layout, pose: np.ndarray
-) -> RangeImage:
-    """`scan` with label and instance: the condition image's where the ranges agree, else those of the smallest shape of
-    the layout around the point (grown by 0.3 m), else none. `pose` is world_from_sensor [4, 4] of both images.
+def label_by_agreement(scan: RangeImage, known: Sequence[RangeImage], layout: Layout, pose: np.ndarray) -> RangeImage:
+    """`scan` with label and instance: those of the first of the `known` images whose range agrees, else those of the
+    smallest shape of the layout around the point (grown by 0.3 m), else none. `pose` is world_from_sensor [4, 4] of all
+    images.
 
     A mesh is not known to fill the box around it, so it labels only where the ranges agree.
     """
-    near = agrees(scan, condition_image)
-    label = np.where(near, condition_image.label, 0).astype(np.uint8)
-    instance = np.where(near, condition_image.instance, 0).astype(np.uint32)
+    near = np.zeros(scan.sensor.shape, dtype=bool)
+    label, instance = np.zeros(near.shape, dtype=np.uint8), np.zeros(near.shape, dtype=np.uint32)
+    for image in known:
+        new = agrees(scan, image) & ~near
+        label[new], instance[new] = image.label[new], image.instance[new]
+        near |= new
     rest = scan.valid & ~near
     points = scan.sensor.pattern.points(scan.depth)[rest] @ pose[:3, :3].T + pose[:3, 3]
     rest_label, rest_instance = label[rest], instance[rest]

@@ -16,9 +16,9 @@ from lidardraft.errors import LayoutError
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import IMAGES, RangeImage
 from lidardraft.scene.scanner import Scanner
-from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.shape_table import ShapeTable
+from lidardraft.simulation.simulate import Simulator
 from lidardraft.streets.coarse.coarse_layout import Style, coarse_layout, sample_style
 from lidardraft.streets.coarse.coarse_street import place_of
 from lidardraft.streets.coarse.visible import VisibleObjects
@@ -29,6 +29,7 @@ from lidardraft.streets.worker_processes import worker_processes
 # the images of a pair, which worker processes hand over as they are
 _SCAN = ("depth", "label", "instance", "intensity")
 _CONDITION_IMAGE = ("depth", "label", "instance")
+_SIMULATED = _SCAN
 _Rest = tuple[ShapeTable, np.ndarray, Style, str, float, int]
 
 
@@ -41,6 +42,7 @@ class StreetPair:
 
     All is in the frame of the ego vehicle in the middle of the sweep: `pose` is ego_from_sensor [4, 4], and the sensor
     moves ahead with `speed` [m/s]. `district` is where the street lies, `index` counts the pairs of one seed.
+    `simulated`, where it was asked for, is what the same unit of the sensor reports of the coarse layout in detail.
     """
 
     scan: RangeImage
@@ -51,6 +53,7 @@ class StreetPair:
     district: str
     speed: float
     index: int
+    simulated: RangeImage | None = None
 
     def poses(self) -> np.ndarray:
         """The pose of each column [W, 4, 4]; both images are as uncorrected as what such a sensor sends."""
@@ -93,7 +96,7 @@ def streets(
     numbers = (number for number in itertools.count(first) if number % shards == mine)
     runs = (_StreetRun(seed, config, number, skip if number == first else 0) for number in numbers)
     if workers > 1:
-        return _in_processes(runs, config.sensor, workers)
+        return _in_processes(runs, config, workers)
     return (pair for run in runs for pair in run.pairs(None))
 
 
@@ -113,7 +116,7 @@ class _StreetRun:
 
     def pairs(self, threads: int | None) -> Iterator[StreetPair]:
         street, scanner = _scanned_street(self.seed, self.config, self.number, threads)
-        return (_pair(street, scanner, index) for index in self.indices())
+        return (_pair(street, scanner, self.config, index) for index in self.indices())
 
 
 @lru_cache(maxsize=1)
@@ -125,8 +128,9 @@ def _scanned_street(seed: int, config: StreetConfig, number: int, threads: int |
     return street, Scanner.from_layout(street.scene, config.sensor, model=model, threads=threads)
 
 
-def _in_processes(runs: Iterator[_StreetRun], sensor: Sensor, workers: int) -> Generator[StreetPair, None, None]:
-    pixel_bytes = sum(IMAGES[name].itemsize for name in _SCAN + _CONDITION_IMAGE)
+def _in_processes(runs: Iterator[_StreetRun], config: StreetConfig, workers: int) -> Generator[StreetPair, None, None]:
+    sensor = config.sensor
+    pixel_bytes = sum(IMAGES[name].itemsize for name in _SCAN + _CONDITION_IMAGE + _SIMULATED * config.simulated)
     with worker_processes(workers, math.prod(sensor.shape) * pixel_bytes) as processes:
         turns = itertools.cycle(processes)
 
@@ -140,20 +144,22 @@ def _in_processes(runs: Iterator[_StreetRun], sensor: Sensor, workers: int) -> G
         while True:
             street = ahead.popleft()
             while street:
-                images, rest = street.popleft().result()
-                scan = dict(zip(_SCAN, images, strict=False))
-                condition_image = dict(zip(_CONDITION_IMAGE, images[len(_SCAN) :], strict=True))
-                yield StreetPair(
-                    RangeImage.unchecked(sensor, **scan), RangeImage.unchecked(sensor, **condition_image), *rest
-                )
+                arrays, rest = street.popleft().result()
+                images = [
+                    RangeImage.unchecked(sensor, **{name: arrays.pop(0) for name in names})
+                    for names in (_SCAN, _CONDITION_IMAGE, *[_SIMULATED] * config.simulated)
+                ]
+                yield StreetPair(*images[:2], *rest, *images[2:])
             ahead.append(submit())
 
 
 def _pair_in_worker(run: _StreetRun, index: int) -> tuple[list[np.ndarray], _Rest]:
     """The images of a pair, and the rest of it."""
-    pair = _pair(*_scanned_street(run.seed, run.config, run.number, 1), index)
+    pair = _pair(*_scanned_street(run.seed, run.config, run.number, 1), run.config, index)
     images = [getattr(pair.scan, name) for name in _SCAN]
     images += [getattr(pair.condition_image, name) for name in _CONDITION_IMAGE]
+    if pair.simulated is not None:
+        images += [getattr(pair.simulated, name) for name in _SIMULATED]
     return images, (pair.shapes, pair.pose, pair.style, pair.district, pair.speed, pair.index)
 
 
@@ -168,16 +174,21 @@ def scan_street(street: Street, scanner: Scanner, index: int) -> tuple[Ego, Visi
     return ego, VisibleObjects(place_of(ego.pose), pose, scan, coarse.owners, len(coarse.objects)), rng
 
 
-def _pair(street: Street, scanner: Scanner, index: int) -> StreetPair:
+def _pair(street: Street, scanner: Scanner, config: StreetConfig, index: int) -> StreetPair:
     ego, visible, rng = scan_street(street, scanner, index)
     style = sample_style(rng)
     shapes = coarse_layout(street.coarse, style, rng, ego.pose, visible)
     poses = scanner.sensor.poses_in_motion(visible.pose, (ego.speed, 0.0, 0.0))
     condition_image = shapes.scan(scanner.sensor, poses, threads=scanner.threads)
-    # primitives of the detailed scene say nothing to who does not have it, and take time on the way there
-    scan = visible.scan
-    assert scan.intensity is not None
-    seen = RangeImage.unchecked(
-        scanner.sensor, depth=scan.depth, label=scan.label, instance=scan.instance, intensity=scan.intensity
+    pair = StreetPair(
+        _as_sent(visible.scan), condition_image, shapes, visible.pose, style, street.district, ego.speed, index
     )
-    return StreetPair(seen, condition_image, shapes, visible.pose, style, street.district, ego.speed, index)
+    if not config.simulated:
+        return pair
+    simulator = Simulator(pair.layout, scanner.sensor, seed=index, model=scanner.model, threads=scanner.threads)
+    return replace(pair, simulated=_as_sent(simulator.scan(pair.pose, speed=pair.speed, seed=index).image))
+
+
+def _as_sent(scan: RangeImage) -> RangeImage:
+    """A scan without its primitives, which say nothing to who does not have the scene, and take time on the way."""
+    return RangeImage.unchecked(scan.sensor, **{name: getattr(scan, name) for name in _SCAN})

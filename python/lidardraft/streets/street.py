@@ -25,12 +25,13 @@ class StreetConfig:
     """How streets are made and scanned.
 
     `sensor` scans them, from `poses_per_street` places each. A street goes on `half_length` [m] either way of its
-    middle. Raises `LayoutError` for less than one place, or a half length that is not 40 to 200 m.
+    middle. With `simulated` a pair has the simulated scan of its coarse layout too, which takes as long again. Raises `LayoutError` for less than one place, or a half length that is not 40 to 200 m.
     """
 
     sensor: Sensor = PRESETS["hdl64e"]
     poses_per_street: int = 32
     half_length: float = 90.0
+    simulated: bool = False
 
     def __post_init__(self) -> None:
         if self.poses_per_street < 1:

@@ -87,7 +87,7 @@ def _another(pairs: PairFolder, random: np.random.Generator) -> tuple[np.ndarray
 
 def _rotated(pairs: PairFolder, i: int, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Depth, label and intensity of a scan, from any column on where these wrap, mirrored half the time."""
-    scan, _ = pairs[i]
+    scan = pairs[i].scan
     assert scan.intensity is not None
     # A sector that is rotated would be torn apart; its place on the grid is the sensor's.
     columns = scan.sensor.columns if scan.sensor.wraps else 1

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import json
 import os
 import time
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import torch
@@ -23,11 +25,21 @@ from lidardraft.json_fields import is_number, parse_object
 from lidardraft.networks import weight_file
 from lidardraft.networks.weight_file import Network
 from lidardraft.training.learner import Learner, LearningConfig, RunIdentity
-from lidardraft.training.pairs import PairFolder
 
 Batch = tuple[Tensor, ...]
 Measures = dict[str, Tensor]
 LossFunction = Callable[[int, Batch], tuple[Tensor, Measures]]
+
+
+class Data(Protocol):
+    """What a run learns from: where it came from in words, where it lies, and a checksum."""
+
+    @property
+    def source(self) -> str: ...
+    @property
+    def path(self) -> Path: ...
+    @property
+    def checksum(self) -> int: ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,9 +58,9 @@ class Report:
 def train(
     config: LearningConfig,
     network: Network,
-    batch: Callable[[int], Batch],
+    batches: Callable[[int], Generator[Batch, None, None]],
     loss: LossFunction,
-    pairs: PairFolder,
+    data: Data,
     run: str | os.PathLike[str],
     *,
     device: torch.device,
@@ -56,8 +68,8 @@ def train(
 ) -> Iterator[Report]:
     """Train a `network` and yield reports.
 
-    `batch(step)` gives the tensors of a step on the CPU, from the step alone, so that a run in slices gives the weights
-    of a run in one. `loss(step, batch)` gives the losses of the samples, whose mean is stepped on, and tensors of
+    `batches(start)` gives the tensors of each step from `start` on, on the CPU. They follow from the step alone, so that
+    a run in slices gives the weights of a run in one. `loss(step, batch)` gives the losses of the samples, whose mean is stepped on, and tensors of
     numbers by name whose means are reported.
 
     The folder `run` receives `log.jsonl`, `state.safetensors` to go on from after an interruption or `max_minutes`, and
@@ -66,7 +78,7 @@ def train(
     """
     run = Path(run)
     check_run_folder(run)
-    identity = _identity(config, network, pairs)
+    identity = _identity(config, network, data)
     learner = Learner(network.to(device).train(), config)
     start = learner.resume(run / "state.safetensors", identity)
     if start >= config.steps:
@@ -74,10 +86,8 @@ def train(
     run.mkdir(parents=True, exist_ok=True)
     _cut_log(run / "log.jsonl", start)
     began, window = time.monotonic(), _Window()
-    with ThreadPoolExecutor(1) as loader:
-        upcoming = loader.submit(batch, start)
-        for step in range(start, config.steps):
-            tensors, upcoming = upcoming.result(), loader.submit(batch, step + 1)
+    with closing(batches(start)) as upcoming:
+        for step, tensors in zip(range(start, config.steps), upcoming, strict=False):
             losses, measures = loss(step, tuple(tensor.to(device) for tensor in tensors))
             window.add(losses, learner.step(step, losses.mean()), measures)
             minutes = (time.monotonic() - began) / 60
@@ -88,7 +98,7 @@ def train(
                 with (run / "log.jsonl").open("a") as log:
                     log.write(json.dumps(dataclasses.asdict(report)) + "\n")
             if last or (step + 1) % config.save_every == 0:
-                card = {"training": dataclasses.asdict(config), "step": step + 1, "data": pairs.source}
+                card = {"training": dataclasses.asdict(config), "step": step + 1, "data": data.source}
                 weight_file.save(learner.averaged, run / "weights.safetensors", card)
                 # The state last: what is killed before it is done again.
                 learner.save(run / "state.safetensors", step + 1, identity)
@@ -96,6 +106,15 @@ def train(
                 yield report
             if last:
                 return
+
+
+def prefetched(batch: Callable[[int], Batch], start: int) -> Generator[Batch, None, None]:
+    """`batch(step)` of each step from `start` on, the next one made while one is learned from."""
+    with ThreadPoolExecutor(1) as loader:
+        upcoming = loader.submit(batch, start)
+        for step in itertools.count(start + 1):
+            tensors, upcoming = upcoming.result(), loader.submit(batch, step)
+            yield tensors
 
 
 def check_run_folder(run: str | os.PathLike[str]) -> None:
@@ -142,12 +161,12 @@ class _Window:
         )
 
 
-def _identity(config: LearningConfig, network: nn.Module, pairs: PairFolder) -> RunIdentity:
+def _identity(config: LearningConfig, network: nn.Module, data: Data) -> RunIdentity:
     frozen = 0
     for p in network.parameters():
         if not p.requires_grad:
             frozen = zlib.crc32(p.detach().cpu().numpy().tobytes(), frozen)
-    return RunIdentity(config.of_any_length(), frozen, pairs.checksum, str(pairs.path))
+    return RunIdentity(config.of_any_length(), frozen, data.checksum, str(data.path))
 
 
 def _cut_log(path: Path, step: int) -> None:

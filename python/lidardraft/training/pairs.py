@@ -1,15 +1,17 @@
-"""Prepared pairs: a folder of shards with scans and condition images of the same places, compact, whole or absent."""
+"""Prepared pairs: a folder of shards with scans, condition images and simulated scans of the same places, compact,
+whole or absent."""
 
 from __future__ import annotations
 
 import itertools
 import json
+import math
 import os
 import zipfile
 import zlib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,7 +23,7 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.training.folder_lock import locked_folder
 
-SCHEMA = "lidardraft.pairs/2"
+SCHEMA = "lidardraft.pairs/3"
 SHARD = 64  # pairs a file
 _LARGEST_SHARD = 2**16  # pairs that an index may claim
 _STEP = 0.002  # m, what a depth of 1 in the uint16 images stands for: 131 m fit
@@ -31,14 +33,25 @@ _IMAGES = {
     "scan_intensity": np.uint8,
     "condition_depth": np.uint16,
     "condition_label": np.uint8,
+    "simulated_depth": np.uint16,
+    "simulated_intensity": np.uint8,
 }
 
+_PIXELS = 64 * 1024  # of the images that memory is counted in
 _NOTES = "notes.json"
 # Noise does not get smaller: a scan's ranges and intensities are stored as they are.
 _COMPRESSED = ("scan_label", "condition_depth", "condition_label")
 
-Pair = tuple[RangeImage, RangeImage]
-NotedPair = tuple[RangeImage, RangeImage, dict[str, Any]]
+
+class Pair(NamedTuple):
+    """A scan, and what a layout of the same place says: its condition image and its simulated scan."""
+
+    scan: RangeImage
+    condition_image: RangeImage
+    simulated: RangeImage
+
+
+NotedPair = tuple[Pair, dict[str, Any]]
 
 
 def pairs_on_disk(directory: str | os.PathLike[str], *, source: str = "") -> int:
@@ -53,7 +66,7 @@ def pairs_on_disk(directory: str | os.PathLike[str], *, source: str = "") -> int
 def write_pairs(
     directory: str | os.PathLike[str], pairs: Iterable[NotedPair], *, source: str = "", start: int | None = None
 ) -> Iterator[int]:
-    """Add (scan, condition image, note) of one sensor to a folder, yielding the number of pairs on disk after each
+    """Add pairs of one sensor, each with a note, to a folder, yielding the number of pairs on disk after each
     shard.
 
     A note holds what JSON can, such as the style of the coarse layout.
@@ -75,24 +88,24 @@ def write_pairs(
             left.unlink()
         sensor = _sensor(folder, index) if index else None
         for shard in _shards(pairs):
-            for scan, condition_image, _ in shard:
-                sensor = sensor or scan.sensor
-                for image in (scan, condition_image):
+            for pair, _ in shard:
+                sensor = sensor or pair.scan.sensor
+                for image in pair:
                     if image.sensor != sensor:
                         raise FormatError(f"{folder} holds pairs of {sensor.name}; this one is of {image.sensor.name}")
-            rows = [_compact(scan, condition_image) for scan, condition_image, _ in shard]
+            rows = [_compact(pair) for pair, _ in shard]
             images = {name: np.stack([row[name] for row in rows]) for name in _IMAGES}
-            _write(folder / f"{len(counts):05d}.npz", images, [note for _, _, note in shard])
+            _write(folder / f"{len(counts):05d}.npz", images, [note for _, note in shard])
             counts.append(len(rows))
             _write_index(folder / "index.json", sensor, counts, source)
             yield sum(counts)
 
 
 class PairFolder:
-    """The pairs of a prepared folder, held in memory: 0.46 MB for each pair of 64 x 1024.
+    """The pairs of a prepared folder, held in memory: 0.66 MB for each pair of 64 x 1024.
 
-    `folder[i]` is a (scan, condition image) pair with depth to the millimetre, label, and the scan's intensity;
-    instances are not kept. `notes[i]` is what was noted of it, `checksum` that of all images. Raises `FormatError`
+    `folder[i]` is a `Pair` with depth to the millimetre and intensity; instances, and labels of the simulated scan, are
+    not kept. `notes[i]` is what was noted of it, `checksum` that of all images. Raises `FormatError`
     naming the file that is missing, truncated or not ours.
     """
 
@@ -118,8 +131,18 @@ class PairFolder:
     def __len__(self) -> int:
         return len(self._images["scan_depth"])
 
+    def pairs(self, step: int, scans: int) -> list[Pair]:
+        """Pairs drawn at random, as many as `scans` of 64 x 1024 are worth: the same for a step."""
+        random = np.random.default_rng([self.checksum, step])
+        return [self[int(i)] for i in random.integers(len(self), size=scans_of_step(scans, self.sensor))]
+
     def __getitem__(self, i: int) -> Pair:
         return _pair(self.sensor, {name: images[i] for name, images in self._images.items()})
+
+
+def scans_of_step(scans: int, sensor: Sensor) -> int:
+    """How many scans of a sensor a step learns from that has room for so many of 64 x 1024."""
+    return max(1, min(scans, scans * _PIXELS // math.prod(sensor.shape)))
 
 
 def is_shard(path: str | os.PathLike[str]) -> bool:
@@ -137,24 +160,23 @@ def read_shard(path: str | os.PathLike[str]) -> list[NotedPair]:
     if shard.name not in counts:
         raise FormatError(f"{shard} is not in the index.json beside it")
     images, notes = _read(shard, (counts[shard.name], *sensor.shape))
-    return [(*_pair(sensor, {name: rows[i] for name, rows in images.items()}), note) for i, note in enumerate(notes)]
+    return [(_pair(sensor, {name: rows[i] for name, rows in images.items()}), note) for i, note in enumerate(notes)]
 
 
 def _pair(sensor: Sensor, image: dict[str, np.ndarray]) -> Pair:
-    scan = RangeImage(
-        sensor=sensor,
-        depth=image["scan_depth"] * np.float32(_STEP),
-        label=image["scan_label"],
-        instance=np.zeros(sensor.shape, dtype=np.uint32),
-        intensity=image["scan_intensity"] * np.float32(1 / 255),
-    )
-    condition_image = RangeImage(
-        sensor=sensor,
-        depth=image["condition_depth"] * np.float32(_STEP),
-        label=image["condition_label"],
-        instance=np.zeros(sensor.shape, dtype=np.uint32),
-    )
-    return scan, condition_image
+    none = np.zeros(sensor.shape, dtype=np.uint32)
+
+    def image_of(name: str) -> RangeImage:
+        intensity = image.get(f"{name}_intensity")
+        return RangeImage(
+            sensor=sensor,
+            depth=image[f"{name}_depth"] * np.float32(_STEP),
+            label=image.get(f"{name}_label", none.astype(np.uint8)),
+            instance=none,
+            intensity=None if intensity is None else intensity * np.float32(1 / 255),
+        )
+
+    return Pair(image_of("scan"), image_of("condition"), image_of("simulated"))
 
 
 def _shards(pairs: Iterable[NotedPair]) -> Iterator[list[NotedPair]]:
@@ -163,15 +185,21 @@ def _shards(pairs: Iterable[NotedPair]) -> Iterator[list[NotedPair]]:
         yield shard
 
 
-def _compact(scan: RangeImage, condition_image: RangeImage) -> dict[str, np.ndarray]:
-    intensity = np.zeros(scan.sensor.shape) if scan.intensity is None else scan.intensity
+def _compact(pair: Pair) -> dict[str, np.ndarray]:
     return {
-        "scan_depth": _compact_depth(scan),
-        "scan_label": scan.label,
-        "scan_intensity": np.rint(np.clip(intensity, 0, 1) * 255).astype(np.uint8),
-        "condition_depth": _compact_depth(condition_image),
-        "condition_label": condition_image.label,
+        "scan_depth": _compact_depth(pair.scan),
+        "scan_label": pair.scan.label,
+        "scan_intensity": _compact_intensity(pair.scan),
+        "condition_depth": _compact_depth(pair.condition_image),
+        "condition_label": pair.condition_image.label,
+        "simulated_depth": _compact_depth(pair.simulated),
+        "simulated_intensity": _compact_intensity(pair.simulated),
     }
+
+
+def _compact_intensity(image: RangeImage) -> np.ndarray:
+    intensity = np.zeros(image.sensor.shape) if image.intensity is None else image.intensity
+    return np.rint(np.clip(intensity, 0, 1) * 255).astype(np.uint8)
 
 
 def _compact_depth(image: RangeImage) -> np.ndarray:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 import torch
@@ -17,7 +18,7 @@ from lidardraft.perception.spherical_grid import features
 from lidardraft.semantics import NUM_CLASSES
 from lidardraft.training.augmentation import Augmentation, augmented
 from lidardraft.training.learner import LearningConfig
-from lidardraft.training.loop import Batch, Measures, Report, device_for_training, train
+from lidardraft.training.loop import Batch, Measures, Report, device_for_training, prefetched, train
 from lidardraft.training.pairs import PairFolder
 
 _COUNTED = 256  # scans that the share of each class is taken from
@@ -61,8 +62,8 @@ def train_segmenter(
     on = device_for_training(device)
     weights = class_weights(pairs).to(on)
 
-    def batch(step: int) -> Batch:
-        return _batch(config, pairs, step)
+    def batches(start: int) -> Generator[Batch, None, None]:
+        return prefetched(partial(_batch, config, pairs), start)
 
     def loss(_: int, batch: Batch) -> tuple[Tensor, Measures]:
         x, target = batch
@@ -71,7 +72,7 @@ def train_segmenter(
         right = (logits.argmax(1) + 1 == target)[target > 0]
         return segmentation_loss(logits.float(), target, weights), {"accuracy": right.float()}
 
-    yield from train(config, segmenter, batch, loss, pairs, run, device=on, max_minutes=max_minutes)
+    yield from train(config, segmenter, batches, loss, pairs, run, device=on, max_minutes=max_minutes)
 
 
 def class_weights(pairs: PairFolder) -> Tensor:
@@ -80,7 +81,7 @@ def class_weights(pairs: PairFolder) -> Tensor:
     Rarer classes than one return in 10,000 count no more than those.
     """
     step = max(len(pairs) // _COUNTED, 1)
-    labels = [pairs[i][0].label for i in range(0, len(pairs), step)]
+    labels = [pairs[i].scan.label for i in range(0, len(pairs), step)]
     counts = np.bincount(np.concatenate(labels, axis=None), minlength=NUM_CLASSES)[1:]
     share = counts / max(counts.sum(), 1)
     weights = np.maximum(share, 1e-4) ** -0.5

@@ -1,0 +1,94 @@
+"""Sensors drawn at random, so that one network learns to serve all."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from lidardraft.scene.sensor import PRESETS, Sensor
+from lidardraft.scene.sensor_limits import SensorLimits
+from lidardraft.scene.sensor_model import MODELS, SensorModel
+
+ROWS = (16, 20, 24, 32, 40, 48, 64, 80, 96, 128)
+COLUMNS = (512, 768, 1024, 1200, 1440, 1800, 2048)
+MOUNTS = (1.0, 3.0)  # m
+ELEVATIONS = (math.radians(-48.0), math.radians(48.0))
+SPACING = math.radians(0.16)  # of the closest beams
+# Within them a network that learned from these sensors is at home.
+LIMITS = SensorLimits(
+    beams=(ROWS[0], ROWS[-1]),
+    columns=(COLUMNS[0], COLUMNS[-1]),
+    elevation=(math.degrees(ELEVATIONS[0]), math.degrees(ELEVATIONS[1])),
+    mount_height=MOUNTS,
+)
+_PRESET_SHARE = 0.5
+_SECTOR_SHARE = 0.1
+_LARGEST = 128 * 1024  # pixels
+
+
+def sample_sensor(rng: np.random.Generator) -> Sensor:
+    """A preset with other columns and mount, or a table of beams that nobody sells; another unit and noise each time."""
+    name = str(rng.choice(sorted(PRESETS)))
+    preset = PRESETS[name]
+    elevations = preset.elevations if rng.random() < _PRESET_SHARE else _sample_elevations(rng)
+    offsets = preset.azimuth_offsets if elevations is preset.elevations else ()
+    columns = int(rng.choice([c for c in COLUMNS if c * len(elevations) <= _LARGEST]))
+    span = 2 * math.pi
+    if rng.random() < _SECTOR_SHARE:
+        span, columns = math.radians(rng.uniform(90, 200)), columns // 8 * 4
+    sensor = Sensor(
+        name="sampled",
+        elevations=elevations,
+        azimuth_offsets=offsets,
+        columns=columns,
+        azimuth_start=span / 2,
+        azimuth_span=span,
+        min_range=float(rng.uniform(0.3, 1.5)),
+        max_range=float(rng.uniform(70, 200)),
+        mount_height=float(rng.uniform(*MOUNTS)),
+        range_sigma=float(np.exp(rng.uniform(np.log(0.002), np.log(0.03)))),
+    )
+    return _with_model(sensor, name, rng)
+
+
+def _sample_elevations(rng: np.random.Generator) -> tuple[float, ...]:
+    """Beams in equal steps, in two blocks, or closer together about the horizon, from the highest."""
+    rows = int(rng.choice(ROWS))
+    high, low = math.radians(rng.uniform(1, 25)), math.radians(rng.uniform(-35, -14))
+    density = np.ones(512)
+    place = np.linspace(high, low, 512)
+    kind = rng.integers(3)
+    if kind == 1:
+        density[place < rng.uniform(0.7 * low, 0.2 * low)] = rng.uniform(0.4, 0.8)
+    elif kind == 2:
+        density += rng.uniform(1, 6) * np.exp(-(((place + math.radians(2)) / math.radians(rng.uniform(3, 8))) ** 2))
+    share = np.cumsum(density)
+    elevations = np.interp(np.linspace(share[0], share[-1], rows), share, place)
+    closest = float(np.min(-np.diff(elevations)))
+    if closest < SPACING:  # as many beams over a wider span
+        middle = (high + low) / 2
+        elevations = middle + (elevations - middle) * min(SPACING / closest, 2.0)
+    return tuple(np.clip(elevations, *ELEVATIONS).tolist())
+
+
+def _with_model(sensor: Sensor, name: str, rng: np.random.Generator) -> Sensor:
+    """The sensor with constants around those of a preset: its optics, its noise, what it drops and how it reads."""
+    model = MODELS[name] if sensor.elevations == PRESETS[name].elevations else SensorModel.from_sensor(sensor)
+
+    def about(value: float, factor: float) -> float:
+        return float(value * np.exp(rng.uniform(-1, 1) * math.log(factor)))
+
+    model = dataclasses.replace(
+        model,
+        detection_threshold=about(model.detection_threshold, 3.0),
+        drop_probability=float(np.exp(rng.uniform(np.log(1e-4), np.log(0.03)))),
+        fading=about(model.fading, 1.3),
+        speckle=about(model.speckle, 2.0),
+        jitter=about(model.jitter, 2.0),
+        unit=int(rng.integers(1 << 30)),
+        gain_spread=about(model.gain_spread, 2.0),
+        full_scale=about(model.full_scale, 1.5),
+    )
+    return dataclasses.replace(sensor, model=model)

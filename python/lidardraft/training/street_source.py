@@ -1,0 +1,50 @@
+"""Pairs of streets as they are learned from: made while a network trains, each step's by one sensor."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from lidardraft.scene.sensor import Sensor
+from lidardraft.streets import StreetConfig, streets
+from lidardraft.training.pairs import Pair, scans_of_step
+from lidardraft.training.sampled_sensor import sample_sensor
+
+_POSES = 2  # of a street: a network learns more from another street than from another look at one
+
+
+@dataclass(frozen=True, kw_only=True)
+class StreetSource:
+    """The streets of a seed, seen by `sensor`, or by another one at each step (`sample_sensor`)."""
+
+    seed: int = 0
+    sensor: Sensor | None = None
+    path: Path = Path("streets")
+
+    @property
+    def source(self) -> str:
+        """Where the pairs come from, in words."""
+        seen_by = "sensors drawn at random" if self.sensor is None else self.sensor.name
+        return f"streets of seed {self.seed}, {seen_by}"
+
+    @property
+    def checksum(self) -> int:
+        """Of all that decides the pairs."""
+        fields = {"seed": self.seed, "sensor": None if self.sensor is None else self.sensor.to_json()}
+        return zlib.crc32(json.dumps(fields).encode())
+
+    def pairs(self, step: int, scans: int) -> list[Pair]:
+        """Pairs of one sensor, as many as `scans` of 64 x 1024 are worth: the same for a step."""
+        sensor = self.sensor or sample_sensor(np.random.default_rng([self.seed, step, 11]))
+        config = StreetConfig(sensor=sensor, poses_per_street=_POSES, simulated=True)
+        made = streets(self.seed, config, start=step * scans)
+        pairs = []
+        for pair in itertools.islice(made, scans_of_step(scans, sensor)):
+            assert pair.simulated is not None
+            pairs.append(Pair(pair.scan, pair.condition_image, pair.simulated))
+        return pairs
