@@ -45,8 +45,8 @@ def unseen_streets(
 def evaluate(
     pipeline: Pipeline, pairs: list[StreetPair], *, on_scan: Callable[[], object] | None = None
 ) -> Iterator[Scores]:
-    """The detailed scans, the condition images, the simulated scans of the same layouts, the pipeline's scans, and those
-    of the same network with random weights; `on_scan` is called after each generated scan."""
+    """The detailed scans, the condition images, the simulated scans of the same layouts, the pipeline's scans, and
+    those of the same network with random weights; `on_scan` is called after each generated scan."""
     random = Pipeline(_random_weights(pipeline.denoiser), steps=pipeline.steps, start=pipeline.start)
     yield _scores("detailed scan", pairs, (pair.scan for pair in pairs))
     yield _scores("condition image", pairs, (pair.condition_image for pair in pairs))

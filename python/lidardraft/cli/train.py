@@ -113,9 +113,7 @@ def _source(arguments: argparse.Namespace) -> PairSource:
         try:
             weights.append(float(weight or 1))
         except ValueError:
-            raise TrainingError(
-                f"--data is {given!r}; it must be streets or a folder, and =WEIGHT or nothing"
-            ) from None
+            raise TrainingError(f"--data is {given!r}; behind = there must be a number") from None
     return sources[0] if len(sources) == 1 else MixedSource(tuple(sources), tuple(weights))
 
 
@@ -137,32 +135,28 @@ def _trained(
     """Whether a stage is done, after so many minutes at most."""
     from lidardraft.training.denoising import train_denoiser
 
-    last: Report | None = None
-
-    def reports() -> Iterator[Report]:
-        nonlocal last
-        for last in train_denoiser(config, source, run, begin=begin, device=device, max_minutes=minutes):
-            yield last
-
-    _show(reports(), config.steps, run.name)
-    return last is None or last.step == config.steps
+    reports = train_denoiser(config, source, run, begin=begin, device=device, max_minutes=minutes)
+    return _show(reports, config.steps, run.name) in (None, config.steps)
 
 
-def _show(reports: Iterator[Report], steps: int, name: str) -> None:
-    """A progress bar of a training."""
+def _show(reports: Iterator[Report], steps: int, name: str) -> int | None:
+    """A progress bar of a training; its last step, or None where there was nothing to do."""
     from tqdm import tqdm
 
+    step = None
     with tqdm(total=steps, unit="step", desc=name) as bar:
         for report in reports:
             bar.update(report.step - bar.n)
             bar.set_postfix_str(f"loss {report.loss:.3f}, {report.samples_per_second:.1f} samples/s")
+            step = report.step
+    return step
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="lidardraft-train",
         description="Weights of your own, from procedural streets.",
-        epilog="start here: `lidardraft-train street` makes streets and learns from them, and writes one weight file for "
+        epilog="start here: `lidardraft-train street` makes streets, learns from them, and writes one weight file for "
         "`lidardraft generate --weights FILE`.",
     )
     parser.add_argument("--version", action="version", version=f"lidardraft {lidardraft.__version__}")

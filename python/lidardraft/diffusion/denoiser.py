@@ -10,7 +10,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from lidardraft.diffusion.codec import CONDITION_PARTS, DEPTH, RAY_CHANNELS, STATE_CHANNELS, VALIDITY
+from lidardraft.diffusion.codec import CONDITION_PARTS, RAY_CHANNELS, STATE_CHANNELS, VALIDITY
 from lidardraft.diffusion.controlnet import ControlNet
 from lidardraft.diffusion.copy_gate import CopyGate
 from lidardraft.diffusion.noise import add_noise
@@ -131,13 +131,21 @@ class Denoiser(Network):
         return denoiser
 
     def denoise(
-        self, x: Tensor, sigma: Tensor, rays: Tensor, condition: Tensor | None = None, *, wraps: bool
+        self,
+        x: Tensor,
+        sigma: Tensor,
+        rays: Tensor,
+        condition: Tensor | None = None,
+        *,
+        wraps: bool,
+        decide: bool = False,
     ) -> Tensor:
         """D(x, sigma) for x f32 [B, 3, H, W], sigma [B], rays f32 [4, H, W] (`encode_rays`).
 
         `wraps` says whether the last column is the first one's neighbour (`Sensor.wraps`). `condition` is f32
-        [B, K + 5, H, W] (`encode_condition`); without it the ControlNet is not called. Preconditioned as in Karras et
-        al., NeurIPS 2022, Table 1. Raises `CheckpointError` on a condition that these weights have no place for, and
+        [B, K + 5, H, W] (`encode_condition`); without it the ControlNet is not called. With `decide` a depth that may
+        be one of several is the likeliest of them in place of their mean (`CopyGate`). Preconditioned as in Karras et al.,
+        NeurIPS 2022, Table 1. Raises `CheckpointError` on a condition that these weights have no place for, and
         without one that they need.
         """
         level = sigma.log() / 4
@@ -163,8 +171,10 @@ class Denoiser(Network):
         output = self.network.output(features, inputs, wraps).float()
         denoised = SIGMA_DATA**2 / variance * x + sigma * SIGMA_DATA / variance.sqrt() * output
         if condition is not None and self.gate is not None:
-            given = [_depth_and_hit(condition[:, CONDITION_PARTS[part]]) for part in self.config.gated]
-            denoised = self.gate(denoised, x, sigma, features, given, wraps)
+            given = condition[
+                :, [CONDITION_PARTS[part].start for part in self.config.gated]
+            ]  # their first is the depth
+            denoised = self.gate(denoised, x, sigma, features, given, wraps=wraps, decide=decide)
         return denoised
 
     def loss(
@@ -195,8 +205,3 @@ def _controls(config: DenoiserConfig, network: ScoreNetwork) -> tuple[ControlNet
     controlnet = ControlNet(network.encoder, len(config.condition_channels)) if config.controlnet else None
     gate = CopyGate(config.widths[0], config.cell, depths=len(config.gated)) if config.gated else None
     return controlnet, gate
-
-
-def _depth_and_hit(part: Tensor) -> tuple[Tensor, Tensor]:
-    """The first and the last channel of a part of the condition, [B, 1, H, W] each."""
-    return part[:, DEPTH : DEPTH + 1], part[:, -1:]

@@ -51,7 +51,7 @@ def sample(
 
     def denoise(x: Tensor, sigma: Tensor) -> Tensor:
         with reduced_precision(device):
-            return denoiser.denoise(x, sigma, rays, condition, wraps=sensor.wraps)
+            return denoiser.denoise(x, sigma, rays, condition, wraps=sensor.wraps, decide=True)
 
     return sample_multistep(denoise, x, sigmas)
 

@@ -145,11 +145,11 @@ def _in_processes(runs: Iterator[_StreetRun], config: StreetConfig, workers: int
             street = ahead.popleft()
             while street:
                 arrays, rest = street.popleft().result()
-                images = [
+                scan, condition_image, *simulated = [
                     RangeImage.unchecked(sensor, **{name: arrays.pop(0) for name in names})
                     for names in (_SCAN, _CONDITION_IMAGE, *[_SIMULATED] * config.simulated)
                 ]
-                yield StreetPair(*images[:2], *rest, *images[2:])
+                yield StreetPair(scan, condition_image, *rest, *simulated)
             ahead.append(submit())
 
 

@@ -25,7 +25,8 @@ class StreetConfig:
     """How streets are made and scanned.
 
     `sensor` scans them, from `poses_per_street` places each. A street goes on `half_length` [m] either way of its
-    middle. With `simulated` a pair has the simulated scan of its coarse layout too, which takes as long again. Raises `LayoutError` for less than one place, or a half length that is not 40 to 200 m.
+    middle. With `simulated` a pair has the simulated scan of its coarse layout too, which takes as long again. Raises
+    `LayoutError` for less than one place, or a half length that is not 40 to 200 m.
     """
 
     sensor: Sensor = PRESETS["hdl64e"]

@@ -68,9 +68,9 @@ def train(
 ) -> Iterator[Report]:
     """Train a `network` and yield reports.
 
-    `batches(start)` gives the tensors of each step from `start` on, on the CPU. They follow from the step alone, so that
-    a run in slices gives the weights of a run in one. `loss(step, batch)` gives the losses of the samples, whose mean is stepped on, and tensors of
-    numbers by name whose means are reported.
+    `batches(start)` gives the tensors of each step from `start` on, on the CPU. They follow from the step alone, so
+    that a run in slices gives the weights of a run in one. `loss(step, batch)` gives the losses of the samples, whose
+    mean is stepped on, and tensors of numbers by name whose means are reported.
 
     The folder `run` receives `log.jsonl`, `state.safetensors` to go on from after an interruption or `max_minutes`, and
     `weights.safetensors`, the average of weights. A report is yielded after what is due at its step is on disk. Raises

@@ -20,9 +20,9 @@ def small() -> Recipe:
     """What ships, for two CPU cores."""
     denoiser = DenoiserConfig(
         cell=(2, 4),
-        widths=(64, 96, 128),
-        strides=(1, 2, 2),
-        dilations=(1, 1, 1),
+        widths=(64, 96, 128, 192),
+        strides=(1, 2, 2, 2),
+        dilations=(1, 1, 1, 1),
         blocks=1,
         refine_units=0,
         pools=0,

@@ -29,7 +29,7 @@ _LARGEST = 128 * 1024  # pixels
 
 
 def sample_sensor(rng: np.random.Generator) -> Sensor:
-    """A preset with other columns and mount, or a table of beams that nobody sells; another unit and noise each time."""
+    """A preset with other columns and mount, or a table of beams that nobody sells; each time another unit."""
     name = str(rng.choice(sorted(PRESETS)))
     preset = PRESETS[name]
     elevations = preset.elevations if rng.random() < _PRESET_SHARE else _sample_elevations(rng)
