@@ -28,7 +28,7 @@ from lidardraft import Layout, Pipeline, RangeImage, Sensor, Simulator, layout_f
 from lidardraft.metrics import lifelike
 from lidardraft.metrics.lifelike import CLASS_SETS
 from lidardraft.metrics.sweep import Sweep
-from lidardraft.scene.labelling import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, label_from_condition_image
+from lidardraft.scene.labelling import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, label_by_agreement
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
@@ -139,7 +139,7 @@ def scans_of(case: Case, seed: int, pipeline: Pipeline | None) -> dict[str, Rang
     scans["simulated"] = simulated(True)
     if pipeline is not None:
         *_, made = pipeline.denoising(scans["cast"], seed=seed)
-        scans["generated"] = label_from_condition_image(made, scans["cast"], case.layout, pose)
+        scans["generated"] = label_by_agreement(made, [scans["simulated"], scans["cast"]], case.layout, pose)
     return scans
 
 

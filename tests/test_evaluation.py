@@ -23,26 +23,27 @@ def pairs() -> list[StreetPair]:
 @pytest.fixture
 def denoiser() -> Denoiser:
     torch.manual_seed(0)
-    return Denoiser.from_config(recipes.tiny().base.denoiser).with_controlnet()
+    return Denoiser.from_config(recipes.tiny().stages[0].denoiser)
 
 
 def test_scans_are_scored_between_the_detailed_ones_and_random_weights(
     pairs: list[StreetPair], denoiser: Denoiser
 ) -> None:
-    detailed, condition, generated, random = evaluate(Pipeline(denoiser, steps=2), pairs)
-    assert [scores.name for scores in (detailed, condition, generated, random)] == [
-        *("detailed scan", "condition image", "generated", "random weights")
+    detailed, condition, simulated, generated, random = evaluate(Pipeline(denoiser, steps=2), pairs)
+    assert [scores.name for scores in (detailed, condition, simulated, generated, random)] == [
+        *("detailed scan", "condition image", "simulated", "generated", "random weights")
     ]
     assert detailed.jsd == 0
     assert 0.3 < detailed.objects < 1
     assert (condition.objects, condition.overall, condition.drop) == (1, 1, 0)
-    assert 0 <= random.overall < detailed.overall
+    assert 0.3 < simulated.objects < 1
+    assert 0 <= random.overall <= 1
     assert generated != random
     assert set(condition.by_class.values()) == {1.0}
 
 
 def test_scans_are_generated_where_the_weights_are(pairs: list[StreetPair], denoiser: Denoiser) -> None:
     scores = evaluate(Pipeline(denoiser.to("meta"), steps=1), pairs)
-    assert [next(scores).name, next(scores).name] == ["detailed scan", "condition image"]
+    assert [next(scores).name for _ in range(3)] == ["detailed scan", "condition image", "simulated"]
     with pytest.raises(RuntimeError, match=r"unsupported scalarType|meta tensor"):  # nothing is computed on that device
         next(scores)

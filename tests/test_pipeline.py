@@ -1,9 +1,11 @@
+import dataclasses
 import warnings
 
 import numpy as np
 import pytest
 
 from lidardraft import Pipeline, Sensor
+from lidardraft.scene.sensor_limits import SensorLimits
 
 SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=128)
 
@@ -14,26 +16,34 @@ def pipeline() -> Pipeline:
 
 
 def test_a_sensor_that_the_weights_know_is_no_warning(pipeline: Pipeline) -> None:
-    known = Pipeline(pipeline.denoiser, steps=2, sensors=("small",))
+    known = Pipeline(pipeline.denoiser, steps=2, trained=SensorLimits.from_sensor(SMALL))
     unknown = Pipeline(pipeline.denoiser, steps=2)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        for each in (known, unknown):
+        for each in (pipeline, known, unknown):
             each("a car ahead", sensor=SMALL)
 
 
 def test_another_sensor_is_warned_of_once(pipeline: Pipeline) -> None:
+    known = Pipeline(pipeline.denoiser, steps=2, trained=SensorLimits.from_sensor(SMALL))
+    high = dataclasses.replace(SMALL, mount_height=2.5)
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("default")
         for seed in range(2):
-            pipeline("a car ahead", sensor=SMALL, seed=seed)
+            known("a car ahead", sensor=high, seed=seed)
     assert [str(warning.message) for warning in found] == [
-        "these weights were trained on hdl64e; scans of small may be poor"
+        "these weights were trained on mount height of 1.73 to 1.73, and small has 2.5; its scans may be poor"
     ]
+
+
+def test_the_same_seed_gives_the_same_scan(pipeline: Pipeline) -> None:
+    first, again, other = (pipeline("a car ahead", sensor=SMALL, seed=seed).image for seed in (1, 1, 2))
+    np.testing.assert_array_equal(first.depth, again.depth)
+    assert not np.array_equal(first.depth, other.depth)
+    assert (first.label > 0)[first.valid].mean() > 0.9
 
 
 def test_every_step_is_told(pipeline: Pipeline) -> None:
     steps: list[int] = []
-    known = Pipeline(pipeline.denoiser, steps=3, sensors=("small",))
-    known("a car ahead", sensor=SMALL, on_step=lambda: steps.append(len(steps)))
+    Pipeline(pipeline.denoiser, steps=3)("a car ahead", sensor=SMALL, on_step=lambda: steps.append(len(steps)))
     assert steps == [0, 1, 2]

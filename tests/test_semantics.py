@@ -39,6 +39,6 @@ def test_the_condition_has_a_channel_for_every_class():
     image = raycast(
         Layout((Primitive(shape="box", center=(5, 0, 1.7), size=(1, 4, 1), label="other", id="it"),)), ONE_BEAM
     )
-    condition = encode_condition(image)
-    assert condition.shape[0] == CONDITION_CHANNELS == NUM_CLASSES + 2
+    condition = encode_condition(image, image)
+    assert condition.shape[0] == CONDITION_CHANNELS == NUM_CLASSES + 5
     assert condition[BY_NAME["other"].id][image.valid].all()

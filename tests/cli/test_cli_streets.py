@@ -30,7 +30,7 @@ def test_pairs_on_disk_go_on_where_they_stopped(capsys: pytest.CaptureFixture[st
     pairs = PairFolder("pairs")
     assert [note["index"] for note in pairs.notes] == [0, 1, 2, 3, 4]
     assert {note["style"]["source"] for note in pairs.notes} <= {"text", "cloud", "picture", "boxes"}
-    np.testing.assert_array_equal(pairs[1][0].depth, first[1][0].depth)
+    np.testing.assert_array_equal(pairs[1].scan.depth, first[1].scan.depth)
     assert cli.main([*argv, "--num", "3"]) == 0
     assert capsys.readouterr().out == "pairs: 5 pairs are there already; nothing to do\n"
     assert len(PairFolder("pairs")) == 5

@@ -8,7 +8,7 @@ from PIL import Image
 from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
 from lidardraft.cli import main as cli
 from lidardraft.formats import kitti
-from lidardraft.training.pairs import write_pairs
+from lidardraft.training.pairs import Pair, write_pairs
 
 ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(100, 8, 0), label="road", id="road")
 
@@ -47,8 +47,8 @@ def test_the_sensor_of_a_scan_is_known_given_or_said(image: RangeImage, capsys: 
 
 
 def test_training_pairs(image: RangeImage, capsys: pytest.CaptureFixture[str]) -> None:
-    list(write_pairs("pairs", [(image, image, {})] * 7))
-    list(write_pairs("pairs", [(image, image, {})]))
+    list(write_pairs("pairs", [(Pair(image, image, image), {})] * 7))
+    list(write_pairs("pairs", [(Pair(image, image, image), {})]))
     assert cli.main(["view", "pairs/00000.npz"]) == 0
     assert "holds 7 pairs; the picture shows the first 6" in capsys.readouterr().err
     assert cli.main(["view", "pairs/00001.npz"]) == 0
@@ -61,6 +61,6 @@ def test_bad_input_is_one_line(image: RangeImage, refused: Callable[..., str]) -
     assert "is a folder" in refused("view", ".")
     image.save("image.npz")
     assert "--sensor is for" in refused("view", "image.npz", "--sensor", "hdl64e")
-    list(write_pairs("pairs", [(image, image, {})]))
+    list(write_pairs("pairs", [(Pair(image, image, image), {})]))
     Path("pairs/index.json").unlink()
     assert "index.json" in refused("view", "pairs/00000.npz")

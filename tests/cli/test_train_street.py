@@ -1,5 +1,6 @@
 """`lidardraft-train street`, from nothing to a weight file."""
 
+import dataclasses
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,10 +16,11 @@ from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.networks import weight_file
 from lidardraft.pipeline import Pipeline
 from lidardraft.scene.sensor import Sensor
+from lidardraft.scene.sensor_limits import SensorLimits
 from lidardraft.streets import StreetPair
 
-ARGV = ["street", "--recipe", "tiny", "--num", "2", "--sensor", "hdl32e", "--work", "work", "-o", "tiny.safetensors"]
-SHORT = ["--base-steps", "2", "--control-steps", "2", "--evaluate", "1"]
+ARGV = ["street", "--recipe", "tiny", "--sensor", "hdl32e", "--work", "work", "-o", "tiny.safetensors"]
+SHORT = ["--steps", "2", "--evaluate", "1"]
 
 
 @pytest.fixture(autouse=True)
@@ -27,13 +29,17 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     sensor = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=128)
     Path("small.json").write_text(sensor.to_json())
+    Path("odd.json").write_text(dataclasses.replace(sensor, columns=66).to_json())
 
 
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
         (["--device", "nonsense"], "device is 'nonsense'"),
-        (["--sensor", "small.json"], "crop is 256; it must be 1 to 128, the columns of small"),
+        (["--sensor", "odd.json"], "small is (16, 66); this recipe needs multiples of (2, 4)"),
+        (["--data", "streets=much"], "--data is 'streets=much'; behind = there must be a number"),
+        (["--data", "nowhere"], "nowhere"),
+        (["--init", "nothing"], "weights are 'nothing'"),
         (["-o", "."], ". is a folder; the weights are a file"),
         (["--work", "small.json"], "small.json is a file; it must be a folder"),
     ],
@@ -53,7 +59,7 @@ def test_what_ships_is_scored_on_the_device_that_was_asked_for(
     scored: list[dict[str, torch.Tensor]] = []
     from_pretrained, evaluate = Pipeline.from_pretrained, evaluation.evaluate
 
-    def on_a_device(name: Path, *, device: str = "cpu", steps: int = 20) -> Pipeline:
+    def on_a_device(name: Path, *, device: str = "cpu", steps: int = 4) -> Pipeline:
         devices.append(device)
         return from_pretrained(name, device=device, steps=steps)
 
@@ -70,17 +76,62 @@ def test_what_ships_is_scored_on_the_device_that_was_asked_for(
         assert train.main([*ARGV, *SHORT, "--device", "cpu:0"]) == 0
     assert devices == ["cpu:0"]
     shown = capsys.readouterr().err
-    assert "making streets:" in shown
     assert "generating:" in shown
     shipped = weight_file.load("tiny.safetensors", Denoiser).state_dict()
     assert all(torch.equal(scored[0][name], weight) for name, weight in shipped.items())
 
     card = weight_file.read_card("tiny.safetensors")
-    assert card["control"]["step"] == 2
-    assert card["sensors"] == ["hdl32e"]
+    assert [stage["step"] for stage in card["stages"]] == [2]
+    assert SensorLimits.from_dict(card["sensors"]) == SensorLimits.from_sensor(Sensor.preset("hdl32e"))
     names = [scores["name"] for scores in card["scores"]]
-    assert names == ["detailed scan", "condition image", "generated", "random weights"]
-    assert train.main([*ARGV, "--seed", "5"]) == 2  # the folder holds pairs of another seed
-    assert "seed 0" in capsys.readouterr().err
+    assert names == ["detailed scan", "condition image", "simulated", "generated", "random weights"]
+    assert train.main([*ARGV, *SHORT, "--seed", "5"]) == 2  # the run is of another seed
+    assert "use another folder" in capsys.readouterr().err
     generate = ["generate", "--text", "a car ahead", "--sensor", "small.json", "--steps", "2"]
     assert cli.main([*generate, "--weights", "tiny.safetensors", "-o", "out"]) == 0
+
+
+def test_the_papers_stages_follow_one_another(capsys: pytest.CaptureFixture[str]) -> None:
+    argv = ["street", "--recipe", "tiny-paper", "--sensor", "small.json", "--work", "work", "-o", "paper.safetensors"]
+    assert train.main([*argv, *SHORT]) == 0
+    denoiser = weight_file.load("paper.safetensors", Denoiser)
+    assert denoiser.controlnet is not None
+    base = weight_file.load("work/stage-1/weights.safetensors", Denoiser)
+    assert base.controlnet is None
+    capsys.readouterr()
+
+
+def test_training_goes_on_with_given_weights_and_own_pairs(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["streets", "-n", "2", "--sensor", "small.json", "-o", "pairs", "--workers", "1"]) == 0
+    argv = [
+        "street",
+        "--recipe",
+        "tiny",
+        "--data",
+        "pairs=3",
+        "--data",
+        "streets",
+        "--work",
+        "one",
+        "-o",
+        "one.safetensors",
+    ]
+    assert train.main([*argv, *SHORT, "--sensor", "small.json"]) == 0
+    argv = ["street", "--init", "one.safetensors", "--data", "pairs", "--work", "two", "-o", "two.safetensors"]
+    assert train.main([*argv, *SHORT]) == 0
+    one, two = (weight_file.load(name, Denoiser) for name in ("one.safetensors", "two.safetensors"))
+    assert one.config == two.config
+    assert any(not torch.equal(a, b) for a, b in zip(one.parameters(), two.parameters(), strict=True))
+    assert weight_file.read_card("one.safetensors")["data"].startswith(
+        "75% streets of seed 0, 4 poses each, small; 25%"
+    )
+    capsys.readouterr()
+
+
+def test_a_run_that_is_stopped_goes_on_with_the_same_call(capsys: pytest.CaptureFixture[str]) -> None:
+    argv = [*ARGV, "--sensor", "small.json", *SHORT]
+    assert train.main([*argv, "--minutes", "0.0001"]) == 0
+    assert "the same call goes on" in capsys.readouterr().out
+    assert not Path("tiny.safetensors").exists()
+    assert train.main(argv) == 0
+    assert Path("tiny.safetensors").exists()

@@ -7,15 +7,14 @@ from hypothesis import strategies as st
 
 from lidardraft.diffusion.codec import (
     CONDITION_CHANNELS,
-    CONDITION_DEPTH,
-    CONDITION_VALIDITY,
+    CONDITION_PARTS,
     DEPTH,
     INTENSITY,
     MAX_DEPTH,
     VALIDITY,
     decode_scan,
     encode_condition,
-    encode_elevations,
+    encode_rays,
     encode_scan,
 )
 from lidardraft.errors import SensorError
@@ -113,26 +112,42 @@ def test_a_state_of_another_sensor_is_refused() -> None:
         decode_scan(np.zeros((3, 5, 8), dtype=np.float32), SENSOR)
 
 
-def test_the_condition_says_class_depth_and_hit() -> None:
+def test_what_the_vehicle_hides_is_no_return() -> None:
+    hidden = dataclasses.replace(SENSOR, blocked=(((-0.5, 0.5),), (), (), ()))
+    state = np.zeros((3, 4, 8), dtype=np.float32)
+    state[VALIDITY] = 1
+    np.testing.assert_array_equal(decode_scan(state, hidden).valid, ~hidden.blocked_pixels)
+    assert hidden.blocked_pixels.any()
+
+
+def test_the_condition_says_class_depth_hit_and_the_simulated_scan() -> None:
     depth = np.full(SENSOR.shape, 10.0)
     depth[2, 5] = 0
-    condition = encode_condition(image(depth))
+    simulated = image(np.full(SENSOR.shape, 12.0), intensity=np.full(SENSOR.shape, 0.4))
+    condition = encode_condition(image(depth), simulated)
     assert condition.shape == (CONDITION_CHANNELS, 4, 8)
-    np.testing.assert_array_equal(condition[:CONDITION_DEPTH].sum(axis=0), 1)
-    assert condition[13, 0, 0] == 1
-    assert condition[0, 2, 5] == 1
-    assert condition[CONDITION_VALIDITY, 0, 0] == 1
-    assert condition[CONDITION_VALIDITY, 2, 5] == -1
-    assert condition[CONDITION_DEPTH, 2, 5] == 1
-    np.testing.assert_array_equal(condition[CONDITION_DEPTH, 0], encode_scan(image(depth))[DEPTH, 0])
+    kind, (far, hit) = condition[CONDITION_PARTS["class"]], condition[CONDITION_PARTS["depth"]]
+    np.testing.assert_array_equal(kind.sum(axis=0), 1)
+    assert kind[13, 0, 0] == 1
+    assert kind[0, 2, 5] == 1
+    assert hit[0, 0] == 1
+    assert hit[2, 5] == -1
+    assert far[2, 5] == 1
+    np.testing.assert_array_equal(far[0], encode_scan(image(depth))[DEPTH, 0])
+    np.testing.assert_array_equal(condition[CONDITION_PARTS["simulated"]], encode_scan(simulated))
 
 
 @pytest.mark.parametrize("name", ["hdl64e", "hdl32e", "vlp16", "os1-128"])
-def test_every_sensors_beams_are_of_order_one(name: str) -> None:
-    beams = encode_elevations(Sensor.preset(name))
-    assert beams.shape == (2, Sensor.preset(name).shape[0])
-    assert np.abs(beams).max() < 3
+def test_every_sensors_rays_are_of_order_one(name: str) -> None:
+    rays = encode_rays(Sensor.preset(name))
+    assert rays.shape == (4, *Sensor.preset(name).shape)
+    assert np.abs(rays).max() < 3
+
+
+def test_rays_say_what_the_vehicle_hides() -> None:
+    hidden = dataclasses.replace(SENSOR, blocked=(((-0.5, 0.5),), (), (), ()))
+    np.testing.assert_array_equal(encode_rays(hidden)[3], hidden.blocked_pixels)
 
 
 def test_one_beam_has_a_spacing() -> None:
-    assert np.isfinite(encode_elevations(Sensor(name="one", elevations=(0.0,), columns=8))).all()
+    assert np.isfinite(encode_rays(Sensor(name="one", elevations=(0.0,), columns=8))).all()

@@ -15,13 +15,12 @@ def small(*, context: int = 0) -> ScoreNetwork:
 
 
 X = torch.randn(2, 3, 8, 64, generator=torch.Generator().manual_seed(1))
-BEAMS = torch.linspace(-1, 1, 16).reshape(2, 8)
 
 
 @torch.no_grad()
 def test_the_output_has_the_pixels_of_the_input_and_depends_on_the_noise_level() -> None:
     network = small()
-    low, high = (network(X, torch.full((2,), level), BEAMS, True) for level in (-1.0, 1.0))
+    low, high = (network(X, torch.full((2,), level), True) for level in (-1.0, 1.0))
     assert low.shape == (2, 2, 8, 64)
     assert not torch.allclose(low, high)
 
@@ -30,10 +29,10 @@ def test_the_output_has_the_pixels_of_the_input_and_depends_on_the_noise_level()
 def test_a_ring_has_no_seam_and_a_crop_has_edges() -> None:
     network, level = small(), torch.zeros(2)
     turned = X.roll(16, dims=-1)
-    ring = network(turned, level, BEAMS, True).roll(-16, dims=-1)
-    torch.testing.assert_close(ring, network(X, level, BEAMS, True), rtol=1e-4, atol=1e-5)
-    crop = network(turned, level, BEAMS, False).roll(-16, dims=-1)
-    assert (crop - network(X, level, BEAMS, False)).abs().max() > 1e-3
+    ring = network(turned, level, True).roll(-16, dims=-1)
+    torch.testing.assert_close(ring, network(X, level, True), rtol=1e-4, atol=1e-5)
+    crop = network(turned, level, False).roll(-16, dims=-1)
+    assert (crop - network(X, level, False)).abs().max() > 1e-3
 
 
 @torch.no_grad()
@@ -68,7 +67,7 @@ def test_bfloat16_sees_the_state_and_the_context_in_float32() -> None:
 @torch.no_grad()
 def test_control_is_added_to_the_skips() -> None:
     network, level = small(), torch.zeros(2)
-    nothing = [torch.zeros_like(skip) for skip in network.encoder(X, level, BEAMS, True)]
-    plain = network(X, level, BEAMS, True)
-    assert torch.equal(network(X, level, BEAMS, True, nothing), plain)
-    assert not torch.allclose(network(X, level, BEAMS, True, [skip + 1 for skip in nothing]), plain)
+    nothing = [torch.zeros_like(skip) for skip in network.encoder(X, level, True)]
+    plain = network(X, level, True)
+    assert torch.equal(network(X, level, True, nothing), plain)
+    assert not torch.allclose(network(X, level, True, [skip + 1 for skip in nothing]), plain)

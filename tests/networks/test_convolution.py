@@ -1,7 +1,7 @@
 import pytest
 import torch
 
-from lidardraft.networks.convolution import RangeImageConv, fold, pad_columns, unfold
+from lidardraft.networks.convolution import RangeImageConv, fold, pad_columns, unfold, zero_conv
 
 
 @pytest.fixture(autouse=True)
@@ -76,3 +76,12 @@ def test_unfold_undoes_fold() -> None:
     assert folded.shape == (2, 24, 4, 3)
     assert torch.equal(unfold(folded, (2, 4)), x)
     assert torch.equal(fold(x.roll(4, dims=-1), (2, 4)), folded.roll(1, dims=-1))
+
+
+def test_zero_convolutions_are_silent_and_still_learn() -> None:
+    conv, x = zero_conv(3, 4), torch.randn(1, 3, 5, 5)
+    y = conv(x)
+    assert not y.any()
+    y.sum().backward()
+    assert conv.weight.grad is not None
+    assert conv.weight.grad.any()

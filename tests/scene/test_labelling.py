@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 
 from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
-from lidardraft.scene.labelling import agrees, label_from_condition_image
+from lidardraft.scene.labelling import agrees, label_by_agreement
 from lidardraft.scene.road import Road
 from lidardraft.semantics import BY_NAME
 
@@ -21,7 +21,7 @@ def moved(depth: np.ndarray):  # type: ignore[no-untyped-def]
     condition_image = raycast(LAYOUT, SENSOR)
     blank = np.zeros(SENSOR.shape, np.uint8), np.zeros(SENSOR.shape, np.uint32)
     scan = dataclasses.replace(condition_image, depth=depth.astype(np.float32), label=blank[0], instance=blank[1])
-    return label_from_condition_image(scan, condition_image, LAYOUT, POSE), condition_image
+    return label_by_agreement(scan, [condition_image], LAYOUT, POSE), condition_image
 
 
 def test_a_scan_like_the_condition_image_gets_its_labels() -> None:
@@ -60,9 +60,7 @@ def test_a_bend_does_not_label_the_gardens_beside_it() -> None:
     condition_image = raycast(layout, SENSOR)
     terrain = condition_image.label == BY_NAME["terrain"].id
     depth = np.where(terrain, condition_image.depth * 0.94, condition_image.depth).astype(np.float32)
-    labelled = label_from_condition_image(
-        dataclasses.replace(condition_image, depth=depth), condition_image, layout, POSE
-    )
+    labelled = label_by_agreement(dataclasses.replace(condition_image, depth=depth), [condition_image], layout, POSE)
     assert terrain.sum() > 100
     assert not np.isin(labelled.label[terrain], [BY_NAME["sidewalk"].id, BY_NAME["road"].id]).any()
 

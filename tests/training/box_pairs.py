@@ -12,7 +12,7 @@ SENSOR = Sensor(name="small", elevations=tuple(np.linspace(0.05, -0.4, 16).tolis
 
 
 def make_pair(seed: int, sensor: Sensor = SENSOR) -> Pair:
-    """Boxes on a road: a scan of them with range noise and drops, and the condition image."""
+    """Boxes on a road: a scan of them with range noise and drops, the condition image, and another such scan."""
     rng = np.random.default_rng(seed)
     primitives = [Primitive(shape="plane", center=(0, 0, 0), size=(200, 200, 0), label="road", id="road")]
     for number in range(12):
@@ -24,18 +24,21 @@ def make_pair(seed: int, sensor: Sensor = SENSOR) -> Pair:
             )
         )
     condition_image = raycast(Layout(primitives=tuple(primitives)), sensor, incidence=True)
-    kept = condition_image.valid & (rng.random(sensor.shape) > 0.1)
-    assert condition_image.incidence is not None
-    scan = RangeImage(
-        sensor=sensor,
-        depth=np.where(kept, condition_image.depth + rng.normal(0, 0.02, sensor.shape), 0).astype(np.float32),
-        label=np.where(kept, condition_image.label, 0).astype(np.uint8),
-        instance=np.zeros(sensor.shape, dtype=np.uint32),
-        intensity=np.where(kept, condition_image.incidence, 0).astype(np.float32),
+    return Pair(_observed(condition_image, rng), condition_image, _observed(condition_image, rng))
+
+
+def _observed(clean: RangeImage, rng: np.random.Generator) -> RangeImage:
+    kept = clean.valid & (rng.random(clean.sensor.shape) > 0.1)
+    assert clean.incidence is not None
+    return RangeImage(
+        sensor=clean.sensor,
+        depth=np.where(kept, clean.depth + rng.normal(0, 0.02, kept.shape), 0).astype(np.float32),
+        label=np.where(kept, clean.label, 0).astype(np.uint8),
+        instance=np.zeros(kept.shape, dtype=np.uint32),
+        intensity=np.where(kept, clean.incidence, 0).astype(np.float32),
     )
-    return scan, condition_image
 
 
 def noted(seed: int, sensor: Sensor = SENSOR) -> NotedPair:
     """`make_pair` with the seed as its note."""
-    return *make_pair(seed, sensor), {"seed": seed}
+    return make_pair(seed, sensor), {"seed": seed}

@@ -11,7 +11,7 @@ from box_pairs import SENSOR, noted
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.semantics import BY_NAME
 from lidardraft.training.augmentation import Augmentation, augmented
-from lidardraft.training.pairs import PairFolder, write_pairs
+from lidardraft.training.pairs import Pair, PairFolder, write_pairs
 
 ROAD, POLE = (BY_NAME[name].id for name in ("road", "pole"))
 STILL = Augmentation(
@@ -22,7 +22,7 @@ STILL = Augmentation(
 def test_what_is_not_changed_stays_as_it_is(pairs: PairFolder) -> None:
     for seed in range(4):
         scan = augmented(pairs, seed, np.random.default_rng(seed), STILL)
-        original, _ = pairs[seed]
+        original = pairs[seed].scan
         ours, theirs = np.linalg.norm(scan.points, axis=1), original.depth[original.valid]
         np.testing.assert_allclose(np.sort(ours), np.sort(theirs), atol=1e-4)
         np.testing.assert_array_equal(np.bincount(scan.label), np.bincount(original.label[original.valid]))
@@ -89,7 +89,7 @@ def two(tmp_path: Path) -> PairFolder:
         )
 
     road, pole = plain(ROAD, 10, 128), plain(POLE, 5, 64)
-    list(write_pairs(tmp_path / "two", [(road, road, {}), (pole, pole, {})]))
+    list(write_pairs(tmp_path / "two", [(Pair(road, road, road), {}), (Pair(pole, pole, pole), {})]))
     return PairFolder(tmp_path / "two")
 
 
@@ -102,7 +102,7 @@ def test_the_scan_of_a_sensor_that_sees_a_sector_stays_in_it(tmp_path: Path) -> 
         points = augmented(folder, 0, np.random.default_rng(seed), STILL).points
         azimuth = np.arctan2(points[:, 1], points[:, 0])
         assert 0.5 <= azimuth.min() <= azimuth.max() <= 1.5
-        original = folder[0][0].depth
+        original = folder[0].scan.depth
         rows = [
             np.array_equal(np.linalg.norm(points, axis=1).round(2), side[side > 0].round(2))
             for side in (original, original[:, ::-1])

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from torch import Tensor, nn
 from lidardraft.errors import FormatError, TrainingError
 from lidardraft.networks.weight_file import Network
 from lidardraft.training.learner import LearningConfig
-from lidardraft.training.loop import Batch, Measures, Report, device_for_training, train
+from lidardraft.training.loop import Batch, Measures, Report, device_for_training, prefetched, train
 from lidardraft.training.pairs import PairFolder, write_pairs
 
 CONFIG = LearningConfig(steps=8, batch=4, learning_rate=0.1, warmup=1, report_every=1, save_every=3, ema=0.5)
@@ -49,7 +50,9 @@ def run(config: LearningConfig, pairs: PairFolder, folder: Path, **options: Any)
         losses = (network.number - batch[0]) ** 2
         return losses, {"odd": losses.detach()[step % 2 :: 4], "never": losses.detach()[:0]}
 
-    return train(config, network, batch, loss, pairs, folder, device=torch.device("cpu"), **options)
+    return train(
+        config, network, partial(prefetched, batch), loss, pairs, folder, device=torch.device("cpu"), **options
+    )
 
 
 def test_a_consumer_that_stops_at_the_last_report_has_the_weights(pairs: PairFolder, tmp_path: Path) -> None:

@@ -1,3 +1,4 @@
+import dataclasses
 import itertools
 import json
 import os
@@ -9,7 +10,6 @@ import pytest
 from box_pairs import SENSOR, make_pair, noted
 
 from lidardraft.errors import FormatError
-from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.training import pairs as module
 from lidardraft.training.pairs import PairFolder, is_shard, pairs_on_disk, read_shard, write_pairs
@@ -27,14 +27,16 @@ def test_pairs_come_back(tmp_path: Path) -> None:
     assert folder.sensor == SENSOR
     assert folder.notes == [{"seed": seed} for seed in range(5)]
     for seed in range(5):
-        scan, condition_image = make_pair(seed)
-        found_scan, found_condition_image = folder[seed]
-        for found, image in ((found_scan, scan), (found_condition_image, condition_image)):
+        pair, found_pair = make_pair(seed), folder[seed]
+        for found, image in zip(found_pair, pair, strict=True):
             np.testing.assert_allclose(found.depth, image.depth, atol=0.0011)
             np.testing.assert_array_equal(found.valid, image.valid)
-            np.testing.assert_array_equal(found.label, image.label)
-        assert found_scan.intensity is not None
-        np.testing.assert_allclose(found_scan.intensity, scan.intensity, atol=1 / 500)
+        for name in ("scan", "simulated"):
+            found, image = getattr(found_pair, name), getattr(pair, name)
+            assert found.intensity is not None
+            np.testing.assert_allclose(found.intensity, image.intensity, atol=1 / 500)
+        for name in ("scan", "condition_image"):
+            np.testing.assert_array_equal(getattr(found_pair, name).label, getattr(pair, name).label)
 
 
 def test_an_interrupted_folder_goes_on_where_it_stopped(tmp_path: Path) -> None:
@@ -51,15 +53,15 @@ def test_an_interrupted_folder_goes_on_where_it_stopped(tmp_path: Path) -> None:
     folder = PairFolder(tmp_path)
     assert len(folder) == 5
     for seed in range(5):
-        np.testing.assert_array_equal(folder[seed][0].label, make_pair(seed)[0].label)
+        np.testing.assert_array_equal(folder[seed].scan.label, make_pair(seed).scan.label)
     assert not list(tmp_path.glob("*.partial"))
 
 
 def test_one_shard_is_read_by_itself(tmp_path: Path) -> None:
     list(write_pairs(tmp_path, (noted(seed) for seed in range(3))))
     folder, shard = PairFolder(tmp_path), read_shard(tmp_path / "00001.npz")
-    assert [note for _, _, note in shard] == [{"seed": 2}]
-    for found, image in zip(shard[0][:2], folder[2], strict=True):
+    assert [note for _, note in shard] == [{"seed": 2}]
+    for found, image in zip(shard[0][0], folder[2], strict=True):
         assert found.sensor == image.sensor
         np.testing.assert_array_equal(found.depth, image.depth)
         np.testing.assert_array_equal(found.label, image.label)
@@ -67,8 +69,7 @@ def test_one_shard_is_read_by_itself(tmp_path: Path) -> None:
 
 def test_what_is_no_shard_of_the_folder_is_refused(tmp_path: Path) -> None:
     list(write_pairs(tmp_path, [noted(0)]))
-    scan, _ = make_pair(0)
-    scan.save(tmp_path / "scan.npz")
+    make_pair(0).scan.save(tmp_path / "scan.npz")
     assert [is_shard(tmp_path / name) for name in ("00000.npz", "scan.npz")] == [True, False]
     for name in ("index.json", "none.npz"):
         with pytest.raises(FormatError, match=name):
@@ -106,10 +107,10 @@ def test_what_a_killed_writer_left_is_cleared(tmp_path: Path) -> None:
 
 
 def test_a_scan_without_intensities_has_zeros(tmp_path: Path) -> None:
-    scan, condition_image = make_pair(0)
-    bare = RangeImage(sensor=SENSOR, depth=scan.depth, label=scan.label, instance=scan.instance)
-    list(write_pairs(tmp_path, [(bare, condition_image, {})]))
-    intensity = PairFolder(tmp_path)[0][0].intensity
+    pair = make_pair(0)
+    bare = pair._replace(scan=dataclasses.replace(pair.scan, intensity=None))
+    list(write_pairs(tmp_path, [(bare, {})]))
+    intensity = PairFolder(tmp_path)[0].scan.intensity
     assert intensity is not None
     assert not intensity.any()
 
@@ -124,27 +125,22 @@ def test_another_sensor_is_refused(tmp_path: Path) -> None:
 
 def test_a_depth_that_does_not_fit_is_refused(tmp_path: Path) -> None:
     far = Sensor(name="far", elevations=SENSOR.elevations, columns=128, max_range=300.0)
-    scan, condition_image = make_pair(0, far)
-    depth = scan.depth.copy()
+    pair = make_pair(0, far)
+    depth = pair.scan.depth.copy()
     depth[0, 0] = 200.0
-    far_scan = RangeImage(sensor=far, depth=depth, label=scan.label, instance=scan.instance)
+    far_pair = pair._replace(scan=dataclasses.replace(pair.scan, depth=depth))
     with pytest.raises(FormatError, match=r"a depth is 200\.0 m; pairs hold up to 131\.1 m"):
-        list(write_pairs(tmp_path, [(far_scan, condition_image, {})]))
+        list(write_pairs(tmp_path, [(far_pair, {})]))
     assert [file.name for file in tmp_path.iterdir()] == [".lock"]
 
 
 def test_a_return_nearer_than_a_step_stays_a_return(tmp_path: Path) -> None:
     near = Sensor(name="near", elevations=SENSOR.elevations, columns=128, min_range=0.0)
-    scan, condition_image = make_pair(0, near)
-    depth = scan.depth.copy()
+    pair = make_pair(0, near)
+    depth = pair.scan.depth.copy()
     depth[0, 0] = 1e-4
-    list(
-        write_pairs(
-            tmp_path,
-            [(RangeImage(sensor=near, depth=depth, label=scan.label, instance=scan.instance), condition_image, {})],
-        )
-    )
-    assert PairFolder(tmp_path)[0][0].valid[0, 0]
+    list(write_pairs(tmp_path, [(pair._replace(scan=dataclasses.replace(pair.scan, depth=depth)), {})]))
+    assert PairFolder(tmp_path)[0].scan.valid[0, 0]
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 0.99])
@@ -181,11 +177,11 @@ def test_a_shard_of_another_shape_is_refused(tmp_path: Path) -> None:
     [
         ("{", "index.json: not JSON"),
         ("[]", r"index.json: \[\] is no JSON object"),
-        ('{"schema": "other"}', "schema is 'other'; this version reads 'lidardraft.pairs/2'"),
-        ('{"schema": "lidardraft.pairs/2", "sensor": {}, "shards": ["a"]}', "shards is .* it must be counts of 1 to"),
-        ('{"schema": "lidardraft.pairs/2", "sensor": {}, "shards": [1000000000000]}', "shards is .* it must be counts"),
-        ('{"schema": "lidardraft.pairs/2", "shards": []}', "index.json: 'sensor' is missing"),
-        ('{"schema": "lidardraft.pairs/2", "shards": [], "sensor": {}}', "index.json: 'columns' is missing"),
+        ('{"schema": "other"}', "schema is 'other'; this version reads 'lidardraft.pairs/3'"),
+        ('{"schema": "lidardraft.pairs/3", "sensor": {}, "shards": ["a"]}', "shards is .* it must be counts of 1 to"),
+        ('{"schema": "lidardraft.pairs/3", "sensor": {}, "shards": [1000000000000]}', "shards is .* it must be counts"),
+        ('{"schema": "lidardraft.pairs/3", "shards": []}', "index.json: 'sensor' is missing"),
+        ('{"schema": "lidardraft.pairs/3", "shards": [], "sensor": {}}', "index.json: 'columns' is missing"),
     ],
 )
 def test_a_broken_index_is_refused(tmp_path: Path, index: str, message: str) -> None:
@@ -235,3 +231,22 @@ def test_a_missing_shard_is_refused(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "index.json").read_text())["shards"] == [2, 1]
     with pytest.raises(FormatError, match=r"00001.npz: No such file"):
         PairFolder(tmp_path)
+
+
+def test_pairs_of_a_step_are_the_same_each_time(tmp_path: Path) -> None:
+    list(write_pairs(tmp_path, (noted(seed) for seed in range(3))))
+    folder = PairFolder(tmp_path)
+    first, again, other = (folder.pairs(step, 8) for step in (4, 4, 5))
+    assert len(first) == 8
+    for pair, same in zip(first, again, strict=True):
+        np.testing.assert_array_equal(pair.scan.depth, same.scan.depth)
+    assert any(not np.array_equal(a.scan.depth, b.scan.depth) for a, b in zip(first, other, strict=True))
+
+
+def test_a_step_has_room_for_fewer_large_scans() -> None:
+    assert module.scans_of_step(4, SENSOR) == 4
+    for columns, scans in ((1024, 4), (2048, 2), (65536, 1)):
+        assert (
+            module.scans_of_step(4, Sensor(name="s", elevations=tuple(-0.006 * np.arange(64)), columns=columns))
+            == scans
+        )

@@ -46,7 +46,7 @@ def test_a_tiny_network_learns_a_few_scans(pairs: PairFolder, tmp_path: Path) ->
     assert log == [dataclasses.asdict(report) for report in reports]
     segmenter = weight_file.load(tmp_path / "weights.safetensors", Segmenter)
     for i in range(len(pairs)):
-        scan, _ = pairs[i]
+        scan = pairs[i].scan
         right = (segmenter.label(scan) == scan.label)[scan.valid]
         assert right.mean() > 0.95
 
@@ -91,7 +91,7 @@ def test_the_loss_by_hand() -> None:
 
 def test_rare_classes_count_more(pairs: PairFolder) -> None:
     weights = class_weights(pairs)
-    labels = np.concatenate([pairs[i][0].label for i in range(len(pairs))], axis=None)
+    labels = np.concatenate([pairs[i].scan.label for i in range(len(pairs))], axis=None)
     counts = np.bincount(labels, minlength=NUM_CLASSES)[1:]
     ratio = weights[BUILDING - 1] / weights[ROAD - 1]
     assert ratio == pytest.approx(math.sqrt(counts[ROAD - 1] / counts[BUILDING - 1]), rel=1e-5)

@@ -24,10 +24,10 @@ class ControlNet(nn.Module):
         self.encoder = copy.deepcopy(encoder)
         self.leave = nn.ModuleList(zero_conv(width, width) for width in encoder.widths)
 
-    def forward(self, x: Tensor, level: Tensor, wraps: bool, condition: Tensor) -> list[Tensor]:
+    def forward(self, x: Tensor, level: Tensor, context: Tensor, wraps: bool, condition: Tensor) -> list[Tensor]:
         """What to add to the decoder's inputs, for what the encoder sees and the condition [B, channels, H, W]."""
         hint = functional.silu(self.hint(functional.silu(self.embed(fold(condition, self.encoder.cell))), wraps))
-        outputs = self.encoder(x, level, wraps, self.enter(hint))
+        outputs = self.encoder(x, level, context, wraps, self.enter(hint))
         return [leave(h) for leave, h in zip(self.leave, outputs, strict=True)]
 
     def zero_convs(self) -> Iterator[tuple[str, Tensor]]:

@@ -32,7 +32,7 @@ class CopyGate(nn.Module):
     def forward(
         self, denoised: Tensor, x: Tensor, sigma: Tensor, features: Tensor, given: Tensor, *, wraps: bool, decide: bool
     ) -> Tensor:
-        """`denoised` [B, 3, H, W] with another depth; x is noisy, sigma [B, 1, 1, 1], features [B, width, H / h, W / w].
+        """`denoised` [B, 3, H, W] with other depths; x is noisy, sigma [B, 1, 1, 1], features [B, width, h, w].
 
         `given` [B, depths, H, W] are depths of the state. The result is the mean over what the depth may be, or with
         `decide` the likeliest of it: between two surfaces there is none.

@@ -72,6 +72,16 @@ class DenoiserConfig:
         return [channel for part in self.condition for channel in range(*CONDITION_PARTS[part].indices(1000))]
 
     @property
+    def seen(self) -> list[int]:
+        """The channels of the condition that the network sees beside the state: the simulated scan's, a state itself."""
+        return [c for c in self.condition_channels if c >= CONDITION_PARTS["simulated"].start and not self.controlnet]
+
+    @property
+    def told(self) -> list[int]:
+        """The channels of the condition in the network's context: all others."""
+        return [c for c in self.condition_channels if c < CONDITION_PARTS["simulated"].start and not self.controlnet]
+
+    @property
     def gated(self) -> tuple[str, ...]:
         """The parts of the condition whose depth is gated in."""
         return tuple(part for part in self.condition if self.copy_gate and part != "class")
@@ -104,9 +114,9 @@ class Denoiser(Network):
     @classmethod
     def from_config(cls, config: DenoiserConfig) -> Denoiser:
         """The only builder: fresh weights, from torch's global seed."""
-        concatenated = 0 if config.controlnet else len(config.condition_channels)
+        seen, told = config.seen, config.told
         network = ScoreNetwork(
-            2 * STATE_CHANNELS + RAY_CHANNELS + concatenated,
+            2 * STATE_CHANNELS + len(seen),
             STATE_CHANNELS,
             cell=config.cell,
             widths=config.widths,
@@ -116,6 +126,7 @@ class Denoiser(Network):
             refine_units=config.refine_units,
             pools=config.pools,
             groups=config.groups,
+            context=RAY_CHANNELS + len(told),
         )
         return cls(config, network, *_controls(config, network))
 
@@ -144,8 +155,8 @@ class Denoiser(Network):
 
         `wraps` says whether the last column is the first one's neighbour (`Sensor.wraps`). `condition` is f32
         [B, K + 5, H, W] (`encode_condition`); without it the ControlNet is not called. With `decide` a depth that may
-        be one of several is the likeliest of them in place of their mean (`CopyGate`). Preconditioned as in Karras et al.,
-        NeurIPS 2022, Table 1. Raises `CheckpointError` on a condition that these weights have no place for, and
+        be one of several is the likeliest of them in place of their mean (`CopyGate`). Preconditioned as in Karras et
+        al., NeurIPS 2022, Table 1. Raises `CheckpointError` on a condition that these weights have no place for, and
         without one that they need.
         """
         level = sigma.log() / 4
@@ -154,20 +165,18 @@ class Denoiser(Network):
         # Low noise is a small part of the state; it shows in what sets a pixel off from its neighbours, in sigmas.
         padded = pad_columns(x, 1, wraps)
         detail = torch.tanh((x - (padded[..., :-2] + padded[..., 2:]) / 2) / (2 * sigma))
-        seen = [x / variance.sqrt(), detail, rays.expand(len(x), -1, -1, -1)]
-        control = None
+        seen, told = [x / variance.sqrt(), detail], [rays.expand(len(x), -1, -1, -1)]
         if condition is not None and not self.config.condition:
             raise CheckpointError("a condition was given, but these weights have no place for one")
-        if condition is not None:
-            shown = condition[:, self.config.condition_channels]
-            if self.controlnet is None:
-                seen.append(shown)
-            else:
-                control = self.controlnet(torch.cat(seen, dim=1), level, wraps, shown)
-        elif self.config.condition and self.controlnet is None:
+        if condition is None and self.config.condition and self.controlnet is None:
             raise CheckpointError("these weights need a condition")
-        inputs = torch.cat(seen, dim=1)
-        features = self.network.features(inputs, level, wraps, control)
+        if condition is not None and self.controlnet is None:
+            seen.append(condition[:, self.config.seen])
+            told.append(condition[:, self.config.told])
+        inputs, context, control = torch.cat(seen, dim=1), torch.cat(told, dim=1), None
+        if condition is not None and self.controlnet is not None:
+            control = self.controlnet(inputs, level, context, wraps, condition[:, self.config.condition_channels])
+        features = self.network.features(inputs, level, context, wraps, control)
         output = self.network.output(features, inputs, wraps).float()
         denoised = SIGMA_DATA**2 / variance * x + sigma * SIGMA_DATA / variance.sqrt() * output
         if condition is not None and self.gate is not None:

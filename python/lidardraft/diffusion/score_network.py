@@ -34,8 +34,8 @@ class NoiseEmbedding(nn.Module):
 class Encoder(nn.Module):
     """The stem, which folds cells of pixels into channels, and the residual stages.
 
-    What does not change while noise is removed, the `context`, joins the state here: the stem's 3 x 3 cells of the
-    state and one cell of the context make one sum, which is a stem over both, with zeros where the context is far.
+    The state meets its `context` here: the stem sees 3 x 3 cells of the one and a cell of the other, which costs as much
+    less as it has more channels.
     """
 
     def __init__(
@@ -47,15 +47,15 @@ class Encoder(nn.Module):
         strides: Sequence[int],
         dilations: Sequence[int],
         blocks: int,
-        groups: int = 8,
-        context: int = 0,
+        groups: int,
+        context: int,
     ) -> None:
         super().__init__()
         self.cell = cell
         self.widths = tuple(widths)
         self.embedding = NoiseEmbedding(EMBEDDING)
         self.stem = RangeImageConv(channels * cell[0] * cell[1], widths[0])
-        self.context = nn.Conv2d(context, widths[0], cell, stride=cell, bias=False) if context else None
+        self.context = nn.Conv2d(context, widths[0], cell, stride=cell, bias=False)
         self.stages = nn.ModuleList()
         inputs = widths[0]
         for width, stride, dilation in zip(widths, strides, dilations, strict=True):
@@ -66,23 +66,15 @@ class Encoder(nn.Module):
             self.stages.append(stage)
             inputs = width
 
-    def embed(self, context: Tensor) -> Tensor:
-        """The hint [B, widths[0], H / h, W / w] of a context [B, channels, H, W]: once for a scan, whatever its noise.
-
-        Fastest where the context lies channels last in memory.
-        """
-        if self.context is None:
-            raise ValueError("this encoder has no context")
-        with torch.autocast(context.device.type, enabled=False):  # depths have more digits than bfloat16
-            hint: Tensor = self.context(context)
-        return hint
-
-    def forward(self, x: Tensor, level: Tensor, wraps: bool, hint: Tensor | None = None) -> list[Tensor]:
-        """Each stage's output for x [B, channels, H, W]; `hint` [B, widths[0], H / h, W / w] is added to the stem's."""
+    def forward(
+        self, x: Tensor, level: Tensor, context: Tensor, wraps: bool, hint: Tensor | None = None
+    ) -> list[Tensor]:
+        """Each stage's output for x [B, channels, H, W] and its context [B, channels, H, W]; `hint` [B, widths[0],
+        H / h, W / w] is added to the stem's."""
         embedding = self.embedding(level)
         # In bfloat16 the state would lose all noise below about 0.01: the stem sees it in float32, whatever follows.
         with torch.autocast(x.device.type, enabled=False):
-            h = self.stem(fold(x, self.cell), wraps)
+            h = self.stem(fold(x, self.cell), wraps) + self.context(context)
         if hint is not None:
             h = h + hint
         outputs = []
@@ -108,8 +100,8 @@ class ScoreNetwork(nn.Module):
         blocks: int,
         refine_units: int,
         pools: int,
-        groups: int = 8,
-        context: int = 0,
+        groups: int,
+        context: int,
     ) -> None:
         super().__init__()
         self.encoder = Encoder(
@@ -134,18 +126,10 @@ class ScoreNetwork(nn.Module):
         nn.init.zeros_(self.head.weight)
 
     def features(
-        self,
-        x: Tensor,
-        level: Tensor,
-        wraps: bool,
-        control: Sequence[Tensor] | None = None,
-        hint: Tensor | None = None,
+        self, x: Tensor, level: Tensor, context: Tensor, wraps: bool, control: Sequence[Tensor] | None = None
     ) -> Tensor:
-        """The decoder's last features [B, widths[0], H / h, W / w].
-
-        `control` is added to its skips, stage by stage, and `hint` to the stem's output.
-        """
-        skips = self.encoder(x, level, wraps, hint)
+        """The decoder's last features [B, widths[0], H / h, W / w]; `control` is added to its skips, stage by stage."""
+        skips = self.encoder(x, level, context, wraps)
         if control is not None:
             skips = [skip + residual for skip, residual in zip(skips, control, strict=True)]
         h = None
@@ -159,12 +143,7 @@ class ScoreNetwork(nn.Module):
         return unfold(self.head(torch.cat([features, fold(x, cell).to(features)], dim=1), wraps), cell)
 
     def forward(
-        self,
-        x: Tensor,
-        level: Tensor,
-        wraps: bool,
-        control: Sequence[Tensor] | None = None,
-        hint: Tensor | None = None,
+        self, x: Tensor, level: Tensor, context: Tensor, wraps: bool, control: Sequence[Tensor] | None = None
     ) -> Tensor:
-        """`output` of `features`: x [B, inputs, H, W], level [B]."""
-        return self.output(self.features(x, level, wraps, control, hint), x, wraps)
+        """`output` of `features`: x [B, inputs, H, W], level [B], context [B, context, H, W]."""
+        return self.output(self.features(x, level, context, wraps, control), x, wraps)

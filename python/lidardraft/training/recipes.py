@@ -20,12 +20,13 @@ def small() -> Recipe:
     """What ships, for two CPU cores."""
     denoiser = DenoiserConfig(
         cell=(2, 4),
-        widths=(64, 96, 128, 192),
+        widths=(64, 128, 192, 256),
         strides=(1, 2, 2, 2),
         dilations=(1, 1, 1, 1),
         blocks=1,
         refine_units=0,
         pools=0,
+        groups=4,
     )
     stage = DenoisingConfig(
         denoiser=denoiser, steps=20_000, batch=4, learning_rate=1.5e-3, ema=0.999, sigma_mean=-2.0, decay=0.4
