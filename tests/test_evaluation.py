@@ -45,5 +45,5 @@ def test_scans_are_scored_between_the_detailed_ones_and_random_weights(
 def test_scans_are_generated_where_the_weights_are(pairs: list[StreetPair], denoiser: Denoiser) -> None:
     scores = evaluate(Pipeline(denoiser.to("meta"), steps=1), pairs)
     assert [next(scores).name for _ in range(3)] == ["detailed scan", "condition image", "simulated"]
-    with pytest.raises(RuntimeError, match=r"unsupported scalarType|meta tensor"):  # nothing is computed on that device
+    with pytest.raises(RuntimeError, match=r"unsupported|meta tensor"):  # nothing is computed on that device
         next(scores)

@@ -109,24 +109,6 @@ def test_a_sample_does_not_depend_on_its_batch(config: DenoiserConfig) -> None:
     torch.testing.assert_close(together[1:2], alone, atol=1e-4, rtol=1e-3)
 
 
-@torch.no_grad()
-def test_a_fresh_controlnet_leaves_the_base_bit_identical() -> None:
-    base = shaken(Denoiser.from_config(TINY))
-    x, sigma = torch.randn(2, 3, 16, 64), torch.tensor([0.1, 2.0])
-    before = base.denoise(x, sigma, BEAMS, wraps=True)
-    controlled = base.with_controlnet(dataclasses.replace(CONTROLLED, copy_gate=False))
-    assert torch.equal(controlled.denoise(x, sigma, BEAMS, a_condition(), wraps=True), before)
-    assert torch.equal(controlled.denoise(x, sigma, BEAMS, wraps=True), before)
-    assert controlled.controlnet is not None
-    for copy, original in zip(
-        controlled.controlnet.encoder.parameters(), base.network.encoder.parameters(), strict=True
-    ):
-        assert torch.equal(copy, original)
-        assert copy.data_ptr() != original.data_ptr()
-        assert (copy.requires_grad, original.requires_grad) == (True, False)
-    assert [name for name, _ in controlled.controlnet.zero_convs()][:2] == ["enter", "leave.0"]
-
-
 @pytest.mark.parametrize("part", ["class", "depth", "simulated"])
 @torch.no_grad()
 def test_a_network_sees_the_parts_of_the_condition_that_it_names(part: str) -> None:

@@ -73,7 +73,7 @@ class DenoiserConfig:
 
     @property
     def seen(self) -> list[int]:
-        """The channels of the condition that the network sees beside the state: the simulated scan's, a state itself."""
+        """The channels of the condition that stand beside the state: those of the simulated scan, a state itself."""
         return [c for c in self.condition_channels if c >= CONDITION_PARTS["simulated"].start and not self.controlnet]
 
     @property

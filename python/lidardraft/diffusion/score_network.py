@@ -34,8 +34,8 @@ class NoiseEmbedding(nn.Module):
 class Encoder(nn.Module):
     """The stem, which folds cells of pixels into channels, and the residual stages.
 
-    The state meets its `context` here: the stem sees 3 x 3 cells of the one and a cell of the other, which costs as much
-    less as it has more channels.
+    The state meets its `context` here: the stem sees 3 x 3 cells of the one and a single cell of the other, which has
+    more channels.
     """
 
     def __init__(

@@ -37,7 +37,8 @@ def sample_sensor(rng: np.random.Generator) -> Sensor:
     columns = int(rng.choice([c for c in COLUMNS if c * len(elevations) <= _LARGEST]))
     span = 2 * math.pi
     if rng.random() < _SECTOR_SHARE:
-        span, columns = math.radians(rng.uniform(90, 200)), columns // 8 * 4
+        span = math.radians(rng.uniform(90, 200))
+        columns = round(columns * span / (2 * math.pi) / 4) * 4
     sensor = Sensor(
         name="sampled",
         elevations=elevations,
