@@ -1,6 +1,5 @@
 import torch
 
-from lidardraft.diffusion.codec import DEPTH
 from lidardraft.diffusion.copy_gate import CopyGate
 
 GIVEN = torch.tensor([0.1, 0.6])[None, :, None, None].expand(1, 2, 4, 8)
@@ -8,30 +7,28 @@ FEATURES = torch.zeros(1, 8, 2, 2)
 
 
 def gated(noisy: float, sigma: float, *, decide: bool, prior: float = 0.0) -> torch.Tensor:
-    """The depth [4, 8] of an untrained gate for pixels of that depth, where the network says -0.8."""
-    gate = CopyGate(8, (2, 4), depths=2)
+    """The channel [4, 8] of an untrained gate for pixels of that value, where the network says -0.8."""
+    gate = CopyGate(8, (2, 4), values=2, trust=0.01, offset=0.05)
     gate.head.bias.data[:16] = prior
-    x = torch.full((1, 3, 4, 8), noisy)
-    denoised = torch.full((1, 3, 4, 8), -0.8)
+    x, denoised = torch.full((1, 1, 4, 8), noisy), torch.full((1, 1, 4, 8), -0.8)
     with torch.no_grad():
         y = gate(denoised, x, torch.full((1, 1, 1, 1), sigma), FEATURES, GIVEN, wraps=True, decide=decide)
-    assert torch.equal(y[:, DEPTH + 1 :], denoised[:, DEPTH + 1 :])
-    return y[0, DEPTH]
+    return y[0, 0]
 
 
-def test_a_pixel_near_a_given_depth_takes_it() -> None:
+def test_a_pixel_near_a_given_value_takes_it() -> None:
     for decide in (False, True):
         for given, noisy in ((0.1, 0.12), (0.6, 0.58)):
             y = gated(noisy, 0.05, decide=decide, prior=5.0)
             torch.testing.assert_close(y, torch.full((4, 8), given), atol=0.01, rtol=0)
 
 
-def test_a_pixel_far_from_all_given_depths_is_what_the_network_says() -> None:
+def test_a_pixel_far_from_all_given_values_is_what_the_network_says() -> None:
     for decide in (False, True):
         torch.testing.assert_close(gated(-0.7, 0.05, decide=decide), torch.full((4, 8), -0.8), atol=1e-4, rtol=0)
 
 
-def test_of_two_depths_there_is_the_mean_or_one() -> None:
+def test_of_two_values_there_is_the_mean_or_one() -> None:
     between = gated(0.35, 1.0, decide=False, prior=20.0)
     assert (between > 0.2).all()
     assert (between < 0.5).all()

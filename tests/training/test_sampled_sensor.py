@@ -6,7 +6,6 @@ import numpy as np
 from lidardraft.scene.sensor_model import sub_rays
 from lidardraft.training.sampled_sensor import LIMITS, sample_sensor
 
-
 # the columns of a sector are whole cells of the network, so a turn of them is not quite what was drawn
 WIDER = dataclasses.replace(LIMITS, columns=(LIMITS.columns[0] - 10, LIMITS.columns[1] + 10))
 

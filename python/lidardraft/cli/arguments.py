@@ -81,16 +81,34 @@ def add_seed(parser: Options, *, default: int = 0) -> None:
     parser.add_argument("--seed", type=whole_number(0, 2**32 - 1), default=default, metavar="S", help=text)
 
 
+def noise_level(text: str) -> float | None:
+    """The type of --start: a positive number, or None for `noise`."""
+    if text == "noise":
+        return None
+    try:
+        level = float(text)
+    except ValueError:
+        level = math.nan
+    if not 0 < level < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is no positive number, nor noise")
+    return level
+
+
 def add_weights(parser: Options) -> None:
-    """What runs the diffusion model: --weights, --steps, --device."""
+    """What runs the diffusion model: --weights, --steps, --start, --device."""
     parser.add_argument(
         "--weights",
         default="street",
         metavar="NAME",
         help="weights of the diffusion model: packaged ones by name, or a .safetensors file (default street)",
     )
-    text = "steps of denoising: more are slower and a little better (default 20)"
-    parser.add_argument("--steps", type=whole_number(1), default=20, metavar="N", help=text)
+    text = "steps of denoising, one call of the network each (default 4; from noise 20 are better)"
+    parser.add_argument("--steps", type=whole_number(1), default=4, metavar="N", help=text)
+    text = (
+        "noise level from which the simulated scan of the layout is changed: a higher one changes more and keeps less "
+        "to the layout; or noise, to start from noise alone (default 0.5)"
+    )
+    parser.add_argument("--start", type=noise_level, default=0.5, metavar="LEVEL", help=text)
     parser.add_argument("--device", default="cpu", help="where torch runs the model: cpu, cuda, ... (default cpu)")
 
 

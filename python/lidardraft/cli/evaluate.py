@@ -23,7 +23,9 @@ def evaluate(arguments: argparse.Namespace) -> None:
     from lidardraft.pipeline import Pipeline
 
     sensor, num = Sensor.preset(arguments.sensor), arguments.num
-    pipeline = Pipeline.from_pretrained(arguments.weights, device=arguments.device, steps=arguments.steps)
+    pipeline = Pipeline.from_pretrained(
+        arguments.weights, device=arguments.device, steps=arguments.steps, start=arguments.start
+    )
     pairs = unseen_streets(num, sensor, arguments.seed)
     print(f"{num} street{'s' * (num > 1)}, {sensor.name}, {arguments.steps} steps")
     print(f"{'':16}{'objects':>9}{'all':>9}{'drop':>9}{'BEV JSD':>9}", flush=True)

@@ -25,7 +25,9 @@ def generate(arguments: argparse.Namespace) -> None:
 
     from lidardraft.pipeline import Pipeline
 
-    pipeline = Pipeline.from_pretrained(arguments.weights, device=arguments.device, steps=arguments.steps)
+    pipeline = Pipeline.from_pretrained(
+        arguments.weights, device=arguments.device, steps=arguments.steps, start=arguments.start
+    )
     write_scans(arguments, _generated(pipeline, arguments, sensor, layout))
 
 

@@ -1,4 +1,4 @@
-"""The copy gate: where a denoised depth is one that the condition gives."""
+"""The copy gate: where a denoised channel is what the condition gives."""
 
 from __future__ import annotations
 
@@ -6,62 +6,57 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from lidardraft.diffusion.codec import DEPTH
 from lidardraft.networks.convolution import RangeImageConv, fold, unfold, zero_conv
 
-_OFFSET = 0.05  # how far the copied depth may leave the given one, in the state's log depth: 12 % of the range
-_TRUST = 0.01  # how far a surface lies from the given depth where that is right, likewise
-_SPREAD = 0.5  # and where it is wrong: the spread of all depths
+_SPREAD = 0.5  # how far a value of the state lies from a given one that is wrong: the spread of all values
+_TRUST_RANGE = 2.0  # how many times e the trust of a pixel may be above or below that of the gate
 
 
 class CopyGate(nn.Module):
-    """A pixel's depth as one of the given depths, or as what the network makes of it, by Bayes' rule.
+    """A channel of the state as one of the given values, or as what the network makes of it, by Bayes' rule.
 
     Half a metre at 20 m is 0.011 of the state: copying it through folded features is what a small network cannot do.
-    With the gate it only decides which given depth holds where (walls, road) and where none does (glass, crowns, gaps):
-    how likely each is before the noisy pixel is seen, how closely it holds, and how far the surface lies from it.
+    With the gate it only decides which given value holds where (walls, road) and where none does (glass, crowns, gaps):
+    how likely each is before the noisy pixel is seen, how closely it holds, and how far the truth lies from it.
+    `trust` is how far that is where a given value is right, `offset` the most that the network can correct.
     """
 
-    def __init__(self, width: int, cell: tuple[int, int], *, depths: int) -> None:
+    def __init__(self, width: int, cell: tuple[int, int], *, values: int, trust: float, offset: float) -> None:
         super().__init__()
         pixels = cell[0] * cell[1]
-        self.cell, self.depths = cell, depths
-        self.mix = RangeImageConv(width + 2 * depths * pixels, width)
-        self.head = zero_conv(width, 3 * depths * pixels)
+        self.cell, self.trust, self.offset = cell, trust, offset
+        self.mix = RangeImageConv(width + 2 * values * pixels, width)
+        self.head = zero_conv(width, 3 * values * pixels)
 
     def forward(
         self, denoised: Tensor, x: Tensor, sigma: Tensor, features: Tensor, given: Tensor, *, wraps: bool, decide: bool
     ) -> Tensor:
-        """`denoised` [B, 3, H, W] with other depths; x is noisy, sigma [B, 1, 1, 1], features [B, width, h, w].
+        """The channel [B, 1, H, W] for what the network makes of it, the noisy x [B, 1, H, W], sigma [B, 1, 1, 1] and
+        features [B, width, h, w].
 
-        `given` [B, depths, H, W] are depths of the state. The result is the mean over what the depth may be, or with
+        `given` [B, values, H, W] are values of the state. The result is the mean over what the channel may be, or with
         `decide` the likeliest of it: between two surfaces there is none.
         """
-        noisy = x[:, DEPTH : DEPTH + 1]
-        right = sigma**2 + _TRUST**2
-        seen = [
-            torch.tanh((noisy - given) / (2 * right.sqrt())),
-            torch.tanh(_evidence(noisy - given, right, sigma) / 4),
-        ]
-        folded = fold(torch.cat(seen, dim=1), self.cell).to(features)
+        right = sigma**2 + self.trust**2
+        distance = torch.tanh((x - given) / (2 * right.sqrt()))
+        evidence = torch.tanh(_evidence(x - given, right, sigma) / 4)
+        folded = fold(torch.cat([distance, evidence], dim=1), self.cell).to(features)
         h = functional.silu(self.mix(torch.cat([features, folded], dim=1), wraps))
         prior, trust, offset = unfold(self.head(h), self.cell).float().chunk(3, dim=1)
-        spread = (_TRUST * torch.exp(2 * torch.tanh(trust))) ** 2
+        spread = (self.trust * torch.exp(_TRUST_RANGE * torch.tanh(trust))) ** 2
         right = sigma**2 + spread
-        depth = given + _OFFSET * torch.tanh(offset / 4)
-        odds = prior + _evidence(noisy - depth, right, sigma)
-        # A given depth and the pixel, by the precision of either.
-        depth = depth + spread / right * (noisy - depth)
-        odds = torch.cat([odds, torch.zeros_like(noisy)], dim=1)
-        depth = torch.cat([depth, denoised[:, DEPTH : DEPTH + 1]], dim=1)
+        value = given + self.offset * torch.tanh(offset / 4)
+        odds = prior + _evidence(x - value, right, sigma)
+        # A given value and the pixel, by the precision of either.
+        value = value + spread / right * (x - value)
+        odds = torch.cat([odds, torch.zeros_like(x)], dim=1)
+        value = torch.cat([value, denoised], dim=1)
         if decide:
-            depth = depth.gather(1, odds.argmax(dim=1, keepdim=True))
-        else:
-            depth = (odds.softmax(dim=1) * depth).sum(dim=1, keepdim=True)
-        return torch.cat([depth, denoised[:, DEPTH + 1 :]], dim=1)
+            return value.gather(1, odds.argmax(dim=1, keepdim=True))
+        return (odds.softmax(dim=1) * value).sum(dim=1, keepdim=True)
 
 
 def _evidence(distance: Tensor, right: Tensor, sigma: Tensor) -> Tensor:
-    """ln of N(distance; 0, right) / N(distance; 0, wrong): what a pixel says for and against a depth."""
+    """ln of N(distance; 0, right) / N(distance; 0, wrong): what a pixel says for and against a value."""
     wrong = sigma**2 + _SPREAD**2
     return ((wrong / right).log() - distance**2 * (1 / right - 1 / wrong)) / 2

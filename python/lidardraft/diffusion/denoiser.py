@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import torch
-from torch import Tensor
+from torch import Tensor, nn
 
-from lidardraft.diffusion.codec import CONDITION_PARTS, RAY_CHANNELS, STATE_CHANNELS, VALIDITY
+from lidardraft.diffusion.codec import CONDITION_PARTS, DEPTH, INTENSITY, RAY_CHANNELS, STATE_CHANNELS, VALIDITY
 from lidardraft.diffusion.controlnet import ControlNet
 from lidardraft.diffusion.copy_gate import CopyGate
 from lidardraft.diffusion.noise import add_noise
@@ -20,6 +20,9 @@ from lidardraft.networks.convolution import pad_columns
 from lidardraft.networks.weight_file import Network
 
 SIGMA_DATA = 0.5  # standard deviation of a state
+# Of the state's log depth: 2 % of the range, 12 % at most. Of its intensity, from -1 to 1: speckle, and another paint.
+_GATED_DEPTH = {"trust": 0.01, "offset": 0.05}
+_GATED_INTENSITY = {"trust": 0.08, "offset": 0.5}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,8 +33,8 @@ class DenoiserConfig:
     one value a stage; `blocks` residual blocks make a stage; `refine_units` and `pools` are those of a refine block;
     `groups` of channels are normalised apart: of 16 channels or a multiple each, or the gradient in bfloat16 is slow.
     `condition` names the parts of the condition that the network sees (`CONDITION_PARTS`; none: it makes scans of
-    nothing), with the state, or with `controlnet` through a ControlNet as in the paper. `copy_gate` says whether the
-    depths among them are gated in (the paper: no).
+    nothing), with the state, or with `controlnet` through a ControlNet as in the paper. `copy_gate` says whether
+    depths and intensities among them are gated in (the paper: no).
     """
 
     cell: tuple[int, int]
@@ -103,13 +106,13 @@ class Denoiser(Network):
     SCHEMA = "lidardraft.denoiser/1"
 
     def __init__(
-        self, config: DenoiserConfig, network: ScoreNetwork, controlnet: ControlNet | None, gate: CopyGate | None
+        self, config: DenoiserConfig, network: ScoreNetwork, controlnet: ControlNet | None, gates: nn.ModuleDict
     ) -> None:
         super().__init__()
         self.config: DenoiserConfig = config
         self.network = network
         self.controlnet = controlnet
-        self.gate = gate
+        self.gates = gates
 
     @classmethod
     def from_config(cls, config: DenoiserConfig) -> Denoiser:
@@ -179,12 +182,19 @@ class Denoiser(Network):
         features = self.network.features(inputs, level, context, wraps, control)
         output = self.network.output(features, inputs, wraps).float()
         denoised = SIGMA_DATA**2 / variance * x + sigma * SIGMA_DATA / variance.sqrt() * output
-        if condition is not None and self.gate is not None:
-            given = condition[
-                :, [CONDITION_PARTS[part].start for part in self.config.gated]
-            ]  # their first is the depth
-            denoised = self.gate(denoised, x, sigma, features, given, wraps=wraps, decide=decide)
-        return denoised
+        if condition is None or not self.gates:
+            return denoised
+        depth, intensity, validity = denoised.chunk(STATE_CHANNELS, dim=1)
+        noisy = x.chunk(STATE_CHANNELS, dim=1)
+        # Between two surfaces there is none; between two intensities there is.
+        given = condition[:, [CONDITION_PARTS[part].start + DEPTH for part in self.config.gated]]
+        depth = self.gates["depth"](depth, noisy[DEPTH], sigma, features, given, wraps=wraps, decide=decide)
+        if "intensity" in self.gates:
+            given = condition[:, CONDITION_PARTS["simulated"]][:, INTENSITY : INTENSITY + 1]
+            intensity = self.gates["intensity"](
+                intensity, noisy[INTENSITY], sigma, features, given, wraps=wraps, decide=False
+            )
+        return torch.cat([depth, intensity, validity], dim=1)
 
     def loss(
         self,
@@ -209,8 +219,12 @@ class Denoiser(Network):
         return weight * error
 
 
-def _controls(config: DenoiserConfig, network: ScoreNetwork) -> tuple[ControlNet | None, CopyGate | None]:
-    """What a score network has beside it for its condition."""
+def _controls(config: DenoiserConfig, network: ScoreNetwork) -> tuple[ControlNet | None, nn.ModuleDict]:
+    """What a score network has beside it for its condition: a ControlNet, and the gates of the channels it gives."""
     controlnet = ControlNet(network.encoder, len(config.condition_channels)) if config.controlnet else None
-    gate = CopyGate(config.widths[0], config.cell, depths=len(config.gated)) if config.gated else None
-    return controlnet, gate
+    gates, width = nn.ModuleDict(), config.widths[0]
+    if config.gated:
+        gates["depth"] = CopyGate(width, config.cell, values=len(config.gated), **_GATED_DEPTH)
+    if "simulated" in config.gated:
+        gates["intensity"] = CopyGate(width, config.cell, values=1, **_GATED_INTENSITY)
+    return controlnet, gates
