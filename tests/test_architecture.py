@@ -21,7 +21,7 @@ ALLOWED = {
     "json_fields": {"errors"},
     "scene": BASE,
     "formats": BASE | {"scene"},
-    "drafting": BASE | {"scene"},
+    "drafting": BASE | {"scene", "formats"},
     "objects": BASE | {"scene"},
     "streets": BASE | {"scene", "drafting", "objects", "simulation"},
     "calibration": BASE | {"scene", "formats", "metrics", "streets"},

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
+from PIL import Image
 
 from lidardraft.drafting.blender import layout_from_blender
 from lidardraft.drafting.scene_spec import SceneSpec
+from lidardraft.drafting.sketch import layout_from_sketch
 from lidardraft.errors import LidarDraftError
 from lidardraft.formats.blender_script import write_blender_script
 from lidardraft.formats.boxes import read_boxes, write_boxes
@@ -22,6 +24,7 @@ from lidardraft.formats.glb_export import write_glb
 from lidardraft.formats.kitti import read_bin, write_bin
 from lidardraft.formats.obj import layout_from_obj
 from lidardraft.formats.pcd import read_pcd
+from lidardraft.formats.picture import read_picture
 from lidardraft.formats.semantickitti import read_label, write_label
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
@@ -31,6 +34,9 @@ from lidardraft.scene.sensor import Sensor
 SENSOR = Sensor(name="few", elevations=(0.1, 0.0, -0.1), columns=16)
 CAR = Primitive(shape="box", center=(9, 0, 1), size=(4, 2, 1.5), label="car", id="car_1", instance=1)
 POINTS = np.linspace(-1, 1, 12, dtype=np.float32).reshape(4, 3)
+SVG = """<svg width="90" height="60"><g id="road" transform="scale(2)">
+<path d="M0 1 c1 2 3 4 9 9" stroke-width="3mm"/></g>
+<rect id="car" x="4" y="9" width="2" height="4"/><line id="scale 10 m" x2="10"/></svg>"""
 PCD = "FIELDS x ring\nSIZE 4 2\nTYPE F U\nCOUNT 1 1\nPOINTS 2\nDATA"
 
 
@@ -57,6 +63,10 @@ def write_carla_records(path: Path) -> None:
     np.save(path, np.array([(9, 1, -1.5, 0.5, 7, 14)], fields))
 
 
+def write_painting(path: Path) -> None:
+    Image.new("RGB", (9, 7), (0, 0, 142)).save(path)
+
+
 # What reads a file, the ending it goes by, and what writes one.
 READERS: dict[str, tuple[Callable[[Path], object], str, Callable[[Path], object]]] = {
     "bin": (read_bin, ".bin", lambda path: write_bin(path, POINTS, np.ones(4))),
@@ -70,6 +80,10 @@ READERS: dict[str, tuple[Callable[[Path], object], str, Callable[[Path], object]
     "obj": (layout_from_obj, ".obj", write_obj),
     "glb": (layout_from_glb, ".glb", lambda path: write_glb(path, Layout((CAR,), {"seed": 1}))),
     "blender script": (layout_from_blender, ".py", lambda path: write_blender_script(path, Layout((CAR,)))),
+    "jpeg": (read_picture, ".jpg", lambda path: Image.new("RGB", (9, 7), (1, 2, 3)).save(path)),
+    "png": (read_picture, ".png", lambda path: Image.new("RGB", (9, 7), (1, 2, 3)).save(path)),
+    "painted sketch": (lambda path: layout_from_sketch(path, metres_per_pixel=0.5), ".png", write_painting),
+    "sketch of shapes": (layout_from_sketch, ".svg", lambda path: path.write_text(SVG)),
     "boxes": (read_boxes, ".json", lambda path: write_boxes(path, Layout((CAR,)).boxes(), [3])),
     "layout": (Layout.load, ".json", Layout((CAR,), {"seed": 1}, (-1.0, 1.0)).save),
     "sensor": (Sensor.preset, ".json", lambda path: path.write_text(SENSOR.to_json())),

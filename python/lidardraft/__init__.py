@@ -30,6 +30,7 @@ _LAZY = {
     "layout_from_cloud": "lidardraft.drafting.cloud",
     "layout_from_glb": "lidardraft.formats.glb",
     "layout_from_obj": "lidardraft.formats.obj",
+    "layout_from_sketch": "lidardraft.drafting.sketch",
     "layout_from_text": "lidardraft.drafting.text",
 }
 
@@ -54,6 +55,7 @@ __all__ = [
     "layout_from_cloud",
     "layout_from_glb",
     "layout_from_obj",
+    "layout_from_sketch",
     "layout_from_text",
     "observe_cast",
     "observe_points",

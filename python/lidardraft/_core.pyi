@@ -175,12 +175,15 @@ class SensorModel:
         fading: float,
         drop_probability: float,  # 0 to 1
         unit: int,
+        range_offsets: list[float],  # m, of each beam or none
         offset_spread: float,  # m
         gain_spread: float,
         jitter: float,  # m
         range_step: float,  # m
         full_scale: float,  # > 0
         knee: float,  # (0, 1]
+        cutoff: float,  # 0 to 1
+        cutoff_spread: float,
         levels: float,
         compensation_range: float,  # m, > 0, inf for all ranges
         # Responses, readings of each beam or of all, distances [m], their gains, cut-offs of each beam or none.

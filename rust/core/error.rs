@@ -158,6 +158,9 @@ pub enum Error {
     /// A table of an intensity curve that does not go with its knots or with the beams of the sensor.
     #[error("{table} of the intensity curve has {found} values; it needs {expected}")]
     CurveTable { table: &'static str, found: usize, expected: usize },
+    /// Range offsets that are neither one for each beam nor none.
+    #[error("range_offsets has {found} values; it needs one for each of {expected} beams")]
+    OffsetTable { found: usize, expected: usize },
     /// An image of more or fewer pixels than a sensor with these sub-rays has.
     #[error("the {image} image has {pixels} pixels; the sensor model needs {expected}")]
     ObservedSize { image: &'static str, pixels: usize, expected: usize },

@@ -42,6 +42,7 @@ impl From<CoreError> for PyErr {
             | Error::Rays { .. }
             | Error::SensorModel { .. }
             | Error::CurveTable { .. }
+            | Error::OffsetTable { .. }
             | Error::ObservedSize { .. }
             | Error::SurfaceColumn { .. }
             | Error::ImagePrimitive { .. } => SensorError::new_err(message),

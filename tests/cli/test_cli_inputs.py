@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from lidardraft import Box, Layout, Sensor
 from lidardraft.cli import main as cli
@@ -60,6 +61,8 @@ def test_what_is_wrong_with_an_obj_file(refused: Callable[..., str]) -> None:
     [
         (["--labels", "a.label"], "--labels goes with --points"),
         (["--class", "a=car"], "--class goes with --obj or --glb or --blender"),
+        (["--metres-per-pixel", "1"], "--metres-per-pixel goes with --sketch"),
+        (["--scale-bar", "1"], "--scale-bar goes with --sketch"),
         (["--up", "y"], "--up goes with --obj"),
         (["--scale", "1"], "--scale goes with --obj"),
     ],
@@ -104,6 +107,32 @@ def test_a_scan_is_read_from_the_height_of_its_own_sensor() -> None:
     assert cli.main(["draft", "--points", "scan.bin", "-o", "layout.json"]) == 0
     heights = [primitive.center[2] for primitive in Layout.load("layout.json") if primitive.label == "road"]
     np.testing.assert_allclose(heights, 0, atol=0.05)
+
+
+def test_a_sketch_is_read_and_what_is_ignored_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+    shapes = '<rect id="car" x="45" y="30" width="4" height="8"/><text>a car</text>'
+    Path("a.svg").write_text(f'<svg width="100" height="100">{shapes}</svg>')
+    draft = ["draft", "--no-preview", "-o", "layout.json", "--sketch"]
+    assert cli.main([*draft, "a.svg", "--metres-per-pixel", "0.5"]) == 0
+    captured = capsys.readouterr()
+    assert captured.err == "lidardraft: a.svg: ignored: text: not read\n"
+    (box,) = Layout.load("layout.json").boxes()
+    np.testing.assert_allclose(box.center[:2], (8, 1.5), atol=0.05)
+    pixels = np.full((100, 100, 3), 255, np.uint8)
+    pixels[30:38, 45:49] = (0, 0, 142)
+    pixels[90:92, 10:30] = 0
+    Image.fromarray(pixels).save("a.png")
+    assert cli.main([*draft, "a.png", "--scale-bar", "10"]) == 0
+    (box,) = Layout.load("layout.json").boxes()
+    np.testing.assert_allclose(box.center[:2], (8, 1.5), atol=0.05)
+
+
+def test_what_is_wrong_with_a_sketch(refused: Callable[..., str]) -> None:
+    draft = ("draft", "-o", "layout.json", "--sketch")
+    assert "a.png: No such file" in refused(*draft, "a.png")
+    Image.new("RGB", (50, 50), "white").save("a.png")
+    assert "a.png: a painted sketch needs metres_per_pixel, or a black bar" in refused(*draft, "a.png")
+    assert "metres_per_pixel is -1.0" in refused(*draft, "a.png", "--metres-per-pixel", "-1")
 
 
 def test_boxes_are_read_from_the_height_of_their_sensor() -> None:

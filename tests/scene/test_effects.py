@@ -384,11 +384,14 @@ OTHERWISE = {
     "jitter": 0.3,
     "range_step": 0.1,
     "unit": 1,
+    "range_offsets": (0.1, 0.0, 0.0, 0.0),
     "offset_spread": 0.1,
     "gain_spread": 0.3,
     "tilt_spread": 0.02,
     "full_scale": 0.5,
     "knee": 0.6,
+    "cutoff": 0.5,
+    "cutoff_spread": 2.0,
     "levels": 7,
     "compensation_range": 15.0,
     "intensity_curve": IntensityCurve(responses=(0.01, 1.0), readings=((0.1, 0.7),)),
@@ -411,9 +414,33 @@ def corner_with_a_window() -> Layout:
 
 def test_every_number_of_the_model_has_an_effect():
     assert set(OTHERWISE) == {field.name for field in fields(SensorModel)}
-    layout, model = corner_with_a_window(), SensorModel()
+    layout, model = corner_with_a_window(), SensorModel(unit=2)
     usual = seen(layout, model)
     for name, value in OTHERWISE.items():
         other = seen(layout, replace(model, **{name: value}))
         changed = (usual.depth != other.depth) | (usual.intensity != other.intensity)
         assert changed.any(), name
+
+
+def test_a_known_offset_is_in_every_range_of_its_beam():
+    layout, offsets = wall(12.0), (0.05, 0.0, -0.02, 0.0)
+    off = seen(layout, replace(IDEAL, range_offsets=offsets)).depth - seen(layout, IDEAL).depth
+    np.testing.assert_allclose(off, np.broadcast_to(np.array(offsets)[:, None], off.shape), atol=1e-5)
+    # a model alone does not know how many beams there are
+    with pytest.raises(SensorError, match="range_offsets has 3 values; it needs one for each of 4 beams"):
+        seen(layout, replace(IDEAL, range_offsets=offsets[:3]))
+
+
+def test_what_would_read_less_than_the_cutoff_reads_0():
+    usual = seen(wall(12.0), IDEAL).intensity
+    np.testing.assert_array_equal(seen(wall(12.0), replace(IDEAL, cutoff=0.4)).intensity, usual)
+    assert not seen(wall(12.0), replace(IDEAL, cutoff=0.5)).intensity.any()
+    differing = seen(wall(12.0), replace(IDEAL, cutoff=0.45, cutoff_spread=0.3, unit=2)).intensity
+    assert set((differing > 0).mean(axis=1)) == {0.0, 1.0}  # whole beams
+
+
+def test_the_cutoffs_of_one_unit_are_the_same_in_every_scan():
+    model = replace(IDEAL, cutoff=0.45, cutoff_spread=0.3)
+    zero = [[seen(wall(12.0), replace(model, unit=u), seed=s).intensity[:, 0] == 0 for s in (0, 1)] for u in (0, 2)]
+    np.testing.assert_array_equal(zero[0][0], zero[0][1])
+    np.testing.assert_array_equal(zero[1][0], zero[1][1])

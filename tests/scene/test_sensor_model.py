@@ -9,7 +9,8 @@ import pytest
 
 from lidardraft.errors import SensorError
 from lidardraft.scene.sensor import PRESETS, Sensor
-from lidardraft.scene.sensor_model import MODELS, SensorModel, beam_fan, beam_tilts, sub_rays
+from lidardraft.scene.sensor_model import SensorModel, beam_fan, beam_tilts, sub_rays
+from lidardraft.scene.sensor_model_presets import MODELS
 
 
 @pytest.mark.parametrize("degrees", [2.0, 0.125, 0.1, 0.01])
@@ -139,3 +140,10 @@ def test_a_pulse_of_5_ns_is_75_cm_long():
 def test_a_model_that_cannot_be(wrong, message):
     with pytest.raises(SensorError, match=message):
         replace(SensorModel(), **wrong)
+
+
+def test_range_offsets_go_with_the_beams():
+    with pytest.raises(SensorError, match="range_offsets is 3; it must be a list of finite numbers"):
+        SensorModel(range_offsets=3)
+    with pytest.raises(SensorError, match="small: range_offsets has 1 values; it needs one for each of 2 beams"):
+        Sensor(name="small", elevations=(0.1, 0.0), columns=4, model=SensorModel(range_offsets=(0.1,)))

@@ -9,7 +9,8 @@ import pytest
 from lidardraft import Sensor
 from lidardraft.errors import LidarDraftError
 from lidardraft.scene.intensity_curve import IntensityCurve
-from lidardraft.scene.sensor_model import MODELS, SensorModel
+from lidardraft.scene.sensor_model import SensorModel
+from lidardraft.scene.sensor_model_presets import MODELS
 
 SENSOR = Sensor(name="mine", elevations=(0.1, -0.1), columns=8)
 CURVE = IntensityCurve(responses=(0.1, 1.0), readings=((0.0, 0.5), (0.1, 0.2)), cutoffs=(0.1, 0.0))

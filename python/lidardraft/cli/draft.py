@@ -14,8 +14,8 @@ from lidardraft.scene.sensor import Sensor
 
 
 def draft(arguments: argparse.Namespace) -> None:
-    """Make a layout, a file of boxes and other shapes that can be edited, from a sentence, a labelled scan, boxes, a 3D
-    model or a Blender script."""
+    """Make a layout, a file of boxes and other shapes that can be edited, from a sentence, a labelled scan, a sketch,
+    boxes, a 3D model or a Blender script."""
     check_ending(arguments.output)
     sensor = Sensor.preset(arguments.sensor)
     layout = read_layout(arguments)

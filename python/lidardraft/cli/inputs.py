@@ -1,4 +1,4 @@
-"""What a layout is made of: a sentence, a labelled scan, boxes, a 3D model, a Blender script, or a layout file."""
+"""What a layout is made of: a sentence, a scan, a sketch, boxes, a 3D model, a Blender script, or a layout file."""
 
 from __future__ import annotations
 
@@ -13,7 +13,14 @@ from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import Sensor
 
 # Options that say more about an input, by the option that names the input.
-_GOES_WITH = {"labels": ("points",), "classes": ("obj", "glb", "blender"), "up": ("obj",), "scale": ("obj",)}
+_GOES_WITH = {
+    "labels": ("points",),
+    "metres_per_pixel": ("sketch",),
+    "scale_bar": ("sketch",),
+    "classes": ("obj", "glb", "blender"),
+    "up": ("obj",),
+    "scale": ("obj",),
+}
 
 
 def add_inputs(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
@@ -23,6 +30,7 @@ def add_inputs(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     one = group.add_mutually_exclusive_group(required=True)
     one.add_argument("--text", metavar="SENTENCE", help='what is on the road, in English: "two cars on the left"')
     one.add_argument("--points", metavar="FILE.bin", help="a scan: KITTI .bin, float32 x y z [m] and intensity")
+    one.add_argument("--sketch", metavar="FILE", help="a sketch from above: .svg, or a painted picture (.png, .jpg)")
     one.add_argument("--boxes", metavar="FILE.json", help="boxes around objects, as in the .boxes.json of a scan")
     one.add_argument("--obj", metavar="FILE.obj", help="a 3D model: Wavefront OBJ with the ego vehicle at its origin")
     one.add_argument("--glb", metavar="FILE.glb", help="a 3D model: binary glTF, as Blender exports it")
@@ -31,6 +39,9 @@ def add_inputs(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     group.add_argument(
         "--labels", metavar="FILE.label", help="SemanticKITTI labels of --points (default: the .label beside it)"
     )
+    text = "length of a pixel of --sketch, in metres"
+    group.add_argument("--metres-per-pixel", type=float, metavar="M", help=text)
+    group.add_argument("--scale-bar", type=float, metavar="M", help="length of the black bar in a painted --sketch")
     group.add_argument(
         "--class",
         dest="classes",
@@ -50,7 +61,8 @@ def read_layout(arguments: argparse.Namespace) -> Layout:
     for name, inputs in _GOES_WITH.items():
         if getattr(arguments, name) is not None and all(getattr(arguments, needed) is None for needed in inputs):
             needed = " or ".join(f"--{each}" for each in inputs)
-            raise FormatError(f"--{'class' if name == 'classes' else name} goes with {needed}")
+            option = "class" if name == "classes" else name.replace("_", "-")
+            raise FormatError(f"--{option} goes with {needed}")
     read = next(read for name, read in _READERS.items() if getattr(arguments, name) is not None)
     return read(arguments)
 
@@ -96,6 +108,18 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
         return layout_from_cloud(points, labels, instances=instances, sensor_height=height)
 
 
+def _from_sketch(arguments: argparse.Namespace) -> Layout:
+    from lidardraft.drafting.sketch import layout_from_sketch
+
+    path = arguments.sketch
+    layout = layout_from_sketch(
+        path, metres_per_pixel=arguments.metres_per_pixel, scale_bar=arguments.scale_bar, seed=arguments.seed
+    )
+    for line in layout.provenance["ignored"]:
+        say("lidardraft", f"{path}: ignored: {line}")
+    return layout
+
+
 def _from_boxes(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.boxes import layout_from_boxes
     from lidardraft.formats.boxes import read_boxes
@@ -138,6 +162,7 @@ def _from_layout(arguments: argparse.Namespace) -> Layout:
 _READERS = {
     "text": _from_text,
     "points": _from_points,
+    "sketch": _from_sketch,
     "boxes": _from_boxes,
     "obj": _from_obj,
     "glb": _from_glb,

@@ -88,9 +88,9 @@ SHARES = {
 
 # How much cars of one body differ in length, width and height: deviation and most, in shares; estimates of ours.
 _SPREAD, _MOST_SPREAD = (0.035, 0.015, 0.02), (0.1, 0.04, 0.05)
-# Lacquers, a third each. Of new cars in Germany 30 % are grey or silver, 26 % black, 21 % white, the others coloured
-# (KBA, by colour, 2022).
-_PAINTS, _PAINT_LIMITS = ("light-paint", "dark-paint", "mid-paint"), (0.34, 0.67)
+# Lacquers. Of new cars in Germany 30 % are grey or silver, 26 % black, 21 % white, the others coloured (KBA, by colour,
+# 2022): white and silver are light, black and dark grey dark.
+_PAINTS, _PAINT_LIMITS = ("light-paint", "dark-paint", "mid-paint"), (0.25, 0.66)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,9 @@ Sources of `MATERIALS`, by column; where several are named the value is typical 
 - `reflectance`: the ECOSTRESS spectral library (Meerdink et al., Remote Sensing of Environment 230, 2019) at 0.9 um for
   mineral, wooden, metal and vegetable surfaces, soil and asphalt; NIST's skin reference (Cooksey and Allen, SPIE 8734,
   2013) for skin; dyed cloth is bright in the near infrared whatever its colour. Car paint, road paint and rubber are
-  such that the medians and quartiles of the Pandar64 in PandaSet come out, see docs/sensor-model.md.
+  such that the medians and quartiles of the Pandar64 in PandaSet come out, see docs/sensor-model.md. Dark paint is a
+  gloss black under a clear coat: most cars of PandaSet have parts that send nothing back (a lightness of 1 to 4 without
+  the gloss is 0.001 to 0.0045).
 - `roughness`: Oren and Nayar's slope spread [rad]; 0.35 of walls and 1 of asphalt are fitted to the fall of PandaSet's
   intensities with incidence, the others lie between by analogy.
 - `specular`, `rms_slope`: Fresnel reflectance at normal incidence (0.04 for an index of 1.5, clear coats and glass; 0.6
@@ -83,7 +85,7 @@ MATERIALS: tuple[Material, ...] = (
     Material("skin", 0.55),
     Material("light-paint", 0.45, roughness=0.3, specular=_COAT, rms_slope=0.1),
     Material("mid-paint", 0.06, roughness=0.3, specular=0.25, rms_slope=0.4, variation=0.4),
-    Material("dark-paint", 0.013, roughness=0.3, specular=_COAT, rms_slope=0.15, variation=0.4),
+    Material("dark-paint", 0.003, roughness=0.3, specular=_COAT, rms_slope=0.15, variation=1.0),
     Material("rubber", 0.03, roughness=0.6),
     Material("plastic", 0.10, specular=_COAT, rms_slope=0.3, variation=0.5),
     Material("glass", 0.01, specular=2 * _COAT, rms_slope=0.03, transmission=0.75, variation=0.5),

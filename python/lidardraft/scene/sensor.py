@@ -92,9 +92,9 @@ class Sensor:
         object.__setattr__(self, "columns", int(self.columns))
         beams = len(self.elevations)
         object.__setattr__(self, "blocked", checked_blocked(self.name, self.blocked, beams))
-        if self.model is not None and self.model.intensity_curve is not None:
+        if self.model is not None:
             with named(self.name):
-                self.model.intensity_curve.check_beams(beams)
+                self.model.check_beams(beams)
         try:
             _ = self.pattern  # the core checks everything else
         except OverflowError:
@@ -254,18 +254,19 @@ PRESETS: dict[str, Sensor] = {
     sensor.name: sensor
     for sensor in (
         # Velodyne HDL-64E S2 manual: 32 upper beams 1/3 degree apart from +2, 32 lower ones 1/2 degree apart to -24.33;
-        # 0.9 to 120 m; 2 cm, of which the lasers' own offsets are a part: errors from firing to firing are "around
-        # +-25 mm" (Chen and Chien, Sensors 12, 2012), taken for 2.5 standard deviations. The two blocks start 0.20 and
-        # 0.11 m over the origin: means of a published calibration (64e_s2.1-sztaki of ros-drivers/velodyne, BSD).
-        # KITTI mounts it 1.73 m over the road (Geiger et al., IJRR 2013) and ends at 80 m; 64 x 1024 is the usual image
-        # of its scans.
+        # 2 cm, of which the lasers' own offsets are the most: errors from firing to firing are "around +-25 mm" (Chen
+        # and Chien, Sensors 12, 2012), here 3.5 standard deviations. The two blocks start 0.20 and 0.11 m over the
+        # origin: means of a published calibration (64e_s2.1-sztaki of ros-drivers/velodyne, BSD). It sees to 120 m, but
+        # KITTI's files end at 80 m, and so do these scans. KITTI mounts it 1.73 m over the road (Geiger et al., IJRR
+        # 2013); 64 x 1024 is the usual image of its scans.
         Sensor(
             name="hdl64e",
             elevations=_beams(2.0, -8.333, 32) + _beams(-8.833, -24.333, 32),
             origin_heights=(0.20,) * 32 + (0.11,) * 32,
             columns=1024,
             min_range=0.9,
-            range_sigma=0.010,
+            max_range=80.0,
+            range_sigma=0.007,
         ),
         # The grid that LiDARGen, LiDM and R2DM project KITTI to: +3 to -25 degrees in equal steps, here pixel centres.
         Sensor(name="hdl64e-linear", elevations=_beams(3 - 14 / 64, -25 + 14 / 64, 64), columns=1024),

@@ -1,4 +1,4 @@
-"""What a sensor makes of light: the constants of its optics, receiver and output, one preset for each known sensor."""
+"""What a sensor makes of light: the constants of its optics, receiver and output."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import numpy as np
 
 from lidardraft import _core
 from lidardraft.errors import SensorError
+from lidardraft.json_fields import is_number
 from lidardraft.scene.intensity_curve import IntensityCurve
 
 if TYPE_CHECKING:
     from lidardraft.scene.sensor import Sensor  # which has a model
 
 T = TypeVar("T")
-_FWHM = math.sqrt(2.0 / math.log(2.0))  # of a Gaussian: full width at 1 / e^2 over full width at half maximum
 # The largest width of a beam, over the distance to the next, at which sub-rays do not cross however beams are tilted.
 _FILL = 0.6
 # Where the sub-rays of a ring stand: turned a little, as no two may have one elevation.
@@ -44,12 +44,12 @@ class SensorModel:
     Range: `jitter` [m] is the noise of an echo of power 1, on top of the sensor's `range_sigma`; `range_step` [m]
     rounds it. One unit differs from another: the number `unit` decides each beam's range offset, which has the standard
     deviation `offset_spread` [m], its gain, `gain_spread` (relative), and how far its elevation is off the sensor's
-    table, `tilt_spread` [rad].
+    table, `tilt_spread` [rad]. `range_offsets` are those of a unit that is known, for each beam [m], or nothing.
 
     Output: an intensity of 1 is a response of `full_scale`, in `levels` steps (0: smooth). With a `knee` below 1 the
     response 1 reads `knee`, and brighter ones climb from there by their logarithm. Intensity is corrected for range up
-    to `compensation_range` [m] (inf: at all ranges). An `intensity_curve` of the unit takes the place of `full_scale`
-    and `knee`.
+    to `compensation_range` [m] (inf: at all ranges). An `intensity_curve` takes the place of `full_scale` and `knee`.
+    What would read less than `cutoff` reads 0; the beams of a unit differ in it by `cutoff_spread`.
 
     Raises `SensorError` naming the value that cannot be.
     """
@@ -70,16 +70,22 @@ class SensorModel:
     jitter: float = 0.07
     range_step: float = 0.002
     unit: int = 0
+    range_offsets: tuple[float, ...] = ()
     offset_spread: float = 0.01
     gain_spread: float = 0.08
     tilt_spread: float = 2.2e-3
     full_scale: float = 1.0
     knee: float = 1.0
+    cutoff: float = 0.0
+    cutoff_spread: float = 0.0
     levels: int = 255
     compensation_range: float = math.inf
     intensity_curve: IntensityCurve | None = None
 
     def __post_init__(self) -> None:
+        if not isinstance(self.range_offsets, list | tuple) or not all(map(is_number, self.range_offsets)):
+            raise SensorError(f"range_offsets is {self.range_offsets!r:.50}; it must be a list of finite numbers")
+        object.__setattr__(self, "range_offsets", tuple(map(float, self.range_offsets)))
         for name in ("divergence_h", "divergence_v", "tilt_spread"):
             if not 0 <= getattr(self, name) < math.inf:
                 raise SensorError(f"{name} is {getattr(self, name)}; it must be finite and 0 or more")
@@ -108,12 +114,15 @@ class SensorModel:
             fading=self.fading,
             drop_probability=self.drop_probability,
             unit=self.unit,
+            range_offsets=list(self.range_offsets),
             offset_spread=self.offset_spread,
             gain_spread=self.gain_spread,
             jitter=self.jitter,
             range_step=self.range_step,
             full_scale=self.full_scale,
             knee=self.knee,
+            cutoff=self.cutoff,
+            cutoff_spread=self.cutoff_spread,
             levels=self.levels,
             compensation_range=self.compensation_range,
             intensity_curve=None if self.intensity_curve is None else self.intensity_curve.tables,
@@ -122,6 +131,15 @@ class SensorModel:
     def __getstate__(self) -> dict[str, Any]:
         # the core's model cannot go to another process; it is made again there
         return {name: value for name, value in vars(self).items() if name != "core"}
+
+    def check_beams(self, beams: int) -> None:
+        """Raises `SensorError` where a table is not of so many beams."""
+        if len(self.range_offsets) not in (0, beams):
+            raise SensorError(
+                f"range_offsets has {len(self.range_offsets)} values; it needs one for each of {beams} beams"
+            )
+        if self.intensity_curve is not None:
+            self.intensity_curve.check_beams(beams)
 
     @property
     def pulse_length(self) -> float:
@@ -134,6 +152,8 @@ class SensorModel:
 
         Beams of another sensor that are close together are as much narrower than typical ones as keeps them apart.
         """
+        from lidardraft.scene.sensor_model_presets import MODELS  # which are of this class
+
         if sensor.model is not None:
             return sensor.model
         if sensor.is_preset:
@@ -242,75 +262,3 @@ def beam_tilts(sensor: Sensor, model: SensorModel) -> np.ndarray:
 
 def _repeated(values: tuple[T, ...], times: int) -> tuple[T, ...]:
     return tuple(value for value in values for _ in range(times))
-
-
-# Velodyne's calibrated reflectivity (HDL-32E, VLP-16, VLP-32C manuals): 0 to 100 is per cent of a diffuse surface, 101
-# to 255 are retroreflectors. Ouster's (firmware user manual) is alike.
-_REFLECTIVITY: dict[str, Any] = {"full_scale": 300.0, "knee": 100.0 / 255.0}
-
-
-def _ouster(degrees: float, reach: float, jitter: float) -> SensorModel:
-    """Ouster's data sheets: 865 nm, a beam of `degrees` at half maximum, a range of `reach` [m] at 0.10.
-
-    `jitter` [m] is such that their samples come out (benches/fit_sensor.py).
-    """
-    width = math.radians(degrees) * _FWHM
-    return SensorModel(
-        divergence_h=width,
-        divergence_v=width,
-        detection_threshold=0.10 / reach**2,
-        range_step=0.001,
-        offset_spread=0.003,
-        tilt_spread=0.0,  # each unit's own table comes with it
-        jitter=jitter,
-        **_REFLECTIVITY,
-    )
-
-
-# HDL-64E S2 manual: 905 nm, 5 ns, 2 cm; pavement of 0.10 is seen to 50 m, from a roof: at 2 degrees, where it sends
-# back two thirds and its echo is stretched over three sub-rays. Of the 2 cm, a part is noise (`Sensor`); the rest stays
-# in a laser, as the 1 to 3 cm of Glennie and Lichti (Remote Sensing 2, 2010), who have the divergence too. Its units of
-# 2 mm disappear in a correction that differs along the range. Its intensity is corrected by a focal distance and slope
-# for each laser, of 3 to 20 m in published calibrations (ros-drivers/velodyne), so not beyond some tens of metres;
-# KITTI stores hundredths.
-_HDL64E = SensorModel(
-    divergence_h=2.0e-3,
-    divergence_v=2.0e-3,
-    detection_threshold=0.10 * 0.67 / 3 / 50.0**2,
-    range_step=0.0,
-    offset_spread=0.018,
-    gain_spread=0.12,
-    levels=100,
-    compensation_range=40.0,
-)
-
-MODELS: dict[str, SensorModel] = {
-    "hdl64e": _HDL64E,
-    "hdl64e-linear": _HDL64E,
-    # Manuals: 3.0 by 1.5 mrad; 100 m, and 200 m of the VLP-32C, without a reflectance. ika's VLP-32C drops rays to the
-    # ground as if that were 0.10 (benches/fit_sensor.py), so it is taken for all three; and 0.022 of them at any range,
-    # some perhaps by the projection.
-    "hdl32e": SensorModel(detection_threshold=0.10 / 100.0**2, **_REFLECTIVITY),
-    "vlp16": SensorModel(detection_threshold=0.10 / 100.0**2, **_REFLECTIVITY),
-    "vlp32c": SensorModel(
-        detection_threshold=0.10 / 200.0**2,
-        drop_probability=0.022,
-        jitter=0.04,
-        range_step=0.004,
-        tilt_spread=2.6e-3,
-        **_REFLECTIVITY,
-    ),
-    # Pandar64 manual: 905 nm, 2 cm, 200 m at 0.10. Divergence: an estimate after sensors of its kind. Scale and noise
-    # are fitted to PandaSet by benches/fit_sensor.py.
-    "pandar64": SensorModel(
-        detection_threshold=0.10 / 200.0**2,
-        offset_spread=0.007,
-        range_step=0.004,
-        tilt_spread=1.8e-3,
-        full_scale=255.0 / 66.0,
-    ),
-    "os0-128": _ouster(0.35, 20.0, 0.03),
-    "os1-128": _ouster(0.18, 40.0, 0.035),
-    "os1-32": _ouster(0.18, 40.0, 0.035),
-    "os2-128": _ouster(0.09, 90.0, 0.035),
-}

@@ -25,6 +25,7 @@ def model_from_fields(value: Any) -> SensorModel:
     """
     fields = dict(check_object(value))
     check_fields(fields, (), SensorModel.__dataclass_fields__)
+    offsets = fields.pop("range_offsets", ())
     curve, reach = fields.pop("intensity_curve", None), fields.pop("compensation_range", None)
     defaults = SensorModel()
     for name, given in fields.items():
@@ -41,4 +42,4 @@ def model_from_fields(value: Any) -> SensorModel:
     if curve is not None:
         check_fields(check_object(curve), ("responses", "readings"), IntensityCurve.__dataclass_fields__)
         fields["intensity_curve"] = IntensityCurve(**curve)
-    return SensorModel(**fields)
+    return SensorModel(range_offsets=offsets, **fields)

@@ -122,9 +122,10 @@ pub(crate) fn drop_rays(
     }
 }
 
-/// The stored intensity, 0 to 1: the power on the sensor's scale, as far as that corrects for range.
+/// The stored intensity, 0 to 1: the power on the sensor's scale, as far as that corrects for range; 0 where the beam
+/// would show less than its `cutoff`.
 #[inline(always)]
-pub(crate) fn intensity(echoes: &Echoes, beam: usize, model: &SensorModel, shown: &mut [f32]) {
+pub(crate) fn intensity(echoes: &Echoes, beam: usize, cutoff: f32, model: &SensorModel, shown: &mut [f32]) {
     let (threshold, far) = (model.threshold(), 1.0 / model.compensation_range);
     for ((shown, &depth), &power) in shown.iter_mut().zip(&echoes.depth).zip(&echoes.power) {
         *shown = depth * depth * power * threshold / (1.0 + depth * far * (depth * far));
@@ -142,7 +143,7 @@ pub(crate) fn intensity(echoes: &Echoes, beam: usize, model: &SensorModel, shown
         }
     }
     for shown in &mut *shown {
-        *shown = smaller(*shown, 1.0);
+        *shown = if *shown < cutoff { 0.0 } else { smaller(*shown, 1.0) };
     }
     if model.levels > 0.0 {
         for shown in shown {

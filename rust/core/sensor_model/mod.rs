@@ -49,7 +49,7 @@ pub struct Light<'a> {
 /// number.
 ///
 /// # Errors
-/// Those of [`SensorModel::check`], [`Error::CurveTable`], [`Error::ObservedSize`], [`Error::SurfaceColumn`] or [`Error::ImagePrimitive`],
+/// Those of [`SensorModel::check`], [`Error::CurveTable`], [`Error::OffsetTable`], [`Error::ObservedSize`], [`Error::SurfaceColumn`] or [`Error::ImagePrimitive`],
 /// before anything is written.
 pub fn observe(
     light: &Light<'_>,
@@ -75,6 +75,7 @@ pub(crate) fn observe_with(
     let [rows, columns] = light.shape;
     model.check()?;
     model.intensity_curve.as_ref().map_or(Ok(()), |curve| curve.check(rows))?;
+    model.check_offsets(rows)?;
     light.returns.check(rows * columns * model.shares.len())?;
     light.surfaces.check(light.returns.primitive)?;
     light.backscatter.iter().try_for_each(|echoes| echoes.check(rows * columns))?;
@@ -98,8 +99,10 @@ struct Observer<'a> {
     patches: Patches,
     /// The dust on the window.
     stains: Option<Patches>,
-    /// Two normal numbers for each beam of the unit.
+    /// Two normal numbers for each beam of the unit, for offset and gain.
     beams: Numbers,
+    /// And two more, for the cut-off.
+    cutoffs: Numbers,
 }
 
 /// Some rows, to be observed with the widest vectors of this machine: the compiler makes them of loops over pixels.
@@ -149,7 +152,9 @@ impl<'a> Observer<'a> {
         let stains = (model.dust > 0.0).then(|| Patches::new(model.unit, Stream::Stains, rows, columns));
         let mut beams = Numbers::default();
         beams.sample(Key::new(model.unit, Stream::Beams, 0), rows);
-        Observer { light, ranging, model, seed, patches, stains, beams }
+        let mut cutoffs = Numbers::default();
+        cutoffs.sample(Key::new(model.unit, Stream::Cutoffs, 0), rows);
+        Observer { light, ranging, model, seed, patches, stains, beams, cutoffs }
     }
 
     #[inline(always)]
@@ -183,11 +188,13 @@ impl<'a> Observer<'a> {
             add_backscatter(echoes, &backscatter.row(number, columns), work, extinction, model);
         }
         drop_rays(echoes, patches, &numbers.exponential, model, dropped);
-        intensity(echoes, number, model, scan.intensity);
+        let cutoff = model.cutoff + model.cutoff_spread * self.cutoffs.normal[number];
+        intensity(echoes, number, cutoff, model, scan.intensity);
         roughness::<L>(echoes, surfaces, model, work);
+        let known = model.range_offsets.get(number).copied().unwrap_or(0.0);
         range_noise(
             echoes,
-            self.beams.normal[number] * model.offset_spread,
+            known + self.beams.normal[number] * model.offset_spread,
             work,
             &numbers.other,
             &self.ranging,

@@ -35,7 +35,9 @@ pub struct SensorModel {
     pub drop_probability: f32,
     /// Which unit of the sensor this is.
     pub unit: u64,
-    /// How the range offsets of beams differ [m].
+    /// By how much each beam reports more than its range [m]; none for 0.
+    pub range_offsets: Vec<f32>,
+    /// How the range offsets of beams differ beyond these [m].
     pub offset_spread: f32,
     /// How the gains of beams differ (relative).
     pub gain_spread: f32,
@@ -49,6 +51,10 @@ pub struct SensorModel {
     pub knee: f32,
     /// Steps of the intensity.
     pub levels: f32,
+    /// What the beams show least, of 1, on average: readings below it are 0.
+    pub cutoff: f32,
+    /// How the cut-offs of beams differ.
+    pub cutoff_spread: f32,
     /// Up to which range the intensity is corrected for range [m]; infinite: at all ranges.
     pub compensation_range: f32,
     /// What each beam reads of a response so corrected, in the place of `full_scale` and `knee`.
@@ -76,6 +82,7 @@ impl SensorModel {
             ("fading", self.fading),
             ("offset_spread", self.offset_spread),
             ("gain_spread", self.gain_spread),
+            ("cutoff_spread", self.cutoff_spread),
             ("jitter", self.jitter),
             ("range_step", self.range_step),
             ("levels", self.levels),
@@ -85,10 +92,20 @@ impl SensorModel {
         for (field, value) in [("pulse_duration", self.pulse_duration as f32), ("full_scale", self.full_scale)] {
             held(field, value, value > 0.0 && value.is_finite(), "finite and greater than 0")?;
         }
+        for &offset in &self.range_offsets {
+            held("a range offset", offset, offset.is_finite(), "finite")?;
+        }
         let (drop, knee, range) = (self.drop_probability, self.knee, self.compensation_range);
+        held("cutoff", self.cutoff, (0.0..=1.0).contains(&self.cutoff), "0 to 1")?;
         held("drop_probability", drop, (0.0..=1.0).contains(&drop), "0 to 1")?;
         held("knee", knee, knee > 0.0 && knee <= 1.0, "greater than 0 and at most 1")?;
         held("compensation_range", range, range > 0.0, "greater than 0")
+    }
+
+    /// Whether there is a range offset for each beam, or none.
+    pub(super) fn check_offsets(&self, beams: usize) -> Result<()> {
+        let found = self.range_offsets.len();
+        if found == 0 || found == beams { Ok(()) } else { Err(Error::OffsetTable { found, expected: beams }) }
     }
 
     /// Echoes closer than this are one [m].

@@ -18,6 +18,8 @@ pub(crate) enum Stream {
     Beams,
     /// Stains on a unit's window.
     Stains,
+    /// Cut-offs of a unit's beams.
+    Cutoffs,
 }
 
 /// What the random numbers of a row are hashes of, with the column.

@@ -1,0 +1,47 @@
+"""The pictures of docs/sentences.md, docs/sketches.md and docs/boxes.md: each input, and the layout that it becomes.
+
+`python benches/picture_inputs.py docs` writes them anew; `tests/benches/test_picture_inputs.py` says when that is due.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+import lidardraft
+from lidardraft.scene.layout import Layout
+from lidardraft.view import caption, render_from_above, render_layout, save_png, stack
+
+SENTENCE = "a busy crossroads, a bus turning left, people on the right pavement, trees and houses on both sides"
+SKETCHES = Path(__file__).parents[1] / "examples" / "sketches"
+
+
+def pictures() -> Iterator[tuple[str, np.ndarray]]:
+    """Name and pixels u8 [H, W, 3] of each picture."""
+    layout = lidardraft.layout_from_text(SENTENCE, seed=1)
+    yield "sentences", _shown(layout)
+    yield "boxes", _shown(lidardraft.layout_from_boxes(layout.boxes()))
+    with Image.open(SKETCHES / "crossroads.png") as image:
+        sheet = np.asarray(image.convert("RGB").resize((480, 480), Image.Resampling.BOX))
+    painted = lidardraft.layout_from_sketch(SKETCHES / "crossroads.png", scale_bar=10.0)
+    named = lidardraft.layout_from_sketch(SKETCHES / "bend.svg")
+    rows = [[caption(sheet, "crossroads.png"), _shown(painted)], [_shown(named, "bend.svg as a layout")]]
+    yield "sketches", stack([stack(row, across=True) for row in rows])
+
+
+def _shown(layout: Layout, name: str = "layout") -> np.ndarray:
+    return stack([caption(render_from_above(layout), name), render_layout(layout)], across=True)
+
+
+def main() -> None:
+    """Write the pictures into a folder."""
+    for name, picture in pictures():
+        save_png(picture, Path(sys.argv[1]) / f"{name}.png")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,168 @@
+"""A sketch from above, painted or of named shapes, becomes a layout; up on the sheet is the ego vehicle's way ahead."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections import Counter
+from collections.abc import Iterator
+from itertools import count
+from pathlib import Path
+
+import numpy as np
+
+from lidardraft.drafting.object_shapes import ObjectPart
+from lidardraft.drafting.sketches.drawn_objects import NotDrawnError, Placed, objects_of_blob, objects_of_stroke
+from lidardraft.drafting.sketches.drawn_shapes import Sketch
+from lidardraft.drafting.sketches.drawn_surfaces import (
+    DrawnSurface,
+    drawn_surfaces,
+    ground_primitives,
+    heading,
+    height_at,
+)
+from lidardraft.drafting.sketches.painted_sketch import read_painting
+from lidardraft.drafting.sketches.svg_sketch import read_svg
+from lidardraft.errors import LayoutError
+from lidardraft.files import named, read_text
+from lidardraft.formats.picture import opened_picture
+from lidardraft.json_fields import is_number
+from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.road import TERRAIN_HEIGHT
+from lidardraft.semantics import BY_NAME, GROUND
+
+_EXTENT = 200.0  # m of terrain to each side, or what the sketch needs
+_MOST_OBJECTS = 20_000
+_MOST_LINES = 40  # of what was ignored
+
+
+def layout_from_sketch(
+    sketch: np.ndarray | str | os.PathLike[str],
+    *,
+    metres_per_pixel: float | None = None,
+    scale_bar: float | None = None,
+    seed: int = 0,
+) -> Layout:
+    """The layout of a sketch: the path of a picture (PNG, JPEG, WebP) or of an .svg file, or pixels u8 [H, W, 3].
+
+    In a picture the colours of `semantics.CLASSES` say the classes, white is paper, pure green marks the ego vehicle
+    and black is a scale bar, `scale_bar` [m] long. In an SVG file names of shapes or of the groups that they are in say
+    the classes, or else these colours; "ego" is the ego vehicle and "scale 10 m" the scale. `metres_per_pixel` takes
+    the place of a scale. Without a mark the ego vehicle is in the middle.
+
+    What a view from above leaves open, such as heights, is drawn at random from `seed`. `layout.provenance` says in
+    "understood" how many objects of which kind there are, and in "ignored" what was left out.
+
+    Raises `FormatError` where the file is broken, `LayoutError` where it has no scale or shows nothing.
+    """
+    for name, value in (("metres_per_pixel", metres_per_pixel), ("scale_bar", scale_bar)):
+        if value is not None and not (is_number(value) and value > 0):
+            raise LayoutError(f"{name} is {value!r}; it must be a finite number of metres > 0")
+    if isinstance(sketch, np.ndarray):
+        return _layout(_painting(sketch, metres_per_pixel, scale_bar), "sketch", seed)
+    path = Path(sketch)
+    if path.suffix.lower() == ".svg":
+        text = read_text(path)
+        with named(path):
+            return _layout(read_svg(text, metres_per_pixel), path.name, seed)
+    pixels = _on_paper(path)
+    with named(path):
+        return _layout(_painting(pixels, metres_per_pixel, scale_bar), path.name, seed)
+
+
+def _painting(pixels: np.ndarray, metres_per_pixel: float | None, scale_bar: float | None) -> Sketch:
+    if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3 or min(pixels.shape) < 1:
+        raise LayoutError(f"pixels are {pixels.dtype} {pixels.shape}; they must be uint8 [H, W, 3]")
+    return read_painting(pixels, metres_per_pixel, scale_bar)
+
+
+def _on_paper(path: Path) -> np.ndarray:
+    """The pixels u8 [H, W, 3] of a picture; what is transparent is paper."""
+    from PIL import Image
+
+    image = opened_picture(path)
+    if image.mode in ("RGBA", "LA", "PA") or "transparency" in image.info:
+        image = image.convert("RGBA")
+        paper = Image.new("RGBA", image.size, (255, 255, 255, 255))
+        image = Image.alpha_composite(paper, image)
+    return np.asarray(image.convert("RGB"))
+
+
+def _layout(sketch: Sketch, source: str, seed: int) -> Layout:
+    if not sketch.blobs and not sketch.strokes:
+        raise LayoutError("the sketch shows nothing of a class" + "".join(f"; {line}" for line in sketch.ignored[:3]))
+    surfaces = drawn_surfaces(sketch)
+    objects = list(_objects(sketch, surfaces, np.random.default_rng(seed)))
+    counts = Counter(surface.label for surface in surfaces) + Counter(name for name, *_ in objects)
+    if counts.total() > _MOST_OBJECTS:
+        raise LayoutError(f"the sketch has {counts.total()} objects; up to {_MOST_OBJECTS} are read")
+    primitives = [_terrain(sketch), *ground_primitives(surfaces)]
+    numbers: Counter[str] = Counter()
+    instances = count(1)
+    for name, parts, place in objects:
+        numbers[name] += 1
+        floor = height_at(surfaces, place)
+        primitives += _standing(f"{name}_{numbers[name]}", parts, (*place.tolist(), floor), instances)
+    provenance = {
+        "source": source,
+        "seed": seed,
+        "metres_per_pixel": sketch.metres_per_unit,
+        "ego": "marked" if sketch.ego_marked else "middle",
+        "understood": [f"{name}: {number}" for name, number in sorted(counts.items())],
+        "ignored": _shortened(sketch.ignored),
+    }
+    return Layout(primitives=tuple(primitives), provenance=provenance)
+
+
+def _objects(sketch: Sketch, surfaces: list[DrawnSurface], rng: np.random.Generator) -> Iterator[Placed]:
+    for blob in sketch.blobs:
+        if blob.label in GROUND:
+            continue
+        try:
+            yield from objects_of_blob(blob, heading(blob, surfaces), rng)
+        except NotDrawnError as error:
+            sketch.ignored.append(f"{blob.where}: {error}")
+    for stroke in sketch.strokes:
+        if stroke.label in GROUND:
+            continue
+        try:
+            yield from objects_of_stroke(stroke, rng)
+        except NotDrawnError as error:
+            sketch.ignored.append(f"{stroke.where}: {error}")
+
+
+def _terrain(sketch: Sketch) -> Primitive:
+    """The ground that everything else lies on."""
+    places = [blob.center for blob in sketch.blobs] + [stroke.line for stroke in sketch.strokes]
+    reach = max(_EXTENT, max(float(np.abs(place).max()) for place in places) + 50.0)
+    return Primitive(
+        shape="plane",
+        center=(0.0, 0.0, TERRAIN_HEIGHT),
+        size=(2 * reach, 2 * reach, 0.0),
+        label="terrain",
+        id="terrain",
+    )
+
+
+def _standing(
+    id: str, parts: list[tuple[ObjectPart, float]], place: tuple[float, float, float], instances: Iterator[int]
+) -> Iterator[Primitive]:
+    for part, yaw in parts:
+        cos, sin = math.cos(yaw), math.sin(yaw)
+        x, y, z = part.center
+        yield Primitive(
+            shape=part.shape,
+            center=(place[0] + cos * x - sin * y, place[1] + sin * x + cos * y, place[2] + z),
+            size=part.size,
+            yaw=math.remainder(yaw, math.tau),
+            label=part.label,
+            id=f"{id}.{part.name}" if part.name else id,
+            instance=next(instances) if BY_NAME[part.label].is_thing else 0,
+        )
+
+
+def _shortened(lines: list[str]) -> list[str]:
+    """The lines, the last of which says how many there are beyond what anyone reads."""
+    if len(lines) <= _MOST_LINES:
+        return lines
+    return [*lines[:_MOST_LINES], f"and {len(lines) - _MOST_LINES} more"]

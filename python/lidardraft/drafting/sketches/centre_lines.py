@@ -1,0 +1,278 @@
+"""A mask of thick strokes that touch and cross becomes its strokes: a middle line with a width each.
+
+All places are (down, right) in pixels.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import ndimage
+
+from lidardraft.drafting.sketches.line_smoothing import resampled, smooth, without_bumps
+from lidardraft.drafting.sketches.thinning import AROUND, branch_points, thinned
+from lidardraft.errors import FormatError
+
+_THICK = 5.0  # pixels from the middle of a stroke to its edge: thicker ones are thinned in a coarser image
+_SPUR = 1.7  # times the half width: shorter ends grow out of bumps of the outline, or into corners of an end
+_BEND = math.radians(40)  # lines that go on through a junction turn by less
+_OVERLAP = 0.75  # of the half width of a stroke: there others end that meet it, so that no gap is left
+_BUMP = 3.0  # times the half width: bumps and bites of the outline that are as long are no bends
+_MOST_PIXELS = 60_000  # of all middle lines of a mask
+_EIGHT = np.ones((3, 3), dtype=bool)
+
+
+Joined = dict[tuple[int, int], tuple[int, int]]  # which end (branch, 0 or 1) goes on in which
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CentreLine:
+    """Points f64 [N, 2] of the middle of a stroke, and its width [pixels]; a closed one ends where it begins."""
+
+    points: np.ndarray
+    width: float
+    closed: bool
+
+
+@dataclass(slots=True, eq=False)
+class _Branch:
+    """Points from one node to another; a node is None where the stroke ends freely."""
+
+    points: np.ndarray
+    nodes: list[int | None]
+
+    @property
+    def length(self) -> float:
+        return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
+
+
+@dataclass(slots=True, eq=False)
+class _Graph:
+    """Branches by number, and the middle [2] and half width of each node [pixels]."""
+
+    branches: dict[int, _Branch]
+    middles: dict[int, np.ndarray]
+    halves: dict[int, float]
+
+    def ends_at(self, node: int) -> list[tuple[int, int]]:
+        return [(k, end) for k, branch in self.branches.items() for end in (0, 1) if branch.nodes[end] == node]
+
+
+def centre_lines(mask: np.ndarray) -> Iterator[CentreLine]:
+    """The strokes of a mask bool [H, W] that is one piece. Where several meet, the one that goes on straight is whole,
+    and the others end at its edge. Raises `FormatError` where there are too many."""
+    depth = ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
+    step = max(1, int(depth.max() / _THICK))
+    coarse = mask
+    if step > 1:
+        share = ndimage.uniform_filter(mask.astype(np.float32), step, mode="constant")
+        coarse = share[step // 2 :: step, step // 2 :: step] > 0.5
+        depth = ndimage.maximum_filter(depth, step + 1)  # a coarse line is up to half a step beside the middle
+    graph = _graph(thinned(coarse), step, step // 2, depth)
+    _prune(graph, step)
+    _join_near_nodes(graph)
+    for points, closed in _through_lines(graph, depth):
+        yield _recentred(mask, points, closed, float(np.median(_at(depth, points))))
+
+
+def _recentred(mask: np.ndarray, points: np.ndarray, closed: bool, half: float) -> CentreLine:
+    """The line through the middle between both edges of the mask, which thinning finds to a step only.
+
+    Bumps and bites, as of cars that stood on the edge of a road, are shorter than the window of the median.
+    """
+    raw, spacing = resampled(points, max(1.0, half / 3))
+    line = smooth(raw, min(3.0, len(raw) / 6), closed)
+    ahead = np.gradient(line, axis=0)
+    ahead /= np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), 1e-9)
+    aside = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
+    away = np.arange(0.0, 2.0 * half + 2.0, 0.5)
+    reaches, between = [], np.ones(len(line), dtype=bool)
+    for side in (-1.0, 1.0):
+        rays = line[:, None] + side * away[:, None] * aside[:, None]
+        inside = _at(np.pad(mask, 1), rays.reshape(-1, 2) + 1).reshape(rays.shape[:2])
+        reaches.append(away[np.argmin(inside, axis=1)])
+        between &= ~inside.all(axis=1)  # and not into another stroke, where two meet
+    if not between.any():
+        return CentreLine(line, 2.0 * half, closed)
+    nearest = np.abs(np.arange(len(line))[:, None] - np.flatnonzero(between)).argmin(axis=1)
+    left, right = (reach[np.flatnonzero(between)[nearest]] for reach in reaches)
+    window = 2 * round(_BUMP * half / spacing) + 1
+    middle = without_bumps(line + ((right - left) / 2)[:, None] * aside, window, closed)
+    return CentreLine(middle, float(np.median(left + right)), closed)
+
+
+def _at(depth: np.ndarray, points: np.ndarray) -> np.ndarray:
+    down, right = np.clip(np.rint(points).astype(np.int64), 0, np.array(depth.shape) - 1).T
+    values: np.ndarray = depth[down, right]
+    return values
+
+
+def _graph(thin: np.ndarray, step: int, offset: int, depth: np.ndarray) -> _Graph:
+    if (count := np.count_nonzero(thin)) > _MOST_PIXELS:
+        raise FormatError(f"the strokes of one colour are {count} pixels long; up to {_MOST_PIXELS} are read")
+    meeting = branch_points(thin)
+    node_of, nodes = ndimage.label(meeting, _EIGHT)
+    paths, count = ndimage.label(thin & ~meeting, _EIGHT)
+    middles = ndimage.center_of_mass(meeting, node_of, range(1, nodes + 1))
+    graph = _Graph({}, {k: np.array(middle) * step + offset for k, middle in enumerate(middles, start=1)}, {})
+    graph.halves = {k: float(_at(depth, middle[None])[0]) for k, middle in graph.middles.items()}
+    near_node = ndimage.maximum_filter(node_of, 3)
+    for number, box in enumerate(ndimage.find_objects(paths), start=1):
+        corner = np.array([part.start for part in box])
+        path = _walked(np.argwhere(paths[box] == number)) + corner
+        found: list[int | None] = [int(near_node[tuple(path[end])]) or None for end in (0, -1)]
+        if len(path) == 1:  # between two nodes
+            down, right = path[0]
+            around = np.unique(node_of[max(down - 1, 0) : down + 2, max(right - 1, 0) : right + 2])
+            found = [int(node) for node in around if node]
+            found = [*found, None, None][:2]
+        points = path * float(step) + offset
+        ends = [[graph.middles[node]] if node else [] for node in found]
+        graph.branches[number] = _Branch(np.array([*ends[0], *points, *ends[1]]), found)
+    return graph
+
+
+def _walked(pixels: np.ndarray) -> np.ndarray:
+    """The pixels [N, 2] of a path from one end of it to the other."""
+    left = set(map(tuple, pixels.tolist()))
+    around = sorted(AROUND, key=lambda off: abs(off[0]) + abs(off[1]))
+
+    def neighbours(at: tuple[int, ...]) -> list[tuple[int, ...]]:
+        return [near for off in around if (near := (at[0] + off[0], at[1] + off[1])) in left]
+
+    at = next((pixel for pixel in sorted(left) if len(neighbours(pixel)) == 1), min(left))
+    path = [at]
+    left.remove(at)
+    while near := neighbours(at):
+        at = near[0]
+        path.append(at)
+        left.remove(at)
+    return np.array(path)
+
+
+def _prune(graph: _Graph, step: int) -> None:
+    """Take away the ends that are no strokes; what they grew out of stays."""
+    while True:
+        spurs = []
+        for number, branch in graph.branches.items():
+            node = branch.nodes[0] or branch.nodes[1]
+            grown = node is not None and None in branch.nodes and len(graph.ends_at(node)) > 1
+            if grown and branch.length < _SPUR * graph.halves[node or 0] + 2 * step:
+                spurs.append((branch.length, number))
+        if not spurs:
+            return
+        del graph.branches[min(spurs)[1]]
+
+
+def _join_near_nodes(graph: _Graph) -> None:
+    """Two nodes of one crossing, a short branch apart, become one."""
+    for number, branch in list(graph.branches.items()):
+        first, second = branch.nodes
+        if first is None or second is None or branch.length > max(graph.halves[first], graph.halves[second]):
+            continue
+        del graph.branches[number]
+        if first == second:
+            continue
+        graph.middles[first] = (graph.middles[first] + graph.middles[second]) / 2
+        graph.halves[first] = max(graph.halves[first], graph.halves[second])
+        for other, end in graph.ends_at(second):
+            graph.branches[other].nodes[end] = first
+
+
+def _through_lines(graph: _Graph, depth: np.ndarray) -> Iterator[tuple[np.ndarray, bool]]:
+    """The branches, joined where they go on through a node, and whether they are closed."""
+    joined: Joined = {}
+    for node in graph.middles:
+        if pair := _straightest(graph, node):
+            joined |= {pair[0]: pair[1], pair[1]: pair[0]}
+    left = set(graph.branches)
+    begins = [(k, end) for k in sorted(left) for end in (0, 1) if (k, end) not in joined]
+    for begin in [*begins, *((k, 0) for k in sorted(left))]:
+        if begin[0] not in left:
+            continue
+        pieces, at = [], begin
+        while True:
+            number, end = at
+            left.discard(number)
+            pieces.append(_trimmed(graph, number, joined, depth)[:: 1 if end == 0 else -1])
+            onward = joined.get((number, 1 - end))
+            if onward is None or onward == begin or onward[0] not in left:
+                break
+            at = onward
+        points = np.concatenate(pieces)
+        closed = onward == begin
+        alone = len(pieces) == 1 and graph.branches[number].nodes == [None, None]
+        if alone and len(points) > 8 and np.linalg.norm(points[0] - points[-1]) < 4.0 * _at(depth, points[:1])[0] / 2:
+            closed = True
+        if len(points) > 1:
+            yield (
+                (np.concatenate([points, points[:1]]) if closed else _lengthened(points, begin, at, graph, depth)),
+                closed,
+            )
+
+
+def _straightest(graph: _Graph, node: int) -> tuple[tuple[int, int], tuple[int, int]] | None:
+    """The two ends at a node that are one stroke: those of the longest pair that hardly turns."""
+    ends = graph.ends_at(node)
+    ahead = [_direction(graph, number, end, graph.halves[node]) for number, end in ends]
+    pairs = [(i, j) for j in range(len(ends)) for i in range(j) if ends[i][0] != ends[j][0] or len(ends) == 2]
+    if len(ends) != 2:
+        pairs = [(i, j) for i, j in pairs if float(ahead[i] @ ahead[j]) < -math.cos(_BEND)]
+    if not pairs:
+        return None
+    i, j = max(pairs, key=lambda pair: sum(graph.branches[ends[k][0]].length for k in pair))
+    return ends[i], ends[j]
+
+
+def _direction(graph: _Graph, number: int, end: int, half: float) -> np.ndarray:
+    """The unit vector along a branch away from its end, further from the node than its surface is bent by it."""
+    points = graph.branches[number].points[:: 1 if end == 0 else -1]
+    away = np.linalg.norm(points - points[0], axis=1)
+    near, far = points[np.argmax(away >= min(half, away.max()))], points[np.argmax(away >= min(4 * half, away.max()))]
+    off = far - (near if np.any(far != near) else points[0])
+    length = float(np.linalg.norm(off))
+    return off / length if length else np.zeros(2)
+
+
+def _trimmed(graph: _Graph, number: int, joined: Joined, depth: np.ndarray) -> np.ndarray:
+    """The points of a branch without those at its nodes, where the lines of several strokes pull at each other; it ends
+    at the edge of a stroke that goes on there."""
+    branch = graph.branches[number]
+    keep = np.ones(len(branch.points), dtype=bool)
+    for end in (0, 1):
+        node = branch.nodes[end]
+        if node is not None and len(graph.ends_at(node)) > 1:
+            keep &= np.linalg.norm(branch.points - graph.middles[node], axis=1) > graph.halves[node]
+    points = branch.points[keep]
+    for end in (0, 1):
+        node = branch.nodes[end]
+        through = [other for other in joined if graph.branches[other[0]].nodes[other[1]] == node]
+        if node is None or not through or (number, end) in joined or not len(points):
+            continue
+        half = float(np.mean([np.median(_at(depth, graph.branches[other].points)) for other, _ in through]))
+        off = points[-end] - graph.middles[node]
+        away = float(np.linalg.norm(off))
+        edge = graph.middles[node] + off / away * min(_OVERLAP * half, away)
+        points = np.concatenate([points, edge[None]] if end else [edge[None], points])
+    return points
+
+
+def _lengthened(
+    points: np.ndarray, begin: tuple[int, int], last: tuple[int, int], graph: _Graph, depth: np.ndarray
+) -> np.ndarray:
+    """The line with its free ends moved out to where the mask ends, from which thinning draws them in."""
+    ends = []
+    for (number, end), row in ((begin, points), ((last[0], 1 - last[1]), points[::-1])):
+        node = graph.branches[number].nodes[end]
+        if node is not None and len(graph.ends_at(node)) > 1:
+            ends.append(row[:0])
+            continue
+        half = float(_at(depth, row[:1])[0])
+        away = np.linalg.norm(row - row[0], axis=1)
+        off = row[0] - row[np.argmax(away >= min(3 * half + 2, away.max()))]
+        length = float(np.linalg.norm(off))
+        ends.append((row[0] + off / length * (half - 0.5))[None] if length else row[:0])
+    return np.concatenate([ends[0], points, ends[1]])

@@ -1,0 +1,120 @@
+"""Colours of sketches: the pixels of a picture become classes, for all that a brush or a JPEG file does to edges."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from scipy import ndimage
+
+from lidardraft.semantics import CLASSES, NUM_CLASSES
+
+PAPER, EGO, BAR, UNKNOWN = 0, NUM_CLASSES, NUM_CLASSES + 1, NUM_CLASSES + 2  # beside the ids of classes
+_OTHER_COLOURS = ((0, 255, 0), (0, 0, 0))  # of the ego vehicle and of the scale bar; the paper is white
+PALETTE = np.array([(255, 255, 255), *(row.colour for row in CLASSES[1:]), *_OTHER_COLOURS], dtype=np.float32)
+FURTHEST_COLOUR = 45.0  # from a colour of the palette, in RGB: noise of JPEG files and brushes
+_BITS = 5  # of each channel, of the table of colours
+_MIXED = 30.0  # from the line between two colours, in RGB
+_DIFFERENT = 60.0  # colours closer than this have no edge between them that could look like a third
+_REACH = 3  # pixels that an edge is blurred over, to either side
+_SUPPORTED = 5  # of the eight pixels around, of the same class: no edge
+
+
+@cache
+def _table() -> np.ndarray:
+    """The nearest colour of the palette by the leading bits of red, green and blue, u8 [2^15]."""
+    levels = (np.arange(2**_BITS, dtype=np.float32) + 0.5) * 2 ** (8 - _BITS)
+    colours = np.stack(np.meshgrid(levels, levels, levels, indexing="ij"), axis=-1).reshape(-1, 3)
+    nearest, classes = nearest_colour(colours)
+    table: np.ndarray = np.where(nearest <= FURTHEST_COLOUR, classes, UNKNOWN).astype(np.uint8)
+    return table
+
+
+def nearest_colour(colours: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How far [...] from the nearest colour of the palette some colours [..., 3] are, and which that is."""
+    distance = np.linalg.norm(colours[..., None, :].astype(np.float32) - PALETTE, axis=-1)
+    return distance.min(axis=-1), distance.argmin(axis=-1)
+
+
+def classes_of_pixels(pixels: np.ndarray) -> np.ndarray:
+    """u8 [H, W] of pixels u8 [H, W, 3]: class ids, or `PAPER`, `EGO`, `BAR` or `UNKNOWN`.
+
+    What lies at an edge between two colours and is a mixture of them becomes the one that it is more of.
+    """
+    short = pixels >> (8 - _BITS)
+    codes = (short[..., 0].astype(np.uint16) << 2 * _BITS) | (short[..., 1].astype(np.uint16) << _BITS) | short[..., 2]
+    found = _table()[codes]
+    down, right = np.nonzero(_at_edges(found))
+    if len(down):
+        found[down, right] = _unmixed(pixels, found, down, right)
+    return found
+
+
+def _at_edges(found: np.ndarray) -> np.ndarray:
+    """Where most of the eight pixels around are of another class, bool [H, W]."""
+    height, width = found.shape
+    padded = np.pad(found, 1, mode="edge")
+    same = np.zeros(found.shape, dtype=np.uint8)
+    for down in range(3):
+        for right in range(3):
+            same += padded[down : down + height, right : right + width] == found
+    alone: np.ndarray = same - 1 < _SUPPORTED
+    return alone
+
+
+def _unmixed(pixels: np.ndarray, found: np.ndarray, down: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """The classes of some pixels: of those that are a mixture of what is on both sides of them, that of a side."""
+    height, width = found.shape
+    result, open_ = found[down, right], np.ones(len(down), dtype=bool)
+    colours = pixels[down, right].astype(np.float32)
+    for reach in range(_REACH, 0, -1):
+        for step_down, step_right in ((0, 1), (1, 0), (1, 1), (1, -1)):
+            a, b = (
+                (np.clip(down + s * step_down, 0, height - 1), np.clip(right + s * step_right, 0, width - 1))
+                for s in (-reach, reach)
+            )
+            class_a, class_b = found[a], found[b]
+            known = open_ & (class_a != class_b) & (class_a != UNKNOWN) & (class_b != UNKNOWN)
+            first, second = PALETTE[np.where(known, class_a, 0)], PALETTE[np.where(known, class_b, 0)]
+            way = second - first
+            length = np.maximum((way**2).sum(axis=1), 1.0)
+            share = ((colours - first) * way).sum(axis=1) / length
+            off = np.linalg.norm(colours - first - share[:, None] * way, axis=1)
+            mixed = known & (length > _DIFFERENT**2) & (off < _MIXED) & (share > 0.08) & (share < 0.92)
+            result[mixed] = np.where(share < 0.5, class_a, class_b)[mixed]
+            open_ &= ~mixed
+    return result
+
+
+def without_specks(found: np.ndarray, least: int) -> tuple[np.ndarray, int]:
+    """Classes u8 [H, W] where lines of one pixel, pieces of fewer than `least` and what has no class got the class of
+    the nearest other pixel; and how many pixels that were."""
+    speck = (found == UNKNOWN) | ~_in_squares(found)
+    found = np.where(speck, UNKNOWN, found).astype(np.uint8)
+    for value in np.unique(found[~speck]).tolist():
+        pieces, count = ndimage.label(found == value, np.ones((3, 3)))
+        if count:
+            small = np.bincount(pieces.ravel()) < least
+            small[0] = False
+            speck |= small[pieces]
+    return filled(found, speck), int(np.count_nonzero(speck))
+
+
+def _in_squares(found: np.ndarray) -> np.ndarray:
+    """Which pixels are one of two by two of the same class, bool [H, W]."""
+    right, down = found[:, 1:] == found[:, :-1], found[1:] == found[:-1]
+    square = np.zeros((found.shape[0] + 1, found.shape[1] + 1), dtype=bool)
+    square[1:-1, 1:-1] = right[1:] & right[:-1] & down[:, 1:]
+    inside: np.ndarray = square[1:, 1:] | square[1:, :-1] | square[:-1, 1:] | square[:-1, :-1]
+    return inside
+
+
+def filled(found: np.ndarray, gone: np.ndarray) -> np.ndarray:
+    """`found` [H, W] with the value of the nearest pixel that stays where `gone`."""
+    if not gone.any():
+        return found
+    if gone.all():
+        return np.full_like(found, PAPER)
+    down, right = ndimage.distance_transform_edt(gone, return_distances=False, return_indices=True)
+    values: np.ndarray = found[down, right]
+    return values

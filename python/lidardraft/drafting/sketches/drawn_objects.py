@@ -1,0 +1,181 @@
+"""Blobs become objects, and strokes of plants and walls rows of parts: in the places, sizes and turns that were drawn.
+
+What a view from above does not say, heights above all, is drawn at random from the sizes of `sentence_kinds`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+
+from lidardraft.drafting.object_shapes import CROWN_BASE, TRUNK_DIAMETER, ObjectPart, extents, resized, tree_parts
+from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS, SentenceKind
+from lidardraft.drafting.sketches.drawn_kinds import kind_of, named_kind
+from lidardraft.drafting.sketches.drawn_shapes import Blob, Stroke
+from lidardraft.drafting.sketches.drawn_surfaces import smoothed
+from lidardraft.scene.check import SIZE_RANGES
+
+_AS_DRAWN = ("building", "vegetation", "wall", "fence")  # classes whose footprints are as large as they are drawn
+_LEAST = 0.6  # of the smallest extent of a class: what is drawn smaller is a mark, and has the usual size
+_MOST_AREAS = 4.0  # times the largest footprint of a vehicle: no vehicle
+_GAP = 1.0  # m between vehicles that were drawn as one stroke; estimate of ours
+_ROUND = 2 / math.sqrt(3)  # diameters of a disc to a side of the square with the same moments
+_CROWN = (1.0, 14.0)  # m across; wider vegetation is several trees
+_STAND_CROWN = 6.0  # m across, of the trees of a stand
+_TREE_HEIGHT = (4.0, 16.0)  # m
+_HEIGHT_PER_CROWN = 1.9  # the middle of what `sentence_kinds` says of trees
+_WIDEST_HEDGE = 2.2  # m; a wider stroke of vegetation is a row of trees
+_TREE_SPACING = 1.15  # crowns from one tree of a row to the next
+_CORNER = 0.4  # m that a hedge, fence or wall may be beside its stroke
+_SHORTEST_PART = 0.05  # m
+_MOST_PARTS = 2_000  # of one stroke or stand
+
+Placed = tuple[str, list[tuple[ObjectPart, float]], np.ndarray]  # kind, parts with the yaw of each, place [2]
+
+
+class NotDrawnError(Exception):
+    """A shape that stands for no object; says why."""
+
+
+def objects_of_blob(blob: Blob, yaw: float, rng: np.random.Generator) -> Iterator[Placed]:
+    """The objects that a blob stands for, headed for `yaw` [rad]: one, or a row of vehicles, or a stand of trees."""
+    kind = kind_of(blob)
+    if blob.label in ("wall", "fence"):
+        length = max(blob.length, blob.width)
+        yield _placed(kind.name, _resized(kind, (length, _thickness(kind, blob.width)), rng), blob.center, yaw)
+    elif kind.is_vehicle:
+        yield from _vehicles(blob, kind, yaw, rng)
+    elif kind.name == "tree":
+        yield from _trees(blob, yaw, rng)
+    elif blob.label in _AS_DRAWN:
+        footprint = max(blob.length, 0.5), max(blob.width, 0.5)
+        if kind.name == "bush":
+            footprint = (_ROUND * math.sqrt(footprint[0] * footprint[1]),) * 2
+        yield _placed(kind.name, _resized(kind, footprint, rng), blob.center, yaw)
+    else:
+        parts = kind.sample_parts(rng, parked=blob.label != "rider")
+        yield _placed(kind.name, parts, blob.center, yaw)
+
+
+def objects_of_stroke(stroke: Stroke, rng: np.random.Generator) -> Iterator[Placed]:
+    """A hedge, wall or fence along a stroke, or a row of trees where it is wide."""
+    kind = named_kind(stroke.label, stroke.names)
+    if stroke.label == "vegetation" and kind is None and stroke.width <= _WIDEST_HEDGE:
+        kind = SENTENCE_KINDS["hedge"]
+    if stroke.label != "vegetation":
+        kind = SENTENCE_KINDS[stroke.label]
+    if kind is None or not kind.follows_road:
+        yield from _tree_row(stroke, rng)
+        return
+    line = _cornered(smoothed(stroke, max(0.5 * stroke.width, 2.0 * stroke.grain), 0.5), _CORNER)
+    whole = _resized(kind, (1.0, _thickness(kind, stroke.width)), rng)[0]
+    place = line.mean(axis=0)
+    parts = []
+    for a, b in pairwise(line):
+        length, turn = float(np.linalg.norm(b - a)), math.atan2(*(b - a)[::-1])
+        if length > _SHORTEST_PART:
+            x, y = ((a + b) / 2 - place).tolist()
+            cos, sin = math.cos(turn), math.sin(turn)
+            center = (cos * x + sin * y, cos * y - sin * x, whole.center[2])
+            parts.append((whole._replace(center=center, size=(length, *whole.size[1:])), turn))
+    if not parts:
+        raise NotDrawnError("it has no length")
+    if len(parts) > 1:
+        parts = [(part._replace(name=str(number)), turn) for number, (part, turn) in enumerate(parts, start=1)]
+    yield kind.name, parts, place
+
+
+def _placed(kind: str, parts: list[ObjectPart], place: np.ndarray, yaw: float) -> Placed:
+    return kind, [(part, yaw) for part in parts], place
+
+
+def _vehicles(blob: Blob, kind: SentenceKind, yaw: float, rng: np.random.Generator) -> Iterator[Placed]:
+    smallest, largest = SIZE_RANGES[blob.label]
+    if blob.length * blob.width > _MOST_AREAS * largest[0] * largest[1] and blob.width > 1.6 * largest[1]:
+        raise NotDrawnError(f"{blob.length:.1f} x {blob.width:.1f} m is no {blob.label}")
+    usual = extents(kind.sample_parts(rng, parked=True))
+    count = max(1, round(blob.length / (usual[0] + _GAP))) if blob.length > largest[0] else 1
+    share = blob.length / count - (_GAP if count > 1 else 0.0)
+    drawn = (share, blob.width)
+    footprint = [
+        usual[axis] if drawn[axis] < _LEAST * smallest[axis] else min(max(drawn[axis], smallest[axis]), largest[axis])
+        for axis in (0, 1)
+    ]
+    ahead = np.array([math.cos(yaw), math.sin(yaw)])
+    for number in range(min(count, _MOST_PARTS)):
+        place = blob.center + ((number + 0.5) / count - 0.5) * blob.length * ahead
+        parts = kind.sample_parts(rng, parked=True)
+        size = extents(parts)
+        parts = resized(parts, (footprint[0] / size[0], footprint[1] / size[1], 1.0))
+        yield _placed(kind.name, parts, place, yaw)
+
+
+def _trees(blob: Blob, yaw: float, rng: np.random.Generator) -> Iterator[Placed]:
+    if max(blob.length, blob.width) <= _CROWN[1]:
+        yield _placed("tree", _tree(_ROUND * math.sqrt(blob.length * blob.width), rng), blob.center, 0.0)
+        return
+    along, across = (max(1, round(extent / _STAND_CROWN)) for extent in (blob.length, blob.width))
+    if along * across > _MOST_PARTS:
+        raise NotDrawnError(f"{blob.length:.0f} x {blob.width:.0f} m of trees; up to {_MOST_PARTS} are made")
+    turn = np.array([[math.cos(yaw), math.sin(yaw)], [-math.sin(yaw), math.cos(yaw)]])
+    for k in range(along * across):
+        share = np.array([(k % along + 0.5) / along, (k // along + 0.5) / across]) - 0.5
+        place = blob.center + (share * (blob.length, blob.width)) @ turn
+        crown = min(_STAND_CROWN, blob.length / along, blob.width / across)
+        yield _placed("tree", _tree(crown, rng), place, 0.0)
+
+
+def _tree_row(stroke: Stroke, rng: np.random.Generator) -> Iterator[Placed]:
+    crown = min(max(stroke.width, 2.5), _CROWN[1])
+    line = smoothed(stroke, max(0.5 * stroke.width, 2.0 * stroke.grain), 0.5)
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    count = max(1, min(_MOST_PARTS, round(along[-1] / (_TREE_SPACING * crown))))
+    for k in range(count):
+        place = np.array([np.interp((k + 0.5) / count * along[-1], along, line[:, axis]) for axis in (0, 1)])
+        yield _placed("tree", _tree(crown, rng), place, 0.0)
+
+
+def _tree(across: float, rng: np.random.Generator) -> list[ObjectPart]:
+    crown = min(max(across, _CROWN[0]), _CROWN[1])
+    height = min(max(_HEIGHT_PER_CROWN * crown * float(rng.uniform(0.85, 1.15)), _TREE_HEIGHT[0]), _TREE_HEIGHT[1])
+    base = min(float(rng.uniform(*CROWN_BASE)), 0.45 * height)
+    return tree_parts(height, crown, float(rng.uniform(*TRUNK_DIAMETER)), base)
+
+
+def _thickness(kind: SentenceKind, width: float) -> float:
+    assert kind.sizes is not None
+    return min(max(width, kind.sizes.smallest[1]), kind.sizes.largest[1])
+
+
+def _resized(kind: SentenceKind, footprint: tuple[float, float], rng: np.random.Generator) -> list[ObjectPart]:
+    """The parts of an object of that footprint (length, width) [m], as high as one of its kind."""
+    parts = kind.sample_parts(rng, parked=True)
+    size = extents(parts)
+    return resized(parts, (footprint[0] / size[0], footprint[1] / size[1], 1.0))
+
+
+def _cornered(line: np.ndarray, tolerance: float) -> np.ndarray:
+    """The corners of a line [N, 2] that leaves none of its points further away than a tolerance [m].
+
+    Douglas and Peucker, "Algorithms for the reduction of the number of points required to represent a digitized line",
+    Cartographica 1973.
+    """
+    kept, waiting = {0, len(line) - 1}, [(0, len(line) - 1)]
+    while waiting:
+        a, b = waiting.pop()
+        if b - a < 2:
+            continue
+        chord, off = line[b] - line[a], line[a + 1 : b] - line[a]
+        length = float(np.linalg.norm(chord))
+        away = np.linalg.norm(off, axis=1)
+        if length > 1e-9:
+            along = np.clip(off @ chord / length, 0.0, length)
+            away = np.linalg.norm(off - along[:, None] * chord / length, axis=1)
+        if away.max() > tolerance:
+            corner = a + 1 + int(np.argmax(away))
+            kept.add(corner)
+            waiting += [(a, corner), (corner, b)]
+    return line[sorted(kept)]

@@ -1,0 +1,177 @@
+"""Roads and sidewalks of a sketch become surfaces, as `scene.road` makes them; objects look the way that they run."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from lidardraft.drafting.sketches.drawn_shapes import Blob, Sketch, Stroke
+from lidardraft.drafting.sketches.line_smoothing import resampled, smooth
+from lidardraft.scene.layout import Primitive
+from lidardraft.scene.road import KERB_HEIGHT, TERRAIN_HEIGHT
+
+_NARROWEST = {"road": 2.0, "sidewalk": 0.5}  # m; a thinner stroke is a middle line, and the road as wide as usual
+_USUAL = {"road": 7.0, "sidewalk": 2.0}  # m, two lanes of 3.5 m; as in `Road`
+_WIDEST = 60.0  # m
+_STRAIGHT = 0.5, 0.12  # m, and of the width: how far a straight line wobbles in a hand
+_STEP = 2.0  # m between the stations of a bend, as in `Road`
+_BESIDE = 12.0  # m from the edge of a road: what is nearer goes along it, is parked at it or faces it
+_ACROSS = math.radians(50)  # what is turned against a road by more does not go along it
+_FACING_ROAD = ("pole", "traffic-light", "traffic-sign")
+_WOBBLE = 0.5  # of the width: what is shorter along a stroke is wobble
+
+
+def smoothed(stroke: Stroke, sigma: float, step: float) -> np.ndarray:
+    """Points [N, 2] of the stroke's line every `step` [m], without what is shorter than some `sigma` [m]."""
+    line, spacing = resampled(stroke.line, step)
+    return smooth(line, min(sigma / spacing, len(line) / 6), stroke.closed)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DrawnSurface:
+    """A road or sidewalk `width` [m] wide along a middle line [N, 2], of two points where it is straight."""
+
+    label: str
+    line: np.ndarray
+    width: float
+
+    def nearest(self, place: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+        """How far [m] from the middle line a place [2] is, the nearest point [2] of it, and the direction [2] there."""
+        begins, steps = self.line[:-1], np.diff(self.line, axis=0)
+        lengths = np.maximum((steps**2).sum(axis=1), 1e-12)
+        share = np.clip(((place - begins) * steps).sum(axis=1) / lengths, 0.0, 1.0)
+        points = begins + share[:, None] * steps
+        away = np.linalg.norm(place - points, axis=1)
+        best = int(np.argmin(away))
+        return float(away[best]), points[best], steps[best] / math.sqrt(lengths[best])
+
+
+def drawn_surfaces(sketch: Sketch) -> list[DrawnSurface]:
+    """The roads and sidewalks of a sketch; a blob is one that is hardly longer than wide."""
+    surfaces = [
+        DrawnSurface(stroke.label, _middle_line(stroke), _strip_width(stroke))
+        for stroke in sketch.strokes
+        if stroke.label in _USUAL
+    ]
+    for blob in sketch.blobs:
+        if blob.label in _USUAL:
+            half = blob.length / 2 * np.array([math.cos(blob.yaw), math.sin(blob.yaw)])
+            line = np.array([blob.center - half, blob.center + half])
+            surfaces.append(DrawnSurface(blob.label, line, max(blob.width, 0.1)))
+    return surfaces
+
+
+def ground_primitives(surfaces: list[DrawnSurface]) -> Iterator[Primitive]:
+    """The shapes of surfaces, with the ids road_1, road_2, ..., sidewalk_1, ..."""
+    numbers: Counter[str] = Counter()
+    for each in surfaces:
+        numbers[each.label] += 1
+        yield _surface(each.label, each.line, each.width, f"{each.label}_{numbers[each.label]}")
+
+
+def height_at(surfaces: list[DrawnSurface], place: np.ndarray) -> float:
+    """How high what stands at a place [2] stands over the road [m]: as high as a kerb on a sidewalk."""
+    walks = (each for each in surfaces if each.label == "sidewalk")
+    return KERB_HEIGHT if any(each.nearest(place)[0] < each.width / 2 for each in walks) else 0.0
+
+
+def heading(blob: Blob, surfaces: list[DrawnSurface]) -> float:
+    """The yaw of what a blob stands for: along its length, and forwards as right-hand traffic on the nearest road goes.
+
+    What does not lie along a road looks ahead rather than back. What has no length, such as a lamp or a sign, stands
+    as it does beside a road: its front to who comes, its right to the road if it is a pole.
+    """
+    if blob.points:
+        return blob.yaw
+    roads = [(*each.nearest(blob.center), each.width) for each in surfaces if each.label == "road"]
+    away, nearest, ahead, width = min(roads, key=lambda road: road[0] - road[3] / 2, default=(0.0, None, None, 0.0))
+    if nearest is None or ahead is None or away - width / 2 > _BESIDE:
+        return _forwards(blob.yaw, 0.0)
+    if away > 0.1:
+        off = blob.center - nearest
+        ahead = ahead if ahead[0] * off[1] - ahead[1] * off[0] <= 0 else -ahead  # the road is on its left
+    elif ahead[0] < 0:
+        ahead = -ahead
+    along = math.atan2(ahead[1], ahead[0])
+    if blob.label in _FACING_ROAD:
+        return along + math.pi if blob.label == "pole" else along
+    if abs(math.sin(blob.yaw - along)) > math.sin(_ACROSS):
+        return _forwards(blob.yaw, 0.0)
+    return _forwards(blob.yaw, along)
+
+
+def _forwards(yaw: float, along: float) -> float:
+    """The yaw or its opposite, whichever is nearer to `along`."""
+    turned = yaw if math.cos(yaw - along) >= 0 else yaw + math.pi
+    return math.remainder(turned, math.tau)
+
+
+def _strip_width(stroke: Stroke) -> float:
+    """How wide a surface its stroke stands for [m]."""
+    width = stroke.width if stroke.width >= _NARROWEST[stroke.label] else _USUAL[stroke.label]
+    return min(width, _WIDEST)
+
+
+def _middle_line(stroke: Stroke) -> np.ndarray:
+    """The middle line [N, 2] of a surface: two points where it is straight but for the wobble of a hand."""
+    width = _strip_width(stroke)
+    line = smoothed(stroke, max(_WOBBLE * width, 1.5 * stroke.grain), _STEP)
+    away = [np.linalg.norm(line - end, axis=1) > width for end in (line[0], line[-1])]
+    inner = line[away[0] & away[1]]  # a hand, and a junction, bend the ends
+    chord = _chord(inner if len(inner) > 2 else line)
+    if stroke.closed or chord is None:
+        return line
+    middle, ahead, deviation = chord
+    if deviation > max(_STRAIGHT[0], _STRAIGHT[1] * width):
+        return line
+    places = (line[[0, -1]] - middle) @ ahead
+    straight: np.ndarray = middle + places[:, None] * ahead
+    return straight if ahead[0] >= 0 else straight[::-1]
+
+
+def _chord(line: np.ndarray) -> tuple[np.ndarray, np.ndarray, float] | None:
+    """The middle and the direction of a line, and how far it is from straight [m]; None where it has no length."""
+    middle = line.mean(axis=0)
+    off = line - middle
+    ahead = np.linalg.eigh(off.T @ off)[1][:, 1]
+    if not off.any():
+        return None
+    ahead = ahead if (line[-1] - line[0]) @ ahead >= 0 else -ahead
+    return middle, ahead, float(np.abs(off @ np.array([-ahead[1], ahead[0]])).max())
+
+
+def _surface(label: str, line: np.ndarray, width: float, id: str) -> Primitive:
+    """The surface of a width [m] along a middle line [N, 2]: a plane or box if it is straight, else a mesh."""
+    top = KERB_HEIGHT if label == "sidewalk" else 0.0
+    if len(line) == 2:
+        (x, y), (dx, dy) = line.mean(axis=0).tolist(), (line[1] - line[0]).tolist()
+        length, yaw = math.hypot(dx, dy), math.atan2(dy, dx)
+        return _flat(label, x, y, length, width, yaw, id)
+    ahead = np.gradient(line, axis=0)
+    if np.array_equal(line[0], line[-1]):  # the ends of a ring have one direction
+        ahead[0] = ahead[-1] = line[1] - line[-2]
+    ahead /= np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), 1e-9)
+    left = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1) * width / 2
+    profile = [(-1.0, top), (1.0, top)]
+    if top > 0.0:
+        profile = [(-1.0, TERRAIN_HEIGHT), *profile, (1.0, TERRAIN_HEIGHT)]
+    rows = [np.column_stack([line + side * left, np.full(len(line), z)]) for side, z in profile]
+    vertices = np.stack(rows, axis=1).reshape(-1, 3)
+    count = len(profile)
+    corners = np.arange(len(line) - 1)[:, None] * count + np.arange(count - 1)
+    a, b = corners.ravel(), corners.ravel() + 1
+    faces = np.stack([np.stack([a, b, b + count], axis=1), np.stack([a, b + count, a + count], axis=1)], axis=1)
+    return Primitive.from_mesh(vertices, faces.reshape(-1, 3), label=label, id=id)
+
+
+def _flat(label: str, x: float, y: float, length: float, width: float, yaw: float, id: str) -> Primitive:
+    """A rectangle of ground: a plane at the height of the road, or a box as high as a kerb."""
+    if label == "sidewalk":
+        height = KERB_HEIGHT - TERRAIN_HEIGHT
+        center = (x, y, KERB_HEIGHT - height / 2)
+        return Primitive(shape="box", center=center, size=(length, width, height), yaw=yaw, label=label, id=id)
+    return Primitive(shape="plane", center=(x, y, 0.0), size=(length, width, 0.0), yaw=yaw, label=label, id=id)

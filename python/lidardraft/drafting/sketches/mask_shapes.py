@@ -1,0 +1,67 @@
+"""A piece of a sketch, as a mask of pixels, is a blob or one or more strokes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from scipy import ndimage
+from scipy.spatial import ConvexHull
+
+from lidardraft.drafting.sketches.centre_lines import centre_lines
+from lidardraft.drafting.sketches.drawn_shapes import Blob, SketchFrame, Stroke
+
+STROKE_CLASSES = ("road", "sidewalk", "wall", "fence", "vegetation")  # which come as strokes, and as blobs too
+_SLENDER = 2.5  # times as long as wide: a stroke
+_NEARLY_SQUARE = 1.3  # times as long as wide: moments no longer tell the direction well
+
+
+def shapes_of_mask(
+    mask: np.ndarray, frame: SketchFrame, label: str, names: tuple[str, ...], where: str
+) -> Iterator[Blob | Stroke]:
+    """What a mask bool [H, W] shows, whose pixel 0, 0 lies at 0, 0 of the frame."""
+    lines = list(centre_lines(mask)) if label in STROKE_CLASSES and _is_slender(mask) else []
+    grain = frame.metres_per_unit
+    for line in lines:
+        points = frame.to_layout(line.points[:, ::-1])
+        yield Stroke(label, names, where, points, line.width * grain, line.closed, grain)
+    if not lines:
+        points = frame.to_layout(np.argwhere(mask)[:, ::-1].astype(np.float64))
+        yield Blob(label, names, where, *_rectangle(points, grain))
+
+
+def _is_slender(mask: np.ndarray) -> bool:
+    inner = float(ndimage.distance_transform_edt(np.pad(mask, 1)).max())
+    return bool(np.count_nonzero(mask) >= _SLENDER * (2 * inner) ** 2)
+
+
+def _rectangle(points: np.ndarray, grain: float) -> tuple[np.ndarray, float, float, float]:
+    """Centre [2], length, width and yaw of the rectangle that has the moments of pixels at `points` [N, 2].
+
+    A rectangle of length L has the variance L^2 / 12 along it; wobbles of an outline hardly move that.
+    """
+    center = points.mean(axis=0)
+    off = points - center
+    # a pixel is a square, and no point: its own variance is a twelfth
+    covariance = off.T @ off / len(off) + np.eye(2) * grain**2 / 12
+    values, vectors = np.linalg.eigh(covariance)
+    yaw = math.atan2(vectors[1, 1], vectors[0, 1])
+    if values[1] < _NEARLY_SQUARE**2 * values[0] and len(points) > 3:
+        yaw = _tightest_yaw(off, yaw)
+    axes = np.array([[math.cos(yaw), math.sin(yaw)], [-math.sin(yaw), math.cos(yaw)]])
+    extents = np.sqrt(12.0 * np.diag(axes @ covariance @ axes.T))
+    if extents[1] > extents[0]:
+        extents, yaw = extents[::-1], yaw + math.pi / 2
+    return center, float(extents[0]), float(extents[1]), yaw
+
+
+def _tightest_yaw(off: np.ndarray, otherwise: float) -> float:
+    """The heading of the smallest rectangle around points, to a degree."""
+    if min(np.ptp(off, axis=0)) == 0:
+        return otherwise
+    corners = off[ConvexHull(off).vertices]
+    headings = np.deg2rad(np.arange(90.0))
+    along = corners @ np.stack([np.cos(headings), np.sin(headings)])
+    across = corners @ np.stack([-np.sin(headings), np.cos(headings)])
+    return float(headings[np.argmin(np.ptp(along, axis=0) * np.ptp(across, axis=0))])

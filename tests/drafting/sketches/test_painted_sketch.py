@@ -1,0 +1,90 @@
+import math
+
+import numpy as np
+import pytest
+
+from drawn_sketches import DrawnBox, DrawnLine, Hand, painted
+from lidardraft.drafting.sketches.painted_sketch import read_painting
+from lidardraft.errors import FormatError, LayoutError
+
+ROAD = DrawnLine("road", np.array([(-40.0, 0.0), (40.0, 0.0)]), 7.0)
+CAR = DrawnBox("car", (8.0, 1.8), 4.2, 1.8, 0.1)
+
+
+def test_shapes_are_where_they_were_painted() -> None:
+    found = read_painting(painted([ROAD, CAR], hand=Hand(1, 0.05)), 0.1, None)
+    (car,), (road,) = found.blobs, found.strokes
+    np.testing.assert_allclose(car.center, CAR.center, atol=0.1)
+    assert (car.length, car.width) == pytest.approx((4.2, 1.8), abs=0.25)
+    assert abs(math.remainder(car.yaw - 0.1, math.pi)) < math.radians(3)
+    assert (road.label, road.width) == ("road", pytest.approx(7.0, abs=0.4))
+    assert np.abs(road.line[:, 1]).max() < 0.5
+    assert np.ptp(road.line[:, 0]) > 78
+
+
+def test_a_road_goes_on_under_what_stands_on_it() -> None:
+    bus = DrawnBox("bus", (10.0, 0.0), 11.0, 7.5, 0.0)  # as wide as the road
+    (road,) = read_painting(painted([ROAD, bus]), 0.1, None).strokes
+    assert np.ptp(road.line[:, 0]) > 78
+
+
+def test_a_bar_says_the_scale_and_green_the_ego_vehicle() -> None:
+    found = read_painting(painted([ROAD, CAR], bar=20.0, ego=(-5.0, -1.0)), None, 20.0)
+    assert found.metres_per_unit == pytest.approx(0.1, rel=0.01)
+    assert found.ego_marked
+    np.testing.assert_allclose(found.blobs[0].center, (13.0, 2.8), atol=0.15)
+    ignored = read_painting(painted([ROAD, CAR], bar=20.0), 0.1, None).ignored
+    assert ignored[-1] == "black: the scale is given in metres per pixel"
+
+
+def test_a_large_picture_is_read_coarsely() -> None:
+    fine = painted([ROAD, CAR], metres_per_pixel=0.04, size=(2000, 2000))
+    found = read_painting(fine, 0.04, None)
+    assert found.metres_per_unit == pytest.approx(0.04)
+    np.testing.assert_allclose(found.blobs[0].center, CAR.center, atol=0.1)
+
+
+@pytest.mark.parametrize(("label", "other"), [("bus", "train"), ("train", "bus")])
+def test_like_colours_are_told_apart_by_the_whole_piece(label: str, other: str) -> None:
+    pixels = painted([DrawnBox(label, (0.0, 0.0), 12.0, 2.6, 0.0)])
+    noise = np.random.default_rng(0).normal(0, 9, pixels.shape)
+    noisy = np.clip(pixels + noise, 0, 255).astype(np.uint8)
+    found = read_painting(noisy, 0.1, None)
+    assert [blob.label for blob in found.blobs] == [label]
+    assert other != label
+
+
+def test_what_has_no_colour_of_a_class_is_told() -> None:
+    pixels = painted([CAR]).copy()
+    pixels[:40, :200] = (255, 128, 128)
+    (line,) = read_painting(pixels, 0.1, None).ignored
+    assert line.startswith("1.2")
+    assert "% of the pixels" in line
+
+
+@pytest.mark.parametrize(
+    ("pixels", "said"),
+    [
+        (np.full((50, 50, 3), (255, 128, 128), np.uint8), "100% of the pixels have no class's colour"),
+        (np.random.default_rng(0).integers(0, 256, (300, 300, 3)).astype(np.uint8), "have no class's colour"),
+        (painted([CAR], size=(99, 99)), "or a black bar and scale_bar"),
+    ],
+)
+def test_pictures_that_are_no_sketch(pixels: np.ndarray, said: str) -> None:
+    with pytest.raises(LayoutError, match=said):
+        read_painting(pixels, None, None)
+
+
+def test_scales_that_cannot_be() -> None:
+    with pytest.raises(LayoutError, match="no black bar"):
+        read_painting(painted([CAR]), None, 10.0)
+    with pytest.raises(LayoutError, match="is 4000 m wide; up to 2000 m"):
+        read_painting(painted([CAR]), 5.0, None)
+
+
+def test_more_shapes_than_a_sketch_has() -> None:
+    pixels = np.full((900, 900, 3), 255, np.uint8)
+    spots = (np.add.outer(np.arange(900) % 10 < 4, np.zeros(900, int)) > 0) & (np.arange(900) % 10 < 4)
+    pixels[spots] = (0, 0, 142)
+    with pytest.raises(FormatError, match="more than 5000 shapes"):
+        read_painting(pixels, 0.1, None)
