@@ -20,7 +20,7 @@ from torch.profiler import ProfilerActivity, profile
 from torch.utils.flop_counter import FlopCounterMode
 
 from lidardraft import Sensor
-from lidardraft.diffusion.codec import CONDITION_CHANNELS, STATE_CHANNELS, encode_elevations
+from lidardraft.diffusion.codec import CONDITION_CHANNELS, STATE_CHANNELS, encode_rays
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.networks import weight_file
 from lidardraft.networks.precision import has_bfloat16
@@ -32,7 +32,7 @@ class Bench:
 
     def __init__(self, denoiser: Denoiser, sensor: Sensor, batch: int) -> None:
         self.denoiser, self.batch, self.wraps = denoiser, batch, sensor.wraps
-        self.beams = torch.from_numpy(encode_elevations(sensor))
+        self.rays = torch.from_numpy(encode_rays(sensor))
         self.clean, self.noise = torch.randn(2, batch, STATE_CHANNELS, *sensor.shape)
         self.condition = torch.randn(batch, CONDITION_CHANNELS, *sensor.shape)
         self.sigma = torch.logspace(-2, 1, batch)
@@ -40,11 +40,11 @@ class Bench:
     @torch.inference_mode()
     def call(self) -> Tensor:
         """One call of the network for one scan."""
-        return self.denoiser.denoise(self.clean[:1], self.sigma[:1], self.beams, self.condition[:1], wraps=self.wraps)
+        return self.denoiser.denoise(self.clean[:1], self.sigma[:1], self.rays, self.condition[:1], wraps=self.wraps)
 
     def step(self) -> None:
         """The gradient of a batch."""
-        loss = self.denoiser.loss(self.clean, self.sigma, self.noise, self.beams, self.condition, wraps=self.wraps)
+        loss = self.denoiser.loss(self.clean, self.sigma, self.noise, self.rays, self.condition, wraps=self.wraps)
         loss.mean().backward()
         self.denoiser.zero_grad()
 
