@@ -16,6 +16,7 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.training import denoising, recipes
 from lidardraft.training.denoising import train_denoiser
 from lidardraft.training.pairs import PairFolder, write_pairs
+from lidardraft.training.processes import ALONE
 
 GENERATOR, BASE, CONTROL = (
     dataclasses.replace(stage, report_every=1, save_every=1000)
@@ -154,7 +155,7 @@ def test_a_sensor_that_is_no_whole_cells_is_refused(tmp_path: Path) -> None:
 def test_a_full_turn_is_learned_as_a_ring(span: float, tmp_path: Path) -> None:
     sensor = dataclasses.replace(SENSOR, azimuth_start=span / 2, azimuth_span=span)
     list(write_pairs(tmp_path, [noted(0, sensor)]))
-    *_, wraps = denoising._batch(GENERATOR, PairFolder(tmp_path), 0)
+    *_, wraps = denoising._batch(GENERATOR, PairFolder(tmp_path), ALONE, 0)
     assert bool(wraps) == (span > 6)
 
 
@@ -162,7 +163,7 @@ def test_half_of_the_batches_are_mirrored(pairs: PairFolder) -> None:
     one = dataclasses.replace(GENERATOR, batch=1)
     mirrored = []
     for step in range(12):
-        clean, _, _, rays, condition, _ = denoising._batch(one, pairs, step)
+        clean, _, _, rays, condition, _ = denoising._batch(one, pairs, ALONE, step)
         simulated = condition[:, CONDITION_PARTS["simulated"]]
         expected = encode_scan(pairs.pairs(step, 1)[0].scan)
         mirrored.append(bool(np.array_equal(clean[0].numpy(), expected[..., ::-1])))

@@ -43,6 +43,7 @@ def street(arguments: argparse.Namespace) -> None:
     from lidardraft.networks import weight_file
     from lidardraft.pipeline import Pipeline
     from lidardraft.training.loop import check_run_folder, device_for_training
+    from lidardraft.training.processes import Processes
 
     stages = _stages(arguments)
     source = _source(arguments)
@@ -53,14 +54,17 @@ def street(arguments: argparse.Namespace) -> None:
     for config, run_folder in zip(stages, runs, strict=True):
         config.check(source.sensor)
         check_run_folder(run_folder)
-    device_for_training(arguments.device)
+    processes = Processes.from_environment(device_for_training(arguments.device))
     Path(arguments.output).parent.mkdir(parents=True, exist_ok=True)
     begin, ends = _initial(arguments.init), time.monotonic() + 60 * arguments.minutes
     for config, run_folder in zip(stages, runs, strict=True):
         if not _trained(config, source, run_folder, begin, arguments.device, (ends - time.monotonic()) / 60):
             print(f"{run_folder}: stopped after {arguments.minutes:g} minutes; the same call goes on")
             return
+        processes.wait()  # until the first one has saved what all have learned
         begin = weight_file.load(run_folder / "weights.safetensors", Denoiser)
+    if processes.rank > 0:
+        return
     # What is scored is what ships: float16.
     assert begin is not None
     half = Path(arguments.work) / "half.safetensors"

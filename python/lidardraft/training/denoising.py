@@ -22,7 +22,8 @@ from lidardraft.networks.precision import reduced_precision
 from lidardraft.scene.sensor import Sensor
 from lidardraft.training.learner import LearningConfig
 from lidardraft.training.loop import Batch, Data, Measures, Report, device_for_training, prefetched, train
-from lidardraft.training.pairs import Pair
+from lidardraft.training.pairs import Pair, scans_of_step
+from lidardraft.training.processes import Processes
 
 BANDS = (0.0, 0.05, 0.2, 1.0, float("inf"))  # edges of the noise levels that are reported apart
 _SILENT = 20  # steps after which a zero convolution must have learned
@@ -35,8 +36,9 @@ class PairSource(Data, Protocol):
     def sensor(self) -> Sensor | None:
         """The sensor of all pairs, None where they are of many."""
 
-    def pairs(self, step: int, scans: int) -> list[Pair]:
-        """Those of a step, of one sensor, as many as `scans` of 64 x 1024 are worth."""
+    def pairs(self, step: int, scans: int, processes: Processes) -> list[Pair]:
+        """Those of a step, of one sensor, as many as `scans` of 64 x 1024 are worth; of several processes, this
+        one's."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,10 +79,11 @@ def train_denoiser(
     """
     config.check(source.sensor)
     on = device_for_training(device)
+    processes = Processes.from_environment(on)
     denoiser = _beginning(config, begin)
 
     def batches(start: int) -> Generator[Batch, None, None]:
-        return prefetched(partial(_batch, config, source), start)
+        return prefetched(partial(_batch, config, source, processes), start)
 
     def loss(step: int, batch: Batch) -> tuple[Tensor, Measures]:
         if denoiser.controlnet is not None:
@@ -128,18 +131,20 @@ def _check_zero_convs(denoiser: Denoiser, step: int) -> None:
                 raise TrainingError(f"zero convolution {name!r} is still zero after {step} steps")
 
 
-def _batch(config: DenoisingConfig, source: PairSource, step: int) -> Batch:
-    """Clean states, noise levels, noise, rays, conditions and whether columns wrap, of a step."""
+def _batch(config: DenoisingConfig, source: PairSource, processes: Processes, step: int) -> Batch:
+    """Clean states, noise levels, noise, rays, conditions and whether columns wrap, of this process in a step."""
     random = np.random.default_rng((config.seed, step))
     generator = torch.Generator().manual_seed(int(random.integers(2**62)))
-    pairs = source.pairs(step, config.batch)
+    pairs = source.pairs(step, config.batch, processes)
     sensor = pairs[0].scan.sensor
+    scans = scans_of_step(config.batch, sensor)
+    share = list(processes.share(scans))
     clean = torch.from_numpy(np.stack([encode_scan(pair.scan) for pair in pairs]))
     condition = torch.from_numpy(np.stack([encode_condition(pair.condition_image, pair.simulated) for pair in pairs]))
     rays = torch.from_numpy(encode_rays(sensor))
     # The mirror image of staggered beams is another sensor.
     if random.random() < 0.5 and not any(sensor.azimuth_offsets):
         clean, condition, rays = clean.flip(-1), condition.flip(-1), rays.flip(-1)
-    sigma = training_levels(len(pairs), generator, mean=config.sigma_mean, std=config.sigma_std)
-    noise = torch.randn(clean.shape, generator=generator)
-    return clean, sigma, noise, rays, condition, torch.tensor(sensor.wraps)
+    sigma = training_levels(scans, generator, mean=config.sigma_mean, std=config.sigma_std)
+    noise = torch.randn((scans, *clean.shape[1:]), generator=generator)
+    return clean, sigma[share], noise[share], rays, condition, torch.tensor(sensor.wraps)

@@ -17,6 +17,7 @@ from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 from lidardraft.errors import TrainingError
 from lidardraft.files import regular_size, written_whole
 from lidardraft.networks.weight_file import Network
+from lidardraft.training.processes import ALONE, Processes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,13 +96,14 @@ class Learner:
             self.weights, lr=config.learning_rate, betas=(0.9, 0.99), weight_decay=config.weight_decay
         )
 
-    def step(self, step: int, loss: Tensor) -> float:
-        """One gradient step; the norm of the gradient. Raises `TrainingError`, and changes nothing, where loss or
-        gradient is not finite."""
+    def step(self, step: int, loss: Tensor, processes: Processes = ALONE) -> float:
+        """One gradient step on the sum of all processes' losses; the norm of the gradient. Raises `TrainingError`, and
+        changes nothing, where loss or gradient is not finite."""
         for group in self.optimiser.param_groups:
             group["lr"] = self.config.rate(step)
         self.optimiser.zero_grad(set_to_none=True)
         loss.backward()  # type: ignore[no-untyped-call]
+        processes.add_up(weight.grad for weight in self.weights if weight.grad is not None)
         gradient = torch.nn.utils.clip_grad_norm_(self.weights, self.config.max_gradient)
         if not (loss.isfinite() and gradient.isfinite()):
             raise TrainingError(f"the loss is {loss.item()} and its gradient {gradient.item()} at step {step + 1}")

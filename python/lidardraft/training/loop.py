@@ -25,6 +25,7 @@ from lidardraft.json_fields import is_number, parse_object
 from lidardraft.networks import weight_file
 from lidardraft.networks.weight_file import Network
 from lidardraft.training.learner import Learner, LearningConfig, RunIdentity
+from lidardraft.training.processes import Processes
 
 Batch = tuple[Tensor, ...]
 Measures = dict[str, Tensor]
@@ -70,7 +71,8 @@ def train(
 
     `batches(start)` gives the tensors of each step from `start` on, on the CPU. They follow from the step alone, so
     that a run in slices gives the weights of a run in one. `loss(step, batch)` gives the losses of the samples, whose
-    mean is stepped on, and tensors of numbers by name whose means are reported.
+    mean is stepped on, and tensors of numbers by name whose means are reported. Of several processes (`Processes`) each
+    has its share of the samples; the gradients are added, and the first one writes and reports what it has seen.
 
     The folder `run` receives `log.jsonl`, `state.safetensors` to go on from after an interruption or `max_minutes`, and
     `weights.safetensors`, the average of weights. A report is yielded after what is due at its step is on disk. Raises
@@ -78,26 +80,30 @@ def train(
     """
     run = Path(run)
     check_run_folder(run)
-    identity = _identity(config, network, data)
+    identity, processes = _identity(config, network, data), Processes.from_environment(device)
     learner = Learner(network.to(device).train(), config)
     start = learner.resume(run / "state.safetensors", identity)
     if start >= config.steps:
         return
     run.mkdir(parents=True, exist_ok=True)
-    _cut_log(run / "log.jsonl", start)
+    if processes.rank == 0:
+        _cut_log(run / "log.jsonl", start)
     began, window = time.monotonic(), _Window()
     with closing(batches(start)) as upcoming:
         for step, tensors in zip(range(start, config.steps), upcoming, strict=False):
             losses, measures = loss(step, tuple(tensor.to(device) for tensor in tensors))
-            window.add(losses, learner.step(step, losses.mean()), measures)
+            mean = losses.sum() / processes.total(losses.numel(), device)
+            window.add(losses, learner.step(step, mean, processes), measures)
             minutes = (time.monotonic() - began) / 60
-            last = step + 1 == config.steps or minutes > max_minutes
+            # all processes stop at the same step
+            last = step + 1 == config.steps or processes.total(minutes > max_minutes, device) > 0
             report = None
             if last or (step + 1) % config.report_every == 0:
                 report, window = window.report(step + 1, config.batch, minutes), _Window()
-                with (run / "log.jsonl").open("a") as log:
-                    log.write(json.dumps(dataclasses.asdict(report)) + "\n")
-            if last or (step + 1) % config.save_every == 0:
+                if processes.rank == 0:
+                    with (run / "log.jsonl").open("a") as log:
+                        log.write(json.dumps(dataclasses.asdict(report)) + "\n")
+            if processes.rank == 0 and (last or (step + 1) % config.save_every == 0):
                 card = {"training": dataclasses.asdict(config), "step": step + 1, "data": data.source}
                 weight_file.save(learner.averaged, run / "weights.safetensors", card)
                 # The state last: what is killed before it is done again.

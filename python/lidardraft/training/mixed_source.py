@@ -12,6 +12,7 @@ from lidardraft.errors import TrainingError
 from lidardraft.scene.sensor import Sensor
 from lidardraft.training.denoising import PairSource
 from lidardraft.training.pairs import Pair
+from lidardraft.training.processes import ALONE, Processes
 
 
 @dataclass(frozen=True)
@@ -52,8 +53,8 @@ class MixedSource:
         fields = [(source.checksum, weight) for source, weight in zip(self.sources, self.weights, strict=True)]
         return zlib.crc32(repr(fields).encode())
 
-    def pairs(self, step: int, scans: int) -> list[Pair]:
+    def pairs(self, step: int, scans: int, processes: Processes = ALONE) -> list[Pair]:
         """Those of one source, drawn by the weights: the same for a step."""
         shares = np.array(self.weights) / sum(self.weights)
         chosen = np.random.default_rng([step, 5]).choice(len(self.sources), p=shares)
-        return self.sources[int(chosen)].pairs(step, scans)
+        return self.sources[int(chosen)].pairs(step, scans, processes)

@@ -22,6 +22,7 @@ from lidardraft.scene import image_archive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.training.folder_lock import locked_folder
+from lidardraft.training.processes import ALONE, Processes
 
 SCHEMA = "lidardraft.pairs/3"
 SHARD = 64  # pairs a file
@@ -131,10 +132,11 @@ class PairFolder:
     def __len__(self) -> int:
         return len(self._images["scan_depth"])
 
-    def pairs(self, step: int, scans: int) -> list[Pair]:
-        """Pairs drawn at random, as many as `scans` of 64 x 1024 are worth: the same for a step."""
-        random = np.random.default_rng([self.checksum, step])
-        return [self[int(i)] for i in random.integers(len(self), size=scans_of_step(scans, self.sensor))]
+    def pairs(self, step: int, scans: int, processes: Processes = ALONE) -> list[Pair]:
+        """Pairs drawn at random, as many as `scans` of 64 x 1024 are worth: the same for a step; of several processes,
+        this one's."""
+        drawn = np.random.default_rng([self.checksum, step]).integers(len(self), size=scans_of_step(scans, self.sensor))
+        return [self[int(drawn[number])] for number in processes.share(len(drawn))]
 
     def __getitem__(self, i: int) -> Pair:
         return _pair(self.sensor, {name: images[i] for name, images in self._images.items()})

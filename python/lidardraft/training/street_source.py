@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 import zlib
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ import numpy as np
 from lidardraft.scene.sensor import Sensor
 from lidardraft.streets import StreetConfig, streets
 from lidardraft.training.pairs import Pair, scans_of_step
+from lidardraft.training.processes import ALONE, Processes
 from lidardraft.training.sampled_sensor import sample_sensor
 
 _POSES = 2  # of a street: a network learns more from another street than from another look at one
@@ -38,13 +38,14 @@ class StreetSource:
         fields = {"seed": self.seed, "sensor": None if self.sensor is None else self.sensor.to_json()}
         return zlib.crc32(json.dumps(fields).encode())
 
-    def pairs(self, step: int, scans: int) -> list[Pair]:
-        """Pairs of one sensor, as many as `scans` of 64 x 1024 are worth: the same for a step."""
+    def pairs(self, step: int, scans: int, processes: Processes = ALONE) -> list[Pair]:
+        """Pairs of one sensor, as many as `scans` of 64 x 1024 are worth: the same for a step; of several processes,
+        this one's."""
         sensor = self.sensor or sample_sensor(np.random.default_rng([self.seed, step, 11]))
         config = StreetConfig(sensor=sensor, poses_per_street=_POSES, simulated=True)
-        made = streets(self.seed, config, start=step * scans)
         pairs = []
-        for pair in itertools.islice(made, scans_of_step(scans, sensor)):
+        for number in processes.share(scans_of_step(scans, sensor)):
+            pair = next(streets(self.seed, config, start=step * scans + number))
             assert pair.simulated is not None
             pairs.append(Pair(pair.scan, pair.condition_image, pair.simulated))
         return pairs

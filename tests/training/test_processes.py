@@ -1,0 +1,45 @@
+"""Two processes on one machine, started as torchrun starts them."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import torch
+from box_pairs import noted
+from safetensors.torch import load_file
+
+from lidardraft.errors import TrainingError
+from lidardraft.training.pairs import write_pairs
+from lidardraft.training.processes import ALONE, Processes
+
+SCRIPT = """
+import dataclasses, sys, torch
+from lidardraft.training import recipes
+from lidardraft.training.denoising import train_denoiser
+from lidardraft.training.pairs import PairFolder
+torch.set_num_threads(1)
+config = dataclasses.replace(recipes.tiny().stages[0], steps=4, batch=3, learning_rate=1e-3)
+list(train_denoiser(config, PairFolder(sys.argv[1]), sys.argv[2]))
+"""
+
+
+def test_shares_of_a_batch_are_disjoint_and_together_all() -> None:
+    assert list(ALONE.share(3)) == [0, 1, 2]
+    assert [list(Processes(rank, 2).share(3)) for rank in range(2)] == [[0, 2], [1]]
+    with pytest.raises(TrainingError, match="a step learns from 1 scans, too few for 2 processes"):
+        Processes(0, 2).share(1)
+
+
+def test_two_processes_learn_what_one_learns(tmp_path: Path) -> None:
+    list(write_pairs(tmp_path / "pairs", (noted(seed) for seed in range(4))))
+    (tmp_path / "learn.py").write_text(SCRIPT)
+    torchrun = [sys.executable, "-m", "torch.distributed.run", "--standalone", "--nproc-per-node", "2"]
+    for command, run in (([sys.executable], "one"), (torchrun, "two")):
+        call = [*command, str(tmp_path / "learn.py"), str(tmp_path / "pairs"), str(tmp_path / run)]
+        subprocess.run(call, check=True, capture_output=True)
+    one, two = (load_file(tmp_path / run / "weights.safetensors") for run in ("one", "two"))
+    for name, weight in one.items():
+        # sums of bfloat16 in another order
+        torch.testing.assert_close(two[name], weight, atol=2e-3, rtol=0, msg=name)
+    assert len((tmp_path / "two" / "log.jsonl").read_text().splitlines()) == 1
