@@ -1,6 +1,8 @@
 """The schema allows what a spec can say, and stays within what servers know of schemas."""
 
 import dataclasses
+import json
+import random
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -8,7 +10,7 @@ from typing import Any
 from lidardraft.drafting.scene_spec import ObjectGroup, RoadSpec, SceneSpec
 from lidardraft.drafting.scene_spec_schema import scene_spec_schema
 from lidardraft.drafting.text import spec_from_text
-from lidardraft.errors import TextError
+from lidardraft.errors import LidarDraftError, TextError
 
 SENTENCES = Path(__file__).with_name("sentences.txt")
 
@@ -77,6 +79,33 @@ def test_it_allows_what_every_sentence_says_and_it_is_read_back() -> None:
         assert SceneSpec.from_dict(fields) == spec
         seen += 1
     assert seen > 200
+
+
+def sample(schema: dict[str, Any], rng: random.Random) -> Any:
+    """A value that the schema allows."""
+    if "anyOf" in schema:
+        return sample(rng.choice(schema["anyOf"]), rng)
+    if "enum" in schema:
+        return rng.choice(schema["enum"])
+    if schema["type"] == "array":
+        return [sample(schema["items"], rng) for _ in range(rng.choice((0, 0, 1, 2, 3)))]
+    if schema["type"] == "object":
+        return {name: sample(each, rng) for name, each in schema["properties"].items()}
+    values = {"null": (None,), "boolean": (True, False), "integer": (-1, 0, 1, 2, 10**30), "string": ("", "a car")}
+    return rng.choice(values.get(schema["type"], (-1.0, 0, 0.5, 2, 30, 1e308, float("inf"), float("nan"))))
+
+
+def test_what_it_allows_is_read_or_refused() -> None:
+    schema, read, refused = scene_spec_schema(), 0, 0
+    for seed in range(1000):
+        fields = sample(schema, random.Random(seed))
+        assert allows(schema, fields)
+        try:
+            SceneSpec.from_json(json.dumps(fields))
+            read += 1
+        except LidarDraftError:
+            refused += 1
+    assert min(read, refused) > 100
 
 
 def test_it_forbids_what_no_spec_says() -> None:
