@@ -47,6 +47,10 @@ class TextError(LidarDraftError):
     """A sentence of which nothing was understood."""
 
 
+class LanguageModelError(LidarDraftError):
+    """A language model that cannot be asked, or that writes no scene."""
+
+
 class ScriptError(LidarDraftError):
     """A script that cannot be read as a scene; the message names the line."""
 

@@ -73,12 +73,20 @@ def test_the_length_lies_along_the_yaw():
 
 
 def test_the_second_choice_is_the_other_way_round_and_the_last_what_was_seen():
-    seen = FittedBox(center=np.array([10.0, 0.0, 0.7]), size=np.array([0.2, 2.2, 1.4]), yaw=0.0)
+    seen = FittedBox(center=np.array([10.0, 0.0, 0.7]), size=np.array([0.2, 2.1, 1.4]), yaw=0.0)
     along, across, itself = completions(seen, CAR)
-    np.testing.assert_allclose(along.size, (4.2, 2.2, 1.4))
+    np.testing.assert_allclose(along.size, (4.2, 2.1, 1.4))
     np.testing.assert_allclose(across.size, (4.2, 1.8, 1.4))
     assert abs(across.yaw) == pytest.approx(math.pi / 2)
-    np.testing.assert_allclose(sorted(itself.size), (0.2, 1.4, 2.2))
+    np.testing.assert_allclose(sorted(itself.size), (0.2, 1.4, 2.1))
+
+
+def test_a_side_too_long_for_a_width_is_a_part_of_the_length():
+    # 2.4 m of the side of a car whose other end is hidden, 8 m to the left
+    seen = FittedBox(center=np.array([2.0, 8.0, 0.7]), size=np.array([2.4, 0.2, 1.4]), yaw=0.0)
+    box = completions(seen, CAR)[0]
+    np.testing.assert_allclose(box.size, (4.2, 1.8, 1.4))
+    assert box.yaw == 0.0
 
 
 def test_contains_and_depth_behind_the_front():

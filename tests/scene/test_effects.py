@@ -225,7 +225,7 @@ def test_a_rough_surface_scatters_ranges_by_its_heights():
         (flat, steep, np.sin([0.8, 0.9, 1.0, 1.1])),
     ):
         moved = seen(layout, model, sensor=sensor).depth - raycast(layout, sensor).depth
-        np.testing.assert_allclose(moved.std(axis=1), 0.017 / cosine, rtol=0.12)
+        np.testing.assert_allclose(moved.std(axis=1), 0.008 / cosine, rtol=0.12)
     smooth = seen(wall(9.0, "plaster"), model).depth
     np.testing.assert_array_equal(smooth, raycast(wall(9.0), SENSOR).depth)
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from lidardraft.cli.arguments import add_seed, assignments
 from lidardraft.cli.command import say
+from lidardraft.cli.language_model import add_language_model, asks_language_model
 from lidardraft.errors import FormatError
 from lidardraft.files import named
 from lidardraft.scene.layout import Layout
@@ -21,6 +22,9 @@ _GOES_WITH = {
     "up": ("obj",),
     "scale": ("obj",),
 }
+_GOES_WITH |= {f"llm_{name}": ("text",) for name in ("url", "model", "blender", "cache", "timeout")}
+
+_MOST_NOTES = 10  # on a script that a language model wrote
 
 
 def add_inputs(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
@@ -53,6 +57,7 @@ def add_inputs(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     group.add_argument("--up", choices=("y", "z"), help="axis that points up in --obj (default z)")
     group.add_argument("--scale", type=float, metavar="M", help="length of a unit of --obj, in metres (default 1)")
     add_seed(group)
+    add_language_model(parser)
     return group
 
 
@@ -84,13 +89,36 @@ def _classes(arguments: argparse.Namespace) -> dict[str, str]:
     return assignments(arguments.classes or [], "--class", "NAME=CLASS, as in Cube.001=car")
 
 
-def _from_text(arguments: argparse.Namespace) -> Layout:
+def layout_of_text(arguments: argparse.Namespace, seed: int) -> Layout:
+    """The layout of --text for a seed; by the language model where one is named."""
+    if asks_language_model(arguments):
+        from lidardraft.drafting.llm import layout_from_llm
+
+        return layout_from_llm(
+            arguments.text,
+            seed,
+            url=arguments.llm_url,
+            model=arguments.llm_model,
+            blender=bool(arguments.llm_blender),
+            cache=arguments.llm_cache,
+            timeout=120.0 if arguments.llm_timeout is None else arguments.llm_timeout,
+        )
     from lidardraft.drafting.text import layout_from_text
 
-    layout = layout_from_text(arguments.text, seed=arguments.seed)
-    if layout.provenance["not_understood"]:
-        near = "".join(f"; did you mean {known!r}?" for known in layout.provenance["nearest_words"].values())
-        say("lidardraft", f"not understood: {', '.join(layout.provenance['not_understood'])}{near}")
+    return layout_from_text(arguments.text, seed)
+
+
+def _from_text(arguments: argparse.Namespace) -> Layout:
+    layout = layout_of_text(arguments, arguments.seed)
+    told = layout.provenance
+    if told.get("not_understood"):
+        near = "".join(f"; did you mean {known!r}?" for known in told.get("nearest_words", {}).values())
+        say("lidardraft", f"not understood: {', '.join(told['not_understood'])}{near}")
+    notes = [*told.get("notes", ()), *told.get("findings", ())]
+    for note in notes[:_MOST_NOTES]:
+        say("lidardraft", note)
+    if len(notes) > _MOST_NOTES:
+        say("lidardraft", f"and {len(notes) - _MOST_NOTES} more, in the layout's provenance")
     return layout
 
 

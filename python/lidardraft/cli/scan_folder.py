@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from lidardraft.cli.arguments import add_sensor, whole_number
+from lidardraft.cli.inputs import layout_of_text
 from lidardraft.cli.output_folder import check_empty
 from lidardraft.scene.layout import Layout
 
@@ -47,9 +48,7 @@ def layouts(arguments: argparse.Namespace, first: Layout) -> Iterator[tuple[int,
         if arguments.text is None:
             yield seed, first
         else:
-            from lidardraft.drafting.text import layout_from_text
-
-            yield seed, layout_from_text(arguments.text, seed=seed)
+            yield seed, layout_of_text(arguments, seed)
 
 
 def write_scans(arguments: argparse.Namespace, scans: Iterable[Scan]) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from sklearn.cluster import DBSCAN
 from sklearn.neighbors import radius_neighbors_graph, sort_graph_by_row_values
 
-from lidardraft.drafting.cloud_rules import MIN_EXTENT, REACH_PER_RANGE, SEEN_WHOLE
+from lidardraft.drafting.cloud_rules import LONGER_THAN_WIDE, MIN_EXTENT, REACH_PER_RANGE, SEEN_WHOLE
 
 _NOISE = 0.05  # m; nearer to an edge than this is as good as on it
 _OUTLIERS = 1.0  # % of the points at either end of an extent
@@ -101,13 +101,13 @@ def completions(box: FittedBox, size: tuple[float, float, float]) -> list[Fitted
 
     `size` is the usual (length, width, height) [m] of its class.
 
-    The longer side seen is the length if it is longer than the mean of the class's length and width, or else the width;
-    the second choice is the other way round. Sides grow away from the sensor; one of at least 0.7 of the class's was
-    seen whole and does not grow.
+    The longer side seen is the length if it is too long for a width of the class, or else the width; the second choice
+    is the other way round. Sides grow away from the sensor; one of at least 0.7 of the class's was seen whole and does
+    not grow.
     """
     turned = replace(box, size=box.size[[1, 0, 2]], yaw=box.yaw + math.copysign(math.pi / 2, -box.yaw))
     longer, other = (box, turned) if box.size[0] > box.size[1] else (turned, box)
-    likely, unlikely = (longer, other) if longer.size[0] > (size[0] + size[1]) / 2 else (other, longer)
+    likely, unlikely = (longer, other) if longer.size[0] > LONGER_THAN_WIDE * size[1] else (other, longer)
     return [_complete(likely, size), _complete(unlikely, size), longer]
 
 

@@ -109,6 +109,10 @@ class ObjectGroup:
                 _one_of(f"{self.kind}: {name}", getattr(self, name), choices)
         if self.surface is not None:
             _one_of(f"{self.kind}: surface", self.surface, SENTENCE_KINDS[self.kind].surfaces)
+        if type(self.at_junction) is not bool or type(self.words) is not str:
+            raise LayoutError(
+                f"{self.kind}: at_junction is {self.at_junction!r}, words {self.words!r}; true or false, and text"
+            )
         if (self.relation is None) != (not self.references):
             raise LayoutError(f"{self.kind}: relation is {self.relation!r} to {self.references}; one needs the other")
         self._check_lengths()
@@ -181,6 +185,9 @@ class SceneSpec:
             object.__setattr__(self, name, tuple(getattr(self, name)))
         for kind in self.absent:
             _one_of("absent: kind", kind, tuple(SENTENCE_KINDS))
+        for part in self.not_understood:
+            if type(part) is not str:
+                raise LayoutError(f"not_understood holds {part!r}; it must be text")
         for number, group in enumerate(self.groups):
             for reference in group.references:
                 if type(reference) is not int or not 0 <= reference < len(self.groups) or reference == number:

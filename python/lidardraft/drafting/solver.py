@@ -37,8 +37,7 @@ def layout_from_spec(spec: SceneSpec, seed: int = 0) -> Layout:
     Raises `LayoutError` on a seed that is no integer >= 0, and where a relation cannot hold, naming it, how many of how
     many objects found room, and what is in the way.
     """
-    if type(seed) is not int or seed < 0:
-        raise LayoutError(f"seed is {seed!r}; it must be an integer >= 0")
+    check_seed(seed)
     urgent: set[int] = set()
     most = max((group.fewest or 0 for group in spec.groups), default=0)
     for attempt in range(min(most // _CROWDED, ARRANGEMENTS - 3), ARRANGEMENTS):
@@ -48,6 +47,12 @@ def layout_from_spec(spec: SceneSpec, seed: int = 0) -> Layout:
             return Layout(primitives=tuple(solver.scene.primitives), provenance=solver.provenance(seed))
         urgent |= _with_references(spec, failed)
     raise LayoutError(solver.refusal)
+
+
+def check_seed(seed: int) -> None:
+    """Raises `LayoutError` on a seed that is no integer >= 0."""
+    if type(seed) is not int or seed < 0:
+        raise LayoutError(f"seed is {seed!r}; it must be an integer >= 0")
 
 
 class _Solver:

@@ -18,6 +18,7 @@ from lidardraft.drafting.cloud_rules import (
     ELLIPSE_SCALE,
     HANGING_CLASSES,
     HANGING_HEIGHT,
+    LONGER_THAN_WIDE,
     MIN_CROWN,
     MIN_EXTENT,
     MIN_POINTS,
@@ -168,8 +169,8 @@ def _boxes(groups: PointGroups, returns: np.ndarray, rng: np.random.Generator) -
     middle, seen = groups.extents(groups.local())
     seen = np.maximum(seen * [[_TRIMMED], [_TRIMMED], [1.0]], MIN_EXTENT)
     whole = _SIZES[groups.labels].T
-    # the longer side seen is the length where it is longer than the mean of the class, else the width
-    first = (seen[0] > seen[1]) == (np.maximum(seen[0], seen[1]) > (whole[0] + whole[1]) / 2)
+    # the longer side seen is the length where it is too long for a width of the class, else the width
+    first = (seen[0] > seen[1]) == (np.maximum(seen[0], seen[1]) > LONGER_THAN_WIDE * whole[1])
     # of a long object that was well seen, what would be added would stand on ground that was seen
     seen_whole = (
         (whole[0] > _LONG) & (returns.ravel()[groups.keys] > _WELL_SEEN) & (seen[:2].max(axis=0) > whole[0] / 4)

@@ -1,0 +1,26 @@
+"""A language model's server in the test process, and an environment that names no other."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from replay_server import ReplayServer
+
+
+@pytest.fixture(autouse=True)
+def no_language_model(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """No test asks a model that a developer uses, goes through a proxy, or fills a developer's cache."""
+    for name in ("URL", "MODEL", "KEY"):
+        monkeypatch.delenv(f"LIDARDRAFT_LLM_{name}", raising=False)
+    for name in ("http_proxy", "https_proxy", "all_proxy", "no_proxy"):
+        monkeypatch.delenv(name, raising=False)
+        monkeypatch.delenv(name.upper(), raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "caches"))
+
+
+@pytest.fixture
+def server() -> Iterator[ReplayServer]:
+    """A server on a port of its own; what it answers is put into its `answers`."""
+    with ReplayServer() as running:
+        yield running
