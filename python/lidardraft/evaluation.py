@@ -10,7 +10,9 @@ from typing import TypeVar
 import numpy as np
 import torch
 
+from lidardraft.diffusion.codec import decode_scan, encode_condition
 from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.diffusion.sampler import sample
 from lidardraft.metrics.adherence import Adherence, adherence
 from lidardraft.metrics.bev import bev_jsd
 from lidardraft.pipeline import Pipeline
@@ -48,12 +50,35 @@ def evaluate(
     """The detailed scans, the condition images, the simulated scans of the same layouts, the pipeline's scans, and
     those of the same network with random weights; `on_scan` is called after each generated scan."""
     random = Pipeline(_random_weights(pipeline.denoiser), steps=pipeline.steps, start=pipeline.start)
-    yield _scores("detailed scan", pairs, (pair.scan for pair in pairs))
-    yield _scores("condition image", pairs, (pair.condition_image for pair in pairs))
-    yield _scores("simulated", pairs, (_simulated(pair) for pair in pairs))
+    yield score("detailed scan", pairs, (pair.scan for pair in pairs))
+    yield score("condition image", pairs, (pair.condition_image for pair in pairs))
+    yield score("simulated", pairs, (_simulated(pair) for pair in pairs))
     for name, generator in (("generated", pipeline), ("random weights", random)):
         scans = (_last(generator.denoising(pair.condition_image, _simulated(pair), seed=pair.index)) for pair in pairs)
-        yield _scores(name, pairs, _counted(scans, on_scan))
+        yield score(name, pairs, _counted(scans, on_scan))
+
+
+def sample_scans(
+    denoiser: Denoiser,
+    condition_images: list[RangeImage],
+    *,
+    steps: int = 20,
+    on_scan: Callable[[], object] | None = None,
+) -> list[RangeImage]:
+    """What a denoiser that does not see simulated scans makes of each condition image, from noise and as it is:
+    `Pipeline` would put simulated returns in the place of lone ones."""
+    scans = []
+    device = next(denoiser.parameters()).device
+    with torch.inference_mode():
+        for seed, image in enumerate(condition_images):
+            condition = None
+            if denoiser.config.condition:
+                condition = torch.from_numpy(encode_condition(image, image))[None].to(device)
+            *_, states = sample(denoiser, image.sensor, seeds=[seed], condition=condition, steps=steps)
+            scans.append(decode_scan(states[0].cpu().numpy(), image.sensor))
+            if on_scan is not None:
+                on_scan()
+    return scans
 
 
 def _simulated(pair: StreetPair) -> RangeImage:
@@ -80,7 +105,8 @@ def _random_weights(denoiser: Denoiser) -> Denoiser:
     return network.to(next(denoiser.parameters()).device)
 
 
-def _scores(name: str, pairs: list[StreetPair], scans: Iterable[RangeImage]) -> Scores:
+def score(name: str, pairs: list[StreetPair], scans: Iterable[RangeImage]) -> Scores:
+    """The scores of one scan for each pair."""
     images = list(scans)
     scores = [adherence(image, pair.condition_image) for image, pair in zip(images, pairs, strict=True)]
     return Scores(
