@@ -114,7 +114,8 @@ def _source(arguments: argparse.Namespace) -> PairSource:
     from lidardraft.training.street_source import StreetSource
 
     sensor = None if arguments.sensor is None else Sensor.preset(arguments.sensor)
-    sources, weights = list[PairSource](), list[float]()
+    sources: list[PairSource] = []
+    weights: list[float] = []
     for given in arguments.data or ["streets"]:
         name, _, weight = given.partition("=")
         sources.append(StreetSource(seed=arguments.seed, sensor=sensor) if name == "streets" else PairFolder(name))
