@@ -93,7 +93,7 @@ def scores_by_kind(pairs: Sequence[StreetPair], generated: Sequence[RangeImage])
         for recorded, cast, simulated, made in zip(sweeps["detailed"], casts, *(sweeps[k] for k in KINDS), strict=True)
     ]
     rows = scores(found, KINDS, firings=True)
-    rows = {"detailed": rows["recorded"]} | {kind: rows[kind] for kind in KINDS}
+    rows = {"detailed": rows.pop("recorded")} | rows
     for kind, some in images.items():
         kept = scores_of(kind, list(pairs), some)
         rows[kind] = {"kept": kept.overall, "kept on objects": kept.objects, "dropped": kept.drop} | rows[kind]
@@ -161,15 +161,16 @@ def compare_spread(pipeline: Pipeline, number: int) -> Iterator[str | Goal]:
         ]
         for name, starts in (("generated", simulated), ("generated from one simulated scan", simulated[:1] * SEEDS)):
             made = [list(pipeline.denoising(pair.condition_image, one, seed=k))[-1] for k, one in enumerate(starts)]
-            spreads[name].append(_spread(made))
-        spreads["simulated"].append(_spread(simulated))
+            spreads[name].append(spread(made))
+        spreads["simulated"].append(spread(simulated))
     rows = {name: {"spread": float(np.mean(values))} for name, values in spreads.items()}
     yield f"### Spread over {SEEDS} seeds, {len(pairs)} layouts\n\n{table(rows)}\n"
     value = ratio(rows["generated"]["spread"], rows["simulated"]["spread"])
     yield Goal("spread over seeds, generated / detailed scans of one layout", {SENSOR.name: value}, 0.8, 1.2)
 
 
-def _spread(images: Sequence[RangeImage]) -> float:
+def spread(images: Sequence[RangeImage]) -> float:
+    """The mean over all pairs of scans of what does not agree."""
     apart = []
     for first, second in itertools.combinations(images, 2):
         either = np.count_nonzero(first.valid | second.valid)

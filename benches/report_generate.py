@@ -28,9 +28,7 @@ from lidardraft.cli.arguments import add_weights, whole_number
 def main() -> None:
     """Parse, measure, print."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument(
-        "-n", "--num", type=whole_number(2), default=50, help="streets, and recordings at most"
-    )
+    parser.add_argument("-n", "--num", type=whole_number(2), default=50, help="streets, and recordings at most")
     add_weights(parser)
     parser.add_argument("--only", default="", metavar="NAME", help="parts whose names hold this")
     parser.add_argument("--data", type=Path, default=os.environ.get("LIDARDRAFT_DATA"), metavar="FOLDER")
