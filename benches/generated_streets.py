@@ -10,7 +10,7 @@ import numpy as np
 
 from goals import Goal, Row, ratio, table
 from lidardraft import Pipeline, RangeImage, Sensor, Simulator
-from lidardraft.evaluation import scores_of, unseen_streets
+from lidardraft.evaluation import score, unseen_streets
 from lidardraft.metrics.bev import bev_jsd, bev_mmd
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.labelling import agrees, label_by_agreement
@@ -95,7 +95,7 @@ def scores_by_kind(pairs: Sequence[StreetPair], generated: Sequence[RangeImage])
     rows = scores(found, KINDS, firings=True)
     rows = {"detailed": rows.pop("recorded")} | rows
     for kind, some in images.items():
-        kept = scores_of(kind, list(pairs), some)
+        kept = score(kind, list(pairs), some)
         rows[kind] = {"kept": kept.overall, "kept on objects": kept.objects, "dropped": kept.drop} | rows[kind]
     return rows
 
