@@ -7,7 +7,7 @@ STAMP := $(VENV)/.lidardraft-$(firstword $(shell echo "$(CURDIR)" | cksum))
 RUST := $(shell find rust -name '*.rs' 2>/dev/null) Cargo.toml Cargo.lock rust/python/Cargo.toml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench compare report-streets report-detail report-simulate report-two-sample install weights
+.PHONY: help demo test check bench compare report-streets report-detail report-simulate report-generate report-two-sample install weights
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 16
@@ -43,6 +43,9 @@ report-detail: install ## how well detailed layouts obey the coarse ones, and ho
 
 report-simulate: install ## layouts of recordings: cast, cast + sensor model, simulated, beside the recordings
 	"$(BIN)/python" benches/report_simulate.py
+
+report-generate: install ## generated scans beside simulated ones: recordings, unseen streets, speed, goals
+	"$(BIN)/python" benches/report_generate.py
 
 report-two-sample: install ## how well a classifier tells streets from recordings, by what it looks at
 	"$(BIN)/python" benches/report_two_sample.py

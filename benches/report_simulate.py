@@ -12,30 +12,23 @@ the recorded range. "IoU": of the pixels where either returns from a class, thos
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import os
 from collections import defaultdict
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from functools import partial
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
-import recordings
-from lidardraft import Layout, Pipeline, RangeImage, Sensor, Simulator, layout_from_cloud, raycast
+from cases import CaseSet, recorded_sets, street_set, sweeps_of
+from lidardraft import Pipeline
 from lidardraft.metrics import lifelike
 from lidardraft.metrics.lifelike import CLASS_SETS
 from lidardraft.metrics.sweep import Sweep
-from lidardraft.scene.labelling import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, label_by_agreement
-from lidardraft.scene.sensor import PRESETS
-from lidardraft.scene.sensor_model import SensorModel
+from lidardraft.scene.labelling import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
-from lidardraft.streets import StreetConfig, streets
-from report_streets import by_azimuth, unhidden
 
-SEED = 2_000_000  # no training uses it
 NO_OBJECT = [BY_NAME[name].id for name in ("none", *GROUND)]
 # which of `CLASS_SETS` a class is of, by its id; of the others each is a set of its own
 SETS = {name: [BY_NAME[member].id for member in members] for name, members in CLASS_SETS.items()}
@@ -50,101 +43,8 @@ EQUAL = 0.005  # differences that are none
 BOTH = "returns of either that both have"
 BETTER_IF_MORE = (BOTH, "drop precision", "drop recall")
 
-Render = Callable[[RangeImage], Sweep]
 Table = dict[str, dict[str, float]]  # by row, then by column
 Counts = dict[str, np.ndarray]  # by row: part and whole
-
-
-@dataclass(frozen=True)
-class Case:
-    """A recorded scan, the layout of it, and the sensor's pose and speed [m/s] as it was taken."""
-
-    recorded: Sweep
-    layout: Layout
-    sensor: Sensor
-    pose: np.ndarray
-    speed: float = 0.0
-
-
-@dataclass(frozen=True)
-class CaseSet:
-    """Cases of one sensor; `render` puts a scan on the grid of the recorded ones.
-
-    `shown` are the pixels that the recording car leaves open. On a grid of `firings` a pixel without a return is a
-    dropped one.
-    """
-
-    cases: list[Case]
-    render: Render
-    shown: np.ndarray
-    firings: bool
-
-
-def recorded_sets(folder: Path) -> Iterator[tuple[str, Callable[[], CaseSet]]]:
-    """The sets of recordings, by name."""
-    kitti, nuscenes = PRESETS["hdl64e-linear"], recordings.NUSCENES_GRID
-    yield "KITTI, HDL-64E", lambda: _clustered(recordings.kitti_images(folder), PRESETS["hdl64e"], grid=kitti)
-    yield "nuScenes, HDL-32E", lambda: _clustered(recordings.nuscenes_images(folder), PRESETS["hdl32e"], grid=nuscenes)
-    yield "PandaSet, Pandar64", lambda: _clustered_groups(recordings.pandar64(folder, 1800), PRESETS["pandar64"])
-    yield "ika, VLP-32C", lambda: _clustered_groups(recordings.vlp32c(folder, 1800), PRESETS["vlp32c"])
-
-
-def street_set(number: int, sensor: Sensor = PRESETS["hdl64e"]) -> CaseSet:
-    """Scans of streets, and their coarse layouts."""
-    pairs = islice(streets(SEED, StreetConfig(sensor=sensor, poses_per_street=1)), number)
-    cases = [Case(by_azimuth(pair.scan), pair.layout, sensor, pair.pose, pair.speed) for pair in pairs]
-    return CaseSet(cases, by_azimuth, np.ones(sensor.shape, dtype=bool), firings=True)
-
-
-def _clustered_groups(found: recordings.Recordings, sensor: Sensor) -> CaseSet:
-    sweeps = [sweep for group in found.labelled.values() for sweep in group]
-    return _clustered(sweeps, sensor, fov=found.fov)
-
-
-def _clustered(sweeps: list[Sweep], sensor: Sensor, grid: Sensor | None = None, fov: float | None = None) -> CaseSet:
-    cases = [Case(sweep, _layout(sweep, sensor), sensor, sensor.pose()) for sweep in sweeps]
-    columns = sensor.columns
-    shown = unhidden({"": sweeps}, grid or sensor, fov)
-    if fov is not None and sweeps:
-        start = (columns - sweeps[0].points.shape[1]) // 2
-        window = start, start + sweeps[0].points.shape[1]
-        return CaseSet(cases, lambda image: by_azimuth(image).part(*window), shown[:, slice(*window)], firings=True)
-    render = by_azimuth if grid is None else partial(_projected, grid=grid)
-    return CaseSet(cases, render, shown, firings=grid is None)
-
-
-def _layout(sweep: Sweep, sensor: Sensor) -> Layout:
-    assert sweep.label is not None
-    seen = sweep.valid & (sweep.label > 0)
-    return layout_from_cloud(sweep.points[seen], sweep.label[seen], sensor_height=sensor.mount_height)
-
-
-def _projected(image: RangeImage, grid: Sensor) -> Sweep:
-    values = {name: getattr(image, name) for name in ("label", "intensity")}
-    seen = {name: value[image.valid] for name, value in values.items() if value is not None}
-    return Sweep.from_image(RangeImage.project(image.points(), grid, **seen))
-
-
-def scans_of(case: Case, seed: int, pipeline: Pipeline | None) -> dict[str, RangeImage]:
-    """The scans that a layout becomes, by what makes them; each seed has a unit of the sensor."""
-    sensor, pose = case.sensor, case.pose
-    model = replace(SensorModel.from_sensor(sensor), unit=seed)
-
-    def simulated(detail: bool) -> RangeImage:
-        simulator = Simulator(case.layout, sensor, seed=seed, model=model, detail=detail)
-        return simulator.scan(pose, speed=case.speed, seed=seed).image
-
-    poses = sensor.poses_in_motion(pose, case.speed * pose[:3, 0])
-    scans = {"cast": raycast(case.layout, sensor, poses=poses), "+ sensor model": simulated(False)}
-    scans["simulated"] = simulated(True)
-    if pipeline is not None:
-        *_, made = pipeline.denoising(scans["cast"], seed=seed)
-        scans["generated"] = label_by_agreement(made, [scans["simulated"], scans["cast"]], case.layout, pose)
-    return scans
-
-
-def _shown(sweep: Sweep, shown: np.ndarray) -> Sweep:
-    return dataclasses.replace(sweep, points=np.where(shown[..., None], sweep.points, np.float32(0)))
 
 
 def shares(recorded: Sweep, made: Sweep, cast: Sweep, firings: bool) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
@@ -173,32 +73,33 @@ def shares(recorded: Sweep, made: Sweep, cast: Sweep, firings: bool) -> Iterator
 
 def report(cases: CaseSet, pipeline: Pipeline | None = None) -> Table:
     """The table of a set; "generated" is left out without a pipeline."""
+    return table_of(sweeps_of(cases, pipeline), cases.firings)
+
+
+def table_of(found: Iterable[dict[str, Sweep]], firings: bool) -> Table:
+    """The table of `sweeps_of` cases."""
     counts: dict[str, Counts] = defaultdict(lambda: defaultdict(lambda: np.zeros(2)))
     features: dict[str, dict[str, list[np.ndarray]]] = defaultdict(lambda: defaultdict(list))
-    for number, case in enumerate(cases.cases):
-        made = scans_of(case, number, pipeline)
-        sweeps = {name: _shown(cases.render(image), cases.shown) for name, image in made.items()}
-        recorded = _shown(case.recorded, cases.shown)
+    for sweeps in found:
         for name, sweep in sweeps.items():
-            for row, of, right in shares(recorded, sweep, sweeps["cast"], cases.firings):
-                counts[name][row] += np.count_nonzero(of & right), np.count_nonzero(of)
-        for name, sweep in {"recorded": recorded, **sweeps}.items():
+            if name != "recorded":
+                for row, of, right in shares(sweeps["recorded"], sweep, sweeps["cast"], firings):
+                    counts[name][row] += np.count_nonzero(of & right), np.count_nonzero(of)
             for one in DISTANCES:
                 if sweep.intensity is not None or not one.name.startswith("intensity"):
                     features[name][one.name].append(one.measure(sweep))
     table: Table = defaultdict(dict)
-    for name, found in counts.items():
-        for row, (part, whole) in found.items():
+    for name, counted in counts.items():
+        for row, (part, whole) in counted.items():
             # a class has rows where it was recorded often enough
-            returns = found[row.replace("IoU of", "near, on")][1]
+            returns = counted[row.replace("IoU of", "near, on")][1]
             if whole and (returns >= FEWEST or row.startswith("drop")):
                 table[row][name] = float(part / whole)
     for one in DISTANCES:
         truth = features["recorded"][one.name]
         for name in counts:
             mine = features[name][one.name]
-            counted = one.name.startswith("top view") or np.sum(truth) >= FEWEST
-            if mine and counted:
+            if mine and (one.name.startswith("top view") or np.sum(truth) >= FEWEST):
                 table[one.name][name] = one.distance(truth, mine)
     return table
 

@@ -96,11 +96,11 @@ def report(recorded: Recordings, sensor: Sensor, num: int) -> tuple[list[Compari
     open_labelled = open_plain if recorded.spherical else unhidden(recorded.labelled, sensor, recorded.fov)
     for number, image in enumerate(_progress(sensor, num)):
         image = _in_units(image, recorded.range_step)
-        values = _measured(plain, _windowed(by_azimuth(image.keep(open_plain)), recorded, number))
+        values = _measured(plain, _windowed(Sweep.by_azimuth(image.keep(open_plain)), recorded, number))
         if recorded.labelled:
             seen = image.keep(open_labelled)
             sweep = _windowed(
-                Sweep.from_image(_as_labelled(seen)) if recorded.spherical else by_azimuth(seen), recorded, number
+                Sweep.from_image(_as_labelled(seen)) if recorded.spherical else Sweep.by_azimuth(seen), recorded, number
             )
             values |= {**_measured(labelled, sweep), "class counts": lifelike.class_counts(sweep)}
         for name, value in values.items():
@@ -137,26 +137,6 @@ def unhidden(groups: Groups, sensor: Sensor, fov: float | None) -> np.ndarray:
     start = (sensor.columns - shown.shape[1]) // 2 if fov is not None else 0
     around[:, start : start + shown.shape[1]] = shown
     return around
-
-
-def by_azimuth(image: RangeImage) -> Sweep:
-    """The sweep with each laser's firings in the columns that they look to, as `Sweep.from_points` has them.
-
-    Lasers that fire together look up to 10 degrees apart: by firing, what lies in one column would not be neighbours.
-    """
-    sweep, sensor = Sweep.from_image(image), image.sensor
-    if not sensor.azimuth_offsets:
-        return sweep
-    shifts = np.rint(np.array(sensor.azimuth_offsets) / (2 * math.pi / sensor.columns)).astype(int)
-    column = (np.arange(sensor.columns) + shifts[:, None]) % sensor.columns
-
-    def moved(values: np.ndarray) -> np.ndarray:
-        return values[np.arange(len(shifts))[:, None], column]
-
-    return Sweep(
-        moved(sweep.points),
-        *(None if values is None else moved(values) for values in (sweep.label, sweep.intensity)),
-    )
 
 
 def _in_units(image: RangeImage, step: float) -> RangeImage:

@@ -31,7 +31,7 @@ def test_scans_are_scored_between_the_detailed_ones_and_random_weights(
 ) -> None:
     detailed, condition, simulated, generated, random = evaluate(Pipeline(denoiser, steps=2), pairs)
     assert [scores.name for scores in (detailed, condition, simulated, generated, random)] == [
-        *("detailed scan", "condition image", "simulated", "generated", "random weights")
+        *("detailed scan", "condition image", "simulated", "generated", "untrained")
     ]
     assert detailed.jsd == 0
     assert 0.3 < detailed.objects < 1
@@ -39,6 +39,9 @@ def test_scans_are_scored_between_the_detailed_ones_and_random_weights(
     assert 0.3 < simulated.objects < 1
     assert 0 <= random.overall <= 1
     assert generated != random
+    assert condition.holes < 0.02
+    assert 0 < detailed.holes < 0.2
+    assert 0 < detailed.lone < 0.2
     assert set(condition.by_class.values()) == {1.0}
 
 

@@ -10,9 +10,13 @@ from typing import TypeVar
 import numpy as np
 import torch
 
+from lidardraft.diffusion.codec import decode_scan, encode_condition
 from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.diffusion.sampler import sample
 from lidardraft.metrics.adherence import Adherence, adherence
 from lidardraft.metrics.bev import bev_jsd
+from lidardraft.metrics.returns import lone_returns, near_holes
+from lidardraft.metrics.sweep import Sweep
 from lidardraft.pipeline import Pipeline
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
@@ -23,14 +27,17 @@ _Item = TypeVar("_Item")
 
 @dataclass(frozen=True, kw_only=True)
 class Scores:
-    """Those of one kind of scan of the same streets: adherence to the condition images (means over the streets), and
-    the Jensen-Shannon distance of the top views from those of the detailed scans."""
+    """Those of one kind of scan of the same streets: adherence to the condition images (means over the streets), the
+    Jensen-Shannon distance of the top views from those of the detailed scans, and the shares of holes on near surfaces
+    and of lone returns (`metrics/returns.py`)."""
 
     name: str
     objects: float
     overall: float
     drop: float
     jsd: float
+    holes: float
+    lone: float
     by_class: dict[str, float]
 
 
@@ -46,14 +53,37 @@ def evaluate(
     pipeline: Pipeline, pairs: list[StreetPair], *, on_scan: Callable[[], object] | None = None
 ) -> Iterator[Scores]:
     """The detailed scans, the condition images, the simulated scans of the same layouts, the pipeline's scans, and
-    those of the same network with random weights; `on_scan` is called after each generated scan."""
-    random = Pipeline(_random_weights(pipeline.denoiser), steps=pipeline.steps, start=pipeline.start)
-    yield _scores("detailed scan", pairs, (pair.scan for pair in pairs))
-    yield _scores("condition image", pairs, (pair.condition_image for pair in pairs))
-    yield _scores("simulated", pairs, (_simulated(pair) for pair in pairs))
-    for name, generator in (("generated", pipeline), ("random weights", random)):
+    those of the same network untrained; `on_scan` is called after each generated scan."""
+    untrained = Pipeline(_random_weights(pipeline.denoiser), steps=pipeline.steps, start=pipeline.start)
+    yield score("detailed scan", pairs, (pair.scan for pair in pairs))
+    yield score("condition image", pairs, (pair.condition_image for pair in pairs))
+    yield score("simulated", pairs, (_simulated(pair) for pair in pairs))
+    for name, generator in (("generated", pipeline), ("untrained", untrained)):
         scans = (_last(generator.denoising(pair.condition_image, _simulated(pair), seed=pair.index)) for pair in pairs)
-        yield _scores(name, pairs, _counted(scans, on_scan))
+        yield score(name, pairs, _counted(scans, on_scan))
+
+
+def sample_scans(
+    denoiser: Denoiser,
+    condition_images: list[RangeImage],
+    *,
+    steps: int = 20,
+    on_scan: Callable[[], object] | None = None,
+) -> list[RangeImage]:
+    """What a denoiser that does not see simulated scans makes of each condition image, from noise and as it is:
+    `Pipeline` would put simulated returns in the place of lone ones."""
+    scans = []
+    device = next(denoiser.parameters()).device
+    with torch.inference_mode():
+        for seed, image in enumerate(condition_images):
+            condition = None
+            if denoiser.config.condition:
+                condition = torch.from_numpy(encode_condition(image, image))[None].to(device)
+            *_, states = sample(denoiser, image.sensor, seeds=[seed], condition=condition, steps=steps)
+            scans.append(decode_scan(states[0].cpu().numpy(), image.sensor))
+            if on_scan is not None:
+                on_scan()
+    return scans
 
 
 def _simulated(pair: StreetPair) -> RangeImage:
@@ -80,8 +110,10 @@ def _random_weights(denoiser: Denoiser) -> Denoiser:
     return network.to(next(denoiser.parameters()).device)
 
 
-def _scores(name: str, pairs: list[StreetPair], scans: Iterable[RangeImage]) -> Scores:
+def score(name: str, pairs: list[StreetPair], scans: Iterable[RangeImage]) -> Scores:
+    """The scores of one scan for each pair."""
     images = list(scans)
+    sweeps = [Sweep.by_azimuth(image) for image in images]
     scores = [adherence(image, pair.condition_image) for image, pair in zip(images, pairs, strict=True)]
     return Scores(
         name=name,
@@ -89,6 +121,8 @@ def _scores(name: str, pairs: list[StreetPair], scans: Iterable[RangeImage]) -> 
         overall=_mean([score.overall for score in scores]),
         drop=_mean([score.drop for score in scores]),
         jsd=bev_jsd((pair.scan.points() for pair in pairs), (image.points() for image in images)),
+        holes=_share([near_holes(sweep) for sweep in sweeps]),
+        lone=_share([lone_returns(sweep) for sweep in sweeps]),
         by_class=_by_class(scores),
     )
 
@@ -96,6 +130,12 @@ def _scores(name: str, pairs: list[StreetPair], scans: Iterable[RangeImage]) -> 
 def _by_class(scores: list[Adherence]) -> dict[str, float]:
     names = sorted({name for score in scores for name in score.by_class})
     return {name: _mean([score.by_class[name] for score in scores if name in score.by_class]) for name in names}
+
+
+def _share(counts: list[np.ndarray]) -> float:
+    """Of all that was counted, [part, whole] each; NaN of nothing."""
+    part, whole = np.sum(counts, axis=0)
+    return float(part / whole) if whole else float("nan")
 
 
 def _mean(values: list[float]) -> float:

@@ -34,17 +34,25 @@ class Pipeline:
     """A denoiser, ready to turn sentences and layouts into scans, of an hdl64e where no sensor is given.
 
     A scan is sampled in `steps` calls of the network, from the simulated scan of the layout under noise of the level
-    `start`; None is from pure noise, which takes more. `trained` says which sensors it was trained on, where that is
-    known: a scan of another one is a `UserWarning`.
+    `start`; None is from pure noise, which takes more, and so do weights that do not see the simulated scan. `langevin`
+    is the number of updates a step of the paper's sampler, None the fast one (`sampler.sample`). `trained` says which
+    sensors it was trained on, where that is known: a scan of another one is a `UserWarning`.
     """
 
     def __init__(
-        self, denoiser: Denoiser, *, steps: int = 4, start: float | None = START, trained: SensorLimits | None = None
+        self,
+        denoiser: Denoiser,
+        *,
+        steps: int = 4,
+        start: float | None = START,
+        langevin: int | None = None,
+        trained: SensorLimits | None = None,
     ) -> None:
         self.denoiser = denoiser.eval()
         self.sensor = Sensor.preset("hdl64e")
         self.steps = steps
-        self.start = start
+        self.start = start if "simulated" in denoiser.config.condition else None
+        self.langevin = langevin
         self.trained = trained
 
     @classmethod
@@ -55,6 +63,7 @@ class Pipeline:
         device: str = "cpu",
         steps: int = 4,
         start: float | None = START,
+        langevin: int | None = None,
     ) -> Pipeline:
         """The packaged weights of that name, or the weight file at that path; raises `CheckpointError`."""
         packaged = WEIGHTS / f"{os.fspath(name)}.safetensors"
@@ -67,7 +76,8 @@ class Pipeline:
             denoiser = denoiser.to(device)
         except (RuntimeError, AssertionError) as error:  # torch's, for a device it does not have
             raise CheckpointError(f"device is {device!r}: {str(error).splitlines()[0]}") from None
-        return cls(denoiser, steps=steps, start=start, trained=trained and SensorLimits.from_dict(trained))
+        limits = trained and SensorLimits.from_dict(trained)
+        return cls(denoiser, steps=steps, start=start, langevin=langevin, trained=limits)
 
     def __call__(
         self,
@@ -103,8 +113,15 @@ class Pipeline:
     def _denoising(self, condition_image: RangeImage, simulated: RangeImage, seed: int) -> Iterator[RangeImage]:
         sensor = condition_image.sensor
         condition = torch.from_numpy(encode_condition(condition_image, simulated))[None]
-        for state in sample(
-            self.denoiser, sensor, seeds=[seed], condition=condition, steps=self.steps, start=self.start
-        ):
+        states = sample(
+            self.denoiser,
+            sensor,
+            seeds=[seed],
+            condition=condition,
+            steps=self.steps,
+            start=self.start,
+            langevin=self.langevin,
+        )
+        for state in states:
             decoded = decode_scan(state[0].cpu().numpy(), sensor)
             yield settle(decoded, simulated, np.random.default_rng([seed, 7]))

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 import recordings
+from cases import Case, CaseSet, street_set
 from lidardraft import RangeImage, layout_from_text, simulate
+from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor import PRESETS, Sensor
-from report_simulate import EQUAL, Case, CaseSet, losses, markdown, report, street_set
-from report_streets import by_azimuth
+from report_simulate import EQUAL, losses, markdown, report
 
 SENSOR = PRESETS["hdl64e"]
 needs_recordings = pytest.mark.skipif("LIDARDRAFT_DATA" not in os.environ, reason="LIDARDRAFT_DATA is not set")
@@ -18,8 +19,10 @@ needs_recordings = pytest.mark.skipif("LIDARDRAFT_DATA" not in os.environ, reaso
 
 def test_a_scan_held_against_itself_agrees_in_all_rows() -> None:
     layout = layout_from_text("two cars ahead, trees on the left and a building on the right", seed=3)
-    recorded = by_azimuth(simulate(layout, SENSOR, seed=0).image)
-    cases = CaseSet([Case(recorded, layout, SENSOR, SENSOR.pose())], by_azimuth, np.ones(SENSOR.shape, bool), True)
+    recorded = Sweep.by_azimuth(simulate(layout, SENSOR, seed=0).image)
+    cases = CaseSet(
+        [Case(recorded, layout, SENSOR, SENSOR.pose())], Sweep.by_azimuth, np.ones(SENSOR.shape, bool), True
+    )
     table = report(cases)
     for row, cells in table.items():
         assert cells["simulated"] == (pytest.approx(0.0, abs=1e-6) if "JSD" in row or "MMD" in row else 1.0) or (
@@ -34,10 +37,10 @@ def test_a_scan_held_against_itself_agrees_in_all_rows() -> None:
 
 def test_pixels_that_the_vehicle_hides_do_not_count() -> None:
     layout = layout_from_text("a bus 12 m ahead and a building on the left", seed=1)
-    recorded = by_azimuth(simulate(layout, SENSOR, seed=5).image)
+    recorded = Sweep.by_azimuth(simulate(layout, SENSOR, seed=5).image)
     shown = np.zeros(SENSOR.shape, dtype=bool)
     shown[:, 460:560] = True
-    table = report(CaseSet([Case(recorded, layout, SENSOR, SENSOR.pose())], by_azimuth, shown, True))
+    table = report(CaseSet([Case(recorded, layout, SENSOR, SENSOR.pose())], Sweep.by_azimuth, shown, True))
     assert "near, on truck" in table
     assert table["near, on truck"]["cast"] > 0.5
     assert "near, on building" not in table

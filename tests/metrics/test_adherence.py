@@ -71,5 +71,5 @@ def test_a_condition_image_adheres_to_itself_and_not_to_another_layout():
 def test_images_of_two_sensors_are_refused():
     wide = Sensor(name="wide", elevations=(0.1, 0.0), columns=3)
     empty = raycast(Layout(), wide)
-    with pytest.raises(SensorError, match=r"the scan is \(2, 3\), the condition image \(2, 2\); both need one sensor"):
+    with pytest.raises(SensorError, match=r"one scan is \(2, 3\), the other \(2, 2\); both need one sensor"):
         adherence(empty, image([[0, 0], [0, 0]]))

@@ -6,6 +6,8 @@ from lidardraft.metrics.returns import (
     RANGE_EDGES,
     RUN_EDGES,
     hole_lengths,
+    lone_returns,
+    near_holes,
     returns_by_range,
     returns_by_row,
     runs,
@@ -48,3 +50,23 @@ def test_a_long_hole_is_no_drop_on_a_surface() -> None:
 def test_lengths_of_holes() -> None:
     counts = hole_lengths(sweep_of([[5, 0, 5, 0, 5, 5, 5], [5, 0, 0, 0, 0, 0, 5]]))
     assert dict(zip(RUN_EDGES, counts, strict=False)) == {**dict.fromkeys(RUN_EDGES[:-1], 0), 1: 2, 5: 1}
+
+
+def test_a_near_hole_is_one_firing_wide_and_in_a_surface() -> None:
+    surface = [6.0, 0, 6.2, 6.2, 0, 0, 6.2]  # a hole, and one of two firings
+    edge = [6.0, 0, 9.0, 9.0, 9.1, 9.0, 9.0]  # a gap between near and far, then places without a hole
+    far = [25.0, 0, 25.0, 25.0, 25.0, 25.0, 25.0]
+    assert near_holes(sweep_of([surface])).tolist() == [1, 1]
+    assert near_holes(sweep_of([edge])).tolist() == [0, 3]
+    assert near_holes(sweep_of([far])).tolist() == [0, 0]
+
+
+def test_a_lone_return_has_no_neighbour_at_its_range() -> None:
+    scan = [
+        [6.0, 0, 0, 20.0],
+        [0, 6.3, 0, 20.0],  # across a corner it has one
+        [0, 0, 0, 0],
+        [9.0, 0, 12.0, 14.0],  # alone, and two beside each other that are none's neighbours
+    ]
+    assert lone_returns(sweep_of(scan)).tolist() == [3, 7]
+    assert lone_returns(sweep_of([[0, 0]])).tolist() == [0, 0]

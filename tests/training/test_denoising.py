@@ -82,7 +82,18 @@ def test_at_first_only_the_zero_convolutions_learn(pairs: PairFolder, base: Path
     for name in before:
         if name.startswith("network.encoder."):
             assert torch.equal(after[f"controlnet.{name.removeprefix('network.')}"], before[name]), name
-    assert after["controlnet.leave.0.weight"].any()
+    begin = weight_file.load(base, Denoiser)
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(config.seed)
+        fresh = begin.with_controlnet(config.denoiser).state_dict()
+    changed = {name for name in fresh if not torch.equal(fresh[name], after[name])}
+    convs = ["enter", *(f"leave.{stage}" for stage in range(4))]
+    assert changed == {f"controlnet.{conv}.{part}" for conv in convs for part in ("weight", "bias")}
+    # and then all of them
+    list(train_denoiser(dataclasses.replace(config, steps=6), pairs, tmp_path, begin=weight_file.load(base, Denoiser)))
+    later = load_file(tmp_path / "weights.safetensors")
+    assert not torch.equal(later["controlnet.embed.weight"], after["controlnet.embed.weight"])
+    assert not torch.equal(later["controlnet.encoder.stem.weight"], after["controlnet.encoder.stem.weight"])
 
 
 @pytest.mark.parametrize("stage", ["generator", "base", "control"])

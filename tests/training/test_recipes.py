@@ -4,7 +4,7 @@ from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.training import recipes
 
 
-@pytest.mark.parametrize("recipe", [recipes.paper, recipes.tiny_paper])
+@pytest.mark.parametrize("recipe", [recipes.paper, recipes.small_paper, recipes.tiny_paper])
 def test_the_papers_stages_are_a_base_and_its_controlnet(recipe: "type[recipes.Recipe]") -> None:
     base, control = recipe().stages
     torso = Denoiser.from_config(base.denoiser)

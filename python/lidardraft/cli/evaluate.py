@@ -28,9 +28,10 @@ def evaluate(arguments: argparse.Namespace) -> None:
     )
     pairs = unseen_streets(num, sensor, arguments.seed)
     print(f"{num} street{'s' * (num > 1)}, {sensor.name}, {arguments.steps} steps")
-    print(f"{'':16}{'objects':>9}{'all':>9}{'drop':>9}{'BEV JSD':>9}", flush=True)
+    print(f"{'':16}{'objects':>9}{'all':>9}{'drop':>9}{'BEV JSD':>9}{'holes':>9}{'lone':>9}", flush=True)
     for row in scores(pipeline, pairs):
-        print(f"{row.name:16}{row.objects:9.3f}{row.overall:9.3f}{row.drop:9.3f}{row.jsd:9.3f}")
+        numbers = (row.objects, row.overall, row.drop, row.jsd, row.holes, row.lone)
+        print(f"{row.name:16}{''.join(f'{number:9.3f}' for number in numbers)}")
         print(" " * 4 + ", ".join(f"{name} {share:.2f}" for name, share in row.by_class.items()), flush=True)
 
 
@@ -61,7 +62,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = (
         "objects, all: share of the returns on objects, or on anything, within 0.5 m or 5 % of the layout. drop: share "
         "of the rays that hit the layout and return nothing. BEV JSD: how far the top views are from those of the "
-        "detailed scans; 0 is equal."
+        "detailed scans; 0 is equal. holes: of the places between two returns of a surface within 20 m, the share that "
+        "returns nothing. lone: share of the returns that have no neighbour within 0.5 m and 3 %."
     )
     add_sensor(parser)
     add_weights(parser)

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from lidardraft.cli.arguments import add_weights
+from lidardraft.cli.arguments import add_weights, whole_number
 from lidardraft.cli.inputs import add_inputs, read_layout
 from lidardraft.cli.scan_folder import add_scan_output, check_output, layouts, write_scans
 from lidardraft.scene.layout import Layout
@@ -26,7 +26,11 @@ def generate(arguments: argparse.Namespace) -> None:
     from lidardraft.pipeline import Pipeline
 
     pipeline = Pipeline.from_pretrained(
-        arguments.weights, device=arguments.device, steps=arguments.steps, start=arguments.start
+        arguments.weights,
+        device=arguments.device,
+        steps=arguments.steps,
+        start=arguments.start,
+        langevin=arguments.langevin,
     )
     write_scans(arguments, _generated(pipeline, arguments, sensor, layout))
 
@@ -48,5 +52,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "and weather, exact labels."
     )
     add_inputs(parser)
-    add_weights(parser.add_argument_group("model"))
+    model = parser.add_argument_group("model")
+    add_weights(model)
+    text = (
+        "sample by annealed Langevin dynamics as the paper does, with N updates a step (LiDARGen: --steps 232 "
+        "--langevin 5 --start noise): slow (default: the fast solver)"
+    )
+    model.add_argument("--langevin", type=whole_number(1), metavar="N", help=text)
     add_scan_output(parser)

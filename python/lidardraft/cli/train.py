@@ -6,14 +6,15 @@ import argparse
 import dataclasses
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import lidardraft
-from lidardraft.cli import evaluate
+from lidardraft.cli import ablation, evaluate
 from lidardraft.cli.arguments import DEFAULT_SENSOR, add_seed, add_sensor, minutes, whole_number
 from lidardraft.cli.command import commands_of, run
+from lidardraft.cli.training_progress import show
 from lidardraft.errors import TrainingError
 from lidardraft.scene.sensor import Sensor
 
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
     from lidardraft.diffusion.denoiser import Denoiser
     from lidardraft.scene.sensor_limits import SensorLimits
     from lidardraft.training.denoising import DenoisingConfig, PairSource
-    from lidardraft.training.loop import Report
+
+_RECIPES = ("small", "paper", "small-paper", "tiny", "tiny-paper")
 
 
 def segmenter(arguments: argparse.Namespace) -> None:
@@ -34,7 +36,7 @@ def segmenter(arguments: argparse.Namespace) -> None:
     check_run_folder(arguments.run)
     folder = PairFolder(arguments.pairs)
     reports = train_segmenter(config, folder, arguments.run, device=arguments.device, max_minutes=arguments.minutes)
-    _show(reports, config.steps, "segmenter")
+    show(reports, config.steps, "segmenter")
 
 
 def street(arguments: argparse.Namespace) -> None:
@@ -69,7 +71,9 @@ def street(arguments: argparse.Namespace) -> None:
     assert begin is not None
     half = Path(arguments.work) / "half.safetensors"
     weight_file.save(begin, half, {}, half=True)
-    pipeline = Pipeline.from_pretrained(half, device=arguments.device)
+    # From noise, where the network does not see the simulated scan, 4 steps are too few.
+    steps = 4 if "simulated" in begin.config.condition else 20
+    pipeline = Pipeline.from_pretrained(half, device=arguments.device, steps=steps)
     sensor = source.sensor or Sensor.preset(DEFAULT_SENSOR)
     unseen = evaluate.unseen_streets(arguments.evaluate, sensor)
     card = {
@@ -87,8 +91,8 @@ def _stages(arguments: argparse.Namespace) -> list[DenoisingConfig]:
     """Those of the recipe, for the network of the weights to begin with, where these are given."""
     from lidardraft.training import recipes
 
-    named = {"small": recipes.small, "tiny": recipes.tiny, "paper": recipes.paper, "tiny-paper": recipes.tiny_paper}
-    stages = [dataclasses.replace(config, seed=arguments.seed) for config in named[arguments.recipe]().stages]
+    recipe = getattr(recipes, arguments.recipe.replace("-", "_"))()
+    stages = [dataclasses.replace(config, seed=arguments.seed) for config in recipe.stages]
     begin = _initial(arguments.init)
     if begin is not None:
         stages = [dataclasses.replace(stages[-1], denoiser=begin.config)]
@@ -110,7 +114,8 @@ def _source(arguments: argparse.Namespace) -> PairSource:
     from lidardraft.training.street_source import StreetSource
 
     sensor = None if arguments.sensor is None else Sensor.preset(arguments.sensor)
-    sources, weights = list[PairSource](), list[float]()
+    sources: list[PairSource] = []
+    weights: list[float] = []
     for given in arguments.data or ["streets"]:
         name, _, weight = given.partition("=")
         sources.append(StreetSource(seed=arguments.seed, sensor=sensor) if name == "streets" else PairFolder(name))
@@ -140,20 +145,7 @@ def _trained(
     from lidardraft.training.denoising import train_denoiser
 
     reports = train_denoiser(config, source, run, begin=begin, device=device, max_minutes=minutes)
-    return _show(reports, config.steps, run.name) in (None, config.steps)
-
-
-def _show(reports: Iterator[Report], steps: int, name: str) -> int | None:
-    """A progress bar of a training; its last step, or None where there was nothing to do."""
-    from tqdm import tqdm
-
-    step = None
-    with tqdm(total=steps, unit="step", desc=name) as bar:
-        for report in reports:
-            bar.update(report.step - bar.n)
-            bar.set_postfix_str(f"loss {report.loss:.3f}, {report.samples_per_second:.1f} samples/s")
-            step = report.step
-    return step
+    return show(reports, config.steps, run.name) in (None, config.steps)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -190,7 +182,7 @@ def _parser() -> argparse.ArgumentParser:
 
     added = command("street", street)
     text = "size of the network and length of the training (default small)"
-    added.add_argument("--recipe", choices=("small", "paper", "tiny", "tiny-paper"), default="small", help=text)
+    added.add_argument("--recipe", choices=_RECIPES, default="small", help=text)
     text = (
         "pairs to learn from: `streets`, made as they are needed (default), or a folder of `lidardraft streets -o`; "
         "repeatable, each with its share as =WEIGHT"
@@ -210,6 +202,10 @@ def _parser() -> argparse.ArgumentParser:
     added.add_argument("--work", default="out/street", metavar="FOLDER", help=text)
     text = "where the weight file goes (default street.safetensors)"
     added.add_argument("-o", "--output", default="street.safetensors", metavar="WEIGHTS", help=text)
+
+    added = command("ablation", ablation.ablation)
+    ablation.add_arguments(added)
+    device(added)
     return parser
 
 

@@ -30,8 +30,14 @@ class ControlNet(nn.Module):
         outputs = self.encoder(x, level, context, wraps, self.enter(hint))
         return [leave(h) for leave, h in zip(self.leave, outputs, strict=True)]
 
-    def zero_convs(self) -> Iterator[tuple[str, Tensor]]:
-        """Name and weight of every layer that starts at zero."""
-        yield "enter", self.enter.weight
+    def learn(self, *, everything: bool) -> None:
+        """Let all layers learn, or the zero convolutions alone, as at first in the paper."""
+        self.requires_grad_(everything)
+        for _, conv in self.zero_convs():
+            conv.requires_grad_(True)
+
+    def zero_convs(self) -> Iterator[tuple[str, nn.Conv2d]]:
+        """Every layer that starts at zero, by name."""
+        yield "enter", self.enter
         for stage, leave in enumerate(self.leave):
-            yield f"leave.{stage}", leave.weight  # type: ignore[misc]
+            yield f"leave.{stage}", leave  # type: ignore[misc]

@@ -18,6 +18,15 @@ def karras_levels(steps: int, *, sigma_min: float = 0.002, sigma_max: float = 20
     return [(high + i / max(steps - 1, 1) * (low - high)) ** rho for i in range(steps)] + [0.0]
 
 
+def geometric_levels(steps: int, *, sigma_min: float = 0.01, sigma_max: float = 50.0) -> list[float]:
+    """The `steps` falling noise levels of NCSN, each the same share of the one before; the limits are LiDARGen's."""
+    if steps < 1:
+        raise LidarDraftError(f"steps is {steps}; it must be at least 1")
+    if not sigma_max > sigma_min:
+        raise LidarDraftError(f"sampling starts at the noise level {sigma_max}; it must be greater than {sigma_min}")
+    return [sigma_max * (sigma_min / sigma_max) ** (i / max(steps - 1, 1)) for i in range(steps)]
+
+
 def training_levels(count: int, generator: torch.Generator, *, mean: float, std: float) -> Tensor:
     """Log-normal noise levels to train on, [count]: `mean` and `std` are those of ln sigma (ibid., Table 1).
 

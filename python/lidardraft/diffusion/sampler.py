@@ -1,4 +1,7 @@
-"""The sampler: noise is removed here. A generator over any `denoise(x, sigma)`, x [B, ...] and sigma [B]."""
+"""The sampler: noise is removed here, or as in the paper in `langevin.py`.
+
+Both are generators over any `denoise(x, sigma)`, x [B, ...] and sigma [B].
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,8 @@ from torch import Tensor
 
 from lidardraft.diffusion.codec import CONDITION_PARTS, STATE_CHANNELS, encode_rays
 from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.diffusion.noise import gaussian, karras_levels
+from lidardraft.diffusion.langevin import sample_langevin
+from lidardraft.diffusion.noise import geometric_levels, karras_levels
 from lidardraft.errors import LidarDraftError, SensorError
 from lidardraft.networks.precision import reduced_precision
 from lidardraft.scene.sensor import Sensor
@@ -27,12 +31,14 @@ def sample(
     condition: Tensor | None = None,
     steps: int = 4,
     start: float | None = None,
+    langevin: int | None = None,
 ) -> Iterator[Tensor]:
     """The states [B, 3, H, W] after each step of `sample_multistep`, one sample a seed; the last one is the result.
 
     `condition` [B, K + 5, H, W], or one for all [1, K + 5, H, W]; without it the samples are unconditional. They begin
-    as the simulated scan of the condition under noise of the level `start`, or without it as pure noise. Works on the
-    device of the weights. Raises `SensorError` where the image cannot be cut into the network's cells,
+    as the simulated scan of the condition under noise of the level `start`, or without it as pure noise. With
+    `langevin` a step is a level of `sample_langevin` with so many updates, as in the paper: LiDARGen takes 232 of 5.
+    Works on the device of the weights. Raises `SensorError` where the image cannot be cut into the network's cells,
     `LidarDraftError` on a start that is not positive, or without a condition.
     """
     rows, columns = denoiser.config.cell
@@ -40,8 +46,15 @@ def sample(
         raise SensorError(f"{sensor.name} is {sensor.shape}; these weights need multiples of ({rows}, {columns})")
     device = next(denoiser.parameters()).device
     rays = torch.from_numpy(encode_rays(sensor)).to(device)
-    sigmas = karras_levels(steps) if start is None else karras_levels(steps, sigma_max=start)
-    x = sigmas[0] * torch.stack([gaussian((STATE_CHANNELS, *sensor.shape), seed) for seed in seeds]).to(device)
+    levels = karras_levels if langevin is None else geometric_levels
+    sigmas = levels(steps) if start is None else levels(steps, sigma_max=start)
+    streams = [torch.Generator().manual_seed(seed) for seed in seeds]
+
+    def noise() -> Tensor:
+        shape = (STATE_CHANNELS, *sensor.shape)
+        return torch.stack([torch.randn(shape, generator=stream) for stream in streams]).to(device)
+
+    x = sigmas[0] * noise()
     if condition is not None:
         condition = condition.to(device).expand(len(seeds), -1, -1, -1)
     if start is not None:
@@ -53,6 +66,8 @@ def sample(
         with reduced_precision(device):
             return denoiser.denoise(x, sigma, rays, condition, wraps=sensor.wraps, decide=True)
 
+    if langevin is not None:
+        return sample_langevin(denoise, x, sigmas, noise, updates=langevin)
     return sample_multistep(denoise, x, sigmas)
 
 

@@ -1,4 +1,4 @@
-"""Which firings return: by laser, on surfaces by range, and how the dropped ones cluster.
+"""Which firings return: by laser, on surfaces by range, how the dropped ones cluster, and what returns alone.
 
 The definitions are our own; they ask nothing of a recording but that its firings are known.
 """
@@ -13,6 +13,9 @@ RANGE_EDGES = np.array([2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 40.0, 50.0, 65.0, 80.0
 RUN_EDGES = np.array([1, 2, 3, 4, 5, 7, 10, 15, 25, 50, 100, 200, 10_000])  # firings
 _LONGEST_HOLE = 8  # firings
 _SAME_SURFACE = 0.1  # of the range
+_NEAR = 20.0  # m
+_SMOOTH = (0.1, 0.05)  # m and share of the range, from a firing to the next but one on a near surface
+_ALONE = (0.5, 0.03)  # m and share of the range, farther than which no neighbour is
 
 
 def returns_by_row(sweep: Sweep) -> np.ndarray:
@@ -44,6 +47,34 @@ def hole_lengths(sweep: Sweep) -> np.ndarray:
     """How many runs of dropped firings there are of each length, f64 [len(RUN_EDGES) - 1], over all rows."""
     _, starts, ends = runs(~sweep.valid).T
     return np.histogram(ends - starts, RUN_EDGES)[0].astype(np.float64)
+
+
+def near_holes(sweep: Sweep) -> np.ndarray:
+    """Holes of a single firing on near surfaces, and the places where one could be, f64 [2].
+
+    A place lies in its row between two returns within 20 m whose ranges differ by at most 0.1 m and 5 %.
+    """
+    depth = sweep.depth
+    before, after = depth[:, :-2], depth[:, 2:]
+    places = (before > 0) & (after > 0) & (np.maximum(before, after) < _NEAR)
+    places &= np.abs(after - before) <= _SMOOTH[0] + _SMOOTH[1] * before
+    return np.array([np.count_nonzero(places & (depth[:, 1:-1] == 0)), np.count_nonzero(places)], dtype=np.float64)
+
+
+def lone_returns(sweep: Sweep) -> np.ndarray:
+    """Returns without any neighbour at their range, and all returns, f64 [2].
+
+    A neighbour is one of the eight firings around, and at its range is what differs by at most 0.5 m and 3 %.
+    """
+    depth = sweep.depth
+    around = np.pad(depth, 1)
+    height, width = depth.shape
+    reach = _ALONE[0] + _ALONE[1] * depth
+    accompanied = np.zeros(depth.shape, dtype=bool)
+    for row, column in ((0, 0), (0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1), (2, 2)):
+        other = around[row : row + height, column : column + width]
+        accompanied |= (other > 0) & (np.abs(other - depth) <= reach)
+    return np.array([np.count_nonzero(sweep.valid & ~accompanied), np.count_nonzero(sweep.valid)], dtype=np.float64)
 
 
 def runs(mask: np.ndarray) -> np.ndarray:

@@ -20,6 +20,7 @@ from lidardraft.diffusion.noise import training_levels
 from lidardraft.errors import TrainingError
 from lidardraft.networks.precision import reduced_precision
 from lidardraft.scene.sensor import Sensor
+from lidardraft.training.adherence_watch import AdherenceWatch
 from lidardraft.training.learner import LearningConfig
 from lidardraft.training.loop import Batch, Data, Measures, Report, device_for_training, prefetched, train
 from lidardraft.training.pairs import Pair, scans_of_step
@@ -46,14 +47,21 @@ class DenoisingConfig(LearningConfig):
     """All that decides the result of one stage, beside the pairs and, with a ControlNet, the base.
 
     A batch holds `batch` whole scans of 64 x 1024, fewer of larger ones, mirrored half the time. The first
-    `zero_conv_steps` leave the ControlNet's copy of the encoder alone. ln sigma is normal with `sigma_mean` and
-    `sigma_std`. The other fields are those of `LearningConfig`.
+    `zero_conv_steps` change the ControlNet's zero convolutions alone. Every `watch_every` steps (0: never) two fixed
+    unseen streets are sampled, and a network that does not heed its condition is told (`AdherenceWatch`). ln sigma is
+    normal with `sigma_mean` and `sigma_std`. The other fields are those of `LearningConfig`.
     """
 
     denoiser: DenoiserConfig
     zero_conv_steps: int = 0
+    watch_every: int = 0
     sigma_mean: float = -1.0
     sigma_std: float = 1.4
+
+    @property
+    def watches(self) -> bool:
+        """Whether adherence to a condition is measured."""
+        return bool(self.watch_every and self.denoiser.condition)
 
     def check(self, sensor: Sensor | None) -> None:
         """Raise `TrainingError` where scans of this sensor cannot be trained on so."""
@@ -81,19 +89,27 @@ def train_denoiser(
     on = device_for_training(device)
     processes = Processes.from_environment(on)
     denoiser = _beginning(config, begin)
+    watch = AdherenceWatch(source.sensor or Sensor.preset("hdl64e")) if config.watches else None
+
+    def watched(step: int) -> Measures:
+        if watch is None or step % config.watch_every:
+            return {}
+        measured = watch.measure(denoiser)
+        watch.check(measured, step)
+        return {name: torch.tensor(value) for name, value in measured.items()}
 
     def batches(start: int) -> Generator[Batch, None, None]:
         return prefetched(partial(_batch, config, source, processes), start)
 
     def loss(step: int, batch: Batch) -> tuple[Tensor, Measures]:
         if denoiser.controlnet is not None:
-            denoiser.controlnet.encoder.requires_grad_(step >= config.zero_conv_steps)
+            denoiser.controlnet.learn(everything=step >= config.zero_conv_steps)
         clean, sigma, noise, rays, condition, wraps = batch
         with reduced_precision(on):
             losses = denoiser.loss(
                 clean, sigma, noise, rays, condition if config.denoiser.condition else None, wraps=bool(wraps)
             )
-        return losses, _by_band(sigma, losses.detach())
+        return losses, _by_band(sigma, losses.detach()) | watched(step)
 
     for report in train(config, denoiser, batches, loss, source, run, device=on, max_minutes=max_minutes):
         _check_zero_convs(denoiser, report.step)
@@ -126,8 +142,8 @@ def _by_band(sigma: Tensor, losses: Tensor) -> Measures:
 def _check_zero_convs(denoiser: Denoiser, step: int) -> None:
     """Stop a run that has gone wrong, in words, rather than let it go on for days."""
     if denoiser.controlnet is not None and step >= _SILENT:
-        for name, weight in denoiser.controlnet.zero_convs():
-            if not weight.any():
+        for name, conv in denoiser.controlnet.zero_convs():
+            if not conv.weight.any():
                 raise TrainingError(f"zero convolution {name!r} is still zero after {step} steps")
 
 

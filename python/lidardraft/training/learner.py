@@ -54,8 +54,9 @@ class LearningConfig:
 
     def of_any_length(self) -> dict[str, Any]:
         """The fields as JSON types, but for those that may differ between the slices of a run."""
+        free = ("steps", "save_every", "report_every", "watch_every")
         fields: dict[str, Any] = json.loads(json.dumps(dataclasses.asdict(self)))
-        return {name: v for name, v in fields.items() if name not in ("steps", "save_every", "report_every")}
+        return {name: v for name, v in fields.items() if name not in free}
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lidardraft.diffusion.top_view import top_view
 from lidardraft.scene.sensor import Sensor
 from lidardraft.streets import StreetConfig, streets
 from lidardraft.training.pairs import Pair, scans_of_step
@@ -20,22 +21,31 @@ _POSES = 2  # of a street: a network learns more from another street than from a
 
 @dataclass(frozen=True, kw_only=True)
 class StreetSource:
-    """The streets of a seed, seen by `sensor`, or by another one at each step (`sample_sensor`)."""
+    """The streets of a seed, seen by `sensor`, or by another one at each step (`sample_sensor`).
+
+    With `from_above` the layout's top view stands in for its cast (`top_view`).
+    """
 
     seed: int = 0
     sensor: Sensor | None = None
+    from_above: bool = False
     path: Path = Path("streets")
 
     @property
     def source(self) -> str:
         """Where the pairs come from, in words."""
         seen_by = "sensors drawn at random" if self.sensor is None else self.sensor.name
-        return f"streets of seed {self.seed}, {seen_by}"
+        return f"streets of seed {self.seed}, {seen_by}{', layouts from above' * self.from_above}"
 
     @property
     def checksum(self) -> int:
         """Of all that decides the pairs."""
-        fields = {"seed": self.seed, "sensor": None if self.sensor is None else self.sensor.to_json()}
+        fields: dict[str, object] = {
+            "seed": self.seed,
+            "sensor": None if self.sensor is None else self.sensor.to_json(),
+        }
+        if self.from_above:
+            fields["from_above"] = True
         return zlib.crc32(json.dumps(fields).encode())
 
     def pairs(self, step: int, scans: int, processes: Processes = ALONE) -> list[Pair]:
@@ -47,5 +57,6 @@ class StreetSource:
         for number in processes.share(scans_of_step(scans, sensor)):
             pair = next(streets(self.seed, config, start=step * scans + number))
             assert pair.simulated is not None
-            pairs.append(Pair(pair.scan, pair.condition_image, pair.simulated))
+            image = top_view(pair.layout, sensor, pair.pose) if self.from_above else pair.condition_image
+            pairs.append(Pair(pair.scan, image, pair.simulated))
         return pairs

@@ -1,0 +1,126 @@
+"""Layouts of recordings and of streets, and the scans that become of them on the grid of what was recorded."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+
+import recordings
+from lidardraft import Layout, Pipeline, RangeImage, Sensor, Simulator, layout_from_cloud, raycast
+from lidardraft.metrics.sweep import Sweep
+from lidardraft.scene.labelling import label_by_agreement
+from lidardraft.scene.sensor import PRESETS
+from lidardraft.scene.sensor_model import SensorModel
+from lidardraft.streets import StreetConfig, streets
+from report_streets import unhidden
+
+SEED = 2_000_000  # no training uses it
+
+Render = Callable[[RangeImage], Sweep]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A recorded scan, the layout of it, and the sensor's pose and speed [m/s] as it was taken."""
+
+    recorded: Sweep
+    layout: Layout
+    sensor: Sensor
+    pose: np.ndarray
+    speed: float = 0.0
+
+
+@dataclass(frozen=True)
+class CaseSet:
+    """Cases of one sensor; `render` puts a scan on the grid of the recorded ones.
+
+    `shown` are the pixels that the recording car leaves open. On a grid of `firings` a pixel without a return is a
+    dropped one.
+    """
+
+    cases: list[Case]
+    render: Render
+    shown: np.ndarray
+    firings: bool
+
+
+def recorded_sets(folder: Path) -> Iterator[tuple[str, Callable[[], CaseSet]]]:
+    """The sets of recordings, by name."""
+    kitti, nuscenes = PRESETS["hdl64e-linear"], recordings.NUSCENES_GRID
+    yield "KITTI, HDL-64E", lambda: _clustered(recordings.kitti_images(folder), PRESETS["hdl64e"], grid=kitti)
+    yield "nuScenes, HDL-32E", lambda: _clustered(recordings.nuscenes_images(folder), PRESETS["hdl32e"], grid=nuscenes)
+    yield "PandaSet, Pandar64", lambda: _clustered_groups(recordings.pandar64(folder, 1800), PRESETS["pandar64"])
+    yield "ika, VLP-32C", lambda: _clustered_groups(recordings.vlp32c(folder, 1800), PRESETS["vlp32c"])
+
+
+def street_set(number: int, sensor: Sensor = PRESETS["hdl64e"]) -> CaseSet:
+    """Scans of streets, and their coarse layouts."""
+    pairs = islice(streets(SEED, StreetConfig(sensor=sensor, poses_per_street=1)), number)
+    cases = [Case(Sweep.by_azimuth(pair.scan), pair.layout, sensor, pair.pose, pair.speed) for pair in pairs]
+    return CaseSet(cases, Sweep.by_azimuth, np.ones(sensor.shape, dtype=bool), firings=True)
+
+
+def _clustered_groups(found: recordings.Recordings, sensor: Sensor) -> CaseSet:
+    sweeps = [sweep for group in found.labelled.values() for sweep in group]
+    return _clustered(sweeps, sensor, fov=found.fov)
+
+
+def _clustered(sweeps: list[Sweep], sensor: Sensor, grid: Sensor | None = None, fov: float | None = None) -> CaseSet:
+    cases = [Case(sweep, _layout(sweep, sensor), sensor, sensor.pose()) for sweep in sweeps]
+    columns = sensor.columns
+    shown = unhidden({"": sweeps}, grid or sensor, fov)
+    if fov is not None and sweeps:
+        start = (columns - sweeps[0].points.shape[1]) // 2
+        window = start, start + sweeps[0].points.shape[1]
+        return CaseSet(
+            cases, lambda image: Sweep.by_azimuth(image).part(*window), shown[:, slice(*window)], firings=True
+        )
+    render = Sweep.by_azimuth if grid is None else partial(_projected, grid=grid)
+    return CaseSet(cases, render, shown, firings=grid is None)
+
+
+def _layout(sweep: Sweep, sensor: Sensor) -> Layout:
+    assert sweep.label is not None
+    seen = sweep.valid & (sweep.label > 0)
+    return layout_from_cloud(sweep.points[seen], sweep.label[seen], sensor_height=sensor.mount_height)
+
+
+def _projected(image: RangeImage, grid: Sensor) -> Sweep:
+    values = {name: getattr(image, name) for name in ("label", "intensity")}
+    seen = {name: value[image.valid] for name, value in values.items() if value is not None}
+    return Sweep.from_image(RangeImage.project(image.points(), grid, **seen))
+
+
+def scans_of(case: Case, seed: int, pipeline: Pipeline | None) -> dict[str, RangeImage]:
+    """The scans that a layout becomes, by what makes them; each seed has a unit of the sensor."""
+    sensor, pose = case.sensor, case.pose
+    model = replace(SensorModel.from_sensor(sensor), unit=seed)
+
+    def simulated(detail: bool) -> RangeImage:
+        simulator = Simulator(case.layout, sensor, seed=seed, model=model, detail=detail)
+        return simulator.scan(pose, speed=case.speed, seed=seed).image
+
+    poses = sensor.poses_in_motion(pose, case.speed * pose[:3, 0])
+    scans = {"cast": raycast(case.layout, sensor, poses=poses), "+ sensor model": simulated(False)}
+    scans["simulated"] = simulated(True)
+    if pipeline is not None:
+        *_, made = pipeline.denoising(scans["cast"], scans["simulated"], seed=seed)
+        scans["generated"] = label_by_agreement(made, [scans["simulated"], scans["cast"]], case.layout, pose)
+    return scans
+
+
+def sweeps_of(cases: CaseSet, pipeline: Pipeline | None) -> Iterator[dict[str, Sweep]]:
+    """The "recorded" scan of each case and its `scans_of`, without what the recording car hides."""
+    for number, case in enumerate(cases.cases):
+        made = {name: cases.render(image) for name, image in scans_of(case, number, pipeline).items()}
+        yield {name: _shown(sweep, cases.shown) for name, sweep in {"recorded": case.recorded, **made}.items()}
+
+
+def _shown(sweep: Sweep, shown: np.ndarray) -> Sweep:
+    return dataclasses.replace(sweep, points=np.where(shown[..., None], sweep.points, np.float32(0)))
