@@ -54,8 +54,8 @@ class PositionReader(ChunkReader):
 
     def _road_named(self) -> Chunk | None:
         """The road that "it" means in "a roundabout with houses around it"."""
-        roads = [chunk for chunk in self.chunks[: self.index] if chunk.name == "phrase" and chunk.head in ROAD_OF]
-        return roads[-1] if roads else None
+        before = [chunk for chunk in self.chunks[: self.index] if chunk.name == "phrase" and chunk.head in ROAD_OF]
+        return before[-1] if before and "NO" not in before[-1].types else None
 
     def _references(self, chunk: Chunk, named: Chunk) -> list[Mention]:
         """What a position is relative to, one mention or two; none where it is unknown."""
