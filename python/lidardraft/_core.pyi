@@ -186,8 +186,10 @@ class SensorModel:
         cutoff_spread: float,
         levels: float,
         compensation_range: float,  # m, > 0, inf for all ranges
-        # Responses, readings of each beam or of all, distances [m], their gains, cut-offs of each beam or none.
-        intensity_curve: tuple[list[float], list[list[float]], list[float], list[float], list[float]] | None = None,
+        # Responses, readings of each beam or of all, distances [m], gains of each beam or of all, cut-offs of each beam
+        # or none.
+        intensity_curve: tuple[list[float], list[list[float]], list[float], list[list[float]], list[float]]
+        | None = None,
     ) -> SensorModel: ...
     @property
     def pulse_length(self) -> float:

@@ -14,8 +14,8 @@ use crate::{SensorPattern, checked_seed, thread_count};
 #[pyclass(frozen, module = "lidardraft._core")]
 pub(crate) struct SensorModel(core::SensorModel);
 
-/// Responses and the readings of each beam, distances and their gains, cut-offs.
-type CurveTables = (Vec<f32>, Vec<Vec<f32>>, Vec<f32>, Vec<f32>, Vec<f32>);
+/// Responses and the readings of each beam, distances and the gains of each beam, cut-offs.
+type CurveTables = (Vec<f32>, Vec<Vec<f32>>, Vec<f32>, Vec<Vec<f32>>, Vec<f32>);
 
 #[pymethods]
 impl SensorModel {

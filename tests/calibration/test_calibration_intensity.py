@@ -39,7 +39,7 @@ def curves(draw: st.DrawFn) -> IntensityCurve:
         responses=tuple(responses.tolist()),
         readings=tuple(map(tuple, readings.tolist())),
         distances=tuple(distances.tolist()),
-        distance_gains=(draw(st.floats(0.7, 1.0)), 1.0, draw(st.floats(0.15, 0.7))),
+        distance_gains=((draw(st.floats(0.7, 1.0)), 1.0, draw(st.floats(0.15, 0.7))),),
         cutoffs=tuple((draw(st.floats(0.0, 0.08)) + 0.02 * rng.random(BEAMS)).tolist()),
     )
 
@@ -80,3 +80,25 @@ def test_a_sensor_that_never_reads_0_has_no_cutoff(casts):
     assert set(fit.curve.cutoffs) == {0.0}
     assert len(fit.curve.readings) == BEAMS
     assert (np.diff(fit.curve.readings, axis=1) >= 0).all()
+
+
+def test_each_laser_has_a_focus_of_its_own(casts, others):
+    rng = np.random.default_rng(3)
+    focus = np.exp(0.5 * rng.standard_normal((BEAMS, 3)))
+    truth = IntensityCurve(
+        responses=(0.005, 3.0),
+        readings=((0.0, 0.9),),
+        distances=(4.0, 12.0, 40.0),
+        distance_gains=tuple(map(tuple, focus.tolist())),
+    )
+    recorded = sweeps(with_model(intensity_curve=truth), STREETS, seed=6)
+    curve = fit_intensity(recorded, casts.responses(SENSOR.model, SENSOR.range_sigma)).curve
+    common = replace(curve, distance_gains=(tuple(np.median(curve.distance_gains, axis=0).tolist()),))
+    wanted = others.observed(replace(SENSOR.model, intensity_curve=truth), SENSOR.range_sigma)
+    off = []
+    for model in (curve, common):
+        found = others.observed(replace(SENSOR.model, intensity_curve=model), SENSOR.range_sigma)
+        both = zip(wanted, found, strict=True)
+        off.append(np.mean([np.abs(a.intensity - b.intensity)[a.valid].mean() for a, b in both]))
+    assert off[0] < 0.04
+    assert off[0] < 0.85 * off[1]

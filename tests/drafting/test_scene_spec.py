@@ -68,6 +68,9 @@ def test_json_round_trip(road: RoadSpec, wanted: list[ObjectGroup], absent: list
         ('{"road": {"kind": "river"}}', "road: kind is 'river'; it must be one of straight"),
         ('{"road": {"lanes": 7}}', "road: lanes is 7; a road has 1 to 6 in each direction"),
         ('{"road": {"sidewalk": "wide"}}', "road: sidewalk is 'wide'; it must be true, false or null"),
+        ('{"groups": [{"kind": "car", "at_junction": "no"}]}', "car: at_junction is 'no'"),
+        ('{"groups": [{"kind": "car", "words": 5}]}', "words 5; true or false, and text"),
+        ('{"not_understood": [null]}', "not_understood holds None; it must be text"),
         ('{"absent": ["sky"]}', "absent: kind is 'sky'; it must be one of vehicle"),
     ],
 )

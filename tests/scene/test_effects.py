@@ -133,13 +133,16 @@ def test_a_curve_is_linear_in_the_logarithm_and_each_beam_may_have_its_own():
 
 def test_a_curve_has_gains_by_distance():
     curve = IntensityCurve(
-        responses=(0.0045, 0.45), readings=((0.0, 1.0),), distances=(10.0, 20.0), distance_gains=(0.1, 0.01)
+        responses=(0.0045, 0.45), readings=((0.0, 1.0),), distances=(10.0, 20.0), distance_gains=((0.1, 0.01),)
     )
     near, middle, far = (
         seen(wall(distance), replace(IDEAL, intensity_curve=curve)).intensity for distance in (5.0, 15.0, 40.0)
     )
     for read, expected in ((near, 0.5), (middle, 0.25), (far, 0.0)):
         np.testing.assert_allclose(read, expected, atol=2e-3)
+    each = replace(curve, distance_gains=((0.1, 0.01), (1.0, 1.0), (0.01, 0.01), (0.1, 0.01)))
+    read = seen(wall(5.0), replace(IDEAL, intensity_curve=each)).intensity
+    np.testing.assert_allclose(read.T, np.tile([0.5, 1.0, 0.0, 0.5], (1024, 1)), atol=2e-3)
 
 
 def test_a_curve_of_another_sensor_is_refused():

@@ -21,9 +21,19 @@ from lidardraft.scene.sensor_model import SensorModel
         ({"readings": "a"}, "readings of the intensity curve is 'a'; it must be a list of lists"),
         ({"readings": (0.5,)}, "readings of the intensity curve is 0.5; it must be a list of finite numbers"),
         ({"responses": (float("nan"),)}, r"responses of the intensity curve is \(nan,\); it must be a list of finite"),
-        ({"distances": (1.0,)}, "distance_gains of the intensity curve has 0 values; it needs 1"),
-        ({"distances": (2, 1), "distance_gains": (1, 1)}, "a distance of the curve is 1; it must be greater than the"),
-        ({"distances": (2,), "distance_gains": (0,)}, "a gain of the curve is 0; it must be finite and greater than 0"),
+        (
+            {"distances": (1.0,), "distance_gains": ((),)},
+            "distance_gains of a beam of the intensity curve has 0 values; it needs 1",
+        ),
+        ({"distance_gains": (1.0,)}, "distance_gains of the intensity curve is 1.0; it must be a list of finite"),
+        (
+            {"distances": (2, 1), "distance_gains": ((1, 1),)},
+            "a distance of the curve is 1; it must be greater than the",
+        ),
+        (
+            {"distances": (2,), "distance_gains": ((0,),)},
+            "a gain of the curve is 0; it must be finite and greater than 0",
+        ),
         ({"cutoffs": (-1.0,)}, "a cut-off of the curve is -1; it must be finite and 0 or more"),
     ],
 )

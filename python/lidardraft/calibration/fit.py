@@ -10,6 +10,7 @@ import numpy as np
 
 from lidardraft.calibration.beam_table import BeamTable, fit_beam_table
 from lidardraft.calibration.intensity import fit_intensity
+from lidardraft.calibration.range_offsets import fit_range_offsets
 from lidardraft.calibration.receiver import fit_receiver, fit_speckle
 from lidardraft.calibration.recording import Recording
 from lidardraft.calibration.street_casts import StreetCasts, with_rays_that_fit
@@ -54,7 +55,17 @@ def fit_sensor(
     sensor = _geometry(name, table, recorded, like or Sensor(name=name, elevations=(0.0,), columns=1))
     typical = SensorModel.from_sensor(like or sensor)
     # the lasers are known, one by one
-    model = with_rays_that_fit(sensor, replace(typical, tilt_spread=0.0, gain_spread=0.0, intensity_curve=None))
+    known = replace(
+        typical,
+        range_offsets=tuple(fit_range_offsets(recorded, table).tolist()),
+        offset_spread=0.0,
+        tilt_spread=0.0,
+        gain_spread=0.0,
+        intensity_curve=None,
+        cutoff=0.0,
+        cutoff_spread=0.0,
+    )
+    model = with_rays_that_fit(sensor, known)
     casts = StreetCasts.from_sensor(sensor, model, num_streets, seed=SEED)
     model, sigma = fit_receiver(recorded, casts, model)
     left = math.nan

@@ -3,8 +3,8 @@
 What a laser reads of an echo is not published, but known from what is common in streets: among the returns of the same
 group, laser and range, recorded readings and the responses of simulated streets have the same ranks. One curve for all
 lasers, a gain at each range, and a gain and an offset of each laser make of the ones the others, in least squares; then
-each laser gets a curve of its own, as far as it has returns enough to tell. What a laser reads least but 0 is its
-cut-off, or somewhat more, where it reads 0 more often than that explains.
+each laser gets a curve and gains by range of its own, as far as it has returns enough to tell: each has a focus of its
+own. What a laser reads least but 0 is its cut-off, or somewhat more, where it reads 0 more often than that explains.
 """
 
 from __future__ import annotations
@@ -29,10 +29,11 @@ _KNOTS = 16
 # Logarithms of gains that are tried of a laser and at a range, and offsets of a laser.
 _GAINS = np.linspace(-2.0, 2.0, 81)
 _FOCUS = np.linspace(-3.0, 1.5, 91)
+_OWN_FOCUS = np.linspace(-1.5, 1.5, 61)  # of one laser, beside that of all
 _MOST_OFFSET = 0.4
 _DRAWN = 0.005  # of a cell of _FEWEST returns: how much that weighs which draws gains towards 1 and offsets to 0
 _SHARED = 150.0  # returns at each knot that stand for the shared curve against a laser's own
-_ROUNDS, _OWN_ROUNDS = 12, 3
+_ROUNDS, _OWN_ROUNDS, _FOCUS_ROUNDS = 12, 3, 2
 _LEAST_SHARE = 0.005  # of a laser's readings over 0 are below its cut-off: outliers
 _MOST_RAISED = 2.0  # times the least reading
 _NO_ZEROS = 0.002  # a laser that reads 0 less often has no cut-off
@@ -80,15 +81,20 @@ def fit_intensity(recorded: Sequence[Sweep], simulated: Sequence[Sweep]) -> Inte
         known = _imputed(cells.reading, shown, least)
     at = _knots(strength)
     shared = np.array([np.interp(at + gain, knots, curve) for gain in gains]) - offsets[:, None]
-    readings, shown = _own_curves(cells, strength, at, shared, least)
-    cutoffs = _raised(cutoffs, recorded, simulated, focus, (at, readings))
+    own, focuses = strength, np.tile(focus, (beams, 1))
+    readings, shown = _own_curves(cells, own, at, shared, least)
+    for _ in range(_FOCUS_ROUNDS):
+        focuses = focus + _own_focus(cells, strength, _imputed(cells.reading, shown, least), (at, readings))
+        own = cells.response + focuses[cells.row, cells.range][:, None]
+        readings, shown = _own_curves(cells, own, at, shared, least)
+    cutoffs = _raised(cutoffs, recorded, simulated, focuses, (at, readings))
     left = np.where(shown < cutoffs[cells.row][:, None], 0.0, shown) - cells.reading
     share = np.broadcast_to(cells.weight**2, left.shape)
     fitted = IntensityCurve(
         responses=tuple(np.exp(at).tolist()),
         readings=tuple(map(tuple, np.clip(readings, 0.0, 1.0).tolist())),
         distances=tuple(_DISTANCES.tolist()),
-        distance_gains=tuple(np.exp(focus).tolist()),
+        distance_gains=tuple(map(tuple, np.exp(focuses).tolist())),
         cutoffs=tuple(cutoffs.tolist()),
     )
     return IntensityFit(fitted, math.sqrt(float((share * left**2).sum() / share.sum())))
@@ -140,7 +146,7 @@ def _raised(
     cutoffs: np.ndarray,
     recorded: Sequence[Sweep],
     simulated: Sequence[Sweep],
-    focus: np.ndarray,
+    focuses: np.ndarray,
     curves: tuple[np.ndarray, np.ndarray],
 ) -> np.ndarray:
     """Cut-offs with which as many simulated readings of each laser are 0 as recorded ones, up to twice as high."""
@@ -150,7 +156,7 @@ def _raised(
         response = np.concatenate([s.intensity[row][s.valid[row]] for s in simulated if s.intensity is not None])
         distance = np.concatenate([s.depth[row][s.valid[row]] for s in simulated])
         if len(response) >= _FEWEST:
-            strength = np.log(np.maximum(response, 1e-5)) + np.interp(distance, _DISTANCES, focus)
+            strength = np.log(np.maximum(response, 1e-5)) + np.interp(distance, _DISTANCES, focuses[row])
             shown = np.interp(strength, curves[0], curves[1][row])
             found[row] = np.clip(np.quantile(shown, zeros.mean()), cutoffs[row], _MOST_RAISED * cutoffs[row])
     return found
@@ -186,6 +192,24 @@ def _own_curves(
     for beam in np.unique(cells.row):
         shown[cells.row == beam] = np.interp(strength[cells.row == beam], knots, curves[beam])
     return curves, shown
+
+
+def _own_focus(
+    cells: Cells, strength: np.ndarray, reading: np.ndarray, curves: tuple[np.ndarray, np.ndarray]
+) -> np.ndarray:
+    """Logarithms of the gains of each laser at each distance [H, D] beside those of all, which `strength` has; where it
+    has no cell, as at the next distances that have."""
+    found = np.zeros((len(curves[1]), len(_DISTANCES)))
+    for beam in np.unique(cells.row):
+        ours = cells.row == beam
+        at = cells.range[ours]
+        curve = curves[0], curves[1][beam]
+        shifts, _ = _shifts(
+            strength[ours], reading[ours], cells.weight[ours], at, curve, _OWN_FOCUS, len(_DISTANCES), 0.0
+        )
+        known = np.unique(at)
+        found[beam] = np.interp(np.arange(len(_DISTANCES)), known, shifts[known])
+    return found
 
 
 def _monotone(strength: np.ndarray, reading: np.ndarray, weight: np.ndarray, knots: np.ndarray) -> np.ndarray:

@@ -15,7 +15,6 @@ from lidardraft.calibration.street_casts import StreetCasts
 from lidardraft.calibration.surface_groups import GROUND, LANE, groups_of
 from lidardraft.metrics import edges, returns
 from lidardraft.metrics.sweep import Sweep
-from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
 
 _FAR = returns.RANGE_EDGES[:-1] >= 20.0  # m: where echoes get weak
@@ -28,10 +27,8 @@ _THRESHOLDS = (1e-8, 1e-2)  # 1/m2
 _DROPS = (1e-5, 0.3)
 _SIGMAS = (2e-4, 0.2)  # m
 _JITTERS = (1e-3, 0.5)  # m
-_OFFSETS = (5e-4, 0.1)  # m
 _SPECKLES = (0.01, 1.0)
 _PULSES = (1e-9, 5e-8)  # s
-_CLOSE = math.radians(1.0)  # lasers
 _FAR_BENDS = (25.0, 60.0)  # m
 
 
@@ -71,8 +68,7 @@ def _fit_drop(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorModel,
 
 
 def _fit_noise(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorModel) -> tuple[SensorModel, float]:
-    sensor = casts.scanners[0].sensor
-    target, sigma = _bend(recorded, near=True), sensor.range_sigma
+    target, sigma = _bend(recorded, near=True), casts.scanners[0].sensor.range_sigma
     if not math.isnan(target):
         sigma = bisected(lambda value: _bend(casts.observed(model, value), near=True), target, _SIGMAS, rising=True)
     noisy = _found(
@@ -82,14 +78,7 @@ def _fit_noise(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorModel
         _JITTERS,
         model,
     )
-    apart = _found(
-        lambda value: replace(noisy, offset_spread=value),
-        lambda one: _rise(casts.observed(one, sigma), sensor),
-        _rise(recorded, sensor),
-        _OFFSETS,
-        noisy,
-    )
-    return apart, sigma
+    return noisy, sigma
 
 
 def fit_speckle(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorModel, sigma: float) -> SensorModel:
@@ -174,20 +163,6 @@ def _bend(sweeps: Sequence[Sweep], near: bool) -> float:
         found.append(np.abs(here - (before + after) / 2)[inside])
     bends = np.concatenate(found)
     return float(np.quantile(bends, 0.5 if near else 0.25)) if len(bends) >= 500 else math.nan
-
-
-def _rise(sweeps: Sequence[Sweep], sensor: Sensor) -> float:
-    """Lower quartile of how far near returns lie off the middle of those of the lasers above and below [m], where
-    these are close: further apart, it is the ground that bends."""
-    steps = -np.diff(sensor.elevations)
-    close = np.maximum(steps[1:], steps[:-1]) < _CLOSE
-    found = [np.zeros(0)]
-    for sweep in sweeps:
-        above, here, below = sweep.depth[:-2], sweep.depth[1:-1], sweep.depth[2:]
-        inside = close[:, None] & (above > 0) & (below > 0) & (here > 0) & (here < _NEAR_GROUND)
-        found.append(np.abs(here - (above + below) / 2)[inside])
-    rises = np.concatenate(found)
-    return float(np.quantile(rises, 0.25)) if len(rises) >= 500 else math.nan
 
 
 def _reading_step(sweeps: Sequence[Sweep]) -> float:

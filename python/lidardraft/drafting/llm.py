@@ -108,7 +108,7 @@ def _spec_of(reply: str, text: str) -> SceneSpec:
         raise LayoutError(f"the spec has {len(spec.groups)} groups; it may have {MAX_GROUPS}")
     for said in (*(group.words for group in spec.groups), *spec.not_understood):
         if foreign := [word for word in re.findall(r"\w+", said) if word.casefold() not in text.casefold()]:
-            raise LayoutError(f"{said!r} is no part of the text, as {foreign[0]!r} is not in it")
+            raise LayoutError(f"{said!r} is no part of the text, as {foreign[0]!r} is not in it; copy words of it")
     layout_from_spec(spec)
     return spec
 

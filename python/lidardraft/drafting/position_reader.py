@@ -38,7 +38,11 @@ class PositionReader(ChunkReader):
         if following.name == "PRONOUN" and relation is not None:
             self.index += 1
             earlier = [m for m in self.notes.mentions if linked or not self.open or m is not self.open[-1]]
-            self._refer(chunk, relation, earlier[-1:], before)
+            road = self._road_named()
+            if not earlier and road is not None and chunk.tokens[-1].type in ("NEAR", "BESIDE"):
+                self._place(chunk, road, before)
+            else:
+                self._refer(chunk, relation, earlier[-1:], before)
         elif (following.is_object or following.is_unknown) and refers(chunk, following, linked=linked):
             self.index += 1
             self._refer(chunk, relation, self._references(chunk, following), before)
@@ -47,6 +51,11 @@ class PositionReader(ChunkReader):
             tokens = [token for token in chunk.tokens if token.type not in _OF_NOTHING]
             if tokens:
                 self._place(Chunk("position", tokens), following, before)
+
+    def _road_named(self) -> Chunk | None:
+        """The road that "it" means in "a roundabout with houses around it"."""
+        before = [chunk for chunk in self.chunks[: self.index] if chunk.name == "phrase" and chunk.head in ROAD_OF]
+        return before[-1] if before and "NO" not in before[-1].types else None
 
     def _references(self, chunk: Chunk, named: Chunk) -> list[Mention]:
         """What a position is relative to, one mention or two; none where it is unknown."""

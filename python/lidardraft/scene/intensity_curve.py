@@ -14,8 +14,9 @@ class IntensityCurve:
 
     Each of `readings` has a value for each of `responses`, which ascend; between these knots a reading is linear in the
     logarithm of the response, beyond them it stays. A response of 1 is that of a white surface that faces the sensor.
-    Responses are multiplied before by `distance_gains`, linear in their logarithm between `distances` [m], which
-    ascend: optics have a focus. A reading below a beam's value of `cutoffs` is 0; without values none is.
+    Responses are multiplied before by one of `distance_gains`, for each beam or for all, which has a value for each of
+    `distances` [m] and is linear in its logarithm between them: optics have a focus. A reading below a beam's value of
+    `cutoffs` is 0; without values none is.
 
     Raises `SensorError` naming the table that is none; the core checks its values.
     """
@@ -23,26 +24,28 @@ class IntensityCurve:
     responses: tuple[float, ...]
     readings: tuple[tuple[float, ...], ...]
     distances: tuple[float, ...] = ()
-    distance_gains: tuple[float, ...] = ()
+    distance_gains: tuple[tuple[float, ...], ...] = ()
     cutoffs: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        for table in ("responses", "distances", "distance_gains", "cutoffs"):
+        for table in ("responses", "distances", "cutoffs"):
             object.__setattr__(self, table, _numbers(table, getattr(self, table)))
-        if not isinstance(self.readings, list | tuple):
-            raise SensorError(f"readings of the intensity curve is {self.readings!r:.50}; it must be a list of lists")
-        object.__setattr__(self, "readings", tuple(_numbers("readings", values) for values in self.readings))
+        for table in ("readings", "distance_gains"):
+            lists = getattr(self, table)
+            if not isinstance(lists, list | tuple):
+                raise SensorError(f"{table} of the intensity curve is {lists!r:.50}; it must be a list of lists")
+            object.__setattr__(self, table, tuple(_numbers(table, values) for values in lists))
 
     @property
-    def tables(self) -> tuple[list[float], list[list[float]], list[float], list[float], list[float]]:
+    def tables(self) -> tuple[list[float], list[list[float]], list[float], list[list[float]], list[float]]:
         """Responses, readings, distances, gains and cut-offs, as the core has them."""
-        readings = [list(values) for values in self.readings]
-        return list(self.responses), readings, list(self.distances), list(self.distance_gains), list(self.cutoffs)
+        readings, gains = ([list(values) for values in lists] for lists in (self.readings, self.distance_gains))
+        return list(self.responses), readings, list(self.distances), gains, list(self.cutoffs)
 
     def check_beams(self, beams: int) -> None:
         """Raises `SensorError` where a table is not of so many beams."""
-        for table, found, other in (("readings", len(self.readings), 1), ("cutoffs", len(self.cutoffs), 0)):
-            if found not in (beams, other):
+        for table, others in (("readings", (1,)), ("distance_gains", (0, 1)), ("cutoffs", (0,))):
+            if (found := len(getattr(self, table))) not in (beams, *others):
                 raise SensorError(f"{table} of the intensity curve has {found} values; it needs {beams}")
 
 

@@ -1,6 +1,7 @@
 """The endless procedural world: `for pair in streets(seed): ...`."""
 
 from lidardraft.streets.pairs import StreetPair, streets
+from lidardraft.streets.placement.street_mix import StreetMix
 from lidardraft.streets.street import Street, StreetConfig, make_street
 
-__all__ = ["Street", "StreetConfig", "StreetPair", "make_street", "streets"]
+__all__ = ["Street", "StreetConfig", "StreetMix", "StreetPair", "make_street", "streets"]

@@ -16,6 +16,7 @@ from lidardraft.streets.coarse.coarse_street import CoarseStreet
 from lidardraft.streets.placement.lanes import Lane
 from lidardraft.streets.placement.occupancy import Occupancy
 from lidardraft.streets.placement.plan import plan_street
+from lidardraft.streets.placement.street_mix import USUAL_MIX, StreetMix
 
 _PARALLEL = 0.01  # rad against the road that lanes along it may have
 
@@ -25,13 +26,15 @@ class StreetConfig:
     """How streets are made and scanned.
 
     `sensor` scans them, from `poses_per_street` places each. A street goes on `half_length` [m] either way of its
-    middle. With `simulated` a pair has the simulated scan of its coarse layout too, which takes as long again. Raises
-    `LayoutError` for less than one place, or a half length that is not 40 to 200 m.
+    middle; `mix` says what streets are made of. With `simulated` a pair has the simulated scan of its coarse layout
+    too, which takes as long again. Raises `LayoutError` for less than one place, or a half length that is not 40 to
+    200 m.
     """
 
     sensor: Sensor = PRESETS["hdl64e"]
     poses_per_street: int = 32
     half_length: float = 90.0
+    mix: StreetMix = USUAL_MIX
     simulated: bool = False
 
     def __post_init__(self) -> None:
@@ -70,7 +73,7 @@ def make_street(seed: int, config: StreetConfig | None = None, *, number: int = 
     check_number("number", number)
     config = config or StreetConfig()
     rng = np.random.default_rng([seed, number])
-    occupancy, lanes, district = plan_street(rng, config.half_length)
+    occupancy, lanes, district = plan_street(rng, config.half_length, config.mix)
     primitives = occupancy.ground.surfaces()
     for placed in occupancy.objects:
         primitives += kind_of(placed.kind).build(placed, rng)

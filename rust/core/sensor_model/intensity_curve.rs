@@ -11,8 +11,8 @@ const LANES: usize = 16;
 pub struct IntensityCurve {
     /// Readings over logarithms of responses: one curve for all beams, or one for each.
     readings: Vec<Pieces>,
-    /// Logarithms of gains over distances [m].
-    focus: Pieces,
+    /// Logarithms of gains over distances [m]: for all beams, or for each.
+    focus: Vec<Pieces>,
     /// Readings of each beam below this are 0; none for 0.
     cutoffs: Vec<f32>,
 }
@@ -48,7 +48,8 @@ impl Pieces {
 }
 
 impl IntensityCurve {
-    /// The curves through `responses` and the readings of all beams, or of each; and gains at `distances`, if any.
+    /// The curves through `responses` and the readings of all beams, or of each; and gains at `distances`, if any, of all
+    /// beams or of each.
     ///
     /// # Errors
     /// [`Error::SensorModel`] or [`Error::CurveTable`].
@@ -56,18 +57,20 @@ impl IntensityCurve {
         responses: &[f32],
         readings: &[Vec<f32>],
         distances: &[f32],
-        gains: &[f32],
+        gains: &[Vec<f32>],
         cutoffs: Vec<f32>,
     ) -> Result<IntensityCurve> {
         let same = |table, found, expected| {
             if found == expected { Ok(()) } else { Err(Error::CurveTable { table, found, expected }) }
         };
         same("responses", responses.len().min(1), 1)?;
-        same("distance_gains", gains.len(), distances.len())?;
+        gains.iter().try_for_each(|gains| same("distance_gains of a beam", gains.len(), distances.len()))?;
         readings.iter().try_for_each(|curve| same("readings of a beam", curve.len(), responses.len()))?;
         all("a response of the curve", responses, |r| r > 0.0, "finite and greater than 0")?;
         all("a distance of the curve", distances, |d| d >= 0.0, "finite and 0 or more")?;
-        all("a gain of the curve", gains, |gain| gain > 0.0, "finite and greater than 0")?;
+        for gains in gains {
+            all("a gain of the curve", gains, |gain| gain > 0.0, "finite and greater than 0")?;
+        }
         all("a cut-off of the curve", &cutoffs, |cutoff| cutoff >= 0.0, "finite and 0 or more")?;
         ascending("a response of the curve", responses)?;
         ascending("a distance of the curve", distances)?;
@@ -77,13 +80,19 @@ impl IntensityCurve {
         let logarithms = |values: &[f32]| values.iter().map(|value| value.ln()).collect::<Vec<_>>();
         let at = logarithms(responses);
         let readings = readings.iter().map(|curve| Pieces::new(&at, curve)).collect();
-        Ok(IntensityCurve { readings, focus: Pieces::new(distances, &logarithms(gains)), cutoffs })
+        let focus = gains.iter().map(|gains| Pieces::new(distances, &logarithms(gains))).collect();
+        Ok(IntensityCurve { readings, focus, cutoffs })
     }
 
-    /// Whether there is a curve for all beams or one for each, and as many cut-offs as beams, or none.
+    /// Whether there is a curve for all beams or one for each, gains for none, all or each, and as many cut-offs as
+    /// beams, or none.
     pub(super) fn check(&self, beams: usize) -> Result<()> {
-        for (table, found, other) in [("readings", self.readings.len(), 1), ("cutoffs", self.cutoffs.len(), 0)] {
-            if found != beams && found != other {
+        for (table, found, least, most) in [
+            ("readings", self.readings.len(), 1, 1),
+            ("distance_gains", self.focus.len(), 0, 1),
+            ("cutoffs", self.cutoffs.len(), 0, 0),
+        ] {
+            if found != beams && !(least..=most).contains(&found) {
                 return Err(Error::CurveTable { table, found, expected: beams });
             }
         }
@@ -94,6 +103,7 @@ impl IntensityCurve {
     #[inline(always)]
     pub(super) fn read(&self, beam: usize, distances: &[f32], responses: &mut [f32]) {
         let curve = &self.readings[beam % self.readings.len()];
+        let focus = self.focus.get(beam % self.focus.len().max(1));
         let cutoff = self.cutoffs.get(beam).copied().unwrap_or(0.0);
         for (distances, shown) in distances.chunks(LANES).zip(responses.chunks_mut(LANES)) {
             let (mut distance, mut log, mut reading) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
@@ -101,7 +111,9 @@ impl IntensityCurve {
             for (log, &response) in log.iter_mut().zip(&*shown) {
                 *log = ln(response);
             }
-            self.focus.add(&distance, &mut log);
+            if let Some(focus) = focus {
+                focus.add(&distance, &mut log);
+            }
             curve.add(&log, &mut reading);
             for (shown, &reading) in shown.iter_mut().zip(&reading) {
                 *shown = if reading < cutoff { 0.0 } else { reading };

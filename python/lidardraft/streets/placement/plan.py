@@ -30,11 +30,9 @@ from lidardraft.streets.placement.roadside import (
     place_street_trees,
 )
 from lidardraft.streets.placement.side_roads import place_beside_side_roads, place_side_road_buildings
+from lidardraft.streets.placement.street_mix import USUAL_MIX, StreetMix
 from lidardraft.streets.placement.traffic import place_parked_vehicles, place_traffic
 from lidardraft.streets.placement.walkers import place_people
-
-_NAMES = tuple(DISTRICTS)
-_SHARES = np.cumsum([district.share for district in DISTRICTS.values()])
 
 # Closed fronts behind front gardens: their share among closed fronts, and what is different there. Numbers without a
 # source are estimates of ours, here and below.
@@ -48,14 +46,17 @@ _CONCRETE_ROADS = 0.25  # share of motorways: about a quarter of the German ones
 _BARE_SOIL, _ASPHALT_WALKS = 0.2, 0.2  # share of land outside towns, and of all sidewalks
 
 
-def plan_street(rng: np.random.Generator, half_length: float) -> tuple[Occupancy, tuple[Lane, ...], str]:
+def plan_street(
+    rng: np.random.Generator, half_length: float, mix: StreetMix = USUAL_MIX
+) -> tuple[Occupancy, tuple[Lane, ...], str]:
     """A street of some district with all its objects, the lanes that are driven in, and the name of the district."""
-    name = _NAMES[int(np.searchsorted(_SHARES / _SHARES[-1], rng.random(), side="right"))]
+    name = mix.sample_district(rng)
     district = DISTRICTS[name]
     if district.closed_fronts and rng.random() < _GREEN:
         district = replace(
             district, setback=_GREEN_SETBACK, front_fences=_GREEN_FENCES, paved=0.0, thickets=_GREEN_THICKETS
         )
+    district = mix.applied(district)
     parking = tuple(side for side in SIDES if rng.random() < district.parked)
     oneway, wants_car_park = bool(rng.random() < district.oneway), bool(rng.random() < district.car_park)
     road = sample_road(district, parking, half_length, rng, oneway=oneway, car_park=wants_car_park)

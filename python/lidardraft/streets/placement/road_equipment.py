@@ -142,8 +142,9 @@ def _place_run(
     bend = 1 - road.curvature * across
     while along < high:
         length = min(occupancy.ground.level_length(along, _PIECE), high - along)
-        if not road.in_junction(along + length / 2, length / 2 + _PIECE_JUNCTION):
-            size = (length * bend - _PIECE_SEAM, width, height)
+        size = (length * bend - _PIECE_SEAM, width, height)
+        # of a span that ends within a seam of a piece, nothing is left
+        if size[0] > 0 and not road.in_junction(along + length / 2, length / 2 + _PIECE_JUNCTION):
             occupancy.place(kind, along + length / 2, across, size, angle=angle, margin=0.0)
         along += length
 

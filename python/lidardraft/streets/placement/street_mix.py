@@ -1,0 +1,67 @@
+"""What streets are made of: how often they lie in each district, and how much stands in them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from lidardraft.errors import LayoutError
+from lidardraft.streets.placement.district import DISTRICTS, District
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class StreetMix:
+    """The composition of streets; the defaults are those of docs/lifelike.md.
+
+    `residential` to `motorway` are the shares of the districts, of their sum. The others are times what the districts
+    have: `parked_cars` those along kerbs, `traffic` vehicles on the road, `people`, `buildings` plots that are built
+    on, `fences` those in front of gardens, `plants` thickets, wild trees and street trees. What has other causes stays:
+    car parks, queues at lights, people at stops, corners of side roads. Probabilities end at 1.
+
+    Raises `LayoutError` for a number that is negative or not finite, or shares that are all 0.
+    """
+
+    residential: float = DISTRICTS["residential"].share
+    urban: float = DISTRICTS["urban"].share
+    avenue: float = DISTRICTS["avenue"].share
+    retail: float = DISTRICTS["retail"].share
+    country: float = DISTRICTS["country"].share
+    motorway: float = DISTRICTS["motorway"].share
+    parked_cars: float = 1.0
+    traffic: float = 1.0
+    people: float = 1.0
+    buildings: float = 1.0
+    fences: float = 1.0
+    plants: float = 1.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not 0.0 <= value < math.inf:
+                raise LayoutError(f"{field.name} of the street mix is {value}; it must be finite and 0 or more")
+        if not any(getattr(self, name) for name in DISTRICTS):
+            raise LayoutError(f"the street mix has no district; one of {', '.join(DISTRICTS)} must be more than 0")
+
+    def sample_district(self, rng: np.random.Generator) -> str:
+        """The name of a district."""
+        shares = np.cumsum([getattr(self, name) for name in DISTRICTS])
+        return list(DISTRICTS)[int(np.searchsorted(shares / shares[-1], rng.random(), side="right"))]
+
+    def applied(self, district: District) -> District:
+        """The district with as much more or less in it."""
+        return replace(
+            district,
+            parked=min(district.parked * self.parked_cars, 1.0),
+            traffic_gap=district.traffic_gap / self.traffic if self.traffic > 0 else math.inf,
+            people=district.people * self.people,
+            built=min(district.built * self.buildings, 1.0),
+            front_fences=min(district.front_fences * self.fences, 1.0),
+            street_trees=min(district.street_trees * self.plants, 1.0),
+            thickets=district.thickets * self.plants,
+            wild_trees=round(district.wild_trees * self.plants),
+        )
+
+
+USUAL_MIX = StreetMix()
