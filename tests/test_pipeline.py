@@ -3,9 +3,13 @@ import warnings
 
 import numpy as np
 import pytest
+import torch
 
 from lidardraft import Pipeline, Sensor
+from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.pipeline import START
 from lidardraft.scene.sensor_limits import SensorLimits
+from lidardraft.training import recipes
 
 SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=128)
 
@@ -47,3 +51,20 @@ def test_every_step_is_told(pipeline: Pipeline) -> None:
     steps: list[int] = []
     Pipeline(pipeline.denoiser, steps=3)("a car ahead", sensor=SMALL, on_step=lambda: steps.append(len(steps)))
     assert steps == [0, 1, 2]
+
+
+def test_weights_that_do_not_see_the_simulated_scan_start_from_noise() -> None:
+    (generator,), (_, control) = recipes.tiny().stages, recipes.tiny_paper().stages
+    assert Pipeline(Denoiser.from_config(generator.denoiser)).start == START
+    assert Pipeline(Denoiser.from_config(control.denoiser)).start is None
+
+
+def test_the_papers_sampler_takes_as_many_steps_and_gives_another_scan() -> None:
+    torch.manual_seed(0)
+    denoiser = Denoiser.from_config(recipes.tiny_paper().stages[-1].denoiser)
+    scans, steps = [], list[int]()
+    for langevin in (None, 2):
+        made = Pipeline(denoiser, steps=3, langevin=langevin)
+        scans.append(made("a car ahead", sensor=SMALL, on_step=lambda: steps.append(1)).image)
+    assert len(steps) == 6
+    assert not np.array_equal(scans[0].depth, scans[1].depth)
