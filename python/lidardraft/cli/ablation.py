@@ -97,7 +97,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of the command."""
     parser.epilog = (
         "The paper's FRD needs weights that are not free, so that top views (BEV JSD, MMD) and adherence stand for it. "
-        "objects: share of the returns on objects within 0.5 m or 5 %% of the layout. drop: share of the rays that hit "
+        "objects: share of the returns on objects within 0.5 m or 5 % of the layout. drop: share of the rays that hit "
         "the layout and return nothing. The row of other streets says what scans of another place would get."
     )
     add_sensor(parser)
