@@ -40,3 +40,10 @@ def test_what_the_gate_says_decides_without_evidence() -> None:
     low, high = (gated(0.35, 5.0, decide=True, prior=prior) for prior in (-20.0, 20.0))
     torch.testing.assert_close(low, torch.full((4, 8), -0.8))
     assert (high > 0).all()
+
+
+def test_of_two_values_that_are_about_as_likely_the_last_is_kept() -> None:
+    kept = gated(0.35, 0.3, decide=True, prior=5.0)
+    assert (kept > 0.5).all()
+    clearly_the_first = gated(0.1, 0.05, decide=True, prior=5.0)
+    assert (clearly_the_first < 0.2).all()

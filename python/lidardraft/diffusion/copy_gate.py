@@ -9,6 +9,7 @@ from torch.nn import functional
 from lidardraft.networks.convolution import RangeImageConv, fold, unfold, zero_conv
 
 _SPREAD = 0.5  # how far a value of the state lies from a given one that is wrong: the spread of all values
+_KEEP = 2.0  # ln of how much likelier than the last given value another one must be to be decided for
 _TRUST_RANGE = 2.0  # how many times e the trust of a pixel may be above or below that of the gate
 
 
@@ -35,7 +36,8 @@ class CopyGate(nn.Module):
         features [B, width, h, w].
 
         `given` [B, values, H, W] are values of the state. The result is the mean over what the channel may be, or with
-        `decide` the likeliest of it: between two surfaces there is none.
+        `decide` the likeliest of it: between two surfaces there is none. The last given value is kept where another is
+        hardly likelier: what is left of the noise would decide there.
         """
         right = sigma**2 + self.trust**2
         distance = torch.tanh((x - given) / (2 * right.sqrt()))
@@ -52,6 +54,7 @@ class CopyGate(nn.Module):
         odds = torch.cat([odds, torch.zeros_like(x)], dim=1)
         value = torch.cat([value, denoised], dim=1)
         if decide:
+            odds[:, -2] += _KEEP
             return value.gather(1, odds.argmax(dim=1, keepdim=True))
         return (odds.softmax(dim=1) * value).sum(dim=1, keepdim=True)
 

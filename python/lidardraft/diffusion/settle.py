@@ -6,25 +6,24 @@ import dataclasses
 
 import numpy as np
 
+from lidardraft.scene.labelling import agrees
 from lidardraft.scene.range_image import RangeImage
 
 # Two ranges are of one surface where they differ by no more than this [m], and this share of the range.
 _SAME_SURFACE = (0.3, 0.03)
-# The state tells ranges apart that differ by this share: its lowest noise level is half of that.
-_RESOLUTION = 0.01
 
 
 def settle(generated: RangeImage, simulated: RangeImage, rng: np.random.Generator) -> RangeImage:
     """`generated` with the noise of its sensor, and without returns that no surface around them explains.
 
-    A return without any neighbour at its range becomes the simulated one, or none where that is none. Where both are of
-    one surface as far as the state can tell, the range is the simulated one, whose noise is the sensor model's.
-    Elsewhere it gets the range noise of the sensor.
+    A return without any neighbour at its range becomes the simulated one, or none where that is none. Where both agree,
+    the range is the simulated one, whose noise is the sensor model's: of moves within that tolerance the network gets
+    fewer right than wrong. Elsewhere it gets the range noise of the sensor.
     """
     sensor = generated.sensor
     lone = generated.valid & ~_has_neighbour(generated.depth, sensor.wraps)
     depth = np.where(lone, simulated.depth, generated.depth)
-    same = simulated.valid & (np.abs(depth - simulated.depth) <= _RESOLUTION * (1 + simulated.depth))
+    same = agrees(dataclasses.replace(generated, depth=depth), simulated)
     noisy = depth + sensor.range_sigma * rng.standard_normal(depth.shape, dtype=np.float32)
     noisy = np.clip(noisy, sensor.min_range, sensor.max_range)
     depth = np.where(depth > 0, np.where(same, simulated.depth, noisy), 0).astype(np.float32)
