@@ -23,7 +23,7 @@ from lidardraft.drafting.sketches.drawn_surfaces import (
 )
 from lidardraft.drafting.sketches.painted_sketch import read_painting
 from lidardraft.drafting.sketches.svg_sketch import read_svg
-from lidardraft.errors import LayoutError
+from lidardraft.errors import FormatError, LayoutError
 from lidardraft.files import named, read_text
 from lidardraft.formats.picture import opened_picture
 from lidardraft.json_fields import is_number
@@ -33,6 +33,7 @@ from lidardraft.semantics import BY_NAME, GROUND
 
 _EXTENT = 200.0  # m of terrain to each side, or what the sketch needs
 _MOST_OBJECTS = 20_000
+_MOST_PIXELS = 2**25  # of a picture, of which there are several copies at once
 _MOST_LINES = 40  # of what was ignored
 
 
@@ -81,6 +82,9 @@ def _on_paper(path: Path) -> np.ndarray:
     from PIL import Image
 
     image = opened_picture(path)
+    if image.width * image.height > _MOST_PIXELS:
+        pixels = f"{image.width} x {image.height} pixels"
+        raise FormatError(f"{path} has {pixels}; sketches of up to {_MOST_PIXELS} pixels are read")
     if image.mode in ("RGBA", "LA", "PA") or "transparency" in image.info:
         image = image.convert("RGBA")
         paper = Image.new("RGBA", image.size, (255, 255, 255, 255))
