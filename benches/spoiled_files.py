@@ -1,4 +1,4 @@
-"""Files that are spoiled in every way that others' files are, and what each reader says of them, in how long and how much."""
+"""Files that are spoiled in many ways: what each reader says of them, in what time and memory."""
 
 from __future__ import annotations
 
@@ -40,7 +40,8 @@ _MIB = 2**20
 CAR = Primitive(shape="box", center=(9, 0, 1), size=(4, 2, 1.5), label="car", id="car_1", instance=1)
 LAYOUT = Layout((CAR,), {"seed": 1})
 SENSOR = Sensor(name="few", elevations=(0.1, 0.0, -0.1), columns=16)
-SVG = b'<svg width="90" height="60"><rect id="car" x="4" y="9" width="2" height="4"/><line id="scale 10 m" x2="10"/></svg>'
+SVG = b"""<svg width="90" height="60"><rect id="car" x="4" y="9" width="2" height="4"/>
+<line id="scale 10 m" x2="10"/></svg>"""
 PCD = b"FIELDS x y\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n1 2\n3 4\n"
 
 
@@ -187,7 +188,7 @@ def special_files() -> Iterator[tuple[str, str, bytes]]:
         "two billion pixels to a side": _png(2**31 - 1, 2**31 - 1, rows),
         "pixels that are not there": _png(5000, 5000, rows[:200]),
         "nothing": _png(0, 0),
-        "a compressed text of 100 MB": _png(4, 4).replace(b"IDAT", b"zTXt", 1),
+        "a broken sum": _png(4, 4).replace(b"IDAT", b"zTXt", 1),
     }
     for name, data in pictures.items():
         yield "painted sketch", name, data

@@ -16,6 +16,7 @@ from lidardraft.drafting.sketches.drawn_objects import NotDrawnError, Placed, ob
 from lidardraft.drafting.sketches.drawn_shapes import Sketch
 from lidardraft.drafting.sketches.drawn_surfaces import (
     DrawnSurface,
+    Nearest,
     drawn_surfaces,
     ground_primitives,
     heading,
@@ -102,10 +103,10 @@ def _layout(sketch: Sketch, source: str, seed: int) -> Layout:
         raise LayoutError(f"the sketch has {counts.total()} objects; up to {_MOST_OBJECTS} are read")
     primitives = [_terrain(sketch), *ground_primitives(surfaces)]
     numbers: Counter[str] = Counter()
-    instances = count(1)
+    instances, walks = count(1), Nearest(surfaces, "sidewalk")
     for name, parts, place in objects:
         numbers[name] += 1
-        floor = height_at(surfaces, place)
+        floor = height_at(walks, place)
         primitives += _standing(f"{name}_{numbers[name]}", parts, (*place.tolist(), floor), instances)
     provenance = {
         "source": source,
@@ -119,11 +120,12 @@ def _layout(sketch: Sketch, source: str, seed: int) -> Layout:
 
 
 def _objects(sketch: Sketch, surfaces: list[DrawnSurface], rng: np.random.Generator) -> Iterator[Placed]:
+    roads = Nearest(surfaces, "road")
     for blob in sketch.blobs:
         if blob.label in GROUND:
             continue
         try:
-            yield from objects_of_blob(blob, heading(blob, surfaces), rng)
+            yield from objects_of_blob(blob, heading(blob, roads), rng)
         except NotDrawnError as error:
             sketch.ignored.append(f"{blob.where}: {error}")
     for stroke in sketch.strokes:
