@@ -262,7 +262,7 @@ class Layout:
         check_fields(document, ("schema", "primitives"), ("provenance", "coverage"))
         rows = document["primitives"]
         if not isinstance(rows, list) or len(rows) > _INSTANCE_LIMIT:
-            raise FormatError(f"primitives is {rows!r:.50}; it must be a list of up to {_INSTANCE_LIMIT} objects")
+            raise FormatError(f"primitives is {rows!r:.50}; it must be a list of objects, {_INSTANCE_LIMIT} at most")
         return cls(
             primitives=tuple(Primitive.from_dict(check_object(row)) for row in rows),
             provenance=document.get("provenance", {}),
