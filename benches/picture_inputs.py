@@ -1,10 +1,11 @@
-"""The pictures of docs/sentences.md, docs/sketches.md and docs/boxes.md: each input, and the layout that it becomes.
+"""The pictures of docs: sentences, images, sketches and boxes, each input with the layout that it becomes.
 
 `python benches/picture_inputs.py docs` writes them anew; `tests/benches/test_picture_inputs.py` says when that is due.
 """
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,8 +14,10 @@ import numpy as np
 from PIL import Image
 
 import lidardraft
+from lidardraft.drafting.pinhole import Pinhole
 from lidardraft.scene.layout import Layout
 from lidardraft.view import caption, render_from_above, render_layout, save_png, stack
+from rendered_pictures import render
 
 SENTENCE = "a busy crossroads, a bus turning left, people on the right pavement, trees and houses on both sides"
 SKETCHES = Path(__file__).parents[1] / "examples" / "sketches"
@@ -25,12 +28,24 @@ def pictures() -> Iterator[tuple[str, np.ndarray]]:
     layout = lidardraft.layout_from_text(SENTENCE, seed=1)
     yield "sentences", _shown(layout)
     yield "boxes", _shown(lidardraft.layout_from_boxes(layout.boxes()))
+    yield "images", _photograph()
     with Image.open(SKETCHES / "crossroads.png") as image:
         sheet = np.asarray(image.convert("RGB").resize((480, 480), Image.Resampling.BOX))
     painted = lidardraft.layout_from_sketch(SKETCHES / "crossroads.png", scale_bar=10.0)
     named = lidardraft.layout_from_sketch(SKETCHES / "bend.svg")
     rows = [[caption(sheet, "crossroads.png"), _shown(painted)], [_shown(named, "bend.svg as a layout")]]
     yield "sketches", stack([stack(row, across=True) for row in rows])
+
+
+def _photograph() -> np.ndarray:
+    """A rendered picture, what its layout shows, and that layout filled all around."""
+    sentence = "a street with three parked cars on the left, two cars ahead, a person on the right, trees and houses"
+    picture = render(lidardraft.layout_from_text(sentence, seed=3), Pinhole.from_hfov(math.radians(80), 720, 480))
+    known = {"depth": picture.depth, "semantics": picture.labels, "hfov": math.radians(80)}
+    layout = lidardraft.layout_from_image(picture.pixels, **known)
+    filled = lidardraft.layout_from_image(picture.pixels, **known, fill=True)
+    rows = [[caption(picture.pixels, "picture"), _shown(layout)], [_shown(filled, "layout, filled")]]
+    return stack([stack(row, across=True) for row in rows])
 
 
 def _shown(layout: Layout, name: str = "layout") -> np.ndarray:

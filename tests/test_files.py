@@ -117,7 +117,11 @@ def test_a_file_that_does_not_fit_into_memory_is_refused(tmp_path: Path) -> None
     with (tmp_path / "large").open("wb") as file:
         file.truncate(files.MAX_BYTES + 1)  # a hole: it takes no room
     with pytest.raises(FormatError, match=rf"large has {files.MAX_BYTES + 1} bytes; files of up to {files.MAX_BYTES}"):
-        read_bytes(tmp_path / "large")
+        regular_size(tmp_path / "large")
+    for read, limit in ((read_bytes, files.MAX_WHOLE), (read_text, files.MAX_TEXT)):
+        os.truncate(tmp_path / "large", limit + 1)
+        with pytest.raises(FormatError, match=rf"large has {limit + 1} bytes; such files of up to {limit} are read"):
+            read(tmp_path / "large")
 
 
 def test_bytes_that_are_no_text_are_named(tmp_path: Path) -> None:

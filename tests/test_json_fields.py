@@ -19,6 +19,7 @@ def test_an_object_is_parsed() -> None:
         ('{"a": 1' + "0" * 1_000_000 + "}", r"not JSON: "),
         ("[" * 1_000_000, r"not JSON that can be read: it is nested too deeply"),
         ('{"a":' * 1_000_000, r"not JSON that can be read: it is nested too deeply"),
+        ("[" + "[]," * 3_000_000 + "1]", "3000001 lists and objects; JSON of up to 3000000 is read"),
         ("[1]", r"\[1\] is no JSON object"),
         ("null", r"None is no JSON object"),
     ],

@@ -19,9 +19,11 @@ from lidardraft.formats.blender_script import write_blender_script
 from lidardraft.formats.boxes import read_boxes, write_boxes
 from lidardraft.formats.carla import read_carla
 from lidardraft.formats.cast import read_cast
+from lidardraft.formats.cityscapes import read_semantics
 from lidardraft.formats.glb import layout_from_glb
 from lidardraft.formats.glb_export import write_glb
 from lidardraft.formats.kitti import read_bin, write_bin
+from lidardraft.formats.npy import read_npy
 from lidardraft.formats.obj import layout_from_obj
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.picture import read_picture
@@ -89,6 +91,8 @@ READERS: dict[str, tuple[Callable[[Path], object], str, Callable[[Path], object]
     "sensor": (Sensor.preset, ".json", lambda path: path.write_text(SENSOR.to_json())),
     "carla ply": (read_carla, ".ply", write_ply),
     "carla npy": (read_carla, ".npy", write_carla_records),
+    "train ids": (read_semantics, ".png", lambda path: Image.new("L", (9, 7), 3).save(path)),
+    "npy": (read_npy, ".npy", lambda path: np.save(path, POINTS)),
     "cast": (read_cast, ".npz", raycast(Layout((CAR,)), SENSOR).save),
     "range image": (RangeImage.load, ".npz", raycast(Layout((CAR,)), SENSOR).save),
 }

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from lidardraft.errors import FormatError, LidarDraftError
 
-MAX_BYTES = 2**32  # larger than any scan, scene or weight file that fits into memory beside what is made of it
+MAX_BYTES = 2**32  # larger than any weight file that fits into memory beside what is made of it
+MAX_WHOLE, MAX_TEXT = 2**27, 2**26  # of a file that is read at once, a scan or a model, and of one of text, as JSON is
 _KINDS = {
     stat.S_IFDIR: "a directory",
     stat.S_IFIFO: "a FIFO",
@@ -64,8 +65,8 @@ def regular_size(path: str | os.PathLike[str]) -> int:
 
 
 def read_bytes(path: str | os.PathLike[str]) -> bytes:
-    """The content of a regular file; raises `FormatError` naming it."""
-    size = regular_size(path)
+    """The content of a regular file of up to `MAX_WHOLE` bytes; raises `FormatError` naming it."""
+    size = _size_within(path, MAX_WHOLE)
     try:
         with open(path, "rb") as file:
             return file.read(size)
@@ -74,11 +75,19 @@ def read_bytes(path: str | os.PathLike[str]) -> bytes:
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
-    """The content of a regular file in UTF-8; raises `FormatError` naming it."""
+    """The content of a regular file of up to `MAX_TEXT` bytes in UTF-8; raises `FormatError` naming it."""
+    _size_within(path, MAX_TEXT)
     try:
         return read_bytes(path).decode("utf-8")
     except UnicodeDecodeError as error:
         raise FormatError(f"{os.fspath(path)} is no text in UTF-8: byte {error.start} is wrong") from None
+
+
+def _size_within(path: str | os.PathLike[str], limit: int) -> int:
+    size = regular_size(path)
+    if size > limit:
+        raise FormatError(f"{os.fspath(path)} has {size} bytes; such files of up to {limit} are read")
+    return size
 
 
 @contextmanager

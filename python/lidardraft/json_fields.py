@@ -11,6 +11,8 @@ import numpy as np
 
 from lidardraft.errors import FormatError
 
+_MOST_BRACKETS = 3_000_000  # lists and objects of a text, which take a hundred bytes each once they are read
+
 
 def parse_object(text: str | bytes) -> dict[str, Any]:
     """The object that a JSON text holds; raises `FormatError` where it holds something else or nothing."""
@@ -45,6 +47,8 @@ def check_fields(fields: Iterable[str], required: Iterable[str], optional: Itera
 
 def is_number(value: Any) -> bool:
     """Whether it is a finite real number that fits in a float; True and False are none."""
+    if type(value) is float:  # most are
+        return math.isfinite(value)
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
         return False
     try:
@@ -59,6 +63,9 @@ def are_numbers(values: Any, count: int) -> bool:
 
 
 def _parse(text: str | bytes) -> Any:
+    opened = text.count("[") + text.count("{") if isinstance(text, str) else text.count(b"[") + text.count(b"{")
+    if opened > _MOST_BRACKETS:
+        raise FormatError(f"{opened} lists and objects; JSON of up to {_MOST_BRACKETS} is read")
     try:
         return json.loads(text)
     except RecursionError:

@@ -1,6 +1,8 @@
 """What layouts are made of: sentences, labelled scans, boxes, 3D models, layout files."""
 
 import json
+import math
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -8,11 +10,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from lidardraft import Box, Layout, Sensor
+from lidardraft import Box, Layout, Primitive, Sensor
 from lidardraft.cli import main as cli
+from lidardraft.drafting.pinhole import Pinhole
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
 from lidardraft.semantics import BY_NAME
+from rendered_pictures import render
 
 # A cube of a metre on the ground, its y axis up.
 CUBE = """\
@@ -65,6 +69,9 @@ def test_what_is_wrong_with_an_obj_file(refused: Callable[..., str]) -> None:
         (["--scale-bar", "1"], "--scale-bar goes with --sketch"),
         (["--up", "y"], "--up goes with --obj"),
         (["--scale", "1"], "--scale goes with --obj"),
+        (["--depth", "a.npy"], "--depth goes with --image"),
+        (["--camera-height", "2"], "--camera-height goes with --image"),
+        (["--fill"], "--fill goes with --image"),
     ],
 )
 def test_options_of_other_inputs_are_refused(refused: Callable[..., str], option: list[str], said: str) -> None:
@@ -156,6 +163,64 @@ def test_what_is_wrong_with_boxes(refused: Callable[..., str]) -> None:
     assert "a.json: there are 0 boxes" in refused(*draft)
     write_boxes("a.json", [Box("flat", "car", 1, (9.0, 0.0, 0.0), (4.0, 2.0, 0.0), 0.0)], [3])
     assert "a.json: flat: size is [4.0, 2.0, 0.0]; every extent must be > 0" in refused(*draft)
+
+
+@pytest.fixture
+def photo(folder: Path) -> list[str]:
+    """Options for a rendered picture of two cars with the files of its depth and its train ids."""
+    road = Primitive(shape="plane", center=(0, 0, 0), size=(200, 60, 0), label="road", id="road")
+    cars = (
+        Primitive(shape="box", center=(x, y, 0.75), size=(4, 1.8, 1.5), label="car", id=f"car_{k}", instance=k)
+        for k, (x, y) in enumerate([(12, 2), (18, -3)], start=1)
+    )
+    picture = render(Layout((road, *cars)), Pinhole.from_hfov(math.radians(80), 640, 400))
+    Image.fromarray(picture.pixels).save(folder / "photo.png")
+    np.save(folder / "depth.npy", picture.depth * 1.1)
+    train_ids = np.array([10, 0, *[255] * 11, 13], dtype=np.uint8)  # of none, road and car
+    Image.fromarray(train_ids[picture.labels]).save(folder / "classes.png")
+    return ["--image", "photo.png", "--depth", "depth.npy", "--semantics", "classes.png"]
+
+
+def test_a_picture_with_its_depth_and_classes_is_read(photo: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["draft", *photo, "--hfov", "80", "--no-preview", "-o", "layout.json"]) == 0
+    said = "lidardraft: photo.png: depth times 0.91, so that the camera is 1.65 m over the road\n"
+    assert capsys.readouterr().err == said
+    layout = Layout.load("layout.json")
+    assert layout.coverage == pytest.approx([-math.radians(40), math.radians(40)])
+    centers = sorted(box.center[:2] for box in layout.boxes())
+    np.testing.assert_allclose(centers, [(12, 2), (18, -3)], atol=0.5)
+    high = ["--hfov", "80", "--camera-height", "1.8", "--fill", "--sensor", "small.json", "-o", "out"]
+    assert cli.main(["simulate", *photo, *high]) == 0
+    assert "so that the camera is 1.8 m over the road" in capsys.readouterr().err
+    (scan,) = Path("out").glob("*.layout.json")
+    centers = sorted(box.center[:2] for box in Layout.load(scan).boxes())
+    np.testing.assert_allclose(centers[-2:], np.array([(12, 2), (18, -3)]) * 1.8 / 1.65, atol=0.6)
+    assert len(centers) == 4
+
+
+def test_what_is_wrong_with_a_picture(photo: list[str], refused: Callable[..., str]) -> None:
+    draft = ("draft", "-o", "layout.json", *photo)
+    assert "photo.png: the picture does not say its focal length; give hfov (--hfov)" in refused(*draft)
+    for degrees in ("0", "200"):
+        assert f"hfov is {math.radians(float(degrees))} rad ({degrees} degrees)" in refused(*draft, "--hfov", degrees)
+    np.save("depth.npy", np.ones((3, 3)))
+    assert "photo.png: depth has shape [3, 3]" in refused(*draft, "--hfov", "80")
+    Path("depth.npy").write_bytes(b"no array")
+    assert "depth.npy: not a whole .npy file" in refused(*draft, "--hfov", "80")
+    Image.fromarray(np.full((9, 9), 33, np.uint8)).save("classes.png")
+    assert "classes.png: 33 at row 0, column 0 is no train id" in refused(
+        "draft", *photo[:2], *photo[4:], "-o", "a.json"
+    )
+    plain = ["draft", "--image", "plain.png", "--hfov", "80", "-o", "layout.json"]
+    Image.new("RGB", (64, 64), (9, 9, 9)).save("plain.png")
+    assert "plain.png: the picture is of one colour" in refused(*plain)
+    Path("plain.png").unlink()
+    assert "plain.png: No such file" in refused(*plain)
+    Path("plain.png").mkdir()
+    assert "plain.png is a directory; it must be a regular file" in refused(*plain)
+    Path("plain.png").rmdir()
+    os.mkfifo("plain.png")
+    assert "plain.png is a FIFO; it must be a regular file" in refused(*plain)
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,12 @@
-"""What a layout is made of: a sentence, a scan, a sketch, boxes, a 3D model, a Blender script, or a layout file."""
+"""What a layout is made of: a sentence, a picture, a scan, a sketch, boxes, a 3D model, a script, or a layout file."""
 
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 
-from lidardraft.cli.arguments import add_seed, assignments
+from lidardraft.cli.arguments import add_seed, assignments, number
 from lidardraft.cli.command import say
 from lidardraft.cli.language_model import add_language_model, asks_language_model
 from lidardraft.errors import FormatError
@@ -21,6 +22,7 @@ _GOES_WITH = {
     "classes": ("obj", "glb", "blender"),
     "up": ("obj",),
     "scale": ("obj",),
+    **dict.fromkeys(("depth", "semantics", "hfov", "camera_height", "fill"), ("image",)),
 }
 _GOES_WITH |= {f"llm_{name}": ("text",) for name in ("url", "model", "blender", "cache", "timeout")}
 
@@ -33,6 +35,7 @@ def add_inputs(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     group = parser.add_argument_group(f"input (exactly one of {names})")
     one = group.add_mutually_exclusive_group(required=True)
     one.add_argument("--text", metavar="SENTENCE", help='what is on the road, in English: "two cars on the left"')
+    one.add_argument("--image", metavar="PHOTO.jpg", help="a picture of a road: JPEG, PNG or WebP")
     one.add_argument("--points", metavar="FILE.bin", help="a scan: KITTI .bin, float32 x y z [m] and intensity")
     one.add_argument("--sketch", metavar="FILE", help="a sketch from above: .svg, or a painted picture (.png, .jpg)")
     one.add_argument("--boxes", metavar="FILE.json", help="boxes around objects, as in the .boxes.json of a scan")
@@ -56,9 +59,23 @@ def add_inputs(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     )
     group.add_argument("--up", choices=("y", "z"), help="axis that points up in --obj (default z)")
     group.add_argument("--scale", type=float, metavar="M", help="length of a unit of --obj, in metres (default 1)")
+    _add_image_options(group)
     add_seed(group)
     add_language_model(parser)
     return group
+
+
+def _add_image_options(group: argparse._ArgumentGroup) -> None:
+    text = "depth of --image: a metric depth network (id or folder), or an .npy file [m], 0 where unknown"
+    group.add_argument("--depth", metavar="MODEL", help=f"{text} (default: Depth Anything V2, outdoor, small)")
+    text = "classes of --image: a segmentation network (id or folder), or an .npy or .png file of Cityscapes train ids"
+    group.add_argument("--semantics", metavar="MODEL", help=f"{text} (default: EoMT on Cityscapes)")
+    text = "horizontal field of view of --image (default: what the file says of its focal length)"
+    group.add_argument("--hfov", type=number, metavar="DEGREES", help=text)
+    text = "height of the camera over the road, which sets the scale (default 1.65)"
+    group.add_argument("--camera-height", type=number, metavar="M", help=text)
+    text = "let a mirror image of --image stand where it shows nothing"
+    group.add_argument("--fill", action="store_true", default=None, help=text)
 
 
 def read_layout(arguments: argparse.Namespace) -> Layout:
@@ -119,6 +136,25 @@ def _from_text(arguments: argparse.Namespace) -> Layout:
         say("lidardraft", note)
     if len(notes) > _MOST_NOTES:
         say("lidardraft", f"and {len(notes) - _MOST_NOTES} more, in the layout's provenance")
+    return layout
+
+
+def _from_image(arguments: argparse.Namespace) -> Layout:
+    from lidardraft.drafting.image import CAMERA_HEIGHT, DEPTH, SEMANTICS, layout_from_image
+    from lidardraft.formats.cityscapes import read_semantics
+    from lidardraft.formats.npy import read_npy
+
+    depth, semantics = arguments.depth or DEPTH, arguments.semantics or SEMANTICS
+    layout = layout_from_image(
+        Path(arguments.image),
+        depth=read_npy(depth) if depth.endswith(".npy") else depth,
+        semantics=read_semantics(semantics) if semantics.endswith((".npy", ".png")) else semantics,
+        hfov=None if arguments.hfov is None else math.radians(arguments.hfov),
+        camera_height=CAMERA_HEIGHT if arguments.camera_height is None else arguments.camera_height,
+        fill=bool(arguments.fill),
+    )
+    height, scale = layout.provenance["sensor_height"], layout.provenance["scale"]
+    say("lidardraft", f"{arguments.image}: depth times {scale:.2f}, so that the camera is {height:g} m over the road")
     return layout
 
 
@@ -189,6 +225,7 @@ def _from_layout(arguments: argparse.Namespace) -> Layout:
 # By the name of the option that gives the input.
 _READERS = {
     "text": _from_text,
+    "image": _from_image,
     "points": _from_points,
     "sketch": _from_sketch,
     "boxes": _from_boxes,

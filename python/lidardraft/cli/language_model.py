@@ -7,6 +7,8 @@ import os
 
 from lidardraft.cli.arguments import number
 
+_URL = "LIDARDRAFT_LLM_URL"  # as in drafting/chat_server.py, whose HTTP a sentence without a model need not wait for
+
 
 def add_language_model(parser: argparse.ArgumentParser) -> None:
     """--llm-url, --llm-model, --llm-blender, --llm-cache and --llm-timeout, in a group of their own."""
@@ -25,7 +27,5 @@ def add_language_model(parser: argparse.ArgumentParser) -> None:
 
 def asks_language_model(arguments: argparse.Namespace) -> bool:
     """Whether the arguments or the environment name a language model."""
-    from lidardraft.drafting.chat_server import URL
-
-    url = os.environ.get(URL) if arguments.llm_url is None else arguments.llm_url
+    url = os.environ.get(_URL) if arguments.llm_url is None else arguments.llm_url
     return bool(url or arguments.llm_model or arguments.llm_blender)

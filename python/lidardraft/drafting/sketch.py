@@ -16,6 +16,7 @@ from lidardraft.drafting.sketches.drawn_objects import NotDrawnError, Placed, ob
 from lidardraft.drafting.sketches.drawn_shapes import Sketch
 from lidardraft.drafting.sketches.drawn_surfaces import (
     DrawnSurface,
+    Nearest,
     drawn_surfaces,
     ground_primitives,
     heading,
@@ -23,7 +24,7 @@ from lidardraft.drafting.sketches.drawn_surfaces import (
 )
 from lidardraft.drafting.sketches.painted_sketch import read_painting
 from lidardraft.drafting.sketches.svg_sketch import read_svg
-from lidardraft.errors import LayoutError
+from lidardraft.errors import FormatError, LayoutError
 from lidardraft.files import named, read_text
 from lidardraft.formats.picture import opened_picture
 from lidardraft.json_fields import is_number
@@ -33,6 +34,7 @@ from lidardraft.semantics import BY_NAME, GROUND
 
 _EXTENT = 200.0  # m of terrain to each side, or what the sketch needs
 _MOST_OBJECTS = 20_000
+_MOST_PIXELS = 2**25  # of a picture, of which there are several copies at once
 _MOST_LINES = 40  # of what was ignored
 
 
@@ -81,6 +83,9 @@ def _on_paper(path: Path) -> np.ndarray:
     from PIL import Image
 
     image = opened_picture(path)
+    if image.width * image.height > _MOST_PIXELS:
+        pixels = f"{image.width} x {image.height} pixels"
+        raise FormatError(f"{path} has {pixels}; sketches of up to {_MOST_PIXELS} pixels are read")
     if image.mode in ("RGBA", "LA", "PA") or "transparency" in image.info:
         image = image.convert("RGBA")
         paper = Image.new("RGBA", image.size, (255, 255, 255, 255))
@@ -98,10 +103,10 @@ def _layout(sketch: Sketch, source: str, seed: int) -> Layout:
         raise LayoutError(f"the sketch has {counts.total()} objects; up to {_MOST_OBJECTS} are read")
     primitives = [_terrain(sketch), *ground_primitives(surfaces)]
     numbers: Counter[str] = Counter()
-    instances = count(1)
+    instances, walks = count(1), Nearest(surfaces, "sidewalk")
     for name, parts, place in objects:
         numbers[name] += 1
-        floor = height_at(surfaces, place)
+        floor = height_at(walks, place)
         primitives += _standing(f"{name}_{numbers[name]}", parts, (*place.tolist(), floor), instances)
     provenance = {
         "source": source,
@@ -115,11 +120,12 @@ def _layout(sketch: Sketch, source: str, seed: int) -> Layout:
 
 
 def _objects(sketch: Sketch, surfaces: list[DrawnSurface], rng: np.random.Generator) -> Iterator[Placed]:
+    roads = Nearest(surfaces, "road")
     for blob in sketch.blobs:
         if blob.label in GROUND:
             continue
         try:
-            yield from objects_of_blob(blob, heading(blob, surfaces), rng)
+            yield from objects_of_blob(blob, heading(blob, roads), rng)
         except NotDrawnError as error:
             sketch.ignored.append(f"{blob.where}: {error}")
     for stroke in sketch.strokes:

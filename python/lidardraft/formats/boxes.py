@@ -15,6 +15,7 @@ from lidardraft.files import named, read_text, written_whole
 from lidardraft.json_fields import check_fields, check_object, parse_object
 from lidardraft.scene.layout import Box
 
+_MOST_BOXES = 65_535  # as many as there are instances
 _FIELDS = (*(field.name for field in dataclasses.fields(Box)), "num_points")
 
 
@@ -44,7 +45,9 @@ def read_boxes(path: str | os.PathLike[str]) -> tuple[list[Box], list[int]]:
         if document["frame"] != "sensor":
             raise FormatError(f"frame is {document['frame']!r}; it must be 'sensor'")
         if not isinstance(document["boxes"], list):
-            raise FormatError(f"boxes is {document['boxes']!r}; it must be a list")
+            raise FormatError(f"boxes is {document['boxes']!r:.80}; it must be a list")
+        if len(document["boxes"]) > _MOST_BOXES:
+            raise FormatError(f"{len(document['boxes'])} boxes; up to {_MOST_BOXES} are read")
         for index, row in enumerate(document["boxes"]):
             with named(f"box {index}"):
                 box, count = _box(check_object(row))

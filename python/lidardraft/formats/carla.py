@@ -64,6 +64,7 @@ _RECORD = np.dtype([(name, "<u4" if name.startswith("Obj") else "<f4") for name 
 _PLY_TYPES = {"float32": "f", "float": "f", "uint32": "u", "uint": "u"}
 _MOST = 2**32 - 1  # actors and tags
 _LONGEST_HEADER = 100_000  # bytes; a real one has 200
+_MOST_HITS, _LONGEST_WORD = 400_000, 50  # of a file of text, and letters of a number in it
 _INDEX = {material.name: i for i, material in enumerate(MATERIALS)}
 
 
@@ -151,10 +152,15 @@ def _from_ply(data: bytes) -> np.ndarray:
         raise FormatError(f"the fields of a hit must be {' '.join(_FIELDS)}, as the semantic LiDAR has them")
     if len(elements) != 1 or elements[0][:1] != ["vertex"] or not elements[0][-1].isdecimal():
         raise FormatError("the file must have one element, vertex, and how many there are")
-    count, words = elements[0][-1], body.split()
-    if len(count) > 18 or len(words) < int(count) * len(_FIELDS):
+    count = elements[0][-1]
+    if len(count) > 18 or int(count) > _MOST_HITS:
+        raise FormatError(f"{count:.30} hits as text; up to {_MOST_HITS} are read")
+    words = body.split(None, int(count) * len(_FIELDS))[: int(count) * len(_FIELDS)]
+    if max(map(len, words), default=0) > _LONGEST_WORD:
+        raise FormatError(f"a number of more than {_LONGEST_WORD} letters")
+    if len(words) < int(count) * len(_FIELDS):
         raise FormatError(f"{count} hits of {len(_FIELDS)} numbers need more than the {len(words)} that are there")
-    table = np.array(words[: int(count) * len(_FIELDS)], dtype=bytes).reshape(-1, len(_FIELDS))
+    table = np.array(words, dtype=bytes).reshape(-1, len(_FIELDS))
     hits = np.zeros(len(table), _RECORD)
     try:
         for column, name in enumerate(_FIELDS):

@@ -16,7 +16,7 @@ from lidardraft.json_fields import are_numbers, check_object
 from lidardraft.scene.class_names import PROPERTIES, check_classes, class_of, id_of
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.mesh import TriangleMesh
-from lidardraft.scene.placed_mesh import MOST_RECOGNISED, placed_mesh
+from lidardraft.scene.placed_mesh import MOST_RECOGNISED, placed_mesh, recognised_shape
 from lidardraft.semantics import BY_NAME
 
 # glTF has y up and looks along +z; Blender's exporters and importers turn it so: x, y, z becomes x, -z, y.
@@ -60,10 +60,11 @@ def _primitives(file: GlbFile, pieces: list[Piece], labels: list[str]) -> list[P
     used = {_extras(node).get("instance") for node, *_ in pieces}
     free = (number for number in range(1, 2**16) if number not in used)
     primitives: list[Primitive] = []
+    meshes: dict[str, tuple[np.ndarray, np.ndarray, str]] = {}
     spent = 0
     for piece, label in zip(pieces, labels, strict=True):
         node, matrix, _, part = piece
-        vertices, faces = _triangles(file, part)
+        vertices, faces, shape = _shared(file, part, meshes)
         spent += max(len(vertices), len(faces))
         if spent > _MOST_VERTICES:
             raise FormatError(f"more than {_MOST_VERTICES} vertices or triangles in all nodes")
@@ -72,7 +73,7 @@ def _primitives(file: GlbFile, pieces: list[Piece], labels: list[str]) -> list[P
         if label in BY_NAME and BY_NAME[label].is_thing and "instance" not in extras:
             name = whole.split(".")[0] if isinstance(whole, str) else ""
             extras["instance"] = instances.get(name) or instances.setdefault(name, next(free))
-        primitive = placed_mesh(matrix, vertices, faces, label=label, **extras)
+        primitive = placed_mesh(matrix, vertices, faces, shape=shape, label=label, **extras)
         if primitive is not None:
             primitives.append(primitive)
     return primitives
@@ -146,6 +147,17 @@ def _numbers(value: Any, count: int, name: str) -> np.ndarray:
     return np.array(value, dtype=np.float64)
 
 
+def _shared(
+    file: GlbFile, part: dict[str, Any], meshes: dict[str, tuple[np.ndarray, np.ndarray, str]]
+) -> tuple[np.ndarray, np.ndarray, str]:
+    """Vertices, triangles and shape of a mesh primitive, found out once for all nodes that use it."""
+    key = repr((part.get("attributes"), part.get("indices")))
+    if key not in meshes:
+        vertices, faces = _triangles(file, part)
+        meshes[key] = vertices, faces, recognised_shape(vertices, faces)
+    return meshes[key]
+
+
 def _triangles(file: GlbFile, part: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     """Vertices float64 [V, 3], each once, and triangles [F, 3] of a mesh primitive, checked."""
     attributes = check_object(part.get("attributes", {}))
@@ -160,8 +172,12 @@ def _triangles(file: GlbFile, part: dict[str, Any]) -> tuple[np.ndarray, np.ndar
     if len(positions) > MOST_RECOGNISED:
         return mesh.vertices, mesh.faces
     # Exporters part the faces at sharp edges; vertices at one place are one vertex again.
-    vertices, place = np.unique(mesh.vertices, axis=0, return_inverse=True)
-    return vertices, place.reshape(-1)[mesh.faces]
+    order = np.lexsort(mesh.vertices.T[::-1])
+    ordered = mesh.vertices[order]
+    new = np.concatenate([[True], (ordered[1:] != ordered[:-1]).any(axis=1)])
+    place = np.empty(len(order), dtype=np.int64)
+    place[order] = np.cumsum(new) - 1
+    return ordered[new], place[mesh.faces]
 
 
 def _class_of(piece: Piece, file: GlbFile, classes: Mapping[str, str]) -> str | None:

@@ -21,6 +21,8 @@ _TYPES = {
 }
 _LONGEST_HEADER = 100_000  # bytes; a real one has a few hundred
 _MOST_VALUES = 2**16  # of one point
+_MOST_NUMBERS = 2_000_000  # of a file of text
+_MOST_UNPACKED, _MOST_RUNS = 2**27, 2_000_000  # bytes that packed points may become, and pieces that they come in
 _PADDING = "_"
 
 
@@ -95,8 +97,10 @@ def _header(name: str, data: bytes) -> tuple[dict[str, list[str]], bytes]:
 
 
 def _ascii(name: str, body: bytes, record: np.dtype, points: int) -> list[np.ndarray]:
-    words = body.split()
     widths = [record[field].shape[0] for field in record.names or ()]
+    if points * sum(widths) > _MOST_NUMBERS:
+        raise FormatError(f"{name}: {points} points of {sum(widths)} numbers as text; up to {_MOST_NUMBERS} are read")
+    words = body.split(None, points * sum(widths))
     if len(words) < points * sum(widths):
         raise FormatError(f"{name} has {len(words)} numbers; {points} points of {sum(widths)} need more")
     table = np.array(words[: points * sum(widths)], dtype=object).reshape(points, sum(widths))
@@ -142,10 +146,14 @@ def _compressed(name: str, body: bytes, record: np.dtype, points: int) -> list[n
 
 def _unpacked(name: str, packed: bytes, size: int) -> bytes:
     """LZF: a byte below 32 starts a run of literals; else its top three bits are a length, the rest a way back."""
+    if size > _MOST_UNPACKED:
+        raise FormatError(f"{name}: {size} bytes of packed points; up to {_MOST_UNPACKED} are read")
     out = bytearray()
-    at, end = 0, len(packed)
+    at, end, runs = 0, len(packed), 0
     try:
         while at < end and len(out) <= size:
+            if (runs := runs + 1) > _MOST_RUNS:
+                raise FormatError(f"{name}: points packed in more than {_MOST_RUNS} pieces")
             control = packed[at]
             at += 1
             if control < 32:

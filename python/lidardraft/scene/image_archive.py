@@ -16,6 +16,7 @@ from lidardraft.errors import FormatError, LidarDraftError
 from lidardraft.files import named, regular_size
 
 _HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+_LARGEST = 2**27  # bytes of an array, ten times those of the largest scan; a small file may claim any number
 _LONGEST_TEXT = 2**24  # bytes; the JSON of a sensor of 128 beams has 60,000 in numpy's four a character
 # What zipfile and numpy raise on a file that is truncated, corrupt, encrypted or of another kind.
 _BROKEN = (OSError, EOFError, LookupError, TypeError, ValueError, RuntimeError, zipfile.BadZipFile, zlib.error)
@@ -44,6 +45,8 @@ def read_array(archive: zipfile.ZipFile, name: str, dtype: np.dtype[Any], shape:
     """The array of that name; raises `FormatError` where it is missing, truncated, or of another type or shape."""
     if not holds(archive, name):
         raise FormatError(f"{name!r} is missing")
+    if (size := math.prod(shape) * dtype.itemsize) > _LARGEST:
+        raise FormatError(f"{name} has {size} bytes; arrays of up to {_LARGEST} are read")
     with archive.open(f"{name}.npy") as file:
         found_shape, fortran, found = _header(name, file)
         if found != dtype or found_shape != shape:

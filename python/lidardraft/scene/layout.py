@@ -25,6 +25,7 @@ from lidardraft.semantics import BY_NAME
 SCHEMA = "lidardraft.layout/1"
 SHAPES = ("box", "ellipsoid", "cylinder", "plane", "mesh")
 FURTHEST = 1e9  # m, the limit of coordinates and extents: that of the core, which squares them in float32
+_OVERFLOWS = 1e300  # m, of coordinates whose sums and differences may be no numbers
 _INSTANCE_LIMIT = 2**16 - 1  # a SemanticKITTI label file holds 16 bits of instance
 
 
@@ -116,10 +117,9 @@ class Primitive:
         """A mesh primitive from vertices [V, 3] in metres in the layout's frame; `center` and `size` are its bounds."""
         mesh = TriangleMesh(vertices, faces)
         low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-        with np.errstate(over="ignore"):
-            center, size = (low + high) / 2, high - low
-        if not np.isfinite([center, size]).all():
+        if max(-low.min(), high.max()) > _OVERFLOWS:
             raise LayoutError(f"{id}: the mesh reaches from {low.tolist()} to {high.tolist()} m; that is too far")
+        center, size = (low + high) / 2, high - low
         # Clipped by rounding alone: in a mesh that is flat along an axis the size is as small as the rounding.
         unit = np.clip((mesh.vertices - center) / np.where(size > 0, size, 1.0), -0.5, 0.5)
         return cls(
@@ -128,7 +128,7 @@ class Primitive:
             size=tuple(size.tolist()),
             label=label,
             id=id,
-            mesh=TriangleMesh(unit, mesh.faces),
+            mesh=TriangleMesh.unchecked(unit, mesh.faces),
             **fields,
         )
 
@@ -261,8 +261,8 @@ class Layout:
             raise FormatError(f"schema is {document.get('schema')!r}; this version reads {SCHEMA!r}")
         check_fields(document, ("schema", "primitives"), ("provenance", "coverage"))
         rows = document["primitives"]
-        if not isinstance(rows, list):
-            raise FormatError(f"primitives is {rows!r}; it must be a list of objects")
+        if not isinstance(rows, list) or len(rows) > _INSTANCE_LIMIT:
+            raise FormatError(f"primitives is {rows!r:.50}; it must be a list of objects, {_INSTANCE_LIMIT} at most")
         return cls(
             primitives=tuple(Primitive.from_dict(check_object(row)) for row in rows),
             provenance=document.get("provenance", {}),

@@ -56,6 +56,15 @@ class TriangleMesh:
 
     __hash__ = None  # type: ignore[assignment]
 
+    @classmethod
+    def unchecked(cls, vertices: np.ndarray, faces: np.ndarray) -> TriangleMesh:
+        """A mesh of contiguous arrays of its types that are known to be right, for meshes by the ten thousand."""
+        mesh = object.__new__(cls)
+        vertices.flags.writeable = faces.flags.writeable = False
+        object.__setattr__(mesh, "vertices", vertices)
+        object.__setattr__(mesh, "faces", faces)
+        return mesh
+
     def is_closed(self) -> bool:
         """Whether every edge is shared by exactly two triangles, which run along it in opposite directions."""
         corners = self.faces.astype(np.int64)
@@ -71,7 +80,7 @@ def read_obj(path: str | PathLike[str]) -> list[tuple[str, str, TriangleMesh]]:
     Raises `FormatError` where the file is missing, broken or empty.
     """
     regular_size(path)
-    return [(name, material, TriangleMesh(v, f)) for name, material, v, f in _core.read_obj(path)]
+    return [(name, material, TriangleMesh.unchecked(v, f)) for name, material, v, f in _core.read_obj(path)]
 
 
 def unit_mesh(shape: str) -> TriangleMesh:

@@ -30,9 +30,7 @@ def placed_mesh(
     middle, extent = (low + high) / 2, high - low
     if not (np.isfinite(matrix).all() and max(abs(matrix).max(), extent.max()) <= FURTHEST):
         raise LayoutError(f"{fields.get('id')}: a transform or an extent is larger than {FURTHEST:g}, or no number")
-    if shape is None and len(vertices) > MOST_RECOGNISED:
-        shape = "mesh"
-    shape = shape_of((vertices - middle) / np.where(extent > 0, extent, 1.0), faces) if shape is None else shape
+    shape = recognised_shape(vertices, faces) if shape is None else shape
     stretched = matrix[:3, :3] * np.where(extent > 0, extent, 1.0)
     upright = size_and_yaw(stretched, shape)
     center = matrix[:3, :3] @ middle + matrix[:3, 3]
@@ -65,16 +63,26 @@ def in_unit_box(
     return Primitive(shape="mesh", size=tuple(size.tolist()), mesh=TriangleMesh(unit, faces), **fields)
 
 
+def recognised_shape(vertices: np.ndarray, faces: np.ndarray) -> str:
+    """The shape that vertices [V, 3] and triangles [F, 3] are but for place and size; large meshes are none."""
+    if len(vertices) > MOST_RECOGNISED:
+        return "mesh"
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    extent = high - low
+    return shape_of((vertices - (low + high) / 2) / np.where(extent > 0, extent, 1.0), faces)
+
+
 def shape_of(unit: np.ndarray, faces: np.ndarray) -> str:
     """The shape that vertices [V, 3], of which the outermost are at 1/2 on each axis, and triangles [F, 3] are."""
     radius = np.hypot(unit[:, 0], unit[:, 1])
     a, b, c = unit[faces].transpose(1, 0, 2)
-    normals = np.cross(b - a, c - a) / 2
+    (ux, uy, uz), (vx, vy, vz) = (b - a).T, (c - a).T
+    normals = np.stack([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx], axis=1) / 2
     area, volume = np.linalg.norm(normals, axis=1).sum(), abs(np.einsum("fi,fi->", a, normals)) / 3
     at_end = abs(abs(unit) - 0.5) <= _OFF
     if (abs(unit[:, 2]) == 0).all():
         return "plane" if abs(area - 1) <= _OFF else "mesh"
-    if at_end.all() and abs(area - 6) <= 6 * _OFF and len(np.unique(unit > 0, axis=0)) == 8:
+    if at_end.all() and abs(area - 6) <= 6 * _OFF and len(set(((unit > 0) @ (1, 2, 4)).tolist())) == 8:
         return "box"
     if len(unit) < _ROUND_VERTICES:
         return "mesh"

@@ -5,6 +5,7 @@ import pytest
 
 from lidardraft.drafting.sketches.drawn_shapes import Blob, Sketch, Stroke
 from lidardraft.drafting.sketches.drawn_surfaces import (
+    Nearest,
     drawn_surfaces,
     ground_primitives,
     heading,
@@ -59,7 +60,7 @@ def test_a_sidewalk_is_as_high_as_a_kerb_and_people_stand_on_it() -> None:
     lines = [stroke("sidewalk", [(0, 5), (30, 5)], 2.0), stroke("sidewalk", [(x, y - 30) for x, y in BEND], 2.0)]
     for walk in surfaces(*lines):
         assert walk.center[2] + walk.size[2] / 2 == pytest.approx(KERB_HEIGHT)
-    drawn = drawn_surfaces(Sketch(1.0, False, strokes=lines))
+    drawn = Nearest(drawn_surfaces(Sketch(1.0, False, strokes=lines)), "sidewalk")
     assert height_at(drawn, np.array([10.0, 5.5])) == KERB_HEIGHT
     assert height_at(drawn, np.array([10.0, 7.0])) == 0.0
 
@@ -95,13 +96,13 @@ def test_smoothing_keeps_the_ends() -> None:
     ],
 )
 def test_objects_look_as_they_do_beside_a_road(label: str, x: float, y: float, yaw: float, looks: float) -> None:
-    road = drawn_surfaces(Sketch(1.0, False, strokes=[stroke("road", [(-50, 0), (50, 0)], 7.0)]))
+    road = Nearest(drawn_surfaces(Sketch(1.0, False, strokes=[stroke("road", [(-50, 0), (50, 0)], 7.0)])), "road")
     found = heading(blob(label, x, y, yaw), road)
     assert abs(math.remainder(found - looks, math.tau)) < 1e-6
 
 
 def test_what_was_drawn_with_a_direction_keeps_it() -> None:
-    road = drawn_surfaces(Sketch(1.0, False, strokes=[stroke("road", [(-50, 0), (50, 0)], 7.0)]))
+    road = Nearest(drawn_surfaces(Sketch(1.0, False, strokes=[stroke("road", [(-50, 0), (50, 0)], 7.0)])), "road")
     assert heading(blob("car", 10, -1.8, 3.0, points=True), road) == 3.0
 
 

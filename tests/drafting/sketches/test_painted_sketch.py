@@ -86,5 +86,5 @@ def test_more_shapes_than_a_sketch_has() -> None:
     pixels = np.full((900, 900, 3), 255, np.uint8)
     spots = (np.add.outer(np.arange(900) % 10 < 4, np.zeros(900, int)) > 0) & (np.arange(900) % 10 < 4)
     pixels[spots] = (0, 0, 142)
-    with pytest.raises(FormatError, match="more than 5000 shapes"):
+    with pytest.raises(FormatError, match="more than 1500 shapes"):
         read_painting(pixels, 0.1, None)

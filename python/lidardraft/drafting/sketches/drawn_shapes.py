@@ -9,7 +9,7 @@ import numpy as np
 
 from lidardraft.errors import FormatError
 
-MOST_SHAPES = 5_000  # of one sketch
+MOST_SHAPES = 1_500  # of one sketch
 FURTHEST = 2_000.0  # m from the ego vehicle to the edge of a sketch
 
 

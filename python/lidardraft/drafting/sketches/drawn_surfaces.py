@@ -39,15 +39,27 @@ class DrawnSurface:
     line: np.ndarray
     width: float
 
-    def nearest(self, place: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-        """How far [m] from the middle line a place [2] is, the nearest point [2] of it, and the direction [2] there."""
-        begins, steps = self.line[:-1], np.diff(self.line, axis=0)
-        lengths = np.maximum((steps**2).sum(axis=1), 1e-12)
-        share = np.clip(((place - begins) * steps).sum(axis=1) / lengths, 0.0, 1.0)
-        points = begins + share[:, None] * steps
-        away = np.linalg.norm(place - points, axis=1)
+
+class Nearest:
+    """The nearest of some surfaces, from the middle lines of all of them."""
+
+    def __init__(self, surfaces: list[DrawnSurface], label: str) -> None:
+        lines = [(each.line, each.width) for each in surfaces if each.label == label]
+        self._begins = np.concatenate([line[:-1] for line, _ in lines] or [np.zeros((0, 2))])
+        self._steps = np.concatenate([np.diff(line, axis=0) for line, _ in lines] or [np.zeros((0, 2))])
+        self._halves = np.concatenate([np.full(len(line) - 1, width / 2) for line, width in lines] or [np.zeros(0)])
+        self._squares = np.maximum((self._steps**2).sum(axis=1), 1e-12)
+
+    def to(self, place: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+        """How far [m] a place [2] is from an edge, less than 0 on the surface; the way [2] to it from the middle line,
+        and the direction [2] there. Infinitely far where there is none."""
+        if not len(self._begins):
+            return math.inf, np.zeros(2), np.array([1.0, 0.0])
+        share = np.clip(((place - self._begins) * self._steps).sum(axis=1) / self._squares, 0.0, 1.0)
+        off = place - self._begins - share[:, None] * self._steps
+        away = np.hypot(off[:, 0], off[:, 1]) - self._halves
         best = int(np.argmin(away))
-        return float(away[best]), points[best], steps[best] / math.sqrt(lengths[best])
+        return float(away[best]), off[best], self._steps[best] / math.sqrt(self._squares[best])
 
 
 def drawn_surfaces(sketch: Sketch) -> list[DrawnSurface]:
@@ -73,13 +85,12 @@ def ground_primitives(surfaces: list[DrawnSurface]) -> Iterator[Primitive]:
         yield _surface(each.label, each.line, each.width, f"{each.label}_{numbers[each.label]}")
 
 
-def height_at(surfaces: list[DrawnSurface], place: np.ndarray) -> float:
+def height_at(walks: Nearest, place: np.ndarray) -> float:
     """How high what stands at a place [2] stands over the road [m]: as high as a kerb on a sidewalk."""
-    walks = (each for each in surfaces if each.label == "sidewalk")
-    return KERB_HEIGHT if any(each.nearest(place)[0] < each.width / 2 for each in walks) else 0.0
+    return KERB_HEIGHT if walks.to(place)[0] < 0 else 0.0
 
 
-def heading(blob: Blob, surfaces: list[DrawnSurface]) -> float:
+def heading(blob: Blob, roads: Nearest) -> float:
     """The yaw of what a blob stands for: along its length, and forwards as right-hand traffic on the nearest road goes.
 
     What does not lie along a road looks ahead rather than back. What has no length, such as a lamp or a sign, stands
@@ -87,12 +98,10 @@ def heading(blob: Blob, surfaces: list[DrawnSurface]) -> float:
     """
     if blob.points:
         return blob.yaw
-    roads = [(*each.nearest(blob.center), each.width) for each in surfaces if each.label == "road"]
-    away, nearest, ahead, width = min(roads, key=lambda road: road[0] - road[3] / 2, default=(0.0, None, None, 0.0))
-    if nearest is None or ahead is None or away - width / 2 > _BESIDE:
+    away, off, ahead = roads.to(blob.center)
+    if away > _BESIDE:
         return _forwards(blob.yaw, 0.0)
-    if away > 0.1:
-        off = blob.center - nearest
+    if math.hypot(*off.tolist()) > 0.1:
         ahead = ahead if ahead[0] * off[1] - ahead[1] * off[0] <= 0 else -ahead  # the road is on its left
     elif ahead[0] < 0:
         ahead = -ahead

@@ -14,7 +14,7 @@ from lidardraft.drafting.sketches.xml_elements import Element, read_xml
 from lidardraft.errors import FormatError
 from lidardraft.files import named
 
-_MOST_FIGURES = 5_000
+_MOST_FIGURES = 1_500
 _SHAPES = ("rect", "circle", "ellipse", "line", "polyline", "polygon", "path")
 _GROUPS = ("g", "a", "switch")
 _SILENT = (

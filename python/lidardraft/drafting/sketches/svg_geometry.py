@@ -57,8 +57,8 @@ def transform(text: str) -> np.ndarray:
         if match is None or made is None:
             raise FormatError(f"transform is {text!r:.60}; a part of it is not known")
         matrix, at = matrix @ made, match.end()
-    if not (np.abs(matrix) < LARGEST).all():
-        raise FormatError(f"transform is {text!r:.60}; it moves too far")
+        if not (np.abs(matrix) < LARGEST).all():
+            raise FormatError(f"transform is {text!r:.60}; it moves too far")
     return matrix
 
 

@@ -1,0 +1,257 @@
+"""A picture becomes a layout: depth and classes of its pixels, a pseudo point cloud, and what clusters of that become.
+
+Networks are asked for depth and classes where they are not given; nothing else here knows of them.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from lidardraft.drafting.cloud import layout_from_cloud
+from lidardraft.drafting.clustering import thin
+from lidardraft.drafting.height_field import GROUND_IDS
+from lidardraft.drafting.mirrored_surroundings import mirrored_surroundings
+from lidardraft.drafting.pinhole import Pinhole
+from lidardraft.drafting.pseudo_cloud import PseudoCloud, pseudo_cloud
+from lidardraft.drafting.road_plane import RoadPlane, find_road_plane
+from lidardraft.errors import LayoutError
+from lidardraft.files import named
+from lidardraft.formats.picture import Picture, read_picture
+from lidardraft.json_fields import are_numbers, is_number
+from lidardraft.scene.layout import Layout
+from lidardraft.semantics import NUM_CLASSES
+
+DEPTH = "depth-anything/Depth-Anything-V2-Metric-Outdoor-Small-hf"
+SEMANTICS = "tue-mps/cityscapes_semantic_eomt_large_1024"
+CAMERA_HEIGHT = 1.65  # m, of the cameras on KITTI's car (Geiger et al., IJRR 2013)
+_LONGEST_SIDE = 2048  # pixels; finer than `pseudo_cloud.CELL` in a picture of up to 170 degrees
+_FURTHEST = 100.0  # m; depth of pictures is not known further away
+_VOXEL = 0.1  # m, of which one point is kept
+_FOOT = 0.1  # m over the road; what is lower is no object, but the road before it under a class that reaches too far
+
+PathLike = str | os.PathLike[str]
+Network = Callable[[np.ndarray], np.ndarray]  # pixels u8 [h, w, 3] -> a value a pixel [h, w]
+MaskNetwork = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+
+def layout_from_image(
+    image: np.ndarray | PathLike,
+    *,
+    depth: np.ndarray | PathLike | Network = DEPTH,
+    semantics: np.ndarray | PathLike | Network = SEMANTICS,
+    instances: np.ndarray | PathLike | MaskNetwork | None = None,
+    intrinsics: object | None = None,
+    hfov: float | None = None,
+    camera_height: float | None = CAMERA_HEIGHT,
+    place: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    fill: bool = False,
+) -> Layout:
+    """The layout of what one picture shows.
+
+    `image`: u8 [H, W, 3] or a JPEG, PNG or WebP file.
+    `depth`: f [H, W] along the axis of the camera, 0 where unknown; or a network for metric depth: its id, its folder,
+    or a `DepthNetwork`. `semantics`: class ids [H, W] of `semantics.CLASSES`, 0 for the sky and what is unknown; or a
+    network, likewise. `instances`: numbers of objects [H, W], counted for each class, 0 where unknown; or a network for
+    masks, such as SAM.
+    `intrinsics`: K [3, 3] or (fx, fy, cx, cy) in pixels; else `hfov`, the horizontal field of view [rad]; else the
+    focal length that the file says.
+    `camera_height` [m] over the road sets the scale; with None depth is taken as metres. The tilt comes from the road.
+    `place`: (x, y, yaw) of the camera in the frame of the layout [m, rad].
+    `fill`: what the picture does not show becomes a mirror image of what it shows.
+
+    `coverage` of the layout is what the picture shows. Raises `LayoutError` on values that cannot be or where no ground
+    is visible, `FormatError` on a file that is no picture, `CheckpointError` where a network is not there.
+    """
+    options = (depth, semantics, instances, intrinsics, hfov, camera_height, place, fill)
+    if isinstance(image, np.ndarray):
+        return _layout(Picture(image), *options)
+    picture = read_picture(image)
+    with named(image):
+        return _layout(picture, *options)
+
+
+def _layout(
+    picture: Picture,
+    depth: Any,
+    semantics: Any,
+    instances: Any,
+    intrinsics: object | None,
+    hfov: float | None,
+    camera_height: float | None,
+    place: tuple[float, float, float],
+    fill: bool,
+) -> Layout:
+    pixels = _checked_pixels(picture.pixels)
+    height, width = pixels.shape[:2]
+    camera = _camera(width, height, intrinsics, hfov, picture.film_focal_length)
+    _check_numbers(camera_height, place)
+    # Arrays are checked before any network is loaded, which takes seconds.
+    for name, given in (("depth", depth), ("semantics", semantics), ("instances", instances)):
+        if isinstance(given, np.ndarray):
+            _check_array(name, given, (height, width))
+        elif given is not None and (pixels == pixels[0, 0]).all():
+            raise LayoutError("the picture is of one colour; nothing is to be seen in it")
+    scale = min(1.0, _LONGEST_SIDE / max(height, width))
+    camera = camera.resized(max(1, round(width * scale)), max(1, round(height * scale)))
+    small = np.asarray(Image.fromarray(pixels).resize((camera.width, camera.height), Image.Resampling.BOX))
+    cloud = _seen(small, depth, semantics, instances, camera)
+    plane = find_road_plane(cloud.points, cloud.labels)
+    stands = plane.height if camera_height is None else float(camera_height)
+    layout = _levelled_layout(cloud, plane, stands, _coverage(camera, plane), fill)
+    provenance = {
+        "source": "image",
+        "depth": _name(depth),
+        "semantics": _name(semantics),
+        "hfov": 2 * math.atan(camera.width / 2 / camera.fx),
+        "sensor_height": stands,
+        "scale": stands / plane.height,
+        "filled": fill,
+    }
+    return _placed(replace(layout, provenance=provenance), place)
+
+
+def _levelled_layout(
+    cloud: PseudoCloud, plane: RoadPlane, stands: float, coverage: tuple[float, float], fill: bool
+) -> Layout:
+    points = cloud.points @ plane.level.T * (stands / plane.height)
+    kept = np.linalg.norm(points, axis=1) < _FURTHEST
+    kept &= np.isin(cloud.labels, GROUND_IDS) | (np.abs(points[:, 2] + stands) > _FOOT)
+    points, labels, instances = points[kept], cloud.labels[kept], cloud.instances[kept]
+    kept, _, _ = thin(points, _VOXEL)
+    points, labels, instances = points[kept], labels[kept], instances[kept]
+    layout = layout_from_cloud(points, labels, instances=instances, sensor_height=stands, source="image")
+    layout = replace(layout, coverage=coverage)
+    return mirrored_surroundings(layout, points, labels, stands) if fill else layout
+
+
+def _checked_pixels(image: np.ndarray) -> np.ndarray:
+    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or not image.size:
+        raise LayoutError(f"the picture is {image.dtype} {list(image.shape)}; it must be uint8 [H, W, 3]")
+    return image
+
+
+def _camera(
+    width: int, height: int, intrinsics: object | None, hfov: float | None, film_focal_length: float | None
+) -> Pinhole:
+    if intrinsics is not None and hfov is not None:
+        raise LayoutError("intrinsics and hfov say the same; give one of them")
+    if intrinsics is not None:
+        return Pinhole.from_matrix(intrinsics, width, height)
+    if hfov is not None:
+        return Pinhole.from_hfov(hfov, width, height)
+    if film_focal_length is not None:
+        return Pinhole.from_film(film_focal_length, width, height)
+    raise LayoutError(
+        "the picture does not say its focal length; give hfov (--hfov), its horizontal field of view: 65 to 75 degrees "
+        "for most telephones, 80 for KITTI"
+    )
+
+
+def _check_numbers(camera_height: float | None, place: tuple[float, float, float]) -> None:
+    if camera_height is not None and not (is_number(camera_height) and 0.1 <= camera_height <= 100):
+        raise LayoutError(f"camera_height is {camera_height!r} m; it must be 0.1 to 100 m over the road")
+    if not are_numbers(place, 3):
+        raise LayoutError(f"place is {place!r}; it must be three finite numbers, x, y and yaw")
+
+
+def _check_array(name: str, array: np.ndarray, shape: tuple[int, int]) -> None:
+    if array.shape != shape:
+        raise LayoutError(f"{name} has shape {list(array.shape)}; a picture of that size needs {list(shape)}")
+    kinds = "fiu" if name == "depth" else "iu"
+    if array.dtype.kind not in kinds:
+        raise LayoutError(
+            f"{name} holds {array.dtype}; it must hold {'numbers' if name == 'depth' else 'whole numbers'}"
+        )
+    wrong = ~np.isfinite(array) | (array < 0)
+    limit = "finite, and 0 where unknown"
+    if name == "semantics":
+        wrong |= array >= NUM_CLASSES
+        limit = f"a class id, 0 to {NUM_CLASSES - 1}; other tables are read by lidardraft.formats.cityscapes"
+    if wrong.any():
+        row, column = np.argwhere(wrong)[0].tolist()
+        raise LayoutError(f"{name} at row {row}, column {column} is {array[row, column]}; it must be {limit}")
+    if name != "instances" and not array.any():
+        raise LayoutError(f"{name} is 0 everywhere; nothing is known of the picture")
+
+
+def _seen(small: np.ndarray, depth: Any, semantics: Any, instances: Any, camera: Pinhole) -> PseudoCloud:
+    """The pseudo point cloud, from arrays of the whole picture or from networks that look at the small one."""
+    if not isinstance(semantics, np.ndarray):
+        semantics = _semantic_network(semantics)(small)
+    if not isinstance(depth, np.ndarray):
+        depth = _depth_network(depth)(small)
+    semantics, depth = _resized(semantics, small), _resized(depth, small).astype(np.float64)
+    if instances is None:
+        instances = np.zeros_like(semantics)
+    elif not isinstance(instances, np.ndarray):
+        semantics, instances = _mask_network(instances)(small, semantics)
+    return pseudo_cloud(depth, semantics, _resized(instances, small), camera)
+
+
+def _depth_network(given: PathLike | Network) -> Network:
+    if callable(given):
+        return given
+    from lidardraft.perception.depth_network import DepthNetwork
+
+    return DepthNetwork.from_pretrained(given)
+
+
+def _semantic_network(given: PathLike | Network) -> Network:
+    if callable(given):
+        return given
+    from lidardraft.perception.semantic_network import SemanticNetwork
+
+    return SemanticNetwork.from_pretrained(given)
+
+
+def _mask_network(given: PathLike | MaskNetwork) -> MaskNetwork:
+    if callable(given):
+        return given
+    from lidardraft.perception import mask_network
+
+    return mask_network.MaskNetwork.from_pretrained(given)
+
+
+def _resized(array: np.ndarray, like: np.ndarray) -> np.ndarray:
+    """The nearest pixels of an array [H, W], as many as `like` [h, w, ...] has."""
+    rows, columns = (
+        ((np.arange(few) + 0.5) * many / few).astype(np.intp)
+        for few, many in zip(like.shape[:2], array.shape, strict=True)
+    )
+    return array[rows[:, None], columns]
+
+
+def _coverage(camera: Pinhole, plane: RoadPlane) -> tuple[float, float]:
+    """The azimuths [rad] of the right and the left edge, at the height of the axis."""
+    edges = camera.rays(np.array(camera.cy), np.array([camera.width - 0.5, -0.5])) @ plane.level.T
+    right, left = np.arctan2(edges[:, 1], edges[:, 0]).tolist()
+    return right, left
+
+
+def _placed(layout: Layout, place: tuple[float, float, float]) -> Layout:
+    x, y, yaw = map(float, place)
+    if (x, y, yaw) == (0.0, 0.0, 0.0):
+        return layout
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    moved = []
+    for primitive in layout:
+        u, v, z = primitive.center
+        moved.append(
+            replace(primitive, center=(x + cos * u - sin * v, y + sin * u + cos * v, z), yaw=primitive.yaw + yaw)
+        )
+    assert layout.coverage is not None
+    right, left = layout.coverage
+    return replace(layout, primitives=tuple(moved), coverage=(right + yaw, left + yaw))
+
+
+def _name(given: object) -> str:
+    if isinstance(given, np.ndarray):
+        return "array"
+    return os.fspath(given) if isinstance(given, str | os.PathLike) else str(getattr(given, "name", "network"))

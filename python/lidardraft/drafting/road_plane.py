@@ -1,0 +1,80 @@
+"""The plane of the road under a camera: how the camera is tilted and how high it stands."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from lidardraft.errors import LayoutError
+from lidardraft.semantics import BY_NAME
+
+# Estimates of ours, but for the method: Fischler and Bolles, "Random Sample Consensus", CACM 1981.
+FEWEST = 50  # points of ground
+_ENOUGH = 0.3  # of the points must lie on the plane
+_NEAR = 0.06  # of the camera's height; so near to the plane a point lies on it. Relative, as the scale is not known
+_STEEPEST = math.radians(35)  # of the camera against the road
+_TRIALS, _TRIED = 300, 4000  # planes, and points that each is tried on
+_LEAST_SEEN_OF_ROAD = 200  # points; with less of it sidewalk and terrain count too
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class RoadPlane:
+    """`level` [3, 3] turns points of the camera's frame so that the road is level and the camera looks along +x.
+
+    `height` is that of the camera over the road, in the unit of the points.
+    """
+
+    level: np.ndarray
+    height: float
+
+
+def find_road_plane(points: np.ndarray, labels: np.ndarray) -> RoadPlane:
+    """The plane that most ground points [N, 3] lie on; x forward, y left, z up. The same for the same points.
+
+    Raises `LayoutError` where no ground is seen, or none that is a plane below the camera.
+    """
+    road = points[labels == BY_NAME["road"].id]
+    if len(road) < _LEAST_SEEN_OF_ROAD:
+        road = points[np.isin(labels, [BY_NAME[name].id for name in ("road", "sidewalk", "terrain")])]
+    if len(road) < FEWEST:
+        raise LayoutError(
+            f"no ground is visible: {len(road)} points of the picture are road, sidewalk or terrain with a depth, and "
+            f"{FEWEST} are needed to find scale and tilt"
+        )
+    normal, height = _best_of_random_planes(road)
+    for _ in range(3):
+        on_it = np.abs(road @ normal + height) < _NEAR * height
+        if np.count_nonzero(on_it) < _ENOUGH * len(road):
+            share = f"{np.count_nonzero(on_it)} of {len(road)} points of the ground"
+            raise LayoutError(f"no plane of the ground is found: {share} lie on one; is the depth metric and linear?")
+        normal, height = _least_squares(road[on_it])
+    forward = np.array([1.0, 0.0, 0.0]) - normal[0] * normal
+    forward /= np.linalg.norm(forward)
+    return RoadPlane(level=np.stack([forward, np.cross(normal, forward), normal]), height=height)
+
+
+def _best_of_random_planes(road: np.ndarray) -> tuple[np.ndarray, float]:
+    """Unit normal and the camera's height over it, of the plane through three points that most others are near to."""
+    rng = np.random.default_rng(0)
+    tried = road[rng.choice(len(road), min(_TRIED, len(road)), replace=False)]
+    corners = tried[rng.integers(0, len(tried), (_TRIALS, 3))]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = normals / np.maximum(lengths, 1e-12) * np.where(normals[:, 2:] < 0, -1.0, 1.0)
+    heights = -(normals * corners[:, 0]).sum(axis=1)
+    possible = (lengths[:, 0] > 0) & (normals[:, 2] > math.cos(_STEEPEST)) & (heights > 0)
+    if not possible.any():
+        raise LayoutError("no plane of the ground is found below the camera; does the picture stand upright?")
+    normals, heights = normals[possible], heights[possible]
+    near = np.abs(tried @ normals.T + heights) < _NEAR * heights
+    best = int(np.argmax(near.sum(axis=0)))
+    return normals[best], float(heights[best])
+
+
+def _least_squares(points: np.ndarray) -> tuple[np.ndarray, float]:
+    """Unit normal, upwards, and the height over the plane z = a x + b y + c that fits best."""
+    (a, b, c), *_ = np.linalg.lstsq(np.column_stack([points[:, :2], np.ones(len(points))]), points[:, 2], rcond=None)
+    length = math.sqrt(a * a + b * b + 1)
+    return np.array([-a, -b, 1.0]) / length, float(-c / length)
