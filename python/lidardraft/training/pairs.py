@@ -27,7 +27,7 @@ from lidardraft.training.processes import ALONE, Processes
 SCHEMA = "lidardraft.pairs/3"
 SHARD = 64  # pairs a file
 _LARGEST_SHARD = 2**16  # pairs that an index may claim
-_STEP = 0.002  # m, what a depth of 1 in the uint16 images stands for: 131 m fit
+_STEP = 0.002  # m, what a depth of 1 in the uint16 images stands for: up to 131 m, what is further is 131 m
 _IMAGES = {
     "scan_depth": np.uint16,
     "scan_label": np.uint8,
@@ -62,6 +62,24 @@ def pairs_on_disk(directory: str | os.PathLike[str], *, source: str = "") -> int
     """
     index = Path(directory) / "index.json"
     return sum(_of_source(Path(directory), _read_index(index), source)["shards"]) if index.exists() else 0
+
+
+def notes_on_disk(directory: str | os.PathLike[str], sensor: Sensor, *, source: str = "") -> list[dict[str, Any]]:
+    """What was noted of each pair that a folder holds; nothing where there is no index.
+
+    Raises `FormatError` where they came from another `source` or are of another sensor.
+    """
+    folder = Path(directory)
+    if not (folder / "index.json").exists():
+        return []
+    index = _of_source(folder, _read_index(folder / "index.json"), source)
+    if _sensor(folder, index) != sensor:
+        raise FormatError(f"{folder} holds pairs of another {index['sensor']['name']}; use another folder")
+    notes = []
+    for number, count in enumerate(index["shards"]):
+        with image_archive.opened(folder / f"{number:05d}.npz") as archive:
+            notes += _read_notes(archive, count)
+    return notes
 
 
 def write_pairs(
@@ -205,9 +223,8 @@ def _compact_intensity(image: RangeImage) -> np.ndarray:
 
 
 def _compact_depth(image: RangeImage) -> np.ndarray:
-    if image.depth.max(initial=0) > _STEP * 65535:
-        raise FormatError(f"a depth is {image.depth.max():.1f} m; pairs hold up to {_STEP * 65535:.1f} m")
-    steps = np.rint(image.depth / _STEP)
+    # the furthest that fits is beyond what a network tells apart (`codec.MAX_DEPTH`)
+    steps = np.minimum(np.rint(image.depth / _STEP), 65535)
     return np.where(image.valid, np.maximum(steps, 1), 0).astype(np.uint16)
 
 
@@ -257,8 +274,12 @@ def _read(path: Path, shape: tuple[int, ...]) -> tuple[dict[str, np.ndarray], li
         images = {
             name: image_archive.read_array(archive, name, np.dtype(dtype), shape) for name, dtype in _IMAGES.items()
         }
-        with named(_NOTES):
-            notes = [check_object(note) for note in parse_list(archive.read(_NOTES))]
-        if len(notes) != shape[0]:
-            raise FormatError(f"{len(notes)} notes on {shape[0]} pairs")
-    return images, notes
+        return images, _read_notes(archive, shape[0])
+
+
+def _read_notes(archive: zipfile.ZipFile, count: int) -> list[dict[str, Any]]:
+    with named(_NOTES):
+        notes = [check_object(note) for note in parse_list(archive.read(_NOTES))]
+    if len(notes) != count:
+        raise FormatError(f"{len(notes)} notes on {count} pairs")
+    return notes
