@@ -43,7 +43,7 @@ def recorded_pair(scan: RecordedScan, sensor: Sensor, *, seed: int = 0) -> Pair:
 
 
 def on_grid(scan: RecordedScan, sensor: Sensor) -> RangeImage:
-    """The recording as an image of `sensor`, none of whose firings is lost to the grid.
+    """The recording as an image of `sensor`, in which an empty pixel is a firing without a return, as far as can be.
 
     A firing's azimuth is not exactly that of a column: two returns may share a pixel beside one that stays empty, as if
     a firing had been dropped. There the further one has the pixel beside. What the vehicle hides is no return.
