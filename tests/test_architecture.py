@@ -30,14 +30,16 @@ ALLOWED = {
     "metrics": BASE | {"scene"},
     "perception": BASE | {"scene", "formats", "networks"},
     "simulation": BASE | {"scene", "drafting", "objects", "formats", "scan"},
-    "training": BASE | {"scene", "streets", "formats", "drafting", "networks", "diffusion", "metrics", "perception"},
+    "training": BASE
+    | {"scene", "streets", "formats", "drafting", "networks", "diffusion", "metrics", "perception"}
+    | {"simulation"},
     "view": BASE | {"scene", "formats"},
     "scan": BASE | {"scene", "formats", "view"},
     "pipeline": BASE | {"scene", "drafting", "networks", "diffusion", "simulation", "scan"},
     "evaluation": BASE | {"scene", "streets", "diffusion", "metrics", "pipeline"},
     "cli": BASE
     | {"scene", "formats", "drafting", "streets", "networks", "diffusion", "metrics", "view", "pipeline", "evaluation"}
-    | {"scan", "simulation", "training", "calibration"},
+    | {"scan", "simulation", "training", "calibration", "perception"},
     "__main__": {"cli"},
 }
 # The rooms and modules of streets, and which others each may use.

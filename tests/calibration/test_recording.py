@@ -102,7 +102,7 @@ def test_points_that_are_no_returns_are_left_out():
 @pytest.mark.parametrize(
     ("points", "fields", "message"),
     [
-        (np.zeros((9, 3)), {}, "the scan is empty; there is nothing to fit a sensor to"),
+        (np.zeros((9, 3)), {}, "the scan is empty: it has no return"),
         (np.full((9, 3), np.nan), {}, "the scan is empty"),
         (np.ones((9, 2)), {}, r"points \(9, 2\) must be \[N, 3\]"),
         (np.ones((9, 3)), {"ring": np.zeros(4)}, "with a value of each field for each"),

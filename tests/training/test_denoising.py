@@ -15,8 +15,9 @@ from lidardraft.networks import weight_file
 from lidardraft.scene.sensor import Sensor
 from lidardraft.training import denoising, recipes
 from lidardraft.training.denoising import train_denoiser
-from lidardraft.training.pairs import PairFolder, write_pairs
-from lidardraft.training.processes import ALONE
+from lidardraft.training.mixed_source import MixedSource
+from lidardraft.training.pairs import Pair, PairFolder, write_pairs
+from lidardraft.training.processes import ALONE, Processes
 
 GENERATOR, BASE, CONTROL = (
     dataclasses.replace(stage, report_every=1, save_every=1000)
@@ -162,11 +163,56 @@ def test_a_sensor_that_is_no_whole_cells_is_refused(tmp_path: Path) -> None:
     assert not (tmp_path / "run").exists()
 
 
+def test_in_a_mixture_too(pairs: PairFolder, tmp_path: Path) -> None:
+    odd = Sensor(name="odd", elevations=SENSOR.elevations, columns=66)
+    list(write_pairs(tmp_path / "pairs", [noted(0, odd)]))
+    mixed = MixedSource((pairs, PairFolder(tmp_path / "pairs")), (1.0, 1.0))
+    with pytest.raises(TrainingError, match=r"odd is \(16, 66\); this recipe needs multiples of \(2, 4\)"):
+        next(train_denoiser(BASE, mixed, tmp_path / "run"))
+
+
+@dataclasses.dataclass(frozen=True)
+class WithNaN:
+    """Pairs of which some, or all, hold an intensity that is no number."""
+
+    folder: PairFolder
+    all: bool = False
+    source: str = "some that are not finite"
+    checksum: int = 1
+
+    @property
+    def path(self) -> Path:
+        return self.folder.path
+
+    @property
+    def sensor(self) -> Sensor:
+        return self.folder.sensor
+
+    @property
+    def sensors(self) -> tuple[Sensor, ...]:
+        return self.folder.sensors
+
+    def pairs(self, step: int, scans: int, processes: Processes) -> list[Pair]:
+        found = self.folder.pairs(step, scans, processes)
+        for i in range(len(found) if self.all else 1):
+            intensity = np.full(self.sensor.shape, np.nan, np.float32)
+            found[i] = found[i]._replace(scan=dataclasses.replace(found[i].scan, intensity=intensity))
+        return found
+
+
+def test_pairs_that_are_not_finite_are_skipped_and_counted(pairs: PairFolder, tmp_path: Path) -> None:
+    *_, last = train_denoiser(dataclasses.replace(GENERATOR, steps=3), WithNaN(pairs), tmp_path / "some")
+    assert np.isfinite(last.loss)
+    assert last.measures["share of pairs skipped, not finite"] == 0.25
+    with pytest.raises(TrainingError, match="no pair of step 1 is finite"):
+        next(train_denoiser(GENERATOR, WithNaN(pairs, all=True), tmp_path / "all"))
+
+
 @pytest.mark.parametrize("span", [2 * np.pi, 2.0])
 def test_a_full_turn_is_learned_as_a_ring(span: float, tmp_path: Path) -> None:
     sensor = dataclasses.replace(SENSOR, azimuth_start=span / 2, azimuth_span=span)
     list(write_pairs(tmp_path, [noted(0, sensor)]))
-    *_, wraps = denoising._batch(GENERATOR, PairFolder(tmp_path), ALONE, 0)
+    *_, wraps, _ = denoising._batch(GENERATOR, PairFolder(tmp_path), ALONE, 0)
     assert bool(wraps) == (span > 6)
 
 
@@ -174,7 +220,7 @@ def test_half_of_the_batches_are_mirrored(pairs: PairFolder) -> None:
     one = dataclasses.replace(GENERATOR, batch=1)
     mirrored = []
     for step in range(12):
-        clean, _, _, rays, condition, _ = denoising._batch(one, pairs, ALONE, step)
+        clean, _, _, rays, condition, *_ = denoising._batch(one, pairs, ALONE, step)
         simulated = condition[:, CONDITION_PARTS["simulated"]]
         expected = encode_scan(pairs.pairs(step, 1)[0].scan)
         mirrored.append(bool(np.array_equal(clean[0].numpy(), expected[..., ::-1])))

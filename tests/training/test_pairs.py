@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 from box_pairs import SENSOR, make_pair, noted
 
-from lidardraft.errors import FormatError
+from lidardraft.diffusion.codec import encode_scan
+from lidardraft.errors import FormatError, TrainingError
 from lidardraft.scene.sensor import Sensor
+from lidardraft.semantics import CLASSES
 from lidardraft.training import pairs as module
 from lidardraft.training.pairs import PairFolder, is_shard, pairs_on_disk, read_shard, write_pairs
 
@@ -123,15 +125,32 @@ def test_another_sensor_is_refused(tmp_path: Path) -> None:
     assert pairs_on_disk(tmp_path) == 1
 
 
-def test_a_depth_that_does_not_fit_is_refused(tmp_path: Path) -> None:
+def test_a_depth_that_does_not_fit_is_the_furthest_that_does(tmp_path: Path) -> None:
     far = Sensor(name="far", elevations=SENSOR.elevations, columns=128, max_range=300.0)
     pair = make_pair(0, far)
     depth = pair.scan.depth.copy()
     depth[0, 0] = 200.0
-    far_pair = pair._replace(scan=dataclasses.replace(pair.scan, depth=depth))
-    with pytest.raises(FormatError, match=r"a depth is 200\.0 m; pairs hold up to 131\.1 m"):
-        list(write_pairs(tmp_path, [(far_pair, {})]))
-    assert [file.name for file in tmp_path.iterdir()] == [".lock"]
+    list(write_pairs(tmp_path, [(pair._replace(scan=dataclasses.replace(pair.scan, depth=depth)), {})]))
+    assert PairFolder(tmp_path)[0].scan.depth[0, 0] == pytest.approx(131.07)
+    assert encode_scan(PairFolder(tmp_path)[0].scan)[0, 0, 0] == 1
+
+
+def test_pairs_of_another_class_table_are_refused(tmp_path: Path) -> None:
+    list(write_pairs(tmp_path, [noted(0)]))
+    index = json.loads((tmp_path / "index.json").read_text())
+    index["classes"][5] = "hedge"
+    (tmp_path / "index.json").write_text(json.dumps(index))
+    with pytest.raises(FormatError, match=r"index\.json: the pairs have another class table"):
+        PairFolder(tmp_path)
+
+
+def test_a_folder_larger_than_memory_is_refused(tmp_path: Path) -> None:
+    list(write_pairs(tmp_path, [noted(0)]))
+    index = json.loads((tmp_path / "index.json").read_text())
+    index["shards"] = [2**16] * 2**12
+    (tmp_path / "index.json").write_text(json.dumps(index))
+    with pytest.raises(TrainingError, match=r"with its 268435456 pairs needs \d+\.\d GB of memory"):
+        PairFolder(tmp_path)
 
 
 def test_a_return_nearer_than_a_step_stays_a_return(tmp_path: Path) -> None:
@@ -177,15 +196,25 @@ def test_a_shard_of_another_shape_is_refused(tmp_path: Path) -> None:
     [
         ("{", "index.json: not JSON"),
         ("[]", r"index.json: \[\] is no JSON object"),
-        ('{"schema": "other"}', "schema is 'other'; this version reads 'lidardraft.pairs/3'"),
-        ('{"schema": "lidardraft.pairs/3", "sensor": {}, "shards": ["a"]}', "shards is .* it must be counts of 1 to"),
-        ('{"schema": "lidardraft.pairs/3", "sensor": {}, "shards": [1000000000000]}', "shards is .* it must be counts"),
-        ('{"schema": "lidardraft.pairs/3", "shards": []}', "index.json: 'sensor' is missing"),
-        ('{"schema": "lidardraft.pairs/3", "shards": [], "sensor": {}}', "index.json: 'columns' is missing"),
+        ('{"schema": "other"}', "schema is 'other'; this version reads 'lidardraft.pairs/4'"),
+        (
+            '{"schema": "lidardraft.pairs/4", "classes": "ours", "sensor": {}, "shards": ["a"]}',
+            "shards is .* it must be counts of 1 to",
+        ),
+        (
+            '{"schema": "lidardraft.pairs/4", "classes": "ours", "sensor": {}, "shards": [1000000000000]}',
+            "shards is .* it must be counts",
+        ),
+        ('{"schema": "lidardraft.pairs/4", "classes": "ours", "shards": []}', "index.json: 'sensor' is missing"),
+        (
+            '{"schema": "lidardraft.pairs/4", "classes": "ours", "shards": [], "sensor": {}}',
+            "index.json: 'columns' is missing",
+        ),
     ],
 )
 def test_a_broken_index_is_refused(tmp_path: Path, index: str, message: str) -> None:
-    (tmp_path / "index.json").write_text(index)
+    classes = json.dumps([row.name for row in CLASSES])
+    (tmp_path / "index.json").write_text(index.replace('"ours"', classes))
     with pytest.raises(FormatError, match=message):
         PairFolder(tmp_path)
 

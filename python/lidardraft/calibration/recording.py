@@ -8,6 +8,7 @@ its motion taken out, the points of one laser have many.
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from lidardraft.scene import image_archive
 
 _NEAREST = 0.1  # m: what is nearer is no return (zeros stand for those of organised clouds)
 _MOST_LASERS = 512
+_FIELDS = ("ring", "intensity", "label", "instance", "column")  # of an .npz file
 _ORDERLY = 0.98  # of the steps in a file of KITTI's order are small ones ahead
 _SMALL_STEP = np.deg2rad(5.0)
 _NO_JUMP = 1e-3  # of a slope: lasers are further apart
@@ -48,45 +50,57 @@ def read_recording(path: str | os.PathLike[str]) -> Recording:
 
     A KITTI file has its points laser by laser. A PCD file has x, y, z and a field `ring` (or `channel`), or is
     organised (its HEIGHT lasers are rows) or in KITTI's order; `intensity` in 0 to 1 or 0 to 255. An .npz file has
-    `xyz` [N, 3], and `ring`, `intensity`, `label` (our classes) and `column` [N] where they are known. Raises
+    `xyz` [N, 3], and `ring`, `intensity`, `label` (our classes), `instance`, `column` [N] where they are known. Raises
     `FormatError` where the file is something else, has no points, or where nothing says which laser took them.
     """
-    name, suffix = os.fspath(path), Path(path).suffix
+    points, fields = read_points(path)
+    fields.pop("instance", None)
+    with named(path):
+        return recording_of(os.fspath(path), points, **fields)
+
+
+def read_points(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """The points [N, 3] of such a file and what it says of each, `instance` too, as it stands there; which laser took
+    them need not be known."""
+    suffix = Path(path).suffix
     if suffix == ".bin":
         points, intensity = read_bin(path)
-        fields = {"intensity": intensity} | _labels_beside(Path(path), len(points))
-    elif suffix == ".pcd":
-        points, fields = _from_pcd(path)
-    elif suffix == ".npz":
-        points, fields = _from_npz(path)
-    else:
-        raise FormatError(f"{name}: a recorded scan is a .bin, .pcd or .npz file")
-    with named(name):
-        return recording_of(name, points, **fields)
+        return points, {"intensity": intensity} | _labels_beside(Path(path), len(points))
+    if suffix == ".pcd":
+        return _from_pcd(path)
+    if suffix == ".npz":
+        return _from_npz(path)
+    raise FormatError(f"{os.fspath(path)}: a recorded scan is a .bin, .pcd or .npz file")
 
 
-def recording_of(name: str, points: np.ndarray, **fields: np.ndarray) -> Recording:
-    """The recording of `points` [N, 3] and `ring`, `intensity`, `label`, `column` [N]; what is no return or not finite
-    is left out. Raises `FormatError` as `read_recording` does."""
+def returns(points: np.ndarray, fields: Mapping[str, np.ndarray]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """The points f32 [N, 3] that are returns, finite and not at the origin, with their fields; intensities in 0 to 1.
+
+    Raises `FormatError` where there are none, or where the arrays do not fit or hold what cannot be."""
     points = np.asarray(points)
     if points.ndim != 2 or points.shape[1] != 3 or any(len(values) != len(points) for values in fields.values()):
         raise FormatError(f"points {points.shape} must be [N, 3], with a value of each field for each")
     distance = np.linalg.norm(points.astype(np.float64), axis=1)
     there = np.isfinite(distance) & (distance > _NEAREST)
     if not there.any():
-        raise FormatError("the scan is empty; there is nothing to fit a sensor to")
-    points = points[there].astype(np.float32)
-    fields = {field: np.asarray(values)[there] for field, values in fields.items()}
+        raise FormatError("the scan is empty: it has no return")
+    found = {field: np.asarray(values)[there] for field, values in fields.items()}
+    if "intensity" in found:
+        intensity = found["intensity"].astype(np.float32)
+        if not np.isfinite(intensity).all() or intensity.min() < 0 or intensity.max() > 255:
+            raise FormatError("an intensity is not finite or not within 0 to 255")
+        found["intensity"] = intensity / np.float32(255) if intensity.max() > 1 else intensity
+    return points[there].astype(np.float32), found
+
+
+def recording_of(name: str, points: np.ndarray, **fields: np.ndarray) -> Recording:
+    """The recording of `points` [N, 3] and `ring`, `intensity`, `label`, `column` [N]; what is no return or not finite
+    is left out. Raises `FormatError` as `read_recording` does."""
+    points, fields = returns(points, fields)
     ring = fields.pop("ring", None)
     ring = _rings_of_order(points) if ring is None else ring.astype(np.int64)
     if ring.min() < 0 or ring.max() >= _MOST_LASERS:
         raise FormatError(f"rings are {ring.min()} to {ring.max()}; they must be 0 to {_MOST_LASERS - 1}")
-    intensity = fields.get("intensity")
-    if intensity is not None:
-        intensity = intensity.astype(np.float32)
-        if not np.isfinite(intensity).all() or intensity.min() < 0 or intensity.max() > 255:
-            raise FormatError("an intensity is not finite or not within 0 to 255")
-        fields["intensity"] = intensity / np.float32(255) if intensity.max() > 1 else intensity
     for field in ("label", "column"):
         if field in fields:
             fields[field] = fields[field].astype(np.uint8 if field == "label" else np.int64)
@@ -119,7 +133,7 @@ def _labels_beside(path: Path, count: int) -> dict[str, np.ndarray]:
     """SemanticKITTI's labels: NAME.label beside the scan, or in the folder labels/ beside the scan's."""
     for file in (path.with_suffix(".label"), path.parent.parent / "labels" / f"{path.stem}.label"):
         if file.exists():
-            return {"label": read_label(file, count)[0]}
+            return dict(zip(("label", "instance"), read_label(file, count), strict=True))
     return {}
 
 
@@ -153,5 +167,5 @@ def _rows_of_header(path: str | os.PathLike[str]) -> tuple[int, int]:
 def _from_npz(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     with image_archive.opened(path) as archive:
         points = image_archive.read_numbers(archive, "xyz")
-        found = [field for field in ("ring", "intensity", "label", "column") if image_archive.holds(archive, field)]
+        found = [field for field in _FIELDS if image_archive.holds(archive, field)]
         return points, {field: image_archive.read_numbers(archive, field) for field in found}

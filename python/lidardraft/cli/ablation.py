@@ -40,7 +40,7 @@ def ablation(arguments: argparse.Namespace) -> None:
     control = dataclasses.replace(control, zero_conv_steps=min(control.zero_conv_steps, control.steps // 10))
     recipe = recipes.Recipe(stages=(base, control))
     source = StreetSource(seed=arguments.seed, sensor=sensor)
-    base.check(sensor)
+    base.check([sensor])
     check_run_folder(arguments.work)
     device_for_training(arguments.device)
     pairs = evaluate.unseen_streets(num, sensor)

@@ -58,6 +58,14 @@ def assignments(texts: list[str], option: str, form: str) -> dict[str, str]:
     return given
 
 
+def positive(text: str) -> float:
+    """The type of an option that takes any finite number over 0."""
+    value = number(text)
+    if not value > 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number over 0")
+    return value
+
+
 def minutes(text: str) -> float:
     """The type of an option that takes minutes: a number over 0, or inf."""
     try:

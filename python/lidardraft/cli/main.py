@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 import lidardraft
-from lidardraft.cli import draft, evaluate, fit, generate, observe, raycast, simulate, streets, view
+from lidardraft.cli import draft, evaluate, fit, generate, observe, pairs, raycast, simulate, streets, view
 from lidardraft.cli.command import commands_of, run
 
 _FIRST = """\
@@ -42,6 +42,7 @@ def _parser() -> argparse.ArgumentParser:
     observe.add_arguments(command("observe", observe.observe))
     streets.add_arguments(command("streets", streets.streets))
     fit.add_arguments(command("fit", fit.fit))
+    pairs.add_arguments(command("pairs", pairs.pairs))
     evaluate.add_arguments(command("evaluate", evaluate.evaluate))
     return parser
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import lidardraft
 from lidardraft.cli import ablation, evaluate
-from lidardraft.cli.arguments import DEFAULT_SENSOR, add_seed, add_sensor, minutes, whole_number
+from lidardraft.cli.arguments import DEFAULT_SENSOR, add_seed, add_sensor, minutes, positive, whole_number
 from lidardraft.cli.command import commands_of, run
 from lidardraft.cli.training_progress import show
 from lidardraft.errors import TrainingError
@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from lidardraft.training.denoising import DenoisingConfig, PairSource
 
 _RECIPES = ("small", "paper", "small-paper", "tiny", "tiny-paper")
+
+
+_FURTHER_RATE = 0.3  # of the recipe's learning rate: weights that are good already would be lost with more
 
 
 def segmenter(arguments: argparse.Namespace) -> None:
@@ -54,7 +57,7 @@ def street(arguments: argparse.Namespace) -> None:
         raise TrainingError(f"{arguments.output} is a folder; the weights are a file")
     runs = [Path(arguments.work) / f"stage-{number}" for number in range(1, len(stages) + 1)]
     for config, run_folder in zip(stages, runs, strict=True):
-        config.check(source.sensor)
+        config.check(source.sensors)
         check_run_folder(run_folder)
     processes = Processes.from_environment(device_for_training(arguments.device))
     Path(arguments.output).parent.mkdir(parents=True, exist_ok=True)
@@ -95,9 +98,11 @@ def _stages(arguments: argparse.Namespace) -> list[DenoisingConfig]:
     stages = [dataclasses.replace(config, seed=arguments.seed) for config in recipe.stages]
     begin = _initial(arguments.init)
     if begin is not None:
-        stages = [dataclasses.replace(stages[-1], denoiser=begin.config)]
-    if arguments.steps is not None:
-        stages = [dataclasses.replace(config, steps=arguments.steps) for config in stages]
+        rate = _FURTHER_RATE * stages[-1].learning_rate
+        stages = [dataclasses.replace(stages[-1], denoiser=begin.config, learning_rate=rate, warmup=20)]
+    given = {name: getattr(arguments, name) for name in ("steps", "batch", "learning_rate")}
+    given = {name: value for name, value in given.items() if value is not None}
+    stages = [dataclasses.replace(config, **given) for config in stages]
     return stages
 
 
@@ -148,6 +153,14 @@ def _trained(
     return show(reports, config.steps, run.name) in (None, config.steps)
 
 
+def _add_learning(added: argparse.ArgumentParser) -> None:
+    """--batch and --learning-rate of the generator."""
+    text = "scans of 64 x 1024 a step, fewer of larger ones (default: the recipe's)"
+    added.add_argument("--batch", type=whole_number(1), metavar="N", help=text)
+    text = "highest learning rate (default: the recipe's, 0.3 of it with --init)"
+    added.add_argument("--learning-rate", type=positive, metavar="R", help=text)
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="lidardraft-train",
@@ -193,6 +206,7 @@ def _parser() -> argparse.ArgumentParser:
     added.add_argument("--init", metavar="NAME", help=text)
     text = "steps of each stage (default: the recipe's)"
     added.add_argument("--steps", type=whole_number(1), metavar="N", help=text)
+    _add_learning(added)
     add_minutes(added)
     add_seed(added)
     device(added)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import os
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
@@ -27,6 +27,7 @@ from lidardraft.training.pairs import Pair, scans_of_step
 from lidardraft.training.processes import Processes
 
 BANDS = (0.0, 0.05, 0.2, 1.0, float("inf"))  # edges of the noise levels that are reported apart
+_SKIPPED = "share of pairs skipped, not finite"
 _SILENT = 20  # steps after which a zero convolution must have learned
 
 
@@ -36,6 +37,10 @@ class PairSource(Data, Protocol):
     @property
     def sensor(self) -> Sensor | None:
         """The sensor of all pairs, None where they are of many."""
+
+    @property
+    def sensors(self) -> tuple[Sensor, ...]:
+        """Those that are known before the training begins."""
 
     def pairs(self, step: int, scans: int, processes: Processes) -> list[Pair]:
         """Those of a step, of one sensor, as many as `scans` of 64 x 1024 are worth; of several processes, this
@@ -63,11 +68,13 @@ class DenoisingConfig(LearningConfig):
         """Whether adherence to a condition is measured."""
         return bool(self.watch_every and self.denoiser.condition)
 
-    def check(self, sensor: Sensor | None) -> None:
-        """Raise `TrainingError` where scans of this sensor cannot be trained on so."""
+    def check(self, sensors: Iterable[Sensor]) -> None:
+        """Raise `TrainingError` where scans of one of these sensors cannot be trained on so."""
         self.check_counts()
-        if sensor is not None and any(size % cell for size, cell in zip(sensor.shape, self.denoiser.cell, strict=True)):
-            raise TrainingError(f"{sensor.name} is {sensor.shape}; this recipe needs multiples of {self.denoiser.cell}")
+        cell = self.denoiser.cell
+        for sensor in sensors:
+            if any(size % whole for size, whole in zip(sensor.shape, cell, strict=True)):
+                raise TrainingError(f"{sensor.name} is {sensor.shape}; this recipe needs multiples of {cell}")
 
 
 def train_denoiser(
@@ -85,7 +92,7 @@ def train_denoiser(
     What the folder `run` receives, and how a run goes on, is said at `training.loop.train`; the loss is also reported
     by bands of noise. Raises `TrainingError` as that does, and where the pairs or the device do not fit.
     """
-    config.check(source.sensor)
+    config.check(source.sensors)
     on = device_for_training(device)
     processes = Processes.from_environment(on)
     denoiser = _beginning(config, begin)
@@ -104,12 +111,12 @@ def train_denoiser(
     def loss(step: int, batch: Batch) -> tuple[Tensor, Measures]:
         if denoiser.controlnet is not None:
             denoiser.controlnet.learn(everything=step >= config.zero_conv_steps)
-        clean, sigma, noise, rays, condition, wraps = batch
+        clean, sigma, noise, rays, condition, wraps, skipped = batch
         with reduced_precision(on):
             losses = denoiser.loss(
                 clean, sigma, noise, rays, condition if config.denoiser.condition else None, wraps=bool(wraps)
             )
-        return losses, _by_band(sigma, losses.detach()) | watched(step)
+        return losses, _by_band(sigma, losses.detach()) | watched(step) | {_SKIPPED: skipped}
 
     for report in train(config, denoiser, batches, loss, source, run, device=on, max_minutes=max_minutes):
         _check_zero_convs(denoiser, report.step)
@@ -148,7 +155,8 @@ def _check_zero_convs(denoiser: Denoiser, step: int) -> None:
 
 
 def _batch(config: DenoisingConfig, source: PairSource, processes: Processes, step: int) -> Batch:
-    """Clean states, noise levels, noise, rays, conditions and whether columns wrap, of this process in a step."""
+    """Clean states, noise levels, noise, rays, conditions, whether columns wrap, and the share of the pairs that are
+    skipped as they hold what is not finite, of this process in a step."""
     random = np.random.default_rng((config.seed, step))
     generator = torch.Generator().manual_seed(int(random.integers(2**62)))
     pairs = source.pairs(step, config.batch, processes)
@@ -163,4 +171,9 @@ def _batch(config: DenoisingConfig, source: PairSource, processes: Processes, st
         clean, condition, rays = clean.flip(-1), condition.flip(-1), rays.flip(-1)
     sigma = training_levels(scans, generator, mean=config.sigma_mean, std=config.sigma_std)
     noise = torch.randn((scans, *clean.shape[1:]), generator=generator)
-    return clean, sigma[share], noise[share], rays, condition, torch.tensor(sensor.wraps)
+    kept = clean.isfinite().flatten(1).all(1) & condition.isfinite().flatten(1).all(1)
+    if not kept.any():
+        raise TrainingError(f"no pair of step {step + 1} is finite")
+    skipped = (~kept).float().mean()
+    wraps = torch.tensor(sensor.wraps)
+    return clean[kept], sigma[share][kept], noise[share][kept], rays, condition[kept], wraps, skipped

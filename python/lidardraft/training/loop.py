@@ -24,6 +24,7 @@ from lidardraft.files import written_whole
 from lidardraft.json_fields import is_number, parse_object
 from lidardraft.networks import weight_file
 from lidardraft.networks.weight_file import Network
+from lidardraft.training.free_memory import memory_of
 from lidardraft.training.learner import Learner, LearningConfig, RunIdentity
 from lidardraft.training.processes import Processes
 
@@ -91,9 +92,10 @@ def train(
     began, window = time.monotonic(), _Window()
     with closing(batches(start)) as upcoming:
         for step, tensors in zip(range(start, config.steps), upcoming, strict=False):
-            losses, measures = loss(step, tuple(tensor.to(device) for tensor in tensors))
-            mean = losses.sum() / processes.total(losses.numel(), device)
-            window.add(losses, learner.step(step, mean, processes), measures)
+            with memory_of(f"step {step + 1} of batches of {config.batch}"):
+                losses, measures = loss(step, tuple(tensor.to(device) for tensor in tensors))
+                mean = losses.sum() / processes.total(losses.numel(), device)
+                window.add(losses, learner.step(step, mean, processes), measures)
             minutes = (time.monotonic() - began) / 60
             # all processes stop at the same step
             last = step + 1 == config.steps or processes.total(minutes > max_minutes, device) > 0

@@ -35,6 +35,11 @@ class MixedSource:
         return sensors[0] if all(sensor == sensors[0] for sensor in sensors) else None
 
     @property
+    def sensors(self) -> tuple[Sensor, ...]:
+        """Those of all sources."""
+        return tuple(sensor for source in self.sources for sensor in source.sensors)
+
+    @property
     def source(self) -> str:
         """Where the pairs come from, in words."""
         return "; ".join(

@@ -21,13 +21,15 @@ from lidardraft.json_fields import check_fields, check_object, parse_list, parse
 from lidardraft.scene import image_archive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
+from lidardraft.semantics import CLASSES
 from lidardraft.training.folder_lock import locked_folder
+from lidardraft.training.free_memory import check_memory
 from lidardraft.training.processes import ALONE, Processes
 
-SCHEMA = "lidardraft.pairs/3"
+SCHEMA = "lidardraft.pairs/4"
 SHARD = 64  # pairs a file
 _LARGEST_SHARD = 2**16  # pairs that an index may claim
-_STEP = 0.002  # m, what a depth of 1 in the uint16 images stands for: 131 m fit
+_STEP = 0.002  # m, what a depth of 1 in the uint16 images stands for: up to 131 m, what is further is 131 m
 _IMAGES = {
     "scan_depth": np.uint16,
     "scan_label": np.uint8,
@@ -39,7 +41,9 @@ _IMAGES = {
 }
 
 _PIXELS = 64 * 1024  # of the images that memory is counted in
+_PAIR_BYTES = sum(np.dtype(dtype).itemsize for dtype in _IMAGES.values())  # a pixel
 _NOTES = "notes.json"
+_CLASSES = [row.name for row in CLASSES]
 # Noise does not get smaller: a scan's ranges and intensities are stored as they are.
 _COMPRESSED = ("scan_label", "condition_depth", "condition_label")
 
@@ -62,6 +66,24 @@ def pairs_on_disk(directory: str | os.PathLike[str], *, source: str = "") -> int
     """
     index = Path(directory) / "index.json"
     return sum(_of_source(Path(directory), _read_index(index), source)["shards"]) if index.exists() else 0
+
+
+def notes_on_disk(directory: str | os.PathLike[str], sensor: Sensor, *, source: str = "") -> list[dict[str, Any]]:
+    """What was noted of each pair that a folder holds; nothing where there is no index.
+
+    Raises `FormatError` where they came from another `source` or are of another sensor.
+    """
+    folder = Path(directory)
+    if not (folder / "index.json").exists():
+        return []
+    index = _of_source(folder, _read_index(folder / "index.json"), source)
+    if _sensor(folder, index) != sensor:
+        raise FormatError(f"{folder} holds pairs of another {index['sensor']['name']}; use another folder")
+    notes = []
+    for number, count in enumerate(index["shards"]):
+        with image_archive.opened(folder / f"{number:05d}.npz") as archive:
+            notes += _read_notes(archive, count)
+    return notes
 
 
 def write_pairs(
@@ -118,6 +140,7 @@ class PairFolder:
         self.source: str = index["source"]
         self.checksum = zlib.crc32(self.sensor.to_json().encode())
         counts = index["shards"]
+        check_memory(f"{folder} with its {sum(counts)} pairs", sum(counts) * math.prod(self.sensor.shape) * _PAIR_BYTES)
         self._images = {name: np.empty((sum(counts), *self.sensor.shape), dtype) for name, dtype in _IMAGES.items()}
         self.notes: list[dict[str, Any]] = []
         start = 0
@@ -131,6 +154,11 @@ class PairFolder:
 
     def __len__(self) -> int:
         return len(self._images["scan_depth"])
+
+    @property
+    def sensors(self) -> tuple[Sensor, ...]:
+        """The one of all pairs."""
+        return (self.sensor,)
 
     def pairs(self, step: int, scans: int, processes: Processes = ALONE) -> list[Pair]:
         """Pairs drawn at random, as many as `scans` of 64 x 1024 are worth: the same for a step; of several processes,
@@ -205,9 +233,8 @@ def _compact_intensity(image: RangeImage) -> np.ndarray:
 
 
 def _compact_depth(image: RangeImage) -> np.ndarray:
-    if image.depth.max(initial=0) > _STEP * 65535:
-        raise FormatError(f"a depth is {image.depth.max():.1f} m; pairs hold up to {_STEP * 65535:.1f} m")
-    steps = np.rint(image.depth / _STEP)
+    # the furthest that fits is beyond what a network tells apart (`codec.MAX_DEPTH`)
+    steps = np.minimum(np.rint(image.depth / _STEP), 65535)
     return np.where(image.valid, np.maximum(steps, 1), 0).astype(np.uint16)
 
 
@@ -230,7 +257,9 @@ def _of_source(folder: Path, index: dict[str, Any], source: str) -> dict[str, An
 def _write_index(path: Path, sensor: Sensor | None, counts: list[int], source: str) -> None:
     fields = json.loads(sensor.to_json()) if sensor else None
     with written_whole(path) as temporary:
-        temporary.write_text(json.dumps({"schema": SCHEMA, "source": source, "sensor": fields, "shards": counts}))
+        temporary.write_text(
+            json.dumps({"schema": SCHEMA, "source": source, "classes": _CLASSES, "sensor": fields, "shards": counts})
+        )
 
 
 def _read_index(path: Path) -> dict[str, Any]:
@@ -239,7 +268,9 @@ def _read_index(path: Path) -> dict[str, Any]:
         index = parse_object(text)
         if index.get("schema") != SCHEMA:
             raise FormatError(f"schema is {index.get('schema')!r}; this version reads {SCHEMA!r}")
-        check_fields(index, ("schema", "sensor", "shards"), ("source",))
+        check_fields(index, ("schema", "classes", "sensor", "shards"), ("source",))
+        if index["classes"] != _CLASSES:
+            raise FormatError(f"the pairs have another class table than this version: {index['classes']!r:.60}")
         counts = index["shards"]
         if not isinstance(counts, list) or not all(type(c) is int and 0 < c <= _LARGEST_SHARD for c in counts):
             raise FormatError(f"shards is {counts!r}; it must be counts of 1 to {_LARGEST_SHARD} pairs")
@@ -257,8 +288,12 @@ def _read(path: Path, shape: tuple[int, ...]) -> tuple[dict[str, np.ndarray], li
         images = {
             name: image_archive.read_array(archive, name, np.dtype(dtype), shape) for name, dtype in _IMAGES.items()
         }
-        with named(_NOTES):
-            notes = [check_object(note) for note in parse_list(archive.read(_NOTES))]
-        if len(notes) != shape[0]:
-            raise FormatError(f"{len(notes)} notes on {shape[0]} pairs")
-    return images, notes
+        return images, _read_notes(archive, shape[0])
+
+
+def _read_notes(archive: zipfile.ZipFile, count: int) -> list[dict[str, Any]]:
+    with named(_NOTES):
+        notes = [check_object(note) for note in parse_list(archive.read(_NOTES))]
+    if len(notes) != count:
+        raise FormatError(f"{len(notes)} notes on {count} pairs")
+    return notes

@@ -32,6 +32,11 @@ class StreetSource:
     path: Path = Path("streets")
 
     @property
+    def sensors(self) -> tuple[Sensor, ...]:
+        """The one that is given."""
+        return () if self.sensor is None else (self.sensor,)
+
+    @property
     def source(self) -> str:
         """Where the pairs come from, in words."""
         seen_by = "sensors drawn at random" if self.sensor is None else self.sensor.name

@@ -1,0 +1,157 @@
+"""`lidardraft pairs`: recorded scans of one's own, as training pairs on disk."""
+
+from __future__ import annotations
+
+import argparse
+import zlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lidardraft.cli.arguments import add_seed, add_sensor
+from lidardraft.cli.command import say
+from lidardraft.cli.inputs import sensor_beside
+from lidardraft.cli.output_folder import check_empty
+from lidardraft.errors import FormatError, LidarDraftError
+from lidardraft.files import named, read_bytes
+from lidardraft.scene.sensor import Sensor
+
+if TYPE_CHECKING:
+    from lidardraft.training.pairs import NotedPair, Pair
+    from lidardraft.training.recorded_pairs import RecordedScan
+
+_ENDINGS = (".bin", ".pcd", ".npz")
+_UNRELATED = 0.2  # of the beams' spacing: points that are of other beams are 0.25 off in the median
+Labeller = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
+
+
+def pairs(arguments: argparse.Namespace) -> None:
+    """Make training pairs of recorded scans: each becomes a layout, and the sensor's scans of that."""
+    from tqdm import tqdm
+
+    from lidardraft.training.pairs import notes_on_disk, write_pairs
+
+    folder, files = Path(arguments.output), _scan_files(arguments.scans)
+    sensor = _sensor(arguments, files[0])
+    source = f"recordings, {sensor.name}"
+    if not (folder / "index.json").exists():
+        check_empty(folder, "", but=r"\d+\.npz|.*\.partial")  # what a run may leave that was killed early
+    notes = notes_on_disk(folder, sensor, source=source)
+    done = {note.get("checksum") for note in notes}
+    label = _labeller(arguments.segmenter)
+    if notes:
+        print(f"{folder}: goes on after the {len(notes)} pairs that are there", flush=True)
+    skipped = list[str]()
+    with tqdm(total=len(files), unit="scan", desc="recordings", disable=None) as bar:
+
+        def made() -> Iterator[NotedPair]:
+            for number, file in enumerate(files):
+                try:
+                    checksum = zlib.crc32(read_bytes(file))
+                    if checksum not in done:
+                        done.add(checksum)
+                        pair = _pair(arguments, file, sensor, label, arguments.seed + number, first=not number)
+                        yield pair, {"scan": str(file), "checksum": checksum}
+                except LidarDraftError as error:
+                    skipped.append(str(file))
+                    bar.clear()
+                    say("lidardraft", f"skipped: {error}")
+                bar.update()
+
+        counts = list(write_pairs(folder, made(), source=source, start=len(notes)))
+    total = counts[-1] if counts else len(notes)
+    if not total:
+        raise FormatError(f"{folder}: none of {len(files)} scans became a pair")
+    left = f", {len(skipped)} scan{'s' * (len(skipped) > 1)} skipped" if skipped else ""
+    print(f"{folder}: {total} pairs, {total - len(notes)} of them new{left}")
+
+
+def _pair(
+    arguments: argparse.Namespace, file: Path, sensor: Sensor, label: Labeller | None, seed: int, *, first: bool
+) -> Pair:
+    from lidardraft.training.recorded_pairs import beside_beams, recorded_pair
+
+    scan = _read(file, arguments.labels, sensor, label)
+    with named(file):
+        if first and beside_beams(scan, sensor) > _UNRELATED:
+            say("lidardraft", f"{file}: the points lie between the beams of {sensor.name} as often as on them; "
+                "`lidardraft fit` makes a sensor of the scans")  # fmt: skip
+        return recorded_pair(scan, sensor, seed=seed)
+
+
+def _scan_files(given: list[str]) -> list[Path]:
+    """The scans of files and folders; of a SemanticKITTI sequence, those in its velodyne/."""
+    files = list[Path]()
+    for path in map(Path, given):
+        if path.is_dir():
+            inside = path / "velodyne" if (path / "velodyne").is_dir() else path
+            found = sorted(file for file in inside.iterdir() if file.suffix in _ENDINGS)
+            if not found:
+                raise FormatError(f"{inside}: there is no .bin, .pcd or .npz file in this folder")
+            files += found
+        else:
+            files.append(path)
+    return files
+
+
+def _sensor(arguments: argparse.Namespace, scan: Path) -> Sensor:
+    if arguments.sensor is not None:
+        return Sensor.preset(arguments.sensor)
+    sensor = sensor_beside(scan)
+    if sensor is None:
+        raise FormatError("--sensor is needed: a preset, or the file that `lidardraft fit` makes of these scans")
+    return sensor
+
+
+def _labeller(weights: str | None) -> Labeller | None:
+    if weights is None:
+        return None
+    from lidardraft.networks import weight_file
+    from lidardraft.perception.segmenter import Segmenter
+
+    return weight_file.load(weights, Segmenter).eval().label_points
+
+
+def _read(file: Path, labels: str | None, sensor: Sensor, label: Labeller | None) -> RecordedScan:
+    """A scan with its classes: those of --labels, of the file or of one beside it, or those of the segmenter."""
+    from lidardraft.calibration.recording import read_points, returns
+    from lidardraft.formats.semantickitti import read_label
+    from lidardraft.training.recorded_pairs import RecordedScan
+
+    points, fields = read_points(file)
+    if labels is not None:
+        path = Path(labels) / f"{file.stem}.label" if Path(labels).is_dir() else Path(labels)
+        fields |= dict(zip(("label", "instance"), read_label(path, len(points)), strict=True))
+    with named(file):
+        points, fields = returns(points, fields)
+        if "intensity" not in fields:
+            raise FormatError("there are no intensities, which the generator learns too")
+        if "label" not in fields:
+            if label is None:
+                raise FormatError(f"there are no labels: no {file.stem}.label beside it, no --labels, no --segmenter")
+            fields["label"] = label(points, fields["intensity"], sensor.mount_height)
+        instance = fields.get("instance")
+        return RecordedScan(
+            points=points,
+            intensity=fields["intensity"],
+            label=fields["label"].astype(np.uint8),
+            instance=None if instance is None else instance.astype(np.uint32),
+        )
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of the command."""
+    text = "recorded scans: KITTI .bin, .pcd, .npz, or folders of them"
+    parser.add_argument("scans", nargs="+", metavar="SCAN", help=text)
+    text = (
+        "SemanticKITTI labels of the scan, or the folder of NAME.label of all (default: beside them, or in ../labels)"
+    )
+    parser.add_argument("--labels", metavar="FOLDER", help=text)
+    text = "label scans that have no labels by these weights, as `lidardraft-train segmenter` makes them"
+    parser.add_argument("--segmenter", metavar="WEIGHTS", help=text)
+    add_sensor(parser, default=None, of=" that recorded them (default: the .sensor.json beside the first scan)")
+    add_seed(parser)
+    text = "where the pairs go; a second call goes on"
+    parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help=text)

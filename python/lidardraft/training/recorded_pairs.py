@@ -1,0 +1,99 @@
+"""Pairs of recorded scans: what a sensor saw, and what a layout made of that same scan looks like to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lidardraft.drafting.cloud import layout_from_cloud
+from lidardraft.errors import FormatError
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.raycast import raycast
+from lidardraft.scene.sensor import Sensor
+from lidardraft.simulation.simulate import simulate
+from lidardraft.training.pairs import Pair
+
+_MOST_OUTSIDE = 0.25  # of the points; of right sensors up to 0.05 are out of range or above the highest beam
+_FEWEST = 0.05  # of the pixels; a scan has returns in more
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RecordedScan:
+    """`points` f32 [N, 3] in the sensor frame [m], `intensity` f32 [N] in 0 to 1, class ids `label` u8 [N], and numbers
+    of objects `instance` u32 [N], where these are known."""
+
+    points: np.ndarray
+    intensity: np.ndarray
+    label: np.ndarray
+    instance: np.ndarray | None = None
+
+
+def recorded_pair(scan: RecordedScan, sensor: Sensor, *, seed: int = 0) -> Pair:
+    """The pair of a recorded scan: on the grid of `sensor`, with the cast and the simulated scan of its layout.
+
+    The layout is that of `layout_from_cloud`, which is scanned from where the sensor stood, at rest. Raises
+    `FormatError` where the sensor has not seen the points, `LayoutError` where no layout can be made of them.
+    """
+    image = on_grid(scan, sensor)
+    if not (scan.label > 0).any():
+        raise FormatError("no point has a class; a layout is made of classes")
+    layout = layout_from_cloud(scan.points, scan.label, instances=scan.instance, sensor_height=sensor.mount_height)
+    return Pair(image, raycast(layout, sensor, sensor.pose()), simulate(layout, sensor, seed=seed).image)
+
+
+def on_grid(scan: RecordedScan, sensor: Sensor) -> RangeImage:
+    """The recording as an image of `sensor`, in which an empty pixel is a firing without a return, as far as can be.
+
+    A firing's azimuth is not exactly that of a column: two returns may share a pixel beside one that stays empty, as if
+    a firing had been dropped. There the further one has the pixel beside. What the vehicle hides is no return.
+    """
+    row, column, depth = sensor.pattern.project(np.ascontiguousarray(scan.points, dtype=np.float64))
+    seen = row >= 0
+    if seen.mean() < 1 - _MOST_OUTSIDE:
+        raise FormatError(f"{1 - seen.mean():.0%} of the points are where no beam of {sensor.name} looks")
+    found = RangeImage.empty(sensor)
+    intensity = np.zeros(sensor.shape, dtype=np.float32)
+    order = np.argsort(depth, kind="stable")
+    left = order[seen[order]]  # the nearest first: it has the pixel where it lies
+    for aside in (0, -1, 1):
+        beside = column[left] + aside
+        inside = np.ones(len(left), dtype=bool) if sensor.wraps else (beside >= 0) & (beside < sensor.columns)
+        beside %= sensor.columns
+        pixels = row[left].astype(np.int64) * sensor.columns + beside
+        _, first = np.unique(pixels, return_index=True)
+        taken = np.zeros(len(left), dtype=bool)
+        taken[first] = True
+        taken &= inside & (found.depth[row[left], beside] == 0)
+        points, where = left[taken], (row[left[taken]], beside[taken])
+        found.depth[where], found.label[where], intensity[where] = (
+            depth[points],
+            scan.label[points],
+            scan.intensity[points],
+        )
+        left = left[~taken]
+    image = RangeImage(
+        sensor=sensor, depth=found.depth, label=found.label, instance=found.instance, intensity=intensity
+    ).keep(~sensor.blocked_pixels)
+    if image.valid.mean() < _FEWEST:
+        raise FormatError(f"only {image.valid.mean():.1%} of the pixels of {sensor.name} have a return")
+    return image
+
+
+def beside_beams(scan: RecordedScan, sensor: Sensor) -> float:
+    """How far from the elevations of the beams the points lie, the median in shares of the beams' spacing: 0 for the
+    right sensor, 0.25 where there is no relation."""
+    if len(sensor.elevations) < 2:
+        return 0.0
+    points = scan.points.astype(np.float64)
+    row, _, _ = sensor.pattern.project(points)
+    row, points = row[row >= 0], points[row >= 0]
+    if not len(row):
+        return 0.0
+    elevations = np.array(sensor.elevations)
+    forward, height = (
+        np.array(table or np.zeros_like(elevations)) for table in (sensor.origin_forwards, sensor.origin_heights)
+    )
+    elevation = np.arctan2(points[:, 2] - height[row], np.hypot(points[:, 0], points[:, 1]) - forward[row])
+    spacing = np.abs(np.gradient(elevations))
+    return float(np.median(np.abs(elevation - elevations[row]) / spacing[row]))
