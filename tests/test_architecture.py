@@ -37,7 +37,7 @@ ALLOWED = {
     "evaluation": BASE | {"scene", "streets", "diffusion", "metrics", "pipeline"},
     "cli": BASE
     | {"scene", "formats", "drafting", "streets", "networks", "diffusion", "metrics", "view", "pipeline", "evaluation"}
-    | {"scan", "simulation", "training", "calibration"},
+    | {"scan", "simulation", "training", "calibration", "perception"},
     "__main__": {"cli"},
 }
 # The rooms and modules of streets, and which others each may use.
