@@ -30,7 +30,7 @@ _TRAINING_IDS = (
     *("none", "car", "bicycle", "motorcycle", "truck", "truck", "person", "rider", "rider", "road"),
     *("road", "sidewalk", "terrain", "building", "fence", "vegetation", "trunk", "terrain", "pole", "traffic-sign"),
 )
-_PANDASET = {
+PANDASET = {
     "vegetation": (5,),
     "terrain": (6,),
     "road": (7, 8, 9, 10, 12),
@@ -256,7 +256,7 @@ def _pandaset(path: Path, angles: np.ndarray, columns: int) -> Sweep:
         mine = file["device"] == 0
         points, intensity, raw = file["xyz"][mine], file["intensity"][mine] / np.float32(255), file["label"][mine]
     label = np.zeros(256, dtype=np.uint8)
-    for name, numbers in _PANDASET.items():
+    for name, numbers in PANDASET.items():
         label[list(numbers)] = BY_NAME[name].id
     seen = _from_sensor(points, angles)
     elevation = np.arctan2(seen[:, 2], np.hypot(seen[:, 0], seen[:, 1]))

@@ -83,6 +83,8 @@ def clustered() -> Tallies:
 @pytest.mark.slow
 @pytest.mark.timeout(1200)
 @pytest.mark.parametrize("suffix", ["", " numbered"])
-def test_clusters_are_drawn_as_clustering_draws_them(clustered: Tallies, suffix: str):
-    assert set(clustered) >= {row.name for row in CLASSES if row.name in ("car", "building", "fence", "traffic-sign")}
-    assert drift(clustered, f"clusters{suffix}", f"quick{suffix}") == []
+def test_objects_are_drawn_as_clustering_draws_them(clustered: Tallies, suffix: str):
+    # what has no typical size is cut by clustering where its cast is wrong, and evenly in streets
+    whole = {row.name: clustered[row.name] for row in CLASSES if row.size is not None and row.name in clustered}
+    assert set(whole) >= {"car", "person"}
+    assert drift(whole, f"clusters{suffix}", f"quick{suffix}") == []

@@ -8,13 +8,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 from PIL import Image
 
 from lidardraft import Box, Layout, Primitive, Sensor
 from lidardraft.cli import main as cli
+from lidardraft.drafting.cloud import layout_from_cloud
 from lidardraft.drafting.pinhole import Pinhole
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
+from lidardraft.networks import weight_file
+from lidardraft.perception.segmenter import Segmenter, SegmenterConfig
+from lidardraft.perception.spherical_grid import SphericalGrid
 from lidardraft.semantics import BY_NAME
 from rendered_pictures import render
 
@@ -64,6 +69,8 @@ def test_what_is_wrong_with_an_obj_file(refused: Callable[..., str]) -> None:
     ("option", "said"),
     [
         (["--labels", "a.label"], "--labels goes with --points"),
+        (["--segmenter", "a.safetensors"], "--segmenter goes with --points"),
+        (["--detail", "objects"], "--detail goes with --points"),
         (["--class", "a=car"], "--class goes with --obj or --glb or --blender"),
         (["--metres-per-pixel", "1"], "--metres-per-pixel goes with --sketch"),
         (["--scale-bar", "1"], "--scale-bar goes with --sketch"),
@@ -85,7 +92,7 @@ def test_a_sentence_or_a_scan_that_says_nothing(refused: Callable[..., str]) -> 
     short = ["--points", "short.bin", "-o", "layout.json"]
     assert "short.bin" in refused("draft", *short, "--labels", "short.label")
     Path("short.label").unlink()
-    assert "--points needs --labels, as there is no short.label" in refused("draft", *short)
+    assert "--points needs --labels or --segmenter, as there is no short.label" in refused("draft", *short)
 
 
 def test_the_file_that_is_wrong_is_named(refused: Callable[..., str]) -> None:
@@ -294,3 +301,18 @@ def test_what_is_drafted_is_read_again(capsys: pytest.CaptureFixture[str]) -> No
     assert [p.id for p in Layout.load("back.glb.json")] == [p.id for p in layout]
     assert [p.label for p in Layout.load("back.obj.json")] == [p.label for p in layout]
     assert "passed over" not in capsys.readouterr().err
+
+
+def test_a_scan_is_labelled_by_a_segmenter_and_drafted_for_hands(refused: Callable[..., str]) -> None:
+    torch.manual_seed(0)
+    segmenter = Segmenter(SegmenterConfig(grid=SphericalGrid(rows=16, columns=64), widths=(8, 8)))
+    weight_file.save(segmenter, "segmenter.safetensors", {})
+    random = np.random.default_rng(0)
+    points = random.uniform((2, -8, -2), (20, 8, 1), (800, 3)).astype(np.float32)
+    kitti.write_bin("scan.bin", points, np.zeros(len(points), np.float32))
+    scan = ["draft", "--points", "scan.bin", "--segmenter", "segmenter.safetensors", "-o", "layout.json"]
+    assert cli.main([*scan, "--detail", "objects"]) == 0
+    points, intensity = kitti.read_bin("scan.bin")
+    labels = weight_file.load("segmenter.safetensors", Segmenter).label_points(points, intensity, 1.73)
+    assert Layout.load("layout.json") == layout_from_cloud(points, labels, detail="objects")
+    assert "--labels and --segmenter both say the classes" in refused(*scan, "--labels", "scan.label")

@@ -4,8 +4,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from sklearn.cluster import DBSCAN
 
-from lidardraft.drafting.clustering import FittedBox, cluster, completions, fit_box, split, thin
+from lidardraft.drafting.clustering import (
+    FittedBox,
+    cluster,
+    completions,
+    fit_box,
+    fit_crown,
+    fit_post,
+    percentiles,
+    thin,
+)
 
 CAR = (4.2, 1.8, 1.5)
 
@@ -129,13 +139,45 @@ def test_thinning_keeps_one_point_a_cell():
     assert list(count) == [3, 1]
 
 
-def test_split_returns_every_point_once():
-    random = np.random.default_rng(1)
-    points = random.uniform(-4, 4, (500, 3))
-    parts = split(points, lambda _, box: box.size.max() <= 3.0)
-    assert sum(len(part) for part, _ in parts) == 500
-    assert all(box.size.max() <= 3.0 for _, box in parts)
+@pytest.mark.parametrize("seed", range(8))
+def test_clusters_of_near_points_are_those_of_dbscan(seed):
+    random = np.random.default_rng(seed)
+    centers = random.uniform(-3, 3, (6, 3))
+    points = np.concatenate([center + random.normal(0, 0.25, (30, 3)) for center in centers])
+    # on a grid as coarse as thinning, and at one range, both see the same
+    points = np.unique(np.round(points, 1), axis=0) * [1, 1, 1]
+    reach = 0.4
+    shifted = points + np.array([1e-6, 1e-6, 0.0])
+    found = cluster(shifted, reach=reach, min_points=5)
+    distances = np.linalg.norm(points[:, None] - points[None], axis=2)
+    ranges = reach + 0.01 * np.linalg.norm(shifted[:, :2], axis=1)
+    scaled = distances / ((ranges[:, None] + ranges) / 2)
+    expected = DBSCAN(eps=1.0, min_samples=5, metric="precomputed").fit(scaled)
+    core = np.zeros(len(points), dtype=bool)
+    core[expected.core_sample_indices_] = True
+    groups = {frozenset(np.flatnonzero(core & (expected.labels_ == k))) for k in range(expected.labels_.max() + 1)}
+    assert {frozenset(members[core[members]]) for members in found} == groups
+    assert sum(map(len, found)) == np.count_nonzero(expected.labels_ >= 0)
 
 
-def test_split_ends_where_points_cannot_be_parted():
-    assert len(split(np.ones((5, 3)), lambda *_: False)) == 1
+@given(st.integers(1, 40), st.integers(0, 2**16))
+def test_percentiles_are_those_of_numpy(count, seed):
+    values = np.random.default_rng(seed).normal(size=(count, 3))
+    shares = (1.0, 25.0, 50.0, 99.0)
+    np.testing.assert_allclose(percentiles(values, shares), np.percentile(values, shares, axis=0), atol=1e-12)
+
+
+def test_a_crown_looks_as_large_as_its_points_and_is_as_deep_as_half_of_them():
+    random = np.random.default_rng(2)
+    points = np.array([20.0, 0.0, 3.0]) + random.uniform(-1, 1, (4000, 3)) * [2.0, 1.5, 1.0]
+    crown = fit_crown(points)
+    np.testing.assert_allclose(crown.center, (20, 0, 3), atol=0.1)
+    np.testing.assert_allclose(crown.size, (2.0, 3.0 * 1.128, 2.0 * 1.128), rtol=0.06)
+
+
+def test_a_post_stands_behind_the_side_that_was_seen():
+    angles = np.linspace(math.pi / 2, 3 * math.pi / 2, 30)
+    side = np.array([(10 + 0.2 * math.cos(a), 0.2 * math.sin(a), z) for a in angles for z in np.arange(0, 3, 0.1)])
+    post = fit_post(side)
+    np.testing.assert_allclose(post.size, (0.4, 0.4, 2.9), atol=0.02)
+    np.testing.assert_allclose(post.center, (10.0, 0.0, 1.45), atol=0.08)

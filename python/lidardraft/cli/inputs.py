@@ -6,6 +6,8 @@ import argparse
 import math
 from pathlib import Path
 
+import numpy as np
+
 from lidardraft.cli.arguments import add_seed, assignments, number
 from lidardraft.cli.command import say
 from lidardraft.cli.language_model import add_language_model, asks_language_model
@@ -17,6 +19,8 @@ from lidardraft.scene.sensor import Sensor
 # Options that say more about an input, by the option that names the input.
 _GOES_WITH = {
     "labels": ("points",),
+    "segmenter": ("points",),
+    "detail": ("points",),
     "metres_per_pixel": ("sketch",),
     "scale_bar": ("sketch",),
     "classes": ("obj", "glb", "blender"),
@@ -46,6 +50,10 @@ def add_inputs(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     group.add_argument(
         "--labels", metavar="FILE.label", help="SemanticKITTI labels of --points (default: the .label beside it)"
     )
+    text = "weights of a segmenter, as `lidardraft-train segmenter` writes them, that labels --points"
+    group.add_argument("--segmenter", metavar="FILE", help=text)
+    text = "fine: as near to --points as their cast can be (default); objects: few whole ones, to edit by hand"
+    group.add_argument("--detail", choices=("fine", "objects"), help=text)
     text = "length of a pixel of --sketch, in metres"
     group.add_argument("--metres-per-pixel", type=float, metavar="M", help=text)
     group.add_argument("--scale-bar", type=float, metavar="M", help="length of the black bar in a painted --sketch")
@@ -160,16 +168,33 @@ def _from_image(arguments: argparse.Namespace) -> Layout:
 
 def _from_points(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.cloud import layout_from_cloud
-    from lidardraft.formats import kitti, semantickitti
+    from lidardraft.formats import kitti
 
-    path = Path(arguments.labels or Path(arguments.points).with_suffix(".label"))
-    if arguments.labels is None and not path.exists():
-        raise FormatError(f"--points needs --labels, as there is no {path}: a layout is made of classes")
-    points, _ = kitti.read_bin(arguments.points)
-    labels, instances = semantickitti.read_label(path, len(points))
+    path = Path(arguments.segmenter or arguments.labels or Path(arguments.points).with_suffix(".label"))
+    if arguments.segmenter is None and arguments.labels is None and not path.exists():
+        raise FormatError(f"--points needs --labels or --segmenter, as there is no {path}: a layout is made of classes")
+    points, intensity = kitti.read_bin(arguments.points)
     height = _sensor_height(arguments, arguments.points)
+    labels, instances = _labels(arguments, path, points, intensity, height)
+    detail = arguments.detail or "fine"
     with named(path):
-        return layout_from_cloud(points, labels, instances=instances, sensor_height=height)
+        return layout_from_cloud(points, labels, instances=instances, sensor_height=height, detail=detail)
+
+
+def _labels(
+    arguments: argparse.Namespace, path: Path, points: np.ndarray, intensity: np.ndarray, height: float
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """The labels of --points, and the numbers of its objects where the file `path` has them."""
+    if arguments.segmenter is None:
+        from lidardraft.formats import semantickitti
+
+        return semantickitti.read_label(path, len(points))
+    if arguments.labels is not None:
+        raise FormatError("--labels and --segmenter both say the classes of --points; give one of them")
+    from lidardraft.networks import weight_file
+    from lidardraft.perception.segmenter import Segmenter
+
+    return weight_file.load(path, Segmenter).label_points(points, intensity, height), None
 
 
 def _from_sketch(arguments: argparse.Namespace) -> Layout:

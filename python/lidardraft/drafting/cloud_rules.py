@@ -4,6 +4,7 @@ Numbers without a source are estimates of ours. This module imports no scikit-le
 """
 
 import math
+from dataclasses import dataclass
 
 # Classes whose clusters become upright cylinders, and those that need not reach down to the ground.
 POST_CLASSES = ("pole", "trunk", "traffic-light")
@@ -21,12 +22,10 @@ SEEN_WHOLE = 0.7  # of the usual extent of a class: a side at least this long wa
 # A side seen longer than so many widths of the class is a length: of 1.1 to 1.67, the smaller ones find the most of the
 # cars that PandaSet has boxes around (Xiao et al., ITSC 2021; CC BY 4.0).
 LONGER_THAN_WIDE = 1.25
-UNSPLIT_LENGTH = 1.5  # m; parts of facades no longer than this are not split
 FRONT_DEPTH = 0.4  # m; points nearer to the front of their box than this lie on it
 
-# Crowns. Of 1.5, 2 and 3 m the largest whose layouts agree best with two PandaSet scans (Xiao et al., ITSC 2021;
-# CC BY 4.0).
-MAX_CROWN = 1.5  # m
+# Crowns.
+LONGEST_CROWN = 8.0  # m; longer hedges and rows of trees are tiled
 MIN_CROWN = 0.3  # m
 ELLIPSE_SCALE = math.sqrt(4 / math.pi)  # an ellipse this much larger than the rectangle around it has the same area
 
@@ -34,3 +33,30 @@ ELLIPSE_SCALE = math.sqrt(4 / math.pi)  # an ellipse this much larger than the r
 HANGING_HEIGHT = 2.5  # m; what begins higher over the ground than this does not stand on it
 GROUND_PLANE_DROP = 0.3  # m from the lowest ground that was seen down to the plane under all of it
 GROUND_PLANE_SIZE = 400.0  # m, length and width of that plane
+
+# Pieces of foliage and facades: rounds of halving, after each of which the useless ones go.
+ROUNDS = (11, 1, 1)
+BEAM_GAP = 0.006  # of the range, between neighbours among beams or firings
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Detail:
+    """How finely foliage and facades are cut.
+
+    A layout has about `most_shapes` shapes; a piece is halved where it is longer than `least_length` [m] and wrong for
+    `worth` returns or more; of fewer points than `least_points` is made none. With `grounded` they all reach down to
+    the ground, and none is left out; without, a piece goes that shows fewer than two returns or hides more than it
+    shows.
+    """
+
+    most_shapes: int
+    least_length: float
+    worth: int
+    least_points: int
+    grounded: bool
+
+
+DETAILS = {
+    "fine": Detail(most_shapes=850, least_length=0.0, worth=5, least_points=3, grounded=False),
+    "objects": Detail(most_shapes=150, least_length=4.0, worth=200, least_points=30, grounded=True),
+}

@@ -7,16 +7,25 @@ from x = y = 0.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from sklearn.cluster import DBSCAN
-from sklearn.neighbors import radius_neighbors_graph, sort_graph_by_row_values
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
-from lidardraft.drafting.cloud_rules import LONGER_THAN_WIDE, MIN_EXTENT, REACH_PER_RANGE, SEEN_WHOLE
+from lidardraft.drafting.cloud_rules import (
+    ELLIPSE_SCALE,
+    LONGER_THAN_WIDE,
+    MIN_CROWN,
+    MIN_EXTENT,
+    REACH_PER_RANGE,
+    SEEN_WHOLE,
+)
 
 _NOISE = 0.05  # m; nearer to an edge than this is as good as on it
+_SAMPLE = 200  # points at most that say the heading of a box
+_SLICE = 0.3  # m of height
 _OUTLIERS = 1.0  # % of the points at either end of an extent
 
 
@@ -54,7 +63,7 @@ def thin(points: np.ndarray, voxel: float) -> tuple[np.ndarray, np.ndarray, np.n
 
 
 def cluster(points: np.ndarray, *, reach: float, min_points: int) -> list[np.ndarray]:
-    """DBSCAN: the indices of each cluster, largest first; points of no cluster are left out.
+    """DBSCAN (Ester et al., KDD 1996): the indices of each cluster, largest first; points of none are left out.
 
     Two points are neighbours within `reach` metres and 1 % of their range, since points are the sparser the further.
     """
@@ -63,29 +72,45 @@ def cluster(points: np.ndarray, *, reach: float, min_points: int) -> list[np.nda
     kept, cell, count = thin(points, reach / 4)
     thinned = points[kept]
     reaches = reach + REACH_PER_RANGE * np.linalg.norm(thinned[:, :2], axis=1)
-    graph = radius_neighbors_graph(thinned, reaches.max(), mode="distance", include_self=True)
-    rows = np.repeat(np.arange(len(thinned)), np.diff(graph.indptr))
-    graph.data /= (reaches[rows] + reaches[graph.indices]) / 2
-    graph = sort_graph_by_row_values(graph, warn_when_not_sorted=False)
-    found = DBSCAN(eps=1.0, min_samples=min_points, metric="precomputed").fit_predict(graph, sample_weight=count)[cell]
-    members = [np.flatnonzero(found == number) for number in range(found.max() + 1)]
+    a, b = cKDTree(thinned).query_pairs(reaches.max(), output_type="ndarray").T
+    close = np.linalg.norm(thinned[a] - thinned[b], axis=1) <= (reaches[a] + reaches[b]) / 2
+    a, b = a[close], b[close]
+    size = len(thinned)
+    neighbours = count + np.bincount(a, count[b], size) + np.bincount(b, count[a], size)
+    core = neighbours >= min_points
+    both = core[a] & core[b]
+    links = coo_array((np.ones(np.count_nonzero(both), dtype=bool), (a[both], b[both])), shape=(size, size))
+    _, component = connected_components(links, directed=False)
+    component = np.where(core, component, size)
+    # what is no core itself belongs to the cluster of a core next to it
+    for one, other in ((a, b), (b, a)):
+        edge = ~core[one] & core[other]
+        np.minimum.at(component, one[edge], component[other[edge]])
+    found = component[cell]
+    order = np.argsort(found, kind="stable")
+    numbers, starts = np.unique(found[order], return_index=True)
+    members = np.split(order, starts[1:])[: len(numbers) - (numbers[-1] == size)]
     return sorted(members, key=len, reverse=True)
 
 
-def fit_box(points: np.ndarray) -> FittedBox:
-    """The box around all but stray points of [N, 3] whose sides lie closest to them, by search over its heading.
+def fit_box(points: np.ndarray, outliers: float = _OUTLIERS) -> FittedBox:
+    """The box around points [N, 3] whose sides lie closest to them, by search over its heading.
+
+    `outliers` are the percents of the points at either end of an extent that are strays.
 
     Closeness criterion of Zhang et al., "Efficient L-Shape Fitting for Vehicle Detection Using Laser Scanners",
     IV 2017, in steps of one degree. Extents are at least 0.1 m.
     """
     headings = np.deg2rad(np.arange(90.0))
-    along = points[:, :2] @ np.stack([np.cos(headings), np.sin(headings)])
-    across = points[:, :2] @ np.stack([-np.sin(headings), np.cos(headings)])
+    sample = points[:: -(-len(points) // _SAMPLE), :2]
+    along = sample @ np.stack([np.cos(headings), np.sin(headings)])
+    across = sample @ np.stack([-np.sin(headings), np.cos(headings)])
     distance = np.minimum(_distance_to_edge(along), _distance_to_edge(across))
-    best = int(np.argmax((1.0 / np.maximum(distance, _NOISE)).sum(axis=0)))
-    local = np.column_stack([along[:, best], across[:, best], points[:, 2]])
-    low, high = np.percentile(local, [_OUTLIERS, 100 - _OUTLIERS], axis=0)
-    (u, v, z), yaw = (low + high) / 2, float(headings[best])
+    yaw = float(headings[np.argmax((1.0 / np.maximum(distance, _NOISE)).sum(axis=0))])
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    local = np.column_stack([points[:, :2] @ [cos, sin], points[:, :2] @ [-sin, cos], points[:, 2]])
+    low, high = percentiles(local, (outliers, 100 - outliers))
+    u, v, z = (low + high) / 2
     center = np.array([u * math.cos(yaw) - v * math.sin(yaw), u * math.sin(yaw) + v * math.cos(yaw), z])
     return FittedBox(center=center, size=np.maximum(high - low, MIN_EXTENT), yaw=yaw)
 
@@ -121,17 +146,46 @@ def _complete(box: FittedBox, size: tuple[float, float, float]) -> FittedBox:
     return replace(box, center=box.center + np.array([*shift, 0.0]), size=np.array([*grown, box.size[2]]))
 
 
-def split(points: np.ndarray, fits: Callable[[np.ndarray, FittedBox], bool]) -> list[tuple[np.ndarray, FittedBox]]:
-    """Halve the points across the longest extent of their box until each part `fits`: parts with their boxes."""
-    parts, done = [points], []
-    while parts:
-        part = parts.pop()
-        box = fit_box(part)
-        local = box.to_local(part)
-        axis = int(np.argmax(box.size))
-        behind = local[:, axis] < 0
-        if fits(part, box) or behind.all() or not behind.any():
-            done.append((part, box))
-        else:
-            parts += [part[behind], part[~behind]]
-    return done
+def percentiles(values: np.ndarray, shares: tuple[float, ...]) -> np.ndarray:
+    """`numpy.percentile` of columns [N, D], [P, D], in a tenth of its time for small ones."""
+    ordered = np.sort(values, axis=0)
+    at = (len(values) - 1) * np.array(shares) / 100
+    below = at.astype(int)
+    above = np.minimum(below + 1, len(values) - 1)
+    found: np.ndarray = ordered[below] + (at - below)[:, None] * (ordered[above] - ordered[below])
+    return found
+
+
+def fit_crown(points: np.ndarray) -> FittedBox:
+    """The box of the ellipsoid seen as large as the points, around the middle half of them along the line of sight.
+
+    Rays pass through foliage: its points lie scattered behind the side that faces the sensor.
+    """
+    away, sideways = line_of_sight(points)
+    local = np.column_stack([points[:, :2] @ away, points[:, :2] @ sideways, points[:, 2]])
+    low, first, third, high = percentiles(local, (2, 25, 75, 98))
+    low[0], high[0] = first[0], third[0]
+    along, across, up = (low + high) / 2
+    size = np.maximum((high - low) * [1.0, ELLIPSE_SCALE, ELLIPSE_SCALE], MIN_CROWN)
+    return FittedBox(
+        center=np.array([*(along * away + across * sideways), up]), size=size, yaw=math.atan2(away[1], away[0])
+    )
+
+
+def fit_post(points: np.ndarray) -> FittedBox:
+    """The upright cylinder whose near side holds the points, as thick as they usually are across the line of sight."""
+    away, sideways = line_of_sight(points)
+    low, high = points[:, 2].min(), points[:, 2].max()
+    slices = np.floor((points[:, 2] - low) / _SLICE).astype(int)
+    widths = [np.ptp(points[slices == index, :2] @ sideways) for index in np.unique(slices)]
+    width = max(float(np.median(widths)), MIN_EXTENT)
+    along, across = np.median(points[:, :2] @ away) + width / 2, np.median(points[:, :2] @ sideways)
+    size = np.array([width, width, max(high - low, MIN_EXTENT)])
+    return FittedBox(center=np.array([*(along * away + across * sideways), (low + high) / 2]), size=size, yaw=0.0)
+
+
+def line_of_sight(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Horizontal unit vectors from the sensor to the points, and to the left of that."""
+    middle = points[:, :2].mean(axis=0)
+    x, y = middle / max(float(np.linalg.norm(middle)), 1e-6)
+    return np.array([x, y]), np.array([-y, x])

@@ -26,7 +26,6 @@ from lidardraft.drafting.cloud_rules import (
     POST_CLASSES,
     REACH_PER_RANGE,
     SEEN_WHOLE,
-    UNSPLIT_LENGTH,
 )
 from lidardraft.scene.layout import SHAPES
 from lidardraft.semantics import BY_NAME, CLASSES, NUM_CLASSES
@@ -53,6 +52,7 @@ _FRONT_DEPTH = 0.3  # m; 0.4 there, where a box is turned as its points are and 
 _MOST_BEHIND_FRONT = 0.08  # share of the points that may lie behind the front
 _LARGEST_CROWN = 1.8  # m; there points are halved in tighter boxes than here
 _LARGEST_PIECE = 2.5  # m, of facades
+_UNSPLIT_LENGTH = 1.5  # m; parts of facades no longer than this are not split
 _MERGING_REACH = (0.35, 0.007)  # m between the boxes of neighbours that are merged; plus this share of the range
 _TRIMMED = 0.96  # of the length and the width, without the points furthest out
 _LONG, _WELL_SEEN = 6.0, 300  # m and returns of objects whose seen length is their length
@@ -286,7 +286,7 @@ def _on_front(groups: PointGroups, local: np.ndarray, middle: np.ndarray, size: 
     depth = groups.each(size[:2] / 2 + front * middle[:2]) - groups.each(front) * local[:2]
     deep = groups.means((depth.min(axis=0) > _FRONT_DEPTH).astype(float))
     outside = (np.abs(middle[:2]) > size[:2] / 2).any(axis=0)
-    fits: np.ndarray = (size.max(axis=0) <= UNSPLIT_LENGTH) | (outside & (deep <= _MOST_BEHIND_FRONT))
+    fits: np.ndarray = (size.max(axis=0) <= _UNSPLIT_LENGTH) | (outside & (deep <= _MOST_BEHIND_FRONT))
     return fits
 
 

@@ -1,0 +1,221 @@
+"""How near the layouts of labelled recordings come to them.
+
+    python benches/report_cloud.py [--data FOLDER] [--only NAME] [--classes]
+
+Each recording is clustered to a layout, and the bare layout is cast: by the sensor's preset, on the grid of the
+recording ("near", "near on objects", "empty"), and along the rays of the recorded returns ("along rays"). Near is
+within 0.5 m or 5 % of the recorded range; empty are recorded returns where the cast shows nothing. On a projected grid
+the preset's lasers leave pixels empty whatever they look at: "holes" is the share of returns that even a closed room
+does not show, and nothing can be less empty. "cars" is how many of the annotated cars with 100 returns or more a box
+of the layout finds, with an intersection over union of 0.5 or more seen from above. `--classes` tells for each class
+what the layouts show along the rays.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+import object_labels
+import recordings
+from lidardraft import Layout, RangeImage, Sensor, layout_from_cloud, raycast
+from lidardraft.metrics.sweep import Sweep
+from lidardraft.scene.labelling import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE
+from lidardraft.scene.layout import Primitive
+from lidardraft.scene.raycast import Raycaster
+from lidardraft.scene.sensor import PRESETS
+from lidardraft.semantics import BY_NAME, CLASSES, GROUND
+from report_streets import by_azimuth, unhidden
+
+NO_OBJECT = [BY_NAME[name].id for name in ("none", *GROUND)]
+DETAILS = ("fine", "objects")
+ROOM = Layout(primitives=(Primitive(shape="box", center=(0, 0, 0), size=(60, 60, 60), label="building", id="room"),))
+Counts = dict[str, np.ndarray]  # by row: part and whole
+
+
+@dataclass(frozen=True)
+class Group:
+    """Recordings of one drive or place; `render` puts a cast on their grid, of which `shown` is open to the sensor."""
+
+    sweeps: list[Sweep]
+    sensor: Sensor
+    render: Callable[[RangeImage], Sweep]
+    shown: np.ndarray
+
+
+def groups(folder: Path) -> Iterator[tuple[str, Group]]:
+    """The recordings with labels in the folder, by name."""
+    kitti, nuscenes = PRESETS["hdl64e-linear"], recordings.NUSCENES_GRID
+    if sweeps := recordings.kitti_images(folder):
+        yield "KITTI 00, HDL-64E", _projected(sweeps, PRESETS["hdl64e"], kitti)
+    if sweeps := recordings.nuscenes_images(folder):
+        yield "nuScenes, HDL-32E", _projected(sweeps, PRESETS["hdl32e"], nuscenes)
+    for name, sweeps in recordings.pandar64(folder, 1800).labelled.items():
+        sensor = PRESETS["pandar64"]
+        yield f"{name}, Pandar64", Group(sweeps, sensor, by_azimuth, unhidden({"": sweeps}, sensor, None))
+    ika = recordings.vlp32c(folder, 1800)
+    for name, sweeps in ika.labelled.items():
+        sensor, width = PRESETS["vlp32c"], sweeps[0].points.shape[1]
+        start = (sensor.columns - width) // 2
+        shown = unhidden({"": sweeps}, sensor, ika.fov)[:, start : start + width]
+        yield f"ika {name}, VLP-32C", Group(sweeps, sensor, partial(_ahead, start=start, stop=start + width), shown)
+
+
+def _projected(sweeps: list[Sweep], sensor: Sensor, grid: Sensor) -> Group:
+    def render(image: RangeImage) -> Sweep:
+        return Sweep.from_image(RangeImage.project(image.points(), grid))
+
+    return Group(sweeps, sensor, render, unhidden({"": sweeps}, grid, None))
+
+
+def _ahead(image: RangeImage, start: int, stop: int) -> Sweep:
+    return by_azimuth(image).part(start, stop)
+
+
+def layout_of(sweep: Sweep, sensor: Sensor, detail: str) -> tuple[Layout, float]:
+    """The layout of a labelled sweep, and the seconds that it took."""
+    assert sweep.label is not None
+    seen = sweep.valid & (sweep.label > 0)
+    start = time.process_time()
+    points, labels = sweep.points[seen], sweep.label[seen]
+    layout = layout_from_cloud(points, labels, sensor_height=sensor.mount_height, detail=detail)
+    return layout, time.process_time() - start
+
+
+def along_rays(layout: Layout, points: np.ndarray, sensor: Sensor) -> np.ndarray:
+    """How far the layout is [N] in the directions of points [N, 3] of the sensor, 0 where it is nowhere."""
+    origin = np.array([0.0, 0.0, sensor.mount_height])
+    return Raycaster(layout).cast(origin, points.astype(np.float64)).distance
+
+
+def is_near(recorded: np.ndarray, cast: np.ndarray) -> np.ndarray:
+    """Whether a cast range is one, and within 0.5 m or 5 % of the recorded range."""
+    tolerance = np.maximum(ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE * recorded)
+    return (cast > 0) & (np.abs(cast - recorded) <= tolerance)
+
+
+def measure(group: Group, detail: str) -> dict[str, float]:
+    """The row of a group: shares over all of its sweeps; primitives and seconds of one sweep, on average."""
+    counts: Counts = defaultdict(lambda: np.zeros(2))
+    primitives, seconds = [], []
+    room = group.render(raycast(ROOM, group.sensor)).valid
+    for sweep in group.sweeps:
+        layout, taken = layout_of(sweep, group.sensor, detail)
+        primitives.append(len(layout))
+        seconds.append(taken)
+        cast = group.render(raycast(layout, group.sensor)).depth
+        assert sweep.label is not None
+        here, depth = sweep.valid & group.shown, sweep.depth
+        on_objects = here & ~np.isin(sweep.label, NO_OBJECT)
+        near = is_near(depth, cast)
+        rays = along_rays(layout, sweep.points[here], group.sensor)
+        for name, of, right in (
+            ("near", here, near),
+            ("near on objects", on_objects, near),
+            ("empty", here, cast == 0),
+            ("holes", here, ~room),
+            ("along rays", here, _placed(is_near(depth[here], rays), here)),
+            ("on objects, along rays", on_objects, _placed(is_near(depth[here], rays), here)),
+        ):
+            counts[name] += np.count_nonzero(of & right), np.count_nonzero(of)
+    shares = {name: part / whole for name, (part, whole) in counts.items()}
+    return {**shares, "primitives": float(np.mean(primitives)), "seconds": float(np.mean(seconds))}
+
+
+def _placed(values: np.ndarray, where: np.ndarray) -> np.ndarray:
+    image = np.zeros(where.shape, dtype=values.dtype)
+    image[where] = values
+    return image
+
+
+def by_class(group: Group, detail: str) -> dict[str, dict[str, float]]:
+    """For each class the share of a group's returns, and what the layout shows along their rays."""
+    counts: Counts = defaultdict(lambda: np.zeros(6))
+    for sweep in group.sweeps:
+        layout, _ = layout_of(sweep, group.sensor, detail)
+        here = sweep.valid & group.shown
+        assert sweep.label is not None
+        depth, label = sweep.depth[here], sweep.label[here]
+        cast = along_rays(layout, sweep.points[here], group.sensor)
+        near = is_near(depth, cast)
+        for k in np.unique(label):
+            mine = label == k
+            off = mine & ~near
+            counts[CLASSES[k].name] += (
+                np.count_nonzero(mine),
+                np.count_nonzero(mine & near),
+                np.count_nonzero(off & (cast == 0)),
+                np.count_nonzero(off & (cast > 0) & (cast < depth)),
+                np.count_nonzero(off & (cast > depth)),
+                sum(primitive.label == CLASSES[k].name for primitive in layout),
+            )
+    total = float(sum(values[0] for values in counts.values()))
+    names = ("near", "empty", "too near", "too far")
+    return {
+        label: {
+            "of all returns": whole / total,
+            **dict(zip(names, values / whole, strict=True)),
+            "primitives": number / len(group.sweeps),
+        }
+        for label, (whole, *values, number) in sorted(counts.items(), key=lambda item: -item[1][0])
+    }
+
+
+def markdown(table: dict[str, dict[str, float]]) -> str:
+    """The table; a cell without a value is a dash."""
+    columns = list(dict.fromkeys(name for cells in table.values() for name in cells))
+    lines = [f"| | {' | '.join(columns)} |", f"|---|{'---:|' * len(columns)}"]
+    for row, cells in table.items():
+        lines.append(f"| {row} | {' | '.join(_cell(cells.get(name)) for name in columns)} |")
+    return "\n".join(lines)
+
+
+def _cell(value: float | None) -> str:
+    return "-" if value is None else f"{value:.0f}" if value >= 10 else f"{value:.3f}"
+
+
+def cars(folder: Path) -> dict[str, dict[str, float]]:
+    """For each set of annotated frames: cars with 100 returns or more, and the share of them that a layout finds."""
+    table: dict[str, dict[str, float]] = {}
+    for name, read in (("KITTI objects", object_labels.kitti_frames), ("PandaSet", object_labels.pandaset_frames)):
+        counted, found = 0, 0
+        for frame in read(folder):
+            known = frame.labels > 0
+            points, labels = frame.points[known], frame.labels[known]
+            layout = layout_from_cloud(points, labels, sensor_height=frame.sensor_height, detail="objects")
+            here, there = object_labels.recovered(frame, layout)
+            counted, found = counted + here, found + there
+        if counted:
+            table[name] = {"cars": float(counted), "found": found / counted}
+    return table
+
+
+def main() -> None:
+    """Print all tables."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--data", type=Path, default=os.environ.get("LIDARDRAFT_DATA"), metavar="FOLDER")
+    parser.add_argument("--only", default="", metavar="NAME", help="recordings whose names hold this")
+    parser.add_argument("--classes", action="store_true", help="a table of classes for each")
+    given = parser.parse_args()
+    if given.data is None:
+        parser.error("give the folder of the recordings as --data or LIDARDRAFT_DATA")
+    found = {name: group for name, group in groups(given.data) if given.only in name}
+    for detail in DETAILS:
+        rows = {name: measure(group, detail) for name, group in found.items()}
+        print(f"### detail {detail!r}\n\n{markdown(rows)}\n", flush=True)
+    if given.classes:
+        for name, group in found.items():
+            print(f"### {name}, by class\n\n{markdown(by_class(group, 'fine'))}\n", flush=True)
+    print(f"### cars\n\n{markdown(cars(given.data))}")
+
+
+if __name__ == "__main__":
+    main()
