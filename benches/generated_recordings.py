@@ -18,7 +18,7 @@ from scan_scores import scores
 
 KINDS = ("+ sensor model", "simulated", "generated")
 DISTANCES = ("range", "height", "BEV", "intensity by class", "drop runs")
-FEWEST = 4  # cases that a classifier learns from
+FEWEST = 10  # cases that a classifier learns from: of fewer crops it tells nothing
 
 
 def compare_with_recordings(folder: Path, pipeline: Pipeline, number: int, only: str) -> Iterator[str | Goal]:

@@ -33,7 +33,7 @@ from lidardraft.scene.layout import Primitive
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
-from report_streets import by_azimuth, unhidden
+from report_streets import unhidden
 
 NO_OBJECT = [BY_NAME[name].id for name in ("none", *GROUND)]
 DETAILS = ("fine", "objects")
@@ -60,7 +60,7 @@ def groups(folder: Path) -> Iterator[tuple[str, Group]]:
         yield "nuScenes, HDL-32E", _projected(sweeps, PRESETS["hdl32e"], nuscenes)
     for name, sweeps in recordings.pandar64(folder, 1800).labelled.items():
         sensor = PRESETS["pandar64"]
-        yield f"{name}, Pandar64", Group(sweeps, sensor, by_azimuth, unhidden({"": sweeps}, sensor, None))
+        yield f"{name}, Pandar64", Group(sweeps, sensor, Sweep.by_azimuth, unhidden({"": sweeps}, sensor, None))
     ika = recordings.vlp32c(folder, 1800)
     for name, sweeps in ika.labelled.items():
         sensor, width = PRESETS["vlp32c"], sweeps[0].points.shape[1]
@@ -77,7 +77,7 @@ def _projected(sweeps: list[Sweep], sensor: Sensor, grid: Sensor) -> Group:
 
 
 def _ahead(image: RangeImage, start: int, stop: int) -> Sweep:
-    return by_azimuth(image).part(start, stop)
+    return Sweep.by_azimuth(image).part(start, stop)
 
 
 def layout_of(sweep: Sweep, sensor: Sensor, detail: str) -> tuple[Layout, float]:

@@ -7,11 +7,11 @@ import pytest
 
 from lidardraft import layout_from_cloud, layout_from_text, raycast
 from lidardraft.drafting.clustering import FittedBox
+from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.semantics import BY_NAME
 from object_labels import LabelledBoxes, iou, recovered
 from report_cloud import Group, by_class, is_near, markdown, measure
-from report_streets import by_azimuth
 
 SENSOR = PRESETS["hdl64e"]
 CAR = BY_NAME["car"].id
@@ -20,8 +20,8 @@ CAR = BY_NAME["car"].id
 @pytest.fixture(scope="module")
 def group() -> Group:
     layout = layout_from_text("two cars ahead, trees on the left and a building on the right", seed=3)
-    sweep = by_azimuth(raycast(layout, SENSOR))
-    return Group([sweep], SENSOR, by_azimuth, np.ones(SENSOR.shape, dtype=bool))
+    sweep = Sweep.by_azimuth(raycast(layout, SENSOR))
+    return Group([sweep], SENSOR, Sweep.by_azimuth, np.ones(SENSOR.shape, dtype=bool))
 
 
 def test_the_layout_of_a_cast_comes_near_it(group: Group) -> None:

@@ -8,7 +8,7 @@ import torch
 
 import report_generate
 from cases import street_set, sweeps_of
-from generated_recordings import goals, told_apart
+from generated_recordings import FEWEST, goals, told_apart
 from generated_streets import KINDS, SENSOR, UNSEEN_SENSORS, generate, scores_by_kind, spread
 from goals import Goal, goal_table, table
 from lidardraft import Pipeline
@@ -55,7 +55,7 @@ def test_scans_of_streets_are_scored_by_kind(pipeline: Pipeline) -> None:
 
 
 def test_recordings_are_told_from_what_is_made(pipeline: Pipeline) -> None:
-    cases = street_set(4, SMALL)
+    cases = street_set(FEWEST, SMALL)
     found = list(sweeps_of(cases, pipeline))
     rows = {"streets": scores(found, KINDS, firings=True)}
     rows["streets"]["+ sensor model"] = rows["streets"]["simulated"]
@@ -66,7 +66,7 @@ def test_recordings_are_told_from_what_is_made(pipeline: Pipeline) -> None:
         "streets"
     }
     assert named["JSD of drop runs to recordings, generated / simulated"].values.keys() == {"streets"}
-    assert not told_apart(found[:3])
+    assert not told_apart(found[: FEWEST - 1])
 
 
 def test_spread_is_the_share_that_does_not_agree() -> None:
