@@ -18,4 +18,6 @@ def test_scores_of_unseen_streets(capsys: pytest.CaptureFixture[str]) -> None:
     assert captured.out.startswith("1 street, small, 2 steps\n")
     rows = re.findall(r"^(\S.*?)(?: +\d\.\d{3}){6}$", captured.out, re.MULTILINE)
     assert rows == ["detailed scan", "condition image", "simulated", "generated", "untrained"]
-    assert captured.err == "lidardraft: these weights were trained on hdl64e; scans of small may be poor\n"
+    assert captured.err == (
+        "lidardraft: these weights were trained on columns of 512 to 2048, and small has 128; its scans may be poor\n"
+    )

@@ -26,7 +26,9 @@ def test_generate_from_text(capsys: pytest.CaptureFixture[str]) -> None:
     captured = capsys.readouterr()
     assert captured.out.startswith("out: 2 scans, 000000.bin to 000001.bin")
     # the weights were trained on another sensor: said once, in one line
-    assert captured.err == "lidardraft: these weights were trained on hdl64e; scans of small may be poor\n"
+    assert captured.err == (
+        "lidardraft: these weights were trained on columns of 512 to 2048, and small has 128; its scans may be poor\n"
+    )
     points, intensity = kitti.read_bin("out/000000.bin")
     label, _ = semantickitti.read_label("out/000000.label", len(points))
     assert len(points) > 200

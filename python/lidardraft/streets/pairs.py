@@ -18,7 +18,6 @@ from lidardraft.scene.range_image import IMAGES, RangeImage
 from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.shape_table import ShapeTable
-from lidardraft.simulation.simulate import Simulator
 from lidardraft.streets.coarse.coarse_layout import Style, coarse_layout, sample_style
 from lidardraft.streets.coarse.coarse_street import place_of
 from lidardraft.streets.coarse.visible import VisibleObjects
@@ -185,6 +184,8 @@ def _pair(street: Street, scanner: Scanner, config: StreetConfig, index: int) ->
     )
     if not config.simulated:
         return pair
+    from lidardraft.simulation.simulate import Simulator  # pictures come with it, which pairs do not need
+
     simulator = Simulator(pair.layout, scanner.sensor, seed=index, model=scanner.model, threads=scanner.threads)
     return replace(pair, simulated=_as_sent(simulator.scan(pair.pose, speed=pair.speed, seed=index).image))
 
