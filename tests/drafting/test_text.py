@@ -354,6 +354,7 @@ def test_numbers_are_used_or_reported(words: list[str], numbers: list[tuple[int,
         ("a car 20 m 30 m ahead", ("20 m",)),
         ("a man riding three bikes", ("three",)),
         ("thirty traffic", ("thirty",)),
+        ("people people next to thirteen the thirteen people", ("thirteen", "thirteen")),
     ],
 )
 def test_what_used_to_vanish_is_reported(sentence: str, left: tuple[str, ...]) -> None:

@@ -81,8 +81,8 @@ class PositionReader(ChunkReader):
     def _reference(self, chunk: Chunk) -> Mention:
         """The mention that a phrase means: one that is known, or a new one."""
         known = known_mention(chunk, self.notes.mentions, self.open[-1:])
+        self._report_strange(chunk)
         if known is None:
-            self._report_strange(chunk)
             known = mention_of(chunk)
             self.notes.mentions.append(known)
         return known
