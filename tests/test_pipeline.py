@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 import torch
 
-from lidardraft import Pipeline, Sensor
+from lidardraft import Pipeline, Sensor, layout_from_text, raycast, simulate
 from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.pipeline import START
+from lidardraft.diffusion.sampling_defaults import START
 from lidardraft.scene.sensor_limits import SensorLimits
 from lidardraft.training import recipes
 
@@ -57,6 +57,18 @@ def test_weights_that_do_not_see_the_simulated_scan_start_from_noise() -> None:
     (generator,), (_, control) = recipes.tiny().stages, recipes.tiny_paper().stages
     assert Pipeline(Denoiser.from_config(generator.denoiser)).start == START
     assert Pipeline(Denoiser.from_config(control.denoiser)).start is None
+
+
+def test_weights_that_do_not_see_the_simulated_scan_get_nothing_of_it() -> None:
+    torch.manual_seed(0)
+    pipeline = Pipeline(Denoiser.from_config(recipes.tiny_paper().stages[-1].denoiser), steps=2)
+    layout = layout_from_text("a car ahead", seed=0)
+    condition_image = raycast(layout, SMALL)
+    (*_, one), (*_, other) = (
+        pipeline.denoising(condition_image, simulate(layout, SMALL, seed=seed).image) for seed in (0, 1)
+    )
+    np.testing.assert_array_equal(one.depth, other.depth)
+    np.testing.assert_array_equal(one.intensity, other.intensity)
 
 
 def test_the_papers_sampler_takes_as_many_steps_and_gives_another_scan() -> None:

@@ -10,9 +10,8 @@ from typing import TypeVar
 import numpy as np
 import torch
 
-from lidardraft.diffusion.codec import decode_scan, encode_condition
 from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.diffusion.sampler import sample
+from lidardraft.diffusion.sampling_defaults import STEPS_FROM_NOISE
 from lidardraft.metrics.adherence import Adherence, adherence
 from lidardraft.metrics.bev import bev_jsd
 from lidardraft.metrics.returns import lone_returns, near_holes
@@ -67,23 +66,13 @@ def sample_scans(
     denoiser: Denoiser,
     condition_images: list[RangeImage],
     *,
-    steps: int = 20,
+    steps: int = STEPS_FROM_NOISE,
     on_scan: Callable[[], object] | None = None,
 ) -> list[RangeImage]:
-    """What a denoiser that does not see simulated scans makes of each condition image, from noise and as it is:
-    `Pipeline` would put simulated returns in the place of lone ones."""
-    scans = []
-    device = next(denoiser.parameters()).device
-    with torch.inference_mode():
-        for seed, image in enumerate(condition_images):
-            condition = None
-            if denoiser.config.condition:
-                condition = torch.from_numpy(encode_condition(image, image))[None].to(device)
-            *_, states = sample(denoiser, image.sensor, seeds=[seed], condition=condition, steps=steps)
-            scans.append(decode_scan(states[0].cpu().numpy(), image.sensor))
-            if on_scan is not None:
-                on_scan()
-    return scans
+    """What a denoiser that does not see simulated scans makes of each condition image, from noise."""
+    pipeline = Pipeline(denoiser, steps=steps)
+    scans = (_last(pipeline.denoising(image, image, seed=seed)) for seed, image in enumerate(condition_images))
+    return list(_counted(scans, on_scan))
 
 
 def _simulated(pair: StreetPair) -> RangeImage:

@@ -13,6 +13,7 @@ import torch
 from lidardraft.diffusion.codec import decode_scan, encode_condition
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.sampler import sample
+from lidardraft.diffusion.sampling_defaults import START, STEPS
 from lidardraft.diffusion.settle import settle
 from lidardraft.drafting.text import layout_from_text
 from lidardraft.errors import CheckpointError, one_of
@@ -26,7 +27,6 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_limits import SensorLimits
 from lidardraft.simulation.simulate import simulate
 
-START = 0.5  # the noise level from which a simulated scan is changed: buildings stay, what is unsure may move
 WEIGHTS = Path(__file__).parent / "weights"
 
 
@@ -43,7 +43,7 @@ class Pipeline:
         self,
         denoiser: Denoiser,
         *,
-        steps: int = 4,
+        steps: int = STEPS,
         start: float | None = START,
         langevin: int | None = None,
         trained: SensorLimits | None = None,
@@ -61,7 +61,7 @@ class Pipeline:
         name: str | os.PathLike[str] = "street",
         *,
         device: str = "cpu",
-        steps: int = 4,
+        steps: int = STEPS,
         start: float | None = START,
         langevin: int | None = None,
     ) -> Pipeline:
@@ -103,7 +103,8 @@ class Pipeline:
 
     def denoising(self, condition_image: RangeImage, simulated: RangeImage, *, seed: int = 0) -> Iterator[RangeImage]:
         """The scan while it is made, from the cast of a layout and its simulated scan: one image without labels a
-        sampling step, of which the last is the result."""
+        sampling step, of which the last is the result. Weights that do not see the simulated scan give what they
+        sample, as it is; others the scan that `settle` makes of it."""
         difference = self.trained and self.trained.difference(condition_image.sensor)
         if difference:
             warnings.warn(f"these weights were trained on {difference}; its scans may be poor", stacklevel=2)
@@ -112,7 +113,8 @@ class Pipeline:
     @torch.inference_mode()
     def _denoising(self, condition_image: RangeImage, simulated: RangeImage, seed: int) -> Iterator[RangeImage]:
         sensor = condition_image.sensor
-        condition = torch.from_numpy(encode_condition(condition_image, simulated))[None]
+        seen = self.denoiser.config.condition
+        condition = torch.from_numpy(encode_condition(condition_image, simulated))[None] if seen else None
         states = sample(
             self.denoiser,
             sensor,
@@ -123,5 +125,7 @@ class Pipeline:
             langevin=self.langevin,
         )
         for state in states:
-            decoded = decode_scan(state[0].cpu().numpy(), sensor)
-            yield settle(decoded, simulated, np.random.default_rng([seed, 7]))
+            image = decode_scan(state[0].cpu().numpy(), sensor)
+            if "simulated" in seen:
+                image = settle(image, simulated, np.random.default_rng([seed, 7]))
+            yield image

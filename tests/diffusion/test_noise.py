@@ -3,14 +3,7 @@ import itertools
 import pytest
 import torch
 
-from lidardraft.diffusion.noise import (
-    add_noise,
-    denoised_from_score,
-    gaussian,
-    karras_levels,
-    score_from_denoised,
-    training_levels,
-)
+from lidardraft.diffusion.noise import add_noise, karras_levels, score_from_denoised, training_levels
 from lidardraft.errors import LidarDraftError
 
 
@@ -41,7 +34,6 @@ def test_the_score_of_a_gaussian_is_known() -> None:
     denoised = (variance * x + sigma[:, None] ** 2 * 2) / (variance + sigma[:, None] ** 2)
     score = score_from_denoised(x, denoised, sigma)
     torch.testing.assert_close(score, (2 - x) / (variance + sigma[:, None] ** 2))
-    torch.testing.assert_close(denoised_from_score(x, score, sigma), denoised)
 
 
 def test_noise_is_added_per_sample_and_given_back_by_the_score() -> None:
@@ -50,10 +42,5 @@ def test_noise_is_added_per_sample_and_given_back_by_the_score() -> None:
     x = add_noise(clean, sigma, noise)
     assert x[0].unique().tolist() == [0.5]
     assert x[1].unique().tolist() == [3.0]
-    torch.testing.assert_close(denoised_from_score(x, score_from_denoised(x, clean, sigma), sigma), clean)
-
-
-def test_noise_of_a_seed_is_its_own() -> None:
-    assert torch.equal(gaussian((3, 4), 7), gaussian((3, 4), 7))
-    assert not torch.equal(gaussian((3, 4), 7), gaussian((3, 4), 8))
-    assert abs(gaussian((100, 100), 1).std().item() - 1) < 0.05
+    # S = -noise / sigma
+    torch.testing.assert_close(score_from_denoised(x, clean, sigma), -noise / sigma[:, None, None, None])

@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
+from lidardraft.diffusion.sampling_defaults import START, STEPS, STEPS_FROM_NOISE
 from lidardraft.errors import FormatError, one_of
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.scene.weather import Weather
@@ -110,13 +111,13 @@ def add_weights(parser: Options) -> None:
         metavar="NAME",
         help="weights of the diffusion model: packaged ones by name, or a .safetensors file (default street)",
     )
-    text = "steps of denoising, one call of the network each (default 4; from noise 20 are better)"
-    parser.add_argument("--steps", type=whole_number(1), default=4, metavar="N", help=text)
+    text = f"steps of denoising, a call of the network each (default {STEPS}; from noise {STEPS_FROM_NOISE} are better)"
+    parser.add_argument("--steps", type=whole_number(1), default=STEPS, metavar="N", help=text)
     text = (
         "noise level from which the simulated scan of the layout is changed: a higher one changes more and keeps less "
-        "to the layout; or noise, to start from noise alone (default 0.5)"
+        f"to the layout; or noise, to start from noise alone (default {START})"
     )
-    parser.add_argument("--start", type=noise_level, default=0.5, metavar="LEVEL", help=text)
+    parser.add_argument("--start", type=noise_level, default=START, metavar="LEVEL", help=text)
     parser.add_argument("--device", default="cpu", help="where torch runs the model: cpu, cuda, ... (default cpu)")
 
 

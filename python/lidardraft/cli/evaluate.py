@@ -63,7 +63,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "objects, all: share of the returns on objects, or on anything, within 0.5 m or 5 % of the layout. drop: share "
         "of the rays that hit the layout and return nothing. BEV JSD: how far the top views are from those of the "
         "detailed scans; 0 is equal. holes: of the places between two returns of a surface within 20 m, the share that "
-        "returns nothing. lone: share of the returns that have no neighbour within 0.5 m and 3 %."
+        "returns nothing. lone: share of the returns that have no neighbour within 0.5 m and 3 %. untrained: the same "
+        "network with random weights; where it has a copy gate it keeps the simulated depths, so that training shows "
+        "in what differs from this row."
     )
     add_sensor(parser)
     add_weights(parser)

@@ -15,6 +15,7 @@ from lidardraft.cli import ablation, evaluate
 from lidardraft.cli.arguments import DEFAULT_SENSOR, add_seed, add_sensor, minutes, positive, whole_number
 from lidardraft.cli.command import commands_of, run
 from lidardraft.cli.training_progress import show
+from lidardraft.diffusion.sampling_defaults import STEPS, STEPS_FROM_NOISE
 from lidardraft.errors import TrainingError
 from lidardraft.scene.sensor import Sensor
 
@@ -74,8 +75,7 @@ def street(arguments: argparse.Namespace) -> None:
     assert begin is not None
     half = Path(arguments.work) / "half.safetensors"
     weight_file.save(begin, half, {}, half=True)
-    # From noise, where the network does not see the simulated scan, 4 steps are too few.
-    steps = 4 if "simulated" in begin.config.condition else 20
+    steps = STEPS if "simulated" in begin.config.condition else STEPS_FROM_NOISE
     pipeline = Pipeline.from_pretrained(half, device=arguments.device, steps=steps)
     sensor = source.sensor or Sensor.preset(DEFAULT_SENSOR)
     unseen = evaluate.unseen_streets(arguments.evaluate, sensor)

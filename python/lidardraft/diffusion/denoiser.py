@@ -72,7 +72,8 @@ class DenoiserConfig:
     @property
     def condition_channels(self) -> list[int]:
         """The channels of the condition that the network sees."""
-        return [channel for part in self.condition for channel in range(*CONDITION_PARTS[part].indices(1000))]
+        parts = [CONDITION_PARTS[part] for part in self.condition]
+        return [channel for part in parts for channel in range(part.start, part.stop)]
 
     @property
     def seen(self) -> list[int]:

@@ -10,20 +10,14 @@ from lidardraft.errors import LidarDraftError
 
 def karras_levels(steps: int, *, sigma_min: float = 0.002, sigma_max: float = 20.0, rho: float = 7.0) -> list[float]:
     """The `steps` falling noise levels of a sampler and a last 0 (Karras et al., NeurIPS 2022, Eq. 5)."""
-    if steps < 1:
-        raise LidarDraftError(f"steps is {steps}; it must be at least 1")
-    if not sigma_max > sigma_min:
-        raise LidarDraftError(f"sampling starts at the noise level {sigma_max}; it must be greater than {sigma_min}")
+    _check_levels(steps, sigma_min, sigma_max)
     high, low = sigma_max ** (1 / rho), sigma_min ** (1 / rho)
     return [(high + i / max(steps - 1, 1) * (low - high)) ** rho for i in range(steps)] + [0.0]
 
 
 def geometric_levels(steps: int, *, sigma_min: float = 0.01, sigma_max: float = 50.0) -> list[float]:
     """The `steps` falling noise levels of NCSN, each the same share of the one before; the limits are LiDARGen's."""
-    if steps < 1:
-        raise LidarDraftError(f"steps is {steps}; it must be at least 1")
-    if not sigma_max > sigma_min:
-        raise LidarDraftError(f"sampling starts at the noise level {sigma_max}; it must be greater than {sigma_min}")
+    _check_levels(steps, sigma_min, sigma_max)
     return [sigma_max * (sigma_min / sigma_max) ** (i / max(steps - 1, 1)) for i in range(steps)]
 
 
@@ -36,11 +30,6 @@ def training_levels(count: int, generator: torch.Generator, *, mean: float, std:
     return torch.exp(mean + std * torch.special.ndtri(uniform.clamp(1e-4, 1 - 1e-4)))
 
 
-def gaussian(shape: tuple[int, ...], seed: int) -> Tensor:
-    """Standard normal noise f32 of one sample: the same for a seed, whatever the batch and the device."""
-    return torch.randn(shape, generator=torch.Generator().manual_seed(seed))
-
-
 def add_noise(x: Tensor, sigma: Tensor, noise: Tensor) -> Tensor:
     """x + sigma * noise, `sigma` one a sample [B]."""
     return x + _per_sample(sigma, x) * noise
@@ -51,9 +40,11 @@ def score_from_denoised(x: Tensor, denoised: Tensor, sigma: Tensor) -> Tensor:
     return (denoised - x) / _per_sample(sigma, x) ** 2
 
 
-def denoised_from_score(x: Tensor, score: Tensor, sigma: Tensor) -> Tensor:
-    """D = x + sigma^2 S: the inverse of `score_from_denoised`."""
-    return x + _per_sample(sigma, x) ** 2 * score
+def _check_levels(steps: int, sigma_min: float, sigma_max: float) -> None:
+    if steps < 1:
+        raise LidarDraftError(f"steps is {steps}; it must be at least 1")
+    if not sigma_max > sigma_min:
+        raise LidarDraftError(f"sampling starts at the noise level {sigma_max}; it must be greater than {sigma_min}")
 
 
 def _per_sample(sigma: Tensor, x: Tensor) -> Tensor:

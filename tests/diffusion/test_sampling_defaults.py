@@ -1,0 +1,18 @@
+import argparse
+import inspect
+
+import pytest
+
+from lidardraft.cli.arguments import add_weights
+from lidardraft.diffusion.sampling_defaults import START, STEPS
+from lidardraft.pipeline import Pipeline
+
+
+@pytest.mark.parametrize("function", [Pipeline, Pipeline.from_pretrained])
+def test_python_and_the_command_line_sample_alike(function: object) -> None:
+    parser = argparse.ArgumentParser()
+    add_weights(parser)
+    said = parser.parse_args([])
+    parameters = inspect.signature(function).parameters
+    assert (said.steps, said.start) == (STEPS, START)
+    assert (parameters["steps"].default, parameters["start"].default) == (STEPS, START)
