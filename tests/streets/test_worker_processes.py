@@ -2,12 +2,15 @@
 
 import multiprocessing
 import os
+import signal
+import threading
+import time
 
 import numpy as np
 import pytest
 
 from lidardraft.errors import LidarDraftError
-from lidardraft.streets.worker_processes import worker_processes
+from lidardraft.streets.worker_processes import _signals_held, worker_processes
 
 
 def test_each_is_a_process_of_its_own_and_ends_with_the_block():
@@ -57,6 +60,30 @@ def test_a_task_that_fails_or_whose_result_cannot_be_sent_leaves_room_for_the_ne
             with pytest.raises(error):
                 workers[0].submit(task).result()
         assert workers[0].submit(_ranges, 3, (2, 8)).result()[1] == 3
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals come to all threads alike")
+def test_an_interrupt_waits_until_a_process_has_started():
+    started, leave = list[bool](), threading.Event()
+
+    def start() -> None:
+        with _signals_held():
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(0.1)
+            started.append(True)
+
+    other = threading.Thread(target=leave.wait)  # hears the signal, as threads of numpy do
+    other.start()
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            start()
+        assert started
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)
+        leave.set()
+        other.join()
 
 
 def _pid() -> tuple[list[np.ndarray], int]:

@@ -88,18 +88,31 @@ def worker_processes(count: int, array_bytes: int) -> Iterator[list[WorkerProces
 @contextmanager
 def _signals_held() -> Iterator[None]:
     """Ctrl-C, and SIGTERM as batch systems send it, go to a group of processes. Those started in this block never see
-    them: their parent ends them."""
+    them: their parent ends them. It hears of them itself once the block is left: a process that is being started is
+    not to be left halfway."""
     if sys.platform == "win32":
         yield
         return
     from multiprocessing import resource_tracker  # which Windows does not have
 
     resource_tracker.ensure_running()  # when it starts later, by itself, it lets signals through again
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
+    # A mask is of one thread: what comes to another one, as numpy has them, is handled in the main one all the same.
+    arrived: list[int] = []
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    in_main_thread = threading.current_thread() is threading.main_thread()
+    handlers = {number: signal.getsignal(number) for number in numbers if in_main_thread}
+    held = [number for number, handler in handlers.items() if callable(handler)]
+    for number in held:
+        signal.signal(number, lambda came, _frame: arrived.append(came))
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, numbers)
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        for number in held:
+            signal.signal(number, handlers[number])
+        for came in arrived[:1]:
+            signal.raise_signal(came)
 
 
 _memory: np.ndarray  # of this worker process
