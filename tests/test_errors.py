@@ -1,9 +1,14 @@
 import pickle
+from collections.abc import Callable
 
+import numpy as np
 import pytest
 
-from lidardraft import Primitive, Sensor
+import lidardraft
+from lidardraft import Layout, Primitive, Sensor
 from lidardraft.errors import FormatError, LayoutError, SensorError, one_of
+
+SENSOR = Sensor(name="small", elevations=(0.0, -0.1), columns=8)
 
 
 @pytest.mark.parametrize(
@@ -42,3 +47,34 @@ def test_a_message_that_quotes_too_much_is_cut_in_its_middle() -> None:
 def test_errors_can_go_to_another_process() -> None:
     error = pickle.loads(pickle.dumps(FormatError("a\nb")))
     assert str(error) == r"a\nb"
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: lidardraft.raycast(None, SENSOR), "layout is a NoneType; it must be a Layout"),
+        (lambda: lidardraft.raycast(Layout(), "hdl64e"), "sensor is a str; it must be a Sensor"),
+        (lambda: lidardraft.Raycaster("a bus"), "layout is a str; it must be a Layout"),
+        (lambda: lidardraft.Raycaster(Layout()).scan_batch("hdl64e", np.eye(4)[None]), "sensor is a str"),
+        (lambda: lidardraft.simulate("a bus", "hdl64e"), "sensor is a str; it must be a Sensor"),
+        (lambda: lidardraft.simulate(["a bus"], SENSOR), "layout is a list; it must be a Layout or str"),
+        (lambda: lidardraft.detail("a bus"), "layout is a str; it must be a Layout"),
+        (lambda: lidardraft.Pipeline("street"), "denoiser is a str; it must be a Denoiser"),
+        (lambda: lidardraft.Pipeline.from_pretrained(None), "name is a NoneType; it must be a str or PathLike"),
+        (lambda: lidardraft.Pipeline.from_pretrained("street")(None), "source is a NoneType; it must be a str or"),
+        (lambda: lidardraft.layout_from_text(None), "sentence is a NoneType; it must be a str"),
+        (lambda: lidardraft.layout_from_llm(b"a bus"), "text is a bytes; it must be a str"),
+        (lambda: lidardraft.layout_from_cloud([(1, 2, 3)], np.ones(1)), "points is a list; it must be a ndarray"),
+        (lambda: lidardraft.layout_from_cloud(np.ones((1, 3)), [3]), "labels is a list; it must be a ndarray"),
+        (lambda: lidardraft.layout_from_boxes(None), "boxes is a NoneType; it must be a Sequence"),
+        (lambda: lidardraft.layout_from_boxes(["car"]), "box 0 is a str; it must be a Box"),
+        (lambda: lidardraft.layout_from_blender(None), "script is a NoneType; it must be a str or PathLike"),
+        (lambda: lidardraft.layout_from_sketch(None), "sketch is a NoneType; it must be a ndarray or str or PathLike"),
+        (lambda: lidardraft.layout_from_image(None), "image is a NoneType; it must be a ndarray or str or PathLike"),
+        (lambda: lidardraft.layout_from_glb(None), "path is a NoneType; it must be a str or PathLike"),
+        (lambda: lidardraft.layout_from_obj(None), "path is a NoneType; it must be a str or PathLike"),
+    ],
+)
+def test_an_argument_of_another_type_is_named(call: Callable[[], object], message: str) -> None:
+    with pytest.raises(TypeError, match=f"^{message}"):
+        call()

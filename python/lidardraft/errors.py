@@ -12,6 +12,13 @@ def one_of(names: Iterable[str], value: object) -> str:
     return f"one of {', '.join(known) or 'none'}" + "".join(f"; did you mean {name!r}?" for name in similar)
 
 
+def check_type(name: str, value: object, *types: type) -> None:
+    """Raise `TypeError` where an argument is of none of the types."""
+    if not isinstance(value, types):
+        wanted = " or ".join(each.__name__ for each in types)
+        raise TypeError(f"{name} is a {type(value).__name__}; it must be a {wanted}")
+
+
 _LONGEST = 2000  # characters of a message
 
 

@@ -16,7 +16,7 @@ from lidardraft.diffusion.sampler import sample
 from lidardraft.diffusion.sampling_defaults import START, STEPS
 from lidardraft.diffusion.settle import settle
 from lidardraft.drafting.text import layout_from_text
-from lidardraft.errors import CheckpointError, one_of
+from lidardraft.errors import CheckpointError, check_type, one_of
 from lidardraft.networks import weight_file
 from lidardraft.scan import Scan
 from lidardraft.scene.labelling import label_by_agreement
@@ -48,6 +48,7 @@ class Pipeline:
         langevin: int | None = None,
         trained: SensorLimits | None = None,
     ) -> None:
+        check_type("denoiser", denoiser, Denoiser)
         self.denoiser = denoiser.eval()
         self.sensor = Sensor.preset("hdl64e")
         self.steps = steps
@@ -66,6 +67,7 @@ class Pipeline:
         langevin: int | None = None,
     ) -> Pipeline:
         """The packaged weights of that name, or the weight file at that path; raises `CheckpointError`."""
+        check_type("name", name, str, os.PathLike)
         packaged = WEIGHTS / f"{os.fspath(name)}.safetensors"
         path = packaged if packaged.exists() else Path(name)
         if not path.exists():
@@ -89,6 +91,7 @@ class Pipeline:
     ) -> Scan:
         """The scan of a sentence or a layout. Same arguments, same scan; another seed gives another one (of a
         sentence, with another layout too). `on_step` is called after each sampling step."""
+        check_type("source", source, str, Layout)
         sensor = sensor or self.sensor
         layout = layout_from_text(source, seed=seed) if isinstance(source, str) else source
         pose = sensor.pose()

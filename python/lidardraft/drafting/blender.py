@@ -17,7 +17,7 @@ from lidardraft.drafting.blender_scene.scene_layout import primitives_of
 from lidardraft.drafting.blender_scene.vectors import mathutils_module
 from lidardraft.drafting.script.evaluator import Evaluator
 from lidardraft.drafting.script.limits import Limits, RefusalError
-from lidardraft.errors import FormatError, ScriptError
+from lidardraft.errors import FormatError, ScriptError, check_type
 from lidardraft.files import named, read_text, regular_size
 from lidardraft.scene.class_names import check_classes
 from lidardraft.scene.layout import Layout
@@ -42,6 +42,7 @@ def layout_from_blender(
     What was passed over because no shape depends on it is in `provenance["notes"]`. Raises `ScriptError` naming the
     line of what is not understood or more than `limits`, and `LayoutError` listing the names that say no class.
     """
+    check_type("script", script, str, os.PathLike)
     if isinstance(script, str) and ("\n" in script or not script.endswith(".py")):
         return _layout(script, classes or {}, limits, {"source": "blender"})
     if (size := regular_size(script)) > 4 * limits.file:

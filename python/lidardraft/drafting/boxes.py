@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from lidardraft.errors import LayoutError
+from lidardraft.errors import LayoutError, check_type
 from lidardraft.scene.layout import Box, Layout, Primitive
 from lidardraft.semantics import BY_NAME
 
@@ -20,10 +20,13 @@ def layout_from_boxes(boxes: Sequence[Box], *, sensor_height: float = 0.0) -> La
     Things without an instance, or with one that another thing has, get a free one. Raises `LayoutError` naming a box
     that has no extent or no class, and where there is none.
     """
+    check_type("boxes", boxes, Sequence)
     if not math.isfinite(sensor_height):
         raise LayoutError(f"sensor_height is {sensor_height}; it must be a finite number of metres")
     if not 1 <= len(boxes) <= _MOST_BOXES:
         raise LayoutError(f"there are {len(boxes)} boxes; a layout is made of 1 to {_MOST_BOXES}")
+    for number, box in enumerate(boxes):
+        check_type(f"box {number}", box, Box)
     instances = _instances(boxes)
     standing = tuple(
         Primitive(

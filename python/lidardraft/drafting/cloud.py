@@ -23,7 +23,7 @@ from lidardraft.drafting.cloud_rules import (
 from lidardraft.drafting.clustering import FittedBox, cluster, completions, fit_box, fit_post
 from lidardraft.drafting.height_field import HeightField
 from lidardraft.drafting.refinement import Piece, Rays, refined
-from lidardraft.errors import LayoutError, one_of
+from lidardraft.errors import LayoutError, check_type, one_of
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import CLASSES, GROUND, NUM_CLASSES, SemanticClass
 
@@ -120,6 +120,7 @@ def _objects(
 
 
 def _check_points(points: np.ndarray) -> None:
+    check_type("points", points, np.ndarray)
     if points.ndim != 2 or points.shape[1] != 3 or not len(points):
         raise LayoutError(f"points have shape {points.shape}; they must be [N, 3] with N > 0")
     broken = np.flatnonzero(~np.isfinite(points).all(axis=1))
@@ -132,6 +133,7 @@ def _check_points(points: np.ndarray) -> None:
 
 def _check_labels(labels: np.ndarray, instances: np.ndarray, count: int) -> None:
     for name, values in (("labels", labels), ("instances", instances)):
+        check_type(name, values, np.ndarray)
         if values.shape != (count,):
             raise LayoutError(f"{name} have shape {values.shape}; {count} points need ({count},)")
         if not np.issubdtype(values.dtype, np.integer):

@@ -21,7 +21,7 @@ from lidardraft.drafting.mirrored_surroundings import mirrored_surroundings
 from lidardraft.drafting.pinhole import Pinhole
 from lidardraft.drafting.pseudo_cloud import PseudoCloud, pseudo_cloud
 from lidardraft.drafting.road_plane import RoadPlane, find_road_plane
-from lidardraft.errors import LayoutError
+from lidardraft.errors import LayoutError, check_type
 from lidardraft.files import named
 from lidardraft.formats.picture import Picture, read_picture
 from lidardraft.json_fields import are_numbers, is_number
@@ -69,6 +69,7 @@ def layout_from_image(
     `coverage` of the layout is what the picture shows. Raises `LayoutError` on values that cannot be or where no ground
     is visible, `FormatError` on a file that is no picture, `CheckpointError` where a network is not there.
     """
+    check_type("image", image, np.ndarray, str, os.PathLike)
     options = (depth, semantics, instances, intrinsics, hfov, camera_height, place, fill)
     if isinstance(image, np.ndarray):
         return _layout(Picture(image), *options)

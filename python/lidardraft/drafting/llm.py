@@ -19,7 +19,7 @@ from lidardraft.drafting.scene_spec import HEADINGS, LANES, PLACES, RELATIONS, R
 from lidardraft.drafting.scene_spec_schema import scene_spec_schema
 from lidardraft.drafting.sentence_kinds import COUNTS, SENTENCE_KINDS
 from lidardraft.drafting.solver import check_seed, layout_from_spec
-from lidardraft.errors import LayoutError, TextError
+from lidardraft.errors import LayoutError, TextError, check_type
 from lidardraft.files import named
 from lidardraft.json_fields import check_fields, parse_object
 from lidardraft.scene.check import check
@@ -57,6 +57,7 @@ def layout_from_llm(
     Raises `TextError` on a text that is empty or too long, `LanguageModelError` where there is no server, key or reply
     that can be used, `LayoutError` where a relation cannot hold for the seed.
     """
+    check_type("text", text, str)
     check_seed(seed)
     if not text.strip() or len(text) > MAX_LENGTH:
         raise TextError(f"the text has {len(text)} characters; it must have 1 to {MAX_LENGTH}, and not blanks alone")

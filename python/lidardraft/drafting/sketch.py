@@ -24,7 +24,7 @@ from lidardraft.drafting.sketches.drawn_surfaces import (
 )
 from lidardraft.drafting.sketches.painted_sketch import read_painting
 from lidardraft.drafting.sketches.svg_sketch import read_svg
-from lidardraft.errors import FormatError, LayoutError
+from lidardraft.errors import FormatError, LayoutError, check_type
 from lidardraft.files import named, read_text
 from lidardraft.formats.picture import opened_picture
 from lidardraft.json_fields import is_number
@@ -57,6 +57,7 @@ def layout_from_sketch(
 
     Raises `FormatError` where the file is broken, `LayoutError` where it has no scale or shows nothing.
     """
+    check_type("sketch", sketch, np.ndarray, str, os.PathLike)
     for name, value in (("metres_per_pixel", metres_per_pixel), ("scale_bar", scale_bar)):
         if value is not None and not (is_number(value) and value > 0):
             raise LayoutError(f"{name} is {value!r}; it must be a finite number of metres > 0")

@@ -16,7 +16,7 @@ from lidardraft.drafting.scene_spec import SceneSpec
 from lidardraft.drafting.sentence_chunks import KIND_OF, chunks_of
 from lidardraft.drafting.sentence_reader import SentenceReader
 from lidardraft.drafting.solver import layout_from_spec
-from lidardraft.errors import TextError
+from lidardraft.errors import TextError, check_type
 from lidardraft.scene.layout import Layout
 
 MAX_LENGTH = 10_000  # characters
@@ -50,6 +50,7 @@ def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
 
     Raises `TextError` as above, and on a sentence that is empty or longer than `MAX_LENGTH`.
     """
+    check_type("sentence", sentence, str)
     if len(sentence) > MAX_LENGTH:
         raise TextError(f"the sentence has {len(sentence)} characters; it may have {MAX_LENGTH}")
     text = _normalised(sentence)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from lidardraft.errors import FormatError, LayoutError
+from lidardraft.errors import FormatError, LayoutError, check_type
 from lidardraft.files import named
 from lidardraft.formats.glb_file import GlbFile, open_glb
 from lidardraft.json_fields import are_numbers, check_object
@@ -36,6 +36,7 @@ def layout_from_glb(path: str | os.PathLike[str], classes: Mapping[str, str] | N
     `FormatError` where the file is broken, compressed or needs another file, `LayoutError` listing the names that say
     no class.
     """
+    check_type("path", path, str, os.PathLike)
     check_classes(classes or {})
     with named(path):
         file = open_glb(path)

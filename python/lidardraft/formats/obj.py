@@ -9,7 +9,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from lidardraft.errors import FormatError, LayoutError
+from lidardraft.errors import FormatError, LayoutError, check_type
 from lidardraft.files import named, read_bytes, regular_size, written_whole
 from lidardraft.scene import mesh
 from lidardraft.scene.class_names import OUTRIGHT, check_classes, class_of, id_of
@@ -32,6 +32,7 @@ def layout_from_obj(
     and so are "car_1.body" and "car_1.roof". Raises `LayoutError` listing the names that say no class, and
     `FormatError` where the file is broken.
     """
+    check_type("path", path, str, os.PathLike)
     if up not in _FRAMES:
         raise LayoutError(f"up is {up!r}; it must be 'y' or 'z'")
     if not (math.isfinite(scale) and scale > 0):

@@ -9,7 +9,7 @@ from zlib import crc32
 import numpy as np
 
 from lidardraft import _core
-from lidardraft.errors import LayoutError, SensorError
+from lidardraft.errors import LayoutError, SensorError, check_type
 from lidardraft.scene.batch import RangeImageBatch
 from lidardraft.scene.blocked import blank_pixels
 from lidardraft.scene.hits import Hits
@@ -38,6 +38,7 @@ class Raycaster:
     """
 
     def __init__(self, layout: Layout, *, by_id: bool = False) -> None:
+        check_type("layout", layout, Layout)
         primitives = layout.primitives
         self.layout = layout
         self._scene = _core.Scene(
@@ -95,7 +96,7 @@ class Raycaster:
         """
         world_from_sensor = _poses_of_batch(sensor, poses)
         if out is not None:
-            _check_kind(out, RangeImageBatch)
+            check_type("out", out, RangeImageBatch)
         return cast_scans(self._scene, sensor, world_from_sensor, out, (primitive, incidence, normal), seed, threads)
 
     def cast(
@@ -242,6 +243,7 @@ def _check_seed(seed: int) -> None:
 
 
 def _pose_of_scan(sensor: Sensor, pose: np.ndarray | None, poses: np.ndarray | None) -> np.ndarray:
+    check_type("sensor", sensor, Sensor)
     if poses is None:
         return as_array("pose", sensor.pose() if pose is None else pose, 4, 4)[None, None]
     if pose is not None:
@@ -250,6 +252,7 @@ def _pose_of_scan(sensor: Sensor, pose: np.ndarray | None, poses: np.ndarray | N
 
 
 def _poses_of_batch(sensor: Sensor, poses: np.ndarray) -> np.ndarray:
+    check_type("sensor", sensor, Sensor)
     if _axes(poses) == 4:
         return as_array("poses", poses, "N", sensor.columns, 4, 4)
     return as_array("poses", poses, "N", 4, 4)[:, None]
@@ -264,16 +267,11 @@ def _axes(values: np.ndarray) -> int:
 
 def _batch_of_one(out: RangeImage) -> RangeImageBatch:
     """An image as a batch, in the same memory."""
-    _check_kind(out, RangeImage)
+    check_type("out", out, RangeImage)
     if out.intensity is not None:
         raise SensorError("out has an intensity; a scan writes none, and would leave that of another scan")
     images = {name: array[None] for name in IMAGES if (array := getattr(out, name)) is not None}
     return RangeImageBatch.unchecked(out.sensor, **images)
-
-
-def _check_kind(out: object, kind: type) -> None:
-    if not isinstance(out, kind):
-        raise TypeError(f"out is a {type(out).__name__}; it must be a {kind.__name__}")
 
 
 def _check_out(out: RangeImageBatch, sensor: Sensor, asked: tuple[bool, bool, bool]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 
-from lidardraft.errors import LayoutError
+from lidardraft.errors import LayoutError, check_type
 from lidardraft.scene.layout import Layout, Primitive, object_of
 from lidardraft.semantics import GROUND
 from lidardraft.simulation.barriers import fence, wall
@@ -52,6 +52,7 @@ def detail(layout: Layout, seed: int = 0, *, clutter: float = 0.0) -> Layout:
 
     Raises `LayoutError` on a seed that is no integer >= 0, and on a clutter that is not 0 to 1.
     """
+    check_type("layout", layout, Layout)
     if type(seed) is not int or seed < 0:
         raise LayoutError(f"seed is {seed!r}; it must be an integer >= 0")
     if isinstance(clutter, bool) or not isinstance(clutter, int | float) or not 0.0 <= clutter <= 1.0:

@@ -7,7 +7,7 @@ import warnings
 
 import numpy as np
 
-from lidardraft.errors import LayoutError, SensorError
+from lidardraft.errors import LayoutError, SensorError, check_type
 from lidardraft.scan import Scan
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.pose import finite_array
@@ -44,6 +44,8 @@ class Simulator:
         clutter: float = 0.0,
         threads: int | None = None,
     ) -> None:
+        check_type("layout", layout, Layout, str)
+        check_type("sensor", sensor, Sensor)
         self.layout = _from_text(layout, seed) if isinstance(layout, str) else layout
         if not any(primitive.label in GROUND for primitive in self.layout):
             warnings.warn("the layout has no ground (road, sidewalk or terrain): nothing returns from it", stacklevel=2)
