@@ -119,6 +119,10 @@ def test_training_goes_on_with_given_weights_and_own_pairs(capsys: pytest.Captur
     assert train.main([*argv, *SHORT, "--sensor", "small.json"]) == 0
     argv = ["street", "--init", "one.safetensors", "--data", "pairs", "--work", "two", "-o", "two.safetensors"]
     assert train.main([*argv, *SHORT]) == 0
+    capsys.readouterr()
+    other = [argument.replace("one.safetensors", "two.safetensors") for argument in argv]
+    assert train.main([*other, *SHORT]) == 2  # in the folder of the run from the first weights
+    assert "begun with other weights (--init" in capsys.readouterr().err
     one, two = (weight_file.load(name, Denoiser) for name in ("one.safetensors", "two.safetensors"))
     assert one.config == two.config
     assert any(not torch.equal(a, b) for a, b in zip(one.parameters(), two.parameters(), strict=True))

@@ -123,7 +123,7 @@ def test_a_control_does_not_go_on_with_another_base(pairs: PairFolder, base: Pat
     other = weight_file.load(base, Denoiser)
     with torch.no_grad():
         other.network.head.bias += 0.1
-    with pytest.raises(TrainingError, match="is the state of a run with another base"):
+    with pytest.raises(TrainingError, match="is the state of a run begun with other weights"):
         list(train_denoiser(CONTROL, pairs, tmp_path, begin=other))
 
 
@@ -233,8 +233,8 @@ def test_half_of_the_batches_are_mirrored(pairs: PairFolder) -> None:
 
 
 def test_a_base_of_another_shape_is_refused(pairs: PairFolder, tmp_path: Path) -> None:
-    other = Denoiser.from_config(dataclasses.replace(BASE.denoiser, blocks=2))
-    with pytest.raises(TrainingError, match=r"are of a DenoiserConfig\(.*blocks=2.*needs a .*blocks=1"):
+    other = Denoiser.from_config(dataclasses.replace(BASE.denoiser, refine_units=1))
+    with pytest.raises(TrainingError, match=r"are of a DenoiserConfig\(.*refine_units=1.*needs a .*refine_units=2"):
         next(train_denoiser(CONTROL, pairs, tmp_path, begin=other))
     with pytest.raises(TrainingError, match="a ControlNet needs a base"):
         next(train_denoiser(CONTROL, pairs, tmp_path))

@@ -21,7 +21,7 @@ def test_a_run_may_get_longer_but_no_other() -> None:
     ("begun", "message"),
     [
         (RunIdentity({"seed": 0}, 1, 3, "old"), "begun with the pairs of old, which are not those of new"),
-        (RunIdentity({"seed": 0}, 3, 2, "old"), "with another base"),
+        (RunIdentity({"seed": 0}, 3, 2, "old"), r"begun with other weights \(--init, or the base of a ControlNet\)"),
         (RunIdentity({"seed": 5}, 1, 2, "old"), "with another config: its seed is 5, not 0"),
         (RunIdentity({"seed": 0, "crop": 8}, 1, 2, "old"), "with another config: its crop is 8, not None"),
     ],

@@ -1,5 +1,6 @@
 """Two processes on one machine, started as torchrun starts them."""
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -42,4 +43,9 @@ def test_two_processes_learn_what_one_learns(tmp_path: Path) -> None:
     for name, weight in one.items():
         # sums of bfloat16 in another order
         torch.testing.assert_close(two[name], weight, atol=2e-3, rtol=0, msg=name)
-    assert len((tmp_path / "two" / "log.jsonl").read_text().splitlines()) == 1
+    # one report, of the samples of both
+    (alone,), (together,) = ((tmp_path / run / "log.jsonl").read_text().splitlines() for run in ("one", "two"))
+    alone, together = json.loads(alone), json.loads(together)
+    assert together["loss"] == pytest.approx(alone["loss"], rel=0.01)
+    for name, value in alone["measures"].items():
+        assert together["measures"][name] == (None if value is None else pytest.approx(value, rel=0.01)), name

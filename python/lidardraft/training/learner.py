@@ -61,13 +61,14 @@ class LearningConfig:
 
 @dataclass(frozen=True)
 class RunIdentity:
-    """What must be the same in all slices of a run: the config, and checksums of the frozen weights and of the pairs.
+    """What must be the same in all slices of a run: the config, and checksums of the weights it begins with, be they
+    random, given or the frozen base of a ControlNet, and of the pairs.
 
     `folder` says where the pairs lay; they may be moved.
     """
 
     config: dict[str, Any]
-    frozen: int
+    weights: int
     pairs: int
     folder: str = field(compare=False)
 
@@ -75,12 +76,12 @@ class RunIdentity:
         """Raise `TrainingError` where the run that wrote `path` had `begun` with something else."""
         if begun.pairs != self.pairs:
             difference = f"begun with the pairs of {begun.folder}, which are not those of {self.folder}"
-        elif begun.frozen != self.frozen:
-            difference = "with another base"
         elif begun.config != self.config:
             names = sorted({*self.config, *begun.config})
             name = next(name for name in names if self.config.get(name) != begun.config.get(name))
             difference = f"with another config: its {name} is {begun.config.get(name)}, not {self.config.get(name)}"
+        elif begun.weights != self.weights:
+            difference = "begun with other weights (--init, or the base of a ControlNet)"
         else:
             return
         raise TrainingError(f"{path} is the state of a run {difference}; use another folder")

@@ -73,7 +73,7 @@ def train(
     `batches(start)` gives the tensors of each step from `start` on, on the CPU. They follow from the step alone, so
     that a run in slices gives the weights of a run in one. `loss(step, batch)` gives the losses of the samples, whose
     mean is stepped on, and tensors of numbers by name whose means are reported. Of several processes (`Processes`) each
-    has its share of the samples; the gradients are added, and the first one writes and reports what it has seen.
+    has its share of the samples; the gradients are added, reports are of the samples of all, and the first one writes.
 
     The folder `run` receives `log.jsonl`, `state.safetensors` to go on from after an interruption or `max_minutes`, and
     `weights.safetensors`, the average of weights. A report is yielded after what is due at its step is on disk. Raises
@@ -95,13 +95,13 @@ def train(
             with memory_of(f"step {step + 1} of batches of {config.batch}"):
                 losses, measures = loss(step, tuple(tensor.to(device) for tensor in tensors))
                 mean = losses.sum() / processes.total(losses.numel(), device)
-                window.add(losses, learner.step(step, mean, processes), measures)
+                window.add(losses.detach(), learner.step(step, mean, processes), measures)
             minutes = (time.monotonic() - began) / 60
             # all processes stop at the same step
             last = step + 1 == config.steps or processes.total(minutes > max_minutes, device) > 0
             report = None
             if last or (step + 1) % config.report_every == 0:
-                report, window = window.report(step + 1, config.batch, minutes), _Window()
+                report, window = window.report(step + 1, config.batch, minutes, processes, device), _Window()
                 if processes.rank == 0:
                     with (run / "log.jsonl").open("a") as log:
                         log.write(json.dumps(dataclasses.asdict(report)) + "\n")
@@ -147,34 +147,38 @@ class _Window:
 
     def __init__(self) -> None:
         self.began = time.monotonic()
-        self.losses: list[float] = []
         self.gradients: list[float] = []
-        self.sums: dict[str, tuple[float, int]] = {}
+        self.sums: dict[str, tuple[float, int]] = {}  # sum and count, of the loss too
 
     def add(self, losses: Tensor, gradient: float, measures: Measures) -> None:
-        self.losses.append(losses.mean().item())
         self.gradients.append(gradient)
-        for name, values in measures.items():
+        for name, values in ({"loss": losses} | measures).items():
             total, count = self.sums.get(name, (0.0, 0))
             self.sums[name] = total + values.sum().item(), count + values.numel()
 
-    def report(self, step: int, batch: int, minutes: float) -> Report:
+    def report(self, step: int, batch: int, minutes: float, processes: Processes, device: torch.device) -> Report:
+        """Means over all processes, which must all ask for them."""
+        means: dict[str, float | None] = {}
+        for name, (own_total, own_count) in self.sums.items():
+            total, count = processes.total(own_total, device), processes.total(own_count, device)
+            means[name] = total / count if count else None
+        loss = means.pop("loss")
+        assert loss is not None
         return Report(
             step=step,
-            loss=float(np.mean(self.losses)),
+            loss=loss,
             gradient=float(np.mean(self.gradients)),
-            measures={name: total / count if count else None for name, (total, count) in self.sums.items()},
-            samples_per_second=len(self.losses) * batch / (time.monotonic() - self.began),
+            measures=means,
+            samples_per_second=len(self.gradients) * batch / (time.monotonic() - self.began),
             minutes=minutes,
         )
 
 
 def _identity(config: LearningConfig, network: nn.Module, data: Data) -> RunIdentity:
-    frozen = 0
+    weights = 0
     for p in network.parameters():
-        if not p.requires_grad:
-            frozen = zlib.crc32(p.detach().cpu().numpy().tobytes(), frozen)
-    return RunIdentity(config.of_any_length(), frozen, data.checksum, str(data.path))
+        weights = zlib.crc32(p.detach().cpu().numpy().tobytes(), weights)
+    return RunIdentity(config.of_any_length(), weights, data.checksum, str(data.path))
 
 
 def _cut_log(path: Path, step: int) -> None:
