@@ -25,6 +25,7 @@ from cases import CaseSet, recorded_sets, street_set, sweeps_of
 from lidardraft import Pipeline
 from lidardraft.metrics import lifelike
 from lidardraft.metrics.lifelike import CLASS_SETS
+from lidardraft.metrics.profiles import height_histogram, road_level
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.labelling import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
@@ -33,7 +34,8 @@ NO_OBJECT = [BY_NAME[name].id for name in ("none", *GROUND)]
 # which of `CLASS_SETS` a class is of, by its id; of the others each is a set of its own
 SETS = {name: [BY_NAME[member].id for member in members] for name, members in CLASS_SETS.items()}
 SET_OF = np.array([next((100 + k for k, ids in enumerate(SETS.values()) if row.id in ids), row.id) for row in CLASSES])
-_COMPARED = ("range (JSD)", "height over the road (JSD)", "top view (BEV JSD)", "top view (BEV MMD)")
+_HEIGHT = "height over the road (JSD)"
+_COMPARED = ("range (JSD)", _HEIGHT, "top view (BEV JSD)", "top view (BEV MMD)")
 DISTANCES = (
     *(one for one in lifelike.PROPERTIES if one.name in _COMPARED),
     *(one for one in lifelike.class_properties() if one.name in {f"intensity of {name} (JSD)" for name in CLASS_SETS}),
@@ -81,13 +83,16 @@ def table_of(found: Iterable[dict[str, Sweep]], firings: bool) -> Table:
     counts: dict[str, Counts] = defaultdict(lambda: defaultdict(lambda: np.zeros(2)))
     features: dict[str, dict[str, list[np.ndarray]]] = defaultdict(lambda: defaultdict(list))
     for sweeps in found:
+        # the scans of a case are taken from one place: its road is theirs, though each alone would tell another level
+        heights = partial(height_histogram, road=road_level(sweeps["recorded"]))
         for name, sweep in sweeps.items():
             if name != "recorded":
                 for row, of, right in shares(sweeps["recorded"], sweep, sweeps["cast"], firings):
                     counts[name][row] += np.count_nonzero(of & right), np.count_nonzero(of)
             for one in DISTANCES:
                 if sweep.intensity is not None or not one.name.startswith("intensity"):
-                    features[name][one.name].append(one.measure(sweep))
+                    measure = heights if one.name == _HEIGHT else one.measure
+                    features[name][one.name].append(measure(sweep))
     table: Table = defaultdict(dict)
     for name, counted in counts.items():
         for row, (part, whole) in counted.items():

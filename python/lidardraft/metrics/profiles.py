@@ -22,9 +22,10 @@ def range_histogram(sweep: Sweep) -> np.ndarray:
     return np.histogram(sweep.depth[sweep.valid], RANGE_BINS)[0].astype(np.float64)
 
 
-def height_histogram(sweep: Sweep) -> np.ndarray:
-    """Returns by height over the road in steps of 0.1 m, -3 to 15 m."""
-    return np.histogram(sweep.points[sweep.valid, 2] - road_level(sweep), HEIGHT_BINS)[0].astype(np.float64)
+def height_histogram(sweep: Sweep, road: float | None = None) -> np.ndarray:
+    """Returns by height over the road in steps of 0.1 m, -3 to 15 m; `road` is its level [m], where it is known."""
+    level = road_level(sweep) if road is None else road
+    return np.histogram(sweep.points[sweep.valid, 2] - level, HEIGHT_BINS)[0].astype(np.float64)
 
 
 def road_level(sweep: Sweep) -> float:
