@@ -99,12 +99,11 @@ def test_a_side_too_long_for_a_width_is_a_part_of_the_length():
     assert box.yaw == 0.0
 
 
-def test_contains_and_depth_behind_the_front():
+def test_a_box_contains_what_is_over_its_footprint():
     box = FittedBox(center=np.array([10.0, 0.0, 0.0]), size=np.array([4.0, 2.0, 1.0]), yaw=0.0)
     points = np.array([[8.1, 0.0, 50.0], [7.9, 0.0, 0.0], [11.0, 0.9, 0.0]])
     np.testing.assert_array_equal(box.contains(points), [True, False, True])
     np.testing.assert_array_equal(box.contains(points, margin=0.2), [False, False, False])
-    np.testing.assert_allclose(box.depth_behind_front(points)[:2], (0.1, -0.1), atol=1e-12)
 
 
 def blob(center, random, count=60):

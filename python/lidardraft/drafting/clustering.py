@@ -46,12 +46,6 @@ class FittedBox:
         """bool [N]: above or below the box's footprint and further than `margin` from its edge; heights are ignored."""
         return (np.abs(self.to_local(points)[:, :2]) < self.size[:2] / 2 - margin).all(axis=1)
 
-    def depth_behind_front(self, points: np.ndarray) -> np.ndarray:
-        """Horizontal distance [N] from the nearer of the two sides that face the sensor."""
-        local = self.to_local(points)[:, :2]
-        sensor = self.to_local(np.zeros((1, 3)))[0, :2]
-        return (self.size[:2] / 2 - np.sign(sensor) * local).min(axis=1)
-
 
 def thin(points: np.ndarray, voxel: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """One point a cell of `voxel` metres: indices [M] of those kept, cell [N] of each point, points [M] a cell."""
