@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.evaluation import evaluate, unseen_streets
+from lidardraft.evaluation import evaluate, loss_by_other_layouts, unseen_streets
 from lidardraft.pipeline import Pipeline
 from lidardraft.scene.sensor import Sensor
 from lidardraft.streets import StreetPair
@@ -50,3 +50,11 @@ def test_scans_are_generated_where_the_weights_are(pairs: list[StreetPair], deno
     assert [next(scores).name for _ in range(3)] == ["detailed scan", "condition image", "simulated"]
     with pytest.raises(RuntimeError, match=r"unsupported|meta tensor"):  # nothing is computed on that device
         next(scores)
+
+
+def test_a_network_that_heeds_its_layout_does_worse_by_another(pairs: list[StreetPair], denoiser: Denoiser) -> None:
+    scans, images = [pair.scan for pair in pairs], [pair.condition_image for pair in pairs]
+    assert loss_by_other_layouts(denoiser, scans, images) > 1.05  # its copy gate
+    base, control = recipes.tiny_paper().stages
+    fresh = Denoiser.from_config(base.denoiser).with_controlnet(control.denoiser)
+    assert loss_by_other_layouts(fresh, scans, images) == 1.0  # its zero convolutions are zero

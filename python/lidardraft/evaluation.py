@@ -10,18 +10,21 @@ from typing import TypeVar
 import numpy as np
 import torch
 
+from lidardraft.diffusion.codec import encode_condition, encode_rays, encode_scan
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.sampling_defaults import STEPS_FROM_NOISE
 from lidardraft.metrics.adherence import Adherence, adherence
 from lidardraft.metrics.bev import bev_jsd
 from lidardraft.metrics.returns import lone_returns, near_holes
 from lidardraft.metrics.sweep import Sweep
+from lidardraft.networks.precision import reduced_precision
 from lidardraft.pipeline import Pipeline
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.streets import StreetConfig, StreetPair, streets
 
 _Item = TypeVar("_Item")
+_HEEDED_LEVELS = (0.1, 0.3, 1.0, 3.0)  # of noise: at lower ones the scan itself says all
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,6 +76,26 @@ def sample_scans(
     pipeline = Pipeline(denoiser, steps=steps)
     scans = (_last(pipeline.denoising(image, image, seed=seed)) for seed, image in enumerate(condition_images))
     return list(_counted(scans, on_scan))
+
+
+@torch.inference_mode()
+def loss_by_other_layouts(denoiser: Denoiser, scans: list[RangeImage], condition_images: list[RangeImage]) -> float:
+    """The loss of scans, each by the condition image of the next one, over that by their own: 1 is a denoiser that does
+    not heed what it is given. It shows long before scans do."""
+    device = next(denoiser.parameters()).device
+    losses = dict.fromkeys((0, 1), 0.0)
+    for seed, scan in enumerate(scans):
+        sigma = torch.tensor(_HEEDED_LEVELS, device=device)
+        clean = torch.from_numpy(encode_scan(scan)).to(device).expand(len(sigma), -1, -1, -1)
+        noise = torch.randn(clean.shape, generator=torch.Generator().manual_seed(seed)).to(device)
+        rays = torch.from_numpy(encode_rays(scan.sensor)).to(device)
+        for shift in losses:
+            image = condition_images[(seed + shift) % len(scans)]
+            condition = torch.from_numpy(encode_condition(image, image)).to(device).expand(len(sigma), -1, -1, -1)
+            with reduced_precision(device):
+                loss = denoiser.loss(clean, sigma, noise, rays, condition, wraps=scan.sensor.wraps)
+            losses[shift] += loss.mean().item()
+    return losses[1] / losses[0]
 
 
 def _simulated(pair: StreetPair) -> RangeImage:

@@ -19,7 +19,7 @@ def test_the_table_has_a_row_for_each_arm(capsys: pytest.CaptureFixture[str]) ->
     shown = capsys.readouterr().out
     assert shown.startswith("1 street, small; base 2 steps, each arm 2\n")
     number = r" +(?:\d+\.\d{3}|nan)"
-    rows = re.findall(rf"^(\S.*?){number}{number} +\d\.\d{{3}} +\d+\.\d{{3}}$", shown, re.MULTILINE)
+    rows = re.findall(rf"^(\S.*?){number}{number} +\d\.\d{{3}} +\d+\.\d{{3}} +\d\.\d{{3}}$", shown, re.MULTILINE)
     assert rows == ["other streets", "no condition", *ARMS]
     base = weight_file.load("work/base/weights.safetensors", Denoiser)
     steps = {}

@@ -26,6 +26,7 @@ _OTHER_STREETS = 3_000_000  # a seed; neither learned from nor scored on
 def ablation(arguments: argparse.Namespace) -> None:
     """Train the paper's form and what it is compared with, each for as long, and score all; a second call goes on."""
     from lidardraft.diffusion.top_view import top_view
+    from lidardraft.evaluation import loss_by_other_layouts
     from lidardraft.training import recipes
     from lidardraft.training.ablation import ARMS
     from lidardraft.training.loop import check_run_folder, device_for_training
@@ -46,7 +47,7 @@ def ablation(arguments: argparse.Namespace) -> None:
     pairs = evaluate.unseen_streets(num, sensor)
     others = [pair.scan for pair in evaluate.unseen_streets(num, sensor, _OTHER_STREETS)]
     print(f"{num} street{'s' * (num > 1)}, {sensor.name}; base {base.steps} steps, each arm {control.steps}")
-    print(f"{'':28}{'objects':>9}{'drop':>9}{'BEV JSD':>9}{'MMD 1e-4':>10}", flush=True)
+    print(f"{'':28}{'objects':>9}{'drop':>9}{'BEV JSD':>9}{'MMD 1e-4':>10}{'heeded':>9}", flush=True)
     _row("other streets", pairs, others)
     cast = [pair.condition_image for pair in pairs]
     from_above = [top_view(pair.layout, sensor, pair.pose) for pair in pairs]
@@ -56,7 +57,9 @@ def ablation(arguments: argparse.Namespace) -> None:
         seen = dataclasses.replace(source, from_above=arm.from_above)
         begin = copy.deepcopy(unconditional) if arm.controlnet else None  # it is frozen under a ControlNet
         denoiser = _trained(arguments, arm.stage(recipe), seen, name, begin)
-        _row(name, pairs, _sampled(denoiser, from_above if arm.from_above else cast))
+        images = from_above if arm.from_above else cast
+        heeded = loss_by_other_layouts(denoiser, [pair.scan for pair in pairs], images)
+        _row(name, pairs, _sampled(denoiser, images), heeded)
 
 
 def _trained(
@@ -84,13 +87,14 @@ def _sampled(denoiser: Denoiser, images: list[RangeImage]) -> list[RangeImage]:
         return sample_scans(denoiser, images, on_scan=bar.update)
 
 
-def _row(name: str, pairs: list[StreetPair], scans: list[RangeImage]) -> None:
+def _row(name: str, pairs: list[StreetPair], scans: list[RangeImage], heeded: float = 1.0) -> None:
     from lidardraft.evaluation import score
     from lidardraft.metrics.bev import bev_mmd
 
     scores = score(name, pairs, scans)
     mmd = bev_mmd((pair.scan.points() for pair in pairs), (scan.points() for scan in scans))
-    print(f"{name:28}{scores.objects:9.3f}{scores.drop:9.3f}{scores.jsd:9.3f}{1e4 * mmd:10.3f}", flush=True)
+    shown = f"{scores.objects:9.3f}{scores.drop:9.3f}{scores.jsd:9.3f}{1e4 * mmd:10.3f}{heeded:9.3f}"
+    print(f"{name:28}{shown}", flush=True)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -98,7 +102,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = (
         "The paper's FRD needs weights that are not free, so that top views (BEV JSD, MMD) and adherence stand for it. "
         "objects: share of the returns on objects within 0.5 m or 5 % of the layout. drop: share of the rays that hit "
-        "the layout and return nothing. The row of other streets says what scans of another place would get."
+        "the layout and return nothing. heeded: the loss of unseen scans by the layout of another street, over that by "
+        "their own, 1 where a network ignores its condition. The row of other streets says what scans of another place "
+        "would get."
     )
     add_sensor(parser)
     text = "steps that the base learns, which knows no condition (default 8000)"
