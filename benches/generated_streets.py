@@ -23,8 +23,8 @@ KINDS = ("simulated", "generated")
 OTHERS = 3_000_000  # the seed of streets that no other part has
 PART = 4  # one street by another sensor for so many by the first
 STARTS = (None, 1.5, 0.5, 0.2)
-CALLS = (4, 20)
-SEEDS, LAYOUTS, SAMPLED = 4, 5, 10  # at most
+CALLS = (1, 2, 4, 8, 20)
+SEEDS, LAYOUTS, SAMPLED = 4, 5, 24  # at most
 
 
 def _table_of_beams(name: str, degrees: Sequence[float] | np.ndarray, **fields: float | int) -> Sensor:
