@@ -22,6 +22,26 @@ def test_a_trunk_and_a_crown_become_one_tree() -> None:
         assert max(p.extinction for p in leaves) > 0.2, "it is in leaf"
 
 
+def test_a_trunk_and_a_crown_of_two_names_become_one_tree() -> None:
+    trunk = box("trunk", (0.5, 0.5, 3.0), id="stem", shape="cylinder")
+    crown = box("vegetation", (4.0, 4.0, 5.0), at=(15.0, 3.0, 2.0), id="leaves", shape="ellipsoid")
+    parts = detailed(trunk, crown)
+    boughs = [p for p in parts if p.label == "trunk"]
+    assert len(boughs) > 1
+    assert {p.id.split(".")[0] for p in boughs} == {"stem"}
+    assert {p.id.split(".")[0] for p in parts if p.label == "vegetation"} == {"leaves"}
+    (alone,) = [p for p in detailed(trunk, crown, source="point cloud") if p.label == "trunk"]
+    assert alone.size == trunk.size
+
+
+def test_a_bush_beside_a_trunk_is_not_its_crown() -> None:
+    trunk = box("trunk", (0.5, 0.5, 3.0), id="stem", shape="cylinder")
+    for at in ((16.5, 3.0, 2.0), (15.0, 3.0, 0.0), (15.0, 3.0, 4.0)):  # aside, on the ground, high over it
+        bush = box("vegetation", (4.0, 4.0, 2.0), at=at, id="bush", shape="ellipsoid")
+        (stem,) = [p for p in detailed(trunk, bush) if p.label == "trunk"]
+        assert stem.size == trunk.size
+
+
 def test_pieces_of_a_crown_become_a_medium_each() -> None:
     pieces = [
         box("vegetation", (1.0, 1.2, 0.9), at=(15, k, 2), id=f"vegetation_{k}", shape="ellipsoid") for k in range(5)

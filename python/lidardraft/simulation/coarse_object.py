@@ -16,6 +16,7 @@ from lidardraft.semantics import BY_NAME, GROUND
 
 _MACHINES = ("bicycle", "motorcycle")
 _RIDES_WITHIN = 0.8  # m between the middles of a rider and of what is ridden: an estimate of ours
+_CROWN_OVER = 0.5  # m from the top of a trunk to the crown that is its own, at most: an estimate of ours
 _MOST_EMPTY = 2.0  # times the volume of parts that the box around one object has: an estimate of ours
 
 
@@ -100,10 +101,11 @@ class CoarseObject:
         return [part for part in self.parts if part.label == label]
 
 
-def coarse_objects(layout: Layout, seed: int) -> Iterator[CoarseObject]:
-    """The objects of `layout` but ground, in order; who rides comes with what is ridden.
+def coarse_objects(layout: Layout, seed: int, *, clustered: bool = False) -> Iterator[CoarseObject]:
+    """The objects of `layout` but ground, in order; who rides comes with what is ridden, and a trunk with its crown.
 
-    Left out is what has a part with a material, a mesh or an extinction: it is no coarse object.
+    Of a `clustered` layout, trunks and pieces of crowns stay apart. Left out is what has a part with a material, a mesh
+    or an extinction: it is no coarse object.
     """
     groups: dict[str, list[Primitive]] = {}
     for primitive in layout:
@@ -118,8 +120,9 @@ def coarse_objects(layout: Layout, seed: int) -> Iterator[CoarseObject]:
             if machine is not None:
                 ridden.add(object_of(machine[0]))
                 parts.extend(machine)
+    joined = set() if clustered else _join_crowns(groups)
     for name, parts in groups.items():
-        if name not in ridden:
+        if name not in ridden | joined:
             apart = _apart(parts)
             yield from (CoarseObject.of(one, seed, name if len(apart) == 1 else one[0].id) for one in apart)
 
@@ -150,6 +153,28 @@ def generator_of(seed: int, name: str) -> np.random.Generator:
     """The random numbers of what has that name, the same on every machine."""
     digest = hashlib.blake2b(f"{seed} {name}".encode(), digest_size=8).digest()
     return np.random.Generator(np.random.SFC64(int.from_bytes(digest, "little")))
+
+
+def _join_crowns(groups: dict[str, list[Primitive]]) -> set[str]:
+    """Add to each trunk that is alone the crown over it, if there is one; the names of these crowns."""
+    alone = [parts for parts in groups.values() if len(parts) == 1]
+    crowns = [parts[0] for parts in alone if (parts[0].label, parts[0].shape) == ("vegetation", "ellipsoid")]
+    joined: set[str] = set()
+    for parts in alone:
+        if (parts[0].label, parts[0].shape) == ("trunk", "cylinder"):
+            crown = next((one for one in crowns if object_of(one) not in joined and _over(one, parts[0])), None)
+            if crown is not None:
+                joined.add(object_of(crown))
+                parts.append(crown)
+    return joined
+
+
+def _over(crown: Primitive, trunk: Primitive) -> bool:
+    """Whether a trunk ends in a crown, or just under it, in the middle half of its width."""
+    aside = math.hypot(crown.center[0] - trunk.center[0], crown.center[1] - trunk.center[1])
+    foot, head = (trunk.center[2] + side * trunk.size[2] / 2 for side in (-1, 1))
+    low, high = (crown.center[2] + side * crown.size[2] / 2 for side in (-1, 1))
+    return aside <= min(crown.size[:2]) / 4 and foot < low <= head + _CROWN_OVER and head <= high
 
 
 def _nearest(rider: Primitive, machines: list[list[Primitive]]) -> list[Primitive] | None:

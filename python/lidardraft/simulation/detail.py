@@ -59,7 +59,7 @@ def detail(layout: Layout, seed: int = 0, *, clutter: float = 0.0) -> Layout:
         raise LayoutError(f"clutter is {clutter!r}; it must be a number from 0 to 1")
     surroundings = Surroundings.of(layout)
     detailed: dict[str, list[Primitive]] = {}
-    for coarse in coarse_objects(layout, seed):
+    for coarse in coarse_objects(layout, seed, clustered=surroundings.clustered):
         rule = next(rule for label, rule in RULES.items() if label in coarse.owners)
         for part in coarse.parts:
             detailed.setdefault(object_of(part), [])
