@@ -13,7 +13,10 @@ from lidardraft.objects.mesh_template import MeshTemplate
 STOREY = 2.9  # m, floor to floor of a dwelling, usually 2.8 to 3.2
 WINDOW_BAY = 3.0  # m from window to window that a form is made for
 PLINTH = 0.8  # m that walls reach under the ground
-RECESS = 0.16  # m from the wall's face to the pane
+RECESS = 0.16  # m from the wall's face to the frame of a window
+# Of a window 0.7 is glass (DIN V 4108-6), the rest is its frame, here around one pane and of the wall's material.
+_GLAZED = 0.7**0.5  # of its width and its height
+_PANE = 0.02  # m that a pane lies before its frame
 _SILL, _LINTEL = 0.9, 2.25  # m over the floor
 # What stands out of a wall, as extents of height and depth [m]: window sills, and a ledge at each floor.
 _SILL_STONE, _LEDGE = (0.07, 0.045), (0.18, 0.04)
@@ -90,7 +93,8 @@ def _facade(
     foot, head = sill[floor].copy(), lintel[floor]
     entrance = (floor == 0) & (bay == door)
     foot[entrance] = 0.0
-    pane = _upright(np.stack([left, right, foot, head], axis=1), -RECESS)
+    recesses = np.stack([left, right, foot, head], axis=1)
+    panes = _upright(_glazed(recesses[~entrance]), _PANE - RECESS)
     wide = np.stack([left - _SILL_BESIDE, right + _SILL_BESIDE, foot - _SILL_STONE[0], foot], axis=1)[~entrance]
     courses = np.array([(-span / 2, span / 2, a - _LEDGE[0], a) for a in low[1:]]).reshape(-1, 4)
     reveals = [
@@ -101,7 +105,7 @@ def _facade(
     if sills:
         reveals.append(_reveal((left, foot), (right, foot)))
     stones = [_ledge(wide, _SILL_STONE[1]), _ledge(courses, _LEDGE[1])]
-    return np.concatenate([flat, *reveals, *stones, pane[entrance]]), pane[~entrance]
+    return np.concatenate([flat, *reveals, *stones, _upright(recesses, -RECESS)]), panes
 
 
 def _flush(span: float, count: int, storeys: int, opening: float) -> np.ndarray:
@@ -110,7 +114,14 @@ def _flush(span: float, count: int, storeys: int, opening: float) -> np.ndarray:
     half = min(opening * WINDOW_BAY, 0.5 * step) / 2
     floor, bay = (a.ravel() for a in np.meshgrid(np.arange(storeys), np.arange(count), indexing="ij"))
     middle, low = (bay + 0.5) * step - span / 2, floor * STOREY
-    return _upright(np.stack([middle - half, middle + half, low + _SILL, low + _LINTEL], axis=1), _PROUD)
+    return _upright(_glazed(np.stack([middle - half, middle + half, low + _SILL, low + _LINTEL], axis=1)), _PROUD)
+
+
+def _glazed(openings: np.ndarray) -> np.ndarray:
+    """The panes [Q, 4] of windows [Q, 4] of (left, right, bottom, top)."""
+    low, high = openings[:, ::2], openings[:, 1::2]
+    margin = (1 - _GLAZED) / 2 * (high - low)
+    return np.stack([low + margin, high - margin], axis=2).reshape(-1, 4)
 
 
 def _ledge(cells: np.ndarray, out: float) -> np.ndarray:

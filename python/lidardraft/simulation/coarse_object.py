@@ -120,7 +120,7 @@ def coarse_objects(layout: Layout, seed: int, *, clustered: bool = False) -> Ite
             if machine is not None:
                 ridden.add(object_of(machine[0]))
                 parts.extend(machine)
-    joined = set() if clustered else _join_crowns(groups)
+    joined: set[str] = set() if clustered else _join_crowns(groups)
     for name, parts in groups.items():
         if name not in ridden | joined:
             apart = _apart(parts)
