@@ -130,5 +130,5 @@ class Pipeline:
         for state in states:
             image = decode_scan(state[0].cpu().numpy(), sensor)
             if "simulated" in seen:
-                image = settle(image, simulated, np.random.default_rng([seed, 7]))
+                image = settle(image, condition_image, simulated, np.random.default_rng([seed, 7]))
             yield image

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
@@ -9,8 +12,41 @@ from torch.nn import functional
 from lidardraft.networks.convolution import RangeImageConv, fold, unfold, zero_conv
 
 _SPREAD = 0.5  # how far a value of the state lies from a given one that is wrong: the spread of all values
+_FREE_SPREAD = 0.1  # how far what the network makes of a channel lies from the truth, before it has learned
 _KEEP = 2.0  # ln of how much likelier than the last given value another one must be to be decided for
-_TRUST_RANGE = 2.0  # how many times e the trust of a pixel may be above or below that of the gate
+_RANGE = 2.0  # how many times e a learned spread may be above or below that of the gate
+
+
+@dataclass(frozen=True)
+class Mixture:
+    """What a channel may be at each pixel: one of the given values, or last what the network makes of it.
+
+    `odds` are ln of how likely each is, up to a sum; `values` their means and `variances` how far from these the truth
+    lies; all [B, values + 1, H, W].
+    """
+
+    odds: Tensor
+    values: Tensor
+    variances: Tensor
+
+    def mean(self) -> Tensor:
+        """The expected value [B, 1, H, W]."""
+        return (self.odds.softmax(dim=1) * self.values).sum(dim=1, keepdim=True)
+
+    def likeliest(self) -> Tensor:
+        """The value that is likeliest [B, 1, H, W]: between two surfaces there is none.
+
+        The last given value is kept where another is hardly likelier: what is left of the noise would decide there.
+        """
+        odds = self.odds.clone()
+        odds[:, -2] += _KEEP
+        return self.values.gather(1, odds.argmax(dim=1, keepdim=True))
+
+    def surprise(self, truth: Tensor) -> Tensor:
+        """-ln of the density at the truth [B, 1, H, W], in place of the squared error of the mean: that hardly tells
+        half a metre from none, and so does not teach which of two near values holds."""
+        normal = -((truth - self.values) ** 2 / self.variances + (2 * math.pi * self.variances).log()) / 2
+        return -torch.logsumexp(self.odds.log_softmax(dim=1) + normal, dim=1, keepdim=True)
 
 
 class CopyGate(nn.Module):
@@ -25,38 +61,37 @@ class CopyGate(nn.Module):
     def __init__(self, width: int, cell: tuple[int, int], *, values: int, trust: float, offset: float) -> None:
         super().__init__()
         pixels = cell[0] * cell[1]
-        self.cell, self.trust, self.offset = cell, trust, offset
+        self.cell, self.trust, self.offset, self.values = cell, trust, offset, values
         self.mix = RangeImageConv(width + 2 * values * pixels, width)
-        self.head = zero_conv(width, 3 * values * pixels)
+        self.head = zero_conv(width, (3 * values + 1) * pixels)
 
     def forward(
-        self, denoised: Tensor, x: Tensor, sigma: Tensor, features: Tensor, given: Tensor, *, wraps: bool, decide: bool
-    ) -> Tensor:
-        """The channel [B, 1, H, W] for what the network makes of it, the noisy x [B, 1, H, W], sigma [B, 1, 1, 1] and
-        features [B, width, h, w].
-
-        `given` [B, values, H, W] are values of the state. The result is the mean over what the channel may be, or with
-        `decide` the likeliest of it: between two surfaces there is none. The last given value is kept where another is
-        hardly likelier: what is left of the noise would decide there.
-        """
+        self, denoised: Tensor, x: Tensor, sigma: Tensor, features: Tensor, given: Tensor, *, wraps: bool
+    ) -> Mixture:
+        """What the channel may be, for what the network makes of it [B, 1, H, W], the noisy x [B, 1, H, W], sigma
+        [B, 1, 1, 1], features [B, width, h, w] and values of the state `given` [B, values, H, W]."""
         right = sigma**2 + self.trust**2
         distance = torch.tanh((x - given) / (2 * right.sqrt()))
         evidence = torch.tanh(_evidence(x - given, right, sigma) / 4)
         folded = fold(torch.cat([distance, evidence], dim=1), self.cell).to(features)
         h = functional.silu(self.mix(torch.cat([features, folded], dim=1), wraps))
-        prior, trust, offset = unfold(self.head(h), self.cell).float().chunk(3, dim=1)
-        spread = (self.trust * torch.exp(_TRUST_RANGE * torch.tanh(trust))) ** 2
+        *learned, free = unfold(self.head(h), self.cell).float().split([*[self.values] * 3, 1], dim=1)
+        prior, trust, offset = learned
+        spread, free = (_learned_variance(*pair) for pair in ((self.trust, trust), (_FREE_SPREAD, free)))
         right = sigma**2 + spread
         value = given + self.offset * torch.tanh(offset / 4)
         odds = prior + _evidence(x - value, right, sigma)
         # A given value and the pixel, by the precision of either.
         value = value + spread / right * (x - value)
-        odds = torch.cat([odds, torch.zeros_like(x)], dim=1)
-        value = torch.cat([value, denoised], dim=1)
-        if decide:
-            odds[:, -2] += _KEEP
-            return value.gather(1, odds.argmax(dim=1, keepdim=True))
-        return (odds.softmax(dim=1) * value).sum(dim=1, keepdim=True)
+        return Mixture(
+            odds=torch.cat([odds, torch.zeros_like(x)], dim=1),
+            values=torch.cat([value, denoised], dim=1),
+            variances=sigma**2 * torch.cat([spread / right, free / (sigma**2 + free)], dim=1),
+        )
+
+
+def _learned_variance(spread: float, learned: Tensor) -> Tensor:
+    return (spread * torch.exp(_RANGE * torch.tanh(learned))) ** 2
 
 
 def _evidence(distance: Tensor, right: Tensor, sigma: Tensor) -> Tensor:

@@ -12,7 +12,7 @@ from torch import Tensor, nn
 
 from lidardraft.diffusion.codec import CONDITION_PARTS, DEPTH, INTENSITY, RAY_CHANNELS, STATE_CHANNELS, VALIDITY
 from lidardraft.diffusion.controlnet import ControlNet
-from lidardraft.diffusion.copy_gate import CopyGate
+from lidardraft.diffusion.copy_gate import CopyGate, Mixture
 from lidardraft.diffusion.noise import add_noise
 from lidardraft.diffusion.score_network import ScoreNetwork
 from lidardraft.errors import CheckpointError, LidarDraftError
@@ -23,6 +23,7 @@ SIGMA_DATA = 0.5  # standard deviation of a state
 # Of the state's log depth: 2 % of the range, 12 % at most. Of its intensity, from -1 to 1: speckle, and another paint.
 _GATED_DEPTH = {"trust": 0.01, "offset": 0.05}
 _GATED_INTENSITY = {"trust": 0.08, "offset": 0.5}
+_SURPRISE = 0.1  # of the loss, what a gate's surprise counts beside the squared error
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,6 +164,17 @@ class Denoiser(Network):
         al., NeurIPS 2022, Table 1. Raises `CheckpointError` on a condition that these weights have no place for, and
         without one that they need.
         """
+        denoised, mixtures = self._denoised(x, sigma, rays, condition, wraps=wraps)
+        channels = list(denoised.split(1, dim=1))
+        for channel, mixture in mixtures.items():
+            # Between two surfaces there is none; between two intensities there is.
+            channels[channel] = mixture.likeliest() if decide and channel == DEPTH else mixture.mean()
+        return torch.cat(channels, dim=1)
+
+    def _denoised(
+        self, x: Tensor, sigma: Tensor, rays: Tensor, condition: Tensor | None, *, wraps: bool
+    ) -> tuple[Tensor, dict[int, Mixture]]:
+        """What the network makes of the state, and of each channel that has a gate what that says."""
         level = sigma.log() / 4
         sigma = sigma.reshape(-1, 1, 1, 1)
         variance = sigma**2 + SIGMA_DATA**2
@@ -184,18 +196,14 @@ class Denoiser(Network):
         output = self.network.output(features, inputs, wraps).float()
         denoised = SIGMA_DATA**2 / variance * x + sigma * SIGMA_DATA / variance.sqrt() * output
         if condition is None or not self.gates:
-            return denoised
-        depth, intensity, validity = denoised.chunk(STATE_CHANNELS, dim=1)
-        noisy = x.chunk(STATE_CHANNELS, dim=1)
-        # Between two surfaces there is none; between two intensities there is.
-        given = condition[:, [CONDITION_PARTS[part].start + DEPTH for part in self.config.gated]]
-        depth = self.gates["depth"](depth, noisy[DEPTH], sigma, features, given, wraps=wraps, decide=decide)
-        if "intensity" in self.gates:
-            given = condition[:, CONDITION_PARTS["simulated"]][:, INTENSITY : INTENSITY + 1]
-            intensity = self.gates["intensity"](
-                intensity, noisy[INTENSITY], sigma, features, given, wraps=wraps, decide=False
-            )
-        return torch.cat([depth, intensity, validity], dim=1)
+            return denoised, {}
+        mixtures = {}
+        for name, channel, parts in (("depth", DEPTH, self.config.gated), ("intensity", INTENSITY, ("simulated",))):
+            if name in self.gates:
+                given = condition[:, [CONDITION_PARTS[part].start + channel for part in parts]]
+                one = slice(channel, channel + 1)
+                mixtures[channel] = self.gates[name](denoised[:, one], x[:, one], sigma, features, given, wraps=wraps)
+        return denoised, mixtures
 
     def loss(
         self,
@@ -212,12 +220,19 @@ class Denoiser(Network):
         With D - x = sigma^2 S this is the paper's sigma^2 |S - target|^2, normalised to be about 1 at every noise level
         for an untrained network. Depth and intensity count only where the scan has a return.
         """
-        denoised = self.denoise(add_noise(clean, sigma, noise), sigma, rays, condition, wraps=wraps)
+        denoised, mixtures = self._denoised(add_noise(clean, sigma, noise), sigma, rays, condition, wraps=wraps)
         weight = (sigma**2 + SIGMA_DATA**2) / (sigma * SIGMA_DATA) ** 2
-        counts = (clean[:, VALIDITY : VALIDITY + 1] > 0).expand_as(clean).clone()
+        returns = clean[:, VALIDITY : VALIDITY + 1] > 0
+        counts = returns.expand_as(clean).clone()
         counts[:, VALIDITY] = True
-        error = ((denoised - clean) ** 2 * counts).sum(dim=(1, 2, 3)) / counts.sum(dim=(1, 2, 3))
-        return weight * error
+        channels = list(denoised.split(1, dim=1))
+        surprise = torch.zeros_like(sigma)
+        for channel, mixture in mixtures.items():
+            channels[channel] = mixture.mean()
+            surprised = mixture.surprise(clean[:, channel : channel + 1]) * returns
+            surprise = surprise + surprised.sum(dim=(1, 2, 3)) / returns.sum(dim=(1, 2, 3)).clamp(min=1)
+        error = ((torch.cat(channels, dim=1) - clean) ** 2 * counts).sum(dim=(1, 2, 3)) / counts.sum(dim=(1, 2, 3))
+        return weight * error + _SURPRISE * surprise
 
 
 def _controls(config: DenoiserConfig, network: ScoreNetwork) -> tuple[ControlNet | None, nn.ModuleDict]:
