@@ -218,7 +218,8 @@ class Denoiser(Network):
         """The loss of each sample [B]: EDM's weight times the squared error of D, over the pixels that count.
 
         With D - x = sigma^2 S this is the paper's sigma^2 |S - target|^2, normalised to be about 1 at every noise level
-        for an untrained network. Depth and intensity count only where the scan has a return.
+        for an untrained network. Depth and intensity count only where the scan has a return. Where they have gates, a
+        small part of the loss is how surprised these are by the scan (`Mixture.surprise`), below 0 where they are sure.
         """
         denoised, mixtures = self._denoised(add_noise(clean, sigma, noise), sigma, rays, condition, wraps=wraps)
         weight = (sigma**2 + SIGMA_DATA**2) / (sigma * SIGMA_DATA) ** 2

@@ -2,4 +2,4 @@
 
 STEPS = 4  # calls of the network, from a simulated scan
 STEPS_FROM_NOISE = 20
-START = 0.5  # the noise level from which a simulated scan is changed: buildings stay, what is unsure may move
+START = 1.0  # the noise level from which a simulated scan is changed: buildings stay, what is unsure may move

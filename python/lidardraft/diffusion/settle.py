@@ -22,7 +22,7 @@ def settle(
     """`generated` as the sensor reports it, with what the network is right about.
 
     - Returns: those of the simulated scan, and further ones where the layout has no surface. Which firings are lost on
-      a surface is chance that the sensor model knows: of returns that the network takes away 5 to 10 % are not there.
+      a surface is chance that the sensor model knows: of returns that the network takes away 5 to 20 % are not there.
     - Ranges: the simulated one where both agree, whose noise is the sensor model's; of moves within that tolerance the
       network gets fewer right than wrong. A return without any neighbour at its range becomes the simulated one, or
       none. Others get the range noise of the sensor.

@@ -29,7 +29,14 @@ def small() -> Recipe:
         groups=4,
     )
     stage = DenoisingConfig(
-        denoiser=denoiser, steps=20_000, batch=4, learning_rate=1.5e-3, ema=0.999, sigma_mean=-2.0, decay=0.4
+        denoiser=denoiser,
+        steps=20_000,
+        batch=4,
+        learning_rate=1.5e-3,
+        ema=0.999,
+        sigma_mean=-1.2,
+        sigma_std=1.6,
+        decay=0.4,
     )
     return Recipe(stages=(stage,))
 
