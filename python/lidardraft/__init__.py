@@ -16,7 +16,7 @@ from lidardraft.semantics import CLASSES, SemanticClass
 
 __version__ = "0.1.0"  # that of pyproject.toml and Cargo.toml
 
-# What needs lark, scikit-learn, Pillow or torch is imported when it is first asked for.
+# Imported when first asked for: most of it needs lark, scikit-learn, Pillow or torch.
 _LAZY = {
     "Pipeline": "lidardraft.pipeline",
     "Scan": "lidardraft.scan",
@@ -34,6 +34,7 @@ _LAZY = {
     "layout_from_obj": "lidardraft.formats.obj",
     "layout_from_sketch": "lidardraft.drafting.sketch",
     "layout_from_text": "lidardraft.drafting.text",
+    "with_vehicle": "lidardraft.scene.vehicle_shadow",
 }
 
 __all__ = [
@@ -65,6 +66,7 @@ __all__ = [
     "observe_points",
     "raycast",
     "simulate",
+    "with_vehicle",
 ]
 
 
