@@ -15,7 +15,7 @@ from lidardraft.scene.weather import Weather
 def test_ray_drop_follows_the_power(distance: float):
     scan = seen(wall(distance, "plaster"), replace(IDEAL, detection_threshold=THRESHOLD))
     power = 0.45 * (1 / distance**2) / THRESHOLD
-    assert scan.valid.mean() == pytest.approx(math.exp(-1 / power), abs=0.02)
+    assert scan.valid.mean() == pytest.approx(math.exp(-2 / power**1.25), abs=0.02)
 
 
 def test_a_threshold_of_0_detects_everything():
@@ -28,6 +28,8 @@ def test_the_drop_probability_holds_for_near_bright_surfaces():
 
 def test_fading_keeps_the_share_of_dropped_rays_and_makes_runs_of_them():
     layout = wall(40.0, "rubber")
+    power = 0.03 / 40.0**2 / 1e-6
+    drops = 1 - math.exp(-2 / power**1.25)
     lengths = []
     for fading in (0.0, 1.6):
         dropped = np.concatenate(
@@ -35,9 +37,8 @@ def test_fading_keeps_the_share_of_dropped_rays_and_makes_runs_of_them():
         )
         starts = dropped[:, 1:] & ~dropped[:, :-1]
         lengths.append(dropped.sum() / starts.sum())
-        # power 0.03 / 40^2 / 1e-6
-        assert dropped.mean() == pytest.approx(1 - math.exp(-1 / 18.75), abs=0.015)
-    assert lengths[0] == pytest.approx(1.0 / (1 - 1 / 18.75), abs=0.05)
+        assert dropped.mean() == pytest.approx(drops, abs=0.015)
+    assert lengths[0] == pytest.approx(1.0 / (1 - drops), abs=0.05)
     assert lengths[1] > lengths[0] + 0.1
 
 

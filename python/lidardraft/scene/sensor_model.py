@@ -34,8 +34,8 @@ class SensorModel:
     Receiver: `detection_threshold` is the response over range squared [1/m2] of power 1 (0: everything is detected). A
     response of 1 is that of a white surface that faces the sensor. Return mode: of several echoes the strongest is
     reported, or with `last_return` the last one above the threshold. Ray drop: an echo of power P is dropped with
-    probability 1 - exp(-1 / P - `drop_probability`); `fading` is by how much 1 / P differs from patch to patch of a
-    surface (the spread of its logarithm).
+    probability 1 - exp(-2 / P^1.25 - `drop_probability`); `fading` is by how much the first term differs from patch to
+    patch of a surface (the spread of its logarithm).
 
     Scatter: `speckle` of the power from pulse to pulse, `texture` of it over patches of a surface (both relative),
     `material_noise` whether materials add their own grain and roughness, `dust` the depth of the stains on the window,

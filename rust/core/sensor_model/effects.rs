@@ -14,6 +14,8 @@ const BEHIND_DEPTH: f32 = 0.3;
 const BEHIND_RESPONSE: f32 = 0.25;
 /// Cosine of incidence below which rays meet the tops of a rough surface: an estimate of ours.
 const GRAZING: f32 = 0.3;
+/// How often echoes at the detection threshold are dropped, as the mean of an exponential distribution.
+const WEAK_DROPS: f32 = 2.0;
 /// Standard deviations of the dust's pattern above which there is a stain.
 const STAINED: f32 = 1.2;
 
@@ -103,10 +105,10 @@ pub(crate) fn add_backscatter(
 
 /// Ray drop: where there is no echo, or one that is not detected.
 ///
-/// An echo of power P is dropped with probability 1 - exp(-f / P - drop_probability): as if its power were that of
-/// developed speckle, which is distributed as the `exponential` numbers. This is how rays to the ground are dropped in
-/// recordings of a Pandar64, see docs/sensor-model.md. The fading f has the mean 1 and follows the `patches` of
-/// surfaces, so that dropped rays come in runs.
+/// An echo of power P is dropped with probability 1 - exp(-2 f / P^1.25 - drop_probability): somewhat less speckle than
+/// developed one, whose power is distributed as the `exponential` numbers. Factor and exponent are fitted to how rays to
+/// the ground are dropped in recordings of a Pandar64, see docs/sensor-model.md. The fading f has the mean 1 and follows
+/// the `patches` of surfaces, so that dropped rays come in runs.
 #[inline(always)]
 pub(crate) fn drop_rays(
     echoes: &Echoes,
@@ -118,7 +120,8 @@ pub(crate) fn drop_rays(
     let pulses = dropped.iter_mut().zip(&echoes.power);
     for (((dropped, &power), &patch), &exponential) in pulses.zip(patches).zip(exponential) {
         let fading = exp(-model.fading * patch - model.fading * model.fading / 2.0);
-        *dropped = (exponential - model.drop_probability) * power <= fading;
+        let weak = 1.0 / power;
+        *dropped = exponential - model.drop_probability <= WEAK_DROPS * fading * weak * weak.sqrt().sqrt();
     }
 }
 

@@ -36,7 +36,7 @@ struct Spread {
     primitive: Vec<i32>,
 }
 
-/// The power of echoes from these ranges, 1 being the detection threshold (1 in e is detected); depth 0 is no range.
+/// The power of echoes from these ranges, 1 being the detection threshold (1 in 7 is detected); depth 0 is no range.
 ///
 /// The lidar equation for surfaces that fill the (sub-)beam: response over range squared, less the extinction there and
 /// back.
