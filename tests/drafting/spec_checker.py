@@ -36,12 +36,23 @@ class Placed:
         )
         base = min(parts, key=lambda part: part.center[2] - part.size[2] / 2)
         self.foot = road.along_across(*base.center[:2])[1]  # across, of what stands on the ground
+        standing = [part for part in parts if part.center[2] - part.size[2] / 2 < 0.6]
+        foot = [across for part in standing for across in _reach(part, road)] or [self.foot]
+        self.foot_low, self.foot_high = min(foot), max(foot)
         self.height = max(part.center[2] + part.size[2] / 2 for part in parts) - base.center[2] + base.size[2] / 2
 
     def gap(self, other: "Placed") -> float:
         """Metres between the two boxes along the axes of the road."""
         apart = np.maximum(np.maximum(self.low - other.high, other.low - self.high), 0.0)
         return float(np.hypot(*apart))
+
+
+def _reach(part, road: Road) -> list[float]:
+    """How far a part reaches across the road."""
+    along, across = road.along_across(*part.center[:2])
+    heading = part.yaw - road.at(along, across)[2]
+    half = (abs(math.sin(heading)) * part.size[0] + abs(math.cos(heading)) * part.size[1]) / 2
+    return [across - half, across + half]
 
 
 def road_of(layout: Layout) -> Road:
@@ -77,6 +88,8 @@ def _broken_road(spec: SceneSpec, road: Road) -> list[str]:
     wanted, wrong = spec.road, []
     if wanted.lanes is not None and road.lanes != wanted.lanes:
         wrong.append(f"{road.lanes} lanes")
+    if wanted.oncoming_lanes not in (None, road.oncoming):
+        wrong.append(f"{road.oncoming} oncoming lanes")
     if wanted.one_way != road.one_way:
         wrong.append("one-way")
     if wanted.sidewalk is not None and wanted.sidewalk != (road.sidewalk > 0):
@@ -98,9 +111,12 @@ def _broken_of(group: ObjectGroup, placed: list[Placed], road: Road) -> list[str
     wrong = []
     places = group.places or ("",)
     low, high = _counts(group)
-    if not low * len(places) <= len(placed) <= high * len(places):
+    times = len(places) * (len(_lanes(group, road)) if group.lane == "each" else 1)
+    if not low * times <= len(placed) <= high * times:
         wrong.append(f"{len(placed)} objects")
     for place in places:
+        if group.lane == "each":
+            wrong += _broken_lanes(group, [one for one in placed if _is_at(one, place, road)], road)
         there = sum(_is_at(one, place, road) and _at_distance(one, group, place, road) for one in placed)
         if there < low:
             wrong.append(f"{there} at place {place!r}, distance {group.distance}")
@@ -112,6 +128,7 @@ def _broken_of(group: ObjectGroup, placed: list[Placed], road: Road) -> list[str
                 wrong.append(f"size {one.size}, {one.height}")
         if group.record.is_vehicle and group.lane is not None and not _in_lane(group, one, road):
             wrong.append(f"not in the {group.lane} lane")
+        wrong += _broken_set_back(group, one, road)
         beside = abs(one.foot) > road.edge
         if group.surface == "road" and beside:
             wrong.append("not on the road")
@@ -127,6 +144,36 @@ def _broken_of(group: ObjectGroup, placed: list[Placed], road: Road) -> list[str
         if steps.size and abs(steps.min() - group.spacing) > 0.4:
             wrong.append(f"spacing {steps}")
     return wrong
+
+
+def _lanes(group: ObjectGroup, road: Road) -> list[float]:
+    """`across` of the middle of each lane that the heading of a group allows, from the kerbs inwards."""
+    first = road.edge - road.parking - road.lane_width / 2
+    this_way = [-first + number * road.lane_width for number in range(road.lanes)]
+    oncoming = [first - number * road.lane_width for number in range(road.oncoming)]
+    return (this_way if group.heading != "against" else []) + (oncoming if group.heading != "with" else [])
+
+
+def _broken_lanes(group: ObjectGroup, placed: list[Placed], road: Road) -> list[str]:
+    low, high = _counts(group)
+    wrong = []
+    for lane in _lanes(group, road):
+        number = sum(abs(one.across - lane) < road.lane_width / 2 for one in placed)
+        if not low <= number <= high:
+            wrong.append(f"{number} in the lane at {lane:.1f} m")
+    return wrong
+
+
+def _broken_set_back(group: ObjectGroup, one: Placed, road: Road) -> list[str]:
+    said = group.from_road or group.from_sidewalk
+    if said is None:
+        return []
+    if group.record.drives or group.surface == "road":
+        off = road.edge - max(abs(one.low[1]), abs(one.high[1]))
+    else:
+        near = min(abs(one.foot_low), abs(one.foot_high))
+        off = near - (road.edge if group.from_road else road.verge)
+    return [] if said[0] - 0.1 <= off <= said[1] + 0.1 else [f"{off:.2f} m from the road, not {said}"]
 
 
 def _counts(group: ObjectGroup) -> tuple[int, float]:
@@ -183,7 +230,8 @@ def _in_lane(group: ObjectGroup, one: Placed, road: Road) -> bool:
         "left": off > half or road.ego_lane == road.lanes - 1,
         "right": off < -half or road.ego_lane == 0,
         "middle": abs(one.across) < road.edge,
-        "opposite": road.one_way or one.across > 0,
+        "each": True,
+        "opposite": road.one_way or one.across > (road.lanes - road.oncoming) * half,
     }[str(group.lane)]
 
 
@@ -195,6 +243,10 @@ def _related(group: ObjectGroup, one: Placed, references: list[list[Placed]]) ->
         aside = 8.0 if group.record.drives == (max(o.size[2] for o in everyone) < 3.2) else 25.0
         return any(_is_between(one, a, b, aside) for a in everyone for b in everyone if a is not b) or len(everyone) < 2
     for other in everyone:
+        if group.relation == "near" and group.distance is not None:
+            if group.distance[0] - 0.6 <= one.gap(other) <= group.distance[1] + 0.6:
+                return True
+            continue
         if one.gap(other) > reach and group.relation != "opposite":
             continue
         cos = math.cos(other.heading)

@@ -80,7 +80,7 @@ class ChunkReader:
         if head == "TRAFFIC":
             clear = not exact and not unclear_counts(chunk.tokens) and "COUNT_RANGE" not in chunk.types
         elif head == "LANE":
-            clear = exact is not None and self.notes.lanes in (0, exact)
+            clear = exact is not None and (self.notes.lanes in (0, exact) or self.notes.each_way)
         elif chunk.types <= {*COUNT_TYPES, "A", "THE", "ANOTHER"}:
             return []
         else:

@@ -13,12 +13,20 @@ _BELOW_TWENTY = (
     *("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve"),
     *("thirteen", "fourteen", "fifteen", "sixteen", "seventeen", "eighteen", "nineteen"),
 )
+SMALL_NUMBERS = _BELOW_TWENTY[1:]
 _TENS = ("twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety")
 _SCALES = {"thousand": 1e3, "million": 1e6, "billion": 1e9}
 _VALUE_OF = {word: value for value, word in enumerate(_BELOW_TWENTY)} | {
     word: 20 + 10 * index for index, word in enumerate(_TENS)
 }
-_METRES_OF = {"m": 1.0, "f": 0.3048, "y": 0.9144, "k": 1000.0}  # by the first letter of the unit
+_METRES_OF = {
+    "m": 1.0,
+    "c": 0.01,
+    "i": 0.0254,
+    "f": 0.3048,
+    "y": 0.9144,
+    "k": 1000.0,
+}  # by the first letter of the unit
 
 # Patterns for the grammar and for `metres`. Floats hold fifteen digits exactly; longer figures are no numbers here.
 _digit = rf"(?:{'|'.join(_BELOW_TWENTY[1:10])})\b"
@@ -35,12 +43,12 @@ _in_words = (
 )
 NUMBER = rf"(?:{_in_words}|{_figures})"
 LONE_NUMBER = rf"{NUMBER}(?=[,.;:!?()\/\"]*(?:\s|$))"  # with nothing glued to it, as in "4x4", "2nd" or "20+"
-UNIT = r"(?:kilometres?|kilometers?|km|metres?|meters?|m|feet|foot|ft|yards?|yd)\b"
+UNIT = r"(?:(?:kilo|centi)?met(?:re|er)s?|km|cm|m|feet|foot|ft|yards?|yd|inch(?:es)?)\b"
 _word = rf"(?:{'|'.join((*_VALUE_OF, 'hundred', *_SCALES))})"
 _goes_on = rf"(?:(?:{_word}|dozen|and|to|or|point|lanes?|ways?)\b|{UNIT})"
 # A word such as "ten-ton" or "sixty-five-seat", whose number counts no objects; "ten-metre" and "two-lane" are read.
 NUMBERED_COMPOUND = re.compile(rf"(?<![a-z0-9])(?:{_word}|[\d.,]*\d)-(?!{_goes_on})[a-z]")
-_LENGTHS = re.compile(rf"([a-z ]*?)({NUMBER})(?:(?: (?:to|and|or) |-| - )({NUMBER}))? ?([kmfy])[a-z]*(?: .*)?")
+_LENGTHS = re.compile(rf"([a-z ]*?)({NUMBER})(?:(?: (?:to|and|or) |-| - )({NUMBER}))? ?([kmfyci])[a-z]*(?: .*)?")
 _COUNTS = re.compile(rf"([a-z ]*?)({NUMBER})(?:(?: (?:to|and|or) |-| - )({NUMBER}))?( or (?:more|fewer|so))?")
 _AT_MOST = ("within", "less than", "closer than", "under", "up to", "at most", "no more than", "fewer than")
 _AT_LEAST = ("at least", "more than", "over", "no fewer than")

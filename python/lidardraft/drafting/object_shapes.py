@@ -23,6 +23,7 @@ _BUSH_HEIGHT, _BUSHES_BEHIND = (0.7, 1.2), 1.3
 _SADDLE = 0.6  # of the height of a two-wheeler
 _RIDER_TOP = (1.6, 1.85)  # m
 _CONE_FOOT = 0.04  # m high
+STANDING = 0.5  # m over the ground, under which parts begin that stand on it
 _SEGMENT = 4.0  # m; the chord of a 90 m bend leaves the arc by 2 cm
 
 

@@ -9,11 +9,12 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from lidardraft.drafting.object_shapes import ObjectPart, extents, resized
+from lidardraft.drafting.object_shapes import STANDING, ObjectPart, extents, resized
 from lidardraft.drafting.relative_poses import Footprint
 from lidardraft.drafting.road_pose import RoadPose
 from lidardraft.drafting.scene_spec import EXTENTS, ObjectGroup, split_place
 from lidardraft.drafting.sentence_kinds import SentenceKind
+from lidardraft.drafting.set_back import with_near_side_at
 from lidardraft.errors import LayoutError
 from lidardraft.scene.check import EGO, MAX_RANGE, SIZE_RANGES, LayoutGround, Solid, penetration
 from lidardraft.scene.layout import Primitive
@@ -51,6 +52,8 @@ class Occupancy:
         parked = group.heading == "parked" or (in_lot and group.heading is None)
         parts = kind.sample_parts(self.rng, parked=parked, bent=self.road.curvature != 0.0)
         parts = _sized(parts, group)
+        if group.set_back:
+            pose = with_near_side_at(group, pose, parts)
         if not self._may_stand(kind, group, parts, pose):
             return None
         primitives = [self._primitive(kind, part, pose) for part in parts]
@@ -161,7 +164,7 @@ def _sized(parts: list[ObjectPart], group: ObjectGroup) -> list[ObjectPart]:
 
 def _reaches(part: ObjectPart, across: float, road: Road) -> bool:
     """Whether a part that stands beside the road would stand on it; what hangs over it, as a crown does, may."""
-    low = part.center[2] - part.size[2] / 2 < 0.5
+    low = part.center[2] - part.size[2] / 2 < STANDING
     return low and abs(across) - part.size[1] / 2 < road.edge
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 from lidardraft.drafting.chunk_reader import END, LINKS, LISTED, ChunkReader
-from lidardraft.drafting.number_words import count_of
+from lidardraft.drafting.number_words import SMALL_NUMBERS, count_of, number
 from lidardraft.drafting.positions import LANE_WORDS, Position, read_position
 from lidardraft.drafting.references import known_mention, mention_of, refers, relation_of
 from lidardraft.drafting.sentence_chunks import JUNCTIONS, ROAD_OF, Chunk
@@ -14,6 +14,7 @@ from lidardraft.drafting.sentence_notes import Mention, keep_away
 
 _OF_NOTHING = ("RELATED", "BETWEEN", "LEFT_OF", "RIGHT_OF", "FOLLOWED")  # without an object after them
 _DISTANCES = ("DISTANCE", "NEAR", "FAR")
+_SET_BACK = ("FROM_ROAD", "FROM_SIDEWALK")  # which no relation goes with
 _FROM_THE_EGO = {  # where something is that the ego is behind, in front of, ...
     "behind": ("front", ""),
     "in-front-of": ("behind", ""),
@@ -89,7 +90,12 @@ class PositionReader(ChunkReader):
 
     def _refer(self, chunk: Chunk, relation: str | None, references: list[Mention], before: str | None) -> None:
         """Note a relation for the objects before it, or for those after it where it begins a clause."""
-        at = read_position(chunk.tokens[:-1])
+        last = 1 if chunk.tokens[-1].type != "DISTANCE_FROM" else 0
+        words = chunk.tokens[: len(chunk.tokens) - last]
+        at = read_position(words)
+        from_ego = Position()
+        if at.distance and last and words[-1].type not in _DISTANCES:  # "30 m ahead next to a wall"
+            from_ego, at = at, dataclasses.replace(at, distance=None)
         if not references or relation is None or any(reference.kind is None for reference in references):
             self._report(chunk)
         elif chunk.tokens[-1].type == "FOLLOWED" and self._open_known():
@@ -102,6 +108,8 @@ class PositionReader(ChunkReader):
                 at = dataclasses.replace(at, heading="with")
             for mention in self._subjects(references):
                 mention.spans.append(chunk.span)
+            if from_ego.distance:
+                self._hand_over(from_ego, self._subjects(references)[0], references)
             self._relate(relation, references, at)
         elif self.has_ego and relation in _FROM_THE_EGO and not any(one.placed for one in references):
             for mention in references:
@@ -127,15 +135,36 @@ class PositionReader(ChunkReader):
         subjects = self._subjects(references)
         for mention in subjects:
             mention.relation, mention.references = relation, references
-            mention.at = mention.at.narrowed(at) if mention.placed and not mention.weak else at
+            self._report_set_back(mention)
+            before = mention.at if mention.placed and not mention.weak else Position()
+            if before.distance:  # from the ego; what a relation has is measured from the reference
+                self._hand_over(before, mention, references)
+                before = dataclasses.replace(before, distance=None)
+            mention.at = before.narrowed(at)
             mention.placed, mention.weak = True, False
         new = [reference for reference in references if not reference.placed and not reference.references]
         self.open = new if new and new[-1] is references[-1] else subjects
+
+    def _report_set_back(self, mention: Mention) -> None:
+        chunks = [chunk for chunk in self.chunks[: self.index] if chunk.span in mention.spans]
+        self._report_tokens(token for chunk in chunks for token in chunk.tokens if token.type in _SET_BACK)
+
+    def _hand_over(self, position: Position, mention: Mention, references: list[Mention]) -> None:
+        """A distance from the ego is that of the first reference, if nothing places it yet; else it is reported."""
+        if not references[0].placed and not references[0].references:
+            references[0].at, references[0].placed = (
+                dataclasses.replace(Position(position.places), distance=position.distance),
+                True,
+            )
+        else:
+            chunks = [chunk for chunk in self.chunks[: self.index] if chunk.span in mention.spans]
+            self._report_tokens(token for chunk in chunks for token in chunk.tokens if token.type in _DISTANCES)
 
     def _place(self, chunk: Chunk, following: Chunk, before: str | None) -> None:
         """A position that is relative to the ego, or to a road."""
         by_road = following.name == "phrase" and following.head in ROAD_OF
         position = read_position(chunk.tokens, beside_road=by_road)
+        self._note_lanes(chunk)
         if by_road and following.head in JUNCTIONS and chunk.tokens[-1].type in ("FRONT", "BEHIND", "NEAR", "BESIDE"):
             position = dataclasses.replace(read_position(chunk.tokens[:-1]), at_junction=True)
         listed = before in LISTED
@@ -159,6 +188,13 @@ class PositionReader(ChunkReader):
         elif position != Position(beside_road=position.beside_road):  # a road alone has no place
             self._report(chunk)
 
+    def _note_lanes(self, chunk: Chunk) -> None:
+        """What "in both lanes" or "in each of the three lanes" says of the road."""
+        for token in chunk.tokens:
+            words = token.split() if token.type == "EACH_LANE" else []
+            said = [int(number(word)) for word in words if word.isdigit() or word in SMALL_NUMBERS]
+            self.notes.lanes = self.notes.lanes or (said[0] if said else 2 if {"both", "either"} & set(words) else 0)
+
     def _except(self, chunk: Chunk, position: Position) -> None:
         """All but those at a position; none but those, of what is denied."""
         self.excepting = False
@@ -176,25 +212,27 @@ class PositionReader(ChunkReader):
             mention.spans.append(chunk.span)
             if not mention.placed or mention.weak:
                 mention.at = at
-            elif listed and (at.distance or mention.at.distance) and not self._goes_on(at, mention):
-                other = dataclasses.replace(mention, at=at, spans=[chunk.span])
-                self.notes.mentions.append(other)
-                self.open[self.open.index(mention)] = other
             elif listed and not self._goes_on(at, mention):
-                mention.at = mention.at.or_at(at)
+                if at.only_places and mention.at.only_places:
+                    mention.at = mention.at.or_at(at)
+                else:
+                    other = dataclasses.replace(mention, at=at, spans=[chunk.span])
+                    self.notes.mentions.append(other)
+                    self.open[self.open.index(mention)] = other
+                    mention = other
             else:
                 mention.at = mention.at.narrowed(self._without_second_length(at, chunk, mention.at))
             mention.placed, mention.weak = True, False
 
     def _goes_on(self, at: Position, mention: Mention) -> bool:
         """Whether a position after a comma describes the same place more closely, as in "on the left, 20 m away"."""
-        only_far = not any(map(any, at.places)) and bool(at.distance) and not mention.at.distance
-        return self._before(1) == "COMMA" and (only_far or bool(at.spacing))
+        return self._before(1) == "COMMA" and not (at.only_places and mention.at.only_places) and at.agrees(mention.at)
 
     def _fitting(self, position: Position, chunk: Chunk, mention: Mention) -> Position:
         """The position without what its kind cannot have, which is reported."""
         kind = SENTENCE_KINDS[str(mention.kind)]
         unfit = {"SIDEWALK"} if "sidewalk" not in kind.surfaces else set()
+        unfit |= set(_SET_BACK) if mention.references else set()
         unfit |= {"CROSSWALK"} if not kind.walks else set()
         unfit |= set(LANE_WORDS) if "road" not in kind.surfaces else set()
         self._report_tokens(t for t in chunk.tokens if t.type in unfit)

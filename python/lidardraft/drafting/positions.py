@@ -18,6 +18,7 @@ _PLACES_OF: dict[str, tuple[Place, ...]] = {
     "LEFT": (("", "left"),),
     "RIGHT": (("", "right"),),
     "SIDES": (("", "left"), ("", "right")),
+    "ONE_SIDE": (("", "right"),),
     "OPPOSITE": (("", "left"),),
     "OVERTAKING": (("beside", ""),),
 }
@@ -28,6 +29,7 @@ _LANE_OF = {
     "MIDDLE_LANE": "middle",
     "RIGHT_LANE": "right",
     "OPPOSITE_LANE": "opposite",
+    "EACH_LANE": "each",
     "OVERTAKING": "left",
 }
 LANE_WORDS = tuple(word for word in _LANE_OF if word.endswith("_LANE"))
@@ -43,6 +45,8 @@ class Position:
 
     places: tuple[Place, ...] = (("", ""),)
     distance: tuple[float, float] | None = None
+    from_road: tuple[float, float] | None = None
+    from_sidewalk: tuple[float, float] | None = None
     spacing: float | None = None
     sidewalk: bool = False
     on_road: bool = False
@@ -52,6 +56,24 @@ class Position:
     lane: str | None = None
     heading: str | None = None
 
+    @property
+    def only_places(self) -> bool:
+        """Whether it says nothing but places."""
+        return self == Position(self.places, beside_road=self.beside_road, both_sides=self.both_sides)
+
+    def agrees(self, other: Position) -> bool:
+        """Whether something can be at both at once: no two places, distances or lanes of them differ."""
+        pairs = [(_both(a, c), _both(b, d)) for a, b in self.places for c, d in other.places]
+        said = (
+            (self.distance, other.distance),
+            (self.lane, other.lane),
+            (self.spacing, other.spacing),
+            (self.from_road or self.from_sidewalk, other.from_road or other.from_sidewalk),
+            (self.sidewalk, other.on_road),
+            (self.on_road, other.sidewalk),
+        )
+        return any(None not in pair for pair in pairs) and not any(a and b for a, b in said)
+
     def narrowed(self, other: Position) -> Position:
         """Both at once: "ahead" and "on the left" are ahead on the left. Contradictions are alternatives."""
         pairs = [(_both(a, c), _both(b, d)) for a, b in self.places for c, d in other.places]
@@ -59,6 +81,8 @@ class Position:
         return Position(
             places=places or self.places + other.places,
             distance=other.distance or self.distance,
+            from_road=other.from_road or self.from_road,
+            from_sidewalk=other.from_sidewalk or self.from_sidewalk,
             spacing=other.spacing or self.spacing,
             sidewalk=self.sidewalk or other.sidewalk,
             on_road=self.on_road or other.on_road,
@@ -85,7 +109,11 @@ def read_position(tokens: list[Token], *, beside_road: bool = False) -> Position
     for token in tokens:
         if token.type in ("BESIDE", "NEAR") and beside_road:
             word = Position(beside_road=True)
-        elif token.type == "DISTANCE":
+        elif token.type == "FROM_ROAD":
+            word = Position(from_road=metres(token))
+        elif token.type == "FROM_SIDEWALK":
+            word = Position(from_sidewalk=metres(token))
+        elif token.type in ("DISTANCE", "DISTANCE_FROM"):
             word = Position(distance=metres(token))
         elif token.type == "SPACING":
             word = Position(spacing=metres(token)[0])
@@ -104,7 +132,8 @@ def read_position(tokens: list[Token], *, beside_road: bool = False) -> Position
                 heading=_HEADING_OF.get(token.type),
             )
             if token.endswith("shoulder"):
-                word = Position(places=(("", "right"),), heading="parked")
+                sided = any(other.type in ("LEFT", "RIGHT") for other in tokens)
+                word = Position(places=(("", "" if sided else "right"),), heading="parked")
             elif token.type == "FRONT" and token.startswith("far "):
                 word = dataclasses.replace(word, distance=_RANGE_OF["FAR"])
             elif token.endswith(" end of the road") or token.endswith(" end of the street"):

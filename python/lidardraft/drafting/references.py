@@ -16,6 +16,7 @@ _RELATION_OF = {
     "BESIDE": "beside",
     "BETWEEN": "between",
     "NEAR": "near",
+    "DISTANCE_FROM": "near",
     "ALONG": "beside",
     "LEFT_OF": "left-of",
     "RIGHT_OF": "right-of",
@@ -23,7 +24,17 @@ _RELATION_OF = {
     "OVERTAKING": "left-of",
     "FOLLOWED": "behind",
 }
-_EXPLICIT = ("BESIDE", "BETWEEN", "OPPOSITE", "LEFT_OF", "RIGHT_OF", "OVERTAKING", "RELATED", "FOLLOWED")
+_EXPLICIT = (
+    "DISTANCE_FROM",
+    "BESIDE",
+    "BETWEEN",
+    "OPPOSITE",
+    "LEFT_OF",
+    "RIGHT_OF",
+    "OVERTAKING",
+    "RELATED",
+    "FOLLOWED",
+)
 _CLOSE_BY = ("against", "under", "underneath", "beneath", "past", "beyond")
 
 

@@ -34,7 +34,10 @@ def road_relations(road: RoadSpec) -> list[str]:
     """What is said of the road."""
     found = [road.kind]
     if road.lanes is not None:
-        found.append(f"{road.lanes} lane{'s' * (road.lanes > 1)}{'' if road.one_way else ' each way'}")
+        other = road.oncoming_lanes or road.lanes
+        ways = " each way" if other == road.lanes else f" this way, {other} oncoming"
+        ways = "" if road.one_way else ways
+        found.append(f"{road.lanes} lane{'s' * (road.lanes > 1)}{ways}")
     if road.one_way:
         found.append("one-way")
     if road.sidewalk is not None:
@@ -52,15 +55,18 @@ def group_relations(group: ObjectGroup, spec: SceneSpec, place: str) -> list[str
     fore, side = split_place(place)
     found = ([_FORE[fore]] if fore else []) + ([f"on the {side}"] if side else [])
     found += [f"not {' '.join(split_place(place)).strip()}" for place in group.not_places]
-    found += [f"in the {'ego' if group.lane == 'own' else group.lane} lane"] * (group.lane is not None)
+    lane = {"own": "the ego", "each": "each"}.get(str(group.lane), f"the {group.lane}")
+    found += [f"in {lane} lane"] * (group.lane is not None)
     found += ["at the junction"] * group.at_junction
     found += [f"on the {group.surface}"] * (group.surface is not None)
     if group.relation is not None:
         kinds = " and ".join(spec.groups[reference].kind for reference in group.references)
         found.append(f"{_RELATIONS.get(group.relation, group.relation)} {kinds}")
-    if group.distance is not None:
-        near, far = group.distance
-        found.append(f"{near:g} m away" if near == far else f"{near:g} to {far:g} m away")
+    lengths = ((group.distance, "away"), (group.from_road, "from the road"), (group.from_sidewalk, "from the sidewalk"))
+    for length, said in lengths:
+        if length is not None:
+            near, far = length
+            found.append(f"{near:g} m {said}" if near == far else f"{near:g} to {far:g} m {said}")
     if group.spacing is not None:
         found.append(f"every {group.spacing:g} m")
     found += [_HEADINGS[group.heading]] if group.heading is not None else []

@@ -19,7 +19,7 @@ _CLOSE = (0.4, 1.2)
 _NEAR = (0.5, 4.0)
 _FURTHER = 8.0  # m more, for want of room
 _ACROSS_LANES = 0.6  # m between what stands side by side
-_MOVED, _MOVED_BETWEEN = 12.0, 3.0  # m across the road, at most, to where its kind may be
+_MOVED, _MOVED_BETWEEN, _MOVED_EXACTLY = 12.0, 3.0, 0.3  # m across the road, at most, to where its kind may be
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +150,7 @@ class RelativePoses:
 
     def _gap(self, usual: tuple[float, float], rng: np.random.Generator, effort: float) -> float:
         gap = float(rng.uniform(*usual)) + _FURTHER * effort * float(rng.random())
-        return max(gap, self._asked(rng)) if self.distance else gap
+        return self._asked(rng) if self.distance else gap
 
     def _asked(self, rng: np.random.Generator) -> float:
         return float(rng.uniform(*self.distance)) if self.distance else 0.0
@@ -166,7 +166,8 @@ class RelativePoses:
         found, yaw = self._ground_at(across, rng, reference, side)
         moved, apart = abs(found - across), (found - reference.pose.across) * side
         in_between = self.relation == "between" and reference.kind.drives == self.kind.drives
-        if moved > (_MOVED_BETWEEN if in_between else _MOVED) or (side and apart < 0.3):
+        exactly = self.relation == "near" and self.distance is not None
+        if moved > (_MOVED_EXACTLY if exactly else _MOVED_BETWEEN if in_between else _MOVED) or (side and apart < 0.3):
             return None
         towards = reference.half_across < abs(reference.pose.across) - abs(found)
         if self.relation == "in-front-of" and not (towards or reference.kind.drives or reference.kind.walks):
@@ -184,7 +185,8 @@ class RelativePoses:
             if "road" not in self.kind.surfaces and abs(across) < clear:
                 across = math.copysign(clear, across)
             return across, 0.0 if across > 0 else BACKWARDS
-        ways = [(self.road.lane(n) * way, way) for n in range(self.road.lanes) for way in self._directions]
+        lanes = [(n, 1) for n in range(self.road.lanes)] + [(n, -1) for n in range(self.road.oncoming)]
+        ways = [(self.road.lane(n, way), way) for n, way in lanes]
         at_kerb = abs(across) > self.road.edge - self.road.parking
         if self.road.parking and (self.parked or at_kerb):
             ways += [(s * (self.road.edge - self.road.parking / 2), -s) for s in (1, -1)]
@@ -202,7 +204,3 @@ class RelativePoses:
         if self.road.paved_areas:
             return self.road.edge + LOT_DEPTH
         return self.road.edge if "sidewalk" in self.kind.surfaces else self.road.verge
-
-    @property
-    def _directions(self) -> tuple[int, ...]:
-        return (1,) if self.road.one_way else (1, -1)

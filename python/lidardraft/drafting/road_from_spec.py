@@ -40,12 +40,14 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
     bend = {"left-bend": 1.0, "right-bend": -1.0, "bend": float(rng.choice([-1, 1]))}.get(kind, 0.0)
     lane_width = 3.75 if motorway else AISLE_LANE if lot else float(rng.uniform(3.3, 3.7))
     parking = HARD_SHOULDER if motorway else 0.0 if lot else _parking_width(spec, min(ego_lane, lanes - 1))
-    edge = lanes * lane_width * (0.5 if spec.road.one_way else 1.0) + parking
+    oncoming = 0 if spec.road.one_way else spec.road.oncoming_lanes or lanes
+    edge = (lanes + oncoming) / 2 * lane_width + parking
     radius = edge + sidewalk + RING + float(rng.uniform(1.0, 5.0)) if kind == "roundabout" else None
     near = (edge if radius is None else radius) + sidewalk + 6.0
     curvature = bend / float(rng.uniform(90.0, 160.0))
     return Road(
         lanes=lanes,
+        oncoming_lanes=spec.road.oncoming_lanes,
         ego_lane=min(ego_lane, lanes - 1),
         lane_width=lane_width,
         parking=parking,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from lidardraft.drafting.parking_bays import LOT_DEPTH, in_aisle, in_bay
 from lidardraft.drafting.road_pose import BACKWARDS, PoseSampler, RoadPose, alternate, turned
 from lidardraft.drafting.scene_spec import ObjectGroup, split_place
 from lidardraft.drafting.sentence_kinds import SentenceKind
+from lidardraft.drafting.set_back import set_back
 from lidardraft.scene.road import Road
 
 # Estimates of ours.
@@ -56,6 +58,8 @@ def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Z
         zone = _junction_zone(group, kind, sides, road, road.junction)
         if zone is not None:
             return zone
+    if group.set_back:
+        return Zone(_span(group, fore, road, 45.0), set_back(group, kind, road, sides), len(sides))
     if kind.drives:
         return _driven(group, kind, fore, side, sides, road)
     if kind.walks:
@@ -64,8 +68,7 @@ def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Z
     if group.surface == "sidewalk":
         return Zone(span, _sidewalk(road, sides), len(sides))
     if "road" in kind.surfaces:
-        lanes = _lanes(group, fore, side, road)
-        sample_pose = _in_lane(road, lanes) if group.lane is not None else _road_edge(road, sides)
+        sample_pose = _road_edge(road, sides) if group.lane is None else _on_foot(group, fore, side, road)
         return Zone(span, sample_pose, len(sides))
     lateral = group.distance if not fore else None
     if kind.at_junction and road.junction is not None and not fore and lateral is None:
@@ -111,7 +114,20 @@ def _driven(group: ObjectGroup, kind: SentenceKind, fore: str, side: str, sides:
         return Zone(span, _sidewalk(road, sides), len(sides))
     if not fore:
         span = _span(group, fore, road, 60.0)
-    return Zone(span, _lane(road, _lanes(group, fore, side, road), kind, group.heading, side))
+    lanes = _lanes(group, fore, side, road)
+    if group.lane == "each":
+        return Zone(span, _in_turns(lanes, lambda lane: _lane(road, [lane], kind, group.heading)))
+    return Zone(span, _lane(road, lanes, kind, group.heading, side))
+
+
+def _in_turns(lanes: list[tuple[int, int]], sampler_of: Callable[[tuple[int, int]], PoseSampler]) -> PoseSampler:
+    """In one lane after the other."""
+    samplers = [sampler_of(lane) for lane in lanes]
+
+    def sample(rng: np.random.Generator, along: float, number: int, effort: float) -> RoadPose:
+        return samplers[number % len(samplers)](rng, along, number, effort)
+
+    return sample
 
 
 def _in_lot(span: tuple[float, float], road: Road) -> tuple[float, float]:
@@ -154,10 +170,18 @@ def queue_length(group: ObjectGroup) -> float:
     return NEAREST + count * group.record.lane_length
 
 
+def each_lane(group: ObjectGroup, road: Road) -> list[tuple[int, int]]:
+    """(number, direction) of all lanes that the heading of a group allows."""
+    own, oncoming = [(n, 1) for n in range(road.lanes)], [(n, -1) for n in range(road.oncoming)]
+    return {"with": own, "against": oncoming or own}.get(str(group.heading), own + oncoming)
+
+
 def _lanes(group: ObjectGroup, fore: str, side: str, road: Road) -> list[tuple[int, int]]:
     """(number, direction) of the lanes that fit, the ego's own first where it does."""
+    if group.lane == "each":
+        return each_lane(group, road)
     own = [(road.ego_lane, 1), *((n, 1) for n in range(road.lanes) if n != road.ego_lane)]
-    oncoming = [] if road.one_way else [(n, -1) for n in range(road.lanes)]
+    oncoming = [(n, -1) for n in range(road.oncoming)]
     left, right = ([(n, d) for n, d in own if (n - road.ego_lane) * way > 0] for way in (1, -1))
     if group.lane is not None:
         leftmost = own[:0] if road.lanes == 1 and oncoming else [(road.lanes - 1, 1)]
@@ -221,7 +245,7 @@ def _person(group: ObjectGroup, fore: str, side: str, sides: tuple[int, ...], ro
     if group.surface == "road":
         return Zone(_span(group, fore, road, 35.0), _carriageway(road, sides, 0.0))
     if group.lane is not None:
-        return Zone(_span(group, fore, road, 35.0), _in_lane(road, _lanes(group, fore, side, road)))
+        return Zone(_span(group, fore, road, 35.0), _on_foot(group, fore, side, road))
     if group.surface is None and fore in ("front", "behind") and not side:
         return Zone(_span(group, fore, road, 35.0), _in_lane(road, [(road.ego_lane, 1)]))
     if road.paved_areas:
@@ -238,6 +262,11 @@ def _carriageway(road: Road, sides: tuple[int, ...], turn: float) -> PoseSampler
         return RoadPose(along, float(rng.uniform(low, high)), yaw)
 
     return sample
+
+
+def _on_foot(group: ObjectGroup, fore: str, side: str, road: Road) -> PoseSampler:
+    lanes = _lanes(group, fore, side, road)
+    return _in_turns(lanes, lambda lane: _in_lane(road, [lane])) if group.lane == "each" else _in_lane(road, lanes)
 
 
 def _in_lane(road: Road, lanes: list[tuple[int, int]]) -> PoseSampler:

@@ -30,7 +30,7 @@ HEADINGS = (
     *("with", "against", "parked"),
     *("across", "across-left", "across-right", "turning", "turning-left", "turning-right"),
 )
-LANES = ("own", "left", "middle", "right", "opposite")
+LANES = ("own", "left", "middle", "right", "opposite", "each")
 RELATIONS = ("behind", "in-front-of", "beside", "left-of", "right-of", "between", "opposite", "near")
 MAX_COUNT = 5000
 MIN_SPACING = 0.1  # m
@@ -47,18 +47,26 @@ def split_place(place: str) -> tuple[str, str]:
 class RoadSpec:
     """The road under the ego vehicle; `lanes` (in one direction) and `sidewalk` are None where its kind decides.
 
-    With `one_way` all lanes lead in the ego's direction.
+    `oncoming_lanes` are those of the other direction where they are not as many. With `one_way` all lanes lead in the
+    ego's direction.
     """
 
     kind: str = "straight"
     lanes: int | None = None
+    oncoming_lanes: int | None = None
     sidewalk: bool | None = None
     one_way: bool = False
 
     def __post_init__(self) -> None:
         _one_of("road: kind", self.kind, ROADS)
-        if self.lanes is not None and (type(self.lanes) is not int or not 1 <= self.lanes <= 6):
-            raise LayoutError(f"road: lanes is {self.lanes!r}; a road has 1 to 6 in each direction")
+        for name in ("lanes", "oncoming_lanes"):
+            number = getattr(self, name)
+            if number is not None and (type(number) is not int or not 1 <= number <= 6):
+                raise LayoutError(f"road: {name} is {number!r}; a road has 1 to 6 in each direction")
+        if self.oncoming_lanes is not None and (self.lanes is None or self.one_way or self.kind == "motorway"):
+            raise LayoutError(
+                f"road: oncoming_lanes is {self.oncoming_lanes}; only a two-way road with a number of lanes has them"
+            )
         if self.sidewalk not in (None, True, False):
             raise LayoutError(f"road: sidewalk is {self.sidewalk!r}; it must be true, false or null")
         if type(self.one_way) is not bool:
@@ -71,11 +79,13 @@ class ObjectGroup:
 
     `count` is a number, a range of them (from, to) or one of COUNTS, meant for each of `places`; no places is anywhere
     on or beside the road, but at none of `not_places`. `surface` asks for one other than the usual of the kind, `lane`
-    for one of LANES ("left" is the leftmost in the ego's direction), `at_junction` for where another road meets the
-    ego's; `heading` is relative to the ego's. `distance` is a range from the ego [m]: across the road for what stands
-    beside it at a place that is neither in front nor behind, else along the road. `spacing` is the distance between
-    neighbours [m]. `size` is length, width and height [m], None where nothing is said, and `scale` what the usual size
-    is multiplied by.
+    for one of LANES: "left" is the leftmost in the ego's direction, and with "each" every lane that `heading` allows
+    has so many objects. `at_junction` is where another road meets the ego's; `heading` is relative to the ego's.
+    `distance` is a range from the ego [m]: across the road for what stands beside it at a place that is neither in
+    front nor behind, else along the road. `spacing` is the distance between neighbours [m]. `from_road` is a range from
+    the kerb to the near side [m], beyond the kerb, but before it for what drives and on the surface "road";
+    `from_sidewalk` is one from the far edge of the sidewalk. `size` is length, width and height [m], None where nothing
+    is said, and `scale` what the usual size is multiplied by.
 
     `relation` says where the objects are from those of other groups, `references`, by their numbers in the spec;
     then `distance` is measured from there. `words` are those of the sentence that asked for the group.
@@ -91,6 +101,8 @@ class ObjectGroup:
     heading: str | None = None
     distance: tuple[float, float] | None = None
     spacing: float | None = None
+    from_road: tuple[float, float] | None = None
+    from_sidewalk: tuple[float, float] | None = None
     size: tuple[float | None, float | None, float | None] | None = None
     scale: tuple[float, float, float] | None = None
     relation: str | None = None
@@ -115,6 +127,8 @@ class ObjectGroup:
             )
         if (self.relation is None) != (not self.references):
             raise LayoutError(f"{self.kind}: relation is {self.relation!r} to {self.references}; one needs the other")
+        if self.set_back and (self.relation is not None or None not in (self.from_road, self.from_sidewalk)):
+            raise LayoutError(f"{self.kind}: from_road, from_sidewalk and relation exclude each other")
         self._check_lengths()
 
     def _check_count(self) -> None:
@@ -130,11 +144,13 @@ class ObjectGroup:
         object.__setattr__(self, "count", low if low == high else (low, high))
 
     def _check_lengths(self) -> None:
-        if self.distance is not None:
-            near, far = self.distance
+        for name in ("distance", "from_road", "from_sidewalk"):
+            if getattr(self, name) is None:
+                continue
+            near, far = getattr(self, name)
             if not 0.0 <= near <= far < math.inf:
-                raise LayoutError(f"{self.kind}: distance is {near} to {far} m; it must be 0 <= from <= to")
-            object.__setattr__(self, "distance", (float(near), float(far)))
+                raise LayoutError(f"{self.kind}: {name} is {near} to {far} m; it must be 0 <= from <= to")
+            object.__setattr__(self, name, (float(near), float(far)))
         if self.spacing is not None:
             if not MIN_SPACING <= self.spacing < math.inf:
                 raise LayoutError(f"{self.kind}: spacing is {self.spacing!r} m; it must be {MIN_SPACING} m or more")
@@ -151,6 +167,11 @@ class ObjectGroup:
     def record(self) -> SentenceKind:
         """What is known of its kind."""
         return SENTENCE_KINDS[self.kind]
+
+    @property
+    def set_back(self) -> bool:
+        """Whether it is asked for at a distance from the road or the sidewalk."""
+        return self.from_road is not None or self.from_sidewalk is not None
 
     @property
     def crosses(self) -> bool:

@@ -19,6 +19,7 @@ def scene_spec_schema() -> Schema:
     road = {
         "kind": _one_of(ROADS),
         "lanes": _or_null({"type": "integer"}),
+        "oncoming_lanes": _or_null({"type": "integer"}),
         "sidewalk": _or_null({"type": "boolean"}),
         "one_way": {"type": "boolean"},
     }
@@ -35,6 +36,8 @@ def scene_spec_schema() -> Schema:
         "heading": _or_null(_one_of(HEADINGS)),
         "distance": _or_null(numbers),
         "spacing": _or_null({"type": "number"}),
+        "from_road": _or_null(numbers),
+        "from_sidewalk": _or_null(numbers),
         "size": _or_null(_list_of(_or_null({"type": "number"}))),
         "scale": _or_null(numbers),
         "relation": _or_null(_one_of(RELATIONS)),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass, field
 
 from lidardraft.drafting.positions import Place, Position
@@ -47,7 +48,7 @@ class Mention:
         lane, spacing = at.lane, at.spacing
         if kind.is_vehicle and heading is None and (at.beside_road or at.both_sides):
             heading = "parked"
-        if heading == "parked" and not kind.drives:
+        if not (kind.drives or (kind.walks and heading != "parked")):
             heading = None
         if self.in_queue and kind.drives and heading is None and not references:
             heading, lane = "with", lane or (None if any(side for _, side in at.places) else "own")
@@ -68,6 +69,8 @@ class Mention:
             at_junction=at.at_junction,
             heading=heading,
             distance=at.distance,
+            from_road=None if references else at.from_road,
+            from_sidewalk=None if references or at.from_road else at.from_sidewalk,
             spacing=spacing,
             size=(self.size[0], self.size[1], self.size[2]) if any(self.size) else None,
             scale=(self.scale[0], self.scale[1], self.scale[2]) if self.scale != [1.0, 1.0, 1.0] else None,
@@ -92,6 +95,7 @@ class SentenceNotes:
     mentions: list[Mention] = field(default_factory=list)
     road: str | None = None
     lanes: int = 0
+    oncoming_lanes: int = 0
     each_way: bool = False
     one_way: bool = False
     sidewalk: bool | None = None
@@ -117,15 +121,28 @@ class SentenceNotes:
 
     def spec(self) -> SceneSpec:
         """The spec: what is wanted, less what is denied, with what the setting implies."""
-        wanted = [mention for mention in self.mentions if mention.count != 0 and not self._is_divided(mention)]
+        divided = [mention for mention in self.mentions if mention.count != 0 and self._is_divided(mention)]
+        for whole in divided:
+            for part in self.mentions:
+                if part.same_as is whole and whole.placed:
+                    part.at = whole.at.narrowed(part.at)
+        wanted = [mention for mention in self.mentions if mention.count != 0 and mention not in divided]
         denied = [mention for mention in self.mentions if mention.count == 0]
         for mention in wanted:
             for no in denied:
                 if no.placed and _covers(no, mention):
                     keep_away(mention, no.at)
+                elif _is_off_the_road(no) and no.kind == mention.kind and not mention.on_road:
+                    mention.at = dataclasses.replace(mention.at, sidewalk=True)
+            if mention.at.lane == "each" and self.road == "motorway" and SENTENCE_KINDS[str(mention.kind)].drives:
+                mention.heading = mention.heading or "with"
             if "BUSY" in self.settings and mention.count == "some" and _drives(mention.kind, mention.heading):
                 mention.count = "many"
-        absent = {str(mention.kind) for mention in denied if not mention.placed and mention.heading is None}
+        absent = {
+            str(mention.kind)
+            for mention in denied
+            if not mention.placed and mention.heading is None and not _is_off_the_road(mention)
+        }
         number_of = {id(mention): number for number, mention in enumerate(wanted)}
         groups = [
             mention.group(
@@ -135,7 +152,7 @@ class SentenceNotes:
         ]
         groups += [group for group in self._implied(groups) if group.kind not in absent]
         return SceneSpec(
-            road=self._road_spec(any(group.surface == "sidewalk" for group in groups)),
+            road=self._road_spec(any(group.surface == "sidewalk" or group.from_sidewalk for group in groups)),
             groups=tuple(groups),
             absent=tuple(sorted(absent)),
             not_understood=tuple(self.not_understood),
@@ -143,8 +160,13 @@ class SentenceNotes:
 
     def _is_divided(self, mention: Mention) -> bool:
         """Whether it only sums up those after it, as in "three cars: one ahead, two behind"."""
-        parts = [other.count for other in self.mentions if other.same_as is mention]
-        return not mention.placed and bool(parts) and sum(p for p in parts if isinstance(p, int)) == mention.count
+        each = [other for other in self.mentions if other.same_as is mention]
+        if not mention.placed and any(other.at.lane == "each" for other in each):
+            return True
+        whole = sum(other.count for other in each if isinstance(other.count, int))
+        if not each or whole != mention.count or (mention.placed and len(each) == 1):
+            return False
+        return not mention.placed or all(other.at.agrees(mention.at) for other in each)
 
     def _words(self, mention: Mention) -> str:
         """The words that a mention was read from: all between its first and its last, unless others are among them."""
@@ -157,10 +179,27 @@ class SentenceNotes:
     def _road_spec(self, needs_sidewalk: bool) -> RoadSpec:
         kind = self.road or "straight"
         whole = kind == "motorway" or self.each_way or self.one_way
-        lanes = self.lanes if whole else (self.lanes + 1) // 2
+        number = self.lanes or self._lanes_filled()
+        lanes = number if whole else (number + 1) // 2
+        oncoming = number // 2 if number % 2 and not whole else self.oncoming_lanes if kind != "motorway" else 0
         sidewalk = self.sidewalk if self.sidewalk is not None or "RURAL" not in self.settings else False
         sidewalk = True if needs_sidewalk else sidewalk
-        return RoadSpec(kind=kind, lanes=lanes or None, sidewalk=sidewalk, one_way=self.one_way)
+        return RoadSpec(
+            kind=kind,
+            lanes=lanes or None,
+            oncoming_lanes=oncoming or None,
+            sidewalk=sidewalk,
+            one_way=self.one_way,
+        )
+
+    def _lanes_filled(self) -> int:
+        """How many lanes "three cars, one in each lane" speaks of; 0 where it is not said."""
+        for one in self.mentions:
+            if one.at.lane == "each" and one.same_as is not None:
+                whole, each = one.same_as.count, one.count
+                if isinstance(whole, int) and isinstance(each, int) and whole > each and not whole % each:
+                    return whole // each
+        return 0
 
     def _implied(self, groups: list[ObjectGroup]) -> list[ObjectGroup]:
         """What the setting means where the sentence does not say it itself."""
@@ -175,6 +214,11 @@ class SentenceNotes:
         if "BUSY" in self.settings and not any(_drives(group.kind, group.heading) for group in groups):
             implied.append(ObjectGroup(kind="vehicle", count="some"))
         return implied
+
+
+def _is_off_the_road(no: Mention) -> bool:
+    """Whether it denies what walks on the road alone, as in "people on the pavement but nobody on the road"."""
+    return (no.on_road or no.at.on_road) and SENTENCE_KINDS[str(no.kind)].walks
 
 
 def _covers(no: Mention, mention: Mention) -> bool:

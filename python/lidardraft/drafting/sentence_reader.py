@@ -115,7 +115,7 @@ class SentenceReader(PositionReader):
         """A number without a noun means more of the same, as in "two cars ahead and one behind"."""
         last = self.notes.mentions[-1] if self.notes.mentions else None
         following = self._following()
-        unclear = unclear_counts(chunk.tokens) or self._before(1) not in (*LISTED, "STOP")
+        unclear = unclear_counts(chunk.tokens) or self._before(1) not in (*LISTED, "STOP", "WITH")
         if last is None or unclear or following.name not in ("position", "turn"):
             self._report(chunk)
             return
@@ -145,6 +145,8 @@ class SentenceReader(PositionReader):
         if count is None and self.notes.road is None and not self.open:
             self.notes.road = "straight"  # "a country lane"
             self.notes.settings |= chunk.types & set(SETTINGS)
+        if count is not None and self.notes.lanes and self.notes.each_way:
+            self.notes.oncoming_lanes = count  # "two lanes northbound, one southbound"
         self.notes.lanes = self.notes.lanes or count or 0
 
     def _object(self, chunk: Chunk) -> None:
@@ -203,9 +205,14 @@ class SentenceReader(PositionReader):
             self.notes.lanes = self.notes.lanes or (4 if "WIDE" in chunk.types else 2)
         linked = self._before(2 if self._previous().name == "PREPOSITION" else 1) != ""
         at_junction = chunk.head in JUNCTIONS and "THE" in chunk.types and not linked
+        from_junction = at_junction and self._previous().head == "DISTANCE"
+        if from_junction:  # where a junction is, is not known yet
+            self._report(self._previous())
         for mention in self.open:
             if mention.kind is None:
                 continue
+            if from_junction:
+                mention.at = dataclasses.replace(mention.at, distance=None)
             if at_junction:
                 mention.at = dataclasses.replace(mention.at, at_junction=not SENTENCE_KINDS[mention.kind].at_junction)
                 mention.placed = True

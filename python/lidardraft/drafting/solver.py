@@ -10,12 +10,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from lidardraft.drafting.crowd import Crowd
 from lidardraft.drafting.occupancy import Occupancy, is_at
+from lidardraft.drafting.placing_order import placing_order, row_of, with_references
 from lidardraft.drafting.relation_text import group_relations
 from lidardraft.drafting.relative_poses import Footprint, RelativePoses
 from lidardraft.drafting.road_from_spec import road_from_spec
 from lidardraft.drafting.road_pose import RoadPose
-from lidardraft.drafting.road_zones import Zone, zone_of
+from lidardraft.drafting.road_zones import Zone, each_lane, zone_of
 from lidardraft.drafting.scene_spec import ObjectGroup, SceneSpec
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.errors import LayoutError
@@ -41,11 +43,15 @@ def layout_from_spec(spec: SceneSpec, seed: int = 0) -> Layout:
     urgent: set[int] = set()
     most = max((group.fewest or 0 for group in spec.groups), default=0)
     for attempt in range(min(most // _CROWDED, ARRANGEMENTS - 3), ARRANGEMENTS):
-        solver = _Solver(spec, np.random.default_rng([seed, attempt] if attempt else seed), attempt)
+        solver = _Solver(spec, seed, attempt)
         failed = solver.arrange(urgent)
         if failed is None:
             return Layout(primitives=tuple(solver.scene.primitives), provenance=solver.provenance(seed))
-        urgent |= _with_references(spec, failed)
+        urgent |= with_references(spec, failed)
+        if solver.overcrowded:  # the last arrangement has the most room
+            solver = _Solver(spec, seed, ARRANGEMENTS - 1)
+            if solver.arrange(urgent) is not None and solver.overcrowded:
+                break
     raise LayoutError(solver.refusal)
 
 
@@ -58,11 +64,14 @@ def check_seed(seed: int) -> None:
 class _Solver:
     """One arrangement of a scene; `attempt` numbers those that came to nothing before."""
 
-    def __init__(self, spec: SceneSpec, rng: np.random.Generator, attempt: int) -> None:
-        self.spec, self.rng, self.attempt = spec, rng, attempt
-        self.road = road_from_spec(spec, rng, attempt)
-        self.scene = Occupancy(self.road, rng)
+    def __init__(self, spec: SceneSpec, seed: int, attempt: int) -> None:
+        self.spec, self.attempt = spec, attempt
+        self.rng = np.random.default_rng([seed, attempt] if attempt else seed)
+        self.road = road_from_spec(spec, self.rng, attempt)
+        self.scene = Occupancy(self.road, self.rng)
         self.placed: dict[int, list[Footprint]] = {}
+        self.crowd: Crowd | None = None
+        self.overcrowded = False
         self.refusal = ""
 
     def arrange(self, urgent: set[int]) -> int | None:
@@ -72,7 +81,7 @@ class _Solver:
             if number in self.placed:
                 continue
             group = spec.groups[number]
-            row = _row_of(spec, number)
+            row = row_of(spec, number)
             if row is not None:
                 if not self._place_row(row):
                     return number
@@ -96,7 +105,9 @@ class _Solver:
     def _fill(self, number: int, group: ObjectGroup, place: str) -> bool:
         """Place what a group wants at one place; a number is met exactly, a word by as many as find room."""
         wanted = self._count(group, place)
+        least = self._least(group, wanted)
         self.scene.in_the_way.clear()
+        self.crowd = Crowd() if wanted >= _CROWDED else None
         placed: list[Footprint] = []
         for index in range(wanted):
             footprint = self._place(group, place, index, wanted)
@@ -104,8 +115,11 @@ class _Solver:
                 placed.append(footprint)
             elif isinstance(group.count, int):
                 break
+            self.overcrowded = self.crowd is not None and self.crowd.most(len(placed)) < least
+            if self.overcrowded:
+                break
         self.placed.setdefault(number, []).extend(placed)
-        if len(placed) >= self._least(group, wanted):
+        if len(placed) >= least:
             return True
         self._refuse(group, place, len(placed), wanted)
         return False
@@ -116,8 +130,10 @@ class _Solver:
             return self._place_relative(group, kind, group.relation, self._references(group), index, place)
         bound = group.distance is not None or place.startswith("beside")
         zone = zone_of(group, kind, place, self.road).grown(0 if bound else self.attempt, self.road)
-        for pose in self._poses(zone, group, kind, index, wanted):
+        for anywhere, pose in self._poses(zone, group, kind, index, wanted):
             footprint = self.scene.place(kind, group, pose)
+            if anywhere and self.crowd is not None:
+                self.crowd.add(found=footprint is not None)
             if footprint is not None:
                 return footprint
         return None
@@ -185,11 +201,12 @@ class _Solver:
 
     def _refuse(self, group: ObjectGroup, place: str, placed: int, wanted: int) -> None:
         said = group_relations(group, self.spec, place)
+        room = f"at most {self.crowd.most(placed)}" if self.crowd and self.overcrowded else placed
         asked = wanted if group.fewest is not None else repr(group.count)
         blockers = [name for name, _ in self.scene.in_the_way.most_common()] or ["the end of the road"]
         more = f" and {len(blockers) - 3} more" if len(blockers) > 3 else ""
         self.refusal = (
-            f"{' '.join([group.kind, ', '.join(said)]).strip()}: {placed} of {asked} found room; "
+            f"{' '.join([group.kind, ', '.join(said)]).strip()}: {room} of {asked} found room; "
             f"in the way: {', '.join(blockers[:3])}{more}; ask for fewer or for another place"
         )
 
@@ -198,20 +215,27 @@ class _Solver:
         if isinstance(group.count, int):
             return wanted
         if isinstance(group.count, tuple):
-            return group.count[0]
-        few = getattr(group.record.counts, group.count)[0]
+            return group.count[0] * self._times(group)
+        few = getattr(group.record.counts, group.count)[0] * self._times(group)
         return 1 if self.attempt == ARRANGEMENTS - 1 else min(few, wanted)
 
     def _count(self, group: ObjectGroup, place: str) -> int:
+        times = self._times(group)
         if isinstance(group.count, int):
-            return group.count
+            return group.count * times
         if isinstance(group.count, tuple):
             low, high = group.count
-            return int(self.rng.integers(low, high + 1))
+            return int(self.rng.integers(low, high + 1)) * times
         low, high = getattr(group.record.counts, group.count)
         if group.spacing is not None:
             return max(low, min(_MOST_SPACED, int(100.0 / group.spacing)))
+        if group.lane == "each":
+            return int(self.rng.integers(low, high + 1)) * times
         return int(self.rng.integers(low, high + 1)) * (1 if place or group.relation else 2)
+
+    def _times(self, group: ObjectGroup) -> int:
+        """How often a count is meant at one place: in each lane, or once."""
+        return len(each_lane(group, self.road)) if group.lane == "each" else 1
 
     def _kind(self, group: ObjectGroup) -> SentenceKind:
         """The kind of one object of a group: its own, or one of the mix that traffic is."""
@@ -228,8 +252,11 @@ class _Solver:
 
     def _poses(
         self, zone: Zone, group: ObjectGroup, kind: SentenceKind, number: int, wanted: int
-    ) -> Iterator[RoadPose]:
-        """The poses to try in order: in the object's own slot first, then, unless it is bound to it, anywhere."""
+    ) -> Iterator[tuple[bool, RoadPose]]:
+        """The poses to try in order: in the object's own slot first, then, unless it is bound to it, anywhere.
+
+        With each goes whether it is anywhere.
+        """
         rng = self.rng
         near, far = zone.span
         step = (far - near) / wanted
@@ -247,7 +274,8 @@ class _Solver:
             else:
                 along = near + (far - near) * float(rng.random())
             effort = float(rng.random()) if wanted >= _CROWDED else attempt / tries
-            yield zone.sample_pose(rng, along, number, effort * (1 + self.attempt) ** 1.3)
+            anywhere = attempt >= tries // 4 and group.spacing is None
+            yield anywhere, zone.sample_pose(rng, along, number, effort * (1 + self.attempt) ** 1.3)
 
 
 def _measured_from(kind: SentenceKind, effort: float) -> float:
@@ -258,43 +286,3 @@ def _measured_from(kind: SentenceKind, effort: float) -> float:
     assert kind.sizes is not None
     half = kind.sizes.smallest[0] / 2
     return (0.0, 0.0, half, half + EGO_SIZE[0] / 2)[int(4 * effort)]
-
-
-def placing_order(spec: SceneSpec, urgent: set[int]) -> list[int]:
-    """The numbers of the groups as they are placed: the `urgent`, what has relations, what is bound, the largest."""
-    referenced = {reference for group in spec.groups for reference in group.references}
-
-    def depth(number: int) -> int:
-        return max((1 + depth(reference) for reference in spec.groups[number].references), default=0)
-
-    def rank(number: int) -> tuple[bool, bool, int, bool, bool, int]:
-        group = spec.groups[number]
-        related = number in referenced or bool(group.references)
-        bound = group.distance is None, group.spacing is None, -group.record.precedence
-        return number not in urgent, not related, depth(number), *bound
-
-    return sorted(range(len(spec.groups)), key=rank)
-
-
-def _with_references(spec: SceneSpec, number: int) -> set[int]:
-    return {number}.union(*(_with_references(spec, reference) for reference in spec.groups[number].references))
-
-
-def _row_of(spec: SceneSpec, number: int) -> tuple[int, int, int] | None:
-    """The two ends of a row and the group between them, if a group is one of its ends and both are free to move."""
-    for between, group in enumerate(spec.groups):
-        ends = group.references
-        if group.relation != "between" or number not in ends:
-            continue
-        counts = {spec.groups[end].fewest for end in ends}
-        if (len(ends), counts) not in ((1, {2}), (2, {1})) or not all(_is_free(spec.groups[end]) for end in ends):
-            continue
-        if len({spec.groups[end].places for end in ends}) > 1:
-            continue
-        if isinstance(group.count, int) and group.heading not in ("across", "parked"):
-            return ends[0], between, ends[-1]
-    return None
-
-
-def _is_free(group: ObjectGroup) -> bool:
-    return group.relation is None and group.distance is None and group.spacing is None and len(group.places) < 2

@@ -109,6 +109,7 @@ _SPELLINGS = (
     (re.compile(r"\b(left|right|ahead|behind|front|sides?|back|rear|background|foreground): "), r"\1 "),
     (re.compile(r"\b(?:nobody|no one|no body)\b(?! way)"), "no people"),
     (re.compile(r"\b(?:on|to|at) (?:its|his|her|their) (left|right)(?: (?:hand )?side)?\b"), r"to the \1 of it"),
+    (re.compile(r"\ba dozen or so\b"), "12 or so"),
     (re.compile(r": "), ", "),
     (re.compile(r"(?<![\w.,-])(\d{1,9}) ?x (?=[a-z]{2})"), r"\1 "),  # "2x cars"
     (re.compile(r"(?<![\w-])([a-z]{2,}) \(?x ?(\d{1,9})\)?(?![\w.,-])"), r"\2 \1"),  # "cars x3"

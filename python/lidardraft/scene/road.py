@@ -35,7 +35,8 @@ class Road:
     """A road of constant curvature under the ego vehicle, right-hand traffic, with at most one crossing road.
 
     `along` [m] runs in the ego's direction with the ego at 0; `across` [m] is positive to the left with the centreline
-    at 0. `lanes` counts one direction; the ego drives in number `ego_lane`, counted from the kerb. `parking` is the
+    at 0. `lanes` counts the ego's direction, and the other one too unless `oncoming_lanes` says otherwise (then the
+    centreline is the middle of all lanes); the ego drives in number `ego_lane`, counted from the kerb. `parking` is the
     width [m] of the strip for parked vehicles (or of the hard shoulder) along each kerb. `curvature` [1/m] is positive
     for a left bend. `junction` is the `along` of the middle of the crossing road, or None; `side_roads` are the sides
     on which it leaves, `LEFT` or `RIGHT`. The road goes on `half_length` [m] either way. `median` is the width [m] of
@@ -45,6 +46,7 @@ class Road:
     """
 
     lanes: int = 1
+    oncoming_lanes: int | None = None
     ego_lane: int = 0
     lane_width: float = 3.5
     parking: float = 0.0
@@ -61,6 +63,8 @@ class Road:
     def __post_init__(self) -> None:
         if not 1 <= self.lanes <= 6:
             raise LayoutError(f"lanes is {self.lanes}; a road has 1 to 6 in each direction")
+        if self.oncoming_lanes is not None:
+            self._check_oncoming_lanes(self.oncoming_lanes)
         if not 2.0 <= self.lane_width <= 6.0:
             raise LayoutError(f"lane_width is {self.lane_width} m; it must be 2 to 6 m")
         if not 0 <= self.ego_lane < self.lanes:
@@ -80,6 +84,12 @@ class Road:
         if self.roundabout_radius is not None:
             self._check_roundabout(self.roundabout_radius)
 
+    def _check_oncoming_lanes(self, number: int) -> None:
+        if not 1 <= number <= 6:
+            raise LayoutError(f"oncoming_lanes is {number}; a road has 1 to 6 in each direction")
+        if self.one_way or self.median:
+            raise LayoutError(f"oncoming_lanes is {number}; it goes with neither one_way nor a median")
+
     def _check_roundabout(self, radius: float) -> None:
         if self.junction is None or self.curvature:
             raise LayoutError("a roundabout needs a junction on a straight road")
@@ -91,9 +101,17 @@ class Road:
     @property
     def edge(self) -> float:
         """Distance from the centreline to the kerb [m]."""
-        if self.one_way:
-            return self.lanes * self.lane_width / 2 + self.parking
-        return self.median / 2 + self.lanes * self.lane_width + self.parking
+        return self.median / 2 + self._half_lanes * self.lane_width + self.parking
+
+    @property
+    def oncoming(self) -> int:
+        """How many lanes lead against the ego's direction."""
+        return 0 if self.one_way else self.lanes if self.oncoming_lanes is None else self.oncoming_lanes
+
+    @property
+    def _half_lanes(self) -> float:
+        """Half of all lanes."""
+        return (self.lanes + self.oncoming) / 2
 
     @property
     def island(self) -> float:
@@ -107,11 +125,10 @@ class Road:
 
     def lane(self, number: int, direction: int = 1) -> float:
         """`across` of the middle of a lane: number 0 is the outermost, direction 1 the ego's and -1 the opposite."""
-        if not 0 <= number < self.lanes:
-            raise LayoutError(f"lane {number} of a road with {self.lanes} lanes in each direction")
-        if self.one_way:
-            return (number + 0.5 - self.lanes / 2) * self.lane_width
-        return -direction * (self.median / 2 + (self.lanes - number - 0.5) * self.lane_width)
+        lanes = self.lanes if direction > 0 else self.oncoming
+        if not 0 <= number < lanes:
+            raise LayoutError(f"lane {number} of a road with {lanes} lanes in that direction")
+        return -direction * (self.median / 2 + (self._half_lanes - number - 0.5) * self.lane_width) + 0.0
 
     @overload
     def at(self, along: float, across: float) -> tuple[float, float, float]: ...
