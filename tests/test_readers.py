@@ -22,7 +22,9 @@ from lidardraft.formats.cast import read_cast
 from lidardraft.formats.cityscapes import read_semantics
 from lidardraft.formats.glb import layout_from_glb
 from lidardraft.formats.glb_export import write_glb
+from lidardraft.formats.intrinsics import read_intrinsics
 from lidardraft.formats.kitti import read_bin, write_bin
+from lidardraft.formats.masks import read_masks
 from lidardraft.formats.npy import read_npy
 from lidardraft.formats.obj import layout_from_obj
 from lidardraft.formats.pcd import read_pcd
@@ -92,6 +94,10 @@ READERS: dict[str, tuple[Callable[[Path], object], str, Callable[[Path], object]
     "carla ply": (read_carla, ".ply", write_ply),
     "carla npy": (read_carla, ".npy", write_carla_records),
     "train ids": (read_semantics, ".png", lambda path: Image.new("L", (9, 7), 3).save(path)),
+    "masks": (read_masks, ".npz", lambda path: np.savez(path, masks=np.ones((2, 3, 4), bool))),
+    "numbered masks": (read_masks, ".png", lambda path: Image.new("L", (9, 7), 3).save(path)),
+    "intrinsics": (read_intrinsics, ".json", lambda path: path.write_text('{"K": [[9, 0, 4], [0, 9, 3], [0, 0, 1]]}')),
+    "calibration": (read_intrinsics, ".txt", lambda path: path.write_text("P2: 9 0 4 0 0 9 3 0 0 0 1 0\n")),
     "npy": (read_npy, ".npy", lambda path: np.save(path, POINTS)),
     "cast": (read_cast, ".npz", raycast(Layout((CAR,)), SENSOR).save),
     "range image": (RangeImage.load, ".npz", raycast(Layout((CAR,)), SENSOR).save),

@@ -205,6 +205,38 @@ def test_a_picture_with_its_depth_and_classes_is_read(photo: list[str], capsys: 
     assert len(centers) == 4
 
 
+def test_masks_and_the_camera_of_a_picture_are_read_from_files(photo: list[str]) -> None:
+    camera = Pinhole.from_hfov(math.radians(80), 640, 400)
+    four = f"{camera.fx},{camera.fy},{camera.cx},{camera.cy}"
+    Path("calib.txt").write_text(f"P2: {camera.fx} 0 {camera.cx} 0 0 {camera.fy} {camera.cy} 0 0 0 1 0")
+    car = np.asarray(Image.open("classes.png")) == 13
+    np.savez("masks.npz", masks=np.stack([car & (np.arange(640) < 320), car & (np.arange(640) >= 320)]))
+    for number, intrinsics in enumerate((four, "calib.txt")):
+        given = ["--intrinsics", intrinsics, "--masks", "masks.npz", "--no-preview", "-o", f"layout_{number}.json"]
+        assert cli.main(["draft", *photo, *given]) == 0
+    layout = Layout.load("layout_0.json")
+    assert layout == Layout.load("layout_1.json")
+    assert len(layout.boxes()) == 2
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--intrinsics", "1,2,3"], "--intrinsics is '1,2,3'; it must be FX,FY,CX,CY"),
+        (["--intrinsics", "a,b,c,d"], "--intrinsics is 'a,b,c,d'; it must be FX,FY,CX,CY"),
+        (["--intrinsics", "9,9,9000,9"], "the principal point (9000, 9) lies outside the picture"),
+        (["--intrinsics", "none.json"], "none.json: No such file"),
+        (["--intrinsics", "700,700,320,200", "--hfov", "80"], "intrinsics and hfov say the same"),
+        (["--hfov", "80", "--masks", "none.npz"], "none.npz: No such file"),
+        (["--hfov", "80", "--masks", "depth.npy"], "depth.npy: it holds float32 [400, 640]; masks are bool"),
+    ],
+)
+def test_masks_and_intrinsics_that_cannot_be(
+    photo: list[str], refused: Callable[..., str], options: list[str], said: str
+) -> None:
+    assert said in refused("draft", *photo, *options, "-o", "layout.json")
+
+
 def test_what_is_wrong_with_a_picture(photo: list[str], refused: Callable[..., str]) -> None:
     draft = ("draft", "-o", "layout.json", *photo)
     assert "photo.png: the picture does not say its focal length; give hfov (--hfov)" in refused(*draft)

@@ -1,6 +1,7 @@
 """Pictures of known layouts become layouts: what was rendered is found where it was."""
 
 import dataclasses
+import json
 import math
 
 import numpy as np
@@ -104,6 +105,42 @@ def test_things_that_touch_are_told_apart_by_their_numbers():
     assert len(drafted(picture).boxes()) == 1
     boxes = drafted(picture, instances=picture.instances).boxes()
     assert sorted(round(box.center[1], 1) for box in boxes) == [-0.8, 1.0]
+
+
+def test_masks_tell_things_apart_and_take_the_class_of_most_of_their_pixels():
+    cars = [
+        shape("box", (14, y, 0.75), (4, 1.8, 1.5), "car", f"car_{k}", instance=k) for k, y in enumerate((1, -0.8), 1)
+    ]
+    picture = rendered_pictures.render(Layout((*STREET.primitives[:2], *cars)), CAMERA)
+    labels = picture.labels.copy()
+    labels[:, 330:334][picture.instances[:, 330:334] > 0] = BY_NAME["bus"].id  # a network's error
+    masks = np.stack([picture.instances == number for number in (1, 2)])
+    for given in (masks, picture.instances, lambda _, __: (picture.labels, picture.instances)):
+        boxes = drafted(picture, semantics=labels, masks=given).boxes()
+        assert sorted((box.label, round(box.center[1], 1)) for box in boxes) == [("car", -0.8), ("car", 1.0)]
+
+
+def test_intrinsics_may_be_a_file(tmp_path):
+    matrix = [[CAMERA.fx, 0, CAMERA.cx], [0, CAMERA.fy, CAMERA.cy], [0, 0, 1]]
+    (tmp_path / "camera.json").write_text(json.dumps({"K": matrix}))
+    layout = drafted(hfov=None, intrinsics=tmp_path / "camera.json")
+    assert layout == drafted(hfov=None, intrinsics=matrix)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"masks": np.ones((2, 3, 4), bool)}, r"masks are bool \[2, 3, 4\]; a picture of that size needs"),
+        ({"masks": np.ones((1, 400, 640))}, r"masks are float64 \[1, 400, 640\]"),
+        ({"masks": np.ones((3, 3), int)}, r"masks has shape \[3, 3\]"),
+        ({"masks": np.arange(400 * 640).reshape(400, 640)}, "there are 255999 masks; up to 1000"),
+        ({"masks": PICTURE.instances, "instances": PICTURE.instances}, "instances and masks both say the objects"),
+        ({"instances": "some/network"}, "instances is 'some/network'; it must be an array"),
+    ],
+)
+def test_masks_that_cannot_be(options, said):
+    with pytest.raises(LayoutError, match=said):
+        drafted(**options)
 
 
 def test_coverage_is_what_the_picture_shows():

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from lidardraft.perception.mask_network import MaskNetwork, number_objects
+from lidardraft.perception.mask_network import MaskNetwork
+from lidardraft.perception.mask_votes import number_objects
 from lidardraft.semantics import BY_NAME
 
 pytest.importorskip("transformers")

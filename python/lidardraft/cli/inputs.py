@@ -26,7 +26,7 @@ _GOES_WITH = {
     "classes": ("obj", "glb", "blender"),
     "up": ("obj",),
     "scale": ("obj",),
-    **dict.fromkeys(("depth", "semantics", "hfov", "camera_height", "fill"), ("image",)),
+    **dict.fromkeys(("depth", "semantics", "masks", "intrinsics", "hfov", "camera_height", "fill"), ("image",)),
 }
 _GOES_WITH |= {f"llm_{name}": ("text",) for name in ("url", "model", "blender", "cache", "timeout")}
 
@@ -78,6 +78,10 @@ def _add_image_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--depth", metavar="MODEL", help=f"{text} (default: Depth Anything V2, outdoor, small)")
     text = "classes of --image: a segmentation network (id or folder), or an .npy or .png file of Cityscapes train ids"
     group.add_argument("--semantics", metavar="MODEL", help=f"{text} (default: EoMT on Cityscapes)")
+    text = "objects of --image: an .npz, .npy or .png file of masks, or a network for them such as SAM (id or folder)"
+    group.add_argument("--masks", metavar="FILE", help=f"{text} (default: points that touch)")
+    text = "camera of --image in pixels, or a file that says it: .json, or a calibration of KITTI"
+    group.add_argument("--intrinsics", metavar="FX,FY,CX,CY", help=text)
     text = "horizontal field of view of --image (default: what the file says of its focal length)"
     group.add_argument("--hfov", type=number, metavar="DEGREES", help=text)
     text = "height of the camera over the road, which sets the scale (default 1.65)"
@@ -150,13 +154,17 @@ def _from_text(arguments: argparse.Namespace) -> Layout:
 def _from_image(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.image import CAMERA_HEIGHT, DEPTH, SEMANTICS, layout_from_image
     from lidardraft.formats.cityscapes import read_semantics
+    from lidardraft.formats.masks import read_masks
     from lidardraft.formats.npy import read_npy
 
     depth, semantics = arguments.depth or DEPTH, arguments.semantics or SEMANTICS
+    masks = arguments.masks
     layout = layout_from_image(
         Path(arguments.image),
         depth=read_npy(depth) if depth.endswith(".npy") else depth,
         semantics=read_semantics(semantics) if semantics.endswith((".npy", ".png")) else semantics,
+        masks=read_masks(masks) if masks and masks.lower().endswith((".npy", ".npz", ".png")) else masks,
+        intrinsics=_intrinsics(arguments.intrinsics),
         hfov=None if arguments.hfov is None else math.radians(arguments.hfov),
         camera_height=CAMERA_HEIGHT if arguments.camera_height is None else arguments.camera_height,
         fill=bool(arguments.fill),
@@ -164,6 +172,19 @@ def _from_image(arguments: argparse.Namespace) -> Layout:
     height, scale = layout.provenance["sensor_height"], layout.provenance["scale"]
     say("lidardraft", f"{arguments.image}: depth times {scale:.2f}, so that the camera is {height:g} m over the road")
     return layout
+
+
+def _intrinsics(given: str | None) -> object | None:
+    """fx, fy, cx and cy where the text is numbers with commas between them, else the file that it names."""
+    if given is None or "," not in given:
+        return given
+    try:
+        values = [float(part) for part in given.split(",")]
+    except ValueError:
+        values = []
+    if len(values) != 4:
+        raise FormatError(f"--intrinsics is {given!r}; it must be FX,FY,CX,CY in pixels, or a file")
+    return values
 
 
 def _from_points(arguments: argparse.Namespace) -> Layout:

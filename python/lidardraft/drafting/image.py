@@ -23,8 +23,10 @@ from lidardraft.drafting.pseudo_cloud import PseudoCloud, pseudo_cloud
 from lidardraft.drafting.road_plane import RoadPlane, find_road_plane
 from lidardraft.errors import LayoutError, check_type
 from lidardraft.files import named
+from lidardraft.formats.intrinsics import read_intrinsics
 from lidardraft.formats.picture import Picture, read_picture
 from lidardraft.json_fields import are_numbers, is_number
+from lidardraft.perception.mask_votes import number_objects
 from lidardraft.scene.layout import Layout
 from lidardraft.semantics import NUM_CLASSES
 
@@ -34,6 +36,7 @@ CAMERA_HEIGHT = 1.65  # m, of the cameras on KITTI's car (Geiger et al., IJRR 20
 _LONGEST_SIDE = 2048  # pixels; finer than `pseudo_cloud.CELL` in a picture of up to 170 degrees
 _FURTHEST = 100.0  # m; depth of pictures is not known further away
 _VOXEL = 0.1  # m, of which one point is kept
+_MOST_MASKS = 1000  # SAM finds some 100 to 200 in a picture
 _FOOT = 0.1  # m over the road; what is lower is no object, but the road before it under a class that reaches too far
 
 PathLike = str | os.PathLike[str]
@@ -46,7 +49,8 @@ def layout_from_image(
     *,
     depth: np.ndarray | PathLike | Network = DEPTH,
     semantics: np.ndarray | PathLike | Network = SEMANTICS,
-    instances: np.ndarray | PathLike | MaskNetwork | None = None,
+    instances: np.ndarray | None = None,
+    masks: np.ndarray | PathLike | MaskNetwork | None = None,
     intrinsics: object | None = None,
     hfov: float | None = None,
     camera_height: float | None = CAMERA_HEIGHT,
@@ -58,10 +62,11 @@ def layout_from_image(
     `image`: u8 [H, W, 3] or a JPEG, PNG or WebP file.
     `depth`: f [H, W] along the axis of the camera, 0 where unknown; or a network for metric depth: its id, its folder,
     or a `DepthNetwork`. `semantics`: class ids [H, W] of `semantics.CLASSES`, 0 for the sky and what is unknown; or a
-    network, likewise. `instances`: numbers of objects [H, W], counted for each class, 0 where unknown; or a network for
-    masks, such as SAM.
-    `intrinsics`: K [3, 3] or (fx, fy, cx, cy) in pixels; else `hfov`, the horizontal field of view [rad]; else the
-    focal length that the file says.
+    network, likewise. `instances`: numbers of objects [H, W], counted for each class, 0 where unknown. Or `masks`, each
+    of which takes the class that most of its pixels have: bool [M, H, W], the best first; their numbers [H, W]; or a
+    network for masks, such as SAM.
+    `intrinsics`: K [3, 3] or (fx, fy, cx, cy) in pixels, or a file of them: JSON, or a calibration of KITTI; else
+    `hfov`, the horizontal field of view [rad]; else the focal length that the file says.
     `camera_height` [m] over the road sets the scale; with None depth is taken as metres. The tilt comes from the road.
     `place`: (x, y, yaw) of the camera in the frame of the layout [m, rad].
     `fill`: what the picture does not show becomes a mirror image of what it shows.
@@ -70,7 +75,9 @@ def layout_from_image(
     is visible, `FormatError` on a file that is no picture, `CheckpointError` where a network is not there.
     """
     check_type("image", image, np.ndarray, str, os.PathLike)
-    options = (depth, semantics, instances, intrinsics, hfov, camera_height, place, fill)
+    if isinstance(intrinsics, str | os.PathLike):
+        intrinsics = read_intrinsics(intrinsics)
+    options = (depth, semantics, instances, masks, intrinsics, hfov, camera_height, place, fill)
     if isinstance(image, np.ndarray):
         return _layout(Picture(image), *options)
     picture = read_picture(image)
@@ -83,6 +90,7 @@ def _layout(
     depth: Any,
     semantics: Any,
     instances: Any,
+    masks: Any,
     intrinsics: object | None,
     hfov: float | None,
     camera_height: float | None,
@@ -93,16 +101,17 @@ def _layout(
     height, width = pixels.shape[:2]
     camera = _camera(width, height, intrinsics, hfov, picture.film_focal_length)
     _check_numbers(camera_height, place)
+    _check_objects(instances, masks, (height, width))
     # Arrays are checked before any network is loaded, which takes seconds.
-    for name, given in (("depth", depth), ("semantics", semantics), ("instances", instances)):
-        if isinstance(given, np.ndarray):
+    for name, given in (("depth", depth), ("semantics", semantics), ("instances", instances), ("masks", masks)):
+        if isinstance(given, np.ndarray) and name != "masks":
             _check_array(name, given, (height, width))
-        elif given is not None and (pixels == pixels[0, 0]).all():
+        elif not isinstance(given, np.ndarray | None) and (pixels == pixels[0, 0]).all():
             raise LayoutError("the picture is of one colour; nothing is to be seen in it")
     scale = min(1.0, _LONGEST_SIDE / max(height, width))
     camera = camera.resized(max(1, round(width * scale)), max(1, round(height * scale)))
     small = np.asarray(Image.fromarray(pixels).resize((camera.width, camera.height), Image.Resampling.BOX))
-    cloud = _seen(small, depth, semantics, instances, camera)
+    cloud = _seen(small, depth, semantics, instances, masks, camera)
     plane = find_road_plane(cloud.points, cloud.labels)
     stands = plane.height if camera_height is None else float(camera_height)
     layout = _levelled_layout(cloud, plane, stands, _coverage(camera, plane), fill)
@@ -178,21 +187,41 @@ def _check_array(name: str, array: np.ndarray, shape: tuple[int, int]) -> None:
     if wrong.any():
         row, column = np.argwhere(wrong)[0].tolist()
         raise LayoutError(f"{name} at row {row}, column {column} is {array[row, column]}; it must be {limit}")
-    if name != "instances" and not array.any():
+    if name not in ("instances", "masks") and not array.any():
         raise LayoutError(f"{name} is 0 everywhere; nothing is known of the picture")
 
 
-def _seen(small: np.ndarray, depth: Any, semantics: Any, instances: Any, camera: Pinhole) -> PseudoCloud:
+def _check_objects(instances: Any, masks: Any, shape: tuple[int, int]) -> None:
+    if instances is not None and masks is not None:
+        raise LayoutError("instances and masks both say the objects; give one of them")
+    if instances is not None and not isinstance(instances, np.ndarray):
+        raise LayoutError(f"instances is {_name(instances)!r}; it must be an array, and networks are given as masks")
+    if not isinstance(masks, np.ndarray):
+        return
+    if masks.ndim == 3 and (masks.dtype != bool or masks.shape[1:] != shape):
+        size = f"a picture of that size needs bool [M, {shape[0]}, {shape[1]}]"
+        raise LayoutError(f"masks are {masks.dtype} {list(masks.shape)}; {size}, or numbers {list(shape)}")
+    if masks.ndim != 3:
+        _check_array("masks", masks, shape)
+    number = len(masks) if masks.ndim == 3 else len(np.unique(masks[masks > 0]))
+    if number > _MOST_MASKS:
+        raise LayoutError(f"there are {number} masks; up to {_MOST_MASKS} can be given")
+
+
+def _seen(small: np.ndarray, depth: Any, semantics: Any, instances: Any, masks: Any, camera: Pinhole) -> PseudoCloud:
     """The pseudo point cloud, from arrays of the whole picture or from networks that look at the small one."""
     if not isinstance(semantics, np.ndarray):
         semantics = _semantic_network(semantics)(small)
     if not isinstance(depth, np.ndarray):
         depth = _depth_network(depth)(small)
     semantics, depth = _resized(semantics, small), _resized(depth, small).astype(np.float64)
-    if instances is None:
+    if isinstance(masks, np.ndarray):
+        few = np.array([_resized(mask, small) for mask in (masks if masks.ndim == 3 else masks[None])])
+        semantics, instances = number_objects(semantics, few if masks.ndim == 3 else few[0])
+    elif masks is not None:
+        semantics, instances = _mask_network(masks)(small, semantics)
+    elif instances is None:
         instances = np.zeros_like(semantics)
-    elif not isinstance(instances, np.ndarray):
-        semantics, instances = _mask_network(instances)(small, semantics)
     return pseudo_cloud(depth, semantics, _resized(instances, small), camera)
 
 

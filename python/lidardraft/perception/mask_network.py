@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import torch
 
+from lidardraft.perception.mask_votes import THINGS, number_objects
 from lidardraft.perception.pretrained import load_network, load_pretrained
-from lidardraft.semantics import CLASSES
 
 _KIND = "mask network"
 # Estimates of ours, but for the score, which is a little less than that of SAM's own generator of masks.
@@ -22,9 +22,6 @@ _SPACING = 16  # pixels between points that are asked for
 _MOST_POINTS = 128
 _POINTS_AT_ONCE = 16
 _SCORE = 0.8  # a network's own estimate of how right a mask is
-_MAJORITY = 0.5  # of the pixels of a mask have its class
-_NEW = 0.5  # of the pixels of a mask are of no better mask
-_THINGS = np.array([row.is_thing for row in CLASSES])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,30 +69,12 @@ class MaskNetwork:
         return np.concatenate(masks), np.concatenate(scores)
 
 
-def number_objects(labels: np.ndarray, masks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Classes u8 and numbers of objects u32 [H, W], of class ids [H, W] and masks [M, H, W], the best first.
-
-    A mask most of whose pixels are of one kind of thing, and no part of a better mask, is one such thing.
-    """
-    classes, numbers = labels.astype(np.uint8), np.zeros(labels.shape, dtype=np.uint32)
-    for mask in masks:
-        free = mask & (numbers == 0)
-        if not mask.any() or np.count_nonzero(free) < _NEW * np.count_nonzero(mask):
-            continue
-        votes = np.bincount(labels[mask], minlength=len(CLASSES))
-        winner = int(votes.argmax())
-        if _THINGS[winner] and votes[winner] > _MAJORITY * votes.sum():
-            classes[free] = winner
-            numbers[free] = numbers.max() + 1
-    return classes, numbers
-
-
 def _points_on_things(labels: np.ndarray) -> np.ndarray:
     """Places [M, 2] (column, row) on things, on a grid, which is wider where there would be too many."""
     spacing = _SPACING
     while True:
         half = spacing // 2
-        rows, columns = np.nonzero(_THINGS[labels[half::spacing, half::spacing]])
+        rows, columns = np.nonzero(THINGS[labels[half::spacing, half::spacing]])
         if len(rows) <= _MOST_POINTS:
             return np.column_stack([columns, rows]) * spacing + half
         spacing *= 2

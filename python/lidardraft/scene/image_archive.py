@@ -64,7 +64,7 @@ def read_numbers(archive: zipfile.ZipFile, name: str, shape: tuple[int, ...] | N
         raise FormatError(f"{name!r} is missing")
     with archive.open(f"{name}.npy") as file:
         found, _, dtype = _header(name, file)
-    if dtype.kind not in "fiu":
+    if dtype.kind not in "fiub":
         raise FormatError(f"{name} is {dtype}; it must hold numbers")
     if math.prod(found) * dtype.itemsize > archive.getinfo(f"{name}.npy").file_size:
         raise FormatError(f"{name} is truncated: its header says {found}")

@@ -1,0 +1,42 @@
+"""Masks of whatever there is become numbered objects, each of the class that most of its pixels have."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from lidardraft.semantics import CLASSES
+
+# Estimates of ours.
+_MAJORITY = 0.5  # of the pixels of a mask have its class
+_NEW = 0.5  # of the pixels of a mask are of no better mask
+THINGS = np.array([row.is_thing for row in CLASSES])
+
+
+def number_objects(labels: np.ndarray, masks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Classes u8 and numbers of objects u32 [H, W].
+
+    They are made of class ids [H, W] and masks: bool [M, H, W], the best first, or their numbers [H, W], 0 for none.
+
+    A mask most of whose pixels are of one kind of thing, and no part of a better mask, is one such thing.
+    """
+    classes, numbers = labels.astype(np.uint8), np.zeros(labels.shape, dtype=np.uint32)
+    for mask in _each(masks):
+        free = mask & (numbers == 0)
+        if not mask.any() or np.count_nonzero(free) < _NEW * np.count_nonzero(mask):
+            continue
+        votes = np.bincount(labels[mask], minlength=len(CLASSES))
+        winner = int(votes.argmax())
+        if THINGS[winner] and votes[winner] > _MAJORITY * votes.sum():
+            classes[free] = winner
+            numbers[free] = numbers.max() + 1
+    return classes, numbers
+
+
+def _each(masks: np.ndarray) -> Iterator[np.ndarray]:
+    """One mask [H, W] after the other; where they are numbered, 0 is none."""
+    if masks.ndim == 3:
+        yield from masks
+    else:
+        yield from (masks == number for number in np.unique(masks[masks > 0]))
