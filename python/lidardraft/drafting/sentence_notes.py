@@ -138,10 +138,13 @@ class SentenceNotes:
                 mention.heading = mention.heading or "with"
             if "BUSY" in self.settings and mention.count == "some" and _drives(mention.kind, mention.heading):
                 mention.count = "many"
+        walking = {mention.kind for mention in wanted}
         absent = {
             str(mention.kind)
             for mention in denied
-            if not mention.placed and mention.heading is None and not _is_off_the_road(mention)
+            if not mention.placed
+            and mention.heading is None
+            and not (_is_off_the_road(mention) and mention.kind in walking)
         }
         number_of = {id(mention): number for number, mention in enumerate(wanted)}
         groups = [

@@ -71,7 +71,7 @@ def class_of(names: Iterable[str], classes: Mapping[str, str]) -> str | None:
     comes a name that says it outright, "class:car".
     """
     known = list(names)
-    for name in known:
+    for name in known if classes else ():
         for whole in (name, without_number(name)):
             if whole in classes:
                 return classes[whole]
