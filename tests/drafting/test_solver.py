@@ -9,6 +9,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from spec_checker import broken
 
+from lidardraft.drafting.occupancy import Occupancy
 from lidardraft.drafting.scene_spec import HEADINGS, LANES, PLACES, RELATIONS, ROADS, ObjectGroup, RoadSpec, SceneSpec
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.solver import layout_from_spec
@@ -257,6 +258,22 @@ def test_other_roads() -> None:
     assert sum(abs(math.sin(box.yaw)) > 0.9 for box in lot.boxes()) == 100
     one_way = layout_from_spec(SceneSpec(road=RoadSpec(one_way=True), groups=(ObjectGroup(kind="car", count=6),)), 0)
     assert all(math.cos(box.yaw) > 0.9 for box in one_way.boxes())
+
+
+@pytest.mark.parametrize("count", [1000, 5000])
+def test_an_impossible_crowd_is_refused_early(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = 0
+    place = Occupancy.place
+
+    def counted(*arguments: Any) -> Any:
+        nonlocal tried
+        tried += 1
+        return place(*arguments)
+
+    monkeypatch.setattr(Occupancy, "place", counted)
+    with pytest.raises(LayoutError, match=rf"person on the left, on the sidewalk: at most \d+ of {count} found room"):
+        layout_from_spec(one("person", count, "left", surface="sidewalk"), 0)
+    assert tried < 40_000  # a third of what all arrangements take
 
 
 def test_a_thousand_trees_find_room() -> None:

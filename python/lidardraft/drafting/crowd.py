@@ -24,5 +24,6 @@ class Crowd:
 
     def most(self, placed: int) -> float:
         """How many find room at most when so many have; infinite while too little is known."""
-        share = self.free / self.tries if self.tries >= _LEAST else 1.0
+        # two standard deviations more than counted, and two
+        share = (self.free + 2 * math.sqrt(self.free) + 2) / self.tries if self.tries >= _LEAST else 1.0
         return math.inf if share >= 1.0 else math.ceil(placed * (1.0 + _FACTOR * math.sqrt(share) / (1.0 - share)))
