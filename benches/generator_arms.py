@@ -26,7 +26,7 @@ from torch.optim.swa_utils import AveragedModel
 from torch.utils.flop_counter import FlopCounterMode
 
 from generated_streets import scores_by_kind
-from generator_losses import Loss, apart, in_metres, present, without_air
+from generator_losses import Loss, apart, in_metres, squared, without_air
 from goals import Row, table
 from lidardraft import RangeImage, Sensor
 from lidardraft.cli.arguments import positive, whole_number
@@ -73,7 +73,7 @@ class Arm:
     """One row: the network, what it learns by, and whether half of its time goes to a base that is then frozen."""
 
     make: Callable[[], nn.Module]
-    loss: Loss = present
+    loss: Loss = squared
     levels: Callable[[int, torch.Generator], Tensor] = draw_levels
     frozen: DenoiserConfig | None = None  # with the ControlNet on the base that `make` makes
 
@@ -90,7 +90,7 @@ SMALL = DenoiserConfig(
 )
 
 
-def denoiser_arm(loss: Loss = present, **changes: object) -> Arm:
+def denoiser_arm(loss: Loss = squared, **changes: object) -> Arm:
     """`SMALL` with some fields changed."""
     config = dataclasses.replace(SMALL, **changes)  # type: ignore[arg-type]
     return Arm(make=lambda: Denoiser.from_config(config), loss=loss)

@@ -1,4 +1,4 @@
-"""Losses of the generator: the present one, and others that see what the eye sees."""
+"""Losses of the generator: the squared error, and others that see what the eye sees."""
 
 from __future__ import annotations
 
@@ -47,8 +47,8 @@ def squared_error(denoised: Tensor, clean: Tensor, depth_weight: Tensor | float 
     return mean_over(error * weights, counts)
 
 
-def present(denoised: Tensor, clean: Tensor, sigma: Tensor, condition: Tensor) -> Tensor:
-    """`Denoiser.loss`."""
+def squared(denoised: Tensor, clean: Tensor, sigma: Tensor, condition: Tensor) -> Tensor:
+    """`Denoiser.loss` without what its gates are taught."""
     del condition
     return edm_weight(sigma) * squared_error(denoised, clean)
 
@@ -83,4 +83,4 @@ def without_air(denoised: Tensor, clean: Tensor, sigma: Tensor, condition: Tenso
     width = depth.shape[-1]
     beside = torch.cat([around[..., shift : shift + width] for shift in range(3)], dim=1)
     gap = ((denoised[:, DEPTH : DEPTH + 1] - beside) ** 2).amin(dim=1, keepdim=True)
-    return present(denoised, clean, sigma, condition) + _IN_THE_AIR * edm_weight(sigma) * mean_over(gap, valid)
+    return squared(denoised, clean, sigma, condition) + _IN_THE_AIR * edm_weight(sigma) * mean_over(gap, valid)

@@ -54,7 +54,7 @@ def test_scans_are_generated_where_the_weights_are(pairs: list[StreetPair], deno
 
 def test_a_network_that_heeds_its_layout_does_worse_by_another(pairs: list[StreetPair], denoiser: Denoiser) -> None:
     scans, images = [pair.scan for pair in pairs], [pair.condition_image for pair in pairs]
-    assert loss_by_other_layouts(denoiser, scans, images) > 1.05  # its copy gate
+    assert loss_by_other_layouts(denoiser, scans, images) > 1.05  # of an open copy gate
     base, control = recipes.tiny_paper().stages
     fresh = Denoiser.from_config(base.denoiser).with_controlnet(control.denoiser)
     assert loss_by_other_layouts(fresh, scans, images) == 1.0  # its zero convolutions are zero

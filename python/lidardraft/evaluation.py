@@ -81,7 +81,7 @@ def sample_scans(
 @torch.inference_mode()
 def loss_by_other_layouts(denoiser: Denoiser, scans: list[RangeImage], condition_images: list[RangeImage]) -> float:
     """The loss of scans, each by the condition image of the next one, over that by their own: 1 is a denoiser that does
-    not heed what it is given. It shows long before scans do."""
+    not heed what it is given. It shows long before scans do. Of a denoiser without gates: theirs can be below 0."""
     device = next(denoiser.parameters()).device
     losses = dict.fromkeys((0, 1), 0.0)
     for seed, scan in enumerate(scans):

@@ -1,12 +1,13 @@
 """Losses of the generator see what they say."""
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 import torch
 
-from generator_losses import apart, edm_weight, in_metres, mean_over, present, without_air
+from generator_losses import apart, edm_weight, in_metres, mean_over, squared, without_air
 from lidardraft.diffusion.codec import CONDITION_CHANNELS, DEPTH, INTENSITY, MAX_DEPTH, VALIDITY
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.semantics import BY_NAME
@@ -25,12 +26,12 @@ def state(depth: float = 0.2) -> torch.Tensor:
 
 def test_the_present_loss_is_the_denoisers() -> None:
     torch.manual_seed(0)
-    denoiser = Denoiser.from_config(recipes.tiny().stages[0].denoiser)
+    denoiser = Denoiser.from_config(dataclasses.replace(recipes.tiny().stages[0].denoiser, copy_gate=False))
     clean, noise, sigma = torch.randn(2, 3, 16, 64), torch.randn(2, 3, 16, 64), torch.tensor([0.1, 2.0])
     rays, condition = torch.randn(4, 16, 64), torch.randn(2, CONDITION_CHANNELS, 16, 64)
     denoised = denoiser.denoise(clean + sigma[:, None, None, None] * noise, sigma, rays, condition, wraps=True)
     expected = denoiser.loss(clean, sigma, noise, rays, condition, wraps=True)
-    assert torch.allclose(present(denoised, clean, sigma, condition), expected)
+    assert torch.allclose(squared(denoised, clean, sigma, condition), expected)
 
 
 def test_validity_apart_is_least_for_the_mean() -> None:
@@ -70,7 +71,7 @@ def test_a_depth_between_two_surfaces_costs_more_than_either() -> None:
         denoised = clean.clone()
         denoised[:, DEPTH, 0, column] = depth
         return (
-            without_air(denoised, clean, SIGMA, NO_CONDITION) - present(denoised, clean, SIGMA, NO_CONDITION)
+            without_air(denoised, clean, SIGMA, NO_CONDITION) - squared(denoised, clean, SIGMA, NO_CONDITION)
         ).item()
 
     assert more(3, 0.2) == more(3, 0.6) == more(4, 0.2) == 0.0
@@ -86,6 +87,6 @@ def test_pixels_without_a_return_count_for_validity_alone() -> None:
     clean[:, VALIDITY, 0, 0] = -1.0
     denoised = clean.clone()
     denoised[:, [DEPTH, INTENSITY], 0, 0] += 0.5
-    for loss in (present, in_metres):
+    for loss in (squared, in_metres):
         assert loss(denoised, clean, SIGMA, NO_CONDITION).item() == 0.0
     assert mean_over(torch.ones(2, 1, 2, 2), torch.zeros(2, 1, 2, 2)).tolist() == [0.0, 0.0]
