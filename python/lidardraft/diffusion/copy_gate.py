@@ -34,7 +34,7 @@ class Mixture:
         return (self.odds.softmax(dim=1) * self.values).sum(dim=1, keepdim=True)
 
     def likeliest(self) -> Tensor:
-        """The value that is likeliest [B, 1, H, W]: between two surfaces there is none.
+        """The value that is likeliest [B, 1, H, W]: between two surfaces there is none, nor between two paints.
 
         The last given value is kept where another is hardly likelier: what is left of the noise would decide there.
         """

@@ -159,16 +159,15 @@ class Denoiser(Network):
         """D(x, sigma) for x f32 [B, 3, H, W], sigma [B], rays f32 [4, H, W] (`encode_rays`).
 
         `wraps` says whether the last column is the first one's neighbour (`Sensor.wraps`). `condition` is f32
-        [B, K + 5, H, W] (`encode_condition`); without it the ControlNet is not called. With `decide` a depth that may
-        be one of several is the likeliest of them in place of their mean (`CopyGate`). Preconditioned as in Karras et
-        al., NeurIPS 2022, Table 1. Raises `CheckpointError` on a condition that these weights have no place for, and
-        without one that they need.
+        [B, K + 5, H, W] (`encode_condition`); without it the ControlNet is not called. With `decide` what may be one of
+        several values is the likeliest of them in place of their mean (`CopyGate`). Preconditioned as in Karras et al.,
+        NeurIPS 2022, Table 1. Raises `CheckpointError` on a condition that these weights have no place for, and without
+        one that they need.
         """
         denoised, mixtures = self._denoised(x, sigma, rays, condition, wraps=wraps)
         channels = list(denoised.split(1, dim=1))
         for channel, mixture in mixtures.items():
-            # Between two surfaces there is none; between two intensities there is.
-            channels[channel] = mixture.likeliest() if decide and channel == DEPTH else mixture.mean()
+            channels[channel] = mixture.likeliest() if decide else mixture.mean()
         return torch.cat(channels, dim=1)
 
     def _denoised(
