@@ -61,7 +61,7 @@ class CopyGate(nn.Module):
     def __init__(self, width: int, cell: tuple[int, int], *, values: int, trust: float, offset: float) -> None:
         super().__init__()
         pixels = cell[0] * cell[1]
-        self.cell, self.trust, self.offset, self.values = cell, trust, offset, values
+        self.cell, self.trust, self.offset = cell, trust, offset
         self.mix = RangeImageConv(width + 2 * values * pixels, width)
         self.head = zero_conv(width, (3 * values + 1) * pixels)
 
@@ -75,9 +75,9 @@ class CopyGate(nn.Module):
         evidence = torch.tanh(_evidence(x - given, right, sigma) / 4)
         folded = fold(torch.cat([distance, evidence], dim=1), self.cell).to(features)
         h = functional.silu(self.mix(torch.cat([features, folded], dim=1), wraps))
-        *learned, free = unfold(self.head(h), self.cell).float().split([*[self.values] * 3, 1], dim=1)
-        prior, trust, offset = learned
-        spread, free = (_learned_variance(*pair) for pair in ((self.trust, trust), (_FREE_SPREAD, free)))
+        learned = unfold(self.head(h), self.cell).float()
+        prior, trust, offset = learned[:, :-1].chunk(3, dim=1)
+        spread, free = (_learned_variance(*of) for of in ((self.trust, trust), (_FREE_SPREAD, learned[:, -1:])))
         right = sigma**2 + spread
         value = given + self.offset * torch.tanh(offset / 4)
         odds = prior + _evidence(x - value, right, sigma)

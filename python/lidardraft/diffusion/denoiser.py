@@ -165,7 +165,7 @@ class Denoiser(Network):
         one that they need.
         """
         denoised, mixtures = self._denoised(x, sigma, rays, condition, wraps=wraps)
-        channels = list(denoised.split(1, dim=1))
+        channels = list(denoised.chunk(STATE_CHANNELS, dim=1))
         for channel, mixture in mixtures.items():
             channels[channel] = mixture.likeliest() if decide else mixture.mean()
         return torch.cat(channels, dim=1)
@@ -225,7 +225,7 @@ class Denoiser(Network):
         returns = clean[:, VALIDITY : VALIDITY + 1] > 0
         counts = returns.expand_as(clean).clone()
         counts[:, VALIDITY] = True
-        channels = list(denoised.split(1, dim=1))
+        channels = list(denoised.chunk(STATE_CHANNELS, dim=1))
         surprise = torch.zeros_like(sigma)
         for channel, mixture in mixtures.items():
             channels[channel] = mixture.mean()
