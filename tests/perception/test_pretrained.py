@@ -78,7 +78,7 @@ def test_layouts_ask_the_networks_of_folders(tmp_path):
     assert layout.provenance["semantics"] == str(semantics)
     masks = tiny_networks.sam(tmp_path / "masks")
     labels = {p.label for p in layout_from_image(picture.pixels, **known)}
-    assert {p.label for p in layout_from_image(picture.pixels, **(known | {"instances": masks}))} == labels
+    assert {p.label for p in layout_from_image(picture.pixels, **(known | {"masks": masks}))} == labels
     with pytest.raises(LayoutError, match="no plane of the ground"):  # random weights see 40 m everywhere
         layout_from_image(picture.pixels, **(known | {"depth": tiny_networks.depth_anything(tmp_path / "depth")}))
 
