@@ -38,9 +38,12 @@ class Mixture:
 
         The last given value is kept where another is hardly likelier: what is left of the noise would decide there.
         """
-        odds = self.odds.clone()
-        odds[:, -2] += _KEEP
-        return self.values.gather(1, odds.argmax(dim=1, keepdim=True))
+        *others, kept, own = range(self.odds.shape[1])
+        best, odds = self.values[:, kept], self.odds[:, kept] + _KEEP
+        for one in (*others, own):  # argmax and gather take ten times as long
+            best = torch.where(self.odds[:, one] > odds, self.values[:, one], best)
+            odds = torch.maximum(odds, self.odds[:, one])
+        return best[:, None]
 
     def surprise(self, truth: Tensor) -> Tensor:
         """-ln of the density at the truth [B, 1, H, W], in place of the squared error of the mean: that hardly tells
