@@ -110,7 +110,7 @@ def scans_of(case: Case, seed: int, pipeline: Pipeline | None) -> dict[str, Rang
     scans = {"cast": raycast(case.layout, sensor, poses=poses), "+ sensor model": simulated(False)}
     scans["simulated"] = simulated(True)
     if pipeline is not None:
-        *_, made = pipeline.denoising(scans["cast"], scans["simulated"], seed=seed)
+        made = pipeline.generate(scans["cast"], scans["simulated"], seed=seed)
         scans["generated"] = label_by_agreement(made, [scans["simulated"], scans["cast"]], case.layout, pose)
     return scans
 

@@ -74,7 +74,7 @@ def compare_on_streets(pipeline: Pipeline, number: int, only: str) -> Iterator[s
 def generate(pipeline: Pipeline, pair: StreetPair) -> RangeImage:
     """The generated scan of a pair's layout, labelled."""
     assert pair.simulated is not None
-    *_, made = pipeline.denoising(pair.condition_image, pair.simulated, seed=pair.index)
+    made = pipeline.generate(pair.condition_image, pair.simulated, seed=pair.index)
     return label_by_agreement(made, [pair.simulated, pair.condition_image], pair.layout, pair.pose)
 
 
@@ -160,7 +160,7 @@ def compare_spread(pipeline: Pipeline, number: int) -> Iterator[str | Goal]:
             for seed in range(SEEDS)
         ]
         for name, starts in (("generated", simulated), ("generated from one simulated scan", simulated[:1] * SEEDS)):
-            made = [list(pipeline.denoising(pair.condition_image, one, seed=k))[-1] for k, one in enumerate(starts)]
+            made = [pipeline.generate(pair.condition_image, one, seed=k) for k, one in enumerate(starts)]
             spreads[name].append(spread(made))
         spreads["simulated"].append(spread(simulated))
     rows = {name: {"spread": float(np.mean(values))} for name, values in spreads.items()}

@@ -39,7 +39,8 @@ from lidardraft.diffusion.codec import (
     encode_rays,
     encode_scan,
 )
-from lidardraft.diffusion.denoiser import Denoiser, DenoiserConfig
+from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.noise import add_noise, karras_levels, training_levels
 from lidardraft.diffusion.sampler import sample_multistep
 from lidardraft.evaluation import unseen_streets
@@ -78,16 +79,7 @@ class Arm:
     frozen: DenoiserConfig | None = None  # with the ControlNet on the base that `make` makes
 
 
-SMALL = DenoiserConfig(
-    cell=(2, 4),
-    widths=(48, 64, 96),
-    strides=(1, 2, 2),
-    dilations=(1, 1, 1),
-    blocks=1,
-    refine_units=0,
-    pools=0,
-    groups=4,
-)
+SMALL = DenoiserConfig(cell=(2, 4), widths=(48, 64, 96), strides=(1, 2, 2), dilations=(1, 1, 1))
 
 
 def denoiser_arm(loss: Loss = squared, **changes: object) -> Arm:

@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 
 from lidardraft.diffusion.codec import CONDITION_PARTS, DEPTH, MAX_DEPTH, VALIDITY
-from lidardraft.diffusion.denoiser import SIGMA_DATA
+from lidardraft.diffusion.denoiser import edm_weight, has_return, what_counts
 from lidardraft.networks.convolution import pad_columns
 from lidardraft.semantics import BY_NAME
 
@@ -21,16 +21,6 @@ _USUAL = 10.0  # m: there an error in metres counts as much as one of the state
 _IN_THE_AIR = 1.0  # what being between two surfaces costs, beside the error itself
 
 
-def edm_weight(sigma: Tensor) -> Tensor:
-    """Karras et al. (NeurIPS 2022): makes all noise levels count alike."""
-    return (sigma**2 + SIGMA_DATA**2) / (sigma * SIGMA_DATA) ** 2
-
-
-def returns(clean: Tensor) -> Tensor:
-    """Where there is one, [B, 1, H, W]."""
-    return clean[:, VALIDITY : VALIDITY + 1] > 0
-
-
 def mean_over(values: Tensor, where: Tensor) -> Tensor:
     """[B], of values where `where` is, 0 where it is nowhere."""
     where = where.to(values)
@@ -39,12 +29,10 @@ def mean_over(values: Tensor, where: Tensor) -> Tensor:
 
 def squared_error(denoised: Tensor, clean: Tensor, depth_weight: Tensor | float = 1.0) -> Tensor:
     """Over all that counts, as in `Denoiser.loss`: depth and intensity of returns, and validity."""
-    counts = returns(clean).repeat(1, clean.shape[1], 1, 1)
-    counts[:, VALIDITY] = True
     error = (denoised - clean) ** 2
     weights = torch.ones_like(error)
     weights[:, DEPTH : DEPTH + 1] *= depth_weight
-    return mean_over(error * weights, counts)
+    return mean_over(error * weights, what_counts(clean))
 
 
 def squared(denoised: Tensor, clean: Tensor, sigma: Tensor, condition: Tensor) -> Tensor:
@@ -58,7 +46,7 @@ def apart(denoised: Tensor, clean: Tensor, sigma: Tensor, condition: Tensor) -> 
     del condition
     surfaces = [channel for channel in range(clean.shape[1]) if channel != VALIDITY]
     error = ((denoised - clean) ** 2)[:, surfaces].mean(dim=1, keepdim=True)
-    valid = returns(clean)
+    valid = has_return(clean)
     chance = ((1 + denoised[:, VALIDITY : VALIDITY + 1]) / 2).clamp(0.002, 0.998)
     surprise = -torch.where(valid, chance, 1 - chance).log()
     # Outside of 0 and 1 the clamp has no gradient: the square brings it back.
@@ -77,7 +65,7 @@ def in_metres(denoised: Tensor, clean: Tensor, sigma: Tensor, condition: Tensor)
 
 def without_air(denoised: Tensor, clean: Tensor, sigma: Tensor, condition: Tensor) -> Tensor:
     """A depth is also to be that of some return beside: between two surfaces, near to neither, it costs more."""
-    valid = returns(clean)
+    valid = has_return(clean)
     depth = clean[:, DEPTH : DEPTH + 1]
     around = pad_columns(torch.where(valid, depth, torch.full_like(depth, 9.0)), 1, True)  # 9: no surface there
     width = depth.shape[-1]

@@ -61,7 +61,7 @@ def evaluate(
     yield score("condition image", pairs, (pair.condition_image for pair in pairs))
     yield score("simulated", pairs, (_simulated(pair) for pair in pairs))
     for name, generator in (("generated", pipeline), ("untrained", untrained)):
-        scans = (_last(generator.denoising(pair.condition_image, _simulated(pair), seed=pair.index)) for pair in pairs)
+        scans = (generator.generate(pair.condition_image, _simulated(pair), seed=pair.index) for pair in pairs)
         yield score(name, pairs, _counted(scans, on_scan))
 
 
@@ -74,7 +74,7 @@ def sample_scans(
 ) -> list[RangeImage]:
     """What a denoiser that does not see simulated scans makes of each condition image, from noise."""
     pipeline = Pipeline(denoiser, steps=steps)
-    scans = (_last(pipeline.denoising(image, image, seed=seed)) for seed, image in enumerate(condition_images))
+    scans = (pipeline.generate(image, image, seed=seed) for seed, image in enumerate(condition_images))
     return list(_counted(scans, on_scan))
 
 
@@ -154,8 +154,3 @@ def _mean(values: list[float]) -> float:
     """The mean of what is not NaN; NaN of nothing."""
     known = [value for value in values if not np.isnan(value)]
     return float(np.mean(known)) if known else float("nan")
-
-
-def _last(images: Iterator[RangeImage]) -> RangeImage:
-    *_, image = images
-    return image

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -96,39 +96,46 @@ class Pipeline:
         layout = layout_from_text(source, seed=seed) if isinstance(source, str) else source
         pose = sensor.pose()
         condition_image = raycast(layout, sensor, pose)
-        simulated = generated = simulate(layout, sensor, seed=seed, pose=pose).image
-        for state in self.denoising(condition_image, simulated, seed=seed):
-            generated = state
-            if on_step is not None:
-                on_step()
+        simulated = simulate(layout, sensor, seed=seed, pose=pose).image
+        generated = self.generate(condition_image, simulated, seed=seed, on_step=on_step)
         image = label_by_agreement(generated, (simulated, condition_image), layout, pose)
         return Scan(image=image, layout=layout, pose=pose, seed=seed)
 
-    def denoising(self, condition_image: RangeImage, simulated: RangeImage, *, seed: int = 0) -> Iterator[RangeImage]:
-        """The scan while it is made, from the cast of a layout and its simulated scan: one image without labels a
-        sampling step, of which the last is the result. Weights that do not see the simulated scan give what they
-        sample, as it is; others the scan that `settle` makes of it."""
-        difference = self.trained and self.trained.difference(condition_image.sensor)
+    def generate(
+        self,
+        condition_image: RangeImage,
+        simulated: RangeImage,
+        *,
+        seed: int = 0,
+        on_step: Callable[[], object] | None = None,
+    ) -> RangeImage:
+        """The scan of the cast of a layout and its simulated scan, without labels. Weights that do not see the
+        simulated scan give what they sample, as it is; others what `settle` makes of that."""
+        sensor = condition_image.sensor
+        difference = self.trained and self.trained.difference(sensor)
         if difference:
             warnings.warn(f"these weights were trained on {difference}; its scans may be poor", stacklevel=2)
-        return self._denoising(condition_image, simulated, seed)
+        image = decode_scan(self._sample(condition_image, simulated, seed, on_step), sensor)
+        if "simulated" not in self.denoiser.config.condition:
+            return image
+        return settle(image, condition_image, simulated, np.random.default_rng([seed, 7]))
 
     @torch.inference_mode()
-    def _denoising(self, condition_image: RangeImage, simulated: RangeImage, seed: int) -> Iterator[RangeImage]:
-        sensor = condition_image.sensor
+    def _sample(
+        self, condition_image: RangeImage, simulated: RangeImage, seed: int, on_step: Callable[[], object] | None
+    ) -> np.ndarray:
+        """A state f32 [3, H, W]."""
         seen = self.denoiser.config.condition
-        condition = torch.from_numpy(encode_condition(condition_image, simulated))[None] if seen else None
         states = sample(
             self.denoiser,
-            sensor,
+            condition_image.sensor,
             seeds=[seed],
-            condition=condition,
+            condition=torch.from_numpy(encode_condition(condition_image, simulated))[None] if seen else None,
             steps=self.steps,
             start=self.start,
             langevin=self.langevin,
         )
-        for state in states:
-            image = decode_scan(state[0].cpu().numpy(), sensor)
-            if "simulated" in seen:
-                image = settle(image, condition_image, simulated, np.random.default_rng([seed, 7]))
-            yield image
+        for state in states:  # noqa: B007 (the last one is the result)
+            if on_step is not None:
+                on_step()
+        return state[0].cpu().numpy()

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import torch
 
-from generator_losses import apart, edm_weight, in_metres, mean_over, squared, without_air
+from generator_losses import apart, in_metres, mean_over, squared, without_air
 from lidardraft.diffusion.codec import CONDITION_CHANNELS, DEPTH, INTENSITY, MAX_DEPTH, VALIDITY
-from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.diffusion.denoiser import Denoiser, edm_weight
 from lidardraft.semantics import BY_NAME
 from lidardraft.training import recipes
 

@@ -3,14 +3,14 @@ import dataclasses
 import torch
 
 from lidardraft.diffusion.codec import CONDITION_CHANNELS
-from lidardraft.diffusion.denoiser import Denoiser, DenoiserConfig
+from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.diffusion.denoiser_config import DenoiserConfig
 
 CONFIG = DenoiserConfig(
     cell=(2, 4),
     widths=(8, 16),
     strides=(1, 2),
     dilations=(1, 1),
-    blocks=1,
     condition=("class", "depth"),
     controlnet=True,
     copy_gate=False,

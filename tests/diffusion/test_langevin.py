@@ -7,7 +7,8 @@ import torch
 from torch import Tensor
 
 from lidardraft.diffusion.codec import CONDITION_CHANNELS
-from lidardraft.diffusion.denoiser import Denoiser, DenoiserConfig
+from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.langevin import langevin_step, sample_langevin
 from lidardraft.diffusion.noise import geometric_levels
 from lidardraft.diffusion.sampler import sample
@@ -110,7 +111,7 @@ def test_a_level_takes_its_updates_and_the_last_one_call_more() -> None:
 def test_sample_k_does_not_depend_on_the_batch() -> None:
     torch.manual_seed(0)
     config = DenoiserConfig(
-        cell=(2, 4), widths=(8, 8), strides=(1, 2), dilations=(1, 1), blocks=1, controlnet=True, copy_gate=False
+        cell=(2, 4), widths=(8, 8), strides=(1, 2), dilations=(1, 1), controlnet=True, copy_gate=False
     )
     denoiser = Denoiser.from_config(config).eval()
     for weight in denoiser.parameters():

@@ -7,7 +7,8 @@ import torch
 from torch import Tensor
 
 from lidardraft.diffusion.codec import CONDITION_CHANNELS, CONDITION_PARTS, encode_rays
-from lidardraft.diffusion.denoiser import Denoiser, DenoiserConfig
+from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.noise import karras_levels
 from lidardraft.diffusion.sampler import Denoise, sample, sample_multistep
 from lidardraft.errors import LidarDraftError, SensorError
@@ -73,7 +74,7 @@ def test_samples_of_a_finite_data_set_are_its_points_in_their_shares() -> None:
 @torch.no_grad()
 def test_sample_k_does_not_depend_on_the_batch() -> None:
     torch.manual_seed(0)
-    config = DenoiserConfig(cell=(2, 4), widths=(8, 8), strides=(1, 2), dilations=(1, 1), blocks=1, controlnet=True)
+    config = DenoiserConfig(cell=(2, 4), widths=(8, 8), strides=(1, 2), dilations=(1, 1), controlnet=True)
     # the likeliest of several depths would jump with the last bit
     config = dataclasses.replace(config, copy_gate=False)
     denoiser = Denoiser.from_config(config).eval()
@@ -92,7 +93,7 @@ def test_sample_k_does_not_depend_on_the_batch() -> None:
 
 
 def test_a_sensor_that_cannot_be_cut_into_cells_is_refused() -> None:
-    config = DenoiserConfig(cell=(2, 4), widths=(8,), strides=(1,), dilations=(1,), blocks=1, condition=())
+    config = DenoiserConfig(cell=(2, 4), widths=(8,), strides=(1,), dilations=(1,), condition=())
     sensor = Sensor(name="odd", elevations=(0.1, 0.0, -0.1), columns=16)
     with pytest.raises(SensorError, match=r"odd is \(3, 16\); these weights need multiples of \(2, 4\)"):
         sample(Denoiser.from_config(config), sensor, seeds=[0])
@@ -101,7 +102,7 @@ def test_a_sensor_that_cannot_be_cut_into_cells_is_refused() -> None:
 @torch.no_grad()
 def test_whether_the_columns_wrap_follows_from_the_sensor() -> None:
     torch.manual_seed(0)
-    config = DenoiserConfig(cell=(2, 4), widths=(8,), strides=(1,), dilations=(1,), blocks=1, condition=())
+    config = DenoiserConfig(cell=(2, 4), widths=(8,), strides=(1,), dilations=(1,), condition=())
     denoiser = Denoiser.from_config(config).eval()
     with torch.no_grad():
         for weight in denoiser.parameters():
@@ -123,7 +124,7 @@ def test_whether_the_columns_wrap_follows_from_the_sensor() -> None:
 @torch.no_grad()
 def test_a_processor_with_bfloat16_samples_the_same_scan_within_a_hundredth(monkeypatch: pytest.MonkeyPatch) -> None:
     torch.manual_seed(0)
-    config = DenoiserConfig(cell=(2, 4), widths=(16, 16), strides=(1, 2), dilations=(1, 1), blocks=1, condition=())
+    config = DenoiserConfig(cell=(2, 4), widths=(16, 16), strides=(1, 2), dilations=(1, 1), condition=())
     denoiser = Denoiser.from_config(config).eval()
     torch.nn.init.normal_(denoiser.network.head.weight, std=0.02)
     sensor = Sensor(name="ring", elevations=(0.1, 0.0, -0.1, -0.2), columns=64)
@@ -138,7 +139,7 @@ def test_a_processor_with_bfloat16_samples_the_same_scan_within_a_hundredth(monk
 
 @torch.no_grad()
 def test_a_sample_can_start_from_the_simulated_scan() -> None:
-    config = DenoiserConfig(cell=(2, 4), widths=(8,), strides=(1,), dilations=(1,), blocks=1)
+    config = DenoiserConfig(cell=(2, 4), widths=(8,), strides=(1,), dilations=(1,))
     denoiser = Denoiser.from_config(config).eval()
     sensor = Sensor(name="small", elevations=(0.1, 0.0, -0.1, -0.2), columns=16)
     condition = torch.rand(1, CONDITION_CHANNELS, *sensor.shape)

@@ -5,13 +5,14 @@ import pytest
 import torch
 from safetensors.torch import load_file, save_file
 
-from lidardraft.diffusion.denoiser import Denoiser, DenoiserConfig
+from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.errors import CheckpointError
 from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter, SegmenterConfig
 from lidardraft.perception.spherical_grid import SphericalGrid
 
-CONFIG = DenoiserConfig(cell=(2, 4), widths=(8, 8), strides=(1, 2), dilations=(1, 1), blocks=1, controlnet=True)
+CONFIG = DenoiserConfig(cell=(2, 4), widths=(8, 8), strides=(1, 2), dilations=(1, 1), controlnet=True)
 
 
 @pytest.fixture

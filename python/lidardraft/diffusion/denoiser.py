@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import torch
 from torch import Tensor, nn
 
-from lidardraft.diffusion.codec import CONDITION_PARTS, DEPTH, INTENSITY, RAY_CHANNELS, STATE_CHANNELS, VALIDITY
+from lidardraft.diffusion.codec import CONDITION_PARTS, DEPTH, INTENSITY, STATE_CHANNELS, VALIDITY
 from lidardraft.diffusion.controlnet import ControlNet
 from lidardraft.diffusion.copy_gate import CopyGate, Mixture
+from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.noise import add_noise
 from lidardraft.diffusion.score_network import ScoreNetwork
-from lidardraft.errors import CheckpointError, LidarDraftError
+from lidardraft.errors import CheckpointError
 from lidardraft.networks.convolution import pad_columns
 from lidardraft.networks.weight_file import Network
 
@@ -24,82 +22,6 @@ SIGMA_DATA = 0.5  # standard deviation of a state
 _GATED_DEPTH = {"trust": 0.01, "offset": 0.05}
 _GATED_INTENSITY = {"trust": 0.08, "offset": 0.5}
 _SURPRISE = 0.1  # of the loss, what a gate's surprise counts beside the squared error
-
-
-@dataclass(frozen=True, kw_only=True)
-class DenoiserConfig:
-    """All that decides the shape of the network.
-
-    `cell` is the (rows, columns) of pixels that the stem folds into channels; `widths`, `strides` and `dilations` hold
-    one value a stage; `blocks` residual blocks make a stage; `refine_units` and `pools` are those of a refine block;
-    `groups` of channels are normalised apart: of 16 channels or a multiple each, or the gradient in bfloat16 is slow.
-    `condition` names the parts of the condition that the network sees (`CONDITION_PARTS`; none: it makes scans of
-    nothing), with the state, or with `controlnet` through a ControlNet as in the paper. `copy_gate` says whether
-    depths and intensities among them are gated in (the paper: no).
-    """
-
-    cell: tuple[int, int]
-    widths: tuple[int, ...]
-    strides: tuple[int, ...]
-    dilations: tuple[int, ...]
-    blocks: int = 2
-    refine_units: int = 1
-    pools: int = 1
-    groups: int = 8
-    condition: tuple[str, ...] = tuple(CONDITION_PARTS)
-    controlnet: bool = False
-    copy_gate: bool = True
-
-    def __post_init__(self) -> None:
-        for name in ("cell", "widths", "strides", "dilations"):
-            values = getattr(self, name)
-            if not isinstance(values, tuple) or not all(isinstance(v, int) and 1 <= v <= 4096 for v in values):
-                raise LidarDraftError(f"{name} is {values!r}; it must be whole numbers from 1 to 4096")
-        if len(self.cell) != 2:
-            raise LidarDraftError(f"cell is {self.cell}; it must be (rows, columns)")
-        if not self.widths or not len(self.widths) == len(self.strides) == len(self.dilations):
-            raise LidarDraftError(
-                f"widths {self.widths}, strides {self.strides} and dilations {self.dilations} must match"
-            )
-        for name, low in (("blocks", 1), ("refine_units", 0), ("pools", 0), ("groups", 1)):
-            if not isinstance(getattr(self, name), int) or not low <= getattr(self, name) <= 64:
-                raise LidarDraftError(f"{name} is {getattr(self, name)!r}; it must be {low} to 64")
-        if self.condition != tuple(part for part in CONDITION_PARTS if part in self.condition):
-            known = ", ".join(CONDITION_PARTS)
-            raise LidarDraftError(f"condition is {self.condition}; it must be some of {known}, in this order")
-        if self.controlnet and not self.condition:
-            raise LidarDraftError("a ControlNet needs a condition")
-
-    @property
-    def condition_channels(self) -> list[int]:
-        """The channels of the condition that the network sees."""
-        parts = [CONDITION_PARTS[part] for part in self.condition]
-        return [channel for part in parts for channel in range(part.start, part.stop)]
-
-    @property
-    def seen(self) -> list[int]:
-        """The channels of the condition that stand beside the state: those of the simulated scan, a state itself."""
-        return [c for c in self.condition_channels if c >= CONDITION_PARTS["simulated"].start and not self.controlnet]
-
-    @property
-    def told(self) -> list[int]:
-        """The channels of the condition in the network's context: all others."""
-        return [c for c in self.condition_channels if c < CONDITION_PARTS["simulated"].start and not self.controlnet]
-
-    @property
-    def gated(self) -> tuple[str, ...]:
-        """The parts of the condition whose depth is gated in."""
-        return tuple(part for part in self.condition if self.copy_gate and part != "class")
-
-    def to_dict(self) -> dict[str, Any]:
-        """The fields as JSON types."""
-        return {key: list(v) if isinstance(v, tuple) else v for key, v in dataclasses.asdict(self).items()}
-
-    @classmethod
-    def from_dict(cls, fields: Mapping[str, Any]) -> DenoiserConfig:
-        """The inverse of `to_dict`; raises `TypeError` on an unknown or missing field."""
-        values: dict[str, Any] = {key: tuple(v) if isinstance(v, list) else v for key, v in dict(fields).items()}
-        return cls(**values)
 
 
 class Denoiser(Network):
@@ -119,20 +41,7 @@ class Denoiser(Network):
     @classmethod
     def from_config(cls, config: DenoiserConfig) -> Denoiser:
         """The only builder: fresh weights, from torch's global seed."""
-        seen, told = config.seen, config.told
-        network = ScoreNetwork(
-            2 * STATE_CHANNELS + len(seen),
-            STATE_CHANNELS,
-            cell=config.cell,
-            widths=config.widths,
-            strides=config.strides,
-            dilations=config.dilations,
-            blocks=config.blocks,
-            refine_units=config.refine_units,
-            pools=config.pools,
-            groups=config.groups,
-            context=RAY_CHANNELS + len(told),
-        )
+        network = ScoreNetwork(config)
         return cls(config, network, *_controls(config, network))
 
     @classmethod
@@ -221,10 +130,7 @@ class Denoiser(Network):
         small part of the loss is how surprised these are by the scan (`Mixture.surprise`), below 0 where they are sure.
         """
         denoised, mixtures = self._denoised(add_noise(clean, sigma, noise), sigma, rays, condition, wraps=wraps)
-        weight = (sigma**2 + SIGMA_DATA**2) / (sigma * SIGMA_DATA) ** 2
-        returns = clean[:, VALIDITY : VALIDITY + 1] > 0
-        counts = returns.expand_as(clean).clone()
-        counts[:, VALIDITY] = True
+        returns, counts = has_return(clean), what_counts(clean)
         channels = list(denoised.chunk(STATE_CHANNELS, dim=1))
         surprise = torch.zeros_like(sigma)
         for channel, mixture in mixtures.items():
@@ -232,7 +138,24 @@ class Denoiser(Network):
             surprised = mixture.surprise(clean[:, channel : channel + 1]) * returns
             surprise = surprise + surprised.sum(dim=(1, 2, 3)) / returns.sum(dim=(1, 2, 3)).clamp(min=1)
         error = ((torch.cat(channels, dim=1) - clean) ** 2 * counts).sum(dim=(1, 2, 3)) / counts.sum(dim=(1, 2, 3))
-        return weight * error + _SURPRISE * surprise
+        return edm_weight(sigma) * error + _SURPRISE * surprise
+
+
+def edm_weight(sigma: Tensor) -> Tensor:
+    """What makes all noise levels [B] count alike (Karras et al., NeurIPS 2022, Table 1)."""
+    return (sigma**2 + SIGMA_DATA**2) / (sigma * SIGMA_DATA) ** 2
+
+
+def has_return(clean: Tensor) -> Tensor:
+    """Where a clean state [B, 3, H, W] has a return, bool [B, 1, H, W]."""
+    return clean[:, VALIDITY : VALIDITY + 1] > 0
+
+
+def what_counts(clean: Tensor) -> Tensor:
+    """What of a clean state is to be learned, bool [B, 3, H, W]: depth and intensity of returns, and all validity."""
+    counts = has_return(clean).expand_as(clean).clone()
+    counts[:, VALIDITY] = True
+    return counts
 
 
 def _controls(config: DenoiserConfig, network: ScoreNetwork) -> tuple[ControlNet | None, nn.ModuleDict]:

@@ -8,6 +8,8 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from lidardraft.diffusion.codec import STATE_CHANNELS
+from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.refine import RefineBlock
 from lidardraft.networks.convolution import RangeImageConv, fold, unfold
 from lidardraft.networks.residual import ResidualBlock, group_norm, modulated
@@ -38,31 +40,19 @@ class Encoder(nn.Module):
     more channels.
     """
 
-    def __init__(
-        self,
-        channels: int,
-        *,
-        cell: tuple[int, int],
-        widths: Sequence[int],
-        strides: Sequence[int],
-        dilations: Sequence[int],
-        blocks: int,
-        groups: int,
-        context: int,
-    ) -> None:
+    def __init__(self, config: DenoiserConfig) -> None:
         super().__init__()
-        self.cell = cell
-        self.widths = tuple(widths)
+        self.cell, self.widths = config.cell, config.widths
         self.embedding = NoiseEmbedding(EMBEDDING)
-        self.stem = RangeImageConv(channels * cell[0] * cell[1], widths[0])
-        self.context = nn.Conv2d(context, widths[0], cell, stride=cell, bias=False)
+        inputs = self.widths[0]
+        self.stem = RangeImageConv(config.inputs * self.cell[0] * self.cell[1], inputs)
+        self.context = nn.Conv2d(config.context, inputs, self.cell, stride=self.cell, bias=False)
         self.stages = nn.ModuleList()
-        inputs = widths[0]
-        for width, stride, dilation in zip(widths, strides, dilations, strict=True):
+        for width, stride, dilation in zip(self.widths, config.strides, config.dilations, strict=True):
             stage = nn.ModuleList()
-            for block in range(blocks):
+            for block in range(config.blocks):
                 sizes = (inputs, width, stride) if block == 0 else (width, width, 1)
-                stage.append(ResidualBlock(*sizes, dilation=dilation, embedding=EMBEDDING, groups=groups))
+                stage.append(ResidualBlock(*sizes, dilation=dilation, embedding=EMBEDDING, groups=config.groups))
             self.stages.append(stage)
             inputs = width
 
@@ -88,41 +78,18 @@ class Encoder(nn.Module):
 class ScoreNetwork(nn.Module):
     """What the preconditioned state and its noise level say about the clean state; no condition, no loss."""
 
-    def __init__(
-        self,
-        inputs: int,
-        outputs: int,
-        *,
-        cell: tuple[int, int],
-        widths: Sequence[int],
-        strides: Sequence[int],
-        dilations: Sequence[int],
-        blocks: int,
-        refine_units: int,
-        pools: int,
-        groups: int,
-        context: int,
-    ) -> None:
+    def __init__(self, config: DenoiserConfig) -> None:
         super().__init__()
-        self.encoder = Encoder(
-            inputs,
-            cell=cell,
-            widths=widths,
-            strides=strides,
-            dilations=dilations,
-            blocks=blocks,
-            groups=groups,
-            context=context,
-        )
+        self.encoder = Encoder(config)
         self.refine = nn.ModuleList()
         below = None
-        for width in reversed(widths):
-            self.refine.append(RefineBlock(width, below, width, units=refine_units, pools=pools))
+        for width in reversed(config.widths):
+            self.refine.append(RefineBlock(width, below, width, units=config.refine_units, pools=config.pools))
             below = width
-        self.norm = group_norm(widths[0], groups)
-        self.modulation = nn.Linear(EMBEDDING, 2 * widths[0])
-        pixels = cell[0] * cell[1]
-        self.head = RangeImageConv(widths[0] + inputs * pixels, outputs * pixels)
+        width, pixels = config.widths[0], config.cell[0] * config.cell[1]
+        self.norm = group_norm(width, config.groups)
+        self.modulation = nn.Linear(EMBEDDING, 2 * width)
+        self.head = RangeImageConv(width + config.inputs * pixels, STATE_CHANNELS * pixels)
         nn.init.zeros_(self.head.weight)
 
     def features(
@@ -138,12 +105,6 @@ class ScoreNetwork(nn.Module):
         return functional.silu(modulated(self.norm(h), self.modulation(self.encoder.embedding(level))))
 
     def output(self, features: Tensor, x: Tensor, wraps: bool) -> Tensor:
-        """The output [B, outputs, H, W] from the last features and, for the finest detail, the input again."""
+        """The output [B, 3, H, W] from the last features and, for the finest detail, the input again."""
         cell = self.encoder.cell
         return unfold(self.head(torch.cat([features, fold(x, cell).to(features)], dim=1), wraps), cell)
-
-    def forward(
-        self, x: Tensor, level: Tensor, context: Tensor, wraps: bool, control: Sequence[Tensor] | None = None
-    ) -> Tensor:
-        """`output` of `features`: x [B, inputs, H, W], level [B], context [B, context, H, W]."""
-        return self.output(self.features(x, level, context, wraps, control), x, wraps)

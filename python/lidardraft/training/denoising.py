@@ -15,7 +15,8 @@ import torch
 from torch import Tensor
 
 from lidardraft.diffusion.codec import encode_condition, encode_rays, encode_scan
-from lidardraft.diffusion.denoiser import Denoiser, DenoiserConfig
+from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.noise import training_levels
 from lidardraft.errors import TrainingError
 from lidardraft.networks.precision import reduced_precision

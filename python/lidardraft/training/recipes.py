@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from lidardraft.diffusion.denoiser import DenoiserConfig
+from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.training.denoising import DenoisingConfig
 
 
@@ -18,16 +18,7 @@ class Recipe:
 
 def small() -> Recipe:
     """What ships, for two CPU cores."""
-    denoiser = DenoiserConfig(
-        cell=(2, 4),
-        widths=(64, 128, 192, 256),
-        strides=(1, 2, 2, 2),
-        dilations=(1, 1, 1, 1),
-        blocks=1,
-        refine_units=0,
-        pools=0,
-        groups=4,
-    )
+    denoiser = DenoiserConfig(cell=(2, 4), widths=(64, 128, 192, 256), strides=(1, 2, 2, 2), dilations=(1, 1, 1, 1))
     stage = DenoisingConfig(
         denoiser=denoiser,
         steps=20_000,
@@ -47,50 +38,12 @@ def paper() -> Recipe:
     The ControlNet sees classes and depths of the layout's cast. 100,000 steps without and 5,000 with the condition are
     the paper's; batch and learning rate it does not state, nor how long the zero convolutions learn alone.
     """
-    return _two_stages(
-        DenoisingConfig(
-            denoiser=_of_the_paper(128, cell=(1, 1)),
-            steps=5_000,
-            batch=24,
-            learning_rate=1e-4,
-            zero_conv_steps=500,
-            watch_every=250,
-        ),
-        base_steps=100_000,
-        ema=0.999,
-    )
+    return _two_stages(128, (1, 1), base_steps=100_000, steps=5_000, zero_conv_steps=500, batch=24, learning_rate=1e-4)
 
 
 def small_paper() -> Recipe:
     """The paper's form for two CPU cores: a quarter of its width, on folded pixels."""
-    return _two_stages(
-        DenoisingConfig(
-            denoiser=_of_the_paper(32, cell=(2, 4)),
-            steps=2_000,
-            batch=4,
-            learning_rate=1e-3,
-            zero_conv_steps=200,
-            watch_every=250,
-        ),
-        base_steps=8_000,
-        ema=0.999,
-    )
-
-
-def _of_the_paper(width: int, *, cell: tuple[int, int]) -> DenoiserConfig:
-    """The paper's network with its ControlNet, of another width and with folded pixels where asked for."""
-    return DenoiserConfig(
-        cell=cell,
-        widths=(width, width, 2 * width, 2 * width),
-        strides=(1, 2, 1, 1),
-        dilations=(1, 1, 2, 4),
-        blocks=2,
-        refine_units=2,
-        pools=2,
-        condition=("class", "depth"),
-        controlnet=True,
-        copy_gate=False,
-    )
+    return _two_stages(32, (2, 4), base_steps=8_000, steps=2_000, zero_conv_steps=200, batch=4, learning_rate=1e-3)
 
 
 def tiny() -> Recipe:
@@ -102,13 +55,45 @@ def tiny() -> Recipe:
 
 def tiny_paper() -> Recipe:
     """`small_paper`, a quarter as wide, for tests."""
-    *_, stage = small_paper().stages
-    stage = replace(stage, denoiser=_of_the_paper(8, cell=(2, 4)), steps=20, learning_rate=3e-3, warmup=5)
-    return _two_stages(replace(stage, zero_conv_steps=5, watch_every=0), base_steps=20, ema=0.9)
+    base, control = _two_stages(
+        8, (2, 4), base_steps=20, steps=20, zero_conv_steps=5, batch=4, learning_rate=3e-3
+    ).stages
+    return Recipe(stages=(replace(base, warmup=5, ema=0.9), replace(control, warmup=5, watch_every=0)))
 
 
-def _two_stages(control: DenoisingConfig, *, base_steps: int, ema: float) -> Recipe:
-    """The stage of a ControlNet, after that of its base, which learns scans without a condition."""
-    denoiser = replace(control.denoiser, condition=(), controlnet=False)
-    base = replace(control, denoiser=denoiser, steps=base_steps, ema=ema, zero_conv_steps=0, watch_every=0)
+def _two_stages(
+    width: int,
+    cell: tuple[int, int],
+    *,
+    base_steps: int,
+    steps: int,
+    zero_conv_steps: int,
+    batch: int,
+    learning_rate: float,
+) -> Recipe:
+    """The paper's network in so many channels on cells of pixels: a base, which learns scans without a condition, and
+    then its ControlNet."""
+    denoiser = DenoiserConfig(
+        cell=cell,
+        widths=(width, width, 2 * width, 2 * width),
+        strides=(1, 2, 1, 1),
+        dilations=(1, 1, 2, 4),
+        blocks=2,
+        refine_units=2,
+        pools=2,
+        groups=8,
+        condition=("class", "depth"),
+        controlnet=True,
+        copy_gate=False,
+    )
+    control = DenoisingConfig(
+        denoiser=denoiser,
+        steps=steps,
+        batch=batch,
+        learning_rate=learning_rate,
+        zero_conv_steps=zero_conv_steps,
+        watch_every=250,
+    )
+    alone = replace(denoiser, condition=(), controlnet=False)
+    base = replace(control, denoiser=alone, steps=base_steps, ema=0.999, zero_conv_steps=0, watch_every=0)
     return Recipe(stages=(base, control))

@@ -1,0 +1,97 @@
+"""What decides the shape of a denoiser."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from lidardraft.diffusion.codec import CONDITION_PARTS, RAY_CHANNELS, STATE_CHANNELS
+from lidardraft.errors import LidarDraftError
+
+
+@dataclass(frozen=True, kw_only=True)
+class DenoiserConfig:
+    """All that decides the shape of the network.
+
+    `cell` is the (rows, columns) of pixels that the stem folds into channels; `widths`, `strides` and `dilations` hold
+    one value a stage; `blocks` residual blocks make a stage; `refine_units` and `pools` are those of a refine block;
+    `groups` of channels are normalised apart: of 16 channels or a multiple each, or the gradient in bfloat16 is slow.
+    `condition` names the parts of the condition that the network sees (`CONDITION_PARTS`; none: it makes scans of
+    nothing), with the state, or with `controlnet` through a ControlNet as in the paper. `copy_gate` says whether
+    depths and intensities among them are gated in (the paper: no). The defaults are those of the weights that ship.
+    """
+
+    cell: tuple[int, int]
+    widths: tuple[int, ...]
+    strides: tuple[int, ...]
+    dilations: tuple[int, ...]
+    blocks: int = 1
+    refine_units: int = 0
+    pools: int = 0
+    groups: int = 4
+    condition: tuple[str, ...] = tuple(CONDITION_PARTS)
+    controlnet: bool = False
+    copy_gate: bool = True
+
+    def __post_init__(self) -> None:
+        for name in ("cell", "widths", "strides", "dilations"):
+            values = getattr(self, name)
+            if not isinstance(values, tuple) or not all(isinstance(v, int) and 1 <= v <= 4096 for v in values):
+                raise LidarDraftError(f"{name} is {values!r}; it must be whole numbers from 1 to 4096")
+        if len(self.cell) != 2:
+            raise LidarDraftError(f"cell is {self.cell}; it must be (rows, columns)")
+        if not self.widths or not len(self.widths) == len(self.strides) == len(self.dilations):
+            raise LidarDraftError(
+                f"widths {self.widths}, strides {self.strides} and dilations {self.dilations} must match"
+            )
+        for name, low in (("blocks", 1), ("refine_units", 0), ("pools", 0), ("groups", 1)):
+            if not isinstance(getattr(self, name), int) or not low <= getattr(self, name) <= 64:
+                raise LidarDraftError(f"{name} is {getattr(self, name)!r}; it must be {low} to 64")
+        if self.condition != tuple(part for part in CONDITION_PARTS if part in self.condition):
+            known = ", ".join(CONDITION_PARTS)
+            raise LidarDraftError(f"condition is {self.condition}; it must be some of {known}, in this order")
+        if self.controlnet and not self.condition:
+            raise LidarDraftError("a ControlNet needs a condition")
+
+    @property
+    def inputs(self) -> int:
+        """How many channels the network sees of a state: the state, its detail, and those of `seen`."""
+        return 2 * STATE_CHANNELS + len(self.seen)
+
+    @property
+    def context(self) -> int:
+        """How many channels the network's context has: the rays, and those of `told`."""
+        return RAY_CHANNELS + len(self.told)
+
+    @property
+    def condition_channels(self) -> list[int]:
+        """The channels of the condition that the network sees."""
+        parts = [CONDITION_PARTS[part] for part in self.condition]
+        return [channel for part in parts for channel in range(part.start, part.stop)]
+
+    @property
+    def seen(self) -> list[int]:
+        """The channels of the condition that stand beside the state: those of the simulated scan, a state itself."""
+        return [c for c in self.condition_channels if c >= CONDITION_PARTS["simulated"].start and not self.controlnet]
+
+    @property
+    def told(self) -> list[int]:
+        """The channels of the condition in the network's context: all others."""
+        return [c for c in self.condition_channels if c < CONDITION_PARTS["simulated"].start and not self.controlnet]
+
+    @property
+    def gated(self) -> tuple[str, ...]:
+        """The parts of the condition whose depth is gated in."""
+        return tuple(part for part in self.condition if self.copy_gate and part != "class")
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields as JSON types."""
+        return {key: list(v) if isinstance(v, tuple) else v for key, v in dataclasses.asdict(self).items()}
+
+    @classmethod
+    def from_dict(cls, fields: Mapping[str, Any]) -> DenoiserConfig:
+        """The inverse of `to_dict`; raises `TypeError` on an unknown or missing field."""
+        values: dict[str, Any] = {key: tuple(v) if isinstance(v, list) else v for key, v in dict(fields).items()}
+        return cls(**values)
