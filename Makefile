@@ -53,8 +53,8 @@ report-two-sample: install ## how well a classifier tells streets from recording
 report-inputs: install ## how well sentences, scripts, pictures, clouds and sketches become layouts, and bad files end
 	"$(BIN)/python" benches/report_inputs.py
 
-weights: install ## train the default weights anew, from procedural streets to the packaged file
-	$(BIN)/lidardraft-train street -o python/lidardraft/weights/street.safetensors
+weights: install ## train weights on streets alone, the first part of the packaged ones' training, in out/
+	$(BIN)/lidardraft-train street -o out/street.safetensors
 
 install: $(STAMP)
 

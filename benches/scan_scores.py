@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -18,14 +19,15 @@ def scores(found: Sequence[dict[str, Sweep]], kinds: Sequence[str], *, firings: 
 
     "agreeing" and "objects" are shares of the recorded returns, all and those on objects, that a scan has within 0.5 m
     or 5 %; then come Jensen-Shannon distances of the set from the recorded one, drop masks against the recorded ones,
-    and what `metrics/returns.py` counts.
+    and what `metrics/returns.py` counts. "intensity by class" is the mean over the classes that all of `kinds` have.
     """
     shares = table_of(found, firings)
+    # A class that one kind of scan lacks compares nothing.
+    read = [name for name, cells in shares.items() if name.startswith("intensity") and _all_known(cells, kinds)]
     rows = {"recorded": returns([sweeps["recorded"] for sweeps in found])}
     for kind in kinds:
         mine = [sweeps[kind] for sweeps in found]
         cell = {name: cells.get(kind, np.nan) for name, cells in shares.items()}
-        read = [value for name, value in cell.items() if name.startswith("intensity")]
         row = {
             "agreeing": cell["near"],
             "objects": cell.get("near, on objects", np.nan),
@@ -33,7 +35,7 @@ def scores(found: Sequence[dict[str, Sweep]], kinds: Sequence[str], *, firings: 
             "height": cell["height over the road (JSD)"],
             "BEV": cell["top view (BEV JSD)"],
             "BEV MMD": cell["top view (BEV MMD)"],
-            "intensity by class": float(np.mean(read)) if read else np.nan,
+            "intensity by class": float(np.mean([cell[name] for name in read])) if read else np.nan,
         }
         if firings:
             runs = ([hole_lengths(sweep) for sweep in of] for of in ([s["recorded"] for s in found], mine))
@@ -44,6 +46,10 @@ def scores(found: Sequence[dict[str, Sweep]], kinds: Sequence[str], *, firings: 
     simulated, generated = rows["simulated"], rows["generated"]
     rows["generated / simulated"] = {name: ratio(generated[name], simulated[name]) for name in generated}
     return rows
+
+
+def _all_known(cells: Mapping[str, float], kinds: Sequence[str]) -> bool:
+    return all(math.isfinite(cells.get(kind, math.nan)) for kind in kinds)
 
 
 def returns(sweeps: Sequence[Sweep]) -> Row:

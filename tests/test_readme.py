@@ -1,4 +1,4 @@
-"""What the README shows, run as it stands there."""
+"""What the README and docs/usage.md show, run as it stands there."""
 
 import re
 import shlex
@@ -10,10 +10,12 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
+PAGES = [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), *(ROOT / "python").rglob("*.md")]
+EXAMPLES = README + (ROOT / "docs" / "usage.md").read_text()
 
 
 def blocks(language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", README, flags=re.DOTALL)
+    return re.findall(rf"```{language}\n(.*?)```", EXAMPLES, flags=re.DOTALL)
 
 
 @pytest.mark.parametrize("code", blocks("python"), ids=lambda code: code.strip().splitlines()[0])
@@ -54,11 +56,19 @@ def test_make_targets() -> None:
         assert re.search(rf"^{target}\b", result.stdout, flags=re.MULTILINE), target
 
 
-@pytest.mark.parametrize("document", ["README.md", "ARCHITECTURE.md", "CONVENTIONS.md", "CONTRIBUTING.md"])
-def test_links_lead_somewhere(document: str) -> None:
-    for target in re.findall(r"\]\(([^)#]+)\)", (ROOT / document).read_text()):
+def anchors(page: Path) -> set[str]:
+    """The headings of a page, as links name them."""
+    titles = re.findall(r"^#+ (.+)$", page.read_text(), flags=re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_somewhere(page: Path) -> None:
+    for target, _, anchor in (link.partition("#") for link in re.findall(r"\]\(([^)]+)\)", page.read_text())):
         if not target.startswith("http"):
-            assert (ROOT / target).exists(), target
+            found = page.parent / target if target else page
+            assert found.exists(), target
+            assert not anchor or anchor in anchors(found), f"{target}#{anchor}"
 
 
 def test_the_class_table_of_the_conventions() -> None:

@@ -1,6 +1,7 @@
 """The report of generated scans, with a network that has not learned."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,8 +15,10 @@ from goals import Goal, goal_table, table
 from lidardraft import Pipeline
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.evaluation import unseen_streets
+from lidardraft.metrics.sweep import Sweep
 from lidardraft.networks import weight_file
 from lidardraft.scene.sensor import Sensor
+from lidardraft.semantics import BY_NAME
 from lidardraft.training import recipes
 from scan_scores import scores
 
@@ -52,6 +55,22 @@ def test_scans_of_streets_are_scored_by_kind(pipeline: Pipeline) -> None:
     assert rows["simulated"]["agreeing"] < 1.0
     made = scores_by_kind(pairs, [generate(pipeline, pair) for pair in pairs])["generated"]
     assert 0.0 < made["agreeing"] < 1.0
+
+
+def test_a_class_that_one_kind_lacks_does_not_count_for_any() -> None:
+    scans = [Sweep.by_azimuth(pair.scan) for pair in unseen_streets(2, sensor=SMALL)]
+    road = BY_NAME["road"].id
+    simulated = [replace(sweep, intensity=sweep.intensity / 2) for sweep in scans]
+    generated = [replace(sweep, label=np.where(sweep.label == road, 0, sweep.label)) for sweep in simulated]
+    rows = scores(
+        [
+            {"recorded": recorded, "cast": recorded, "simulated": first, "generated": second}
+            for recorded, first, second in zip(scans, simulated, generated, strict=True)
+        ],
+        KINDS,
+        firings=True,
+    )
+    assert 0.0 < rows["simulated"]["intensity by class"] == rows["generated"]["intensity by class"]
 
 
 def test_recordings_are_told_from_what_is_made(pipeline: Pipeline) -> None:

@@ -47,10 +47,11 @@ def fit_sensor(
     """The sensor that took `recordings`, called `name`.
 
     What no recording tells (the divergence, the return mode, the time of a sweep) is that of `like`, or typical.
-    `columns` are by default the firings of a turn. Raises `FormatError` where there is nothing to fit to.
+    `columns` are by default the firings of a turn, or up to three fewer: in fours, as the packaged network needs them.
+    Raises `FormatError` where there is nothing to fit to.
     """
     table = fit_beam_table(recordings)
-    columns = columns or table.columns
+    columns = columns or max(table.columns // 4 * 4, 4)
     recorded = sweeps_of(recordings, table, min(columns, MOST_COLUMNS))
     sensor = _geometry(name, table, recorded, like or Sensor(name=name, elevations=(0.0,), columns=1))
     typical = SensorModel.from_sensor(like or sensor)

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from lidardraft.training.denoising import DenoisingConfig, PairSource
 
 _RECIPES = ("small", "paper", "small-paper", "tiny", "tiny-paper")
-
-
 _FURTHER_RATE = 0.3  # of the recipe's learning rate: weights that are good already would be lost with more
 
 
@@ -51,7 +49,8 @@ def street(arguments: argparse.Namespace) -> None:
     from lidardraft.training.loop import check_run_folder, device_for_training
     from lidardraft.training.processes import Processes
 
-    stages = _stages(arguments)
+    begin = _initial(arguments.init)
+    stages = _stages(arguments, begin)
     source = _source(arguments)
     # what cannot be is refused before hours of work
     if Path(arguments.output).is_dir():
@@ -62,7 +61,7 @@ def street(arguments: argparse.Namespace) -> None:
         check_run_folder(run_folder)
     processes = Processes.from_environment(device_for_training(arguments.device))
     Path(arguments.output).parent.mkdir(parents=True, exist_ok=True)
-    begin, ends = _initial(arguments.init), time.monotonic() + 60 * arguments.minutes
+    ends = time.monotonic() + 60 * arguments.minutes
     for config, run_folder in zip(stages, runs, strict=True):
         if not _trained(config, source, run_folder, begin, arguments.device, (ends - time.monotonic()) / 60):
             print(f"{run_folder}: stopped after {arguments.minutes:g} minutes; the same call goes on")
@@ -90,20 +89,18 @@ def street(arguments: argparse.Namespace) -> None:
     print(arguments.output)
 
 
-def _stages(arguments: argparse.Namespace) -> list[DenoisingConfig]:
-    """Those of the recipe, for the network of the weights to begin with, where these are given."""
+def _stages(arguments: argparse.Namespace, begin: Denoiser | None) -> list[DenoisingConfig]:
+    """Those of the recipe; its last one alone, for their network, where weights to begin with are given."""
     from lidardraft.training import recipes
 
     recipe = getattr(recipes, arguments.recipe.replace("-", "_"))()
     stages = [dataclasses.replace(config, seed=arguments.seed) for config in recipe.stages]
-    begin = _initial(arguments.init)
     if begin is not None:
         rate = _FURTHER_RATE * stages[-1].learning_rate
         stages = [dataclasses.replace(stages[-1], denoiser=begin.config, learning_rate=rate, warmup=20)]
     given = {name: getattr(arguments, name) for name in ("steps", "batch", "learning_rate")}
     given = {name: value for name, value in given.items() if value is not None}
-    stages = [dataclasses.replace(config, **given) for config in stages]
-    return stages
+    return [dataclasses.replace(config, **given) for config in stages]
 
 
 def _initial(name: str | None) -> Denoiser | None:
