@@ -30,7 +30,7 @@ def named_files(page: str) -> set[str]:
         names.remove(name)
         before, choices, after = re.split(r"[{}]", name)
         names |= {f"{before}{choice}{after}" for choice in choices.split(",")}
-    return {name for name in names if "*" not in name}
+    return {name.removeprefix("../") for name in names if "*" not in name}
 
 
 @pytest.mark.parametrize("page", PAGES)
