@@ -32,7 +32,6 @@ from lidardraft import RangeImage, Sensor
 from lidardraft.cli.arguments import positive, whole_number
 from lidardraft.diffusion.codec import (
     CONDITION_CHANNELS,
-    CONDITION_PARTS,
     STATE_CHANNELS,
     decode_scan,
     encode_condition,
@@ -41,8 +40,8 @@ from lidardraft.diffusion.codec import (
 )
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
-from lidardraft.diffusion.noise import add_noise, karras_levels, training_levels
-from lidardraft.diffusion.sampler import sample_multistep
+from lidardraft.diffusion.noise import add_noise, training_levels
+from lidardraft.diffusion.sampler import sample
 from lidardraft.evaluation import unseen_streets
 from lidardraft.networks.precision import reduced_precision
 from lidardraft.streets import StreetPair
@@ -57,7 +56,9 @@ Clock = Callable[[], float]
 
 
 class Network(Protocol):
-    """What an arm trains: `Denoiser.denoise`, and the parameters of a module."""
+    """What an arm trains: `Denoiser.denoise`, and a module's parameters."""
+
+    cell: tuple[int, int]
 
     def denoise(
         self, x: Tensor, sigma: Tensor, rays: Tensor, condition: Tensor | None, *, wraps: bool, decide: bool
@@ -167,20 +168,11 @@ def sampled(network: Network, pair: StreetPair, start: float | None, calls: int)
     """A scan of a pair's layout, from its simulated scan under noise of the level `start`, or from noise alone."""
     assert pair.simulated is not None
     sensor = pair.scan.sensor
-    levels = karras_levels(calls) if start is None else karras_levels(calls, sigma_max=start)
-    rays = torch.from_numpy(encode_rays(sensor))
     condition = torch.from_numpy(encode_condition(pair.condition_image, pair.simulated))[None]
-    stream = torch.Generator().manual_seed(pair.index)
-    x = levels[0] * torch.randn((1, STATE_CHANNELS, *sensor.shape), generator=stream)
-    if start is not None:
-        x = x + condition[:, CONDITION_PARTS["simulated"]]
-
-    def denoise(x: Tensor, sigma: Tensor) -> Tensor:
-        with reduced_precision(CPU):
-            return network.denoise(x, sigma, rays, condition, wraps=sensor.wraps, decide=True)
-
-    *_, states = sample_multistep(denoise, x, levels)
-    return decode_scan(states[0].numpy(), sensor)
+    # of a denoiser it asks for what a `Network` has
+    states = sample(network, sensor, seeds=[pair.index], condition=condition, steps=calls, start=start)  # type: ignore[arg-type]
+    *_, state = states
+    return decode_scan(state[0].numpy(), sensor)
 
 
 def gflop(network: Network, sensor: Sensor) -> float:

@@ -49,6 +49,11 @@ class Denoiser(Network):
         """`from_config` of `DenoiserConfig.to_dict`."""
         return cls.from_config(DenoiserConfig.from_dict(fields))
 
+    @property
+    def cell(self) -> tuple[int, int]:
+        """The (rows, columns) that images must be multiples of."""
+        return self.config.cell
+
     def with_controlnet(self, config: DenoiserConfig) -> Denoiser:
         """The same network, frozen, with a fresh ControlNet of `config` that starts as a copy of its encoder."""
         denoiser = Denoiser(config, self.network, *_controls(config, self.network)).requires_grad_(True)

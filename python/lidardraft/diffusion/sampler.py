@@ -16,6 +16,7 @@ from lidardraft.diffusion.codec import CONDITION_PARTS, STATE_CHANNELS, encode_r
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.langevin import sample_langevin
 from lidardraft.diffusion.noise import geometric_levels, karras_levels
+from lidardraft.diffusion.sampling_defaults import STEPS
 from lidardraft.errors import LidarDraftError, SensorError
 from lidardraft.networks.precision import reduced_precision
 from lidardraft.scene.sensor import Sensor
@@ -29,7 +30,7 @@ def sample(
     *,
     seeds: Sequence[int],
     condition: Tensor | None = None,
-    steps: int = 4,
+    steps: int = STEPS,
     start: float | None = None,
     langevin: int | None = None,
 ) -> Iterator[Tensor]:
@@ -41,7 +42,7 @@ def sample(
     Works on the device of the weights. Raises `SensorError` where the image cannot be cut into the network's cells,
     `LidarDraftError` on a start that is not positive, or without a condition.
     """
-    rows, columns = denoiser.config.cell
+    rows, columns = denoiser.cell
     if sensor.shape[0] % rows or sensor.shape[1] % columns:
         raise SensorError(f"{sensor.name} is {sensor.shape}; these weights need multiples of ({rows}, {columns})")
     device = next(denoiser.parameters()).device

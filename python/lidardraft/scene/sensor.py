@@ -219,12 +219,12 @@ class Sensor:
 
 
 def _beams(high: float, low: float, count: int) -> tuple[float, ...]:
-    return tuple(np.deg2rad(np.linspace(high, low, count)).tolist())
+    return _table(np.linspace(high, low, count))
 
 
 def _turned(degrees: Sequence[float] | np.ndarray) -> tuple[float, ...]:
     """Azimuth offsets of a maker's table, which counts clockwise."""
-    return tuple(np.deg2rad(-np.array(degrees)).tolist())
+    return _table(-np.array(degrees))
 
 
 def _ouster(
@@ -246,7 +246,7 @@ def _ouster(
     )
 
 
-def _table(degrees: Sequence[float]) -> tuple[float, ...]:
+def _table(degrees: Sequence[float] | np.ndarray) -> tuple[float, ...]:
     return tuple(np.deg2rad(degrees).tolist())
 
 
