@@ -50,7 +50,6 @@ class Pipeline:
     ) -> None:
         check_type("denoiser", denoiser, Denoiser)
         self.denoiser = denoiser.eval()
-        self.sensor = Sensor.preset("hdl64e")
         self.steps = steps
         self.start = start if "simulated" in denoiser.config.condition else None
         self.langevin = langevin
@@ -92,7 +91,7 @@ class Pipeline:
         """The scan of a sentence or a layout. Same arguments, same scan; another seed gives another one (of a
         sentence, with another layout too). `on_step` is called after each sampling step."""
         check_type("source", source, str, Layout)
-        sensor = sensor or self.sensor
+        sensor = sensor or Sensor.preset("hdl64e")
         layout = layout_from_text(source, seed=seed) if isinstance(source, str) else source
         pose = sensor.pose()
         condition_image = raycast(layout, sensor, pose)

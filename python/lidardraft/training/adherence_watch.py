@@ -16,7 +16,7 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.streets import StreetConfig, streets
 
 OWN, OTHER = "objects", "objects of the other street"
-_SEED = 2_000_000  # of streets that no training and no evaluation uses
+_SEED = 2_000_000  # of streets that no training learns from
 _STREETS = 2
 _CALLS = 8  # of the network a scan, from noise
 _DEADLINE = 1_000  # steps after which a network must heed its condition
