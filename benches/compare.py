@@ -25,8 +25,8 @@ import platform
 import sys
 from pathlib import Path
 
+from compare_table import QUANTITIES, Results, agreement, markdown
 from scenes import SCENES, Pattern, hdl64
-from table import QUANTITIES, Results, agreement, markdown
 from worker import PeerError, Worker
 
 PEERS = ("open3d", "embreex", "packets", "analytic", "triangles")

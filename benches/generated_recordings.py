@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from cases import recorded_sets, sweeps_of
-from goals import Goal, Row, table
+from goals import Goal
 from lidardraft import Pipeline
 from lidardraft.metrics.crop_features import CROP_COLUMNS
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.metrics.two_sample import two_sample
+from markdown_table import Row, table
 from scan_scores import scores
 
 KINDS = ("+ sensor model", "simulated", "generated")

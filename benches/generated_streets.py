@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from goals import Goal, Row, ratio, table
+from goals import Goal, ratio
 from lidardraft import Pipeline, RangeImage, Sensor, Simulator
 from lidardraft.evaluation import score, unseen_streets
 from lidardraft.metrics.bev import bev_jsd, bev_mmd
@@ -16,6 +16,7 @@ from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.labelling import agrees, label_by_agreement
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.streets import StreetPair
+from markdown_table import Row, table
 from scan_scores import scores
 
 SENSOR = PRESETS["hdl64e"]

@@ -27,7 +27,6 @@ from torch.utils.flop_counter import FlopCounterMode
 
 from generated_streets import scores_by_kind
 from generator_losses import Loss, apart, in_metres, squared, without_air
-from goals import Row, table
 from lidardraft import RangeImage, Sensor
 from lidardraft.cli.arguments import positive, whole_number
 from lidardraft.diffusion.codec import (
@@ -47,6 +46,7 @@ from lidardraft.networks.precision import reduced_precision
 from lidardraft.streets import StreetPair
 from lidardraft.training.loop import prefetched
 from lidardraft.training.pairs import Pair, PairFolder
+from markdown_table import Row, table
 
 BATCH, RATE, WARMUP, DECAY, EMA = 4, 2e-3, 40, 0.4, 0.99
 STARTS = ((None, 20), (0.5, 4))  # noise level and calls

@@ -1,4 +1,4 @@
-"""What generated scans must reach, and tables of what they did reach, in Markdown."""
+"""What generated scans must reach, and what they did reach."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-Row = dict[str, float]  # by column
+from markdown_table import digits
 
 
 @dataclass(frozen=True)
@@ -41,20 +41,6 @@ def goal_table(goals: Sequence[Goal]) -> str:
         ]
         lines.append(f"| {goal.name} | {goal.bounds} | {', '.join(cells)} | {'yes' if goal.met else 'no'} |")
     return "\n".join(lines)
-
-
-def table(rows: Mapping[str, Row]) -> str:
-    """Rows by name; the columns are those of all, "-" where a row has none."""
-    columns = list(dict.fromkeys(column for row in rows.values() for column in row))
-    lines = [f"| | {' | '.join(columns)} |", f"|---|{'---:|' * len(columns)}"]
-    for name, row in rows.items():
-        lines.append(f"| {name} | {' | '.join(digits(row.get(column, math.nan)) for column in columns)} |")
-    return "\n".join(lines)
-
-
-def digits(value: float) -> str:
-    """Three digits; "-" for what is not a number."""
-    return "-" if math.isnan(value) else f"{value:.3g}"
 
 
 def ratio(first: float, second: float) -> float:

@@ -33,6 +33,7 @@ from lidardraft.scene.layout import Primitive
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
+from markdown_table import Row, table
 from report_streets import unhidden
 
 NO_OBJECT = [BY_NAME[name].id for name in ("none", *GROUND)]
@@ -102,7 +103,7 @@ def is_near(recorded: np.ndarray, cast: np.ndarray) -> np.ndarray:
     return (cast > 0) & (np.abs(cast - recorded) <= tolerance)
 
 
-def measure(group: Group, detail: str) -> dict[str, float]:
+def measure(group: Group, detail: str) -> Row:
     """The row of a group: shares over all of its sweeps; primitives and seconds of one sweep, on average."""
     counts: Counts = defaultdict(lambda: np.zeros(2))
     primitives, seconds = [], []
@@ -136,7 +137,7 @@ def _placed(values: np.ndarray, where: np.ndarray) -> np.ndarray:
     return image
 
 
-def by_class(group: Group, detail: str) -> dict[str, dict[str, float]]:
+def by_class(group: Group, detail: str) -> dict[str, Row]:
     """For each class the share of a group's returns, and what the layout shows along their rays."""
     counts: Counts = defaultdict(lambda: np.zeros(6))
     for sweep in group.sweeps:
@@ -169,22 +170,9 @@ def by_class(group: Group, detail: str) -> dict[str, dict[str, float]]:
     }
 
 
-def markdown(table: dict[str, dict[str, float]]) -> str:
-    """The table; a cell without a value is a dash."""
-    columns = list(dict.fromkeys(name for cells in table.values() for name in cells))
-    lines = [f"| | {' | '.join(columns)} |", f"|---|{'---:|' * len(columns)}"]
-    for row, cells in table.items():
-        lines.append(f"| {row} | {' | '.join(_cell(cells.get(name)) for name in columns)} |")
-    return "\n".join(lines)
-
-
-def _cell(value: float | None) -> str:
-    return "-" if value is None else f"{value:.0f}" if value >= 10 else f"{value:.3f}"
-
-
-def cars(folder: Path) -> dict[str, dict[str, float]]:
+def cars(folder: Path) -> dict[str, Row]:
     """For each set of annotated frames: cars with 100 returns or more, and the share of them that a layout finds."""
-    table: dict[str, dict[str, float]] = {}
+    rows: dict[str, Row] = {}
     for name, read in (("KITTI objects", object_labels.kitti_frames), ("PandaSet", object_labels.pandaset_frames)):
         counted, found = 0, 0
         for frame in read(folder):
@@ -194,8 +182,8 @@ def cars(folder: Path) -> dict[str, dict[str, float]]:
             here, there = object_labels.recovered(frame, layout)
             counted, found = counted + here, found + there
         if counted:
-            table[name] = {"cars": float(counted), "found": found / counted}
-    return table
+            rows[name] = {"cars": float(counted), "found": found / counted}
+    return rows
 
 
 def main() -> None:
@@ -210,11 +198,11 @@ def main() -> None:
     found = {name: group for name, group in groups(given.data) if given.only in name}
     for detail in DETAILS:
         rows = {name: measure(group, detail) for name, group in found.items()}
-        print(f"### detail {detail!r}\n\n{markdown(rows)}\n", flush=True)
+        print(f"### detail {detail!r}\n\n{table(rows)}\n", flush=True)
     if given.classes:
         for name, group in found.items():
-            print(f"### {name}, by class\n\n{markdown(by_class(group, 'fine'))}\n", flush=True)
-    print(f"### cars\n\n{markdown(cars(given.data))}")
+            print(f"### {name}, by class\n\n{table(by_class(group, 'fine'))}\n", flush=True)
+    print(f"### cars\n\n{table(cars(given.data))}")
 
 
 if __name__ == "__main__":

@@ -21,6 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
+import markdown_table
 from cases import CaseSet, recorded_sets, street_set, sweeps_of
 from lidardraft import Pipeline
 from lidardraft.metrics import lifelike
@@ -45,7 +46,7 @@ EQUAL = 0.005  # differences that are none
 BOTH = "returns of either that both have"
 BETTER_IF_MORE = (BOTH, "drop precision", "drop recall")
 
-Table = dict[str, dict[str, float]]  # by row, then by column
+Table = dict[str, markdown_table.Row]
 Counts = dict[str, np.ndarray]  # by row: part and whole
 
 
@@ -121,15 +122,12 @@ def losses(table: Table) -> dict[str, float]:
 
 def markdown(table: Table) -> str:
     """The table, and what is worse in it."""
-    columns = list(dict.fromkeys(name for cells in table.values() for name in cells))
-    lines = [f"| | {' | '.join(columns)} |", f"|---|{'---:|' * len(columns)}"]
-    for row, cells in table.items():
-        lines.append(f"| {row} | {' | '.join(f'{cells[c]:.3g}' if c in cells else '-' for c in columns)} |")
     loss = losses(table)
     worse = [f"{row} by {value:.3f}" for row, value in loss.items() if value > EQUAL]
     better = sum(value < -EQUAL for value in loss.values())
     said = f"Simulated beside cast and sensor model, of {len(loss)} rows: {better} better, {len(worse)} worse"
-    return "\n".join([*lines, "", f"{said} ({', '.join(worse)})." if worse else f"{said}."])
+    text = f"{markdown_table.table(table)}\n\n{said}"
+    return f"{text} ({', '.join(worse)})." if worse else f"{text}."
 
 
 def summary(tables: dict[str, Table]) -> str:

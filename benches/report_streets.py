@@ -31,6 +31,7 @@ from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.streets import StreetConfig, streets
+from markdown_table import digits
 from recordings import Groups, Recordings
 
 Pooled = dict[str, dict[str, list[float]]]
@@ -200,12 +201,8 @@ def markdown(recorded: Recordings, comparisons: list[Comparison], num: int) -> s
     ]
     for one in comparisons:
         cells = (one.recorded, one.generated, one.recorded_vs_recorded, one.generated_vs_recorded, one.ratio)
-        text.append(f"| {one.name} | {' | '.join(_digits(value) for value in cells)} |")
+        text.append(f"| {one.name} | {' | '.join(digits(value) for value in cells)} |")
     return "\n".join(text) + "\n"
-
-
-def _digits(value: float) -> str:
-    return "-" if math.isnan(value) else f"{value:.3g}"
 
 
 if __name__ == "__main__":

@@ -7,10 +7,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from goals import Row, ratio
+from goals import ratio
 from lidardraft.metrics.lifelike import pooled_divergence
 from lidardraft.metrics.returns import hole_lengths, lone_returns, near_holes
 from lidardraft.metrics.sweep import Sweep
+from markdown_table import Row
 from report_simulate import table_of
 
 

@@ -6,9 +6,9 @@ import pytest
 import peer_analytic
 import peer_fresh
 import peer_triangles
+from compare_table import agreement
 from peer_lidardraft import Peer
 from scenes import Pattern, Scene, column_poses, hdl64, pose, poses, small
-from table import agreement
 
 SCENE = small()
 PATTERN = hdl64(beams=8, columns=64)

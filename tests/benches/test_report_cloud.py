@@ -10,8 +10,9 @@ from lidardraft.drafting.clustering import FittedBox
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.semantics import BY_NAME
+from markdown_table import table
 from object_labels import LabelledBoxes, iou, recovered
-from report_cloud import Group, by_class, is_near, markdown, measure
+from report_cloud import Group, by_class, is_near, measure
 
 SENSOR = PRESETS["hdl64e"]
 CAR = BY_NAME["car"].id
@@ -35,12 +36,12 @@ def test_the_layout_of_a_cast_comes_near_it(group: Group) -> None:
 
 
 def test_classes_are_told_apart_and_add_up(group: Group) -> None:
-    table = by_class(group, "fine")
-    assert sum(cells["of all returns"] for cells in table.values()) == pytest.approx(1.0)
-    for cells in table.values():
+    rows = by_class(group, "fine")
+    assert sum(cells["of all returns"] for cells in rows.values()) == pytest.approx(1.0)
+    for cells in rows.values():
         assert sum(cells[name] for name in ("near", "empty", "too near", "too far")) == pytest.approx(1.0)
-    assert table["car"]["primitives"] == 2
-    assert "| car | " in markdown(table)
+    assert rows["car"]["primitives"] == 2
+    assert "| car | " in table(rows)
 
 
 def test_near_is_half_a_metre_or_a_twentieth() -> None:

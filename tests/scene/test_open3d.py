@@ -5,10 +5,10 @@ import warnings
 import numpy as np
 import pytest
 
+from compare_table import agreement
 from lidardraft import Raycaster
 from peer_lidardraft import layout_of, sensor_of
 from scenes import SCENES, hdl64, pose
-from table import agreement
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")  # its own dependencies' warnings are not ours

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lidardraft.cli import evaluate
-from lidardraft.cli.arguments import add_seed, add_sensor, whole_number
+from lidardraft.cli.arguments import add_seed, add_sensor, add_training_device, whole_number
 from lidardraft.cli.training_progress import show
 from lidardraft.scene.sensor import Sensor
 
@@ -116,3 +116,4 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_seed(parser)
     text = "where runs are kept (default out/ablation)"
     parser.add_argument("--work", default="out/ablation", metavar="FOLDER", help=text)
+    add_training_device(parser)

@@ -90,6 +90,17 @@ def add_seed(parser: Options, *, default: int = 0) -> None:
     parser.add_argument("--seed", type=whole_number(0, 2**32 - 1), default=default, metavar="S", help=text)
 
 
+def add_minutes(parser: Options) -> None:
+    """--minutes of a training."""
+    text = "stop after so many minutes; the same call goes on (default: no limit)"
+    parser.add_argument("--minutes", type=minutes, default=math.inf, metavar="M", help=text)
+
+
+def add_training_device(parser: Options) -> None:
+    """--device of a training."""
+    parser.add_argument("--device", default="cpu", help="where torch trains: cpu, cuda, ... (default cpu)")
+
+
 def noise_level(text: str) -> float | None:
     """The type of --start: a positive number, or None for `noise`."""
     if text == "noise":

@@ -3,159 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import sys
-import time
 from collections.abc import Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 import lidardraft
-from lidardraft.cli import ablation, evaluate
-from lidardraft.cli.arguments import DEFAULT_SENSOR, add_seed, add_sensor, minutes, positive, whole_number
+from lidardraft.cli import ablation, train_segmenter, train_street
 from lidardraft.cli.command import commands_of, run
-from lidardraft.cli.training_progress import show
-from lidardraft.diffusion.sampling_defaults import STEPS, STEPS_FROM_NOISE
-from lidardraft.errors import TrainingError
-from lidardraft.scene.sensor import Sensor
-
-if TYPE_CHECKING:
-    from lidardraft.diffusion.denoiser import Denoiser
-    from lidardraft.scene.sensor_limits import SensorLimits
-    from lidardraft.training.denoising import DenoisingConfig, PairSource
-
-_RECIPES = ("small", "paper", "small-paper", "tiny", "tiny-paper")
-_FURTHER_RATE = 0.3  # of the recipe's learning rate: weights that are good already would be lost with more
 
 
-def segmenter(arguments: argparse.Namespace) -> None:
-    """Train a segmenter, which tells the class of each return, on the scans of pairs; a second call goes on."""
-    from lidardraft.training.loop import check_run_folder
-    from lidardraft.training.pairs import PairFolder
-    from lidardraft.training.segmentation import SegmentationConfig, train_segmenter
-
-    config = SegmentationConfig(steps=arguments.steps, batch=arguments.batch, seed=arguments.seed)
-    check_run_folder(arguments.run)
-    folder = PairFolder(arguments.pairs)
-    reports = train_segmenter(config, folder, arguments.run, device=arguments.device, max_minutes=arguments.minutes)
-    show(reports, config.steps, "segmenter")
-
-
-def street(arguments: argparse.Namespace) -> None:
-    """Train the generator: all stages of a recipe, scores, and the weight file with its card; a second call goes on."""
-    from lidardraft.diffusion.denoiser import Denoiser
-    from lidardraft.networks import weight_file
-    from lidardraft.pipeline import Pipeline
-    from lidardraft.training.loop import check_run_folder, device_for_training
-    from lidardraft.training.processes import Processes
-
-    begin = _initial(arguments.init)
-    stages = _stages(arguments, begin)
-    source = _source(arguments)
-    # what cannot be is refused before hours of work
-    if Path(arguments.output).is_dir():
-        raise TrainingError(f"{arguments.output} is a folder; the weights are a file")
-    runs = [Path(arguments.work) / f"stage-{number}" for number in range(1, len(stages) + 1)]
-    for config, run_folder in zip(stages, runs, strict=True):
-        config.check(source.sensors)
-        check_run_folder(run_folder)
-    processes = Processes.from_environment(device_for_training(arguments.device))
-    Path(arguments.output).parent.mkdir(parents=True, exist_ok=True)
-    ends = time.monotonic() + 60 * arguments.minutes
-    for config, run_folder in zip(stages, runs, strict=True):
-        if not _trained(config, source, run_folder, begin, arguments.device, (ends - time.monotonic()) / 60):
-            print(f"{run_folder}: stopped after {arguments.minutes:g} minutes; the same call goes on")
-            return
-        processes.wait()  # until the first one has saved what all have learned
-        begin = weight_file.load(run_folder / "weights.safetensors", Denoiser)
-    if processes.rank > 0:
-        return
-    # What is scored is what ships: float16.
-    assert begin is not None
-    half = Path(arguments.work) / "half.safetensors"
-    weight_file.save(begin, half, {}, half=True)
-    steps = STEPS if "simulated" in begin.config.condition else STEPS_FROM_NOISE
-    pipeline = Pipeline.from_pretrained(half, device=arguments.device, steps=steps)
-    sensor = source.sensor or Sensor.preset(DEFAULT_SENSOR)
-    unseen = evaluate.unseen_streets(arguments.evaluate, sensor)
-    card = {
-        "command": " ".join(["lidardraft-train", *sys.argv[1:]]),
-        "data": source.source,
-        "sensors": _limits(source.sensor).to_dict(),
-        "stages": [weight_file.read_card(run_folder / "weights.safetensors") for run_folder in runs],
-        "scores": [dataclasses.asdict(scores) for scores in evaluate.scores(pipeline, unseen)],
-    }
-    weight_file.save(pipeline.denoiser, arguments.output, card, half=True)
-    print(arguments.output)
-
-
-def _stages(arguments: argparse.Namespace, begin: Denoiser | None) -> list[DenoisingConfig]:
-    """Those of the recipe; its last one alone, for their network, where weights to begin with are given."""
-    from lidardraft.training import recipes
-
-    recipe = getattr(recipes, arguments.recipe.replace("-", "_"))()
-    stages = [dataclasses.replace(config, seed=arguments.seed) for config in recipe.stages]
-    if begin is not None:
-        rate = _FURTHER_RATE * stages[-1].learning_rate
-        stages = [dataclasses.replace(stages[-1], denoiser=begin.config, learning_rate=rate, warmup=20)]
-    given = {name: getattr(arguments, name) for name in ("steps", "batch", "learning_rate")}
-    given = {name: value for name, value in given.items() if value is not None}
-    return [dataclasses.replace(config, **given) for config in stages]
-
-
-def _initial(name: str | None) -> Denoiser | None:
-    from lidardraft.pipeline import Pipeline
-
-    return None if name is None else Pipeline.from_pretrained(name).denoiser
-
-
-def _source(arguments: argparse.Namespace) -> PairSource:
-    """What --data names: streets, folders of pairs, or a mixture."""
-    from lidardraft.training.mixed_source import MixedSource
-    from lidardraft.training.pairs import PairFolder
-    from lidardraft.training.street_source import StreetSource
-
-    sensor = None if arguments.sensor is None else Sensor.preset(arguments.sensor)
-    sources: list[PairSource] = []
-    weights: list[float] = []
-    for given in arguments.data or ["streets"]:
-        name, _, weight = given.partition("=")
-        sources.append(StreetSource(seed=arguments.seed, sensor=sensor) if name == "streets" else PairFolder(name))
-        try:
-            weights.append(float(weight or 1))
-        except ValueError:
-            raise TrainingError(f"--data is {given!r}; behind = there must be a number") from None
-    return sources[0] if len(sources) == 1 else MixedSource(tuple(sources), tuple(weights))
-
-
-def _limits(sensor: Sensor | None) -> SensorLimits:
-    from lidardraft.scene.sensor_limits import SensorLimits
-    from lidardraft.training import sampled_sensor
-
-    return sampled_sensor.LIMITS if sensor is None else SensorLimits.from_sensor(sensor)
-
-
-def _trained(
-    config: DenoisingConfig,
-    source: PairSource,
-    run: Path,
-    begin: Denoiser | None,
-    device: str,
-    minutes: float,
-) -> bool:
-    """Whether a stage is done, after so many minutes at most."""
-    from lidardraft.training.denoising import train_denoiser
-
-    reports = train_denoiser(config, source, run, begin=begin, device=device, max_minutes=minutes)
-    return show(reports, config.steps, run.name) in (None, config.steps)
-
-
-def _add_learning(added: argparse.ArgumentParser) -> None:
-    """--batch and --learning-rate of the generator."""
-    text = "scans of 64 x 1024 a step, fewer of larger ones (default: the recipe's)"
-    added.add_argument("--batch", type=whole_number(1), metavar="N", help=text)
-    text = "highest learning rate (default: the recipe's, 0.3 of it with --init)"
-    added.add_argument("--learning-rate", type=positive, metavar="R", help=text)
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line."""
+    return run(_parser(), argv)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -167,62 +25,10 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"lidardraft {lidardraft.__version__}")
     command = commands_of(parser)
-
-    def add_minutes(added: argparse.ArgumentParser) -> None:
-        text = "stop after so many minutes; the same call goes on (default: no limit)"
-        added.add_argument("--minutes", type=minutes, default=float("inf"), metavar="M", help=text)
-
-    def pairs(added: argparse.ArgumentParser) -> None:
-        text = "training pairs, as `lidardraft streets -o FOLDER` makes them"
-        added.add_argument("--pairs", required=True, metavar="FOLDER", help=text)
-        add_minutes(added)
-        text = "where the weights and the state of the run go; a second call goes on"
-        added.add_argument("-o", "--output", dest="run", required=True, metavar="FOLDER", help=text)
-
-    def device(added: argparse.ArgumentParser) -> None:
-        added.add_argument("--device", default="cpu", help="where torch trains: cpu, cuda, ... (default cpu)")
-
-    added = command("segmenter", segmenter)
-    pairs(added)
-    text = "steps of training (default 2000)"
-    added.add_argument("--steps", type=whole_number(1), default=2000, metavar="N", help=text)
-    added.add_argument("--batch", type=whole_number(1), default=2, metavar="N", help="whole scans a step (default 2)")
-    add_seed(added)
-    device(added)
-
-    added = command("street", street)
-    text = "size of the network and length of the training (default small)"
-    added.add_argument("--recipe", choices=_RECIPES, default="small", help=text)
-    text = (
-        "pairs to learn from: `streets`, made as they are needed (default), or a folder of `lidardraft streets -o`; "
-        "repeatable, each with its share as =WEIGHT"
-    )
-    added.add_argument("--data", action="append", metavar="NAME", help=text)
-    add_sensor(added, default=None, of=" of streets (default: another one at each step, drawn at random)")
-    text = "go on from these weights: packaged ones by name, or a .safetensors file"
-    added.add_argument("--init", metavar="NAME", help=text)
-    text = "steps of each stage (default: the recipe's)"
-    added.add_argument("--steps", type=whole_number(1), metavar="N", help=text)
-    _add_learning(added)
-    add_minutes(added)
-    add_seed(added)
-    device(added)
-    text = "unseen streets to score the weights on (default 50)"
-    added.add_argument("--evaluate", type=whole_number(1), default=50, metavar="N", help=text)
-    text = "where runs are kept (default out/street)"
-    added.add_argument("--work", default="out/street", metavar="FOLDER", help=text)
-    text = "where the weight file goes (default street.safetensors)"
-    added.add_argument("-o", "--output", default="street.safetensors", metavar="WEIGHTS", help=text)
-
-    added = command("ablation", ablation.ablation)
-    ablation.add_arguments(added)
-    device(added)
+    train_segmenter.add_arguments(command("segmenter", train_segmenter.segmenter))
+    train_street.add_arguments(command("street", train_street.street))
+    ablation.add_arguments(command("ablation", ablation.ablation))
     return parser
-
-
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command line."""
-    return run(_parser(), argv)
 
 
 if __name__ == "__main__":

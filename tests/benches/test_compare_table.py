@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from table import COLUMNS, Results, agreement, markdown, three_digits
+from compare_table import COLUMNS, Results, agreement, markdown, three_digits
 
 
 @pytest.mark.parametrize(
