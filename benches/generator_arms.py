@@ -3,9 +3,9 @@
     lidardraft streets -n 800 --poses 2 --seed 7 -o FOLDER
     python benches/generator_arms.py --pairs FOLDER [--seconds 100] [-n 10] [--only NAME]
 
-All see the same pairs in the same order, four at a step, and are sampled by the same solver, as they are: without
-`settle`. The seconds are those that the processor spends on gradient steps, in one thread; what a step costs decides
-how many there are. A base that is frozen under a ControlNet takes the first half of them.
+All see the same pairs in the same order, four at a step, and are sampled by the same solver, without `postprocess`. The
+seconds are those that the processor spends on gradient steps, in one thread; what a step costs decides how many there
+are. A base that is frozen under a ControlNet takes the first half of them.
 """
 
 from __future__ import annotations

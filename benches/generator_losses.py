@@ -48,10 +48,10 @@ def apart(denoised: Tensor, clean: Tensor, sigma: Tensor, condition: Tensor) -> 
     error = ((denoised - clean) ** 2)[:, surfaces].mean(dim=1, keepdim=True)
     valid = has_return(clean)
     chance = ((1 + denoised[:, VALIDITY : VALIDITY + 1]) / 2).clamp(0.002, 0.998)
-    surprise = -torch.where(valid, chance, 1 - chance).log()
+    entropy = -torch.where(valid, chance, 1 - chance).log()
     # Outside of 0 and 1 the clamp has no gradient: the square brings it back.
     outside = (denoised[:, VALIDITY : VALIDITY + 1].abs() - 1).clamp(min=0) ** 2
-    return edm_weight(sigma) * mean_over(error, valid) + (surprise + outside).flatten(1).mean(1)
+    return edm_weight(sigma) * mean_over(error, valid) + (entropy + outside).flatten(1).mean(1)
 
 
 def in_metres(denoised: Tensor, clean: Tensor, sigma: Tensor, condition: Tensor) -> Tensor:

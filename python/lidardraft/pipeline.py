@@ -12,9 +12,9 @@ import torch
 
 from lidardraft.diffusion.codec import decode_scan, encode_condition
 from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.diffusion.postprocess import postprocess
 from lidardraft.diffusion.sampler import sample
 from lidardraft.diffusion.sampling_defaults import START, STEPS
-from lidardraft.diffusion.settle import settle
 from lidardraft.drafting.text import layout_from_text
 from lidardraft.errors import CheckpointError, check_type, one_of
 from lidardraft.networks import weight_file
@@ -109,7 +109,7 @@ class Pipeline:
         on_step: Callable[[], object] | None = None,
     ) -> RangeImage:
         """The scan of the cast of a layout and its simulated scan, without labels. Weights that do not see the
-        simulated scan give what they sample, as it is; others what `settle` makes of that."""
+        simulated scan give what they sample, as it is; others what `postprocess` makes of that."""
         sensor = condition_image.sensor
         difference = self.trained and self.trained.difference(sensor)
         if difference:
@@ -117,7 +117,7 @@ class Pipeline:
         image = decode_scan(self._sample(condition_image, simulated, seed, on_step), sensor)
         if "simulated" not in self.denoiser.config.condition:
             return image
-        return settle(image, condition_image, simulated, np.random.default_rng([seed, 7]))
+        return postprocess(image, condition_image, simulated, np.random.default_rng([seed, 7]))
 
     @torch.inference_mode()
     def _sample(

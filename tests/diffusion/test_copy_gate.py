@@ -10,7 +10,7 @@ FEATURES = torch.zeros(1, 8, 2, 2)
 
 def mixture(noisy: float, sigma: float, *, prior: float = 0.0) -> Mixture:
     """What an untrained gate says of [4, 8] pixels of that value, where the network says -0.8."""
-    gate = CopyGate(8, (2, 4), values=2, trust=0.01, offset=0.05)
+    gate = CopyGate(8, (2, 4), values=2, tolerance=0.01, offset=0.05)
     gate.head.bias.data[:16] = prior
     x, denoised = torch.full((1, 1, 4, 8), noisy), torch.full((1, 1, 4, 8), -0.8)
     with torch.no_grad():
@@ -56,7 +56,9 @@ def test_of_two_values_that_are_about_as_likely_the_last_is_kept() -> None:
 def test_the_surprise_is_that_of_the_density() -> None:
     found = mixture(0.35, 5.0, prior=math.log(2))
     grid = torch.linspace(-8, 8, 40_001)
-    density = torch.stack([torch.exp(-found.surprise(torch.full((1, 1, 4, 8), float(v))))[0, 0, 0, 0] for v in grid])
+    density = torch.stack(
+        [torch.exp(-found.negative_log_likelihood(torch.full((1, 1, 4, 8), float(v))))[0, 0, 0, 0] for v in grid]
+    )
     torch.testing.assert_close(torch.trapezoid(density, grid), torch.tensor(1.0), atol=1e-3, rtol=0)
     assert density[grid.sub(0.1).abs().argmin()] > 10 * density[grid.sub(0.3).abs().argmin()]
 

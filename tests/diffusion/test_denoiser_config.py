@@ -23,8 +23,8 @@ def test_what_is_not_said_is_as_in_the_weights_that_ship() -> None:
 
 def test_the_simulated_scan_stands_beside_the_state_and_the_cast_in_the_context() -> None:
     assert (TINY.inputs, TINY.context) == (6, 4) == (CONTROLLED.inputs, CONTROLLED.context)
-    assert (CONDITIONED.inputs, CONDITIONED.context) == (6 + 3, 4 + len(CONDITIONED.told))
-    assert len(CONDITIONED.told) + len(CONDITIONED.seen) == len(CONTROLLED.condition_channels)
+    assert (CONDITIONED.inputs, CONDITIONED.context) == (6 + 3, 4 + len(CONDITIONED.in_context))
+    assert len(CONDITIONED.in_context) + len(CONDITIONED.beside_state) == len(CONTROLLED.condition_channels)
 
 
 def test_the_config_survives_json() -> None:

@@ -19,9 +19,9 @@ from lidardraft.networks.weight_file import Network
 
 SIGMA_DATA = 0.5  # standard deviation of a state
 # Of the state's log depth: 2 % of the range, 12 % at most. Of its intensity, from -1 to 1: speckle, and another paint.
-_GATED_DEPTH = {"trust": 0.01, "offset": 0.05}
-_GATED_INTENSITY = {"trust": 0.08, "offset": 0.5}
-_SURPRISE = 0.1  # of the loss, what a gate's surprise counts beside the squared error
+_GATED_DEPTH = {"tolerance": 0.01, "offset": 0.05}
+_GATED_INTENSITY = {"tolerance": 0.08, "offset": 0.5}
+_LIKELIHOOD_WEIGHT = 0.1  # of a gate's negative log likelihood, beside the squared error
 
 
 class Denoiser(Network):
@@ -100,8 +100,8 @@ class Denoiser(Network):
         if condition is None and self.config.condition and self.controlnet is None:
             raise CheckpointError("these weights need a condition")
         if condition is not None and self.controlnet is None:
-            seen.append(condition[:, self.config.seen])
-            told.append(condition[:, self.config.told])
+            seen.append(condition[:, self.config.beside_state])
+            told.append(condition[:, self.config.in_context])
         inputs, context, control = torch.cat(seen, dim=1), torch.cat(told, dim=1), None
         if condition is not None and self.controlnet is not None:
             control = self.controlnet(inputs, level, context, wraps, condition[:, self.config.condition_channels])
@@ -132,18 +132,18 @@ class Denoiser(Network):
 
         With D - x = sigma^2 S this is the paper's sigma^2 |S - target|^2, normalised to be about 1 at every noise level
         for an untrained network. Depth and intensity count only where the scan has a return. Where they have gates, a
-        small part of the loss is how surprised these are by the scan (`Mixture.surprise`), below 0 where they are sure.
+        small part of the loss is the negative log likelihood of the scan (`Mixture`), below 0 where they are sure.
         """
         denoised, mixtures = self._denoised(add_noise(clean, sigma, noise), sigma, rays, condition, wraps=wraps)
         returns, counts = has_return(clean), what_counts(clean)
         channels = list(denoised.chunk(STATE_CHANNELS, dim=1))
-        surprise = torch.zeros_like(sigma)
+        likelihood_loss = torch.zeros_like(sigma)
         for channel, mixture in mixtures.items():
             channels[channel] = mixture.mean()
-            surprised = mixture.surprise(clean[:, channel : channel + 1]) * returns
-            surprise = surprise + surprised.sum(dim=(1, 2, 3)) / returns.sum(dim=(1, 2, 3)).clamp(min=1)
+            unlikely = mixture.negative_log_likelihood(clean[:, channel : channel + 1]) * returns
+            likelihood_loss = likelihood_loss + unlikely.sum(dim=(1, 2, 3)) / returns.sum(dim=(1, 2, 3)).clamp(min=1)
         error = ((torch.cat(channels, dim=1) - clean) ** 2 * counts).sum(dim=(1, 2, 3)) / counts.sum(dim=(1, 2, 3))
-        return edm_weight(sigma) * error + _SURPRISE * surprise
+        return edm_weight(sigma) * error + _LIKELIHOOD_WEIGHT * likelihood_loss
 
 
 def edm_weight(sigma: Tensor) -> Tensor:

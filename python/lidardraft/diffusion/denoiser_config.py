@@ -57,13 +57,13 @@ class DenoiserConfig:
 
     @property
     def inputs(self) -> int:
-        """How many channels the network sees of a state: the state, its detail, and those of `seen`."""
-        return 2 * STATE_CHANNELS + len(self.seen)
+        """How many channels the network sees of a state: the state, its detail, and those of `beside_state`."""
+        return 2 * STATE_CHANNELS + len(self.beside_state)
 
     @property
     def context(self) -> int:
-        """How many channels the network's context has: the rays, and those of `told`."""
-        return RAY_CHANNELS + len(self.told)
+        """How many channels the network's context has: the rays, and those of `in_context`."""
+        return RAY_CHANNELS + len(self.in_context)
 
     @property
     def condition_channels(self) -> list[int]:
@@ -72,12 +72,12 @@ class DenoiserConfig:
         return [channel for part in parts for channel in range(part.start, part.stop)]
 
     @property
-    def seen(self) -> list[int]:
+    def beside_state(self) -> list[int]:
         """The channels of the condition that stand beside the state: those of the simulated scan, a state itself."""
         return [c for c in self.condition_channels if c >= CONDITION_PARTS["simulated"].start and not self.controlnet]
 
     @property
-    def told(self) -> list[int]:
+    def in_context(self) -> list[int]:
         """The channels of the condition in the network's context: all others."""
         return [c for c in self.condition_channels if c < CONDITION_PARTS["simulated"].start and not self.controlnet]
 

@@ -3,7 +3,7 @@ import dataclasses
 import numpy as np
 
 from lidardraft.diffusion.codec import MAX_DEPTH
-from lidardraft.diffusion.settle import settle
+from lidardraft.diffusion.postprocess import postprocess
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 
@@ -23,26 +23,26 @@ def image(depth: np.ndarray, intensity: float = 0.5, sensor: Sensor = SENSOR) ->
 NOTHING = np.zeros(SENSOR.shape)
 
 
-def settled(generated: RangeImage, simulated: RangeImage, cast: RangeImage | None = None) -> RangeImage:
+def reported(generated: RangeImage, simulated: RangeImage, cast: RangeImage | None = None) -> RangeImage:
     """With no more surfaces than the simulated scan has returns, or those of `cast`."""
-    return settle(generated, cast or simulated, simulated, np.random.default_rng(0))
+    return postprocess(generated, cast or simulated, simulated, np.random.default_rng(0))
 
 
 def test_ranges_that_agree_are_the_simulated_ones() -> None:
     depth = np.full(SENSOR.shape, 20.0)
     simulated = image(depth + 0.9 * np.sin(np.arange(16)))
-    np.testing.assert_array_equal(settled(image(depth), simulated).depth, simulated.depth)
+    np.testing.assert_array_equal(reported(image(depth), simulated).depth, simulated.depth)
 
 
 def test_ranges_beyond_the_end_of_the_state_are_the_simulated_ones() -> None:
     sensor = dataclasses.replace(SENSOR, max_range=200.0)
     simulated = image(np.full(SENSOR.shape, 170.0), sensor=sensor)
-    found = settled(image(np.full(SENSOR.shape, MAX_DEPTH), sensor=sensor), simulated)
+    found = reported(image(np.full(SENSOR.shape, MAX_DEPTH), sensor=sensor), simulated)
     np.testing.assert_array_equal(found.depth, simulated.depth)
 
 
 def test_other_ranges_get_the_noise_of_the_sensor() -> None:
-    found = settled(image(np.full(SENSOR.shape, 10.0)), image(np.full(SENSOR.shape, 20.0))).depth
+    found = reported(image(np.full(SENSOR.shape, 10.0)), image(np.full(SENSOR.shape, 20.0))).depth
     assert 0.005 < (found - 10.0).std() < 0.02
     assert np.abs(found - 10.0).max() < 0.06
 
@@ -52,7 +52,7 @@ def test_a_return_in_the_air_becomes_the_simulated_one() -> None:
     depth[3, 5], depth[6, 0] = 7.0, 9.0
     simulated = np.full(SENSOR.shape, 20.0)
     simulated[6, 0] = 0
-    found = settled(image(depth), image(simulated, 0.2))
+    found = reported(image(depth), image(simulated, 0.2))
     assert found.depth[3, 5] == 20.0
     assert found.intensity is not None
     np.testing.assert_allclose(found.intensity[3, 4:7], [0.5, 0.2, 0.5], atol=0.003)
@@ -64,7 +64,7 @@ def test_what_is_lost_on_surfaces_is_what_the_simulated_scan_lost() -> None:
     surface = image(np.full(SENSOR.shape, 20.0))
     lost, taken = np.full(SENSOR.shape, 20.0), np.full(SENSOR.shape, 20.0)
     lost[2, 3:6], taken[5, 7:9] = 0, 0
-    found = settled(image(taken), image(lost, 0.2), surface)
+    found = reported(image(taken), image(lost, 0.2), surface)
     np.testing.assert_array_equal(found.valid, lost > 0)
     assert found.intensity is not None
     np.testing.assert_allclose(found.intensity[5, 6:10], [0.5, 0.2, 0.2, 0.5], atol=0.003)
@@ -72,7 +72,7 @@ def test_what_is_lost_on_surfaces_is_what_the_simulated_scan_lost() -> None:
 
 def test_where_the_layout_has_no_surface_returns_are_added() -> None:
     half = np.where(np.arange(16) < 8, 20.0, 0.0) * np.ones(SENSOR.shape)
-    assert settled(image(np.full(SENSOR.shape, 20.0)), image(half)).valid.all()
+    assert reported(image(np.full(SENSOR.shape, 20.0)), image(half)).valid.all()
 
 
 def test_dark_readings_of_zero_stay_and_all_are_whole_steps() -> None:
@@ -83,7 +83,7 @@ def test_dark_readings_of_zero_stay_and_all_are_whole_steps() -> None:
     simulated.intensity[0] = 0
     generated.intensity[0, :4], generated.intensity[0, 4:8] = 0.05, 0.3
     generated.intensity[1] = 0.1234
-    read = settled(generated, simulated).intensity
+    read = reported(generated, simulated).intensity
     assert read is not None
     assert (read[0, :4] == 0).all()
     assert (read[0, 4:8] > 0.29).all()
@@ -94,12 +94,12 @@ def test_dark_readings_of_zero_stay_and_all_are_whole_steps() -> None:
 def test_neighbours_are_found_around_a_ring_alone() -> None:
     depth = np.zeros(SENSOR.shape)
     depth[4, [0, -1]] = 15.0
-    assert settled(image(depth), image(NOTHING)).valid.sum() == 2
+    assert reported(image(depth), image(NOTHING)).valid.sum() == 2
     sector = dataclasses.replace(SENSOR, azimuth_start=1.0, azimuth_span=2.0)
-    assert not settled(image(depth, sensor=sector), image(NOTHING, sensor=sector)).valid.any()
+    assert not reported(image(depth, sensor=sector), image(NOTHING, sensor=sector)).valid.any()
 
 
 def test_ranges_stay_within_those_of_the_sensor() -> None:
-    far = settled(image(np.full(SENSOR.shape, 100.0)), image(NOTHING))
+    far = reported(image(np.full(SENSOR.shape, 100.0)), image(NOTHING))
     assert far.valid.all()
     assert far.depth.max() <= 100.0

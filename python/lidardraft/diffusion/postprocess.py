@@ -16,7 +16,7 @@ _SAME_SURFACE = (0.3, 0.03)
 _DARK = 0.1  # an intensity up to which a surface may read 0
 
 
-def settle(
+def postprocess(
     generated: RangeImage, condition_image: RangeImage, simulated: RangeImage, rng: np.random.Generator
 ) -> RangeImage:
     """`generated` as the sensor reports it, with what the network is right about.
