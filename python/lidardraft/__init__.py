@@ -7,8 +7,9 @@ from typing import Any
 from lidardraft._core import DEBUG as _DEBUG
 from lidardraft.errors import LidarDraftError
 from lidardraft.scene.batch import RangeImageBatch
+from lidardraft.scene.box import Box
 from lidardraft.scene.hits import Hits
-from lidardraft.scene.layout import Box, Layout, Primitive
+from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import Raycaster, raycast
 from lidardraft.scene.sensor import Sensor

@@ -16,7 +16,8 @@ from lidardraft import view
 from lidardraft.errors import FormatError
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
-from lidardraft.scene.layout import Box, Layout
+from lidardraft.scene.box import Box
+from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 

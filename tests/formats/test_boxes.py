@@ -5,7 +5,7 @@ import pytest
 
 from lidardraft.errors import FormatError, LidarDraftError
 from lidardraft.formats.boxes import read_boxes, write_boxes
-from lidardraft.scene.layout import Box
+from lidardraft.scene.box import Box
 
 CAR = Box("car_1", "car", 1, (10.0, -2.0, -0.98), (4.2, 1.8, 1.5), 0.25)
 

@@ -10,7 +10,8 @@ from strategies import layouts, poses, sensors
 
 from lidardraft.errors import LayoutError
 from lidardraft.scene import edit
-from lidardraft.scene.layout import Layout, Primitive, box_around
+from lidardraft.scene.box import box_around
+from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.pose import rotations, upright
 from lidardraft.scene.raycast import Raycaster, raycast
 from lidardraft.scene.sensor import Sensor

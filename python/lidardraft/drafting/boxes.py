@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 
 from lidardraft.errors import LayoutError, check_type
-from lidardraft.scene.layout import Box, Layout, Primitive
+from lidardraft.scene.box import Box
+from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import BY_NAME
 
 _MARGIN = 40.0  # m of ground around the boxes and the ego vehicle

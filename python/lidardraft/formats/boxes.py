@@ -13,7 +13,7 @@ import numpy as np
 from lidardraft.errors import FormatError
 from lidardraft.files import named, read_text, written_whole
 from lidardraft.json_fields import check_fields, check_object, parse_object
-from lidardraft.scene.layout import Box
+from lidardraft.scene.box import Box
 
 _MOST_BOXES = 65_535  # as many as there are instances
 _FIELDS = (*(field.name for field in dataclasses.fields(Box)), "num_points")

@@ -14,7 +14,8 @@ from lidardraft.errors import FormatError, LayoutError, check_type
 from lidardraft.files import named, read_bytes, regular_size, written_whole
 from lidardraft.scene import mesh
 from lidardraft.scene.class_names import OUTRIGHT, check_classes, class_of, id_of
-from lidardraft.scene.layout import FURTHEST, Layout, Primitive
+from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.layout_fields import FURTHEST
 from lidardraft.semantics import BY_NAME
 
 # What is read in seconds and a gigabyte, whatever it is: bytes, lines, words (which are corners of faces), objects.

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.scene.layout import Box, Layout, Primitive, object_of
+from lidardraft.scene.box import Box
+from lidardraft.scene.layout import Layout, Primitive, object_of
 from lidardraft.scene.mesh import primitive_mesh
 from lidardraft.semantics import BY_NAME, GROUND
 

@@ -9,22 +9,23 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from lidardraft.errors import FormatError, LayoutError, one_of
 from lidardraft.files import named, read_text, written_whole
-from lidardraft.json_fields import are_numbers, check_fields, check_object, is_number, parse_object
+from lidardraft.json_fields import check_fields, check_object, is_number, parse_object
+from lidardraft.scene.box import Box, box_around
+from lidardraft.scene.layout_fields import check_id, checked_vector, checked_yaw
 from lidardraft.scene.materials import MATERIAL_BY_NAME
 from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.semantics import BY_NAME
 
 SCHEMA = "lidardraft.layout/1"
 SHAPES = ("box", "ellipsoid", "cylinder", "plane", "mesh")
-FURTHEST = 1e9  # m, the limit of coordinates and extents: that of the core, which squares them in float32
 _OVERFLOWS = 1e300  # m, of coordinates whose sums and differences may be no numbers
 _INSTANCE_LIMIT = 2**16 - 1  # a SemanticKITTI label file holds 16 bits of instance
 
@@ -54,17 +55,15 @@ class Primitive:
     extinction: float | None = None
 
     def __post_init__(self) -> None:
-        _check_id(self.id)
-        object.__setattr__(self, "center", _vector(self.id, "center", self.center))
-        object.__setattr__(self, "size", _vector(self.id, "size", self.size))
+        check_id(self.id)
+        object.__setattr__(self, "center", checked_vector(self.id, "center", self.center))
+        object.__setattr__(self, "size", checked_vector(self.id, "size", self.size))
         if self.shape not in SHAPES:
             raise LayoutError(f"{self.id}: shape is {self.shape!r}; it must be {one_of(SHAPES, self.shape)}")
         if not isinstance(self.label, str) or self.label not in BY_NAME or self.label == "none":
             known = one_of(list(BY_NAME)[1:], self.label)
             raise LayoutError(f"{self.id}: label is {self.label!r}; it must be {known}")
-        if not is_number(self.yaw):
-            raise LayoutError(f"{self.id}: yaw is {self.yaw!r}; it must be a finite number of radians")
-        object.__setattr__(self, "yaw", float(self.yaw))
+        object.__setattr__(self, "yaw", checked_yaw(self.id, self.yaw))
         if type(self.instance) is not int or not 0 <= self.instance <= _INSTANCE_LIMIT:
             raise LayoutError(f"{self.id}: instance is {self.instance!r}; it must be 0 to {_INSTANCE_LIMIT}")
         if self.material is not None and self.material not in tuple(MATERIAL_BY_NAME):
@@ -165,40 +164,6 @@ class Primitive:
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
-    """An oriented box around one object: center and size (length, width, height, each >= 0) [m], yaw [rad].
-
-    Raises `LayoutError` naming the box and the value that cannot be.
-    """
-
-    id: str
-    label: str
-    instance: int
-    center: tuple[float, float, float]
-    size: tuple[float, float, float]
-    yaw: float
-
-    def __post_init__(self) -> None:
-        _check_id(self.id)
-        object.__setattr__(self, "center", _vector(self.id, "center", self.center))
-        object.__setattr__(self, "size", _vector(self.id, "size", self.size))
-        if min(self.size) < 0:
-            raise LayoutError(f"{self.id}: size is {list(self.size)}; no extent may be negative")
-        if not isinstance(self.label, str) or self.label not in BY_NAME:
-            raise LayoutError(f"{self.id}: label is {self.label!r}; it must be {one_of(BY_NAME, self.label)}")
-        if not is_number(self.yaw):
-            raise LayoutError(f"{self.id}: yaw is {self.yaw!r}; it must be a finite number of radians")
-        if type(self.instance) is not int or self.instance < 0:
-            raise LayoutError(f"{self.id}: instance is {self.instance!r}; it must be a whole number >= 0")
-
-    def seen_from(self, pose: np.ndarray) -> Box:
-        """The box in the frame of world_from_sensor `pose` [4, 4]; the tilt of the pose is left out."""
-        center = pose[:3, :3].T @ (np.array(self.center) - pose[:3, 3])
-        yaw = self.yaw - math.atan2(pose[1, 0], pose[0, 0])
-        return replace(self, center=tuple(center.tolist()), yaw=math.remainder(yaw, math.tau))
-
-
-@dataclass(frozen=True, slots=True)
 class Layout:
     """An ordered set of primitives with distinct ids.
 
@@ -220,7 +185,7 @@ class Layout:
         except (TypeError, ValueError, RecursionError) as error:
             raise LayoutError(f"provenance cannot be written as JSON: {error}") from None
         if self.coverage is not None:
-            object.__setattr__(self, "coverage", _vector("layout", "coverage", self.coverage, 2, math.inf))
+            object.__setattr__(self, "coverage", checked_vector("layout", "coverage", self.coverage, 2, math.inf))
         seen: set[str] = set()
         for primitive in self.primitives:
             if primitive.id in seen:
@@ -282,39 +247,6 @@ class Layout:
             return cls.from_json(text)
 
 
-def _check_id(id: object) -> None:
-    whole = isinstance(id, str) and (id.isascii() or not any("\ud800" <= letter <= "\udfff" for letter in id))
-    if not whole or not id:  # JSON can spell halves of characters, which no file and no hash takes
-        raise LayoutError(f"id is {id!r}; it must be a non-empty string of whole characters")
-
-
-def _vector(id: str, name: str, values: Any, length: int = 3, limit: float = FURTHEST) -> Any:
-    if not are_numbers(values, length):
-        raise LayoutError(f"{id}: {name} is {values!r}; it must be {length} finite numbers")
-    if max(map(abs, values)) > limit:
-        raise LayoutError(f"{id}: {name} is {values!r}; no number may be larger than {limit:g} m")
-    return tuple(map(float, values))
-
-
 def object_of(primitive: Primitive) -> str:
     """The name of the object that a primitive is a part of: its id up to the first dot."""
     return primitive.id.split(".", 1)[0]
-
-
-def box_around(parts: Sequence[Primitive]) -> Box:
-    """The box around the parts of one object, with the yaw, id, label and instance of the largest."""
-    largest = max(parts, key=lambda part: math.prod(part.size))
-    cos, sin = math.cos(largest.yaw), math.sin(largest.yaw)
-    to_box = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for part in parts:
-        turn = part.yaw - largest.yaw
-        c, s = abs(math.cos(turn)), abs(math.sin(turn))
-        length, width, height = part.size
-        half = 0.5 * np.array([c * length + s * width, s * length + c * width, height])
-        center = to_box @ part.center
-        low, high = np.minimum(low, center - half), np.maximum(high, center + half)
-    center = to_box.T @ ((low + high) / 2)
-    return Box(
-        largest.id, largest.label, largest.instance, tuple(center.tolist()), tuple((high - low).tolist()), largest.yaw
-    )

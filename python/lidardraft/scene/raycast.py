@@ -12,8 +12,9 @@ from lidardraft import _core
 from lidardraft.errors import LayoutError, SensorError, check_type
 from lidardraft.scene.batch import RangeImageBatch
 from lidardraft.scene.blocked import blank_pixels
+from lidardraft.scene.box import box_around
 from lidardraft.scene.hits import Hits
-from lidardraft.scene.layout import SHAPES, Layout, Primitive, box_around, object_of
+from lidardraft.scene.layout import SHAPES, Layout, Primitive, object_of
 from lidardraft.scene.pose import as_array, finite_array, inverse, upright
 from lidardraft.scene.range_image import IMAGES, RangeImage, new_images
 from lidardraft.scene.sensor import Sensor
