@@ -74,7 +74,7 @@ def test_a_script_without_a_seed_says_that_0_is_taken() -> None:
 
 
 def test_a_script_that_makes_nothing_says_what_was_passed_over() -> None:
-    with pytest.raises(ScriptError, match=r"^the script makes no object with a surface$"):
+    with pytest.raises(ScriptError, match=r"^line 2: the script has made no object with a surface$"):
         layout_from_blender("import bpy\nbpy.ops.object.empty_add()")
     with pytest.raises(ScriptError, match=r"no object with a surface; line 2: bpy.ops.render.render is passed over"):
         layout_from_blender("import bpy\nbpy.ops.render.render()")
@@ -92,9 +92,12 @@ def test_limits_are_the_callers() -> None:
 
 def test_files_that_are_no_script(tmp_path: Path) -> None:
     path = tmp_path / "a.py"
-    path.write_bytes(b"\xff\xfe")
-    with pytest.raises(FormatError, match=r"a.py is no text in UTF-8"):
-        layout_from_blender(path)
+    for data in (b"x = 1\n\xff\xfe", b"x = 1\ny = '\xed\xa0\x80'", b"# coding: latin-1\nx = '\xe9'"):
+        path.write_bytes(data)
+        with pytest.raises(ScriptError, match=r"a\.py: line 2: no text in UTF-8: byte \d+ of the file is wrong"):
+            layout_from_blender(path)
+    path.write_bytes(b"\xef\xbb\xbf" + CAR.encode())
+    assert len(layout_from_blender(path)) == 1
     path.write_text("import bpy\nimport os")
     with pytest.raises(ScriptError, match=r"a\.py: line 2: import of os"):
         layout_from_blender(path)

@@ -11,14 +11,15 @@ from typing import Any
 
 import numpy as np
 
+from lidardraft.drafting.blender_scene.bmesh_module import bmesh_module
 from lidardraft.drafting.blender_scene.bpy_module import bpy_module
+from lidardraft.drafting.blender_scene.mathutils_module import mathutils_module
 from lidardraft.drafting.blender_scene.scene import Scene
 from lidardraft.drafting.blender_scene.scene_layout import primitives_of
-from lidardraft.drafting.blender_scene.vectors import mathutils_module
 from lidardraft.drafting.script.evaluator import Evaluator
 from lidardraft.drafting.script.limits import Limits, RefusalError
 from lidardraft.errors import FormatError, ScriptError, check_type
-from lidardraft.files import named, read_text, regular_size
+from lidardraft.files import named, read_bytes, regular_size
 from lidardraft.scene.class_names import check_classes
 from lidardraft.scene.layout import Layout
 
@@ -47,24 +48,33 @@ def layout_from_blender(
         return _layout(script, classes or {}, limits, {"source": "blender"})
     if (size := regular_size(script)) > 4 * limits.file:
         raise FormatError(f"{os.fspath(script)} has {size} bytes; scripts of up to {4 * limits.file} are read")
-    text = read_text(script)
     with named(script):
-        return _layout(text, classes or {}, limits, {"source": Path(script).name})
+        return _layout(_decoded(read_bytes(script)), classes or {}, limits, {"source": Path(script).name})
+
+
+def _decoded(data: bytes) -> str:
+    """The text of a script; a mark at its beginning is no part of it."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise ScriptError(f"line {line}: no text in UTF-8: byte {error.start} of the file is wrong") from None
 
 
 def _layout(text: str, classes: Mapping[str, str], limits: Limits, source: dict[str, Any]) -> Layout:
     check_classes(classes)
     evaluator = Evaluator(limits)
-    scene = Scene(evaluator.budget, evaluator.note)
-    evaluator.modules |= {"bpy": bpy_module(scene), "mathutils": mathutils_module()}
+    scene = Scene(evaluator.budget, evaluator.note, lambda: evaluator.line)
+    evaluator.modules |= {"bpy": bpy_module(scene), "bmesh": bmesh_module(scene), "mathutils": mathutils_module()}
     try:
         with np.errstate(all="ignore"):  # what is not finite is refused where it is used
             evaluator.read(text)
+            scene.leave_edit_mode()
             primitives = primitives_of(scene, classes)
     except RefusalError as refusal:
         raise ScriptError(f"line {refusal.line or evaluator.line}: {refusal}") from None
     if not primitives:
-        raise ScriptError("the script makes no object with a surface" + _noted(evaluator))
+        raise ScriptError(f"line {evaluator.line}: the script has made no object with a surface" + _noted(evaluator))
     if PROVENANCE in scene.current.properties:
         return Layout(primitives=tuple(primitives), **_travelled(scene.current.properties[PROVENANCE]))
     notes = [f"line {line}: {note}" for note, line in evaluator.notes.items()]

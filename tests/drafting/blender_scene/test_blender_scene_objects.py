@@ -49,7 +49,7 @@ def test_a_copy_shares_its_mesh_until_that_is_copied() -> None:
         ("car.vertices", "an object has no 'vertices' that is read"),
         ("car.location = (1, 2)", "the location is a tuple; it must be 3 numbers"),
         ("car.scale = (1, 2, float('inf'))", "the scale is inf"),
-        ("car.rotation_mode = 'QUATERNION'", "'rotation_mode' of an object cannot be set to 'QUATERNION'"),
+        ("car.rotation_mode = 'ZYX'", "'rotation_mode' of an object cannot be set to 'ZYX'"),
         ("car.parent = 5", "the parent is 5; it must be an object"),
         ("car.matrix_world = Matrix(((1, 1, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)))", "a matrix that shears"),
         ("car.constraints.new('COPY_LOCATION')", "constraints of objects are not read"),

@@ -5,7 +5,7 @@ import pytest
 from scene_reading import scene, with_car
 
 from lidardraft.drafting.blender_scene import mesh_shapes
-from lidardraft.drafting.blender_scene.vectors import rotation_matrix
+from lidardraft.drafting.blender_scene.rotations import rotation_matrix
 from lidardraft.scene.mesh import primitive_mesh
 
 

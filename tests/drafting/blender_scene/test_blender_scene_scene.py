@@ -29,10 +29,10 @@ def test_lights_and_cameras_are_objects_without_a_shape() -> None:
 @pytest.mark.parametrize(
     ("script", "said"),
     [
-        ("bpy.context.scene.cursor.location = (1, 2, 3)", "the scene has no 'cursor' that is read"),
+        ("bpy.context.scene.cursor.location = (1, 2)", "the location of the cursor is a tuple; it must be 3 numbers"),
         ("bpy.context.scene.speed = 1", "'speed' of the scene cannot be set to 1"),
         ("bpy.context.edit_object", "bpy.context has no 'edit_object' that is read"),
-        ("bpy.data.curves.new('a', 'CURVE')", "bpy.data.curves has no 'new' that is read"),
+        ("bpy.data.armatures.new('a')", "bpy.data.armatures has no 'new' that is read"),
         ("bpy.data.scenes['Other']", "bpy.data.scenes has no item 'Other'"),
         ("bpy.data.texts", "bpy.data.texts is not read"),
         ("bpy.context.view_layer.objects.active = 5", "'active' of the view layer cannot be set to 5"),

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scene_reading import refuses, with_car
 
-from lidardraft.drafting.blender_scene.vectors import angles_of, rotation_matrix
+from lidardraft.drafting.blender_scene.rotations import angles_of, rotation_matrix
 
 
 @pytest.mark.parametrize(

@@ -40,7 +40,7 @@ def test_they_give_what_pythons_do(script: str) -> None:
         ("min()", "min: "),
         ("zip([1], [1, 2], strict=True)", "not of the same length"),
         ("dict(1)", "1 cannot be looped over"),
-        ("hasattr(1, 'a')", "the name 'hasattr' is not known"),
+        ("getattr(1, 'a')", "the name 'getattr' is not known"),
     ],
 )
 def test_wrong_arguments_are_named(script: str, said: str) -> None:

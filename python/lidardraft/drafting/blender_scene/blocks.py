@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-from lidardraft.drafting.script.limits import Budget, RefusalError
+from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
 from lidardraft.drafting.script.values import Builtin, Record, Value, describe, text
 
 
@@ -105,7 +105,7 @@ class Blocks(Record):
         if isinstance(key, int) and -len(self.by_name) <= key < len(self.by_name):
             return self.elements()[key]
         if key not in self.by_name if isinstance(key, str) else True:
-            raise RefusalError(f"{self.kind} has no {describe(key)}")
+            raise RaisedError("KeyError", f"{self.kind} has no {describe(key)}")
         return self.by_name[key]
 
     def truth(self) -> bool:
@@ -116,6 +116,7 @@ class Block(Record):
     """What has a name and properties of the user's own."""
 
     ignored: tuple[str, ...] = ()
+    is_key = True
 
     def __init__(self, owner: Blocks) -> None:
         self.name = ""
@@ -131,6 +132,8 @@ class Block(Record):
         }
         if name in ("name", "name_full"):
             return self.name
+        if name == "users":
+            return 1  # blocks that nothing uses are in no layout anyway
         return Builtin(name, methods[name]) if name in methods else super().attribute(name)
 
     def set_attribute(self, name: str, value: Value) -> None:

@@ -32,9 +32,8 @@ def _plain(scene: Scene) -> tuple[Callable[..., Value], ...]:
         return _add(scene, "Plane", mesh_shapes.plane(real(size, "the size")), **where)
 
     def grid(x_subdivisions: Value = 10, y_subdivisions: Value = 10, size: Value = 2.0, **where: Value) -> Value:
-        _count(x_subdivisions, 1, "x_subdivisions")
-        _count(y_subdivisions, 1, "y_subdivisions")
-        return _add(scene, "Grid", mesh_shapes.plane(real(size, "the size")), **where)
+        counts = _count(x_subdivisions, 1, "x_subdivisions"), _count(y_subdivisions, 1, "y_subdivisions")
+        return _add(scene, "Grid", mesh_shapes.grid(real(size, "the size"), *counts), **where)
 
     def circle(vertices: Value = 32, radius: Value = 1.0, fill_type: Value = "NOTHING", **where: Value) -> Value:
         corners, across = _count(vertices, 3, "vertices"), real(radius, "the radius")
@@ -103,7 +102,7 @@ def _add(
     name: str,
     shape: MeshShape | None,
     *,
-    location: Value = _ORIGIN,
+    location: Value = None,
     rotation: Value = _ORIGIN,
     scale: Value = _NO_SCALE,
     align: Value = "WORLD",
@@ -120,7 +119,7 @@ def _add(
     if scale is not _NO_SCALE:
         mesh.matrix = np.diag([*scale_of(scale), 1.0])
     item = scene.add(name, mesh)
-    item.location.numbers = list(reals(location, 3, "the location"))
+    item.location.numbers = list(reals(scene.cursor if location is None else location, 3, "the location"))
     item.rotation.numbers = list(reals(rotation, 3, "the rotation"))
     return ["FINISHED"]
 

@@ -18,7 +18,8 @@ _ROUND_CIRCLE, _ROUND_RINGS, _ROUND_SUBDIVISIONS = 10, 6, 2
 class MeshShape:
     """A mesh before it is made: the layout's shape that it is, its full extents [m], and how to make its triangles.
 
-    `shape` is "mesh" where it is none of the others; then `size` says nothing.
+    `shape` is "mesh" where it is none of the others, and "any" where that is found out from the triangles; then `size`
+    says nothing.
     """
 
     shape: str
@@ -49,6 +50,21 @@ def plane(size: float) -> MeshShape:
         )
 
     return MeshShape("plane", (abs(size), abs(size), 0.0), 4, triangles)
+
+
+def grid(size: float, columns: int, rows: int) -> MeshShape:
+    """A square in z = 0, cut into so many columns along x and rows along y."""
+
+    def triangles() -> Triangles:
+        half = abs(size) / 2
+        x, y = np.meshgrid(np.linspace(-half, half, columns + 1), np.linspace(-half, half, rows + 1))
+        first = (np.arange(columns) + (columns + 1) * np.arange(rows)[:, None]).reshape(-1)
+        quads = first[:, None] + [0, 1, columns + 2, columns + 1]
+        return np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3), np.concatenate(
+            [quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]
+        )
+
+    return MeshShape("plane", (abs(size), abs(size), 0.0), (columns + 1) * (rows + 1), triangles)
 
 
 def disc(radius: float, corners: int) -> MeshShape:
@@ -140,7 +156,7 @@ def torus(major: float, minor: float, major_segments: int, minor_segments: int) 
 
 def polyhedron(vertices: np.ndarray, faces: np.ndarray) -> MeshShape:
     """Vertices [V, 3] and triangles [F, 3] as they are."""
-    return MeshShape("mesh", (0, 0, 0), len(vertices), lambda: (vertices, faces))
+    return MeshShape("any", (0, 0, 0), len(vertices), lambda: (vertices, faces))
 
 
 def fans(polygons: Sequence[Polygon]) -> np.ndarray:

@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 
 import numpy as np
 
 from lidardraft.drafting.blender_scene.blocks import Block, Blocks, Unread
 from lidardraft.drafting.blender_scene.mesh_shapes import MeshShape, fans, polyhedron
-from lidardraft.drafting.blender_scene.vectors import IDENTITY, Matrix
+from lidardraft.drafting.blender_scene.vectors import IDENTITY, Matrix, Vector
 from lidardraft.drafting.script.limits import RefusalError
 from lidardraft.drafting.script.values import Builtin, Record, Value, describe, elements, is_number, reals, whole
 
-_MESH_ELEMENTS = (
-    "vertices",
-    "edges",
-    "polygons",
-    "loops",
-    "uv_layers",
-    "vertex_colors",
-    "color_attributes",
-    "attributes",
-)
+_STEPS, _CELLS = 2, 8  # that a vertex costs which a script moves
+_MESH_ELEMENTS = ("edges", "polygons", "loops", "uv_layers", "vertex_colors", "color_attributes", "attributes")
 
 
 class Material(Block):
@@ -96,20 +89,15 @@ class Mesh(Block):
         self.shape = shape
         self.matrix = IDENTITY
         self.materials = MaterialList()
+        self._vertices: list[Vertex] = []
+        self._read: MeshShape | None = None  # the shape that these are of
 
     def attribute(self, name: str) -> Value:
         if name == "materials":
             return self.materials
-        if name in (
-            "polygons",
-            "vertices",
-            "edges",
-            "loops",
-            "uv_layers",
-            "vertex_colors",
-            "color_attributes",
-            "attributes",
-        ):
+        if name == "vertices":
+            return MeshVertices(self)
+        if name in _MESH_ELEMENTS:
             return MeshElements(self, name)
         methods: dict[str, Callable[..., Value]] = {
             "from_pydata": self._from_pydata,
@@ -131,6 +119,22 @@ class Mesh(Block):
         mesh.properties = dict(self.properties)
         return mesh
 
+    def vertices(self) -> list[Vertex]:
+        """Its vertices; it follows where they are moved."""
+        if self._vertices and self._read is self.shape:
+            return self._vertices
+        if self.shape is None:
+            return []
+        self.owner.budget.take_steps(_STEPS * self.shape.vertices)
+        self.owner.budget.take_cells(_CELLS * self.shape.vertices)
+        places, faces = self.shape.triangles()
+        places = places @ self.matrix[:3, :3].T + self.matrix[:3, 3]
+        vertices = [Vertex(number, Vector(place)) for number, place in enumerate(places.tolist())]
+        read = lambda: (np.array([vertex.place.numbers for vertex in vertices]), faces)  # noqa: E731
+        self.shape, self.matrix = dataclasses.replace(self.shape, shape="any", triangles=read), IDENTITY
+        self._vertices, self._read = vertices, self.shape
+        return vertices
+
     def _transform(self, matrix: Value) -> None:
         if not isinstance(matrix, Matrix) or matrix.array.shape != (4, 4):
             raise RefusalError("a mesh is transformed by a matrix of 4 rows")
@@ -150,8 +154,55 @@ class Mesh(Block):
         self.shape = polyhedron(points, triangles) if len(triangles) else None
 
 
+class Vertex(Record):
+    """A vertex of a mesh."""
+
+    kind = "a vertex"
+
+    def __init__(self, number: int, place: Vector) -> None:
+        self._number = number
+        self.place = place
+
+    def attribute(self, name: str) -> Value:
+        if name == "co":
+            return self.place
+        return self._number if name == "index" else super().attribute(name)
+
+    def set_attribute(self, name: str, value: Value) -> None:
+        if name == "co":
+            self.place.numbers = list(reals(value, 3, "the place of a vertex"))
+        elif name not in ("select", "hide"):
+            super().set_attribute(name, value)
+
+
+class MeshVertices(Record):
+    """The vertices of a mesh."""
+
+    kind = "`vertices` of a mesh"
+
+    def __init__(self, mesh: Mesh) -> None:
+        self._mesh = mesh
+
+    def elements(self) -> list[Value]:
+        return list(self._mesh.vertices())
+
+    def length(self) -> int:
+        return self._mesh.shape.vertices if self._mesh.shape else 0
+
+    def item(self, key: Value) -> Value:
+        vertices = self._mesh.vertices()
+        if isinstance(key, slice):
+            return vertices[key]
+        if not isinstance(key, int) or not -len(vertices) <= key < len(vertices):
+            raise RefusalError(f"{self.kind} has no place {describe(key)}")
+        return vertices[key]
+
+    def truth(self) -> bool:
+        return self._mesh.shape is not None
+
+
 class MeshElements(Record):
-    """The vertices, faces and so on of a mesh: how many there are, and that they are not changed here."""
+    """The faces, edges and so on of a mesh: how many there are, and that they are not changed here."""
 
     def __init__(self, mesh: Mesh, name: str) -> None:
         self.kind = f"`{name}` of a mesh"
@@ -159,17 +210,17 @@ class MeshElements(Record):
         self._name = name
 
     def attribute(self, name: str) -> Value:
-        if self._name in ("vertices", "edges"):
+        if self._name == "edges":
             return super().attribute(name)
         return Unread(self.kind, self._mesh.owner.note).attribute(name)
 
     def elements(self) -> list[Value]:
-        if self._name in ("vertices", "edges"):
+        if self._name == "edges":
             raise RefusalError(f"{self.kind} cannot be looped over")
         return Unread(self.kind, self._mesh.owner.note).elements()
 
     def item(self, key: Value) -> Value:
-        return self.attribute("item") if self._name not in ("vertices", "edges") else super().item(key)
+        return self.attribute("item") if self._name != "edges" else super().item(key)
 
     def truth(self) -> bool:
         return self._mesh.shape is not None

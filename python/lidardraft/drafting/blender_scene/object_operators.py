@@ -9,9 +9,9 @@ import numpy as np
 from lidardraft.drafting.blender_scene.blocks import Unread
 from lidardraft.drafting.blender_scene.mesh_shapes import polyhedron
 from lidardraft.drafting.blender_scene.meshes import Mesh
-from lidardraft.drafting.blender_scene.objects import SceneObject, check_modifier
+from lidardraft.drafting.blender_scene.objects import SceneObject
+from lidardraft.drafting.blender_scene.rotations import affine, rotation_matrix
 from lidardraft.drafting.blender_scene.scene import Scene
-from lidardraft.drafting.blender_scene.vectors import affine, rotation_matrix
 from lidardraft.drafting.script.limits import RefusalError
 from lidardraft.drafting.script.values import Value, describe, real, reals, text, truth
 
@@ -54,7 +54,10 @@ def _selecting(scene: Scene) -> dict[str, Callable[..., Value]]:
     def mode_set(mode: Value = "OBJECT", **_: Value) -> Value:
         if mode not in ("OBJECT", "EDIT"):
             raise RefusalError(f"the mode {describe(mode)} is not read")
-        scene.edit_mode = mode == "EDIT"
+        if mode == "EDIT":
+            scene.edit_mode = True
+        else:
+            scene.leave_edit_mode()
         return _DONE
 
     def read_factory_settings(**_: Value) -> Value:
@@ -102,12 +105,25 @@ def _making(scene: Scene) -> dict[str, Callable[..., Value]]:
         scene.objects.selection = dict.fromkeys(copies)
         return _DONE
 
+    def text_add(location: Value = _ORIGIN, rotation: Value = _ORIGIN, **_: Value) -> Value:
+        return added("Text", Unread("FONT", scene.note), location, rotation)
+
+    def modifier_add(type: Value = "SUBSURF", **_: Value) -> Value:
+        if scene.objects.active is None:
+            raise RefusalError("there is no active object that could have a modifier")
+        name = text(type, "the modifier").title()
+        taken = [array.name for array in scene.objects.active.modifiers.arrays]
+        names = (name if not number else f"{name}.{number:03}" for number in range(len(taken) + 1))
+        scene.objects.active.modifiers.new(next(each for each in names if each not in taken), type)
+        return _DONE
+
     return {
         "object.empty_add": empty_add,
         "object.light_add": light_add,
         "object.camera_add": camera_add,
         "object.duplicate": duplicate,
-        "object.modifier_add": lambda type="SUBSURF", **_: check_modifier(type),
+        "object.modifier_add": modifier_add,
+        "object.text_add": text_add,
         "object.modifier_apply": lambda **_: None,
     }
 
@@ -137,12 +153,38 @@ def _transforming(scene: Scene) -> dict[str, Callable[..., Value]]:
         _about_middle(scene, rotation_matrix(angles))
         return _DONE
 
+    def origin_set(type: Value = "GEOMETRY_ORIGIN", center: Value = "MEDIAN", **_: Value) -> Value:
+        for item in selection.selection:
+            if isinstance(item.data, Mesh) and item.data.shape is not None:
+                origin = _origin(scene, item, text(type, "the type"), center)
+                _set_origin(item, item.data, origin, keeps_place=type != "GEOMETRY_ORIGIN")
+        return _DONE
+
     return {
+        "object.origin_set": origin_set,
         "object.transform_apply": transform_apply,
         "transform.translate": translate,
         "transform.resize": resize,
         "transform.rotate": rotate,
     }
+
+
+def _origin(scene: Scene, item: SceneObject, type: str, center: Value) -> np.ndarray:
+    """Where the origin of an object goes [3], in its own axes."""
+    if type == "ORIGIN_CURSOR":
+        return np.asarray((np.linalg.pinv(item.world()) @ [*scene.cursor.numbers, 1.0])[:3])
+    if type not in ("ORIGIN_GEOMETRY", "GEOMETRY_ORIGIN") or center not in ("MEDIAN", "BOUNDS"):
+        raise RefusalError(f"origin_set to {type!r:.40}, {describe(center)} is not read")
+    vertices = item.vertices()
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    return np.asarray(vertices.mean(axis=0) if center == "MEDIAN" else (low + high) / 2)
+
+
+def _set_origin(item: SceneObject, mesh: Mesh, origin: np.ndarray, *, keeps_place: bool) -> None:
+    """Make a place in the axes of an object its origin; its surface stays where it is, or comes to the old one."""
+    mesh.matrix = affine(np.eye(3), -origin) @ mesh.matrix
+    if keeps_place:
+        item.location.numbers = (item.local() @ [*origin, 1.0])[:3].tolist()
 
 
 def _roots(scene: Scene) -> list[SceneObject]:
@@ -160,7 +202,14 @@ def _about_middle(scene: Scene, linear: np.ndarray) -> None:
     middle = (origins.min(axis=0) + origins.max(axis=0)) / 2
     change = affine(linear, middle - linear @ middle)
     for item, world in zip(items, worlds, strict=True):
-        item.set_world(change @ world)
+        # Blender does not shear: an axis of the object keeps its direction, and becomes as long as the change makes it.
+        turned = linear @ world[:3, :3]
+        crooked = turned.T @ turned - np.diag(np.diag(turned.T @ turned))
+        if abs(crooked).max() > 1e-6 * abs(turned.T @ turned).max():
+            axes = world[:3, :3] * (np.linalg.norm(turned, axis=0) / np.linalg.norm(world[:3, :3], axis=0))
+            item.set_world(affine(axes, (change @ world)[:3, 3]))
+        else:
+            item.set_world(change @ world)
 
 
 def _apply(item: SceneObject, location: bool, rotation: bool, scale: bool) -> None:

@@ -7,18 +7,13 @@ from collections.abc import Callable
 import numpy as np
 
 from lidardraft.drafting.blender_scene.blocks import Block, Blocks, Unread
+from lidardraft.drafting.blender_scene.mathutils_module import quaternion
 from lidardraft.drafting.blender_scene.meshes import Material, Mesh, scale_of
-from lidardraft.drafting.blender_scene.vectors import (
-    IDENTITY,
-    Euler,
-    Matrix,
-    Vector,
-    affine,
-    angles_of,
-    rotation_matrix,
-)
+from lidardraft.drafting.blender_scene.modifiers import Modifiers
+from lidardraft.drafting.blender_scene.rotations import affine, angles_of, rotation_matrix
+from lidardraft.drafting.blender_scene.vectors import IDENTITY, Euler, Matrix, Rotation, Vector
 from lidardraft.drafting.script.limits import Budget, RefusalError
-from lidardraft.drafting.script.values import Builtin, Value, describe, real, reals, text, truth
+from lidardraft.drafting.script.values import Builtin, Value, describe, real, reals, truth
 
 # What changes how an object is shown, and not where it is or what shape it has.
 _LOOKS = (
@@ -43,8 +38,9 @@ _STEPS = 20  # that a copy costs
 class Objects(Blocks):
     """`bpy.data.objects`, with what is selected of them, in the order of selection."""
 
-    def __init__(self, budget: Budget, note: Callable[[str], None]) -> None:
+    def __init__(self, budget: Budget, note: Callable[[str], None], line: Callable[[], int]) -> None:
         super().__init__("objects", SceneObject, budget, note)
+        self.line = line  # of the script, that is being carried out
         self.active: SceneObject | None = None
         self.selection: dict[SceneObject, None] = {}
 
@@ -90,6 +86,9 @@ class SceneObject(Block):
         self.parent: SceneObject | None = None
         self.parent_inverse = IDENTITY
         self.collections: list[Block] = []
+        self.modifiers = Modifiers(owner.note)
+        self.mode = "XYZ"
+        self.line = owner.line()
 
     def local(self) -> np.ndarray:
         """parent_from_object [4, 4], without the inverse of the parent."""
@@ -143,17 +142,22 @@ class SceneObject(Block):
         for name in ("location", "rotation", "scale"):
             getattr(other, name).numbers = list(getattr(self, name).numbers)
         other.parent, other.parent_inverse = self.parent, self.parent_inverse
-        other.properties = dict(self.properties)
+        other.properties, other.mode = dict(self.properties), self.mode
+        other.modifiers.arrays = [array.copied() for array in self.modifiers.arrays]
         return other
 
     def extents(self) -> np.ndarray:
         """The full extents [3] of its mesh along the mesh's own axes, before the object's scale."""
+        vertices = self.vertices()
+        return np.asarray(np.ptp(vertices, axis=0)) if len(vertices) else np.zeros(3)
+
+    def vertices(self) -> np.ndarray:
+        """The vertices of its mesh [V, 3], in its own axes."""
         if not isinstance(self.data, Mesh) or self.data.shape is None:
-            return np.zeros(3)
+            return np.zeros((0, 3))
         self.owner.budget.take_steps(self.data.shape.vertices)
         vertices, _ = self.data.shape.triangles()
-        moved = vertices @ self.data.matrix[:3, :3].T
-        return np.asarray(np.ptp(moved, axis=0))
+        return np.asarray(vertices @ self.data.matrix[:3, :3].T + self.data.matrix[:3, 3])
 
     def attribute(self, name: str) -> Value:
         fields: dict[str, Callable[[], Value]] = {
@@ -161,17 +165,19 @@ class SceneObject(Block):
             "type": lambda: "MESH" if isinstance(self.data, Mesh) else "EMPTY" if self.data is None else self.data.kind,
             "location": lambda: self.location,
             "rotation_euler": lambda: self.rotation,
-            "rotation_mode": lambda: "XYZ",
+            "rotation_mode": lambda: self.mode,
+            "rotation_quaternion": lambda: Rotation(rotation_matrix(self.rotation.numbers)),
             "scale": lambda: self.scale,
             "parent": lambda: self.parent,
             "matrix_world": lambda: Matrix(self.world()),
             "matrix_local": lambda: Matrix(self.local()),
+            "bound_box": self._bound_box,
             "matrix_basis": lambda: Matrix(self.local()),
             "dimensions": lambda: Vector((self.extents() * np.abs(self.scale.numbers)).tolist()),
             "active_material": lambda: self._materials()[0] if self._materials() else None,
             "users_collection": lambda: tuple(self.collections),
             "material_slots": lambda: Unread("material_slots", self.owner.note),
-            "modifiers": lambda: Modifiers(self.owner.note),
+            "modifiers": lambda: self.modifiers,
             "constraints": self._constraints,
             "animation_data": lambda: None,
         }
@@ -179,6 +185,7 @@ class SceneObject(Block):
             "select_set": self.select,
             "select_get": lambda: self in self.owner.selection,
             "copy": self.copy,
+            "hide_get": lambda: False,
             "hide_set": lambda *_: self.owner.note("what hides objects is passed over"),
             "keyframe_insert": lambda *_, **__: self.owner.note("animation is passed over"),
         }
@@ -192,6 +199,12 @@ class SceneObject(Block):
             if isinstance(self.data, Unread) or name in _LOOKS:
                 return Unread(f"{name} of objects", self.owner.note)
             raise
+
+    def _bound_box(self) -> Value:
+        vertices = self.vertices() if len(self.vertices()) else np.zeros((1, 3))
+        corners = np.stack([vertices.min(axis=0), vertices.max(axis=0)])
+        order = [(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 1, 1), (1, 1, 0)]
+        return [tuple(float(corners[side, axis]) for axis, side in enumerate(sides)) for sides in order]
 
     def _materials(self) -> list[Material | None]:
         return self.data.materials.materials if isinstance(self.data, Mesh) else []
@@ -211,6 +224,10 @@ class SceneObject(Block):
     def set_attribute(self, name: str, value: Value) -> None:
         if name == "location":
             self.location.numbers = list(reals(value, 3, "the location"))
+        elif name == "rotation_quaternion" and self.mode == "QUATERNION":
+            self.rotation.numbers = angles_of(quaternion(value).array)
+        elif name == {"XYZ": "rotation_quaternion", "QUATERNION": "rotation_euler"}[self.mode]:
+            self.owner.note(f"{name} is passed over: the rotation mode is {self.mode!r}")
         elif name == "rotation_euler":
             self.rotation.numbers = list(reals(value, 3, "the rotation"))
         elif name == "scale":
@@ -225,8 +242,8 @@ class SceneObject(Block):
             self._set_material(value)
         elif name == "data" and isinstance(value, Mesh | None):
             self.data = value
-        elif name == "rotation_mode" and value == "XYZ":
-            pass
+        elif name == "rotation_mode" and value in ("XYZ", "QUATERNION"):
+            self.mode = value
         elif name in _LOOKS or isinstance(self.data, Unread):
             self.owner.note(f"{name} of objects is passed over")
         else:
@@ -262,27 +279,3 @@ class SceneObject(Block):
             names.append(parent.name)
             parent = parent.parent
         return [*names, *(collection.name for collection in self.collections)]
-
-
-class Modifiers(Unread):
-    """The modifiers of an object: those that only make it smoother are passed over, others are refused."""
-
-    def __init__(self, note: Callable[[str], None]) -> None:
-        super().__init__("modifiers", note)
-
-    def attribute(self, name: str) -> Value:
-        return (
-            Builtin("modifiers.new", lambda name, type: self._new(name, type))
-            if name == "new"
-            else super().attribute(name)
-        )
-
-    def _new(self, _: Value, type: Value) -> Value:
-        check_modifier(type)
-        return self
-
-
-def check_modifier(kind: Value) -> None:
-    """Raises `RefusalError` for a modifier that makes an object another shape."""
-    if text(kind, "the modifier") not in _SMOOTHING:
-        raise RefusalError(f"the modifier {kind!r:.40} is not read; only {', '.join(_SMOOTHING)} can be passed over")

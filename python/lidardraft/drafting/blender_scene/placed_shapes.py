@@ -25,16 +25,18 @@ def placed_shape(item: SceneObject, mesh: Mesh, shape: MeshShape, **fields: Any)
         if exact is not None:
             return exact
     vertices, faces = shape.triangles()
-    known = None if shape.shape == "mesh" else shape.shape
-    return placed_mesh(item.world() @ mesh.matrix, vertices, faces, shape=known or "mesh", **fields)
+    known = None if shape.shape == "any" else shape.shape
+    return placed_mesh(item.world() @ mesh.matrix, vertices, faces, shape=known, **fields)
 
 
 def _placed_exactly(item: SceneObject, mesh: Mesh, shape: MeshShape, **fields: Any) -> Primitive | None:
-    stretch = np.diag(mesh.matrix)[:3]
+    stretch, is_unit = np.diag(mesh.matrix)[:3], item.properties.get("unit_box")
+    if shape.shape == "any" and not is_unit:
+        return None
     if not np.array_equal(mesh.matrix, np.diag([*stretch, 1.0])):
         return None
     scale, yaw = np.array(item.scale.numbers), item.rotation.numbers[2]
-    if shape.shape != "mesh":
+    if shape.shape not in ("mesh", "any"):
         length, width, height = np.abs(scale * stretch * shape.size).tolist()
         flat = shape.shape == "plane" or (shape.shape == "box" and height == 0)  # a slab without height
         if min(length, width) == 0 or (height == 0 and not flat):
@@ -45,7 +47,7 @@ def _placed_exactly(item: SceneObject, mesh: Mesh, shape: MeshShape, **fields: A
     vertices, faces = shape.triangles()
     vertices = vertices * stretch
     low, high = vertices.min(axis=0), vertices.max(axis=0)
-    if item.properties.get("unit_box"):
+    if is_unit:
         low, high = np.full(3, -0.5), np.full(3, 0.5)
     x, y, z = ((low + high) / 2 * scale).tolist()
     cos, sin = math.cos(yaw), math.sin(yaw)

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 from lidardraft.drafting.blender_scene.blocks import Block, Blocks, Unread
 from lidardraft.drafting.blender_scene.collection import Collection, LinkedObjects
 from lidardraft.drafting.blender_scene.meshes import Material, Mesh
 from lidardraft.drafting.blender_scene.objects import Objects, SceneObject
+from lidardraft.drafting.blender_scene.vectors import Vector
+from lidardraft.drafting.script.class_statements import Surroundings
 from lidardraft.drafting.script.limits import Budget, RefusalError
-from lidardraft.drafting.script.values import Builtin, Namespace, Record, Value, describe
+from lidardraft.drafting.script.values import Builtin, KindOfRecord, Namespace, Record, Value, describe, reals
 
 VERSION = (4, 5, 0)  # of Blender, for scripts that ask
-_PASSED_OVER = ("lights", "cameras", "worlds")  # what may be made, as no shape depends on it
+# What may be made and is passed over: no shape depends on it, or it is a shape that is not read.
+_PASSED_OVER = ("lights", "cameras", "worlds", "curves", "fonts", "metaballs", "images", "textures", "actions")
 _UNKNOWN = (
-    *("curves", "metaballs", "fonts", "armatures", "lattices", "images", "textures", "node_groups", "actions"),
+    *("armatures", "lattices", "node_groups"),
     *("particles", "linestyles", "palettes", "grease_pencils", "speakers", "lightprobes", "brushes", "volumes"),
 )
 _OF_SCENES = (
@@ -37,9 +41,9 @@ _OF_CONTEXT = ("area", "screen", "window", "window_manager", "space_data", "regi
 class Scene:
     """The blocks of a file that holds nothing yet: no cube, camera or light."""
 
-    def __init__(self, budget: Budget, note: Callable[[str], None]) -> None:
+    def __init__(self, budget: Budget, note: Callable[[str], None], line: Callable[[], int]) -> None:
         self.note = note
-        self.objects = Objects(budget, note)
+        self.objects = Objects(budget, note, line)
         self.meshes = Blocks("meshes", Mesh, budget, note)
         self.materials = Blocks("materials", Material, budget, note)
         self.collections = Blocks("collections", lambda owner: Collection(owner, self.objects), budget, note)
@@ -47,6 +51,8 @@ class Scene:
         self.master.name = "Scene Collection"
         self.current = CurrentScene(self)
         self.edit_mode = False
+        self.edited: dict[Mesh, Any] = {}  # what is edited in the edit mode
+        self.cursor = Vector([0.0, 0.0, 0.0])
 
     def add(self, name: str, data: Value) -> SceneObject:
         """A new object in the scene, which is then the only selected one, and active."""
@@ -56,6 +62,13 @@ class Scene:
         LinkedObjects(self.master).link(item)
         self.objects.select_only(item)
         return item
+
+    def leave_edit_mode(self) -> None:
+        """Let what was edited become the meshes."""
+        self.edit_mode = False
+        for mesh, edited in self.edited.items():
+            edited.to_mesh(mesh)
+        self.edited.clear()
 
     def clear(self) -> None:
         """Forget all there is."""
@@ -75,8 +88,10 @@ class Scene:
             "scenes": Scenes(self.current),
         }
         data |= {name: OtherBlocks(name, self.note) for name in (*_PASSED_OVER, *_UNKNOWN)}
+        kinds = {"Object": SceneObject, "Mesh": Mesh, "Material": Material, "Collection": Collection}
+        types = Namespace("bpy.types", {name: KindOfRecord(kind) for name, kind in kinds.items()})
         app = Namespace("bpy.app", {"version": VERSION, "version_string": "4.5.0", "background": True})
-        return {"data": Namespace("bpy.data", data), "context": Context(self), "app": app}
+        return {"data": Namespace("bpy.data", data), "context": Context(self), "app": app, "types": types}
 
 
 class OtherBlocks(Record):
@@ -95,7 +110,7 @@ class OtherBlocks(Record):
             "values": list,
         }
         if name == "new" and self._name in _PASSED_OVER:
-            kind = self._name.removesuffix("s").upper()
+            kind = {"metaballs": "META", "fonts": "FONT"}.get(self._name, self._name.removesuffix("s").upper())
             return Builtin(f"{self.kind}.new", lambda *_, **__: Unread(kind, self._note))
         return Builtin(name, methods[name]) if name in methods else super().attribute(name)
 
@@ -138,6 +153,8 @@ class CurrentScene(Block):
             return self._scene.master
         if name == "objects":
             return self._scene.objects
+        if name == "cursor":
+            return Cursor(self._scene)
         if name in _OF_SCENES:
             return Unread(f"{name} of the scene", self._scene.note)
         return super().attribute(name)
@@ -148,6 +165,48 @@ class CurrentScene(Block):
         if name not in _OF_SCENES:
             raise RefusalError(f"{name!r} of the scene cannot be set to {describe(value)}")
         self._scene.note(f"{name} of the scene is passed over")
+
+
+class Cursor(Record):
+    """The 3D cursor, where new objects go that are given no location."""
+
+    kind = "the cursor"
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+
+    def attribute(self, name: str) -> Value:
+        return self._scene.cursor if name == "location" else super().attribute(name)
+
+    def set_attribute(self, name: str, value: Value) -> None:
+        if name != "location":
+            return super().set_attribute(name, value)
+        self._scene.cursor.numbers = list(reals(value, 3, "the location of the cursor"))
+
+
+class Override(Surroundings):
+    """`bpy.context.temp_override(...)`: other objects are selected or active for a block."""
+
+    kind = "temp_override"
+
+    def __init__(self, objects: Objects, named: dict[str, Value]) -> None:
+        self._objects = objects
+        self._named = named
+        self._before = objects.active, objects.selection
+
+    def enter(self) -> None:
+        self._before = self._objects.active, self._objects.selection
+        for name, value in self._named.items():
+            if name in ("object", "active_object") and isinstance(value, SceneObject | None):
+                self._objects.active = value
+            elif name.startswith("selected_") and isinstance(value, list | tuple):
+                self._objects.selection = {item: None for item in value if isinstance(item, SceneObject)}
+
+    def leave(self) -> None:
+        active, selection = self._before
+        known = set(self._objects.all())
+        self._objects.active = active if active in known else None
+        self._objects.selection = {item: None for item in selection if item in known}
 
 
 class Context(Record):
@@ -170,6 +229,8 @@ class Context(Record):
             return scene.master
         if name == "mode":
             return "EDIT_MESH" if scene.edit_mode else "OBJECT"
+        if name == "temp_override":
+            return Builtin(name, lambda **named: Override(scene.objects, named))
         if name in _OF_CONTEXT:
             return Unread(f"bpy.context.{name}", scene.note)
         return scene.current if name == "scene" else super().attribute(name)

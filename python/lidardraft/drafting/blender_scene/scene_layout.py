@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import math
 import re
@@ -13,28 +14,34 @@ from lidardraft.drafting.blender_scene.meshes import Mesh
 from lidardraft.drafting.blender_scene.objects import SceneObject
 from lidardraft.drafting.blender_scene.placed_shapes import placed_shape
 from lidardraft.drafting.blender_scene.scene import Scene
+from lidardraft.drafting.blender_scene.vectors import Vector
 from lidardraft.drafting.script.limits import RefusalError
 from lidardraft.errors import LayoutError
 from lidardraft.scene.class_names import class_of, id_of, words_of
 from lidardraft.scene.layout import Primitive
 from lidardraft.semantics import BY_NAME
 
+_STEPS = 20  # that a copy costs
+_MOST_NAMES = 50  # in one message
 _NUMBERED_PART = re.compile(r"(.*?\d+)[._ -]+(\D.*)", re.DOTALL)  # "Car_1_Wheel" is a part of "Car_1"
 
 
 def primitives_of(scene: Scene, classes: Mapping[str, str]) -> list[Primitive]:
     """The primitives of all objects that are linked to the scene and have a surface, in the order of their making.
 
-    Raises `LayoutError` listing the names that say no class, and `RefusalError` for too many vertices.
+    Raises `LayoutError` listing the names that say no class, and `RefusalError` for too many vertices and for what is
+    too far away or too large.
     """
     meshes = _meshes_of(scene)
     limit = scene.objects.budget.limits.vertices
-    if (count := sum(shape.vertices for _, _, shape in meshes if shape.shape == "mesh")) > limit:
+    if (count := sum(shape.vertices for _, _, shape in meshes if shape.shape in ("mesh", "any"))) > limit:
         raise RefusalError(f"the scene has {count} vertices; {limit} are the most", 1)
     labels = [_class_of(item, classes) for item, _, _ in meshes]
-    nameless = sorted({item.name for (item, _, _), label in zip(meshes, labels, strict=True) if label is None})
+    nameless = {item.name: item.line for (item, _, _), label in zip(meshes, labels, strict=True) if label is None}
     if nameless:
-        raise LayoutError(f"no class for {', '.join(nameless)}; give them in `classes` (--class NAME=CLASS)")
+        names = ", ".join(f"{name:.60} (line {line})" for name, line in sorted(nameless.items())[:_MOST_NAMES])
+        more = f" and {len(nameless) - _MOST_NAMES} more" if len(nameless) > _MOST_NAMES else ""
+        raise LayoutError(f"no class for {names}{more}; give them in `classes` (--class NAME=CLASS)")
     numbers = _Instances([item.properties.get("instance") for item, _, _ in meshes])
     ids: dict[str, int] = {}
     primitives = []
@@ -45,7 +52,10 @@ def primitives_of(scene: Scene, classes: Mapping[str, str]) -> list[Primitive]:
         is_thing = label in BY_NAME and BY_NAME[label].is_thing
         fields["instance"] = numbers.of(item, whole) if is_thing else item.properties.get("instance", 0)
         fields |= {name: item.properties[name] for name in ("material", "extinction") if name in item.properties}
-        primitive = placed_shape(item, mesh, shape, **fields)
+        try:
+            primitive = placed_shape(item, mesh, shape, **fields)
+        except LayoutError as error:
+            raise RefusalError(str(error), item.line) from None
         if primitive is None:
             scene.note(f"{item.name:.60} has no surface")
         else:
@@ -64,7 +74,27 @@ def _meshes_of(scene: Scene) -> list[tuple[SceneObject, Mesh, MeshShape]]:
         elif isinstance(item.data, Mesh) and item.data.shape is None:
             scene.note(f"{item.name:.60} has no faces")
         elif isinstance(item.data, Mesh) and item.data.shape is not None:
-            found.append((item, item.data, item.data.shape))
+            found += [(each, item.data, item.data.shape) for each in _copies(scene, item)]
+    return found
+
+
+def _copies(scene: Scene, item: SceneObject) -> list[SceneObject]:
+    """An object and those that its arrays make of it, each as an object of its own: a row of cars is many cars."""
+    if not item.modifiers.arrays:
+        return [item]
+    found: list[SceneObject] = []
+    try:
+        offsets = item.modifiers.offsets(item.extents())
+    except RefusalError as refusal:
+        raise refusal.at(item.line) from None
+    for number, offset in enumerate(offsets):
+        if len(found) >= scene.objects.budget.limits.objects:
+            raise RefusalError(f"more than {scene.objects.budget.limits.objects} objects", item.line)
+        scene.objects.budget.take_steps(_STEPS)
+        other = copy.copy(item)
+        other.name = item.name if number == 0 else f"{item.name}.array{number:03}"
+        other.location = Vector((item.local() @ [*offset, 1.0])[:3].tolist() if number else item.location.numbers)
+        found.append(other)
     return found
 
 

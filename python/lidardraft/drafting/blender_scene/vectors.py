@@ -9,8 +9,15 @@ from collections.abc import Callable
 
 import numpy as np
 
+from lidardraft.drafting.blender_scene.rotations import (
+    about_axis,
+    affine,
+    angles_of,
+    rotation_matrix,
+    tracking,
+)
 from lidardraft.drafting.script.limits import RefusalError
-from lidardraft.drafting.script.values import Builtin, Namespace, Record, Value, describe, is_number, real, reals, text
+from lidardraft.drafting.script.values import Builtin, Record, Value, describe, is_number, real, reals, text
 
 IDENTITY = np.eye(4)
 IDENTITY.flags.writeable = False
@@ -47,8 +54,8 @@ class Vector(Record):
     def attribute(self, name: str) -> Value:
         if name in _AXES and _AXES[name] < len(self.numbers):
             return self.numbers[_AXES[name]]
-        if name in ("length", "magnitude"):
-            return math.hypot(*self.numbers)
+        if name in ("length", "magnitude", "length_squared"):
+            return math.hypot(*self.numbers) ** (2 if name == "length_squared" else 1)
         if name in ("xy", "xyz", "xz", "yz") and len(self.numbers) > 2:
             return Vector([self.numbers[_AXES[axis]] for axis in name])
         methods: dict[str, Callable[..., Value]] = {
@@ -60,6 +67,9 @@ class Vector(Record):
             "lerp": lambda other, factor: self._between(other, real(factor, "the factor")),
             "to_tuple": lambda: tuple(self.numbers),
             "rotate": self._rotate,
+            "angle": lambda other, *_: self._angle(self._same(other)),
+            "to_2d": lambda: Vector(self.numbers[:2]),
+            "to_3d": lambda: Vector([*self.numbers, 0.0][:3]),
             "to_track_quat": lambda track="Z", up="Y": Rotation(tracking(self.numbers, track, up)),
             "to_matrix": lambda: Matrix(rotation_matrix(self.numbers)),
         }
@@ -113,6 +123,12 @@ class Vector(Record):
     def _between(self, other: Value, factor: float) -> Vector:
         return Vector([a + (b - a) * factor for a, b in zip(self.numbers, self._same(other), strict=True)])
 
+    def _angle(self, other: tuple[float, ...]) -> float:
+        lengths = math.hypot(*self.numbers) * math.hypot(*other)
+        if lengths == 0:
+            raise RefusalError("the angle of a vector without length")
+        return math.acos(max(-1.0, min(1.0, sum(a * b for a, b in zip(self.numbers, other, strict=True)) / lengths)))
+
     def _become(self, other: Vector) -> None:
         self.numbers = other.numbers
 
@@ -125,6 +141,17 @@ class Euler(Vector):
     """Angles about x, then y, then z [rad]."""
 
     kind = "an Euler"
+
+    def attribute(self, name: str) -> Value:
+        methods: dict[str, Callable[..., Value]] = {
+            "rotate_axis": self._rotate_axis,
+            "to_quaternion": lambda: Rotation(rotation_matrix(self.numbers)),
+        }
+        return Builtin(name, methods[name]) if name in methods else super().attribute(name)
+
+    def _rotate_axis(self, axis: Value, angle: Value) -> None:
+        turn = _rotation(angle, 3, axis)
+        self.numbers = angles_of(rotation_matrix(self.numbers) @ turn.array)
 
 
 class Rotation(Record):
@@ -139,8 +166,18 @@ class Rotation(Record):
         methods: dict[str, Callable[..., Value]] = {
             "to_euler": lambda *_: Euler(angles_of(self.array)),
             "to_matrix": lambda: Matrix(self.array),
+            "copy": lambda: self,
+            "inverted": lambda: Rotation(self.array.T),
+            "normalized": lambda: self,
         }
         return Builtin(name, methods[name]) if name in methods else super().attribute(name)
+
+    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
+        if operator is not ast.MatMult or reflected or not isinstance(other, Vector | Rotation):
+            return super().binary(operator, other, reflected=reflected)
+        if isinstance(other, Rotation):
+            return Rotation(self.array @ other.array)
+        return Vector((self.array @ reals(other, 3, "the vector")).tolist())
 
 
 class Matrix(Record):
@@ -174,6 +211,8 @@ class Matrix(Record):
             ),
             "to_euler": lambda *_: Euler(angles_of(self.array[:3, :3] / np.linalg.norm(self.array[:3, :3], axis=0))),
             "to_3x3": lambda: Matrix(self.array[:3, :3]),
+            "to_quaternion": lambda: Rotation(self.array[:3, :3] / np.linalg.norm(self.array[:3, :3], axis=0)),
+            "to_scale": lambda: Vector(np.linalg.norm(self.array[:3, :3], axis=0).tolist()),
             "to_translation": lambda: Vector(self.array[:3, 3].tolist()),
         }
         return Builtin(name, methods[name]) if name in methods else super().attribute(name)
@@ -230,7 +269,10 @@ class MatrixType(Record):
         return Builtin(f"Matrix.{name}", makers[name]) if name in makers else super().attribute(name)
 
 
-def _rotation(angle: Value, size: Value, axis: Value) -> Matrix:
+def _rotation(angle: Value, size: Value, axis: Value = "Z") -> Matrix:
+    if isinstance(axis, Vector | tuple | list):
+        turn = about_axis(np.array(reals(axis, 3, "the axis")), real(angle, "the angle"))
+        return Matrix(affine(turn, np.zeros(3))[:size, :size])
     name = text(axis, "the axis").lower()
     if name not in ("x", "y", "z"):
         raise RefusalError(f"the axis is {axis!r}; it must be 'X', 'Y' or 'Z'")
@@ -243,56 +285,3 @@ def _scale_along(factor: Value, size: Value, axis: Value) -> Matrix:
     direction = direction / (np.linalg.norm(direction) or 1.0)
     stretched = np.eye(3) + (real(factor, "the factor") - 1) * np.outer(direction, direction)
     return Matrix(affine(stretched, np.zeros(3))[:size, :size])
-
-
-def rotation_matrix(angles: list[float] | tuple[float, ...]) -> np.ndarray:
-    """The rotation [3, 3] about x, then y, then z, by so many radians: Blender's order XYZ."""
-    (cx, cy, cz), (sx, sy, sz) = np.cos(angles), np.sin(angles)
-    about_x = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
-    about_y = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
-    about_z = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
-    return about_z @ about_y @ about_x
-
-
-def angles_of(rotation: np.ndarray) -> list[float]:
-    """The angles about x, then y, then z [rad] of a rotation [3, 3]."""
-    across = math.hypot(rotation[0, 0], rotation[1, 0])
-    if across < 1e-9:  # looks straight up or down: the turn about z is taken as 0
-        return [math.atan2(-rotation[1, 2], rotation[1, 1]), math.atan2(-rotation[2, 0], across), 0.0]
-    x, z = math.atan2(rotation[2, 1], rotation[2, 2]), math.atan2(rotation[1, 0], rotation[0, 0])
-    return [x, math.atan2(-rotation[2, 0], across), z]
-
-
-def tracking(direction: list[float], track: Value, up: Value) -> np.ndarray:
-    """The rotation [3, 3] that turns the axis `track` ("X" to "-Z") along a direction, and the axis `up` upwards."""
-    ahead, upward = text(track, "the track axis"), text(up, "the up axis")
-    axes = [name.lower().removeprefix("-") for name in (ahead, upward)]
-    if len(direction) != 3 or not any(direction) or axes[0] == axes[1] or not set(axes) <= {"x", "y", "z"}:
-        raise RefusalError(f"no rotation takes {track!r:.20} along this direction and {up!r:.20} upwards")
-    first, second = (_AXES[name] for name in axes)
-    along = np.array(direction) / np.linalg.norm(direction) * (-1 if ahead.startswith("-") else 1)
-    vertical = np.array([0.0, 0.0, 1.0]) if abs(along[2]) < 1 - 1e-9 else np.array([0.0, 1.0, 0.0])
-    upwards = vertical - (vertical @ along) * along
-    matrix = np.zeros((3, 3))
-    matrix[:, first], matrix[:, second] = along, upwards / np.linalg.norm(upwards)
-    matrix[:, 3 - first - second] = np.cross(matrix[:, first], matrix[:, second])
-    return matrix if np.linalg.det(matrix) > 0 else matrix * np.where(np.arange(3) == 3 - first - second, -1, 1)
-
-
-def affine(linear: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """The matrix [4, 4] of a linear map [3, 3] and an offset [3]."""
-    matrix = np.eye(4)
-    matrix[:3, :3], matrix[:3, 3] = linear, offset
-    return matrix
-
-
-def mathutils_module() -> Namespace:
-    """Vector, Euler and Matrix."""
-
-    def euler(angles: Value = (0.0, 0.0, 0.0), order: Value = "XYZ") -> Euler:
-        if order != "XYZ":
-            raise RefusalError(f"angles in the order {describe(order)}; only 'XYZ' is read")
-        return Euler(reals(angles, 3, "the angles"))
-
-    vector = Builtin("Vector", lambda numbers=(0.0, 0.0, 0.0): Vector.from_value(numbers))
-    return Namespace("mathutils", {"Vector": vector, "Euler": Builtin("Euler", euler), "Matrix": MatrixType()})

@@ -152,7 +152,7 @@ def contains(container: Value, value: Value, budget: Budget) -> bool:
 
 
 def is_key(value: Value) -> bool:
-    """Whether a value can be a key of a dict: a number, a text, None, or a tuple of those."""
+    """Whether a value can be a key of a dict: a number, a text, None, a record that is one, or a tuple of those."""
     if isinstance(value, tuple):
-        return len(value) <= 16 and all(item is None or isinstance(item, int | float | str) for item in value)
-    return value is None or isinstance(value, int | float | str)
+        return len(value) <= 16 and all(not isinstance(item, tuple) and is_key(item) for item in value)
+    return value.is_key if isinstance(value, Record) else value is None or isinstance(value, int | float | str)

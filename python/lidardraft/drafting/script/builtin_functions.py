@@ -6,22 +6,28 @@ from collections.abc import Callable
 from typing import Any
 
 from lidardraft.drafting.script.arithmetic import is_key
+from lidardraft.drafting.script.classes import BoundMethod, Instance, ScriptClass
 from lidardraft.drafting.script.formatting import to_text
+from lidardraft.drafting.script.frame import Function
+from lidardraft.drafting.script.iterators import Endless, Iterator, iterator, next_value
 from lidardraft.drafting.script.limits import Budget, RefusalError
 from lidardraft.drafting.script.values import (
     Builtin,
+    KindOfRecord,
+    Record,
     Value,
     checked,
     describe,
     elements,
     is_number,
     length,
+    text,
     truth,
     whole,
 )
 
 _LONGEST_NUMBER = 40  # characters of a text that becomes a number
-_TYPES = {"int": (int,), "float": (float,), "str": (str,), "list": (list,), "tuple": (tuple,), "dict": (dict,)}
+_TYPES = {kind.__name__: (kind,) for kind in (bool, int, float, str, list, tuple, dict)}
 Call = Callable[[Value, list[Value]], Value]
 
 
@@ -68,12 +74,40 @@ def _of_numbers(budget: Budget) -> dict[str, Callable[..., Value]]:
         "repr": lambda value: to_text([value], budget)[1:-1],
         "print": lambda *_, **__: None,
         "isinstance": _isinstance,
+        "type": _type,
+        "hasattr": lambda value, name: _has(value, text(name, "the name")),
+        "callable": lambda value: isinstance(value, Function | Builtin | BoundMethod | ScriptClass),
     }
 
 
 def _isinstance(value: Value, kinds: Value) -> bool:
-    names = [kind.name for kind in (kinds if isinstance(kinds, tuple) else (kinds,)) if isinstance(kind, Builtin)]
-    return any(isinstance(value, _TYPES.get(name, ())) for name in names)
+    for kind in kinds if isinstance(kinds, tuple) else (kinds,):
+        if isinstance(kind, ScriptClass):
+            found = isinstance(value, Instance) and value.of.derived_from(kind)
+        elif isinstance(kind, KindOfRecord):
+            found = isinstance(value, kind.of)
+        else:
+            found = isinstance(kind, Builtin) and isinstance(value, _TYPES.get(kind.name, ()))
+        if found:
+            return True
+    return False
+
+
+def _type(value: Value) -> Value:
+    if not isinstance(value, Instance):
+        raise RefusalError(f"the type of {describe(value)} is not read")
+    return value.of
+
+
+def _has(value: Value, name: str) -> bool:
+    """What `hasattr` says of a value of ours: whether a script that reads the attribute is read on."""
+    if not isinstance(value, Record) or name.startswith("_"):
+        return False
+    try:
+        value.attribute(name)
+    except RefusalError:
+        return False
+    return True
 
 
 def _of_collections(budget: Budget) -> dict[str, Callable[..., Value]]:
@@ -104,7 +138,11 @@ def _of_collections(budget: Budget) -> dict[str, Callable[..., Value]]:
     def zipped(*columns: Value, strict: Value = False) -> list[Value]:
         if not columns:
             return []
-        shortest = min(length(column) for column in columns)
+        ended = [elements(column, budget) if isinstance(column, Iterator) else column for column in columns]
+        if all(isinstance(column, Endless) for column in ended):
+            raise RefusalError("zip: none of these has an end")
+        shortest = min(length(column) for column in ended if not isinstance(column, Endless))
+        columns = tuple(column.take(shortest, budget) if isinstance(column, Endless) else column for column in ended)
         if truth(strict) and any(length(column) != shortest for column in columns):
             raise RefusalError("zip: the lists are not of the same length")
         parts = [elements(column[:shortest] if isinstance(column, range) else column, budget) for column in columns]
@@ -119,6 +157,9 @@ def _of_collections(budget: Budget) -> dict[str, Callable[..., Value]]:
         "dict": as_dict,
         "enumerate": numbered,
         "zip": zipped,
+        "frozenset": distinct,
+        "iter": lambda items: iterator(items, budget),
+        "next": lambda items, *default: next_value(items, default, budget),
         "reversed": lambda items: elements(items, budget)[::-1],
         "any": lambda items: any(map(truth, elements(items, budget))),
         "all": lambda items: all(map(truth, elements(items, budget))),

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from lidardraft.drafting.script.expressions import Evaluate, Expressions, dict_key
 from lidardraft.drafting.script.formatting import format_value, to_text
 from lidardraft.drafting.script.frame import Frame, Function
+from lidardraft.drafting.script.iterators import Iterator as OnceThrough
 from lidardraft.drafting.script.limits import Limits, RefusalError
 from lidardraft.drafting.script.values import Value, truth
 
@@ -26,7 +27,8 @@ class Displays(Expressions):
             ast.JoinedStr: self._formatted_text,
             ast.FormattedValue: self._formatted_value,
             ast.ListComp: self._list_comprehension,
-            ast.GeneratorExp: self._list_comprehension,  # all of its values are made at once
+            ast.GeneratorExp: self._generator,
+            ast.NamedExpr: self._named,
             ast.SetComp: self._set_comprehension,
             ast.DictComp: self._dict_comprehension,
         }
@@ -107,6 +109,20 @@ class Displays(Expressions):
                 self.budget.take_cells(1)
                 found.append(element_of(inner))
             return found
+
+        return evaluate
+
+    def _generator(self, node: ast.GeneratorExp) -> Evaluate:
+        items_of = self._list_comprehension(node)  # all of its values are made at once
+        return lambda frame: OnceThrough(items_of(frame))
+
+    def _named(self, node: ast.NamedExpr) -> Evaluate:
+        name, value_of = node.target.id, self.expression(node.value)
+
+        def evaluate(frame: Frame) -> Value:
+            value = value_of(frame)
+            frame.set(name, value)
+            return value
 
         return evaluate
 

@@ -5,17 +5,19 @@ from __future__ import annotations
 import ast
 from typing import Any
 
+from lidardraft.drafting.script.class_statements import ClassStatements
 from lidardraft.drafting.script.frame import Frame
 from lidardraft.drafting.script.limits import Limits, RefusalError
 from lidardraft.drafting.script.modules import Annotations, RandomNumbers, math_module
 from lidardraft.drafting.script.source import parse
-from lidardraft.drafting.script.statements import Execute, Statements
+from lidardraft.drafting.script.standard_modules import standard_modules
+from lidardraft.drafting.script.statements import Execute
 from lidardraft.drafting.script.values import Namespace, Record, Value
 
 _STEPS_OF_TOKEN = 4  # so that a script that is gone through once is never too long
 
 
-class Evaluator(Statements):
+class Evaluator(ClassStatements):
     """Reads scripts that may use `modules`: math, random, and what is added to them.
 
     `notes` are lines about what was passed over, each with the line of the script where that was met first.
@@ -29,6 +31,7 @@ class Evaluator(Statements):
             "random": RandomNumbers(self.budget, self.note),
             "typing": Annotations(),
             "__future__": Annotations(),
+            **standard_modules(self.budget, self.call, self.note),
         }
         self.statements |= {ast.Import: self._import, ast.ImportFrom: self._import_from}
 

@@ -8,10 +8,13 @@ from typing import Any
 
 from lidardraft.drafting.script.arithmetic import binary, compare, is_key, unary
 from lidardraft.drafting.script.builtin_functions import builtin_functions, ordered
+from lidardraft.drafting.script.classes import Super, builtin_decorators
 from lidardraft.drafting.script.frame import Frame, Function
-from lidardraft.drafting.script.limits import Budget, Limits, RefusalError
+from lidardraft.drafting.script.iterators import Endless
+from lidardraft.drafting.script.limits import Budget, Limits, RaisedError, RefusalError
 from lidardraft.drafting.script.methods import method
-from lidardraft.drafting.script.values import Record, Value, describe, elements, length, text, truth, whole
+from lidardraft.drafting.script.source import lone_surrogate
+from lidardraft.drafting.script.values import DefaultDict, Record, Value, describe, elements, length, text, truth, whole
 
 Evaluate = Callable[[Frame], Value]
 _NO_KEYWORDS: dict[str, Value] = {}
@@ -27,7 +30,7 @@ class Expressions:
         self.depth = 0  # of nodes within nodes, in what is being made a function of
         self.deepest = 0
         self.levels = 0  # of nodes within nodes, in all functions that are being called
-        self.builtins = Frame(None, dict(builtin_functions(self.budget, self.call)))
+        self.builtins = Frame(None, {**builtin_functions(self.budget, self.call), **builtin_decorators()})
         self.makers: dict[type[ast.expr], Callable[[Any], Evaluate]] = {
             ast.Constant: self._constant,
             ast.Name: self._name,
@@ -100,6 +103,8 @@ class Expressions:
             return self._unknown(node)
         if isinstance(value, int) and value.bit_length() > 63:
             raise RefusalError("a whole number of more than 63 bits", node.lineno)
+        if isinstance(value, str) and (wrong := lone_surrogate(value)) is not None:
+            raise RefusalError(f"the text holds half a character, {value[wrong]!r}", node.lineno)
         return lambda _: value
 
     def _name(self, node: ast.Name) -> Evaluate:
@@ -121,7 +126,7 @@ class Expressions:
         def evaluate(frame: Frame) -> Value:
             owner = owner_of(frame)
             try:
-                if name.startswith("_"):
+                if name.startswith("_") and not (isinstance(owner, Record) and owner.has_private(name)):
                     raise RefusalError(f"the attribute {name!r:.60} is not read")
                 if isinstance(owner, Record):
                     return owner.attribute(name)
@@ -132,6 +137,8 @@ class Expressions:
         return evaluate
 
     def _call(self, node: ast.Call) -> Evaluate:
+        if isinstance(node.func, ast.Name) and node.func.id == "super" and not node.args:
+            return self._super(node.lineno)
         function_of, arguments_of, line = self.expression(node.func), self.items(node.args), node.lineno
         keywords_of = [(keyword.arg, self.expression(keyword.value)) for keyword in node.keywords]
 
@@ -148,6 +155,17 @@ class Expressions:
                 return self.call(function, arguments, keywords)
             except RefusalError as refusal:
                 raise refusal.at(line) from None
+
+        return evaluate
+
+    def _super(self, line: int) -> Evaluate:
+        def evaluate(frame: Frame) -> Value:
+            scope: Frame | None = frame
+            while scope is not None and "__class__" not in scope.variables:
+                scope = scope.outer
+            if scope is None:
+                raise RefusalError("super() outside of a method", line)
+            return Super(scope.variables["__class__"], scope.variables["__self__"])
 
         return evaluate
 
@@ -223,13 +241,17 @@ class Expressions:
             return owner.item(key)
         if isinstance(owner, dict):
             if dict_key(key) not in owner:
-                raise RefusalError(f"the key {key!r:.60} is not in the dict")
+                if isinstance(owner, DefaultDict) and owner.factory is not None:
+                    self.budget.take_cells(3)
+                    owner[key] = self.call(owner.factory, [])
+                    return owner[key]
+                raise RaisedError("KeyError", f"the key {describe(key)} is not in the dict")
         elif not isinstance(owner, str | list | tuple | range):
             raise RefusalError(f"{describe(owner)} has no items")
         elif isinstance(key, slice):
             self.budget.take_cells(len(range(*key.indices(length(owner)))))
         elif not -length(owner) <= whole(key, "a place") < length(owner):
-            raise RefusalError(f"{describe(owner)} of {length(owner)} has no place {key}")
+            raise RaisedError("IndexError", f"{describe(owner)} of {length(owner)} has no place {key}")
         return owner[key]
 
     def key(self, node: ast.expr) -> Evaluate:
@@ -274,6 +296,8 @@ class Expressions:
 
     def items_of(self, value: Value) -> Iterator[Value]:
         """What a loop goes through, one after the other: a range is not made a list of, a list may grow meanwhile."""
+        if isinstance(value, Endless):
+            return value.rest()
         return iter(value if isinstance(value, list | tuple | range) else elements(value, self.budget))
 
     def target(self, node: ast.expr) -> Callable[[Frame, Value], None]:

@@ -64,6 +64,7 @@ class Function(Record):
         self.body = body
         self.levels = levels
         self.weight = weight
+        self.owner: Record | None = None  # the class that it is a method of
         self._arguments = arguments
         self._frame = frame
         self._defaults = defaults
@@ -95,4 +96,6 @@ class Function(Record):
         missing = [name for name in (*names, *only) if name not in found]
         if missing:
             raise RefusalError(f"{self.name}() is not given {missing[0]!r:.60}")
+        if self.owner is not None and names:  # what `super()` needs
+            found |= {"__class__": self.owner, "__self__": found[names[0]]}
         return Frame(self._frame, found)

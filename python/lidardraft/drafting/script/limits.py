@@ -41,6 +41,14 @@ class RefusalError(Exception):
         return self
 
 
+class RaisedError(RefusalError):
+    """An error that Python too would raise, by the `name` of its class: one that the script may catch."""
+
+    def __init__(self, name: str, message: str) -> None:
+        super().__init__(message)
+        self.name = name
+
+
 class Budget:
     """What is left of some `Limits`."""
 

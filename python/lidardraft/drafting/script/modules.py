@@ -6,6 +6,7 @@ import math
 import random
 from collections.abc import Callable
 
+from lidardraft.drafting.script.classes import BaseMarker
 from lidardraft.drafting.script.limits import Budget, RefusalError
 from lidardraft.drafting.script.values import Builtin, Namespace, Record, Value, checked, describe, elements, whole
 
@@ -45,8 +46,8 @@ class Annotations(Record):
 
     kind = "an annotation"
 
-    def attribute(self, _name: str) -> Value:
-        return self
+    def attribute(self, name: str) -> Value:
+        return BaseMarker(name) if name == "NamedTuple" else self
 
     def item(self, _key: Value) -> Value:
         return self

@@ -17,6 +17,7 @@ _COMMENT_OR_STRING = re.compile(
 
 
 # A number, a name, or one character of another kind.
+_SURROGATE = re.compile("[\ud800-\udfff]")
 _TOKEN = re.compile(r"\w+(?:\.\w+)?|[^\s\w]")
 
 
@@ -30,6 +31,8 @@ def parse(text: str, limits: Limits) -> tuple[ast.Module, int]:
         raise RefusalError(f"the script has {len(text)} characters; {limits.file} are read", line)
     if "\0" in text:
         raise RefusalError("a null byte", text.count("\n", 0, text.index("\0")) + 1)
+    if (wrong := lone_surrogate(text)) is not None:
+        raise RefusalError(f"half a character, {text[wrong]!r}", text.count("\n", 0, wrong) + 1)
     count = _count_tokens(text, limits)
     try:
         with warnings.catch_warnings():  # of escapes that will be wrong in a later Python
@@ -41,6 +44,12 @@ def parse(text: str, limits: Limits) -> tuple[ast.Module, int]:
         lines = text.split("\n")
         longest = max(range(len(lines)), key=lambda k: len(lines[k]))
         raise RefusalError("nested too deeply to be read", longest + 1) from None
+
+
+def lone_surrogate(text: str) -> int | None:
+    """The place of the first half of a character that stands alone, which no file in UTF-8 can hold."""
+    match = None if text.isascii() else _SURROGATE.search(text)
+    return match.start() if match else None
 
 
 def _count_tokens(text: str, limits: Limits) -> int:

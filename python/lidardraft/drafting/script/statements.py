@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from lidardraft.drafting.script.arithmetic import binary
+from lidardraft.drafting.script.classes import ClassFrame, Decorator
 from lidardraft.drafting.script.displays import Displays
 from lidardraft.drafting.script.expressions import dict_key
 from lidardraft.drafting.script.frame import Frame, Function
@@ -46,9 +47,6 @@ class Statements(Displays):
             ast.Global: self._names_elsewhere,
             ast.Nonlocal: self._names_elsewhere,
             ast.Delete: self._delete,
-            ast.Try: self._try,
-            ast.Assert: self._assert,
-            ast.Raise: self._raise,
         }
 
     def block(self, nodes: list[ast.stmt]) -> Execute:
@@ -106,12 +104,15 @@ class Statements(Displays):
         return execute
 
     def _annotated(self, node: ast.AnnAssign) -> Execute:
-        if node.value is None:
-            return lambda _: None
-        evaluate, assign = self.expression(node.value), self.target(node.target)
+        name = node.target.id if isinstance(node.target, ast.Name) else None
+        evaluate = None if node.value is None else self.expression(node.value)
+        assign = self.target(node.target)
 
         def execute(frame: Frame) -> None:
-            assign(frame, evaluate(frame))
+            if name is not None and isinstance(frame, ClassFrame):
+                frame.annotated.append(name)
+            if evaluate is not None:
+                assign(frame, evaluate(frame))
 
         return execute
 
@@ -150,7 +151,7 @@ class Statements(Displays):
 
             def set_attribute(frame: Frame, value: Value) -> None:
                 owner = owner_of(frame)
-                if attribute.startswith("_") or not isinstance(owner, Record):
+                if not isinstance(owner, Record) or (attribute.startswith("_") and not owner.has_private(attribute)):
                     raise RefusalError(f"the attribute {attribute!r:.60} of {describe(owner)} cannot be set")
                 owner.set_attribute(attribute, value)
 
@@ -230,8 +231,7 @@ class Statements(Displays):
         return execute
 
     def _function(self, node: ast.FunctionDef) -> Execute:
-        if node.decorator_list:
-            raise RefusalError("decorators are not read", node.decorator_list[0].lineno)
+        decorate = self.decorators(node.decorator_list)
         defaults = self.defaults(node.args)
         (block, weight), levels = self.depth_of(lambda: self.weighed(lambda: self.block(node.body)))
 
@@ -242,9 +242,27 @@ class Statements(Displays):
             return ended.value if isinstance(ended, _Returned) else None
 
         def execute(frame: Frame) -> None:
-            frame.set(node.name, Function(node.name, node.args, body, frame, levels, weight + 1, defaults(frame)))
+            home = frame.outer if isinstance(frame, ClassFrame) else frame  # a method does not see the names beside it
+            assert home is not None
+            function = Function(node.name, node.args, body, home, levels, weight + 1, defaults(frame))
+            frame.set(node.name, decorate(frame, function))
 
         return execute
+
+    def decorators(self, nodes: list[ast.expr]) -> Callable[[Frame, Value], Value]:
+        """The function that puts the decorators of a function or a class around it."""
+        parts = [(self.expression(node), node.lineno) for node in reversed(nodes)]
+
+        def decorate(frame: Frame, value: Value) -> Value:
+            for decorator_of, line in parts:
+                decorator = decorator_of(frame)
+                if not isinstance(decorator, Decorator):
+                    known = "property, staticmethod, classmethod and dataclass"
+                    raise RefusalError(f"{describe(decorator)} as a decorator is not read; only {known} are", line)
+                value = decorator.around(value)
+            return value
+
+        return decorate
 
     def _return(self, node: ast.Return) -> Execute:
         if node.value is None:
@@ -288,31 +306,3 @@ class Statements(Displays):
                 raise RefusalError(f"{describe(owner)} has no place {describe(key)}")
 
         return delete
-
-    def _try(self, node: ast.Try) -> Execute:
-        """The body, and what follows when it has no error: an error of the body is one of the whole script here."""
-        body, orelse, last = (self.block(nodes) for nodes in (node.body, node.orelse, node.finalbody))
-
-        def execute(frame: Frame) -> object:
-            ended = body(frame)
-            if ended is None:
-                ended = orelse(frame)
-            at_last = last(frame)
-            return ended if at_last is None else at_last
-
-        return execute
-
-    def _assert(self, node: ast.Assert) -> Execute:
-        test = self.expression(node.test)
-
-        def execute(frame: Frame) -> None:
-            if not truth(test(frame)):
-                raise RefusalError("what the script asserts is not so")
-
-        return execute
-
-    def _raise(self, _: ast.Raise) -> Execute:
-        def execute(_: Frame) -> None:
-            raise RefusalError("the script ends itself here with an error")
-
-        return execute

@@ -20,6 +20,11 @@ class Record:
     """A value with attributes, items or operators of its own; here it has none."""
 
     kind = "a value"
+    is_key = False  # whether it can be a key of a dict: what is the same only as itself
+
+    def has_private(self, _name: str) -> bool:
+        """Whether a name that begins with an underscore may be read and set in it."""
+        return False
 
     def attribute(self, name: str) -> Value:
         """The value of an attribute."""
@@ -40,6 +45,10 @@ class Record:
     def elements(self) -> list[Value]:
         """What a loop goes through."""
         raise RefusalError(f"{self.kind} cannot be looped over")
+
+    def length(self) -> int:
+        """The number of its elements."""
+        return len(self.elements())
 
     def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
         """The result of an operator with another value, which stands on the left of it where `reflected`."""
@@ -67,6 +76,12 @@ class Record:
         return self is other
 
 
+class DefaultDict(dict[Value, Value]):
+    """A dict that gets what `factory()` gives for a key that it lacks."""
+
+    factory: Value = None
+
+
 class Builtin(Record):
     """A function of ours; it gets what the script passes, and may raise what Python's functions raise."""
 
@@ -83,6 +98,16 @@ class Builtin(Record):
         except (TypeError, ValueError, ArithmeticError, LookupError) as error:
             said = str(error).replace("<lambda>()", self.name)
             raise RefusalError(f"{self.name}: {said:.200}") from None
+
+
+class KindOfRecord(Record):
+    """A class of Blender's that a script may only ask about, with `isinstance`."""
+
+    kind = "a class of Blender"
+    is_key = True
+
+    def __init__(self, of: type[Record]) -> None:
+        self.of = of
 
 
 class Namespace(Record):
@@ -163,7 +188,7 @@ def _length(value: Value) -> int:
 def length(value: Value) -> int:
     """The number of its elements or characters."""
     if isinstance(value, Record):
-        return len(value.elements())
+        return value.length()
     if isinstance(value, str | list | tuple | dict | range):
         return _length(value)
     raise RefusalError(f"{describe(value)} has no length")

@@ -1,0 +1,66 @@
+"""Classes, and blocks under `with`."""
+
+from __future__ import annotations
+
+import ast
+
+from lidardraft.drafting.script.classes import BaseMarker, ClassFrame, ScriptClass
+from lidardraft.drafting.script.failures import Failures
+from lidardraft.drafting.script.frame import Frame
+from lidardraft.drafting.script.limits import Limits, RefusalError
+from lidardraft.drafting.script.statements import Execute
+from lidardraft.drafting.script.values import Record, describe
+
+
+class Surroundings(Record):
+    """What may stand behind `with`: it changes something for a block, and takes it back."""
+
+    def enter(self) -> None:
+        """Begin the block."""
+
+    def leave(self) -> None:
+        """End the block."""
+
+
+class ClassStatements(Failures):
+    """Adds these to the other statements."""
+
+    def __init__(self, limits: Limits) -> None:
+        super().__init__(limits)
+        self.statements |= {ast.ClassDef: self._class, ast.With: self._with}
+
+    def _class(self, node: ast.ClassDef) -> Execute:
+        if node.keywords or len(node.bases) > 1:
+            raise RefusalError("a class with a metaclass, or derived from several, is not read", node.lineno)
+        base_of = self.expression(node.bases[0]) if node.bases else None
+        decorate, block = self.decorators(node.decorator_list), self.block(node.body)
+
+        def execute(frame: Frame) -> None:
+            base = None if base_of is None else base_of(frame)
+            if not isinstance(base, ScriptClass | BaseMarker | None):
+                raise RefusalError(f"a class derived from {describe(base)} is not read", node.lineno)
+            inside = ClassFrame(frame)
+            block(inside)
+            self.line = node.lineno
+            frame.set(node.name, decorate(frame, ScriptClass(node.name, base, inside, self.budget, self.call)))
+
+        return execute
+
+    def _with(self, node: ast.With) -> Execute:
+        parts = [(self.expression(item.context_expr), item.optional_vars) for item in node.items]
+        block = self.block(node.body)
+
+        def execute(frame: Frame) -> object:
+            entered = []
+            for value_of, name in parts:
+                value = value_of(frame)
+                if not isinstance(value, Surroundings) or name is not None:
+                    raise RefusalError(f"`with` of {describe(value)} is not read", node.lineno)
+                value.enter()
+                entered.append(value)
+            ended = block(frame)
+            for value in reversed(entered):
+                value.leave()
+            return ended
+
+        return execute

@@ -1,0 +1,74 @@
+"""Errors within a script: `try`, `assert` and `raise`."""
+
+from __future__ import annotations
+
+import ast
+
+from lidardraft.drafting.script.frame import Frame
+from lidardraft.drafting.script.limits import Limits, RaisedError, RefusalError
+from lidardraft.drafting.script.statements import Execute, Statements
+from lidardraft.drafting.script.values import truth
+
+_ALL = ("Exception", "BaseException")
+_KINDS = {"KeyError": ("LookupError",), "IndexError": ("LookupError",)}
+
+
+class Failures(Statements):
+    """Adds these to the other statements. What is not read, and what is too much, is never caught."""
+
+    def __init__(self, limits: Limits) -> None:
+        super().__init__(limits)
+        self.statements |= {ast.Try: self._try, ast.Assert: self._assert, ast.Raise: self._raise}
+
+    def _try(self, node: ast.Try) -> Execute:
+        body, orelse, last = (self.block(nodes) for nodes in (node.body, node.orelse, node.finalbody))
+        handlers = [(_names(handler.type), handler.name, self.block(handler.body)) for handler in node.handlers]
+
+        def guarded(frame: Frame) -> object:
+            levels = self.levels
+            try:
+                ended = body(frame)
+            except RaisedError as error:
+                self.levels = levels
+                for names, name, handle in handlers:
+                    if not names or {error.name, *_KINDS.get(error.name, ()), *_ALL} & set(names):
+                        if name is not None:
+                            frame.set(name, str(error))
+                        return handle(frame)
+                raise
+            return orelse(frame) if ended is None else ended
+
+        def execute(frame: Frame) -> object:
+            ended = guarded(frame)
+            at_last = last(frame)
+            return ended if at_last is None else at_last
+
+        return execute
+
+    def _assert(self, node: ast.Assert) -> Execute:
+        test = self.expression(node.test)
+
+        def execute(frame: Frame) -> None:
+            if not truth(test(frame)):
+                raise RaisedError("AssertionError", "what the script asserts is not so")
+
+        return execute
+
+    def _raise(self, node: ast.Raise) -> Execute:
+        names = _names(node.exc.func if isinstance(node.exc, ast.Call) else node.exc)
+
+        def execute(_: Frame) -> None:
+            if not names:
+                raise RefusalError("the script ends itself here with an error")
+            raise RaisedError(names[0], "the script ends itself here with an error")
+
+        return execute
+
+
+def _names(node: ast.expr | None) -> list[str]:
+    """The names of classes of errors, as they stand behind `except` or `raise`."""
+    if isinstance(node, ast.Tuple):
+        return [name for part in node.elts for name in _names(part)]
+    if isinstance(node, ast.Attribute):
+        return [node.attr]
+    return [node.id] if isinstance(node, ast.Name) else []

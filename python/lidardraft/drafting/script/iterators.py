@@ -1,0 +1,64 @@
+"""What is gone through once: generators, and the counts that never end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator as Going
+from itertools import islice
+
+from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
+from lidardraft.drafting.script.values import Record, Value, describe, elements
+
+
+class Iterator(Record):
+    """Values that are handed out one after the other, each of them once; all of them are made already."""
+
+    kind = "an iterator"
+
+    def __init__(self, items: list[Value]) -> None:
+        self._items = items
+        self._place = 0
+
+    def elements(self) -> list[Value]:
+        rest, self._place = self._items[self._place :], len(self._items)
+        return rest
+
+    def next(self, *default: Value) -> Value:
+        """The value that comes next, or `default` where none does."""
+        if self._place == len(self._items):
+            if default:
+                return default[0]
+            raise RaisedError("StopIteration", "next: there is no value left")
+        self._place += 1
+        return self._items[self._place - 1]
+
+
+class Endless(Record):
+    """Values without an end; a loop, `zip`, `next` and `islice` take as many as they need."""
+
+    kind = "a sequence without an end"
+
+    def __init__(self, values: Going[Value]) -> None:
+        self._values = values
+
+    def rest(self) -> Going[Value]:
+        """All that are left."""
+        return self._values
+
+    def take(self, count: int, budget: Budget) -> list[Value]:
+        """The next `count` values."""
+        budget.take_cells(count)
+        return list(islice(self._values, count))
+
+
+def iterator(value: Value, budget: Budget) -> Value:
+    """What `iter` gives."""
+    return value if isinstance(value, Iterator | Endless) else Iterator(elements(value, budget))
+
+
+def next_value(value: Value, default: tuple[Value, ...], budget: Budget) -> Value:
+    """What `next` gives."""
+    if isinstance(value, Endless):
+        return value.take(1, budget)[0]
+    if not isinstance(value, Iterator):
+        raise RefusalError(f"{describe(value)} is no iterator")
+    return value.next(*default)

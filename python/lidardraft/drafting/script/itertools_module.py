@@ -1,0 +1,124 @@
+"""`itertools` as a script sees it: what has an end is a list, and counted before it is made."""
+
+from __future__ import annotations
+
+import ast
+import itertools
+import math
+from collections.abc import Callable
+
+from lidardraft.drafting.script.arithmetic import binary
+from lidardraft.drafting.script.iterators import Endless
+from lidardraft.drafting.script.limits import Budget, RefusalError
+from lidardraft.drafting.script.values import Builtin, Value, elements, whole
+
+Call = Callable[[Value, list[Value], dict[str, Value]], Value]
+
+
+class Chain(Builtin):
+    """`itertools.chain`, which can also be given one list of lists."""
+
+    def attribute(self, name: str) -> Value:
+        if name != "from_iterable":
+            return super().attribute(name)
+        return Builtin(f"chain.{name}", lambda lists: self._call(*lists))
+
+
+def itertools_module(budget: Budget, call: Call) -> dict[str, Value]:
+    """The functions by their names."""
+    table = _products(budget) | _sequences(budget, call)
+    return {"chain": Chain("chain", _chain(budget))} | {name: Builtin(name, each) for name, each in table.items()}
+
+
+def _products(budget: Budget) -> dict[str, Callable[..., Value]]:
+    def counted(count: int, width: int) -> None:
+        budget.take_steps(count // 4)
+        budget.take_cells(count * (width + 1) if count < budget.limits.length else count)
+
+    def product(*columns: Value, repeat: Value = 1) -> list[Value]:
+        if not 0 <= whole(repeat, "repeat") <= 16:
+            raise RefusalError(f"product with itself {repeat} times")
+        lists = [elements(column, budget) for column in columns] * repeat
+        counted(math.prod(map(len, lists)), len(lists))
+        return list(itertools.product(*lists))
+
+    def chosen(choose: Callable[..., Value], number: Callable[[int, int], int]) -> Callable[..., Value]:
+        def call_(items: Value, r: Value = None) -> list[Value]:
+            found = elements(items, budget)
+            width = len(found) if r is None else whole(r, "r")
+            if not 0 <= width <= 16:
+                raise RefusalError(f"{width} at a time; 16 are the most")
+            counted(number(len(found), width), width)
+            return list(choose(found, width))
+
+        return call_
+
+    return {
+        "product": product,
+        "combinations": chosen(itertools.combinations, math.comb),
+        "permutations": chosen(itertools.permutations, math.perm),
+    }
+
+
+def _chain(budget: Budget) -> Callable[..., Value]:
+    def chain(*lists: Value) -> list[Value]:
+        parts = [elements(items, budget) for items in lists]
+        budget.take_cells(sum(map(len, parts)))
+        return [item for part in parts for item in part]
+
+    return chain
+
+
+def _sequences(budget: Budget, call: Call) -> dict[str, Callable[..., Value]]:
+    def count(start: Value = 0, step: Value = 1) -> Endless:
+        if not all(isinstance(number, int | float) for number in (start, step)):
+            raise RefusalError("count: a number is no number")
+        return Endless(itertools.count(start, step))
+
+    def cycle(items: Value) -> Endless:
+        found = elements(items, budget)
+        if not found:
+            raise RefusalError("cycle: there is nothing to go through")
+        return Endless(itertools.cycle(found))
+
+    def repeat(value: Value, times: Value = None) -> Value:
+        if times is None:
+            return Endless(itertools.repeat(value))
+        budget.take_cells(max(whole(times, "the times"), 0))
+        return [value] * times
+
+    def islice(items: Value, *bounds: Value) -> list[Value]:
+        if not 1 <= len(bounds) <= 3:
+            raise RefusalError("islice takes one to three bounds")
+        limits = [None if bound is None else whole(bound, "a bound") for bound in bounds]
+        part = slice(*limits)
+        if isinstance(items, Endless):
+            if part.stop is None:
+                raise RefusalError("islice of a sequence without an end to no end")
+            return items.take(part.stop, budget)[part]
+        return elements(items, budget)[part]
+
+    def accumulate(items: Value, function: Value = None, *, initial: Value = None) -> list[Value]:
+        found = elements(items, budget)
+        found = found if initial is None else [initial, *found]
+        budget.take_steps(2 * len(found))
+        sums = found[:1]
+        for item in found[1:]:
+            sums.append(
+                binary(ast.Add, sums[-1], item, budget) if function is None else call(function, [sums[-1], item], {})
+            )
+        return sums
+
+    def pairwise(items: Value) -> list[Value]:
+        found = elements(items, budget)
+        budget.take_cells(3 * len(found))
+        return list(itertools.pairwise(found))
+
+    return {
+        "count": count,
+        "cycle": cycle,
+        "repeat": repeat,
+        "islice": islice,
+        "accumulate": accumulate,
+        "pairwise": pairwise,
+    }

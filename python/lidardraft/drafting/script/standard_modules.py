@@ -1,0 +1,126 @@
+"""`itertools`, `functools`, `collections`, `dataclasses`, `enum`, `abc` and `time` as a script sees them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from lidardraft.drafting.script.arithmetic import is_key
+from lidardraft.drafting.script.classes import (
+    AutoValue,
+    BaseMarker,
+    ClassFrame,
+    Decorator,
+    FieldDefault,
+    ScriptClass,
+    dataclass,
+)
+from lidardraft.drafting.script.frame import Frame
+from lidardraft.drafting.script.itertools_module import itertools_module
+from lidardraft.drafting.script.limits import Budget, RefusalError
+from lidardraft.drafting.script.values import (
+    Builtin,
+    DefaultDict,
+    Namespace,
+    Record,
+    Value,
+    describe,
+    elements,
+    length,
+    text,
+)
+
+Call = Callable[[Value, list[Value], dict[str, Value]], Value]
+
+
+def standard_modules(budget: Budget, call: Call, note: Callable[[str], None]) -> dict[str, Value]:
+    """The modules by their names."""
+
+    def clock() -> float:
+        note("the time is taken as 0")
+        return 0.0
+
+    enum = {name: BaseMarker("Enum") for name in ("Enum", "IntEnum", "StrEnum")}
+    modules: dict[str, dict[str, Value]] = {
+        "itertools": itertools_module(budget, call),
+        "functools": _functools(budget, call),
+        "collections": _collections(budget, call),
+        "dataclasses": {"dataclass": Decorator(dataclass), "field": Builtin("field", FieldDefault)},
+        "enum": {**enum, "auto": Builtin("auto", AutoValue)},
+        "abc": {"ABC": BaseMarker("object"), "abstractmethod": Decorator(lambda function: function)},
+        "time": {name: Builtin(f"time.{name}", clock) for name in ("time", "perf_counter", "monotonic")},
+    }
+    return {name: Namespace(name, values) for name, values in modules.items()}
+
+
+class Partial(Record):
+    """A function with its first arguments, and some of its named ones."""
+
+    kind = "a partial function"
+
+    def __init__(self, function: Value, arguments: tuple[Value, ...], keywords: dict[str, Value], call: Call) -> None:
+        self._function = function
+        self._arguments = arguments
+        self._keywords = keywords
+        self._run = call
+        self.depth: int = 1 + (function.depth if isinstance(function, Partial) else 0)
+        if self.depth > 8:
+            raise RefusalError("partial of partial of more than 8 functions")
+
+    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
+        return self._run(self._function, [*self._arguments, *arguments], self._keywords | keywords)
+
+
+def _functools(budget: Budget, call: Call) -> dict[str, Value]:
+    def partial(function: Value, *arguments: Value, **keywords: Value) -> Partial:
+        budget.take_cells(len(arguments) + 3 * len(keywords))
+        return Partial(function, arguments, keywords, call)
+
+    def reduce(function: Value, items: Value, *start: Value) -> Value:
+        found = [*start[:1], *elements(items, budget)]
+        budget.take_steps(2 * len(found))
+        if not found:
+            raise RefusalError("reduce of nothing")
+        result = found[0]
+        for item in found[1:]:
+            result = call(function, [result, item], {})
+        return result
+
+    return {"partial": Builtin("partial", partial), "reduce": Builtin("reduce", reduce)}
+
+
+def _collections(budget: Budget, call: Call) -> dict[str, Value]:
+    def defaultdict(default_factory: Value = None, *pairs: Value) -> DefaultDict:
+        if pairs and not isinstance(pairs[0], dict):
+            raise RefusalError(f"a defaultdict of {describe(pairs[0])} is not read")
+        budget.take_cells(3 + 3 * length(pairs[0] if pairs else ()))
+        found = DefaultDict(pairs[0] if pairs else {})
+        found.factory = default_factory
+        return found
+
+    def counter(items: Value = ()) -> DefaultDict:
+        found = DefaultDict()
+        found.factory = Builtin("int", int)
+        keys = elements(items, budget)
+        budget.take_cells(3 * len(keys))
+        for key in keys:
+            if not is_key(key):
+                raise RefusalError(f"{describe(key)} cannot be a key")
+            found[key] = found.get(key, 0) + 1
+        return found
+
+    def namedtuple(typename: Value, field_names: Value, **_: Value) -> ScriptClass:
+        given = field_names.replace(",", " ").split() if isinstance(field_names, str) else elements(field_names, budget)
+        names = [text(name, "the name of a field") for name in given]
+        if len(names) > 100 or not all(name.isidentifier() and not name.startswith("_") for name in names):
+            raise RefusalError(f"namedtuple of {describe(field_names)} is not read")
+        body = ClassFrame(Frame(None, {}))
+        body.annotated = names
+        return ScriptClass(text(typename, "the name"), BaseMarker("NamedTuple"), body, budget, call)
+
+    table: dict[str, Callable[..., Value]] = {
+        "defaultdict": defaultdict,
+        "Counter": counter,
+        "namedtuple": namedtuple,
+        "OrderedDict": lambda pairs=(): dict(elements(pairs, budget)),
+    }
+    return {name: Builtin(name, function) for name, function in table.items()}

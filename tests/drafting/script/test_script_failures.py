@@ -1,0 +1,35 @@
+import pytest
+from script_reading import agrees, refuses
+
+
+@pytest.mark.parametrize(
+    "script",
+    [
+        "try:\n    x = {}['a']\nexcept KeyError:\n    x = 1\nassert x == 1",
+        "try:\n    x = [][3]\nexcept (KeyError, LookupError) as error:\n    x = 2\nassert x == 2",
+        "x = []\ntry:\n    x.append(1)\nexcept:\n    x.append(2)\nelse:\n    x.append(3)\nfinally:\n"
+        "    x.append(4)\nassert x == [1, 3, 4]",
+        "def f():\n    raise ValueError('no')\ntry:\n    f()\nexcept ValueError:\n    x = 3\nassert x == 3",
+        "def f(n):\n    if n == 0:\n        raise KeyError\n    f(n - 1)\nfor k in range(20):\n    try:\n"
+        "        f(3)\n    except Exception:\n        pass",
+        "try:\n    assert False\nexcept AssertionError:\n    x = 1\nassert x == 1",
+        "try:\n    next(iter([]))\nexcept StopIteration:\n    x = 1\nassert x == 1",
+        "def f():\n    try:\n        return 1\n    finally:\n        x = 2\nassert f() == 1",
+    ],
+)
+def test_what_python_catches_is_caught(script: str) -> None:
+    agrees(script)
+
+
+@pytest.mark.parametrize(
+    ("script", "said", "line"),
+    [
+        ("try:\n    x = {}['a']\nexcept ValueError:\n    pass", "the key 'a' is not in the dict", 2),
+        ("try:\n    import os\nexcept Exception:\n    pass", "import of os", 2),
+        ("try:\n    while True:\n        pass\nexcept:\n    pass", "more than 150", 3),
+        ("try:\n    x = 1\nfinally:\n    raise ValueError", "the script ends itself here", 4),
+        ("raise", "the script ends itself here", 1),
+    ],
+)
+def test_what_is_not_read_or_too_much_is_not_caught(script: str, said: str, line: int) -> None:
+    refuses(script, said, line)

@@ -1,0 +1,43 @@
+import pytest
+from script_reading import agrees, refuses
+
+
+@pytest.mark.parametrize(
+    "script",
+    [
+        "from itertools import product\n"
+        "assert list(product([1, 2], 'ab')) == [(1, 'a'), (1, 'b'), (2, 'a'), (2, 'b')]\n"
+        "assert len(list(product(range(3), repeat=2))) == 9",
+        "from itertools import combinations, permutations\n"
+        "assert list(combinations([1, 2, 3], 2)) == [(1, 2), (1, 3), (2, 3)]\n"
+        "assert len(list(permutations('abc'))) == 6",
+        "from itertools import chain\n"
+        "assert list(chain([1], (2, 3))) == list(chain.from_iterable([[1, 2], [3]])) == [1, 2, 3]",
+        "from itertools import count, cycle, repeat, islice\n"
+        "assert list(zip('ab', count(10, 2))) == [('a', 10), ('b', 12)]\n"
+        "assert list(islice(cycle([1, 2]), 5)) == [1, 2, 1, 2, 1] and list(repeat(0, 3)) == [0, 0, 0]\n"
+        "c = count(5)\nassert next(c) == 5 and next(c) == 6\nfor k in c:\n    if k > 9:\n        break\nassert k == 10",
+        "from itertools import accumulate, pairwise, islice\nassert list(accumulate([1, 2, 3])) == [1, 3, 6]\n"
+        "assert list(accumulate([1, 2, 3], lambda a, b: a * b)) == [1, 2, 6] and list(pairwise('abc')) == [('a', "
+        "'b'), ('b', 'c')]\n"
+        "assert list(islice(range(9), 1, 6, 2)) == [1, 3, 5]",
+    ],
+)
+def test_it_gives_what_python_gives(script: str) -> None:
+    agrees(script)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        ("product(range(999), range(999))", "steps|elements"),
+        ("permutations(range(17))", "17 at a time; 16 are the most"),
+        ("combinations(range(99), 9)", "steps|elements"),
+        ("repeat(1, 10**9)", "1000000000 elements"),
+        ("islice(count(), 10**9)", "1000000000 elements"),
+        ("islice(count(), None)", "without an end to no end"),
+        ("cycle([])", "nothing to go through"),
+    ],
+)
+def test_what_is_too_much_is_refused_before_it_is_made(call: str, said: str) -> None:
+    refuses(f"from itertools import *\n{call}", said, 2)

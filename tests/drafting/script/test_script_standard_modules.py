@@ -1,0 +1,33 @@
+import pytest
+from script_reading import agrees, reads, refuses
+
+
+@pytest.mark.parametrize(
+    "script",
+    [
+        "from collections import defaultdict\nd = defaultdict(list)\nd['a'].append(1)\nd['a'].append(2)\n"
+        "assert d['a'] == [1, 2] and 'b' not in d and d.get('b') is None and len(d) == 1",
+        "from collections import Counter, OrderedDict\nc = Counter('abca')\nc['d'] += 1\n"
+        "assert c['a'] == 2 and c['d'] == 1\n"
+        "assert list(OrderedDict([('x', 1)]).items()) == [('x', 1)]",
+        "from collections import namedtuple\nP = namedtuple('P', 'x y')\np = P(1, y=2)\na, b = p\n"
+        "assert p.x + p[1] == a + b == 3",
+        "from functools import partial, reduce\nf = partial(max, 5, key=abs)\nassert f(3) == 5\n"
+        "assert reduce(lambda a, b: a * b, [2, 3, 4]) == 24 and reduce(lambda a, b: a + b, [], 7) == 7",
+        "from abc import ABC, abstractmethod\nclass A(ABC):\n    @abstractmethod\n    def f(self):\n        pass\n"
+        "class B(A):\n    def f(self):\n        return 1\nassert B().f() == 1",
+    ],
+)
+def test_they_give_what_python_gives(script: str) -> None:
+    agrees(script)
+
+
+def test_the_clock_stands_still() -> None:
+    assert reads("import time\nassert time.time() == time.perf_counter()").notes == {"the time is taken as 0": 2}
+
+
+def test_what_they_refuse() -> None:
+    refuses("from functools import lru_cache", "functools.lru_cache is not read")
+    refuses("from collections import namedtuple\nnamedtuple('A', '_x')", "namedtuple of '_x' is not read", 2)
+    refuses("from functools import reduce\nreduce(max, [])", "reduce of nothing", 2)
+    refuses("import time\ntime.sleep(1)", "time.sleep is not read", 2)
