@@ -13,7 +13,7 @@ from lidardraft.drafting.blender_scene.vectors import IDENTITY, Matrix, Vector
 from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
 from lidardraft.drafting.script.values import Builtin, Record, Value, describe, elements, reals
 
-_STEPS = 4  # that a vertex or a face costs
+_STEPS = 6  # that a vertex or a face costs
 _CELLS = 8
 _LOOKS = ("select", "smooth", "material_index", "hide", "tag", "index", "seam")
 
