@@ -92,7 +92,29 @@ def test_a_sentence_or_a_scan_that_says_nothing(refused: Callable[..., str]) -> 
     short = ["--points", "short.bin", "-o", "layout.json"]
     assert "short.bin" in refused("draft", *short, "--labels", "short.label")
     Path("short.label").unlink()
-    assert "--points needs --labels or --segmenter, as there is no short.label" in refused("draft", *short)
+    assert "short.bin has 5 bytes" in refused("draft", *short)
+    assert "gone.bin" in refused("draft", "--points", "gone.bin", "-o", "layout.json")
+    Path("short.bin").write_bytes(np.ones(4, "<f4").tobytes())
+    said = "short.bin: --points needs --labels or --segmenter, as there is no short.label"
+    assert said in refused("draft", *short)
+
+
+@pytest.mark.parametrize(
+    ("depth", "said"),
+    [
+        (np.full((4, 6), np.nan), "far.npy: nan at row 0, column 0 is no depth"),
+        (np.full((4, 6), np.inf), "far.npy: inf at row 0"),
+        (np.where(np.eye(4, 6) > 0, -1.0, 2.0), "far.npy: -1.0 at row 0, column 0"),
+        (np.ones((2, 4, 6)), r"far.npy: its shape is [2, 4, 6]"),
+        (np.ones((0, 6)), r"far.npy: its shape is [0, 6]"),
+    ],
+)
+def test_a_file_of_depths_that_are_none_is_named(refused: Callable[..., str], depth: np.ndarray, said: str) -> None:
+    Image.new("RGB", (6, 4)).save("photo.jpg")
+    np.save("far.npy", depth)
+    Image.new("L", (6, 4)).save("classes.png")
+    given = ["--image", "photo.jpg", "--depth", "far.npy", "--semantics", "classes.png", "--hfov", "70"]
+    assert said in refused("draft", *given, "-o", "layout.json")
 
 
 def test_the_file_that_is_wrong_is_named(refused: Callable[..., str]) -> None:
@@ -316,7 +338,7 @@ def test_what_is_wrong_with_a_blender_script(refused: Callable[..., str]) -> Non
     draft = ("draft", "-o", "layout.json", "--blender", "scene.py")
     assert "scene.py: No such file" in refused(*draft)
     Path("scene.py").write_text(SCRIPT)
-    assert "scene.py: no class for Blob; give them" in refused(*draft)
+    assert "scene.py: no class for Blob (line 2); give them" in refused(*draft)
     assert "did you mean 'car'?" in refused(*draft, "--class", "Blob=cra")
     Path("scene.py").write_text("import bpy\nimport os\n")
     assert "scene.py: line 2: import of os: a script is read, not run" in refused(*draft)

@@ -119,6 +119,10 @@ def test_classes_come_from_extras_names_and_materials(tmp_path: Path) -> None:
         ({"nodes": [{"name": "car", "mesh": 0, "translation": [1, 2]}]}, r"translation of a node is \[1, 2\]"),
         ({"nodes": [{"name": "car", "mesh": 0, "rotation": [0, 0, 0, 0]}]}, "a rotation of zeros"),
         ({"nodes": [{"name": "car", "mesh": 0, "scale": [1e300, 1, 1]}]}, "scale of a node is .* up to 1e9"),
+        (
+            {"meshes": [{"primitives": [{"attributes": {"POSITION": 0}}] * 20_001}]},
+            "more than 20000 meshes, or parts of them of one material, in all nodes",
+        ),
         ({"nodes": [{"name": "car"}]}, "the file has no triangles"),
         ({"nodes": 5}, "nodes is 5; it must be a list"),
         ({"scenes": [{"nodes": "all"}]}, "nodes is 'all'; it must be a list"),

@@ -77,3 +77,20 @@ def test_arrays_of_other_lengths_are_not_written(tmp_path):
     with pytest.raises(FormatError, match=r"points \(2, 3\) and intensity \(1,\) must be \[N, 3\] and \[N\]"):
         write_bin(tmp_path / "scan.bin", np.zeros((2, 3)), np.zeros(1))
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("start", "kind"),
+    [
+        (b"ply\nformat ascii 1.0\n", "PLY"),
+        (b"LASF" + bytes(28), "LAS"),
+        (b"# .PCD v0.7\n", "PCD"),
+        (b"\x93NUMPY", "NumPy"),
+        (b"PK\x03\x04", "a zip"),
+    ],
+)
+def test_files_of_points_of_another_kind_are_named(tmp_path, start, kind):
+    path = tmp_path / "a.bin"
+    path.write_bytes(start.ljust(32, b"\0"))
+    with pytest.raises(FormatError, match=f"a.bin is {kind}; a KITTI scan is float32"):
+        read_bin(path)

@@ -155,13 +155,12 @@ def _from_image(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.image import CAMERA_HEIGHT, DEPTH, SEMANTICS, layout_from_image
     from lidardraft.formats.cityscapes import read_semantics
     from lidardraft.formats.masks import read_masks
-    from lidardraft.formats.npy import read_npy
 
     depth, semantics = arguments.depth or DEPTH, arguments.semantics or SEMANTICS
     masks = arguments.masks
     layout = layout_from_image(
         Path(arguments.image),
-        depth=read_npy(depth) if depth.endswith(".npy") else depth,
+        depth=_depths(depth) if depth.endswith(".npy") else depth,
         semantics=read_semantics(semantics) if semantics.endswith((".npy", ".png")) else semantics,
         masks=read_masks(masks) if masks and masks.lower().endswith((".npy", ".npz", ".png")) else masks,
         intrinsics=_intrinsics(arguments.intrinsics),
@@ -172,6 +171,23 @@ def _from_image(arguments: argparse.Namespace) -> Layout:
     height, scale = layout.provenance["sensor_height"], layout.provenance["scale"]
     say("lidardraft", f"{arguments.image}: depth times {scale:.2f}, so that the camera is {height:g} m over the road")
     return layout
+
+
+def _depths(path: str) -> np.ndarray:
+    """The depths [H, W] of a file, which is named where they are none."""
+    from lidardraft.formats.npy import read_npy
+
+    depth = read_npy(path)
+    if depth.ndim != 2 or not depth.size:
+        raise FormatError(f"{path}: its shape is {list(depth.shape)}; depths are [H, W], as many as --image has pixels")
+    wrong = ~np.isfinite(depth) | (depth < 0)
+    if wrong.any():
+        row, column = np.argwhere(wrong)[0].tolist()
+        raise FormatError(
+            f"{path}: {depth[row, column]} at row {row}, column {column} is no depth [m], which is finite, and 0 where "
+            "unknown"
+        )
+    return depth
 
 
 def _intrinsics(given: str | None) -> object | None:
@@ -192,9 +208,12 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
     from lidardraft.formats import kitti
 
     path = Path(arguments.segmenter or arguments.labels or Path(arguments.points).with_suffix(".label"))
-    if arguments.segmenter is None and arguments.labels is None and not path.exists():
-        raise FormatError(f"--points needs --labels or --segmenter, as there is no {path}: a layout is made of classes")
     points, intensity = kitti.read_bin(arguments.points)
+    if arguments.segmenter is None and arguments.labels is None and not path.exists():
+        raise FormatError(
+            f"{arguments.points}: --points needs --labels or --segmenter, as there is no {path}: a layout is made of "
+            "classes"
+        )
     height = _sensor_height(arguments, arguments.points)
     labels, instances = _labels(arguments, path, points, intensity, height)
     detail = arguments.detail or "fine"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator, Mapping
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -40,7 +41,9 @@ def layout_from_glb(path: str | os.PathLike[str], classes: Mapping[str, str] | N
     check_classes(classes or {})
     with named(path):
         file = open_glb(path)
-        pieces = list(_pieces(file))
+        pieces = list(islice(_pieces(file), _MOST_NODES + 1))
+        if len(pieces) > _MOST_NODES:
+            raise FormatError(f"more than {_MOST_NODES} meshes, or parts of them of one material, in all nodes")
         labels = [_class_of(piece, file, classes or {}) for piece in pieces]
         nameless = sorted({_name(piece) for piece, label in zip(pieces, labels, strict=True) if not label})
         if nameless:

@@ -12,6 +12,17 @@ from lidardraft.files import read_bytes, written_whole
 _POINT_BYTES = 16
 
 
+# How files of points begin that are no scans of KITTI; as numbers these would be kilometres or less than an atom.
+_OTHERS = {
+    b"ply\n": "PLY",
+    b"ply\r": "PLY",
+    b"LASF": "LAS",
+    b"# .P": "PCD",
+    b"\x93NUM": "NumPy",
+    b"PK\x03\x04": "a zip",
+}
+
+
 def read_bin(path: str | os.PathLike[str]) -> tuple[np.ndarray, np.ndarray]:
     """Points f32 [N, 3] in metres and intensity f32 [N] in [0, 1].
 
@@ -21,6 +32,8 @@ def read_bin(path: str | os.PathLike[str]) -> tuple[np.ndarray, np.ndarray]:
     name, data = os.fspath(path), read_bytes(path)
     if not data:
         raise FormatError(f"{name} is empty; a scan has at least one point")
+    if other := next((kind for start, kind in _OTHERS.items() if data.startswith(start)), None):
+        raise FormatError(f"{name} is {other}; a KITTI scan is float32 x y z and intensity, and nothing before them")
     if len(data) % _POINT_BYTES:
         raise FormatError(f"{name} has {len(data)} bytes; a KITTI scan has {_POINT_BYTES} a point, so it is truncated")
     scan = np.frombuffer(data, dtype="<f4").reshape(-1, 4).astype(np.float32)

@@ -1,8 +1,10 @@
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
 from PIL import Image, ImageDraw
+from scipy import ndimage
 
 from lidardraft.drafting.sketches.centre_lines import CentreLine, centre_lines
 from lidardraft.errors import FormatError
@@ -79,3 +81,22 @@ def test_more_than_can_be_read_is_refused() -> None:
     mask[:, 0] = True
     with pytest.raises(FormatError, match="up to 60000 are read"):
         list(centre_lines(mask))
+
+
+def test_a_maze_is_refused() -> None:
+    cells = np.random.default_rng(3).integers(0, 2, (160, 160))
+    with pytest.raises(FormatError, match=r"strokes of one colour meet \d+ times, in \d+ pieces; up to 2000 are read"):
+        list(centre_lines(np.kron(cells, np.ones((6, 6))) > 0))
+
+
+def test_a_long_line_takes_no_more_memory_than_its_length() -> None:
+    """A spiral; the distances between all its points would take gigabytes."""
+    down, right = np.mgrid[-500:500, -500:500]
+    turns = np.hypot(right, down) / 4 + np.arctan2(down, right) / 2
+    mask, _ = ndimage.label(np.abs(np.sin(turns)) < 0.6, np.ones((3, 3)))
+    largest = 1 + int(np.argmax(np.bincount(mask.ravel())[1:]))
+    tracemalloc.start()
+    lines = list(centre_lines(mask == largest))
+    assert sum(len(line.points) for line in lines) >= 10_000
+    assert tracemalloc.get_traced_memory()[1] < 300e6
+    tracemalloc.stop()

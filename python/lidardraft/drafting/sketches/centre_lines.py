@@ -22,6 +22,7 @@ _BEND = math.radians(40)  # lines that go on through a junction turn by less
 _OVERLAP = 0.75  # of the half width of a stroke: there others end that meet it, so that no gap is left
 _BUMP = 3.0  # times the half width: bumps and bites of the outline that are as long are no bends
 _MOST_PIXELS = 60_000  # of all middle lines of a mask
+_MOST_BRANCHES = 2000  # of a mask, between places where strokes meet
 _EIGHT = np.ones((3, 3), dtype=bool)
 
 
@@ -97,8 +98,11 @@ def _recentred(mask: np.ndarray, points: np.ndarray, closed: bool, half: float) 
         between &= ~inside.all(axis=1)  # and not into another stroke, where two meet
     if not between.any():
         return CentreLine(line, 2.0 * half, closed)
-    nearest = np.abs(np.arange(len(line))[:, None] - np.flatnonzero(between)).argmin(axis=1)
-    left, right = (reach[np.flatnonzero(between)[nearest]] for reach in reaches)
+    known, places = np.flatnonzero(between), np.arange(len(line))
+    after = np.searchsorted(known, places)
+    before, after = known[np.maximum(after - 1, 0)], known[np.minimum(after, len(known) - 1)]
+    nearest = np.where(np.abs(places - before) <= np.abs(after - places), before, after)
+    left, right = (reach[nearest] for reach in reaches)
     window = 2 * round(_BUMP * half / spacing) + 1
     middle = without_bumps(line + ((right - left) / 2)[:, None] * aside, window, closed)
     return CentreLine(middle, float(np.median(left + right)), closed)
@@ -116,6 +120,10 @@ def _graph(thin: np.ndarray, step: int, offset: int, depth: np.ndarray) -> _Grap
     meeting = branch_points(thin)
     node_of, nodes = ndimage.label(meeting, _EIGHT)
     paths, count = ndimage.label(thin & ~meeting, _EIGHT)
+    if max(nodes, count) > _MOST_BRANCHES:
+        raise FormatError(
+            f"the strokes of one colour meet {nodes} times, in {count} pieces; up to {_MOST_BRANCHES} are read"
+        )
     middles = ndimage.center_of_mass(meeting, node_of, range(1, nodes + 1))
     graph = _Graph({}, {k: np.array(middle) * step + offset for k, middle in enumerate(middles, start=1)}, {})
     graph.halves = {k: float(_at(depth, middle[None])[0]) for k, middle in graph.middles.items()}
