@@ -193,7 +193,13 @@ def special_files() -> Iterator[tuple[str, str, bytes]]:
     for name, data in pictures.items():
         yield "painted sketch", name, data
         yield "picture", name, data
-    for name, pixels in (("noise", noise), ("stripes", stripes), ("checks", checks)):
+    cells = np.kron(np.random.default_rng(3).integers(0, 2, (160, 160)), np.ones((6, 6)))
+    maze = np.where(cells[..., None] > 0, (107, 142, 35), 255).astype(np.uint8)
+    down, right = np.mgrid[-500:500, -500:500]
+    turns = np.sin(np.hypot(right, down) / 12 + np.arctan2(down, right) / 2)
+    spiral = np.where(np.abs(turns)[..., None] < 0.4, (128, 64, 128), 255).astype(np.uint8)
+    drawn = {"noise": noise, "stripes": stripes, "checks": checks, "maze": maze, "spiral": spiral}
+    for name, pixels in drawn.items():
         buffer = io.BytesIO()
         Image.fromarray(pixels).save(buffer, "png", compress_level=1)
         yield "painted sketch", name, buffer.getvalue()
@@ -263,6 +269,8 @@ def _models() -> Iterator[tuple[str, str, bytes]]:
     yield "glb", "nodes that double", glb([{"name": "car", "children": [k + 1, k + 1]} for k in range(60)] + [car])
     yield "glb", "more vertices than there are", glb([car], count=2**31)
     yield "glb", "vertices that are no numbers", glb([car]).replace(triangle, np.full((3, 3), np.nan, "<f4").tobytes())
+    parts = [{"attributes": {"POSITION": 0}}] * 200_000
+    yield "glb", "200,000 parts of one mesh", glb([car], meshes=[{"primitives": parts}])
     yield "glb", "a rotation of zeros", glb([{**car, "rotation": [0, 0, 0, 0]}])
     yield "glb", "another file", glb([car], buffers=[{"uri": "/dev/zero", "byteLength": 36}])
     yield "glb", "a length that is too long", glb([car])[:8] + struct.pack("<I", 2**32 - 1) + glb([car])[12:]
