@@ -54,13 +54,17 @@ def main() -> None:
     parser.add_argument("--sensors", default=",".join(READERS), help=f"some of {', '.join(READERS)}")
     parser.add_argument("--data", type=Path, default=Path(os.environ.get("LIDARDRAFT_DATA", "")), help="recordings")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="sensors at a time")
+    parser.add_argument("--scan-with", help="the file of a sensor like the one in --sensors, to scan the streets with")
+    parser.add_argument("--without", help="a group of recordings to leave out, such as the drive that it is fitted to")
     parser.add_argument("--json", type=Path, help="write what was measured, pooled by group, to this file")
     given = parser.parse_args()
     names = given.sensors.split(",")
     if not set(names) <= set(READERS) or given.num < POSES or given.jobs < 1:
         parser.error(f"sensors are {', '.join(READERS)}, --num is {POSES} or more, --jobs 1 or more")
+    if (given.scan_with or given.without) and len(names) > 1:
+        parser.error("--scan-with and --without go with one sensor in --sensors")
     with ProcessPoolExecutor(given.jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
-        sections = [pool.submit(_section, name, given.data, given.num) for name in names]
+        sections = [pool.submit(_section, name, given.data, given.num, given.scan_with, given.without) for name in names]
         pooled = {}
         for name, section in zip(names, sections, strict=True):
             text, pooled[name] = section.result()
@@ -69,14 +73,16 @@ def main() -> None:
         given.json.write_text(json.dumps(pooled))
 
 
-def _section(name: str, folder: Path, num: int) -> tuple[str, Pooled]:
+def _section(name: str, folder: Path, num: int, scan_with: str | None, without: str | None) -> tuple[str, Pooled]:
     reason = _missing(name, folder)
     if not reason:
         recorded = READERS[name](folder, PRESETS[name].columns)
         reason = recorded.why
     if reason:
         return f"### {name}\n\nSkipped: {reason}.\n", {}
-    comparisons, pooled = report(recorded, PRESETS[name], num)
+    if without:
+        recorded = replace(recorded, plain={group: s for group, s in recorded.plain.items() if group != without})
+    comparisons, pooled = report(recorded, Sensor.preset(scan_with or name), num)
     return markdown(recorded, comparisons, num), pooled
 
 

@@ -174,6 +174,7 @@ class SensorModel:
         dust: float,
         fading: float,
         drop_probability: float,  # 0 to 1
+        edge_drop: float,
         unit: int,
         range_offsets: list[float],  # m, of each beam or none
         offset_spread: float,  # m

@@ -82,6 +82,13 @@ def test_a_sensor_that_never_reads_0_has_no_cutoff(casts):
     assert (np.diff(fit.curve.readings, axis=1) >= 0).all()
 
 
+def test_retroreflectors_read_as_the_brightest_recorded_returns(casts):
+    curve = IntensityCurve(responses=(0.01, 1.0, 3.0), readings=((0.1, 0.5, 0.95),))
+    recorded = sweeps(with_model(intensity_curve=curve), STREETS, seed=6)
+    fitted = fit_intensity(recorded, casts.responses(SENSOR.model, SENSOR.range_sigma)).curve
+    assert all(readings[-1] == pytest.approx(0.95, abs=0.01) for readings in fitted.readings)
+
+
 def test_each_laser_has_a_focus_of_its_own(casts, others):
     rng = np.random.default_rng(3)
     focus = np.exp(0.5 * rng.standard_normal((BEAMS, 3)))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from recorded_streets import SENSOR, sweeps, with_model
 
-from lidardraft.calibration.receiver import bisected, fit_receiver, fit_speckle
+from lidardraft.calibration.receiver import bisected, fit_receiver, fit_speckle, fit_texture
 from lidardraft.calibration.street_casts import StreetCasts
 from lidardraft.scene.sensor_model import SensorModel
 
@@ -52,6 +52,20 @@ def test_how_lasers_differ_in_range_is_found_where_they_are_close(spread):
     casts = StreetCasts.from_sensor(close, TYPICAL, 6, seed=77)
     model, _ = fit_receiver(sweeps(truth, 6, seed=6), casts, TYPICAL)
     assert spread / 2.5 - 0.01 < model.offset_spread < 2.5 * spread + 0.01
+
+
+def test_what_edges_lose_is_found(casts):
+    truth = with_model(edge_drop=0.4)
+    model, _ = fit_receiver(sweeps(truth, STREETS, seed=6), casts, TYPICAL)
+    assert model.edge_drop == pytest.approx(0.4, rel=0.5)  # the length of the pulse moves it, too
+
+
+def test_texture_is_found(casts):
+    truth = with_model(texture=0.4)
+    found = fit_texture(
+        sweeps(truth, STREETS, seed=6), casts, lambda value: replace(TYPICAL, texture=value), SENSOR.range_sigma
+    )
+    assert found.texture == pytest.approx(0.4, rel=0.25)
 
 
 def test_speckle_is_found(casts):

@@ -82,6 +82,7 @@ OTHERWISE = {
     "dust": 0.8,
     "fading": 0.0,
     "drop_probability": 0.3,
+    "edge_drop": 3.0,
     "glass_transmission": False,
     "jitter": 0.3,
     "range_step": 0.1,

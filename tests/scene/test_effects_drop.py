@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from observed_walls import IDEAL, SENSOR, THRESHOLD, seen, wall
 
-from lidardraft import Layout, Primitive
+from lidardraft import Layout, Primitive, raycast
+from lidardraft.scene.sensor_model import sub_rays
 from lidardraft.scene.weather import Weather
 
 
@@ -24,6 +25,19 @@ def test_a_threshold_of_0_detects_everything():
 
 def test_the_drop_probability_holds_for_near_bright_surfaces():
     assert seen(wall(3.0), replace(IDEAL, drop_probability=0.1)).valid.mean() == pytest.approx(math.exp(-0.1), abs=0.01)
+
+
+def test_beams_that_make_several_echoes_are_dropped_by_their_own_probability():
+    panel = Primitive(shape="box", center=(6.0, 0.0, 0.0), size=(0.1, 5.0, 8.0), label="building", id="panel")
+    layout = Layout(primitives=(*wall(20.0).primitives, panel))
+    fan = replace(IDEAL, rays_per_beam=3, divergence_h=9e-3, divergence_v=9e-3)
+    depth = raycast(layout, sub_rays(SENSOR, fan)).depth.reshape(4, 3, -1)
+    split = np.ptp(depth, axis=1) > fan.pulse_length
+    assert split.sum() >= 8
+    np.testing.assert_array_equal(seen(layout, replace(fan, edge_drop=20.0)).valid, ~split)
+    scans = [seen(layout, replace(fan, edge_drop=0.5), seed=seed).valid for seed in range(40)]
+    assert np.mean([valid[split] for valid in scans]) == pytest.approx(math.exp(-0.5), abs=0.1)
+    assert all(valid[~split].all() for valid in scans)
 
 
 def test_fading_keeps_the_share_of_dropped_rays_and_makes_runs_of_them():

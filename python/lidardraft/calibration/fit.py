@@ -11,7 +11,7 @@ import numpy as np
 from lidardraft.calibration.beam_table import BeamTable, fit_beam_table
 from lidardraft.calibration.intensity import fit_intensity
 from lidardraft.calibration.range_offsets import fit_range_offsets
-from lidardraft.calibration.receiver import fit_receiver, fit_speckle
+from lidardraft.calibration.receiver import fit_receiver, fit_speckle, fit_texture
 from lidardraft.calibration.recording import Recording
 from lidardraft.calibration.street_casts import StreetCasts, with_rays_that_fit
 from lidardraft.calibration.vehicle_mask import fit_blocked
@@ -71,10 +71,24 @@ def fit_sensor(
     model, sigma = fit_receiver(recorded, casts, model)
     left = math.nan
     if all(sweep.intensity is not None for sweep in recorded):
-        found = fit_intensity(recorded, casts.responses(model, sigma))
-        model, left = replace(model, compensation_range=math.inf, intensity_curve=found.curve), found.residual
-        model = fit_speckle(recorded, casts, model, sigma)
+        model, left = _with_intensity(recorded, casts, model, sigma)
     return Fit(replace(sensor, columns=columns, range_sigma=sigma, model=model), table, left)
+
+
+def _with_intensity(
+    recorded: Sequence[Sweep], casts: StreetCasts, model: SensorModel, sigma: float
+) -> tuple[SensorModel, float]:
+    """The model with all that decides what it reads, and what is left between the quantiles."""
+
+    def with_texture(texture: float) -> SensorModel:
+        scattered = replace(model, texture=texture)
+        found = fit_intensity(recorded, casts.responses(scattered, sigma))
+        residuals[texture] = found.residual
+        return replace(scattered, compensation_range=math.inf, intensity_curve=found.curve)
+
+    residuals: dict[float, float] = {}
+    model = fit_texture(recorded, casts, with_texture, sigma)
+    return fit_speckle(recorded, casts, model, sigma), residuals[model.texture]
 
 
 def sweeps_of(recordings: Sequence[Recording], table: BeamTable, columns: int) -> list[Sweep]:

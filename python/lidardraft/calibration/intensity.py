@@ -5,6 +5,7 @@ group, laser and range, recorded readings and the responses of simulated streets
 lasers, a gain at each range, and a gain and an offset of each laser make of the ones the others, in least squares; then
 each laser gets a curve and gains by range of its own, as far as it has returns enough to tell: each has a focus of its
 own. What a laser reads least but 0 is its cut-off, or somewhat more, where it reads 0 more often than that explains.
+What is ten times as bright as nearly all returns are reads as the brightest recorded ones do.
 """
 
 from __future__ import annotations
@@ -37,6 +38,8 @@ _ROUNDS, _OWN_ROUNDS, _FOCUS_ROUNDS = 12, 3, 2
 _LEAST_SHARE = 0.005  # of a laser's readings over 0 are below its cut-off: outliers
 _MOST_RAISED = 2.0  # times the least reading
 _NO_ZEROS = 0.002  # a laser that reads 0 less often has no cut-off
+_BRIGHTER = math.log(10.0)  # than all but 3 of 1000 returns: retroreflectors, which have no cells
+_MOST_SHARE = 0.9999  # of the readings are below what those read: outliers
 
 
 @dataclass(frozen=True)
@@ -88,11 +91,12 @@ def fit_intensity(recorded: Sequence[Sweep], simulated: Sequence[Sweep]) -> Inte
         own = cells.response + focuses[cells.row, cells.range][:, None]
         readings, shown = _own_curves(cells, own, at, shared, least)
     cutoffs = _raised(cutoffs, recorded, simulated, focuses, (at, readings))
+    at, readings = np.append(at, at[-1] + _BRIGHTER), np.column_stack([readings, np.full(beams, _most(recorded))])
     left = np.where(shown < cutoffs[cells.row][:, None], 0.0, shown) - cells.reading
     share = np.broadcast_to(cells.weight**2, left.shape)
     fitted = IntensityCurve(
         responses=tuple(np.exp(at).tolist()),
-        readings=tuple(map(tuple, np.clip(readings, 0.0, 1.0).tolist())),
+        readings=tuple(map(tuple, np.clip(np.maximum.accumulate(readings, axis=1), 0.0, 1.0).tolist())),
         distances=tuple(_DISTANCES.tolist()),
         distance_gains=tuple(map(tuple, np.exp(focuses).tolist())),
         cutoffs=tuple(cutoffs.tolist()),
@@ -140,6 +144,11 @@ def _cutoffs(recorded: Sequence[Sweep]) -> np.ndarray:
         none = len(above) < _FEWEST or (read == 0).mean() < _NO_ZEROS
         found.append(0.0 if none else float(np.quantile(above, _LEAST_SHARE)))
     return np.array(found)
+
+
+def _most(recorded: Sequence[Sweep]) -> float:
+    read = np.concatenate([s.intensity[s.valid] for s in recorded if s.intensity is not None])
+    return float(np.quantile(read, _MOST_SHARE))
 
 
 def _raised(

@@ -21,13 +21,18 @@ _FAR = returns.RANGE_EDGES[:-1] >= 20.0  # m: where echoes get weak
 _NEAR_GROUND = 12.0  # m: where the ground hardly ever fails
 _LONGEST_HOLE = 3  # firings that are missing on it at once
 _STEPS = 9
+_TEXTURE_STEPS = 5  # each fits an intensity curve
 _LEAST_CHANGE = 0.1  # of a figure, from one limit of its constant to the other: what moves it less is not told by it
 _ROUNDS = 2
 _THRESHOLDS = (1e-8, 1e-3)  # 1/m2; 0.10 reaches 3 km and 10 m, less and nothing far returns
 _DROPS = (1e-5, 0.3)
+_EDGE_DROPS = (1e-3, 5.0)
+_EDGE, _EDGES_WITHIN = 1.0, 20.0  # m between near and far; and the nearer: further off echoes are weak, too
 _SIGMAS = (2e-4, 0.2)  # m
 _JITTERS = (1e-3, 0.5)  # m
 _SPECKLES = (0.01, 1.0)
+_TEXTURES = (0.02, 1.0)
+_ALIKE = 0.5  # m: returns of neighbouring lasers whose ranges differ by less are of one surface
 _PULSES = (1e-9, 5e-8)  # s
 _FAR_BENDS = (25.0, 60.0)  # m
 
@@ -45,6 +50,13 @@ def fit_receiver(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorMod
     )
     for _ in range(_ROUNDS):  # one bends a little what the other is found by
         model = _fit_drop(recorded, casts, model, sigma)
+    model = _found(
+        lambda value: replace(model, edge_drop=value),
+        lambda one: edge_drops(casts.observed(one, sigma)),
+        edge_drops(recorded),
+        _EDGE_DROPS,
+        model,
+    )
     for _ in range(_ROUNDS):
         model, sigma = _fit_noise(recorded, casts, model)
     return model, sigma
@@ -92,12 +104,27 @@ def fit_speckle(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorMode
     )
 
 
+def fit_texture(
+    recorded: Sequence[Sweep], casts: StreetCasts, with_texture: Callable[[float], SensorModel], sigma: float
+) -> SensorModel:
+    """The model, as `with_texture` makes it, whose neighbouring lasers read as much alike as recorded ones."""
+    return _found(
+        with_texture,
+        lambda one: _likeness(casts.observed(one, sigma)),
+        _likeness(recorded),
+        _TEXTURES,
+        with_texture(SensorModel().texture),
+        steps=_TEXTURE_STEPS,
+    )
+
+
 def _found(
     with_value: Callable[[float], SensorModel],
     figure: Callable[[SensorModel], float],
     target: float,
     limits: tuple[float, float],
     otherwise: SensorModel,
+    steps: int = _STEPS,
 ) -> SensorModel:
     """The model with the value at which a figure is `target`, or `otherwise` where it is not known or says little."""
     if math.isnan(target):
@@ -105,13 +132,21 @@ def _found(
     ends = [figure(with_value(limit)) for limit in limits]
     if not abs(ends[1] - ends[0]) > _LEAST_CHANGE * abs(target):
         return otherwise
-    return with_value(bisected(lambda value: figure(with_value(value)), target, limits, rising=ends[1] > ends[0]))
+    rising = ends[1] > ends[0]
+    return with_value(bisected(lambda value: figure(with_value(value)), target, limits, rising=rising, steps=steps))
 
 
-def bisected(figure: Callable[[float], float], target: float, limits: tuple[float, float], *, rising: bool) -> float:
+def bisected(
+    figure: Callable[[float], float],
+    target: float,
+    limits: tuple[float, float],
+    *,
+    rising: bool,
+    steps: int = _STEPS,
+) -> float:
     """The value between two limits over 0 at which a monotone figure is `target`; a limit, where it is at none."""
     low, high = map(math.log, limits)
-    for _ in range(_STEPS):
+    for _ in range(steps):
         middle = (low + high) / 2
         if (figure(math.exp(middle)) < target) == rising:
             low = middle
@@ -143,6 +178,18 @@ def _ground_rate(sweeps: Sequence[Sweep]) -> float:
     return found / (found + missing) if found >= 500 else math.nan
 
 
+def edge_drops(sweeps: Sequence[Sweep]) -> float:
+    """Share of the firings between two returns of near and far surfaces that are lost."""
+    lost = found = 0
+    for sweep in sweeps:
+        before, here, after = sweep.depth[:, :-2], sweep.depth[:, 1:-1], sweep.depth[:, 2:]
+        nearest = np.minimum(before, after)
+        edge = (nearest > 0) & (nearest < _EDGES_WITHIN) & (np.abs(before - after) > _EDGE)
+        lost += int((edge & (here == 0)).sum())
+        found += int(edge.sum())
+    return lost / found if found >= 500 else math.nan
+
+
 def _mixed(sweeps: Sequence[Sweep]) -> float:
     shares = [share for share in map(edges.mixed_share, sweeps) if not math.isnan(share)]
     return float(np.mean(shares)) if shares else math.nan
@@ -166,7 +213,8 @@ def _bend(sweeps: Sequence[Sweep], near: bool) -> float:
 
 
 def _reading_step(sweeps: Sequence[Sweep]) -> float:
-    """Median step of readings over 0 from firing to firing, at one range."""
+    """Mean of the smaller half of the steps of readings over 0 from firing to firing, at one range: texture makes the
+    others."""
     found = []
     for sweep in sweeps:
         assert sweep.intensity is not None
@@ -175,4 +223,16 @@ def _reading_step(sweeps: Sequence[Sweep]) -> float:
         found.append(np.abs(np.diff(read, axis=1))[near])
     steps = np.concatenate(found)
     # readings are in steps: their mean says more than a median that is one of them
-    return float(np.minimum(steps, np.quantile(steps, 0.9)).mean()) if len(steps) >= 500 else math.nan
+    return float(np.sort(steps)[: len(steps) // 2].mean()) if len(steps) >= 500 else math.nan
+
+
+def _likeness(sweeps: Sequence[Sweep]) -> float:
+    """Mean over neighbouring lasers of the correlation of what they read of one surface in one column."""
+    read, depth = (np.stack([getattr(sweep, name) for sweep in sweeps]) for name in ("intensity", "depth"))
+    alike = (depth[:, 1:] > 0) & (depth[:, :-1] > 0) & (np.abs(np.diff(depth, axis=1)) < _ALIKE)
+    found = []
+    for row in range(alike.shape[1]):
+        lower, upper = read[:, row + 1][alike[:, row]], read[:, row][alike[:, row]]
+        if len(lower) >= 500 and lower.std() > 0 and upper.std() > 0:
+            found.append(float(np.corrcoef(lower, upper)[0, 1]))
+    return float(np.mean(found)) if found else math.nan

@@ -34,12 +34,13 @@ class SensorModel:
     Receiver: `detection_threshold` is the response over range squared [1/m2] of power 1 (0: everything is detected). A
     response of 1 is that of a white surface that faces the sensor. Return mode: of several echoes the strongest is
     reported, or with `last_return` the last one above the threshold. Ray drop: an echo of power P is dropped with
-    probability 1 - exp(-2 / P^1.25 - `drop_probability`); `fading` is by how much the first term differs from patch to
-    patch of a surface (the spread of its logarithm).
+    probability 1 - exp(-2 / P^1.25 - `drop_probability`), to which `edge_drop` is added in the exponent where the beam
+    makes several echoes; `fading` is by how much the first term differs from patch to patch of a surface (the spread of
+    its logarithm).
 
-    Scatter: `speckle` of the power from pulse to pulse, `texture` of it over patches of a surface (both relative),
-    `material_noise` whether materials add their own grain and roughness, `dust` the depth of the stains on the window,
-    `glass_transmission` whether rays pass through glass.
+    Scatter: `speckle` of the power from pulse to pulse, `texture` of it from patch to patch of what a beam looks at,
+    3 columns long on average (both relative), `material_noise` whether materials add their own grain and roughness,
+    `dust` the depth of the stains on the window, `glass_transmission` whether rays pass through glass.
 
     Range: `jitter` [m] is the noise of an echo of power 1, on top of the sensor's `range_sigma`; `range_step` [m]
     rounds it. One unit differs from another: the number `unit` decides each beam's range offset, which has the standard
@@ -61,11 +62,12 @@ class SensorModel:
     detection_threshold: float = 0.10 / 100.0**2
     last_return: bool = False
     speckle: float = 0.05
-    texture: float = 0.06
+    texture: float = 0.15
     material_noise: bool = True
     dust: float = 0.0
     fading: float = 1.6
     drop_probability: float = 0.0003
+    edge_drop: float = 0.05
     glass_transmission: bool = True
     jitter: float = 0.07
     range_step: float = 0.002
@@ -113,6 +115,7 @@ class SensorModel:
             dust=self.dust,
             fading=self.fading,
             drop_probability=self.drop_probability,
+            edge_drop=self.edge_drop,
             unit=self.unit,
             range_offsets=list(self.range_offsets),
             offset_spread=self.offset_spread,
@@ -176,6 +179,7 @@ class SensorModel:
             material_noise=False,
             fading=0.0,
             drop_probability=0.0,
+            edge_drop=0.0,
             glass_transmission=False,
             jitter=0.0,
             range_step=0.0,

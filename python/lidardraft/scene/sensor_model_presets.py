@@ -27,6 +27,7 @@ def _ouster(degrees: float, reach: float, jitter: float) -> SensorModel:
         detection_threshold=0.10 / reach**2,
         range_step=0.001,
         offset_spread=0.003,
+        edge_drop=0.0,  # their samples lose no more at edges than streets do without
         tilt_spread=0.0,  # each unit's own table comes with it
         jitter=jitter,
         **_REFLECTIVITY,

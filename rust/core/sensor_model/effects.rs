@@ -48,14 +48,14 @@ pub(crate) fn transmit_through_glass(
 
 /// Multiplies the powers by a gain and by what scatters them.
 ///
-/// `gain` is the logarithm of that of the beam, `patches` the texture of surfaces. Speckle is the sensor's, from pulse
+/// `gain` is the logarithm of that of the beam, `texture` the patches that it looks at. Speckle is the sensor's, from pulse
 /// to pulse; `grain`, which is written, that of the surface each pixel shows. Both are independent from pixel to pixel,
 /// so one `normal` number stands for both.
 #[inline(always)]
 pub(crate) fn scatter_power<L: Lanes>(
     echoes: &mut Echoes,
     gain: f32,
-    patches: &[f32],
+    texture: &[f32],
     grain: &mut [f32],
     normal: &[f32],
     surfaces: &Surfaces<'_>,
@@ -64,7 +64,7 @@ pub(crate) fn scatter_power<L: Lanes>(
     echoes.look_up::<L>(surfaces.grain, grain);
     let (grainy, speckle) = (if model.material_noise { 1.0 } else { 0.0 }, model.speckle * model.speckle);
     let pulses = echoes.power.iter_mut().zip(grain.iter());
-    for (((power, &grain), &normal), &patch) in pulses.zip(normal).zip(patches) {
+    for (((power, &grain), &normal), &patch) in pulses.zip(normal).zip(texture) {
         let spread = (grainy * grain * grain + speckle).sqrt();
         *power *= exp(gain + patch * model.texture + spread * normal);
     }
@@ -108,7 +108,8 @@ pub(crate) fn add_backscatter(
 /// An echo of power P is dropped with probability 1 - exp(-2 f / P^1.25 - drop_probability): somewhat less speckle than
 /// developed one, whose power is distributed as the `exponential` numbers. Factor and exponent are fitted to how rays to
 /// the ground are dropped in recordings of a Pandar64, see docs/sensor-model.md. The fading f has the mean 1 and follows
-/// the `patches` of surfaces, so that dropped rays come in runs.
+/// the `patches` of surfaces, so that dropped rays come in runs. `edge_drop` is added to the exponent where the beam made
+/// several echoes: receivers often report none of them.
 #[inline(always)]
 pub(crate) fn drop_rays(
     echoes: &Echoes,
@@ -117,11 +118,12 @@ pub(crate) fn drop_rays(
     model: &SensorModel,
     dropped: &mut [bool],
 ) {
-    let pulses = dropped.iter_mut().zip(&echoes.power);
-    for (((dropped, &power), &patch), &exponential) in pulses.zip(patches).zip(exponential) {
+    let pulses = dropped.iter_mut().zip(&echoes.power).zip(&echoes.split);
+    for ((((dropped, &power), &split), &patch), &exponential) in pulses.zip(patches).zip(exponential) {
         let fading = exp(-model.fading * patch - model.fading * model.fading / 2.0);
         let weak = 1.0 / power;
-        *dropped = exponential - model.drop_probability <= WEAK_DROPS * fading * weak * weak.sqrt().sqrt();
+        let anyhow = model.drop_probability + model.edge_drop * split;
+        *dropped = exponential - anyhow <= WEAK_DROPS * fading * weak * weak.sqrt().sqrt();
     }
 }
 

@@ -34,6 +34,8 @@ pub(crate) struct Echo {
     pub(crate) power: Vec<f32>,
     /// The sub-ray that brought most of it.
     pub(crate) winner: Vec<u32>,
+    /// 1 where other sub-rays made echoes of their own, else 0.
+    pub(crate) split: Vec<f32>,
 }
 
 impl Mixed {
@@ -81,14 +83,17 @@ impl Mixed {
         }
         self.choose(model);
         let pulse_length = model.pulse_length() as f32;
-        for numbers in [&mut self.echo.depth, &mut self.echo.power, &mut self.brightest] {
+        for numbers in [&mut self.echo.depth, &mut self.echo.power, &mut self.echo.split, &mut self.brightest] {
             restart(numbers, beams, 0.0);
         }
         restart(&mut self.echo.winner, beams, 0);
-        let Echo { depth: mean, power: total, winner } = &mut self.echo;
+        let Echo { depth: mean, power: total, winner, split } = &mut self.echo;
         let rays = self.depth.chunks_exact(beams).zip(self.power.chunks_exact_mut(beams));
         for (ray, (depth, power)) in (0..).zip(rays) {
             // loops over few columns each: the compiler makes no vectors of one over all of them
+            for ((split, &depth), &middle) in split.iter_mut().zip(depth).zip(&self.middle) {
+                *split = if depth > 0.0 && !together(depth, middle, pulse_length) { 1.0 } else { *split };
+            }
             for ((power, &depth), &middle) in power.iter_mut().zip(depth).zip(&self.middle) {
                 *power = if together(depth, middle, pulse_length) { *power } else { 0.0 };
             }

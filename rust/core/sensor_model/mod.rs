@@ -95,7 +95,7 @@ struct Observer<'a> {
     ranging: Ranging,
     model: &'a SensorModel,
     seed: u64,
-    /// The texture of surfaces.
+    /// Where echoes fade.
     patches: Patches,
     /// The dust on the window.
     stains: Option<Patches>,
@@ -127,6 +127,7 @@ struct Row {
     echoes: Echoes,
     numbers: Numbers,
     patches: Vec<f32>,
+    texture: Vec<f32>,
     stains: Vec<f32>,
     work: Vec<f32>,
     dropped: Vec<bool>,
@@ -138,6 +139,7 @@ impl Row {
             echoes: Echoes::default(),
             numbers: Numbers::default(),
             patches: vec![0.0; columns],
+            texture: vec![0.0; columns],
             stains: vec![0.0; columns],
             work: vec![0.0; columns],
             dropped: vec![false; columns],
@@ -148,7 +150,7 @@ impl Row {
 impl<'a> Observer<'a> {
     fn new(light: &'a Light<'a>, ranging: Ranging, model: &'a SensorModel, seed: u64) -> Observer<'a> {
         let [rows, columns] = light.shape;
-        let patches = Patches::new(seed, Stream::Texture, rows, columns);
+        let patches = Patches::new(seed, Stream::Fading, rows, columns);
         let stains = (model.dust > 0.0).then(|| Patches::new(model.unit, Stream::Stains, rows, columns));
         let mut beams = Numbers::default();
         beams.sample(Key::new(model.unit, Stream::Beams, 0), rows);
@@ -171,8 +173,12 @@ impl<'a> Observer<'a> {
     fn observe_row<L: Lanes>(&self, number: usize, row: &mut Row, scan: &mut ReturnsMut<'_>) {
         let (model, surfaces, extinction) = (self.model, &self.light.surfaces, self.light.extinction);
         let columns = self.light.shape[1];
-        let Row { echoes, numbers, patches, stains, work, dropped } = row;
+        let Row { echoes, numbers, patches, texture, stains, work, dropped } = row;
         let returns = self.light.returns.row(number, columns * model.shares.len());
+        if model.texture > 0.0 {
+            numbers.sample(Key::new(self.seed, Stream::Texture, number), columns);
+            numbers.hold(texture);
+        }
         numbers.sample(Key::new(self.seed, Stream::Pulses, number), columns);
         self.patches.blend(number, patches);
         if let Some(dust) = &self.stains {
@@ -182,7 +188,7 @@ impl<'a> Observer<'a> {
         receive::<L>(&returns, surfaces, extinction, model, echoes);
         transmit_through_glass(echoes, patches, surfaces, model, Key::new(self.seed, Stream::Glass, number));
         let gain = self.beams.other[number] * model.gain_spread;
-        scatter_power::<L>(echoes, gain, patches, work, &numbers.normal, surfaces, model);
+        scatter_power::<L>(echoes, gain, texture, work, &numbers.normal, surfaces, model);
         dim_by_dust(echoes, stains, model);
         for backscatter in self.light.backscatter {
             add_backscatter(echoes, &backscatter.row(number, columns), work, extinction, model);

@@ -23,7 +23,7 @@ pub struct SensorModel {
     pub glass_transmission: bool,
     /// Relative scatter of the power from pulse to pulse.
     pub speckle: f32,
-    /// Relative scatter of the power over patches of a surface.
+    /// Relative scatter of the power over patches that one beam looks at, a few columns long.
     pub texture: f32,
     /// Whether materials add their own grain and roughness.
     pub material_noise: bool,
@@ -33,6 +33,8 @@ pub struct SensorModel {
     pub fading: f32,
     /// What ray drop adds to the exponent at any power.
     pub drop_probability: f32,
+    /// What ray drop adds to the exponent where a beam makes several echoes.
+    pub edge_drop: f32,
     /// Which unit of the sensor this is.
     pub unit: u64,
     /// By how much each beam reports more than its range [m]; none for 0.
@@ -80,6 +82,7 @@ impl SensorModel {
             ("texture", self.texture),
             ("dust", self.dust),
             ("fading", self.fading),
+            ("edge_drop", self.edge_drop),
             ("offset_spread", self.offset_spread),
             ("gain_spread", self.gain_spread),
             ("cutoff_spread", self.cutoff_spread),

@@ -12,14 +12,16 @@ pub(crate) enum Stream {
     Pulses,
     /// What is behind glass.
     Glass,
-    /// Patches of surfaces.
-    Texture,
+    /// Where weak echoes are dropped in patches.
+    Fading,
     /// Offsets and gains of a unit's beams.
     Beams,
     /// Stains on a unit's window.
     Stains,
     /// Cut-offs of a unit's beams.
     Cutoffs,
+    /// Patches of one response.
+    Texture,
 }
 
 /// What the random numbers of a row are hashes of, with the column.
@@ -74,6 +76,19 @@ impl Numbers {
     }
 }
 
+impl Numbers {
+    /// One of the normal numbers for each column, which stays for [`HELD`] columns on average.
+    #[inline(always)]
+    pub(crate) fn hold(&self, values: &mut [f32]) {
+        let often = -(1.0 - 1.0 / HELD).ln();
+        let mut held = self.normal.first().copied().unwrap_or(0.0);
+        for ((value, &normal), &exponential) in values.iter_mut().zip(&self.normal).zip(&self.exponential) {
+            held = if exponential < often { normal } else { held };
+            *value = held;
+        }
+    }
+}
+
 /// Two independent numbers of a normal distribution out of the lower 9 bits of one word and the 32 of another.
 ///
 /// Box and Muller, "A Note on the Generation of Random Normal Deviates", 1958, for an angle within one quarter of the
@@ -100,8 +115,11 @@ pub(crate) struct Patches {
     coarse: Vec<Vec<f32>>,
 }
 
-/// Columns over which texture, fading and dust change.
+/// Columns over which fading and dust change.
 const PATCH: usize = 8;
+/// Columns that a patch of one response has on average. In PandaSet, what the readings of a laser on walls have that
+/// those of its neighbours have not goes on in two thirds of the firings to the next column (of 1024).
+const HELD: f32 = 3.0;
 
 impl Patches {
     pub(crate) fn new(seed: u64, stream: Stream, rows: usize, columns: usize) -> Patches {

@@ -17,6 +17,8 @@ pub(crate) struct Echoes {
     pub(crate) primitive: Vec<i32>,
     /// Cosines of incidence.
     pub(crate) incidence: Vec<f32>,
+    /// 1 where the beam made several echoes, of which this is one, else 0.
+    pub(crate) split: Vec<f32>,
     /// Where sub-rays met different surfaces, and which of them was the brightest: elsewhere they are alike.
     pub(crate) mixed: Mixed,
     /// Power of each sub-ray [S, W] if everything were white and faced the sensor.
@@ -84,6 +86,7 @@ pub(crate) fn receive<L: Lanes>(
     }
     echoes.incidence.copy_from_slice(&rays.incidence[..columns]);
 
+    restart(&mut echoes.split, columns, 0.0);
     let Echoes { mixed, white, .. } = echoes;
     mixed.gather::<L>(rays, white, columns, surfaces);
     mixed.separate(model);
@@ -91,6 +94,7 @@ pub(crate) fn receive<L: Lanes>(
         let column = column as usize;
         let pixel = mixed.echo.winner[beam] as usize * columns + column;
         (echoes.depth[column], echoes.power[column]) = (mixed.echo.depth[beam], mixed.echo.power[beam]);
+        echoes.split[column] = mixed.echo.split[beam];
         (echoes.primitive[column], echoes.incidence[column]) = (rays.primitive[pixel], rays.incidence[pixel]);
     }
 }

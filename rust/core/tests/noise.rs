@@ -115,7 +115,7 @@ fn numbers_are_independent_of_each_other_in_both_directions_and_from_stream_to_s
 
 #[test]
 fn patches_have_variance_1_change_slowly_and_are_independent_further_off() {
-    let patches = Patches::new(1, Stream::Texture, ROWS, COLUMNS);
+    let patches = Patches::new(1, Stream::Fading, ROWS, COLUMNS);
     let mut rows = vec![vec![0.0; COLUMNS]; ROWS];
     rows.iter_mut().enumerate().for_each(|(number, row)| patches.blend(number, row));
     let numbers: Vec<f64> = rows.concat().iter().map(|&x| f64::from(x)).collect();
@@ -128,6 +128,25 @@ fn patches_have_variance_1_change_slowly_and_are_independent_further_off() {
     assert!(correlation(&numbers[16..], &numbers).abs() < error);
     assert!(correlation(&numbers[8 * COLUMNS..], &numbers).abs() < error);
     follows(numbers.iter().copied().step_by(17).step_by(8).collect(), below);
+}
+
+#[test]
+fn held_numbers_stay_for_3_columns_on_average_and_are_those_of_one_row() {
+    let mut rows = vec![vec![0.0; COLUMNS]; ROWS];
+    for (row, held) in rows.iter_mut().enumerate() {
+        let mut numbers = Numbers::default();
+        numbers.sample(Key::new(2, Stream::Texture, row), COLUMNS);
+        numbers.hold(held);
+    }
+    let starts: usize = rows.iter().map(|row| row.windows(2).filter(|pair| pair[0] != pair[1]).count()).sum();
+    assert!((starts as f64 / COUNT as f64 - 1.0 / 3.0).abs() < error(COUNT));
+    let numbers: Vec<f64> = rows.concat().iter().map(|&x| f64::from(x)).collect();
+    // as many independent numbers as there are patches, of different lengths
+    let error = error(COUNT / 6);
+    assert!(mean(numbers.iter().copied()).abs() < error);
+    assert!((mean(numbers.iter().map(|x| x * x)) - 1.0).abs() < 2_f64.sqrt() * error);
+    assert!((correlation(&numbers[2..], &numbers) - 4.0 / 9.0).abs() < error);
+    assert!(correlation(&numbers[COLUMNS..], &numbers).abs() < error);
 }
 
 #[test]
