@@ -64,7 +64,8 @@ def main() -> None:
     if (given.scan_with or given.without) and len(names) > 1:
         parser.error("--scan-with and --without go with one sensor in --sensors")
     with ProcessPoolExecutor(given.jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
-        sections = [pool.submit(_section, name, given.data, given.num, given.scan_with, given.without) for name in names]
+        about = given.data, given.num, given.scan_with, given.without
+        sections = [pool.submit(_section, name, *about) for name in names]
         pooled = {}
         for name, section in zip(names, sections, strict=True):
             text, pooled[name] = section.result()
