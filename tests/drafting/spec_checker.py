@@ -208,15 +208,17 @@ def _at_distance(one: Placed, group: ObjectGroup, place: str, road: Road) -> boo
 
 
 def _broken_heading(group: ObjectGroup, one: Placed, road: Road) -> list[str]:
-    if not group.record.drives or group.heading in (None, "parked"):
+    if group.heading in (None, "parked"):
         return []
     cos, sin = math.cos(one.heading), math.sin(one.heading)
     if group.heading.startswith("turning") and road.junction is not None:
         return [] if abs(cos) < 0.995 or road.roundabout_radius else ["not turning"]
-    if group.heading.startswith("across") and road.junction is not None:
-        way = {"across-left": sin > 0.8, "across-right": sin < -0.8}.get(group.heading, abs(sin) > 0.8)
+    if group.heading.startswith("across") and (group.record.walks or road.junction is not None):
+        way = {"across-left": sin > 0.6, "across-right": sin < -0.6}.get(group.heading, abs(sin) > 0.6)
         return [] if way else ["not crossing"]
-    if group.heading in ("with", "against") and not group.relation:
+    if group.record.walks:
+        return []
+    if group.heading in ("with", "against"):
         return [] if (cos > 0.9) == (group.heading == "with") else [f"heading {one.heading}"]
     return []
 

@@ -15,6 +15,8 @@ from lidardraft.drafting.text import spec_from_text
         ("no cars except on the left", [("left",)]),
         ("We are behind a truck", [("front",)]),
         ("two cars waiting and a bus on the left", [(), ("left",)]),
+        ("bus!!! 20 metres!!! ahead!!!", [("front",)]),
+        ("There is a bus. Twenty metres ahead.", [("front",)]),
     ],
 )
 def test_places(sentence: str, places: list[tuple[str, ...]]) -> None:

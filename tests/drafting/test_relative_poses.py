@@ -20,7 +20,7 @@ def poses(kind: str, relation: str, *references: Footprint) -> list[RoadPose]:
     rng = np.random.default_rng(0)
     sizes = SENTENCE_KINDS[kind].sizes
     assert sizes is not None
-    sampler = RelativePoses(ROAD, SENTENCE_KINDS[kind], sizes.largest[:2], False, relation)
+    sampler = RelativePoses(ROAD, SENTENCE_KINDS[kind], sizes.largest[:2], None, relation)
     found = [sampler.sample(references, rng, 0, effort) for effort in np.linspace(0.0, 0.9, 30).tolist()]
     return [pose for pose in found if pose is not None]
 

@@ -9,6 +9,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from spec_checker import broken
 
+from lidardraft.drafting import solver
 from lidardraft.drafting.occupancy import Occupancy
 from lidardraft.drafting.scene_spec import HEADINGS, LANES, PLACES, RELATIONS, ROADS, ObjectGroup, RoadSpec, SceneSpec
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
@@ -274,6 +275,43 @@ def test_an_impossible_crowd_is_refused_early(count: int, monkeypatch: pytest.Mo
     with pytest.raises(LayoutError, match=rf"person on the left, on the sidewalk: at most \d+ of {count} found room"):
         layout_from_spec(one("person", count, "left", surface="sidewalk"), 0)
     assert tried < 40_000  # a third of what all arrangements take
+
+
+def test_a_crowd_that_the_last_arrangement_does_not_hold_is_refused_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    arrangements = 0
+    arrange = solver._Solver.arrange
+
+    def counted(self: solver._Solver, urgent: set[int]) -> int | None:
+        nonlocal arrangements
+        arrangements += 1
+        return arrange(self, urgent)
+
+    monkeypatch.setattr(solver._Solver, "arrange", counted)
+    with pytest.raises(LayoutError, match=r"bus: \d+ of 150 found room; in the way: bus_"):
+        layout_from_spec(one("bus", 150), 0)
+    assert arrangements == 2  # all nine of them take seven seconds
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_what_is_at_a_distance_leaves_room_for_what_is_behind_it(seed: int) -> None:
+    car = ObjectGroup(kind="car", places=("front",), distance=(12.0, 12.0))
+    spec = SceneSpec(groups=(car, ObjectGroup(kind="truck", relation="behind", references=(0,))))
+    assert broken(spec, layout_from_spec(spec, seed)) == []
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_first_of_several_is_at_the_distance(seed: int) -> None:
+    layout = layout_from_spec(one("car", 3, "front", distance=(25.0, 25.0)), seed)
+    assert math.isclose(min(box.center[0] for box in layout.boxes()), 25.0, abs_tol=2.5)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_relation_keeps_heading_and_lane(seed: int) -> None:
+    truck = ObjectGroup(kind="truck", lane="right", places=("front",), distance=(30.0, 30.0))
+    coach = ObjectGroup(kind="bus", lane="middle", heading="with", relation="left-of", references=(0,))
+    child = ObjectGroup(kind="person", heading="across-left", relation="in-front-of", references=(0,))
+    spec = SceneSpec(road=RoadSpec(kind="motorway", lanes=3), groups=(truck, coach, child))
+    assert broken(spec, layout_from_spec(spec, seed)) == []
 
 
 def test_a_thousand_trees_find_room() -> None:

@@ -387,3 +387,19 @@ def test_a_sentence_has_a_length() -> None:
 def test_any_text_is_read_or_refused(text: str) -> None:
     with contextlib.suppress(TextError, LayoutError):
         spec_from_text(text)
+
+
+def test_a_list_has_an_object_on_each_line() -> None:
+    for text in (
+        "car\ncar\ntruck behind",
+        "- a car\n- a car\n- a truck behind",
+        "1. a car\n2. a car\n3. a truck behind",
+    ):
+        spec = spec_from_text(text, strict=True)
+        assert [(one.kind, one.count, one.places) for one in spec.groups] == [
+            ("car", 1, ()),
+            ("car", 1, ()),
+            ("truck", 1, ("behind",)),
+        ]
+    wrapped = "There are two parked cars on the left side of the road and a\nbus ahead of us"
+    assert [one.kind for one in spec_from_text(wrapped, strict=True).groups] == ["car", "bus"]

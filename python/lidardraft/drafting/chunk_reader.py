@@ -9,12 +9,25 @@ from lark import Token
 from lidardraft.drafting.number_words import COUNT_TYPES, exact_count, unclear_counts
 from lidardraft.drafting.object_qualities import SIZES
 from lidardraft.drafting.positions import Position
-from lidardraft.drafting.sentence_chunks import KIND_OF, ROAD_OF, SETTINGS, Chunk
+from lidardraft.drafting.sentence_chunks import KIND_OF, LINKS, LISTED, ROAD_OF, SETTINGS, STATES, Chunk
 from lidardraft.drafting.sentence_notes import Mention, SentenceNotes
 
-LISTED = ("AND", "OR", "COMMA")
-LINKS = ("WITH", "STOP", "EXCEPT", *LISTED)
 END = Chunk("", [])
+_SINGULAR = (
+    "is",
+    "was",
+    "drives",
+    "moves",
+    "travels",
+    "goes",
+    "rides",
+    "walks",
+    "stands",
+    "waits",
+    "stops",
+    "sits",
+    "plays",
+)
 
 
 class ChunkReader:
@@ -28,6 +41,7 @@ class ChunkReader:
         self.host: list[Mention] = []  # what was open before "with"
         self.prefix: Position | None = None  # introduces the objects that follow
         self.prefix_weak = False
+        self.prefix_index = -9  # where it was read
         self.relation: tuple[str, list[Mention], Position] | None = None  # of the object that follows
         self.turning: str | None = None  # how the object that follows turns
         self.denial = ""  # the word that denies a list of objects
@@ -62,12 +76,33 @@ class ChunkReader:
             return "STOP"
         return self.chunks[index].name if self.chunks[index].name in LINKS else ""
 
+    def _end_list(self, chunk: Chunk) -> None:
+        """A verb in the singular is that of the last one alone, as in "trees, a bus is 20 m ahead"; a place before all
+        of them is then not its own.
+        """
+        if not self._previous().is_object or self._before(2) not in LISTED:
+            return
+        if "DISTANCE" in chunk.types and self._before(2) == "COMMA":  # "three cars, a bus 20 m ahead"
+            self.open = self.open[-1:]
+        if any(verb in _SINGULAR for verb in [*self._between(self._previous(), chunk), *chunk.tokens]):
+            self.open = self.open[-1:]
+            first = self.index - self.prefix_index <= 4  # after the place
+            for mention in self.open if self.prefix is not None and not first else []:
+                mention.at, mention.placed, self.prefix = Position(), False, None
+
+    def _between(self, one: Chunk, other: Chunk) -> list[str]:
+        """The words between two chunks, which say nothing alone."""
+        return self.notes.text[one.span[1] : other.tokens[0].start_pos if other.tokens else None].split()
+
+    def _latest_known(self) -> bool:
+        return bool(self.latest) and all(mention.kind is not None for mention in self.latest)
+
     def _report_strange(self, chunk: Chunk) -> None:
         """The words of a phrase that say nothing of its noun."""
         head, strange = chunk.head, {"UNKNOWN"}
         if head in KIND_OF or head == "UNKNOWN":
             strange |= set(SETTINGS)
-        if head not in KIND_OF and head not in SIZES:
+        if head not in (*KIND_OF, *STATES, *SIZES):
             strange |= set(SIZES) - ({"WIDE", "NARROW"} if head == "ROAD" else set())
         idle = {id(token) for token in self._idle_counts(chunk)}
         self._report_tokens(token for token in chunk.tokens if token.type in strange or id(token) in idle)

@@ -42,10 +42,12 @@ _in_words = (
     rf"(?: point(?: (?:zero|{_digit}))+)?"
 )
 NUMBER = rf"(?:{_in_words}|{_figures})"
-LONE_NUMBER = rf"{NUMBER}(?=[,.;:!?()\/\"]*(?:\s|$))"  # with nothing glued to it, as in "4x4", "2nd" or "20+"
-UNIT = r"(?:(?:kilo|centi)?met(?:re|er)s?|km|cm|m|feet|foot|ft|yards?|yd|inch(?:es)?)\b"
+LONE_NUMBER = (
+    rf"{NUMBER}(?! ?(?:km\/h|m\/s))(?=[,.;:!?()\/\"]*(?:\s|$))"  # with nothing glued to it, as in "4x4", "2nd" or "20+"
+)
+UNIT = r"(?:(?:kilo|centi)?met(?:re|er)s?|km|cm|m|feet|foot|ft|yards?|yd|inch(?:es)?)\b(?!\/)"
 _word = rf"(?:{'|'.join((*_VALUE_OF, 'hundred', *_SCALES))})"
-_goes_on = rf"(?:(?:{_word}|dozen|and|to|or|point|lanes?|ways?)\b|{UNIT})"
+_goes_on = rf"(?:(?:{_word}|dozen|and|to|or|point|lanes?|ways?|wheelers?)\b|{UNIT})"
 # A word such as "ten-ton" or "sixty-five-seat", whose number counts no objects; "ten-metre" and "two-lane" are read.
 NUMBERED_COMPOUND = re.compile(rf"(?<![a-z0-9])(?:{_word}|[\d.,]*\d)-(?!{_goes_on})[a-z]")
 _LENGTHS = re.compile(rf"([a-z ]*?)({NUMBER})(?:(?: (?:to|and|or) |-| - )({NUMBER}))? ?([kmfyci])[a-z]*(?: .*)?")
@@ -58,8 +60,9 @@ _EACH = {"dozen": 12, "hundred": 100, "thousand": 1000}
 
 _EXACT = ("NUMBER", "PAIR", "DOZEN")
 _VAGUE = {"FEW": "few", "SOME": "some", "MANY": "many", "DOZENS": "many"}
-_GROUPS: dict[str, int | str | tuple[int, int]] = {"couple": 2, "family": (3, 4), "crowd": "many", "crowds": "many"}
+_GROUPS: dict[str, Count] = {"couple": 2, "family": (3, 4), "crowd": "many", "crowds": "many"}
 COUNT_TYPES = ("NO", "COUNT_RANGE", *_EXACT, *_VAGUE)
+Count = int | str | tuple[int, int]  # a number, a word for one, or a range
 _PLURALS = (
     "folk",
     "ladies",
@@ -75,7 +78,7 @@ _PLURALS = (
 )
 
 
-def count_of(tokens: list[Token]) -> int | str | tuple[int, int]:
+def count_of(tokens: list[Token]) -> Count:
     """How many a noun phrase means: a number, a range of them, "few", "some" or "many"; 0 where it denies them.
 
     What `unclear_counts` finds says nothing here.

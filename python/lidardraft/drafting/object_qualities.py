@@ -27,7 +27,7 @@ SIZES = (*_SCALE_OF, "SIZE", "LENGTH", "HEIGHT")
 def heading_of(tokens: list[Token]) -> str | None:
     """How objects stand or move relative to the ego, None where nothing is said of it."""
     for token in tokens:
-        if token.type == "CROSSING" and " from " in token:
+        if token.type == "CROSSING" and "from " in token:
             return "across-right" if token.endswith("right") else "across-left"
     found = [_HEADING_OF[token.type] for token in tokens if token.type in _HEADING_OF]
     return next((heading for heading in found if heading != "with"), found[0] if found else None)
@@ -40,6 +40,7 @@ def add_qualities(mention: Mention, tokens: list[Token]) -> None:
         token.type == "QUEUEING" or (token.type == "MANY" and {"queue", "line"} & set(token.split()))
         for token in tokens
     )
+    mention.ridden = mention.ridden or tokens[-1].rstrip("s").endswith(("ist", "rider"))
     for token in tokens:
         tower = token.type == "BUILDING" and token.startswith(_TOWERS)
         scale = _TOWER if tower else _SCALE_OF.get(token.type)

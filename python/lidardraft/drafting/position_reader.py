@@ -4,11 +4,19 @@ from __future__ import annotations
 
 import dataclasses
 
-from lidardraft.drafting.chunk_reader import END, LINKS, LISTED, ChunkReader
+from lidardraft.drafting.chunk_reader import END, ChunkReader
 from lidardraft.drafting.number_words import SMALL_NUMBERS, count_of, number
 from lidardraft.drafting.positions import LANE_WORDS, Position, read_position
-from lidardraft.drafting.references import known_mention, mention_of, refers, relation_of
-from lidardraft.drafting.sentence_chunks import JUNCTIONS, ROAD_OF, Chunk
+from lidardraft.drafting.references import (
+    count_times,
+    depends,
+    known_mention,
+    meant_by,
+    mention_of,
+    refers,
+    relation_of,
+)
+from lidardraft.drafting.sentence_chunks import JUNCTIONS, LINKS, LISTED, ROAD_OF, Chunk
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.sentence_notes import Mention, keep_away
 
@@ -43,10 +51,13 @@ class PositionReader(ChunkReader):
             if not earlier and road is not None and chunk.tokens[-1].type in ("NEAR", "BESIDE"):
                 self._place(chunk, road, before)
             else:
-                self._refer(chunk, relation, earlier[-1:], before)
+                meant = meant_by(following.tokens[0], earlier)
+                for mention in self._open_known() if following.tokens[0].startswith("each") else []:
+                    mention.count = count_times(mention.count, meant[0].count) if meant else mention.count
+                self._refer(chunk, relation, meant, before)
         elif (following.is_object or following.is_unknown) and refers(chunk, following, linked=linked):
             self.index += 1
-            self._refer(chunk, relation, self._references(chunk, following), before)
+            self._refer(chunk, relation, self._references(chunk, following, linked=linked), before)
         else:
             self._report_tokens(token for token in chunk.tokens if token.type in _OF_NOTHING)
             tokens = [token for token in chunk.tokens if token.type not in _OF_NOTHING]
@@ -58,13 +69,14 @@ class PositionReader(ChunkReader):
         before = [chunk for chunk in self.chunks[: self.index] if chunk.name == "phrase" and chunk.head in ROAD_OF]
         return before[-1] if before and "NO" not in before[-1].types else None
 
-    def _references(self, chunk: Chunk, named: Chunk) -> list[Mention]:
+    def _references(self, chunk: Chunk, named: Chunk, *, linked: bool) -> list[Mention]:
         """What a position is relative to, one mention or two; none where it is unknown."""
         chunks = [named]
         place = self._following() if self._following().name == "position" else None
         link, after = self._following(place is not None), self._following(1 + (place is not None))
-        pair = chunk.tokens[-1].type == "BETWEEN" and count_of(named.tokens) == 1
-        if pair and link.name == "AND" and (after.is_object or after.is_unknown):
+        between = chunk.tokens[-1].type == "BETWEEN" and link.name == "AND" and (after.is_object or after.is_unknown)
+        # "between a bus and a van", "between the trees and the houses"
+        if between and (count_of(named.tokens) == 1 or {"THE"} <= named.types & after.types):
             chunks.append(after)
             self.index += 2 + (place is not None)
         else:
@@ -73,15 +85,16 @@ class PositionReader(ChunkReader):
             for one in chunks:
                 self._report(one)
             return []
-        references = [self._reference(one) for one in chunks]
+        subjects = [] if linked else self.open[-1:]  # what begins a clause may be placed from the end of the last one
+        references = [self._reference(one, subjects) for one in chunks]
         if place is not None and not references[0].placed:  # "between the bus ahead and the car behind"
             references[0].at, references[0].placed = read_position(place.tokens), True
             references[0].spans.append(place.span)
         return references
 
-    def _reference(self, chunk: Chunk) -> Mention:
-        """The mention that a phrase means: one that is known, or a new one."""
-        known = known_mention(chunk, self.notes.mentions, self.open[-1:])
+    def _reference(self, chunk: Chunk, subjects: list[Mention]) -> Mention:
+        """The mention that a phrase means: one that is known and none of the subjects, or a new one."""
+        known = known_mention(chunk, self.notes.mentions, subjects)
         self._report_strange(chunk)
         if known is None:
             known = mention_of(chunk)
@@ -93,10 +106,17 @@ class PositionReader(ChunkReader):
         last = 1 if chunk.tokens[-1].type != "DISTANCE_FROM" else 0
         words = chunk.tokens[: len(chunk.tokens) - last]
         at = read_position(words)
+        if at.lane and not chunk.types & set(LANE_WORDS):  # what overtakes is at the left of what it is placed from
+            at = dataclasses.replace(at, lane=None)
         from_ego = Position()
         if at.distance and last and words[-1].type not in _DISTANCES:  # "30 m ahead next to a wall"
             from_ego, at = at, dataclasses.replace(at, distance=None)
-        if not references or relation is None or any(reference.kind is None for reference in references):
+        if before == "" and self.open and not self._open_known():
+            self._report(chunk)  # what an unknown object is at may have a place of its own
+            self.open = [one for one in references if not one.placed and one.relation is None]
+            for mention in self.open:
+                mention.described = True
+        elif not references or relation is None or any(reference.kind is None for reference in references):
             self._report(chunk)
         elif chunk.tokens[-1].type == "FOLLOWED" and self._open_known():
             subjects, self.open = self._open_known()[-1:], references
@@ -104,6 +124,9 @@ class PositionReader(ChunkReader):
         elif before != "" and self._subject_follows(before, references):
             self.relation = (relation, references, at)
         elif self._subjects(references):
+            if any(mention.relation is not None for mention in self._subjects(references)):
+                self._relate_back(chunk, relation, references)
+                return
             if chunk.tokens[-1].type == "OVERTAKING":
                 at = dataclasses.replace(at, heading="with")
             for mention in self._subjects(references):
@@ -119,16 +142,29 @@ class PositionReader(ChunkReader):
         else:
             self._report(chunk)
 
+    def _relate_back(self, chunk: Chunk, relation: str, references: list[Mention]) -> None:
+        """A second relation of an object is that of what is named with it, where it goes both ways and that is free."""
+        free = [one for one in references if one.relation is None and not one.placed]
+        if len(free) == len(references) == 1 and relation in ("near", "beside", "opposite"):
+            free[0].relation, free[0].references, free[0].placed = relation, self._subjects(references), True
+            free[0].spans.append(chunk.span)
+        else:
+            self._report(chunk)
+
     def _subject_follows(self, before: str | None, references: list[Mention]) -> bool:
         """Whether a relation that begins a clause is that of the object after it, as in "behind the bus, a cyclist"."""
-        following, after = self._following(), self._following(1)
-        if following.name == "COMMA" and (before in (None, "STOP") or not self._subjects(references)):
-            following = after
+        after = [self._following(further) for further in range(4)]
+        if [one.name for one in after[:3]] == ["COMMA", "position", "COMMA"]:  # "opposite it, on the left, a bus"
+            following = after[3]
+        elif after[0].name == "COMMA" and (before in (None, "STOP") or not self._subjects(references)):
+            following = after[1]
+        else:
+            following = after[0]
         return following.is_object or following.is_unknown
 
     def _subjects(self, references: list[Mention]) -> list[Mention]:
         """The open mentions that can be placed from the references: those that these are not placed from."""
-        return [mention for mention in self._open_known() if not any(_depends(one, mention) for one in references)]
+        return [mention for mention in self._open_known() if not any(depends(one, mention) for one in references)]
 
     def _relate(self, relation: str, references: list[Mention], at: Position) -> None:
         """The open mentions are at this relation to the references, which the next position then places."""
@@ -152,10 +188,7 @@ class PositionReader(ChunkReader):
     def _hand_over(self, position: Position, mention: Mention, references: list[Mention]) -> None:
         """A distance from the ego is that of the first reference, if nothing places it yet; else it is reported."""
         if not references[0].placed and not references[0].references:
-            references[0].at, references[0].placed = (
-                dataclasses.replace(Position(position.places), distance=position.distance),
-                True,
-            )
+            references[0].at = dataclasses.replace(Position(position.places), distance=position.distance)
         else:
             chunks = [chunk for chunk in self.chunks[: self.index] if chunk.span in mention.spans]
             self._report_tokens(token for chunk in chunks for token in chunk.tokens if token.type in _DISTANCES)
@@ -173,14 +206,25 @@ class PositionReader(ChunkReader):
             self._except(chunk, position)
         elif any(mention.kind is None for mention in self.open) and not (listed and self._introduces(strongly=False)):
             self._report(chunk)
+            for mention in self.open:
+                mention.at, mention.spans = mention.at.narrowed(position), [*mention.spans, chunk.span]
         elif sidewalk_only and (listed or not self.open):
             self.notes.sidewalk = True
         elif before == "WITH" and position.spacing and self.host:
             self.open = self.host
             self._attach(position, chunk, listed)
-        elif before in (None, *LINKS) and self._introduces(strongly=not self.open):
-            self.prefix, self.prefix_weak = position, False
+        elif before in (None, *LINKS) and self._introduces(strongly=not self.open or self.relation is not None):
+            between = [chunk.name for chunk in self.chunks[self.prefix_index : self.index - 1]]
+            adjoins = between in (["COMMA"], ["EGO", "COMMA"])  # "in front of us, at 30 m, a bus"
+            self.prefix = self.prefix.narrowed(position) if self.prefix is not None and adjoins else position
+            self.prefix_weak, self.prefix_index = False, self.index
+        elif before in LISTED and {"is", "are"} & set(self._between(chunk, following)):
+            self._report(chunk)  # "and the left lane is free"
         elif self.open:
+            self._end_list(chunk)
+            self._attach(position, chunk, listed)
+        elif before == "STOP" and self._latest_known() and following.name in ("", "STOP"):  # "A bus! 20 m ahead!"
+            self.open = self.latest
             self._attach(position, chunk, listed)
         elif position.sidewalk and before in (None, "WITH", "STOP", ""):
             self.notes.sidewalk = True
@@ -211,12 +255,14 @@ class PositionReader(ChunkReader):
             at = self._fitting(position, chunk, mention)
             mention.spans.append(chunk.span)
             if not mention.placed or mention.weak:
-                mention.at = at
+                mention.at = at if mention.weak else mention.at.narrowed(at)
             elif listed and not self._goes_on(at, mention):
                 if at.only_places and mention.at.only_places:
                     mention.at = mention.at.or_at(at)
                 else:
                     other = dataclasses.replace(mention, at=at, spans=[chunk.span])
+                    if mention.count == 2 and at.distance and mention.at.distance:  # "two cars at 20 m and at 40 m"
+                        mention.count = other.count = 1
                     self.notes.mentions.append(other)
                     self.open[self.open.index(mention)] = other
                     mention = other
@@ -257,10 +303,10 @@ class PositionReader(ChunkReader):
     def _introduces(self, *, strongly: bool) -> bool:
         """Whether an object follows a position at once, or, where nothing is open yet, after a comma."""
         passed = ("EGO", "COMMA", "turn") if strongly else ("EGO", "turn")
-        following = next((c for c in self.chunks[self.index : self.index + 3] if c.name not in passed), END)
+        after = self.chunks[self.index : self.index + 4]
+        if after and after[0].name == "phrase" and after[0].head in ROAD_OF and "THE" in after[0].types:
+            after = after[1:]  # "on the left of the road a car"
+        if strongly and [chunk.name for chunk in after[:3]] == ["EGO", "COMMA", "position"]:
+            after = self.chunks[self.index + 3 : self.index + 6]  # "in front of us, at 30 m, a bus"
+        following = next((c for c in after[:3] if c.name not in passed), END)
         return following.is_object or following.is_unknown
-
-
-def _depends(mention: Mention, other: Mention) -> bool:
-    """Whether a mention is another one, or placed from it."""
-    return mention is other or any(_depends(reference, other) for reference in mention.references)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lark import Token
 
-from lidardraft.drafting.number_words import count_of, exact_count
+from lidardraft.drafting.number_words import Count, count_of, exact_count
 from lidardraft.drafting.object_qualities import add_qualities
 from lidardraft.drafting.sentence_chunks import KIND_OF, Chunk
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
@@ -83,6 +83,24 @@ def known_mention(chunk: Chunk, mentions: list[Mention], subjects: list[Mention]
         if mention.kind == kind or (kind == "vehicle" and SENTENCE_KINDS[mention.kind].is_vehicle):
             return mention
     return None
+
+
+def meant_by(pronoun: str, mentions: list[Mention]) -> list[Mention]:
+    """The last mention that a pronoun can mean: "them" are several."""
+    several = [mention for mention in mentions if mention.count != 1]
+    return (several if (pronoun in ("they", "them") or pronoun.startswith("each")) and several else mentions)[-1:]
+
+
+def count_times(count: Count, each: Count) -> Count:
+    """So many of each of so many; a word for one of the numbers is one for all of them."""
+    if isinstance(count, int) and isinstance(each, int):
+        return count * each
+    return each if count == 1 else count
+
+
+def depends(mention: Mention, other: Mention) -> bool:
+    """Whether a mention is another one, or placed from it."""
+    return mention is other or any(depends(reference, other) for reference in mention.references)
 
 
 def _traffic(chunk: Chunk) -> int | str:

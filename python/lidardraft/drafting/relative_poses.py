@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lidardraft.drafting.parking_bays import LOT_DEPTH
-from lidardraft.drafting.road_pose import BACKWARDS, RoadPose, turned
+from lidardraft.drafting.road_pose import BACKWARDS, RoadPose, turned, walking_yaw
 from lidardraft.drafting.sentence_kinds import SentenceKind
 from lidardraft.scene.road import Road
 
@@ -55,21 +55,27 @@ class Footprint:
 class RelativePoses:
     """Samples poses of an object of `kind` by its `relation` to the `references`; `distance` is a range from them [m].
 
+    `lanes` are the (number, direction) of those that it may be in, all if it is empty.
+
     The relation "row" continues a row: in line with the reference, on the side away from the ego.
     """
 
     road: Road
     kind: SentenceKind
     size: tuple[float, float]
-    parked: bool
+    heading: str | None
     relation: str
     distance: tuple[float, float] | None = None
+    lanes: Sequence[tuple[int, int]] = ()
 
     def sample(
         self, references: Sequence[Footprint], rng: np.random.Generator, number: int, effort: float
     ) -> RoadPose | None:
         """A pose, or None where one of its kind cannot be; `effort` rises from 0 to 1 while nothing fits."""
-        reference, place = references[number % len(references)], number // len(references)
+        turn = number + max(
+            0, int((2 * effort - 1) * len(references))
+        )  # from others too, where the first leaves no room
+        reference, place = references[turn % len(references)], number // len(references)
         if self.relation == "between":
             return self._between(references[0], references[1], rng, effort)
         if self.relation == "opposite":
@@ -92,7 +98,7 @@ class RelativePoses:
             way = -1 if reference.kind.drives else 1
             return self._in_line(reference, way * reference.forwards, rng, effort, place)
         off = reference.half_across + self.size[1] / 2 + self._gap(_CLOSE, rng, effort)
-        along = reference.pose.along + float(rng.uniform(-0.5, 0.5)) * reference.half_along
+        along = reference.pose.along + float(rng.uniform(-0.5, 0.5)) * self._width_of_row(reference, effort, place)
         return self._pose(along, reference.pose.across + reference.side * off, rng, reference)
 
     def _in_front(self, reference: Footprint, rng: np.random.Generator, effort: float, place: int) -> RoadPose | None:
@@ -101,8 +107,12 @@ class RelativePoses:
             way = 1 if reference.kind.drives else -1
             return self._in_line(reference, way * reference.forwards, rng, effort, place)
         off = reference.half_across + self.size[1] / 2 + self._gap(_CLOSE, rng, effort)
-        along = reference.pose.along + float(rng.uniform(-0.6, 0.6)) * reference.half_along
+        along = reference.pose.along + float(rng.uniform(-0.6, 0.6)) * self._width_of_row(reference, effort, place)
         return self._pose(along, reference.pose.across - reference.side * off, rng, reference)
+
+    def _width_of_row(self, reference: Footprint, effort: float, place: int) -> float:
+        """How far along the road those behind one object, or in front of it, reach [m]; more, as they find no room."""
+        return reference.half_along + 2.0 * effort * place * self.size[0]
 
     def _in_line(
         self, reference: Footprint, way: int, rng: np.random.Generator, effort: float, place: int
@@ -178,24 +188,28 @@ class RelativePoses:
         self, across: float, rng: np.random.Generator, reference: Footprint, side: int
     ) -> tuple[float, float]:
         """The nearest place across the road where its kind may be, and the yaw there."""
-        if self.kind.walks or (self.kind.cycles and self.parked):
+        if self.kind.walks and str(self.heading).startswith("across"):
+            return across, walking_yaw(str(self.heading), rng)
+        if self.kind.walks or (self.kind.cycles and self.heading == "parked"):
             return across, float(rng.uniform(-math.pi, math.pi))
         if not self.kind.drives:
             clear = self._verge + self.size[1] / 2 + 0.3
             if "road" not in self.kind.surfaces and abs(across) < clear:
                 across = math.copysign(clear, across)
             return across, 0.0 if across > 0 else BACKWARDS
-        lanes = [(n, 1) for n in range(self.road.lanes)] + [(n, -1) for n in range(self.road.oncoming)]
+        lanes = self.lanes or [(n, 1) for n in range(self.road.lanes)] + [(n, -1) for n in range(self.road.oncoming)]
         ways = [(self.road.lane(n, way), way) for n, way in lanes]
         at_kerb = abs(across) > self.road.edge - self.road.parking
-        if self.road.parking and (self.parked or at_kerb):
+        if self.road.parking and not self.lanes and (self.heading == "parked" or at_kerb):
             ways += [(s * (self.road.edge - self.road.parking / 2), -s) for s in (1, -1)]
-        if reference.kind.drives and self.road.paved_areas:
+        if reference.kind.drives and self.road.paved_areas and not self.lanes:
             ways.append((across, reference.forwards))
         if side:  # beside it, not in its own lane
             ways = [way for way in ways if (way[0] - reference.pose.across) * side > 1.0] or ways
         lane, way = min(ways, key=lambda way: (round(abs(way[0] - across), 2), way))
         same_row = abs(lane - reference.pose.across) < 1.0 and reference.kind.drives
+        if self.heading in ("with", "against"):
+            return lane, turned(rng, 0.0 if self.heading == "with" else BACKWARDS)
         return lane, turned(rng, reference.pose.yaw if same_row else 0.0 if way > 0 else BACKWARDS)
 
     @property

@@ -34,4 +34,10 @@ def turned(rng: np.random.Generator, yaw: float) -> float:
     return yaw + float(rng.normal(0.0, YAW_DEVIATION))
 
 
+def walking_yaw(heading: str, rng: np.random.Generator) -> float:
+    """The yaw [rad] of who walks: across the road, one way or the other, where the `heading` says so, else along it."""
+    way = {"across-left": 1, "across-right": -1}.get(heading) or int(rng.choice([-1, 1]))
+    return (math.pi / 2 if heading.startswith("across") else 0.0) * way + float(rng.normal(0.0, 0.2))
+
+
 BACKWARDS = math.pi  # rad, against the ego's direction

@@ -11,7 +11,7 @@ import numpy as np
 
 from lidardraft.drafting.junction_poses import STOP_LINE, at_corner, half_of, in_turn, on_crossing_road, on_ring
 from lidardraft.drafting.parking_bays import LOT_DEPTH, in_aisle, in_bay
-from lidardraft.drafting.road_pose import BACKWARDS, PoseSampler, RoadPose, alternate, turned
+from lidardraft.drafting.road_pose import BACKWARDS, PoseSampler, RoadPose, alternate, turned, walking_yaw
 from lidardraft.drafting.scene_spec import ObjectGroup, split_place
 from lidardraft.drafting.sentence_kinds import SentenceKind
 from lidardraft.drafting.set_back import set_back
@@ -87,13 +87,13 @@ def _junction_zone(
         return Zone((junction, junction), on_ring(road) if ring else in_turn(road, str(group.heading)))
     if not group.at_junction or kind.at_junction:
         return None
-    if kind.walks and group.heading != "across":
+    if kind.walks and not group.walks_across:
         return Zone((junction, junction), at_corner(road, sides), len(sides))
     if kind.drives and group.heading != "parked":
         if road.roundabout_radius is not None and group.heading is None:
             return Zone((junction, junction), on_ring(road))
         stop = junction - half_of(road) - STOP_LINE
-        lanes = _lanes(group, "front", "left" if sides == (1,) else "right" if sides == (-1,) else "", road)
+        lanes = lanes_of(group, "front", "left" if sides == (1,) else "right" if sides == (-1,) else "", road)
         return Zone((stop - 3.0, max(NEAREST, stop - QUEUE_BEFORE)), _lane(road, lanes, kind, group.heading))
     near = junction - half_of(road) - road.sidewalk
     if kind.drives:
@@ -114,7 +114,7 @@ def _driven(group: ObjectGroup, kind: SentenceKind, fore: str, side: str, sides:
         return Zone(span, _sidewalk(road, sides), len(sides))
     if not fore:
         span = _span(group, fore, road, 60.0)
-    lanes = _lanes(group, fore, side, road)
+    lanes = lanes_of(group, fore, side, road)
     if group.lane == "each":
         return Zone(span, _in_turns(lanes, lambda lane: _lane(road, [lane], kind, group.heading)))
     return Zone(span, _lane(road, lanes, kind, group.heading, side))
@@ -176,7 +176,7 @@ def each_lane(group: ObjectGroup, road: Road) -> list[tuple[int, int]]:
     return {"with": own, "against": oncoming or own}.get(str(group.heading), own + oncoming)
 
 
-def _lanes(group: ObjectGroup, fore: str, side: str, road: Road) -> list[tuple[int, int]]:
+def lanes_of(group: ObjectGroup, fore: str, side: str, road: Road) -> list[tuple[int, int]]:
     """(number, direction) of the lanes that fit, the ego's own first where it does."""
     if group.lane == "each":
         return each_lane(group, road)
@@ -237,13 +237,13 @@ def _sidewalk(road: Road, sides: tuple[int, ...]) -> PoseSampler:
 
 def _person(group: ObjectGroup, fore: str, side: str, sides: tuple[int, ...], road: Road) -> Zone:
     """People walk on the sidewalk, unless they cross, are wanted on the road, or are simply in front or behind."""
-    if group.heading == "across":
+    if group.walks_across:
         span = _span(group, fore or "front", road, 35.0)
         if road.junction is not None and group.distance is None and fore in ("", "front"):
             span = (road.junction - road.verge - 2.0, road.junction - road.edge - 0.5)
-        return Zone(span, _carriageway(road, sides, math.pi / 2))
+        return Zone(span, _carriageway(road, sides, str(group.heading)))
     if group.surface == "road":
-        return Zone(_span(group, fore, road, 35.0), _carriageway(road, sides, 0.0))
+        return Zone(_span(group, fore, road, 35.0), _carriageway(road, sides))
     if group.lane is not None:
         return Zone(_span(group, fore, road, 35.0), _on_foot(group, fore, side, road))
     if group.surface is None and fore in ("front", "behind") and not side:
@@ -253,19 +253,19 @@ def _person(group: ObjectGroup, fore: str, side: str, sides: tuple[int, ...], ro
     return Zone(_span(group, fore, road, 40.0), _sidewalk(road, sides), len(sides))
 
 
-def _carriageway(road: Road, sides: tuple[int, ...], turn: float) -> PoseSampler:
+def _carriageway(road: Road, sides: tuple[int, ...], heading: str = "") -> PoseSampler:
     def sample(rng: np.random.Generator, along: float, _number: int, _effort: float) -> RoadPose:
         low, high = (-(road.edge - 0.5), road.edge - 0.5)
         if len(sides) == 1:
             low, high = (0.0, high) if sides[0] > 0 else (low, 0.0)
-        yaw = turn * float(rng.choice([-1, 1])) + float(rng.normal(0.0, 0.2))
+        yaw = walking_yaw(heading, rng)
         return RoadPose(along, float(rng.uniform(low, high)), yaw)
 
     return sample
 
 
 def _on_foot(group: ObjectGroup, fore: str, side: str, road: Road) -> PoseSampler:
-    lanes = _lanes(group, fore, side, road)
+    lanes = lanes_of(group, fore, side, road)
     return _in_turns(lanes, lambda lane: _in_lane(road, [lane])) if group.lane == "each" else _in_lane(road, lanes)
 
 

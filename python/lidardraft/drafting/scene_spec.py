@@ -179,6 +179,11 @@ class ObjectGroup:
         return self.heading is not None and self.heading.startswith("across") and self.record.drives
 
     @property
+    def walks_across(self) -> bool:
+        """Whether it crosses the ego's road on foot."""
+        return self.heading is not None and self.heading.startswith("across") and self.record.walks
+
+    @property
     def turns(self) -> bool:
         """Whether it drives from one road into another."""
         return self.heading is not None and self.heading.startswith("turning") and self.record.drives

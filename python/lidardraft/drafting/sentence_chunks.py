@@ -25,6 +25,8 @@ STATES = ("PARKED", "MOVING", "DOING", "QUEUEING", "CROSSING", "ONCOMING")
 _NOUNS = (*KIND_OF, *ROAD_OF, "TRAFFIC", "LANE", "COMPOUND")
 _OBJECTS = (*KIND_OF, "TRAFFIC")
 _ARTICLES = ("A", "THE")
+LISTED = ("AND", "OR", "COMMA")
+LINKS = ("WITH", "STOP", "EXCEPT", *LISTED)
 _FALSE_NOUNS = ("ed", "ing", "ly")  # endings of words that say more of the noun before them
 
 
@@ -94,6 +96,15 @@ def _one_noun_each(tokens: list[Token]) -> Iterator[list[Token]]:
             part = []
 
 
+def _is_verb_before_subject(chunks: list[Chunk]) -> bool:
+    """Whether a clause ends with a place and a verb, as "on the left stand", so that the subject is to come."""
+    if len(chunks) < 2 or not (chunks[-1].name == "phrase" and chunks[-1].types <= set(STATES)):
+        return False
+    before = len(chunks) - 2
+    before -= chunks[before].name == "PRONOUN" or chunks[before].is_object
+    return before >= 0 and chunks[before].name == "position" and (before == 0 or chunks[before - 1].name in LINKS)
+
+
 def _joined(chunks: list[Chunk]) -> list[Chunk]:
     """Without the prepositions that no object follows, and with positions that then adjoin as one."""
     found: list[Chunk] = []
@@ -104,6 +115,8 @@ def _joined(chunks: list[Chunk]) -> list[Chunk]:
                 continue
         if chunk.name == "position" and found and found[-1].name == "position":
             found[-1] = Chunk("position", [*found[-1].tokens, *chunk.tokens])
+        elif chunk.is_object and _is_verb_before_subject(found):
+            found[-1] = Chunk("phrase", [*found[-1].tokens, *chunk.tokens])
         else:
             found.append(chunk)
     return found

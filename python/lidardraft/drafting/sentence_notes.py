@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from dataclasses import dataclass, field
 
 from lidardraft.drafting.positions import Place, Position
@@ -10,6 +11,10 @@ from lidardraft.drafting.scene_spec import ObjectGroup, RoadSpec, SceneSpec
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 
 Span = tuple[int, int]  # of characters of the sentence: from and to
+_HYPHENED_TO, _HYPHENED = (
+    re.compile(r"([^\W\d]+-)*$"),
+    re.compile(r"(-[^\W\d]+)*"),
+)  # the rest of a word such as "lay-by"
 _SIDES = ("left", "right")
 _BESIDE_EACH_OTHER = 1.0  # m between people in a queue; estimate of ours
 _QUEUE_GAP = 2.5  # m between vehicles in a queue; estimate of ours
@@ -30,6 +35,7 @@ class Mention:
     heading: str | None = None
     on_road: bool = False
     in_queue: bool = False
+    ridden: bool = False
     placed: bool = False
     weak: bool = False
     size: list[float | None] = field(default_factory=lambda: [None, None, None])
@@ -55,6 +61,9 @@ class Mention:
             spacing = spacing or (kind.sizes.largest[0] if kind.sizes else 6.0) + _QUEUE_GAP
         elif self.in_queue and kind.walks:
             spacing = spacing or _BESIDE_EACH_OTHER
+        standing = bool(self.references) and not any(_moves(str(one.kind)) for one in self.references)
+        if kind.cycles and heading is None and standing and not self.ridden:
+            heading = "parked"  # a bicycle at a wall
         if at.on_road and kind.is_vehicle and heading is None:
             lane = lane or "own"
         in_road = (self.on_road or at.on_road) and {"road", "sidewalk"} <= set(kind.surfaces)
@@ -65,7 +74,7 @@ class Mention:
             places=places or (("front",) if self.in_queue and kind.drives and not references else ()),
             not_places=tuple(dict.fromkeys(_named(place) for place in self.not_at if any(place))),
             surface="sidewalk" if at.sidewalk and "sidewalk" in kind.surfaces else "road" if in_road else None,
-            lane=lane if "road" in kind.surfaces and not references else None,
+            lane=lane if "road" in kind.surfaces and (not references or kind.is_vehicle) else None,
             at_junction=at.at_junction,
             heading=heading,
             distance=at.distance,
@@ -95,6 +104,7 @@ class SentenceNotes:
     mentions: list[Mention] = field(default_factory=list)
     road: str | None = None
     lanes: int = 0
+    usual_lanes: int = 0
     oncoming_lanes: int = 0
     each_way: bool = False
     one_way: bool = False
@@ -107,6 +117,8 @@ class SentenceNotes:
         """The words of the text that say nothing here; what adjoins is one."""
         joined: list[Span] = []
         for start, end in sorted(self.unclear):
+            start -= len(_HYPHENED_TO.search(self.text[:start])[0])  # type: ignore[index]
+            end += len(_HYPHENED.match(self.text[end:])[0])  # type: ignore[index]
             if joined and not self.text[joined[-1][1] : start].strip():
                 joined[-1] = (joined[-1][0], max(end, joined[-1][1]))
             else:
@@ -116,7 +128,7 @@ class SentenceNotes:
     @property
     def empty(self) -> bool:
         """Whether nothing at all was understood."""
-        said = self.mentions or self.road or self.lanes or self.settings or self.one_way
+        said = self.mentions or self.road or self.lanes or self.usual_lanes or self.settings or self.one_way
         return not said and self.sidewalk is None
 
     def spec(self) -> SceneSpec:
@@ -124,8 +136,9 @@ class SentenceNotes:
         divided = [mention for mention in self.mentions if mention.count != 0 and self._is_divided(mention)]
         for whole in divided:
             for part in self.mentions:
-                if part.same_as is whole and whole.placed:
-                    part.at = whole.at.narrowed(part.at)
+                if part.same_as is whole:
+                    part.at = whole.at.narrowed(part.at) if whole.placed else part.at
+                    part.heading, part.size, part.scale = part.heading or whole.heading, whole.size, whole.scale
         wanted = [mention for mention in self.mentions if mention.count != 0 and mention not in divided]
         denied = [mention for mention in self.mentions if mention.count == 0]
         for mention in wanted:
@@ -146,10 +159,15 @@ class SentenceNotes:
             and mention.heading is None
             and not (_is_off_the_road(mention) and mention.kind in walking)
         }
-        number_of = {id(mention): number for number, mention in enumerate(wanted)}
         groups = [
             mention.group(
-                tuple(number_of[id(one)] for one in mention.references if id(one) in number_of), self._words(mention)
+                tuple(
+                    number
+                    for reference in mention.references
+                    for number, one in enumerate(wanted)
+                    if one is reference or (reference in divided and one.same_as is reference)
+                ),
+                self._words(mention),
             )
             for mention in wanted
         ]
@@ -182,7 +200,7 @@ class SentenceNotes:
     def _road_spec(self, needs_sidewalk: bool) -> RoadSpec:
         kind = self.road or "straight"
         whole = kind == "motorway" or self.each_way or self.one_way
-        number = self.lanes or self._lanes_filled()
+        number = self.lanes or self._lanes_filled() or self.usual_lanes
         lanes = number if whole else (number + 1) // 2
         oncoming = number // 2 if number % 2 and not whole else self.oncoming_lanes if kind != "motorway" else 0
         sidewalk = self.sidewalk if self.sidewalk is not None or "RURAL" not in self.settings else False
@@ -236,6 +254,10 @@ def keep_away(mention: Mention, no: Position) -> None:
         mention.at = mention.at.without(no)
     else:
         mention.not_at += [place for place in no.places if any(place)]
+
+
+def _moves(kind: str) -> bool:
+    return SENTENCE_KINDS[kind].drives or SENTENCE_KINDS[kind].walks
 
 
 def _drives(kind: str | None, heading: str | None) -> bool:

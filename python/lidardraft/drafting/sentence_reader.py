@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import dataclasses
 
-from lidardraft.drafting.chunk_reader import LISTED
 from lidardraft.drafting.number_words import COUNT_TYPES, count_of, exact_count, unclear_counts
 from lidardraft.drafting.object_qualities import add_qualities
 from lidardraft.drafting.position_reader import PositionReader
 from lidardraft.drafting.positions import Position
 from lidardraft.drafting.references import known_mention, mention_of
-from lidardraft.drafting.sentence_chunks import JUNCTIONS, KIND_OF, ROAD_OF, SETTINGS, Chunk
+from lidardraft.drafting.sentence_chunks import JUNCTIONS, KIND_OF, LISTED, ROAD_OF, SETTINGS, STATES, Chunk
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.sentence_notes import Mention, SentenceNotes
 
@@ -47,6 +46,9 @@ class SentenceReader(PositionReader):
         if chunk.name in ("WITH", "STOP"):
             self.host = self.open if chunk.name == "WITH" and self._before() == "" else []
             self.open, self.prefix, self.denial = [], None, ""
+            if len(self.host) == 1 and self.host[0].kind is None and any(self.host[0].at.places[0]):
+                # "a petrol station on the right with two cars"
+                self.prefix, self.prefix_weak, self.prefix_index = Position(self.host[0].at.places), True, self.index
         elif chunk.name == "EGO":
             self.has_ego = True
         elif chunk.name == "PRONOUN" and not self.open:
@@ -96,7 +98,7 @@ class SentenceReader(PositionReader):
             self._road(chunk)
         elif head == "LANE":
             self._lanes(chunk)
-        elif chunk.types <= {*COUNT_TYPES, "A", "THE", "ANOTHER"}:
+        elif chunk.types <= {*COUNT_TYPES, "A", "THE", "ANOTHER"} or self._is_part(chunk):
             self._ellipsis(chunk)
         else:
             self._state(chunk)
@@ -108,7 +110,7 @@ class SentenceReader(PositionReader):
         if before == "WITH" and self.host and not any(mention.placed for mention in self.host):
             self.open = self.host
         elif before != "" or not self.open or any(mention.placed for mention in self.open):
-            self.open = self.latest = [Mention(None)]
+            self.open = self.latest = [Mention(None, at=self.prefix or Position())]
             self.relation = None
 
     def _ellipsis(self, chunk: Chunk) -> None:
@@ -116,20 +118,37 @@ class SentenceReader(PositionReader):
         last = self.notes.mentions[-1] if self.notes.mentions else None
         following = self._following()
         unclear = unclear_counts(chunk.tokens) or self._before(1) not in (*LISTED, "STOP", "WITH")
-        if last is None or unclear or following.name not in ("position", "turn"):
+        goes_on = following.name in ("position", "turn") or self._is_part(chunk)
+        if last is None or unclear or not goes_on:
             self._report(chunk)
             return
         count = count_of(chunk.tokens)
         self.open = []
         parked = "parked" if last.heading == "parked" else None
         one = 1 if count == "some" and not chunk.types & {"SOME", "ANOTHER"} else count
-        self._put(chunk, Mention(last.kind, one, heading=parked, spans=[chunk.span], same_as=last.same_as or last))
+        part = Mention(last.kind, one, heading=parked, spans=[chunk.span], same_as=last.same_as or last)
+        add_qualities(part, chunk.tokens)
+        self._put(chunk, part)
+
+    def _is_part(self, chunk: Chunk) -> bool:
+        """Whether a phrase without a noun tells what some of those before do, as "the other one is waiting"."""
+        first, types = chunk.tokens[0].type, {*COUNT_TYPES, "THE", "ANOTHER", "QUIET", *STATES}
+        summed = self.notes.mentions[-1:] and self.notes.mentions[-1].same_as is not None
+        return (
+            bool(summed)
+            and first in ("NUMBER", "ANOTHER")
+            and chunk.types <= types
+            and chunk.types & set(STATES) != set()
+        )
 
     def _state(self, chunk: Chunk) -> None:
         """Words without a noun: how the objects before them stand or move, and how large they are."""
+        self._end_list(chunk)
         for mention in self.open:
-            if mention.kind is None:
+            if mention.kind is None or ("NO" in chunk.types and chunk.types & set(STATES)):
                 self._report(chunk)
+                if chunk.types & {"PARKED", "ONCOMING"} and mention.kind is not None:  # "none of them parked"
+                    mention.heading = "with"
             else:
                 add_qualities(mention, chunk.tokens)
                 mention.spans.append(chunk.span)
@@ -153,7 +172,9 @@ class SentenceReader(PositionReader):
         mention = mention_of(chunk)
         kind = SENTENCE_KINDS[str(mention.kind)]
         before = self._previous()
-        known = known_mention(chunk, self.notes.mentions, []) if self._before(1) == "STOP" else None
+        known = known_mention(chunk, self.notes.mentions, []) if self._before(1) in ("STOP", *LISTED) else None
+        if known is not None and self._before(1) != "STOP" and (known.placed or known.relation is not None):
+            known = None
         if self._is_ego(chunk, mention):
             self.has_ego = True
         elif kind.is_ridden and self._is_ridden(chunk, before):
@@ -162,7 +183,7 @@ class SentenceReader(PositionReader):
             if exact_count(chunk.tokens) not in (None, 1, self.open[-1].count):
                 self._report_tokens(t for t in chunk.tokens if t.type in COUNT_TYPES)
         elif before.name == "PREPOSITION" and self._before(2) == "" and self._open_known():
-            self._relate("near", [self._reference(chunk)], Position())
+            self._near(self._reference(chunk, self.open[-1:]))
         elif known is not None:
             known.spans.append(chunk.span)
             self.open = self.latest = [known]
@@ -179,6 +200,8 @@ class SentenceReader(PositionReader):
             self.open = []
         if self.excepting:
             self.excepting = False
+            if str(self._previous().tokens[0]).startswith("but no"):  # "cars but not trucks on the right"
+                self.open = [one for one in self.excepted if one.count != 0 and not one.placed]
             wanted = bool(self.excepted) and self.excepted[-1].count != 0
             mention.count = 0 if wanted else mention.count
         elif mention.count == 0:
@@ -188,7 +211,7 @@ class SentenceReader(PositionReader):
         if self.turning is not None:
             mention.heading, self.turning = self.turning, None
         if self.prefix is not None:
-            mention.at, mention.placed, mention.weak = self.prefix, True, self.prefix_weak
+            mention.at, mention.placed, mention.weak = self.prefix, True, self.prefix_weak and self.relation is None
         self.open.append(mention)
         self.latest = self.open
         self.notes.mentions.append(mention)
@@ -202,13 +225,13 @@ class SentenceReader(PositionReader):
         if kind != "straight" or self.notes.road is None:
             self.notes.road = kind
         if chunk.types & {"WIDE", "NARROW"}:
-            self.notes.lanes = self.notes.lanes or (4 if "WIDE" in chunk.types else 2)
+            self.notes.usual_lanes = 4 if "WIDE" in chunk.types else 2
         linked = self._before(2 if self._previous().name == "PREPOSITION" else 1) != ""
         at_junction = chunk.head in JUNCTIONS and "THE" in chunk.types and not linked
         from_junction = at_junction and self._previous().head == "DISTANCE"
         if from_junction:  # where a junction is, is not known yet
             self._report(self._previous())
-        for mention in self.open:
+        for mention in self.open if self.prefix is None or self._previous().name != "position" else []:
             if mention.kind is None:
                 continue
             if from_junction:
@@ -221,9 +244,18 @@ class SentenceReader(PositionReader):
             elif chunk.tokens[0].type == "THE" and self._before(1) not in LISTED:
                 mention.on_road = not mention.placed
 
+    def _near(self, reference: Mention) -> None:
+        """What a queue stands at is near to it, and not each of its vehicles near to that."""
+        queues = [mention for mention in self._open_known() if mention.in_queue]
+        if queues and not reference.placed and not reference.references:
+            reference.relation, reference.references, reference.placed = "near", queues, True
+        else:
+            self._relate("near", [reference], Position())
+
     def _turn(self, chunk: Chunk) -> None:
         """Of a road, or of what drives."""
-        side = "".join(f"{t.type.lower()}" for t in chunk.tokens if t.type != "TURNING")
+        self._end_list(chunk)
+        side = "".join(t.type.lower() for t in chunk.tokens if t.type in ("LEFT", "RIGHT"))
         driven = [m for m in self._open_known() if SENTENCE_KINDS[str(m.kind)].drives]
         heading = f"turning-{side}" if side else "turning"
         if self._previous().head in ROAD_OF or (side and not driven and not self.open):

@@ -17,7 +17,7 @@ from lidardraft.drafting.relation_text import group_relations
 from lidardraft.drafting.relative_poses import Footprint, RelativePoses
 from lidardraft.drafting.road_from_spec import road_from_spec
 from lidardraft.drafting.road_pose import RoadPose
-from lidardraft.drafting.road_zones import Zone, each_lane, zone_of
+from lidardraft.drafting.road_zones import Zone, each_lane, lanes_of, zone_of
 from lidardraft.drafting.scene_spec import ObjectGroup, SceneSpec
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.errors import LayoutError
@@ -41,6 +41,7 @@ def layout_from_spec(spec: SceneSpec, seed: int = 0) -> Layout:
     """
     check_seed(seed)
     urgent: set[int] = set()
+    crowded = False
     most = max((group.fewest or 0 for group in spec.groups), default=0)
     for attempt in range(min(most // _CROWDED, ARRANGEMENTS - 3), ARRANGEMENTS):
         solver = _Solver(spec, seed, attempt)
@@ -48,9 +49,9 @@ def layout_from_spec(spec: SceneSpec, seed: int = 0) -> Layout:
         if failed is None:
             return Layout(primitives=tuple(solver.scene.primitives), provenance=solver.provenance(seed))
         urgent |= with_references(spec, failed)
-        if solver.overcrowded:  # the last arrangement has the most room
-            solver = _Solver(spec, seed, ARRANGEMENTS - 1)
-            if solver.arrange(urgent) is not None and solver.overcrowded:
+        if solver.crowd is not None and not crowded:  # whether those between are worth the time: the last has most room
+            crowded, solver = True, _Solver(spec, seed, ARRANGEMENTS - 1)
+            if solver.arrange(urgent) is not None:
                 break
     raise LayoutError(solver.refusal)
 
@@ -164,7 +165,8 @@ class _Solver:
         length, width, _ = kind.sizes.largest
         sides = (group.scale or (1.0, 1.0))[:2]
         size = tuple((group.size or (None, None))[axis] or (length, width)[axis] * sides[axis] for axis in (0, 1))
-        poses = RelativePoses(self.road, kind, (size[0], size[1]), group.heading == "parked", relation, group.distance)
+        lanes = lanes_of(group, "", "", self.road) if group.lane is not None else ()
+        poses = RelativePoses(self.road, kind, (size[0], size[1]), group.heading, relation, group.distance, lanes)
         for attempt in range(TRIES):
             pose = poses.sample(references, self.rng, index, attempt / TRIES)
             if pose is None or not is_at(pose, place):
@@ -260,6 +262,10 @@ class _Solver:
         rng = self.rng
         near, far = zone.span
         step = (far - near) / wanted
+        # what another object finds no room behind, or in front of, is moved as far as its distance allows
+        referenced = any(self.spec.groups[one] is group for other in self.spec.groups for one in other.references)
+        leeway = self.attempt / ARRANGEMENTS if referenced else 0.0
+        bound = group.distance is not None and group.distance[0] == group.distance[1] == abs(near)
         tries = TRIES * 5 if wanted >= _CROWDED else TRIES
         for attempt in range(tries):
             if group.spacing is not None:
@@ -268,7 +274,13 @@ class _Solver:
                     self.scene.in_the_way["the end of the road"] += 1
                     return
             elif near == far:
-                along = near + math.copysign(_measured_from(kind, attempt / tries), near) if group.distance else near
+                along = (
+                    near + math.copysign(_measured_from(kind, max(leeway, attempt / tries)), near)
+                    if group.distance
+                    else near
+                )
+            elif bound and number < self._times(group) and attempt < tries // 4:  # the first of a row
+                along = near + math.copysign(_measured_from(kind, max(leeway, 2 * attempt / tries)), near)
             elif attempt < tries // 4:
                 along = near + step * (number + float(rng.uniform(0.25, 0.75)))
             else:

@@ -56,7 +56,7 @@ def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
     text = _normalised(sentence)
     if not text:
         raise TextError("the sentence is empty")
-    notes = SentenceReader(text, chunks_of(grammar().parse(text))).read()
+    notes = SentenceReader(text, chunks_of(grammar().parse(_unhyphened(text)))).read()
     if notes.empty:
         parts = f" (unknown as a whole: {_listed(notes.not_understood)})" if notes.not_understood else ""
         raise TextError(f"nothing of {sentence!r} was understood{parts}; name a road, or objects and where they are")
@@ -81,21 +81,24 @@ def _listed(parts: list[str]) -> str:
 
 
 def _normalised(sentence: str) -> str:
-    """Lower case, single blanks, also for what cannot be printed, and for hyphens; symbols as words.
-
-    Hyphens in ranges and in words such as "ten-ton" stay.
-    """
-    text = _UNIT_STOP.sub(r"\1", sentence).lower()
+    """Lower case, single blanks, also for what cannot be printed; symbols as words."""
+    text = _LIST_ITEM.sub("; ", _UNIT_STOP.sub(r"\1", sentence).lower())
+    if max(map(len, text.splitlines()), default=0) <= _LONGEST_ITEM:
+        text = text.strip().replace("\n", "; ")
     text = "".join(character if character.isprintable() else " " for character in text)
     for symbol, plain in _PLAIN.items():
         text = text.replace(symbol, plain)
     for pattern, plain in _SPELLINGS:
         text = pattern.sub(plain, text)
-    text = " ".join(
+    return " ".join(text.split())
+
+
+def _unhyphened(text: str) -> str:
+    """With blanks for hyphens, but for those in ranges and in words such as "ten-ton"."""
+    return " ".join(
         word if NUMBERED_COMPOUND.search(word) else re.sub(r"(?<=[a-z0-9])-(?=[a-z])", " ", word)
-        for word in text.split()
+        for word in text.split(" ")
     )
-    return text
 
 
 _PLAIN = {
@@ -103,9 +106,26 @@ _PLAIN = {
     **{"w/o ": "without ", "w/ ": "with "},
 }
 _UNIT_STOP = re.compile(r"(\d ?(?:m|ft|yd|km))\.(?= [a-z])")  # "10 m. ahead", but not "10 m. A bus"
+_LONGEST_ITEM = 40  # characters of a line, in a text that has one for each object
+_LIST_ITEM = re.compile(r"(?:^|\n)\s*(?:[-*\u2022]|\d{1,2}[.)]) (?=\S)")  # of one that has a line for each
 _SPELLINGS = (
+    (re.compile(r"@ ?(?=\d)"), " at "),
+    (re.compile(r"~ ?(?=\d)"), "about "),
+    (re.compile(r"(?:>=|\u2265) ?(?=\d)"), "at least "),
+    (re.compile(r"(?:<=|\u2264) ?(?=\d)"), "at most "),
+    (re.compile(r"> ?(?=\d)"), "more than "),
+    (re.compile(r"< ?(?=\d)"), "less than "),
+    (re.compile(r"\b([a-z]{2,})(?:: ?| ?= ?)(\d{1,9})(?= *(?:[,;.)\n]|$|and\b))"), r"\2 \1"),  # "cars: 3"
+    (re.compile(r"(?<=\d) - (?=\d)"), "-"),
+    (re.compile(rf"(\d) ?({UNIT})(?: to | ?- ?)(?=\d[\d.,]* ?\2)"), r"\1 to "),  # "10 m to 20 m"
+    (re.compile(rf"\b(between \d[\d.,]*) ?({UNIT}) and (?=\d[\d.,]* ?\2)"), r"\1 and "),
+    (re.compile(r" - "), ", "),
+    (re.compile(r"\band/or\b"), "or"),
+    (re.compile(r"(?<=[a-z]) ?/ ?(?=[a-z\d])(?![hs]\b)"), ", "),  # "cars/trucks", but not "km/h"
     (re.compile(r"\b(there|it|that|here|who)'s\b"), r"\1 is"),
     (re.compile(r"\b(i|we|you|they)'(?:m|re|ve|d|ll)\b"), r"\1"),
+    (re.compile(r"(?<!in )(?<!the )\bfront: "), "in front "),
+    (re.compile(r"(?<!the )\b(?:rear|back): "), "behind "),
     (re.compile(r"\b(left|right|ahead|behind|front|sides?|back|rear|background|foreground): "), r"\1 "),
     (re.compile(r"\b(?:nobody|no one|no body)\b(?! way)"), "no people"),
     (re.compile(r"\b(?:on|to|at) (?:its|his|her|their) (left|right)(?: (?:hand )?side)?\b"), r"to the \1 of it"),
@@ -113,5 +133,6 @@ _SPELLINGS = (
     (re.compile(r": "), ", "),
     (re.compile(r"(?<![\w.,-])(\d{1,9}) ?x (?=[a-z]{2})"), r"\1 "),  # "2x cars"
     (re.compile(r"(?<![\w-])([a-z]{2,}) \(?x ?(\d{1,9})\)?(?![\w.,-])"), r"\2 \1"),  # "cars x3"
+    (re.compile(r"(?<![\w-])([a-z]{2,}) ?\((\d{1,9})\)"), r"\2 \1,"),  # "cars (3)"
     (re.compile(r" ?[()]"), ", "),
 )
