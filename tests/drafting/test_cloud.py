@@ -77,13 +77,50 @@ def test_things_become_numbered_boxes_where_they_are(numbered):
         np.testing.assert_allclose(car.size, (4.2, 1.8, 1.5), atol=0.4)
 
 
-def test_a_thing_does_not_grow_over_ground_that_was_seen():
-    # The side of a car 2.4 m long, the rest hidden: by its length it could be a back, but the road behind it was seen.
-    side = [[x, 6.0, z] for x in np.arange(8, 10.4, 0.1) for z in np.arange(-1.6, -0.3, 0.1)]
-    road = [[x, y, -1.73] for x in np.arange(4, 16, 0.25) for y in np.arange(-2, 12, 0.25) if y < 6 or y > 8.2]
-    labels = np.array([BY_NAME["car"].id] * len(side) + [BY_NAME["road"].id] * len(road))
-    (car,) = layout_from_cloud(np.array(side + road), labels).boxes()
-    assert car.center[1] + (abs(math.sin(car.yaw)) * car.size[0] + abs(math.cos(car.yaw)) * car.size[1]) / 2 < 8.5
+def standing_alone(label, yaw, at, size=None):
+    """Points and labels of one object on a road, and the object. The road shows under it, and its foot reads as road."""
+    size = size or BY_NAME[label].size
+    center = (12.0 * math.cos(at), 12.0 * math.sin(at), (0.3 + size[2]) / 2)
+    placed = primitive("box", center, (*size[:2], size[2] - 0.3), label, "object", yaw=yaw, instance=1)
+    image = raycast(Layout(primitives=(STREET["road"], STREET["terrain"], placed)), SENSOR)
+    points, labels = image.points(), image.label[image.valid]
+    labels = np.where(points[:, 2] + SENSOR.mount_height < 0.4, BY_NAME["road"].id, labels)
+    return points, labels, placed
+
+
+def overlap(a, b):
+    """Intersection over union of two boxes seen from above, on a grid of 0.1 m."""
+    x, y = np.meshgrid(np.arange(-30, 30, 0.1), np.arange(-30, 30, 0.1))
+    inside = []
+    for one in (a, b):
+        cos, sin = math.cos(one.yaw), math.sin(one.yaw)
+        u, v = x - one.center[0], y - one.center[1]
+        inside.append((abs(cos * u + sin * v) < one.size[0] / 2) & (abs(cos * v - sin * u) < one.size[1] / 2))
+    return np.count_nonzero(inside[0] & inside[1]) / np.count_nonzero(inside[0] | inside[1])
+
+
+@pytest.mark.parametrize("label", ["car", "truck", "bus", "motorcycle", "rider"])
+@pytest.mark.parametrize("degrees", range(0, 180, 30))
+def test_an_object_seen_from_one_side_is_completed_over_the_road_seen_under_it(label, degrees):
+    points, labels, placed = standing_alone(label, math.radians(degrees), at=0.5)
+    (box,) = layout_from_cloud(points, labels, detail="objects").boxes()
+    assert overlap(box, placed) > 0.65
+
+
+@pytest.mark.parametrize("size", [(3.2, 1.5, 1.5), (4.8, 2.0, 1.8), (5.4, 2.0, 2.2)])
+@pytest.mark.parametrize("degrees", range(0, 180, 30))
+def test_small_cars_and_vans_are_completed_too(size, degrees):
+    points, labels, placed = standing_alone("car", math.radians(degrees), at=-0.8, size=size)
+    (box,) = layout_from_cloud(points, labels, detail="objects").boxes()
+    assert overlap(box, placed) > 0.5
+
+
+@pytest.mark.parametrize("degrees", [25, 45, 65])
+def test_an_object_does_not_grow_to_where_rays_passed(degrees):
+    # both sides of a car much smaller than others; what is behind it was seen past it
+    points, labels, placed = standing_alone("car", math.radians(degrees), at=0.0, size=(2.2, 1.5, 1.2))
+    (box,) = layout_from_cloud(points, labels).boxes()
+    assert overlap(box, placed) > 0.7
 
 
 def test_the_layout_says_where_it_came_from_and_stays_the_same():

@@ -82,21 +82,33 @@ def test_the_length_lies_along_the_yaw():
     assert box.yaw == pytest.approx(0.2 - math.pi / 2)
 
 
-def test_the_second_choice_is_the_other_way_round_and_the_last_what_was_seen():
+def test_the_second_choice_is_the_other_way_round_then_small_ones_and_last_what_was_seen():
     seen = FittedBox(center=np.array([10.0, 0.0, 0.7]), size=np.array([0.2, 2.1, 1.4]), yaw=0.0)
-    along, across, itself = completions(seen, CAR)
+    along, across, small_along, small_across, itself = completions(seen, CAR)
     np.testing.assert_allclose(along.size, (4.2, 2.1, 1.4))
     np.testing.assert_allclose(across.size, (4.2, 1.8, 1.4))
     assert abs(across.yaw) == pytest.approx(math.pi / 2)
-    np.testing.assert_allclose(sorted(itself.size), (0.2, 1.4, 2.1))
+    np.testing.assert_allclose(small_along.size, (0.7 * 4.2, 2.1, 1.4))
+    np.testing.assert_allclose(small_across.size, (0.7 * 4.2, 0.7 * 1.8, 1.4))
+    np.testing.assert_allclose(itself.size, (2.1, 0.7 * 1.8, 1.4))
+
+
+@pytest.mark.parametrize(
+    "sides", [(0.1, 0.1), (0.65, 1.4), (2.2, 0.65), (2.7, 1.2), (4.6, 0.3), (1.9, 1.9), (6.0, 2.0)]
+)
+def test_no_choice_is_narrower_than_an_object_of_the_class_may_be(sides):
+    seen = FittedBox(center=np.array([10.0, -4.0, 0.7]), size=np.array([*sides, 1.4]), yaw=0.4)
+    for box in completions(seen, CAR):
+        assert min(box.size[:2]) >= 0.7 * 1.8 - 1e-9
+        assert max(box.size[:2]) >= max(sides)
 
 
 def test_a_side_too_long_for_a_width_is_a_part_of_the_length():
     # 2.4 m of the side of a car whose other end is hidden, 8 m to the left
     seen = FittedBox(center=np.array([2.0, 8.0, 0.7]), size=np.array([2.4, 0.2, 1.4]), yaw=0.0)
-    box = completions(seen, CAR)[0]
-    np.testing.assert_allclose(box.size, (4.2, 1.8, 1.4))
-    assert box.yaw == 0.0
+    for box in completions(seen, CAR)[:2]:
+        np.testing.assert_allclose(box.size, (4.2, 1.8, 1.4))
+        assert box.yaw == 0.0
 
 
 def test_a_box_contains_what_is_over_its_footprint():

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from lidardraft.drafting.cloud_rules import (
     DETAILS,
-    FRONT_DEPTH,
     HANGING_CLASSES,
     HANGING_HEIGHT,
+    MIN_EXTENT,
     MIN_POINTS,
     OTHER_REACH,
     POST_CLASSES,
@@ -27,7 +27,12 @@ from lidardraft.errors import LayoutError, check_type, one_of
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import CLASSES, GROUND, NUM_CLASSES, SemanticClass
 
-_STRAY = 10  # points; fewer of the ground within an object are noise
+# Rays that went through a box speak against it, unless they are as few as this, or as this share of its points.
+_STRAY, _STRAY_SHARE = 10, 0.1
+_TOUCHING = 0.3  # of the usual width of a class: a cluster whose middle is so near to an object has no room of its own
+# The outline of a car is no box's: rays see the road under it and pass over its hood [m], and a fitted box is turned by
+# some degrees; only what passes through this share of its length and width passed through it.
+_CLEARANCE, _ROUNDED, _CORE = 0.3, 0.1, 0.8
 _FURTHEST = 1000.0  # m; no sensor sees further
 
 
@@ -63,8 +68,8 @@ def layout_from_cloud(
         raise LayoutError(f"detail is {detail!r}; it must be {one_of(DETAILS, detail)}")
     points = points.astype(np.float64) + np.array([0.0, 0.0, sensor_height])
     ground = HeightField(points, labels)
-    shapes, pieces = _clustered(points, labels, instances, ground, DETAILS[detail])
     rays = Rays(points, np.array([0.0, 0.0, sensor_height]))
+    shapes, pieces = _clustered(rays, labels, instances, ground, DETAILS[detail])
     others = [_primitive(*shape, str(index), index) for index, shape in enumerate(shapes)]
     pieces = refined(pieces, rays, [*others, *ground.primitives()], DETAILS[detail])
     objects = [[shape] for shape in shapes]
@@ -81,9 +86,10 @@ Shape = tuple[str, FittedBox, int]  # the name of the shape, where it is, and th
 
 
 def _clustered(
-    points: np.ndarray, labels: np.ndarray, instances: np.ndarray, ground: HeightField, detail: Detail
+    rays: Rays, labels: np.ndarray, instances: np.ndarray, ground: HeightField, detail: Detail
 ) -> tuple[list[Shape], list[Piece]]:
     """The objects that stay whole, and the clusters of what may be cut in pieces."""
+    points = rays.points
     shapes: list[Shape] = []
     pieces: list[Piece] = []
     for row in CLASSES:
@@ -92,7 +98,7 @@ def _clustered(
             continue
         groups = _groups(row, points, mine, instances, detail)
         if row.size is not None:
-            found = [("box", box) for box in _objects(row.size, points, groups, ground)]
+            found = [("box", box) for box in _objects(row, row.size, list(groups), ground, rays)]
         elif row.name in POST_CLASSES:
             found = [("cylinder", fit_post(points[members])) for members in groups]
         elif row.name == "traffic-sign":
@@ -107,16 +113,39 @@ def _clustered(
 
 
 def _objects(
-    size: tuple[float, float, float], points: np.ndarray, groups: Iterator[np.ndarray], ground: HeightField
+    row: SemanticClass, size: tuple[float, float, float], groups: list[np.ndarray], ground: HeightField, rays: Rays
 ) -> list[FittedBox]:
     """A box around each group, with the sides that were not seen."""
+    if not groups:
+        return []
+    seen = [fit_box(rays.points[members]) for members in groups]
+    choices = [completions(box, size) for box in seen]
+    passed = np.array([_passed(boxes, row, ground, rays) for boxes in zip(*choices, strict=True)])
+    strays = np.maximum(_STRAY, _STRAY_SHARE * np.array([len(members) for members in groups]))
+    # rays that pass through what was seen, as through windows, do not tell one choice from the other
+    best = np.argmin(np.maximum(passed - passed[-1], strays), axis=0)
     found: list[FittedBox] = []
-    for members in groups:
-        seen = fit_box(points[members])
-        # A cluster in the middle of a larger object, such as a seat behind a window, is a part of it.
-        if not any(box.contains(seen.center[None])[0] for box in found):
-            found.append(_completed(seen, size, ground.points))
+    for box, boxes, choice in zip(seen, choices, best.tolist(), strict=True):
+        # A cluster in or on a larger object, such as a seat behind a window or a far corner, is a part of it.
+        if not any(other.contains(box.center[None], -_TOUCHING * size[1])[0] for other in found):
+            found.append(boxes[choice])
     return found
+
+
+def _passed(boxes: Sequence[FittedBox], row: SemanticClass, ground: HeightField, rays: Rays) -> np.ndarray:
+    """How many rays went through each box [N] of a class and ended behind it."""
+    heights = ground.height(np.array([box.center[:2] for box in boxes]))
+    cores = [_core(box, height) for box, height in zip(boxes, heights.tolist(), strict=True)]
+    hits = rays.cast([_primitive("box", core, row.id, str(index), 1) for index, core in enumerate(cores)])
+    return hits.per_piece(hits.too_near, len(boxes))
+
+
+def _core(box: FittedBox, height: float) -> FittedBox:
+    """What of a box, on ground of a height, no ray goes through if it is that of an object."""
+    top = box.center[2] + box.size[2] / 2 - _ROUNDED
+    bottom = min(height + _CLEARANCE, top - MIN_EXTENT)
+    center, size = [*box.center[:2], (bottom + top) / 2], [*(_CORE * box.size[:2]), top - bottom]
+    return replace(box, center=np.array(center), size=np.array(size))
 
 
 def _check_points(points: np.ndarray) -> None:
@@ -143,13 +172,6 @@ def _check_labels(labels: np.ndarray, instances: np.ndarray, count: int) -> None
         raise LayoutError(f"point {unknown[0]} has label {labels[unknown[0]]}; it must be 0 to {NUM_CLASSES - 1}")
     if not labels.any():
         raise LayoutError(f"all {count} points have label 0, unlabelled; a layout needs points with a class")
-
-
-def _completed(seen: FittedBox, size: tuple[float, float, float], ground: np.ndarray) -> FittedBox:
-    """The likeliest whole object that does not stand on ground that was seen, or stands on the least of it."""
-    boxes = completions(seen, size)
-    covered = [np.count_nonzero(box.contains(ground, FRONT_DEPTH)) for box in boxes]
-    return boxes[int(np.argmin(np.maximum(covered, _STRAY)))]
 
 
 def _groups(

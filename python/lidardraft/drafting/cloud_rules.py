@@ -16,13 +16,12 @@ OTHER_REACH = 0.5  # m, of all other classes
 REACH_PER_RANGE = 0.01  # m more for each metre from the sensor
 MIN_POINTS = 6  # of a cluster
 
-# Boxes and facades.
+# Boxes.
 MIN_EXTENT = 0.1  # m, of any shape
 SEEN_WHOLE = 0.7  # of the usual extent of a class: a side at least this long was seen whole, and is not completed
 # A side seen longer than so many widths of the class is a length: of 1.1 to 1.67, the smaller ones find the most of the
 # cars that PandaSet has boxes around (Xiao et al., ITSC 2021; CC BY 4.0).
 LONGER_THAN_WIDE = 1.25
-FRONT_DEPTH = 0.4  # m; points nearer to the front of their box than this lie on it
 
 # Crowns.
 LONGEST_CROWN = 8.0  # m; longer hedges and rows of trees are tiled

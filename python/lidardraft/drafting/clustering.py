@@ -116,23 +116,28 @@ def _distance_to_edge(positions: np.ndarray) -> np.ndarray:
 
 
 def completions(box: FittedBox, size: tuple[float, float, float]) -> list[FittedBox]:
-    """The boxes that an object may have of which `box` was seen: likeliest first, `box` itself last.
+    """The five boxes that an object may have of which `box` was seen, likeliest first.
 
     `size` is the usual (length, width, height) [m] of its class.
 
-    The longer side seen is the length if it is too long for a width of the class, or else the width; the second choice
-    is the other way round. Sides grow away from the sensor; one of at least 0.7 of the class's was seen whole and does
-    not grow.
+    The longer side seen is the length if it is too long for a width of the class, or else the width, or second the
+    length again. A side of at least 0.7 of the class's was seen whole; a shorter one grows, away from the sensor, to
+    the class's. The third and fourth are these for a small object, whose sides have 0.7 of the class's; the last has the
+    sides that were seen, but none shorter than 0.7 of the class's width.
     """
     turned = replace(box, size=box.size[[1, 0, 2]], yaw=box.yaw + math.copysign(math.pi / 2, -box.yaw))
     longer, other = (box, turned) if box.size[0] > box.size[1] else (turned, box)
-    likely, unlikely = (longer, other) if longer.size[0] > LONGER_THAN_WIDE * size[1] else (other, longer)
-    return [_complete(likely, size), _complete(unlikely, size), longer]
+    likely = longer if longer.size[0] > LONGER_THAN_WIDE * size[1] else other
+    usual = np.array(size[:2])
+    small = SEEN_WHOLE * usual
+    full = [_grown(one, np.where(one.size[:2] < small, usual, 0.0)) for one in (likely, longer)]
+    return [*full, _grown(likely, small), _grown(longer, small), _grown(longer, small[[1, 1]])]
 
 
-def _complete(box: FittedBox, size: tuple[float, float, float]) -> FittedBox:
-    seen, whole = box.size[:2], np.array(size[:2])
-    grown = np.where(seen < SEEN_WHOLE * whole, whole, seen)
+def _grown(box: FittedBox, least: np.ndarray) -> FittedBox:
+    """The box with sides [2] of at least so many metres, grown away from the sensor."""
+    seen = box.size[:2]
+    grown = np.maximum(seen, least)
     cos, sin = math.cos(box.yaw), math.sin(box.yaw)
     axes = np.array([[cos, sin], [-sin, cos]])
     away = np.where(axes @ box.center[:2] < 0, -1.0, 1.0)

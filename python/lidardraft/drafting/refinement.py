@@ -70,8 +70,9 @@ class Rays:
         self.ranges = np.linalg.norm(points - origin, axis=1)
         self.tolerance = np.maximum(ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE * self.ranges)
 
-    def cast(self, primitives: Sequence[Primitive], chosen: np.ndarray) -> RayHits:
-        """What the rays `chosen` [M] meet in a layout."""
+    def cast(self, primitives: Sequence[Primitive], chosen: np.ndarray | None = None) -> RayHits:
+        """What the rays `chosen` [M], or all of them, meet in a layout."""
+        chosen = np.arange(len(self.points)) if chosen is None else chosen
         caster = Raycaster(Layout(primitives=tuple(primitives)))
         hits = caster.cast(self.origin, self.points[chosen] - self.origin, threads=1)
         further, tolerance = hits.distance - self.ranges[chosen], self.tolerance[chosen]

@@ -48,7 +48,7 @@ _SIZES = np.array([row.size or (0.0, 0.0, 0.0) for row in CLASSES])
 _VEGETATION, _SIGN, _LIGHT = (BY_NAME[name].id for name in ("vegetation", "traffic-sign", "traffic-light"))
 _CUTS = (4, 1, 0)  # a facade is cut in four, each of these in pieces, and these stay as they are
 # All below is fitted to what `drafting.cloud` makes of scans of streets: benches/compare_coarse_layouts.py.
-_FRONT_DEPTH = 0.3  # m; 0.4 there, where a box is turned as its points are and not as its object
+_FRONT_DEPTH = 0.3  # m; points no further behind a side of their box lie on it
 _MOST_BEHIND_FRONT = 0.08  # share of the points that may lie behind the front
 _LARGEST_CROWN = 1.8  # m; there points are halved in tighter boxes than here
 _LARGEST_PIECE = 2.5  # m, of facades
