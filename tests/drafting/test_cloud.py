@@ -78,7 +78,7 @@ def test_things_become_numbered_boxes_where_they_are(numbered):
 
 
 def standing_alone(label, yaw, at, size=None):
-    """Points and labels of one object on a road, and the object. The road shows under it, and its foot reads as road."""
+    """Points and labels of one object on a road, and the object; the road shows under it, its foot reads as road."""
     size = size or BY_NAME[label].size
     center = (12.0 * math.cos(at), 12.0 * math.sin(at), (0.3 + size[2]) / 2)
     placed = primitive("box", center, (*size[:2], size[2] - 0.3), label, "object", yaw=yaw, instance=1)
@@ -115,7 +115,7 @@ def test_small_cars_and_vans_are_completed_too(size, degrees):
     assert overlap(box, placed) > 0.5
 
 
-@pytest.mark.parametrize("degrees", [25, 45, 65])
+@pytest.mark.parametrize("degrees", [25, 35, 45])
 def test_an_object_does_not_grow_to_where_rays_passed(degrees):
     # both sides of a car much smaller than others; what is behind it was seen past it
     points, labels, placed = standing_alone("car", math.radians(degrees), at=0.0, size=(2.2, 1.5, 1.2))

@@ -122,8 +122,8 @@ def completions(box: FittedBox, size: tuple[float, float, float]) -> list[Fitted
 
     The longer side seen is the length if it is too long for a width of the class, or else the width, or second the
     length again. A side of at least 0.7 of the class's was seen whole; a shorter one grows, away from the sensor, to
-    the class's. The third and fourth are these for a small object, whose sides have 0.7 of the class's; the last has the
-    sides that were seen, but none shorter than 0.7 of the class's width.
+    the class's. The third and fourth are these for a small object, whose sides have 0.7 of the class's; the last has
+    the sides that were seen, but none shorter than 0.7 of the class's width.
     """
     turned = replace(box, size=box.size[[1, 0, 2]], yaw=box.yaw + math.copysign(math.pi / 2, -box.yaw))
     longer, other = (box, turned) if box.size[0] > box.size[1] else (turned, box)
