@@ -28,7 +28,7 @@ from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import CLASSES, GROUND, NUM_CLASSES, SemanticClass
 
 # Rays that went through a box speak against it, unless they are as few as this, or as this share of its points.
-_STRAY, _STRAY_SHARE = 10, 0.1
+_STRAY, _STRAY_SHARE = 10, 0.3
 _TOUCHING = 0.3  # of the usual width of a class: a cluster whose middle is so near to an object has no room of its own
 # The outline of a car is no box's: rays see the road under it and pass over its hood [m], and a fitted box is turned by
 # some degrees; only what passes through this share of its length and width passed through it.
