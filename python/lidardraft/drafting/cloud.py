@@ -27,8 +27,7 @@ from lidardraft.errors import LayoutError, check_type, one_of
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import CLASSES, GROUND, NUM_CLASSES, SemanticClass
 
-# Rays that went through a box speak against it, unless they are as few as this, or as this share of its points.
-_STRAY, _STRAY_SHARE = 10, 0.3
+_STRAY = 10  # rays; as few that went through a box do not speak against it
 _TOUCHING = 0.3  # of the usual width of a class: a cluster whose middle is so near to an object has no room of its own
 # The outline of a car is no box's: rays see the road under it and pass over its hood [m], and a fitted box is turned by
 # some degrees; only what passes through this share of its length and width passed through it.
@@ -44,6 +43,7 @@ def layout_from_cloud(
     sensor_height: float = 1.73,
     detail: str = "fine",
     source: str = "point cloud",
+    stray_share: float = 0.1,
 ) -> Layout:
     """The layout of one labelled scan.
 
@@ -54,7 +54,8 @@ def layout_from_cloud(
     The ground becomes a mesh for each class; people, vehicles and signs become boxes, one each, poles and trunks
     cylinders. Buildings, walls and fences become boxes and vegetation ellipsoids: with `detail` "fine" as many as make
     the cast of the layout agree with the points, with "objects" few whole ones, for layouts that are edited by hand.
-    The same cloud always gives the same layout.
+    An object seen from one side gets the usual size of its class, unless more rays than this share of its points went
+    through there: `stray_share`, more where depth is guessed. The same cloud always gives the same layout.
 
     Raises `LayoutError` on arrays that do not fit together or hold what cannot be.
     """
@@ -69,7 +70,7 @@ def layout_from_cloud(
     points = points.astype(np.float64) + np.array([0.0, 0.0, sensor_height])
     ground = HeightField(points, labels)
     rays = Rays(points, np.array([0.0, 0.0, sensor_height]))
-    shapes, pieces = _clustered(rays, labels, instances, ground, DETAILS[detail])
+    shapes, pieces = _clustered(rays, labels, instances, ground, DETAILS[detail], stray_share)
     others = [_primitive(*shape, str(index), index) for index, shape in enumerate(shapes)]
     pieces = refined(pieces, rays, [*others, *ground.primitives()], DETAILS[detail])
     objects = [[shape] for shape in shapes]
@@ -86,7 +87,12 @@ Shape = tuple[str, FittedBox, int]  # the name of the shape, where it is, and th
 
 
 def _clustered(
-    rays: Rays, labels: np.ndarray, instances: np.ndarray, ground: HeightField, detail: Detail
+    rays: Rays,
+    labels: np.ndarray,
+    instances: np.ndarray,
+    ground: HeightField,
+    detail: Detail,
+    stray_share: float,
 ) -> tuple[list[Shape], list[Piece]]:
     """The objects that stay whole, and the clusters of what may be cut in pieces."""
     points = rays.points
@@ -98,7 +104,7 @@ def _clustered(
             continue
         groups = _groups(row, points, mine, instances, detail)
         if row.size is not None:
-            found = [("box", box) for box in _objects(row, row.size, list(groups), ground, rays)]
+            found = [("box", box) for box in _objects(row, list(groups), ground, rays, stray_share)]
         elif row.name in POST_CLASSES:
             found = [("cylinder", fit_post(points[members])) for members in groups]
         elif row.name == "traffic-sign":
@@ -113,21 +119,21 @@ def _clustered(
 
 
 def _objects(
-    row: SemanticClass, size: tuple[float, float, float], groups: list[np.ndarray], ground: HeightField, rays: Rays
+    row: SemanticClass, groups: list[np.ndarray], ground: HeightField, rays: Rays, stray_share: float
 ) -> list[FittedBox]:
     """A box around each group, with the sides that were not seen."""
-    if not groups:
+    if row.size is None or not groups:
         return []
     seen = [fit_box(rays.points[members]) for members in groups]
-    choices = [completions(box, size) for box in seen]
+    choices = [completions(box, row.size) for box in seen]
     passed = np.array([_passed(boxes, row, ground, rays) for boxes in zip(*choices, strict=True)])
-    strays = np.maximum(_STRAY, _STRAY_SHARE * np.array([len(members) for members in groups]))
+    strays = np.maximum(_STRAY, stray_share * np.array([len(members) for members in groups]))
     # rays that pass through what was seen, as through windows, do not tell one choice from the other
     best = np.argmin(np.maximum(passed - passed[-1], strays), axis=0)
     found: list[FittedBox] = []
     for box, boxes, choice in zip(seen, choices, best.tolist(), strict=True):
         # A cluster in or on a larger object, such as a seat behind a window or a far corner, is a part of it.
-        if not any(other.contains(box.center[None], -_TOUCHING * size[1])[0] for other in found):
+        if not any(other.contains(box.center[None], -_TOUCHING * row.size[1])[0] for other in found):
             found.append(boxes[choice])
     return found
 

@@ -38,6 +38,9 @@ _FURTHEST = 100.0  # m; depth of pictures is not known further away
 _VOXEL = 0.1  # m, of which one point is kept
 _MOST_MASKS = 1000  # SAM finds some 100 to 200 in a picture
 _FOOT = 0.1  # m over the road; what is lower is no object, but the road before it under a class that reaches too far
+_STRAY_SHARE = 0.3  # of an object's points; near ones are thinned, rays past them are not: three times that of a scan
+    0.3  # of an object's points, thinned as near ones are here, while rays past it are not; a scan has a third
+)
 
 PathLike = str | os.PathLike[str]
 Network = Callable[[np.ndarray], np.ndarray]  # pixels u8 [h, w, 3] -> a value a pixel [h, w]
@@ -136,7 +139,9 @@ def _levelled_layout(
     points, labels, instances = points[kept], cloud.labels[kept], cloud.instances[kept]
     kept, _, _ = thin(points, _VOXEL)
     points, labels, instances = points[kept], labels[kept], instances[kept]
-    layout = layout_from_cloud(points, labels, instances=instances, sensor_height=stands, source="image")
+    layout = layout_from_cloud(
+        points, labels, instances=instances, sensor_height=stands, source="image", stray_share=_STRAY_SHARE
+    )
     layout = replace(layout, coverage=coverage)
     return mirrored_surroundings(layout, points, labels, stands) if fill else layout
 
