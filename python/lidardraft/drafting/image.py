@@ -39,8 +39,6 @@ _VOXEL = 0.1  # m, of which one point is kept
 _MOST_MASKS = 1000  # SAM finds some 100 to 200 in a picture
 _FOOT = 0.1  # m over the road; what is lower is no object, but the road before it under a class that reaches too far
 _STRAY_SHARE = 0.3  # of an object's points; near ones are thinned, rays past them are not: three times that of a scan
-    0.3  # of an object's points, thinned as near ones are here, while rays past it are not; a scan has a third
-)
 
 PathLike = str | os.PathLike[str]
 Network = Callable[[np.ndarray], np.ndarray]  # pixels u8 [h, w, 3] -> a value a pixel [h, w]
