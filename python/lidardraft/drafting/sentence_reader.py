@@ -212,6 +212,7 @@ class SentenceReader(PositionReader):
             mention.heading, self.turning = self.turning, None
         if self.prefix is not None:
             mention.at, mention.placed, mention.weak = self.prefix, True, self.prefix_weak and self.relation is None
+        mention.described = chunk.head == "TRAFFIC"  # it is everywhere, whatever the objects listed after it do
         self.open.append(mention)
         self.latest = self.open
         self.notes.mentions.append(mention)
