@@ -61,11 +61,15 @@ def test_what_edges_lose_is_found(casts):
 
 
 def test_texture_is_found(casts):
-    truth = with_model(texture=0.4)
-    found = fit_texture(
-        sweeps(truth, STREETS, seed=6), casts, lambda value: replace(TYPICAL, texture=value), SENSOR.range_sigma
-    )
+    truth = sweeps(with_model(texture=0.4), STREETS, seed=6)
+
+    def with_texture(texture):
+        return replace(TYPICAL, texture=texture)
+
+    found = fit_texture(truth, casts, with_texture, SENSOR.range_sigma, otherwise=0.1)
     assert found.texture == pytest.approx(0.4, rel=0.25)
+    dark = [replace(sweep, intensity=None) for sweep in truth]
+    assert fit_texture(dark, casts, with_texture, SENSOR.range_sigma, otherwise=0.1).texture == 0.1
 
 
 def test_speckle_is_found(casts):

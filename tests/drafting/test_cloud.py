@@ -123,6 +123,19 @@ def test_an_object_does_not_grow_to_where_rays_passed(degrees):
     assert overlap(box, placed) > 0.7
 
 
+def test_people_who_stand_close_stay_apart():
+    people = [(8.0, 0.45 * k, 0.0) for k in range(5)]
+    body = np.array(
+        [[x, y, z] for x in (0.0, 0.1) for y in np.arange(-0.2, 0.21, 0.05) for z in np.arange(-1.7, 0, 0.1)]
+    )
+    points = np.concatenate([body + one for one in people])
+    labels = np.full(len(points), BY_NAME["person"].id)
+    instances = np.repeat(np.arange(1, 6), len(body))
+    assert len(layout_from_cloud(points, labels, instances=instances).boxes()) == 5
+    with pytest.raises(LayoutError, match="stray_share is nan; it must be 0 to 1"):
+        layout_from_cloud(points, labels, stray_share=math.nan)
+
+
 def test_the_layout_says_where_it_came_from_and_stays_the_same():
     points, labels, instances = street_cloud()
     layout = layout_from_cloud(points, labels, instances=instances, source="street.bin")

@@ -44,6 +44,15 @@ def test_mixed_pixels_at_an_edge_lie_between_and_far_edges_do_not_mix():
             assert along.max() < 10.01 + gap
 
 
+def test_an_edge_loses_firings_and_slanted_ground_does_not():
+    model = replace(IDEAL, rays_per_beam=7, divergence_h=6e-3, divergence_v=6e-3, edge_drop=50.0)
+    ahead = replace(SENSOR, azimuth_start=0.3, azimuth_span=0.6)
+    assert seen(step(3.0), model, sensor=ahead).valid.mean() < seen(step(3.0), IDEAL, sensor=ahead).valid.mean()
+    road = Layout((Primitive(shape="plane", center=(0, 0, -1.7), size=(400, 400, 0), label="road", id="road"),))
+    flat = replace(SENSOR, elevations=(-0.03, -0.04))  # a beam's ground is 10 m long
+    assert seen(road, model, sensor=flat).valid.all()
+
+
 def test_the_return_mode_is_strongest_or_last():
     model = replace(IDEAL, rays_per_beam=7, divergence_h=6e-3, divergence_v=6e-3, detection_threshold=1e-9)
     ahead = replace(SENSOR, azimuth_start=0.3, azimuth_span=0.6)

@@ -87,7 +87,7 @@ def _with_intensity(
         return replace(scattered, compensation_range=math.inf, intensity_curve=found.curve)
 
     residuals: dict[float, float] = {}
-    model = fit_texture(recorded, casts, with_texture, sigma)
+    model = fit_texture(recorded, casts, with_texture, sigma, otherwise=model.texture)
     return fit_speckle(recorded, casts, model, sigma), residuals[model.texture]
 
 

@@ -105,15 +105,21 @@ def fit_speckle(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorMode
 
 
 def fit_texture(
-    recorded: Sequence[Sweep], casts: StreetCasts, with_texture: Callable[[float], SensorModel], sigma: float
+    recorded: Sequence[Sweep],
+    casts: StreetCasts,
+    with_texture: Callable[[float], SensorModel],
+    sigma: float,
+    *,
+    otherwise: float,
 ) -> SensorModel:
-    """The model, as `with_texture` makes it, whose neighbouring lasers read as much alike as recorded ones."""
+    """The model, as `with_texture` makes it, whose neighbouring lasers read as much alike as recorded ones; that of the
+    texture `otherwise` where these say nothing."""
     return _found(
         with_texture,
         lambda one: _likeness(casts.observed(one, sigma)),
         _likeness(recorded),
         _TEXTURES,
-        with_texture(SensorModel().texture),
+        with_texture(otherwise),
         steps=_TEXTURE_STEPS,
     )
 

@@ -65,6 +65,8 @@ def layout_from_cloud(
     _check_labels(labels, instances, len(points))
     if not math.isfinite(sensor_height):
         raise LayoutError(f"sensor_height is {sensor_height} m; it must be finite")
+    if not 0 <= stray_share <= 1:
+        raise LayoutError(f"stray_share is {stray_share}; it must be 0 to 1")
     if detail not in DETAILS:
         raise LayoutError(f"detail is {detail!r}; it must be {one_of(DETAILS, detail)}")
     points = points.astype(np.float64) + np.array([0.0, 0.0, sensor_height])
@@ -131,9 +133,11 @@ def _objects(
     # rays that pass through what was seen, as through windows, do not tell one choice from the other
     best = np.argmin(np.maximum(passed - passed[-1], strays), axis=0)
     found: list[FittedBox] = []
+    is_long = row.size[0] > 2 * row.size[1]  # people stand close to each other
+    margin = -_TOUCHING * row.size[1] if is_long else 0.0
     for box, boxes, choice in zip(seen, choices, best.tolist(), strict=True):
         # A cluster in or on a larger object, such as a seat behind a window or a far corner, is a part of it.
-        if not any(other.contains(box.center[None], -_TOUCHING * row.size[1])[0] for other in found):
+        if not any(other.contains(box.center[None], margin)[0] for other in found):
             found.append(boxes[choice])
     return found
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 import os
 
-import numpy as np
-
 from lidardraft.files import written_whole
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import BY_NAME
@@ -94,9 +92,7 @@ def _row(primitive: Primitive) -> str:
     if mesh is not None:
         vertices = " ".join(map(repr, mesh.vertices.ravel().tolist()))
         shape = f'triangles("{vertices}", "{" ".join(map(str, mesh.faces.ravel().tolist()))}")'
-        low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-        if not (((low == -0.5) & (high == 0.5)) | ((low == 0) & (high == 0) & (np.array(primitive.size) == 0))).all():
-            properties["unit_box"] = True  # it does not fill the box that `size` is of
+        properties["unit_box"] = True  # read back as it is, in the box that `size` is of
     fields = [shape, repr(primitive.id), repr(primitive.label), repr(primitive.instance)]
     fields += [
         repr(primitive.center),

@@ -14,6 +14,8 @@ pub(crate) struct Mixed {
     pub(crate) depth: Vec<f32>,
     /// Powers of the sub-rays [S, N].
     pub(crate) power: Vec<f32>,
+    /// What the sub-rays met [S, N]: indices of primitives.
+    primitive: Vec<i32>,
     /// The echoes [N] that are reported.
     pub(crate) echo: Echo,
     /// Where the responses of sub-rays are, and those.
@@ -34,7 +36,7 @@ pub(crate) struct Echo {
     pub(crate) power: Vec<f32>,
     /// The sub-ray that brought most of it.
     pub(crate) winner: Vec<u32>,
-    /// 1 where other sub-rays made echoes of their own, else 0.
+    /// 1 where sub-rays that met another primitive are not in it, else 0.
     pub(crate) split: Vec<f32>,
 }
 
@@ -54,15 +56,16 @@ impl Mixed {
         for numbers in [&mut self.depth, &mut self.power] {
             numbers.resize(beams * white.len() / columns, 0.0);
         }
+        self.primitive.resize(beams * white.len() / columns, 0);
         for ray in 0..white.len() / columns {
             let (row, beams) = (ray * columns..(ray + 1) * columns, ray * beams..(ray + 1) * beams);
             let (far, primitive) = (&rays.depth[row.clone()], &rays.primitive[row.clone()]);
             let (white, incidence) = (&white[row.clone()], &rays.incidence[row]);
-            let power = &mut self.power[beams.clone()];
-            let taken = self.depth[beams].iter_mut().zip(&mut *power).zip(&mut self.places);
-            for (((depth, power), place), &column) in taken.zip(&self.columns) {
+            let (power, met) = (&mut self.power[beams.clone()], &mut self.primitive[beams.clone()]);
+            let taken = self.depth[beams].iter_mut().zip(&mut *power).zip(met).zip(&mut self.places);
+            for ((((depth, power), met), place), &column) in taken.zip(&self.columns) {
                 let column = column as usize;
-                (*depth, *power) = (far[column], white[column]);
+                (*depth, *power, *met) = (far[column], white[column], primitive[column]);
                 *place = response_place(primitive[column], incidence[column]);
             }
             surfaces.responses::<L>(&self.places, &mut self.responses);
@@ -91,9 +94,6 @@ impl Mixed {
         let rays = self.depth.chunks_exact(beams).zip(self.power.chunks_exact_mut(beams));
         for (ray, (depth, power)) in (0..).zip(rays) {
             // loops over few columns each: the compiler makes no vectors of one over all of them
-            for ((split, &depth), &middle) in split.iter_mut().zip(depth).zip(&self.middle) {
-                *split = if depth > 0.0 && !together(depth, middle, pulse_length) { 1.0 } else { *split };
-            }
             for ((power, &depth), &middle) in power.iter_mut().zip(depth).zip(&self.middle) {
                 *power = if together(depth, middle, pulse_length) { *power } else { 0.0 };
             }
@@ -107,6 +107,14 @@ impl Mixed {
             for ((winner, brightest), &power) in winner.iter_mut().zip(&mut self.brightest).zip(&*power) {
                 *winner = if power > *brightest { ray } else { *winner };
                 *brightest = larger(power, *brightest);
+            }
+        }
+        for (depth, primitive) in self.depth.chunks_exact(beams).zip(self.primitive.chunks_exact(beams)) {
+            for beam in 0..beams {
+                // the far end of slanted ground is no other surface
+                let other = primitive[beam] != self.primitive[winner[beam] as usize * beams + beam];
+                let apart = depth[beam] > 0.0 && !together(depth[beam], self.middle[beam], pulse_length);
+                split[beam] = if other && apart { 1.0 } else { split[beam] };
             }
         }
         for ((mean, &total), &middle) in mean.iter_mut().zip(&*total).zip(&self.middle) {
