@@ -1,5 +1,7 @@
 """Scripts that a reader must refuse at once: a name, the text, and the line that the message names."""
 
+_NESTED = "a = [1]\nb = [1]\nfor _ in range(60):\n    a = [a, a]\n    b = [b, b]\n"
+_MANY_NAMES = "".join(f"    a{k} = {k}\n" for k in range(6000))
 HOSTILE: list[tuple[str, str, int]] = [
     # what reaches outside
     ("import os", "import bpy\nimport os\nos.system('echo')", 2),
@@ -101,7 +103,7 @@ HOSTILE: list[tuple[str, str, int]] = [
     ),
     (
         "arrays of arrays",
-        "import bpy\nbpy.ops.mesh.primitive_cube_add()\nc = bpy.context.object\nfor i in range(9):\n    "
+        "import bpy\nbpy.ops.mesh.primitive_cube_add()\nc = bpy.context.object\nfor i in range(8):\n    "
         "c.modifiers.new('a', 'ARRAY').count = 99\nc.name = 'Car'",
         2,
     ),
@@ -204,6 +206,34 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("subdivisions", "import bpy\nbpy.ops.mesh.primitive_ico_sphere_add(subdivisions=30)", 2),
     ("vertices", "import bpy\nbpy.data.meshes.new('a').from_pydata([(0, 0, 0)] * 10**7, [], [])", 2),
     ("a name without end", "import bpy\nbpy.data.objects.new('a' * 10**9, None)", 2),
+    # what is compared, copied or counted again and again
+    ("lists in an enumeration", "from enum import Enum\n" + _NESTED + "class E(Enum):\n    x = a\nE(b)", 9),
+    ("lists in a generator", _NESTED + "b in (q for q in [a])", 6),
+    ("lists in a named tuple", "from collections import namedtuple\n" + _NESTED + "b in namedtuple('P', 'x')(a)", 7),
+    ("wide enumeration", "from enum import Enum\nclass E(Enum):\n" + _MANY_NAMES + "while True:\n    len(E)", 2),
+    (
+        "hasattr runs no property",
+        "class A:\n    @property\n    def x(self):\n        while True:\n            pass\nhasattr(A(), 'x')\nA().x",
+        4,
+    ),
+    (
+        "empty lists in a row",
+        "import itertools\na = [()] * 240000\nwhile True:\n    itertools.chain.from_iterable(a)",
+        4,
+    ),
+    ("kinds", "while True:\n    isinstance('a', (int,) * 200000)", 2),
+    (
+        "normals",
+        "import bmesh\nbm = bmesh.new()\nbmesh.ops.create_grid(bm, x_segments=60, y_segments=60)\n"
+        "f = bm.faces.new(bm.verts)\nwhile True:\n    f.normal",
+        6,
+    ),
+    (
+        "a list in a modifier",
+        "import bpy\nbpy.ops.mesh.primitive_cube_add()\n"
+        "m = bpy.context.object.modifiers.new('a', 'ARRAY')\nm.use_merge_vertices = [0] * 240000",
+        4,
+    ),
     # numbers that are none
     ("infinite place", "import bpy\nbpy.ops.mesh.primitive_cube_add(location=(float('inf'), 0, 0))", 2),
     ("place that is no number", "import bpy\nbpy.ops.mesh.primitive_cube_add(location=(float('nan'), 0, 0))", 2),

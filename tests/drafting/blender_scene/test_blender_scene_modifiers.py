@@ -46,7 +46,7 @@ def test_other_modifiers_are_passed_over_with_their_line() -> None:
             "for i in range(2):\n    car.modifiers.new('a', 'ARRAY').count = 99",
             "^line 3: .* make 9801 copies; 1000 are",
         ),
-        ("for i in range(99):\n    car.modifiers.new('a', 'ARRAY')", "an object with more than 64 modifiers"),
+        ("for i in range(99):\n    car.modifiers.new('a', 'ARRAY')", "an object with more than 8 modifiers"),
     ],
 )
 def test_what_they_refuse(script: str, said: str) -> None:

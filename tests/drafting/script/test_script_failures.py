@@ -15,6 +15,8 @@ from script_reading import agrees, refuses
         "try:\n    assert False\nexcept AssertionError:\n    x = 1\nassert x == 1",
         "try:\n    next(iter([]))\nexcept StopIteration:\n    x = 1\nassert x == 1",
         "def f():\n    try:\n        return 1\n    finally:\n        x = 2\nassert f() == 1",
+        "x = []\ntry:\n    try:\n        raise KeyError\n    finally:\n        x.append(1)\nexcept KeyError:\n"
+        "    x.append(2)\nassert x == [1, 2]",
     ],
 )
 def test_what_python_catches_is_caught(script: str) -> None:

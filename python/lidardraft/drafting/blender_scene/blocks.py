@@ -8,6 +8,8 @@ from collections.abc import Callable
 from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
 from lidardraft.drafting.script.values import Builtin, Record, Value, describe, text
 
+_MOST_PROPERTIES = 200  # of an object or a mesh
+
 
 class Unread(Record):
     """A part of Blender that no shape depends on: what is set in it is passed over, all of it is such a part."""
@@ -150,7 +152,9 @@ class Block(Record):
     def set_item(self, key: Value, value: Value) -> None:
         if value is not None and not isinstance(value, int | float | str | list | tuple):
             raise RefusalError(f"a property of {describe(value)} is not read")
+        if len(self.properties) >= _MOST_PROPERTIES:
+            raise RefusalError(f"{self.kind} with more than {_MOST_PROPERTIES} properties")
         self.properties[text(key, "the name of a property")] = value
 
     def contains(self, value: Value) -> bool:
-        return value in self.properties
+        return isinstance(value, str) and value in self.properties

@@ -123,7 +123,7 @@ def _cuts() -> dict[str, Callable[..., Value]]:
         rim = sorted(edge for edge in edges if edge[::-1] not in edges)  # edges within the region get no side
         bm.charge(len(rim))
         caps = bm.faces[first:]
-        bm.faces += [EditedFace([corners[a], corners[b], made[b], made[a]]) for a, b in rim]
+        bm.faces += [EditedFace([corners[a], corners[b], made[b], made[a]], bm.budget) for a, b in rim]
         return {"geom": [*made, *caps]}
 
     def delete(bm: Value, geom: Value = (), context: Value = "VERTS", **_: Value) -> None:

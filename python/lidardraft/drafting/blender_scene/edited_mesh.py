@@ -43,11 +43,13 @@ class EditedFace(Record):
     kind = "a BMFace"
     is_key = True
 
-    def __init__(self, corners: list[EditedVertex]) -> None:
+    def __init__(self, corners: list[EditedVertex], budget: Budget) -> None:
         self.corners = corners
+        self._budget = budget
 
     def attribute(self, name: str) -> Value:
         if name == "verts":
+            self._budget.take_steps(len(self.corners) // 4)
             return list(self.corners)
         if name in ("calc_center_median", "calc_center_bounds"):
             return Builtin(name, lambda: Vector(self._places().mean(axis=0).tolist()))
@@ -60,6 +62,7 @@ class EditedFace(Record):
             super().set_attribute(name, value)
 
     def _places(self) -> np.ndarray:
+        self._budget.take_steps(_STEPS + len(self.corners))
         return np.array([corner.place.numbers for corner in self.corners])
 
     def _normal(self) -> np.ndarray:
@@ -105,7 +108,7 @@ class EditedMesh(Record):
         """Add vertices [V, 3] and faces between them, which are charged already; gives the new vertices."""
         made = [EditedVertex(place) for place in vertices.tolist()]
         self.vertices += made
-        self.faces += [EditedFace([made[corner] for corner in face]) for face in faces]
+        self.faces += [EditedFace([made[corner] for corner in face], self.budget) for face in faces]
         return made
 
     def transform(self, matrix: Value, vertices: list[EditedVertex]) -> None:
@@ -207,7 +210,7 @@ class EditedElements(Record):
             raise RefusalError("a face of what is no vertex")
         if len(corners) < 3 or len(set(corners)) < len(corners):
             raise RaisedError("ValueError", f"a face of {len(set(corners))} vertices; it needs 3 or more, each once")
-        self._mesh.faces.append(EditedFace(corners))
+        self._mesh.faces.append(EditedFace(corners, self._mesh.budget))
         return self._mesh.faces[-1]
 
     def _remove(self, item: Value) -> None:

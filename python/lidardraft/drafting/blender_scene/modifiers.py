@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable
 
 import numpy as np
@@ -14,7 +13,7 @@ from lidardraft.drafting.script.values import Builtin, Record, Value, describe, 
 
 # What changes a surface by little; the note on another says that the shape is that without it.
 _SMOOTHING = ("BEVEL", "SUBSURF", "EDGE_SPLIT", "WEIGHTED_NORMAL", "SMOOTH", "TRIANGULATE", "SMOOTH_BY_ANGLE")
-_MOST = 64  # modifiers of an object
+_MOST = 8  # modifiers of an object
 _MOST_COPIES = 1000  # that one array makes
 
 
@@ -49,13 +48,18 @@ class ArrayModifier(Record):
             self.values[name].numbers = list(reals(value, 3, f"the {name}"))
         elif name == "count" and not 1 <= whole(value, "the count") <= _MOST_COPIES:
             raise RefusalError(f"the count of an array is {value}; it must be 1 to {_MOST_COPIES}")
+        elif not isinstance(value, bool | int | str):
+            raise RefusalError(f"{name} of an array is {describe(value)}")
         else:
             self.values[name] = value
 
     def copied(self) -> ArrayModifier:
         """Another one with the same settings."""
         other = ArrayModifier(self.name)
-        other.values = {key: copy.deepcopy(value) for key, value in self.values.items()}
+        other.values = {
+            key: Vector(list(value.numbers)) if isinstance(value, Vector) else value
+            for key, value in self.values.items()
+        }
         return other
 
     def step(self, extents: np.ndarray) -> np.ndarray:

@@ -141,7 +141,9 @@ def contains(container: Value, value: Value, budget: Budget) -> bool:
     if isinstance(container, dict):
         return is_key(value) and value in container
     if isinstance(container, Record):
-        return container.contains(value)
+        if type(container).contains is not Record.contains:
+            return container.contains(value)
+        container = container.elements()
     if not isinstance(container, list | tuple):
         raise RefusalError(f"nothing can be in {describe(container)}")
     budget.take_cells(len(container))

@@ -26,6 +26,7 @@ from lidardraft.drafting.script.values import (
     whole,
 )
 
+_MOST_KINDS = 50  # that isinstance is asked for
 _LONGEST_NUMBER = 40  # characters of a text that becomes a number
 _TYPES = {kind.__name__: (kind,) for kind in (bool, int, float, str, list, tuple, dict)}
 Call = Callable[[Value, list[Value]], Value]
@@ -81,6 +82,8 @@ def _of_numbers(budget: Budget) -> dict[str, Callable[..., Value]]:
 
 
 def _isinstance(value: Value, kinds: Value) -> bool:
+    if isinstance(kinds, tuple) and len(kinds) > _MOST_KINDS:
+        raise RefusalError(f"isinstance of {len(kinds)} kinds; {_MOST_KINDS} are the most")
     for kind in kinds if isinstance(kinds, tuple) else (kinds,):
         if isinstance(kind, ScriptClass):
             found = isinstance(value, Instance) and value.of.derived_from(kind)
@@ -101,6 +104,8 @@ def _type(value: Value) -> Value:
 
 def _has(value: Value, name: str) -> bool:
     """What `hasattr` says of a value of ours: whether a script that reads the attribute is read on."""
+    if isinstance(value, Instance):  # a property is not run
+        return value.has_private(name) and value.has(name)
     if not isinstance(value, Record) or name.startswith("_"):
         return False
     try:

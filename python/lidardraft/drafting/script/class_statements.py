@@ -58,9 +58,10 @@ class ClassStatements(Failures):
                     raise RefusalError(f"`with` of {describe(value)} is not read", node.lineno)
                 value.enter()
                 entered.append(value)
-            ended = block(frame)
-            for value in reversed(entered):
-                value.leave()
-            return ended
+            try:
+                return block(frame)
+            finally:
+                for value in reversed(entered):
+                    value.leave()
 
         return execute

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from lidardraft.drafting.script.arithmetic import equal
 from lidardraft.drafting.script.frame import Frame, Function
 from lidardraft.drafting.script.limits import Budget, RefusalError
 from lidardraft.drafting.script.values import Builtin, Record, Value, describe
 
 SPECIAL = ("__init__", "__post_init__", "__repr__", "__str__")  # methods that a class may have; the last two never run
-_DEEPEST = 16  # classes of which one is derived from the other
+_DEEPEST, _MOST_NAMES = 16, 200  # classes of which one is derived from the other; names of a class
 _STEPS = 5  # that an instance costs
 Call = Callable[[Value, list[Value], dict[str, Value]], Value]
 _MISSING = object()
@@ -110,6 +111,8 @@ class ScriptClass(Record):
         if self.depth > _DEEPEST:
             raise RefusalError(f"a class derived from more than {_DEEPEST} others")
         self.members = members = body.variables
+        if len(members) + len(body.annotated) > 2 * _MOST_NAMES:
+            raise RefusalError(f"a class of more than {_MOST_NAMES} names")
         self.annotated = body.annotated
         self.fields: list[str] | None = self.base.fields if self.base else None
         self.run = call
@@ -125,6 +128,7 @@ class ScriptClass(Record):
 
     def take_fields(self) -> None:
         """Let instances be made from the annotated names, after those of the class that it is derived from."""
+        self._budget.take_steps(len(self.annotated) + len(self.fields or ()))
         self.fields = list(dict.fromkeys([*(self.fields or ()), *self.annotated]))
 
     def _enumerate(self) -> None:
@@ -170,10 +174,11 @@ class ScriptClass(Record):
         return super().attribute(name) if found is _MISSING else self.bound(found, None)
 
     def set_attribute(self, name: str, value: Value) -> None:
-        self._budget.take_cells(3)
+        self._budget.take_cells(3 if name in self.members else 3000)  # every later step goes through a name more
         self.members[name] = value
 
     def _members_of_enumeration(self) -> list[Instance]:
+        self._budget.take_steps(len(self.members))
         return [member for member in self.members.values() if isinstance(member, Instance)]
 
     def elements(self) -> list[Value]:
@@ -185,13 +190,13 @@ class ScriptClass(Record):
         return self.members[key]
 
     def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
-        self._budget.take_steps(_STEPS)
+        self._budget.take_steps(_STEPS + len(self.fields or ()))
         self._budget.take_cells(3 + 3 * len(self.fields or ()))
         if self.marker == "Enum":
-            known = [member for member in self._members_of_enumeration() if [member.values["value"]] == arguments]
-            if not known:
-                raise RefusalError(f"{self.kind} has no such member")
-            return known[0]
+            for member in self._members_of_enumeration() if len(arguments) == 1 else []:
+                if equal(member.values["value"], arguments[0], self._budget):
+                    return member
+            raise RefusalError(f"{self.kind} has no such member")
         instance = Instance(self)
         start = self.find("__init__")
         if start is not _MISSING:
@@ -230,6 +235,10 @@ class Instance(Record):
 
     def has_private(self, name: str) -> bool:
         return name == "__class__" or not (name.startswith("__") and name.endswith("__"))
+
+    def has(self, name: str) -> bool:
+        """Whether it, or its class, has an attribute of that name."""
+        return name in self.values or name == "__class__" or self.of.find(name) is not _MISSING
 
     def attribute(self, name: str) -> Value:
         if name in self.values:

@@ -23,6 +23,9 @@ class Failures(Statements):
     def _try(self, node: ast.Try) -> Execute:
         body, orelse, last = (self.block(nodes) for nodes in (node.body, node.orelse, node.finalbody))
         handlers = [(_names(handler.type), handler.name, self.block(handler.body)) for handler in node.handlers]
+        for handler, (names, _, _) in zip(node.handlers, handlers, strict=True):
+            if handler.type is not None and not names:
+                raise RefusalError("`except` of what is no name is not read", handler.lineno)
 
         def guarded(frame: Frame) -> object:
             levels = self.levels
@@ -39,7 +42,13 @@ class Failures(Statements):
             return orelse(frame) if ended is None else ended
 
         def execute(frame: Frame) -> object:
-            ended = guarded(frame)
+            levels = self.levels
+            try:
+                ended = guarded(frame)
+            except RaisedError:
+                self.levels = levels
+                last(frame)
+                raise
             at_last = last(frame)
             return ended if at_last is None else at_last
 

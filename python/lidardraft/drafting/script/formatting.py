@@ -78,7 +78,7 @@ def brace_format(template: str, arguments: list[Value], keywords: dict[str, Valu
 
 def percent_format(template: str, values: Value, budget: Budget) -> str:
     """What `template % values` gives."""
-    budget.take_steps(_STEPS)
+    budget.take_steps(_STEPS + template.count("%"))
     given = list(values) if isinstance(values, tuple) else [values]
     parts, end = [], 0
     if "%" in _PERCENT.sub("", template):

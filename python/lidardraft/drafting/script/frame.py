@@ -8,6 +8,8 @@ from collections.abc import Callable
 from lidardraft.drafting.script.limits import RefusalError
 from lidardraft.drafting.script.values import Record, Value
 
+_MOST_ARGUMENTS = 100  # of a function
+
 
 class Frame:
     """The names of a module, a function or a comprehension; what is not in it is looked for in `outer`."""
@@ -60,6 +62,9 @@ class Function(Record):
         weight: int,
         defaults: list[Value],
     ) -> None:
+        count = len(arguments.posonlyargs) + len(arguments.args) + len(arguments.kwonlyargs)
+        if count > _MOST_ARGUMENTS:
+            raise RefusalError(f"a function of {count} arguments; {_MOST_ARGUMENTS} are the most")
         self.name = name
         self.body = body
         self.levels = levels

@@ -58,8 +58,8 @@ class Budget:
         self.cells = limits.cells
 
     def take_steps(self, count: int) -> None:
-        """Count so many evaluated nodes, or what takes as long."""
-        self.steps -= count
+        """Count so many evaluated nodes, or what takes as long; a number below 0 is 0."""
+        self.steps -= max(count, 0)
         if self.steps < 0:
             raise RefusalError(f"the script takes more than {self.most_steps} steps")
 
@@ -69,10 +69,10 @@ class Budget:
         self.most_steps += count
 
     def take_cells(self, count: int) -> None:
-        """Count so many elements of a value, before it is made."""
+        """Count so many elements of a value, before it is made; a number below 0 is 0."""
         if count > self.limits.length:
             raise RefusalError(f"a value of {count} elements; {self.limits.length} are the most")
-        self.cells -= count
+        self.cells -= max(count, 0)
         if self.cells < 0:
             raise RefusalError(f"all values together have more than {self.limits.cells} elements")
 
