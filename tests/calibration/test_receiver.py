@@ -68,8 +68,6 @@ def test_texture_is_found(casts):
 
     found = fit_texture(truth, casts, with_texture, SENSOR.range_sigma, otherwise=0.1)
     assert found.texture == pytest.approx(0.4, rel=0.25)
-    dark = [replace(sweep, intensity=None) for sweep in truth]
-    assert fit_texture(dark, casts, with_texture, SENSOR.range_sigma, otherwise=0.1).texture == 0.1
 
 
 def test_speckle_is_found(casts):

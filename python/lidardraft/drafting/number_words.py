@@ -32,8 +32,10 @@ _METRES_OF = {
 _digit = rf"(?:{'|'.join(_BELOW_TWENTY[1:10])})\b"
 _below_hundred = rf"(?:(?:{'|'.join(_TENS)})\b(?: {_digit})?|(?:{'|'.join(_BELOW_TWENTY[1:])})\b)"
 _figures = r"(?:\d{1,3}(?:,\d{3}){1,4}|\d{1,15})(?:\.\d{1,15})?"
+# "a hundred and one" is not cut
+_no_more = rf"(?! (?:and )?{_below_hundred}(?! (?:hundred|thousand|million|billion)\b))"
 _below_thousand = (
-    rf"(?:(?:(?:a|\d{{1,3}}|{_below_hundred}) )?hundred\b(?: (?:and )?{_below_hundred})?|{_below_hundred})"
+    rf"(?:(?:(?:a|\d{{1,3}}|{_below_hundred}) )?hundred\b(?: (?:and )?{_below_hundred}|{_no_more})|{_below_hundred})"
 )
 _scale = rf"(?:{'|'.join(_SCALES)})\b"
 _in_words = (
