@@ -53,8 +53,8 @@ class CaseSet:
 def recorded_sets(folder: Path) -> Iterator[tuple[str, Callable[[], CaseSet]]]:
     """The sets of recordings, by name."""
     kitti, nuscenes = PRESETS["hdl64e-linear"], recordings.NUSCENES_GRID
-    yield "KITTI, HDL-64E", lambda: _clustered(recordings.kitti_images(folder), PRESETS["hdl64e"], grid=kitti)
-    yield "nuScenes, HDL-32E", lambda: _clustered(recordings.nuscenes_images(folder), PRESETS["hdl32e"], grid=nuscenes)
+    yield "KITTI, HDL-64E", lambda: clustered(recordings.kitti_images(folder), PRESETS["hdl64e"], grid=kitti)
+    yield "nuScenes, HDL-32E", lambda: clustered(recordings.nuscenes_images(folder), PRESETS["hdl32e"], grid=nuscenes)
     yield "PandaSet, Pandar64", lambda: _clustered_groups(recordings.pandar64(folder, 1800), PRESETS["pandar64"])
     yield "ika, VLP-32C", lambda: _clustered_groups(recordings.vlp32c(folder, 1800), PRESETS["vlp32c"])
 
@@ -68,10 +68,10 @@ def street_set(number: int, sensor: Sensor = PRESETS["hdl64e"]) -> CaseSet:
 
 def _clustered_groups(found: recordings.Recordings, sensor: Sensor) -> CaseSet:
     sweeps = [sweep for group in found.labelled.values() for sweep in group]
-    return _clustered(sweeps, sensor, fov=found.fov)
+    return clustered(sweeps, sensor, fov=found.fov)
 
 
-def _clustered(sweeps: list[Sweep], sensor: Sensor, grid: Sensor | None = None, fov: float | None = None) -> CaseSet:
+def clustered(sweeps: list[Sweep], sensor: Sensor, grid: Sensor | None = None, fov: float | None = None) -> CaseSet:
     cases = [Case(sweep, _layout(sweep, sensor), sensor, sensor.pose()) for sweep in sweeps]
     columns = sensor.columns
     shown = unhidden({"": sweeps}, grid or sensor, fov)
