@@ -125,6 +125,7 @@ def measure(group: Group, detail: str) -> Row:
             ("holes", here, ~room),
             ("along rays", here, _placed(is_near(depth[here], rays), here)),
             ("on objects, along rays", on_objects, _placed(is_near(depth[here], rays), here)),
+            ("empty, along rays", here, _placed(rays == 0, here)),
         ):
             counts[name] += np.count_nonzero(of & right), np.count_nonzero(of)
     shares = {name: part / whole for name, (part, whole) in counts.items()}
