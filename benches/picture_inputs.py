@@ -16,7 +16,7 @@ from PIL import Image
 import lidardraft
 from lidardraft.drafting.pinhole import Pinhole
 from lidardraft.scene.layout import Layout
-from lidardraft.view import caption, render_from_above, render_layout, save_png, stack
+from lidardraft.view import caption, render_from_above, render_layout, render_scan, save_png, stack
 from rendered_pictures import render
 
 SENTENCE = "a busy crossroads, a bus turning left, people on the right pavement, trees and houses on both sides"
@@ -33,7 +33,7 @@ def pictures() -> Iterator[tuple[str, np.ndarray]]:
         sheet = np.asarray(image.convert("RGB").resize((480, 480), Image.Resampling.BOX))
     painted = lidardraft.layout_from_sketch(SKETCHES / "crossroads.png", scale_bar=10.0)
     named = lidardraft.layout_from_sketch(SKETCHES / "bend.svg")
-    rows = [[caption(sheet, "crossroads.png"), _shown(painted)], [_shown(named, "bend.svg as a layout")]]
+    rows = [[caption(sheet, "crossroads.png"), _shown(painted)], [_shown(named, "bend.svg as a layout"), _cast(named)]]
     yield "sketches", stack([stack(row, across=True) for row in rows])
 
 
@@ -50,6 +50,13 @@ def _photograph() -> np.ndarray:
 
 def _shown(layout: Layout, name: str = "layout") -> np.ndarray:
     return stack([caption(render_from_above(layout), name), render_layout(layout)], across=True)
+
+
+def _cast(layout: Layout) -> np.ndarray:
+    """What a sensor sees of it, bare: the sensor model, which may change, has no part in these pictures."""
+    sensor = lidardraft.Sensor.preset("hdl64e")
+    cast = render_scan(lidardraft.raycast(layout, sensor), sensor.pose(), by_label=True)
+    return caption(cast[:, :480], "its cast, by class")
 
 
 def main() -> None:
