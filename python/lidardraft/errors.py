@@ -5,11 +5,16 @@ from collections.abc import Iterable
 
 def one_of(names: Iterable[str], value: object) -> str:
     """What a message says of a `value` that is none of `names`: all of them, and the one that was probably meant."""
+    known = list(names)
+    return f"one of {', '.join(known) or 'none'}{did_you_mean(known, value)}"
+
+
+def did_you_mean(names: Iterable[str], value: object) -> str:
+    """The end of a message on a `value` that is none of `names`: the one that was probably meant, or nothing."""
     import difflib  # only what has gone wrong waits for it
 
-    known = list(names)
-    similar = difflib.get_close_matches(str(value).lower(), known, n=1)
-    return f"one of {', '.join(known) or 'none'}" + "".join(f"; did you mean {name!r}?" for name in similar)
+    similar = difflib.get_close_matches(str(value).lower(), list(names), n=1)
+    return "".join(f"; did you mean {name!r}?" for name in similar)
 
 
 def check_type(name: str, value: object, *types: type) -> None:

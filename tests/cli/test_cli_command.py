@@ -8,6 +8,50 @@ from pathlib import Path
 import pytest
 
 from lidardraft.cli import main as cli
+from lidardraft.cli import train
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        ("simulate --sensr vlp16 --text car -o out", "there is no option --sensr; did you mean '--sensor'?"),
+        ("simulate --txet=car -o out", "there is no option --txet; did you mean '--text'?"),
+        ("simulate --text car --layout a.json -o out", "argument --layout: not allowed with argument --text"),
+        ("simulate -o out", "one of the arguments --text --image"),
+        ("simulate --text car", "the following arguments are required: -o/--output"),
+        ("simulate --text car -o out -n some", "argument -n/--num: 'some' is not a whole number of 1 or more"),
+        ("simulate --text car -o out -z 3", "not understood: -z 3"),
+        ("draft --text car -o a.json --detail fin", "'fin' is not one of fine, objects; did you mean 'fine'?"),
+        ("draft --sketch a.png --scale-bar long -o a.json", "argument --scale-bar: 'long' is not a number"),
+        ("street --recipe smal", "'smal' is not one of small, paper"),
+        ("segmenter --pair folder", "the following arguments are required: -o/--output"),
+    ],
+)
+def test_arguments_that_cannot_be_are_one_line(command: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    words = command.split()
+    main, name = (train.main, "lidardraft-train") if words[0] in ("street", "segmenter") else (cli.main, "lidardraft")
+    with pytest.raises(SystemExit, match="2"):
+        main(words)
+    message = capsys.readouterr().err
+    assert message.startswith(f"{name} {words[0]}: error: ")
+    assert message.endswith(f" (see `{name} {words[0]} --help`)\n")
+    assert message.count("\n") == 1
+    assert said in message
+
+
+def test_so_are_a_command_and_an_option_before_it(capsys: pytest.CaptureFixture[str]) -> None:
+    for words, said in ((["simulat"], "did you mean 'simulate'?"), (["--versoin"], "did you mean '--version'?")):
+        with pytest.raises(SystemExit, match="2"):
+            cli.main(words)
+        message = capsys.readouterr().err
+        assert message.startswith("lidardraft: error: ")
+        assert said in message
+        assert message.count("\n") == 1
+
+
+def test_a_value_may_look_like_an_option(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["draft", "--text", "--two cars ahead", "--no-preview", "--out", "layout.json"]) == 0
+    assert "objects with a box: 2" in capsys.readouterr().out
 
 
 def test_files_that_cannot_be_read_or_written(refused: Callable[..., str]) -> None:

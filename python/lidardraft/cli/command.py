@@ -6,25 +6,61 @@ Ctrl-C is one line and 130; SIGTERM ends a command as cleanly, with 143.
 from __future__ import annotations
 
 import argparse
+import itertools
 import os
 import signal
 import sys
 import threading
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from types import FrameType
+from typing import Any, NoReturn
 
-from lidardraft.errors import LidarDraftError, printable
+from lidardraft.errors import LidarDraftError, did_you_mean, one_of, printable
 
 Command = Callable[[argparse.Namespace], None]
 
 
-def commands_of(parser: argparse.ArgumentParser) -> Callable[[str, Command], argparse.ArgumentParser]:
+class Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line, with the option or the choice that was probably meant."""
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
+        """As argparse's, but what is left over is an error here: of the command, not of what is before it."""
+        # first, as an option that is missing may be the one that is misspelt
+        self._check_options(args if self._subparsers is None else itertools.takewhile(_is_option, args))
+        found, left = super().parse_known_args(args, namespace)
+        if left:
+            self.error(f"not understood: {' '.join(left)}")
+        return found, left
+
+    def _check_options(self, words: Iterable[str]) -> None:
+        known = [option for option in self._option_string_actions if option.startswith("--")]
+        for word in words:
+            name = word.partition("=")[0]
+            if name == "--":
+                break
+            if name.startswith("--") and " " not in word and not any(option.startswith(name) for option in known):
+                self.error(f"there is no option {name}{did_you_mean(known, name)}")
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        if action.choices is not None and value not in action.choices:
+            raise argparse.ArgumentError(action, f"{value!r} is not {one_of(action.choices, value)}")
+
+    def error(self, message: str) -> NoReturn:
+        """End with one line on stderr, without the whole usage, and status 2."""
+        self.exit(2, f"{self.prog}: error: {printable(message)} (see `{self.prog} --help`)\n")
+
+
+def _is_option(word: str) -> bool:
+    return word.startswith("-")
+
+
+def commands_of(parser: Parser) -> Callable[[str, Command], Parser]:
     """How to add a command to a parser: its name and the function that runs it, whose docstring is its help."""
     commands = parser.add_subparsers(required=True, metavar="COMMAND", title="commands")
 
-    def command(name: str, function: Command) -> argparse.ArgumentParser:
+    def command(name: str, function: Command) -> Parser:
         text = " ".join((function.__doc__ or "").split())
         added = commands.add_parser(name, help=text, description=text)
         added.set_defaults(command=function)
@@ -33,7 +69,7 @@ def commands_of(parser: argparse.ArgumentParser) -> Callable[[str, Command], arg
     return command
 
 
-def run(parser: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
+def run(parser: Parser, argv: Sequence[str] | None) -> int:
     """Run the command that the arguments name, and give its exit status."""
     words = sys.argv[1:] if argv is None else argv
     if not words:

@@ -55,8 +55,8 @@ def add_inputs(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     text = "fine: as near to --points as their cast can be (default); objects: few whole ones, to edit by hand"
     group.add_argument("--detail", choices=("fine", "objects"), help=text)
     text = "length of a pixel of --sketch, in metres"
-    group.add_argument("--metres-per-pixel", type=float, metavar="M", help=text)
-    group.add_argument("--scale-bar", type=float, metavar="M", help="length of the black bar in a painted --sketch")
+    group.add_argument("--metres-per-pixel", type=number, metavar="M", help=text)
+    group.add_argument("--scale-bar", type=number, metavar="M", help="length of the black bar in a painted --sketch")
     group.add_argument(
         "--class",
         dest="classes",
@@ -66,7 +66,7 @@ def add_inputs(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
         "names say none or another; repeatable",
     )
     group.add_argument("--up", choices=("y", "z"), help="axis that points up in --obj (default z)")
-    group.add_argument("--scale", type=float, metavar="M", help="length of a unit of --obj, in metres (default 1)")
+    group.add_argument("--scale", type=number, metavar="M", help="length of a unit of --obj, in metres (default 1)")
     _add_image_options(group)
     add_seed(group)
     add_language_model(parser)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import lidardraft
 from lidardraft.cli import draft, evaluate, fit, generate, observe, pairs, raycast, simulate, streets, view
-from lidardraft.cli.command import commands_of, run
+from lidardraft.cli.command import Parser, commands_of, run
 
 _FIRST = """\
 start here:
@@ -24,8 +24,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     return run(_parser(), argv)
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+def _parser() -> Parser:
+    parser = Parser(
         prog="lidardraft",
         description="Labelled LiDAR scans of your sensor, from a sentence, a layout of simple shapes, a 3D model or a "
         "labelled scan.",

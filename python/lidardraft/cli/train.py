@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Sequence
 
 import lidardraft
 from lidardraft.cli import ablation, train_segmenter, train_street
-from lidardraft.cli.command import commands_of, run
+from lidardraft.cli.command import Parser, commands_of, run
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -16,8 +15,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     return run(_parser(), argv)
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+def _parser() -> Parser:
+    parser = Parser(
         prog="lidardraft-train",
         description="Weights of your own, from procedural streets.",
         epilog="start here: `lidardraft-train street` makes streets, learns from them, and writes one weight file for "
