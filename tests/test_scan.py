@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from lidardraft import Layout, Primitive, Scan, Sensor, raycast, simulate
+from lidardraft.errors import FormatError
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.scan import SCAN_ENDINGS
+from lidardraft.scene import edit
 
 SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=128)
 LAYOUT = Layout((
@@ -53,6 +55,21 @@ def test_a_scan_is_saved_with_its_sensor(scan: Scan, tmp_path: Path) -> None:
 
 def test_a_scan_that_cannot_be_saved_leaves_nothing(scan: Scan, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(OSError, match="file"):
-        scan.save(tmp_path / "file" / "000000")
-    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+    for name in ("file/000000", "nowhere/000000"):
+        with pytest.raises(FormatError, match=f"{name} cannot be written"):
+            scan.save(tmp_path / name)
+    (tmp_path / "000000.png").mkdir()
+    with pytest.raises(FormatError, match=r"000000\.png cannot be written: it is there, and no regular file"):
+        scan.save(tmp_path / "000000")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["000000.png", "file"]
+
+
+def test_points_of_a_moving_sensor_lie_in_their_boxes() -> None:
+    behind = Primitive(shape="box", center=(-9, 1, 0.8), size=(4, 2, 1.5), label="car", id="car_5", instance=5)
+    scan = simulate(edit.add(LAYOUT, behind), SMALL, speed=20.0)
+    for box in scan.boxes():
+        mine = scan.instances() == box.instance
+        points = scan.points()[mine]
+        assert len(points) > 10
+        assert (np.abs(points - box.center) <= np.array(box.size) / 2 + 0.15).all()
+    assert np.abs(scan.image.points()[mine] - points).max() > 0.5  # where the sweep begins and ends

@@ -29,8 +29,7 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
     Each writer gets its own. Raises `FormatError` where the file cannot be written.
     """
     target = Path(path)
-    if target.exists() and not target.is_file():  # a rename would put a file in the place of a device
-        raise FormatError(f"{target} cannot be written: it is there, and no regular file")
+    check_replaceable(target)
     temporary = target.with_name(f"{target.name}.{secrets.token_hex(4)}.partial")
     try:
         yield temporary
@@ -41,6 +40,12 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
+
+
+def check_replaceable(target: Path) -> None:
+    """Raise `FormatError` where something is there that is no regular file: a rename would take a device's place."""
+    if target.exists() and not target.is_file():
+        raise FormatError(f"{target} cannot be written: it is there, and no regular file")
 
 
 def regular_size(path: str | os.PathLike[str]) -> int:

@@ -14,6 +14,7 @@ import numpy as np
 
 from lidardraft import view
 from lidardraft.errors import FormatError
+from lidardraft.files import check_replaceable
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
 from lidardraft.scene.box import Box
@@ -46,12 +47,19 @@ class Scan:
         return raycast(self.layout, self.image.sensor, poses=self.poses())
 
     def poses(self) -> np.ndarray:
-        """The pose of each column, f64 [W, 4, 4]; `image.points(scan.poses())` removes the distortion by motion."""
+        """The pose of each column, f64 [W, 4, 4]."""
         return self.image.sensor.poses_in_motion(self.pose, self.speed * self.pose[:3, 0])
 
     def points(self) -> np.ndarray:
-        """x, y, z of the returns in the sensor frame [m], float32 [N, 3]."""
-        return self.image.points()
+        """x, y, z of the returns in the sensor's frame in the middle of the sweep [m], float32 [N, 3].
+
+        They lie in their boxes, as KITTI's do: the sensor's own motion is taken out. `image.points()` are the points of
+        a sensor that does not know it moves.
+        """
+        if not self.speed:
+            return self.image.points()
+        points = self.image.points(self.poses()) - self.pose[:3, 3]
+        return (points @ self.pose[:3, :3]).astype(np.float32)
 
     def intensities(self) -> np.ndarray:
         """Intensities in [0, 1] of `points()`, float32 [N]."""
@@ -80,10 +88,13 @@ class Scan:
         return view.render_scans_of_layout(self.layout, self.pose, images)
 
     def save(self, name: str | os.PathLike[str]) -> None:
-        """Write `NAME.bin`, `.label`, `.boxes.json`, `.layout.json`, `.sensor.json` and `.png` beside each other, or,
-        where one of them cannot be written, none. What has such a name already is replaced."""
+        """Write `NAME.bin`, `.label`, `.boxes.json`, `.layout.json`, `.sensor.json` and `.png` beside each other.
+
+        What has such a name already is replaced. Raises `FormatError` where one of them cannot be written; then none
+        is.
+        """
         with _files_beside_each_other(name) as stem:
-            _save_image(self.image, self.picture(), stem)
+            _save_image(self.image, self.points(), self.picture(), stem)
             write_boxes(f"{stem}.boxes.json", self.boxes(), self.returns_per_box())
             self.layout.save(f"{stem}.layout.json")
 
@@ -91,25 +102,34 @@ class Scan:
 def save_observed(image: RangeImage, name: str | os.PathLike[str]) -> None:
     """Write an image with intensity as a `Scan` is saved, without the `.boxes.json` and `.layout.json` of a layout."""
     with _files_beside_each_other(name) as stem:
-        _save_image(image, view.render_range_image(image), stem)
+        _save_image(image, image.points(), view.render_range_image(image), stem)
 
 
 @contextmanager
 def _files_beside_each_other(name: str | os.PathLike[str]) -> Iterator[str]:
-    """Where to write files that get this name, with their endings, when the block has ended well."""
+    """Where to write files that get this name, with their endings, when the block has ended well.
+
+    Raises `FormatError` where one of them cannot be written; then none is.
+    """
     target = Path(name)
-    with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as folder:
-        try:
-            yield f"{folder}/{target.name}"
-        except FormatError as error:  # it names the file that was asked for
-            raise FormatError(str(error).replace(folder, str(target.parent))) from None
-        for file in Path(folder).iterdir():
-            file.replace(target.parent / file.name)
+    try:
+        with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as folder:
+            try:
+                yield f"{folder}/{target.name}"
+            except FormatError as error:  # it names the file that was asked for
+                raise FormatError(str(error).replace(folder, str(target.parent))) from None
+            files = list(Path(folder).iterdir())
+            for file in files:
+                check_replaceable(target.parent / file.name)
+            for file in files:
+                file.replace(target.parent / file.name)
+    except OSError as error:
+        raise FormatError(f"{target} cannot be written: {error.strerror or error}") from None
 
 
-def _save_image(image: RangeImage, picture: np.ndarray, stem: str) -> None:
+def _save_image(image: RangeImage, points: np.ndarray, picture: np.ndarray, stem: str) -> None:
     assert image.intensity is not None
-    kitti.write_bin(f"{stem}.bin", image.points(), image.intensity[image.valid])
+    kitti.write_bin(f"{stem}.bin", points, image.intensity[image.valid])
     semantickitti.write_label(f"{stem}.label", image.label[image.valid], image.instance[image.valid])
     Path(f"{stem}.sensor.json").write_text(image.sensor.to_json())
     view.save_png(picture, f"{stem}.png")

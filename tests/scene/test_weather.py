@@ -41,17 +41,18 @@ def test_extinctions_add_up():
 def test_marshall_and_palmer_count_the_drops():
     # the integral of 8000 exp(-4.1 R^-0.21 D) per m3 and mm over half a millimetre and more
     slope = 4.1 * 10.0**-0.21
-    density, diameter, _ = particles(Weather(rain=10.0))
+    density, least, larger, _ = particles(Weather(rain=10.0))
     assert density == pytest.approx(8000 / slope * math.exp(-slope * 0.5))
-    assert diameter == pytest.approx(1e-3 * (0.5 + 1 / slope))
-    assert particles(Weather()) == (0.0, 0.0, 0.0)
+    assert least == 0.5e-3
+    assert larger == pytest.approx(1e-3 / slope)
+    assert particles(Weather()) == (0.0, 0.0, 0.0, 0.0)
 
 
 def test_the_first_drop_is_met_as_often_as_the_beam_has_room_for_drops():
     weather = Weather(snow=1.0)
     met, _ = first_particle(weather, (3e-3, 1.5e-3), (40_000,), np.random.default_rng(0))
     steps = np.linspace(0.95, 10.0, 20_001)
-    volume = np.trapezoid(math.pi / 4 * (0.02 + 3e-3 * steps) * (0.02 + 1.5e-3 * steps), steps)
+    volume = np.trapezoid(math.pi / 4 * (0.011 + 3e-3 * steps) * (0.011 + 1.5e-3 * steps), steps)
     share = ((met > 0) & (met < 10.0)).mean()
     assert share == pytest.approx(1 - math.exp(-particles(weather)[0] * volume), rel=0.03)
 

@@ -3,7 +3,8 @@
 Extinction per metre follows ITU-R P.1814 (2007): fog by visibility (Koschmieder's law with the wavelength law of Kruse
 as Kim amends it), rain after Carbonneau, snow wet or dry. Backscatter of fog is that of Hahner et al. (ICCV 2021);
 raindrops and snowflakes are met one by one, as many as Marshall and Palmer (1948) and Gunn and Marshall (1958) counted,
-the way Hahner et al. (CVPR 2022) sample snow.
+the way Hahner et al. (CVPR 2022) sample snow. Their light is that of a small target near by, which a receiver that is
+focused far away sees blurred: only a part falls on its detector (Measures, Laser Remote Sensing, 1984, ch. 7.3).
 """
 
 from __future__ import annotations
@@ -18,9 +19,13 @@ from lidardraft.errors import SensorError
 _WAVELENGTH = 905.0  # nm
 _PER_DECIBEL_KM = math.log(10.0) / 10.0 / 1000.0  # dB/km to 1/m
 _OVERLAP = 0.95  # m before which the receiver does not see the beam (Hahner et al., 2021: 0.9 to 1.0)
-_APERTURE = 0.02  # m, width of the beam at the window: an estimate of ours
+_APERTURE = 0.011  # m, width of the beam at the window (12.7 x 9.5 mm in Velodyne's VLP-16 manual, 9.5 mm of an OS1)
+_LENS = 0.025  # m, width of the receiver's: an estimate of ours
 _REACH = 40.0  # m beyond which no raindrop or snowflake is bright enough alone
-_WATER, _ICE = 0.05, 0.8  # share of a hemisphere's light that a raindrop and a snowflake send back: estimates of ours
+# Light that comes straight back, over that of a white disc of the same width. Of a raindrop it is what its front and,
+# focused by the drop, its back reflect: R / 4 and R (1 - R)^2 (n / (2 - n))^2 / 4 with n = 1.33, R = 0.02. Of a
+# snowflake it is an estimate of ours.
+_WATER, _ICE = 0.024, 0.8
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -79,8 +84,9 @@ def snow_extinction(rate: float) -> float:
     return float((1.023e-4 * _WAVELENGTH + 3.7855) * rate**0.72 * _PER_DECIBEL_KM)
 
 
-def particles(weather: Weather) -> tuple[float, float, float]:
-    """How many raindrops or snowflakes a cubic metre holds, their mean diameter [m] and the share each sends back.
+def particles(weather: Weather) -> tuple[float, float, float, float]:
+    """Of raindrops or snowflakes: how many a cubic metre holds, least diameter [m], how much larger one is on average
+    [m], and the share of light that it sends back.
 
     Exponential distributions of diameters, N0 exp(-L D), cut at half a millimetre for raindrops and one for snowflakes,
     below which one alone is never seen. In sleet the snowflakes count.
@@ -90,11 +96,11 @@ def particles(weather: Weather) -> tuple[float, float, float]:
         return _exponential(3.8e6 * weather.snow**-0.87, slope, 1e-3, _ICE)
     if weather.rain > 0:
         return _exponential(8.0e6, 4100.0 * weather.rain**-0.21, 0.5e-3, _WATER)
-    return 0.0, 0.0, 0.0
+    return 0.0, 0.0, 0.0, 0.0
 
 
-def _exponential(most: float, slope: float, smallest: float, share: float) -> tuple[float, float, float]:
-    return most / slope * math.exp(-slope * smallest), smallest + 1.0 / slope, share
+def _exponential(most: float, slope: float, least: float, share: float) -> tuple[float, float, float, float]:
+    return most / slope * math.exp(-slope * least), least, 1.0 / slope, share
 
 
 def first_particle(
@@ -102,15 +108,19 @@ def first_particle(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Range [m] of the first raindrop or snowflake in each beam and its response, f32 [*shape]; 0 and 0 without one.
 
-    `width` is the divergence of the beam [rad]. It sends back its own share of the beam's cross-section.
+    `width` is the divergence of the beam [rad], and so the field of view of its detector. A particle sends back its own
+    share of the beam's cross-section, of which the detector gets its own share of the blur.
     """
-    density, diameter, share = particles(weather)
+    density, least, larger, share = particles(weather)
     steps = np.linspace(_OVERLAP, _REACH, 256)
     area = math.pi / 4 * (_APERTURE + width[0] * steps) * (_APERTURE + width[1] * steps)
     met = np.concatenate([[0.0], np.cumsum((area[1:] + area[:-1]) / 2 * np.diff(steps))]) * density
     path = rng.standard_exponential(shape, np.float32)
     range_ = np.interp(path, met, steps, right=0.0).astype(np.float32)
-    response = np.interp(range_, steps, share * np.minimum(math.pi / 4 * diameter**2 / area, 1.0))
+    diameter = least + larger * rng.standard_exponential(shape, np.float32)
+    seen = np.minimum(width[0] * steps / _LENS, 1.0) * np.minimum(width[1] * steps / _LENS, 1.0)
+    response = share * np.minimum(math.pi / 4 * diameter**2 / np.interp(range_, steps, area), 1.0)
+    response *= np.interp(range_, steps, seen)
     return range_, np.where(range_ > 0, response, 0.0).astype(np.float32)
 
 
