@@ -41,6 +41,15 @@ def test_ranges_beyond_the_end_of_the_state_are_the_simulated_ones() -> None:
     np.testing.assert_array_equal(found.depth, simulated.depth)
 
 
+def test_nothing_is_added_at_the_end_of_the_state() -> None:
+    sensor = dataclasses.replace(SENSOR, max_range=200.0)
+    depth = np.full(SENSOR.shape, 119.9)
+    depth[:, :8] = 110.0
+    found = reported(image(depth, sensor=sensor), image(NOTHING, sensor=sensor))
+    assert found.valid[:, :8].all()
+    assert not found.valid[:, 8:].any()
+
+
 def test_other_ranges_get_the_noise_of_the_sensor() -> None:
     found = reported(image(np.full(SENSOR.shape, 10.0)), image(np.full(SENSOR.shape, 20.0))).depth
     assert 0.005 < (found - 10.0).std() < 0.02

@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace as replaced
 
 import pytest
 
@@ -41,6 +42,17 @@ def test_add() -> None:
     assert ids(add(LAYOUT, primitive("bus_1", 40)))[-1] == "bus_1"
     with pytest.raises(LayoutError, match="car_1: two primitives have this id"):
         add(LAYOUT, primitive("car_1", 40))
+
+
+def test_what_is_added_and_can_be_counted_gets_an_instance_of_its_own() -> None:
+    layout = add(LAYOUT, replaced(primitive("car_9", 30), instance=2))
+    bus = primitive("bus_1.body", 40, label="bus"), primitive("bus_1.front", 43, label="bus")
+    layout = add(layout, *bus, primitive("car_4", 50), primitive("tree_9", 5, label="vegetation"))
+    assert [layout[id].instance for id in ("car_9", "bus_1.body", "bus_1.front", "car_4", "tree_9")] == [2, 1, 1, 3, 0]
+    assert len(layout.boxes()) == 3
+    with pytest.raises(LayoutError, match="truck_1: instance 2 is car_9's; 0 takes a free one"):
+        add(layout, replaced(primitive("truck_1", 60, label="truck"), instance=2))
+    assert add(layout, primitive("bus_1.rear", 37, label="bus"))["bus_1.rear"].instance == 1
 
 
 def test_remove() -> None:

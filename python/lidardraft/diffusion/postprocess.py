@@ -13,6 +13,7 @@ from lidardraft.scene.sensor_model import SensorModel
 
 # Two ranges are of one surface where they differ by no more than this [m], and this share of the range.
 _SAME_SURFACE = (0.3, 0.03)
+_END = 0.99 * MAX_DEPTH  # m
 _DARK = 0.1  # an intensity up to which a surface may read 0
 
 
@@ -21,8 +22,9 @@ def postprocess(
 ) -> RangeImage:
     """`generated` as the sensor reports it, with what the network is right about.
 
-    - Returns: those of the simulated scan, and further ones where the layout has no surface. Which firings are lost on
-      a surface is chance that the sensor model knows: of returns that the network takes away 5 to 20 % are not there.
+    - Returns: those of the simulated scan, and further ones where the layout has no surface, but for those at the end
+      of the state, which stand for any range beyond. Which firings are lost on a surface is chance that the sensor
+      model knows: of returns that the network takes away 5 to 20 % are not there.
     - Ranges: the simulated one where both agree, whose noise is the sensor model's; of moves within that tolerance the
       network gets fewer right than wrong. A return without any neighbour at its range becomes the simulated one, or
       none. Others get the range noise of the sensor.
@@ -31,7 +33,8 @@ def postprocess(
     sensor = generated.sensor
     assert generated.intensity is not None
     assert simulated.intensity is not None
-    depth = np.where(simulated.valid | ~condition_image.valid, generated.depth, 0)
+    added = ~condition_image.valid & (generated.depth < _END)
+    depth = np.where(simulated.valid | added, generated.depth, 0)
     lone = (depth > 0) & ~_has_neighbour(depth, sensor.wraps)
     given = lone | (simulated.valid & (depth == 0))
     depth = np.where(given, simulated.depth, depth)

@@ -6,6 +6,7 @@ A pattern is a glob on ids or on names of objects: "car_*", "*.crown", "tree_3" 
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
@@ -13,6 +14,7 @@ from typing import Any
 
 from lidardraft.errors import LayoutError
 from lidardraft.scene.layout import Layout, Primitive, object_of
+from lidardraft.semantics import BY_NAME
 
 
 def select(layout: Layout, pattern: str = "*", *, label: str | None = None) -> tuple[Primitive, ...]:
@@ -21,8 +23,26 @@ def select(layout: Layout, pattern: str = "*", *, label: str | None = None) -> t
 
 
 def add(layout: Layout, *primitives: Primitive) -> Layout:
-    """With more primitives at the end; raises `LayoutError` where an id is taken."""
-    return dataclasses.replace(layout, primitives=layout.primitives + primitives)
+    """With more primitives at the end.
+
+    What can be counted, such as a car, and has instance 0 gets a free number, one for all parts of an object. Raises
+    `LayoutError` where an id is taken, or the instance is another object's.
+    """
+    owners = {primitive.instance: object_of(primitive) for primitive in layout}
+    free = itertools.filterfalse((owners | {p.instance: "" for p in primitives}).__contains__, itertools.count(1))
+    numbers = {object_of(primitive): primitive.instance for primitive in layout if primitive.instance}
+    added = []
+    for primitive in primitives:
+        name = object_of(primitive)
+        if primitive.instance and owners.get(primitive.instance, name) != name:
+            owner = owners[primitive.instance]
+            raise LayoutError(f"{primitive.id}: instance {primitive.instance} is {owner}'s; 0 takes a free one")
+        if not primitive.instance and BY_NAME[primitive.label].is_thing:
+            if name not in numbers:
+                numbers[name] = next(free)
+            primitive = dataclasses.replace(primitive, instance=numbers[name])
+        added.append(primitive)
+    return dataclasses.replace(layout, primitives=(*layout.primitives, *added))
 
 
 def remove(layout: Layout, pattern: str) -> Layout:
