@@ -16,6 +16,7 @@ def test_an_object_is_parsed() -> None:
     [
         ("", r"not JSON: "),
         ("{", r"not JSON: "),
+        ("import bpy\n", r"not JSON: .*; it begins with 'import bpy"),
         ('{"a": 1' + "0" * 1_000_000 + "}", r"not JSON: "),
         ("[" * 1_000_000, r"not JSON that can be read: it is nested too deeply"),
         ('{"a":' * 1_000_000, r"not JSON that can be read: it is nested too deeply"),

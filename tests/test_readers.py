@@ -26,6 +26,7 @@ from lidardraft.formats.intrinsics import read_intrinsics
 from lidardraft.formats.kitti import read_bin, write_bin
 from lidardraft.formats.masks import read_masks
 from lidardraft.formats.npy import read_npy
+from lidardraft.formats.nuscenes import read_pcd_bin
 from lidardraft.formats.obj import layout_from_obj
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.picture import read_picture
@@ -74,6 +75,7 @@ def write_painting(path: Path) -> None:
 # What reads a file, the ending it goes by, and what writes one.
 READERS: dict[str, tuple[Callable[[Path], object], str, Callable[[Path], object]]] = {
     "bin": (read_bin, ".bin", lambda path: write_bin(path, POINTS, np.ones(4))),
+    "nuscenes": (read_pcd_bin, ".pcd.bin", lambda path: np.ones((4, 5), "<f4").tofile(path)),
     "label": (
         lambda path: read_label(path, 4),
         ".label",

@@ -70,5 +70,8 @@ def _parse(text: str | bytes) -> Any:
         return json.loads(text)
     except RecursionError:
         raise FormatError("not JSON that can be read: it is nested too deeply") from None
+    except json.JSONDecodeError as error:
+        begins = f"; it begins with {text[:20]!r}" if error.pos == 0 and text else ""
+        raise FormatError(f"not JSON: {error}{begins}") from None
     except ValueError as error:  # a number of too many digits is one too
         raise FormatError(f"not JSON: {error}") from None

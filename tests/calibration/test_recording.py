@@ -92,6 +92,16 @@ def test_an_npz_file_says_what_it_has(tmp_path, image):
     np.testing.assert_allclose(recording.intensity, ring / 255, rtol=1e-6)
 
 
+def test_a_sweep_of_nuscenes_has_rings_from_the_lowest_and_another_frame(tmp_path, image):
+    points, ring = image.points(), image.beams()
+    sweep = np.stack([-points[:, 1], points[:, 0], points[:, 2], ring * 80, 3 - ring], axis=1)
+    sweep.astype("<f4").tofile(tmp_path / "a.pcd.bin")
+    recording = read_recording(tmp_path / "a.pcd.bin")
+    np.testing.assert_allclose(recording.points, points)
+    np.testing.assert_array_equal(recording.ring, 3 - ring)
+    np.testing.assert_allclose(recording.intensity, ring * 80 / 255, rtol=1e-6)
+
+
 def test_points_that_are_no_returns_are_left_out():
     points = np.array([[0, 0, 0], [1, 2, 3], [np.nan, 1, 1], [np.inf, 0, 0], [4, 5, 6]])
     recording = recording_of("a", points, ring=np.arange(5), label=np.arange(5))
@@ -120,7 +130,7 @@ def test_what_is_no_recording(points, fields, message):
 
 def test_files_that_are_none(tmp_path, in_kitti_order):
     points, _, _ = in_kitti_order
-    with pytest.raises(FormatError, match=r"a.las: a recorded scan is a .bin, .pcd or .npz file"):
+    with pytest.raises(FormatError, match=r"a.las: a recorded scan is a .bin, .pcd.bin, .pcd or .npz file"):
         read_recording(tmp_path / "a.las")
     with pytest.raises(FormatError, match=r"a.bin: No such file"):
         read_recording(tmp_path / "a.bin")

@@ -123,7 +123,7 @@ def test_the_file_that_is_wrong_is_named(refused: Callable[..., str]) -> None:
     Path("scan.label").write_bytes(bytes(20))
     assert "scan.bin is empty; a scan has at least one point" in refused(*scan)
     kitti.write_bin("scan.bin", np.ones((5, 3)), np.zeros(5))
-    assert "scan.label: all 5 points have label 0" in refused(*scan)
+    assert "scan.bin: all 5 points have label 0" in refused(*scan)
     Path("far.json").write_text(
         '{"schema": "lidardraft.layout/1", "primitives": [{"shape": "box", "center": [1e308, 0, 0], '
         '"size": [1, 1, 1], "label": "car", "id": "car_1"}]}'
@@ -143,6 +143,31 @@ def test_a_scan_is_read_from_the_height_of_its_own_sensor() -> None:
     assert cli.main(["draft", "--points", "scan.bin", "-o", "layout.json"]) == 0
     heights = [primitive.center[2] for primitive in Layout.load("layout.json") if primitive.label == "road"]
     np.testing.assert_allclose(heights, 0, atol=0.05)
+
+
+def test_scans_are_read_from_other_files_than_kittis(refused: Callable[..., str]) -> None:
+    """The same points as KITTI's .bin, an .npz, a .pcd of text and a sweep of nuScenes are the same layout."""
+    y, x = np.meshgrid(np.linspace(-8, 8, 60), np.linspace(2, 20, 60))
+    points = np.stack([x, y, np.full_like(x, -1.73)], axis=-1).reshape(-1, 3).astype(np.float32)
+    label = np.full(len(points), BY_NAME["road"].id)
+    kitti.write_bin("a.bin", points, np.zeros(len(points), np.float32))
+    np.savez("a.npz", xyz=points, label=label)
+    head = f"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nPOINTS {len(points) + 1}\nDATA ascii\n"
+    lines = "\n".join(" ".join(map(str, point)) for point in [*points.tolist(), ["nan"] * 3])
+    Path("a.pcd").write_text(head + lines)
+    np.stack([-points[:, 1], points[:, 0], points[:, 2], 255 * (x.ravel() > 9), 0 * label], axis=1).astype(
+        "<f4"
+    ).tofile("a.pcd.bin")
+    semantickitti.write_label("a.label", label, np.zeros_like(label))
+    semantickitti.write_label("one_more.label", np.append(label, 0), np.zeros(len(label) + 1, np.uint32))
+    draft = ("draft", "--no-preview", "--points")
+    for name, labels in (("a.pcd.bin", "a.label"), ("a.pcd", "one_more.label"), ("a.npz", None), ("a.bin", None)):
+        given = ["--labels", labels] if labels else []
+        assert cli.main([*draft, name, *given, "-o", f"{name}.json"]) == 0
+        assert Layout.load(f"{name}.json") == Layout.load("a.pcd.bin.json")
+    assert "a.ply: a recorded scan is a .bin, .pcd.bin, .pcd or .npz file" in refused(*draft, "a.ply", "-o", "b.json")
+    Path("a.label").unlink()
+    assert "a.pcd.bin: --points needs --labels or --segmenter" in refused(*draft, "a.pcd.bin", "-o", "b.json")
 
 
 def test_a_sketch_is_read_and_what_is_ignored_is_said(capsys: pytest.CaptureFixture[str]) -> None:
@@ -338,7 +363,7 @@ def test_what_is_wrong_with_a_blender_script(refused: Callable[..., str]) -> Non
     draft = ("draft", "-o", "layout.json", "--blender", "scene.py")
     assert "scene.py: No such file" in refused(*draft)
     Path("scene.py").write_text(SCRIPT)
-    assert "scene.py: no class for Blob (line 2); give them" in refused(*draft)
+    assert "scene.py: no class for Blob (line 2); say which by --class" in refused(*draft)
     assert "did you mean 'car'?" in refused(*draft, "--class", "Blob=cra")
     Path("scene.py").write_text("import bpy\nimport os\n")
     assert "scene.py: line 2: import of os: a script is read, not run" in refused(*draft)

@@ -102,7 +102,7 @@ def test_classes_come_from_extras_names_and_materials(tmp_path: Path) -> None:
     assert (found.label, found.id, found.instance) == ("truck", "lorry.cab", 9)
     (found,) = read(tmp_path, {"name": "Blob.003", "mesh": 0}, classes={"Blob": "wall"})
     assert found.label == "wall"
-    with pytest.raises(LayoutError, match=r"a.glb: no class for Blob; give them in `classes` \(--class NAME=CLASS\)"):
+    with pytest.raises(LayoutError, match=r"a.glb: no class for Blob; say which by --class NAME=CLASS"):
         read(tmp_path, {"name": "Blob", "mesh": 0})
     with pytest.raises(LayoutError, match=r"Blob: label is 'unicorn'|label is 'unicorn'"):
         read(tmp_path, {"name": "Blob", "mesh": 0, "extras": {"class": "unicorn"}})

@@ -87,6 +87,11 @@ def test_arrays_of_other_lengths_are_not_written(tmp_path):
         (b"# .PCD v0.7\n", "PCD"),
         (b"\x93NUMPY", "NumPy"),
         (b"PK\x03\x04", "a zip"),
+        (b"\x89PNG\r\n\x1a\n", "PNG"),
+        (b"\xff\xd8\xff\xe0\0\x10JFIF", "JPEG"),
+        (b"glTF\2", "binary glTF"),
+        (b"12.5 3.25 -1.75 0.5\n1.0 2.0 3.0 0.25\n", "text"),
+        (b'{"schema": "lidardraft.layout/1"}', "text"),
     ],
 )
 def test_files_of_points_of_another_kind_are_named(tmp_path, start, kind):

@@ -30,7 +30,8 @@ def test_names_say_the_class(tmp_path):
 def test_names_that_say_no_class_are_listed(tmp_path):
     path = write(tmp_path / "a.obj", "Cube.001", "road", "careful")
     with pytest.raises(
-        LayoutError, match=r"a.obj: no class for Cube.001 \(no material\), careful \(no material\); pass them"
+        LayoutError,
+        match=r"a.obj: no class for Cube.001 \(no material\), careful \(no material\); say which by --class NAME=CLASS",
     ):
         layout_from_obj(path)
     assert [p.label for p in layout_from_obj(path, {"Cube.001": "building", "careful": "other"})] == [
@@ -41,7 +42,7 @@ def test_names_that_say_no_class_are_listed(tmp_path):
 
 
 def test_labels_that_are_no_class(tmp_path):
-    with pytest.raises(LayoutError, match=r"labels\['Cube'\] is 'cow'; it must be one of road"):
+    with pytest.raises(LayoutError, match=r"classes\['Cube'\] is 'cow'; it must be one of road"):
         layout_from_obj(write(tmp_path / "a.obj", "Cube"), {"Cube": "cow"})
 
 

@@ -78,6 +78,10 @@ def test_fog_sends_light_back_from_near_the_sensor_and_more_so_the_thicker_it_is
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
+        ({"rain": "a"}, r"rain is 'a'; it must be 0 to 200"),
+        ({"snow": None}, r"snow is None; it must be 0 to 200"),
+        ({"wetness": True}, r"wetness is True; it must be 0 to 1"),
+        ({"visibility": [100.0]}, r"visibility is \[100\.0\]; it must be 0 to inf"),
         ({"rain": -1.0}, r"rain is -1\.0; it must be 0 to 200"),
         ({"snow": math.nan}, "snow is nan; it must be 0 to 200"),
         ({"visibility": 0.0}, r"visibility is 0\.0; it must be more than 0"),

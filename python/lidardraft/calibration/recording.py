@@ -17,6 +17,7 @@ import numpy as np
 from lidardraft.errors import FormatError
 from lidardraft.files import named, read_bytes
 from lidardraft.formats.kitti import read_bin
+from lidardraft.formats.nuscenes import read_pcd_bin
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.semantickitti import read_label
 from lidardraft.scene import image_archive
@@ -46,7 +47,8 @@ class Recording:
 
 
 def read_recording(path: str | os.PathLike[str]) -> Recording:
-    """A scan out of a file: `.bin` of KITTI, with SemanticKITTI's labels if they lie beside it, `.pcd` or `.npz`.
+    """A scan out of a file: `.bin` of KITTI, with SemanticKITTI's labels if they lie beside it, `.pcd.bin` of nuScenes,
+    `.pcd` or `.npz`.
 
     A KITTI file has its points laser by laser. A PCD file has x, y, z and a field `ring` (or `channel`), or is
     organised (its HEIGHT lasers are rows) or in KITTI's order; `intensity` in 0 to 1 or 0 to 255. An .npz file has
@@ -63,6 +65,9 @@ def read_points(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.
     """The points [N, 3] of such a file and what it says of each, `instance` too, as it stands there; which laser took
     them need not be known."""
     suffix = Path(path).suffix
+    if Path(path).name.endswith(".pcd.bin"):
+        points, intensity, ring = read_pcd_bin(path)
+        return points, {"intensity": intensity, "ring": ring} | _labels_beside(Path(path), len(points))
     if suffix == ".bin":
         points, intensity = read_bin(path)
         return points, {"intensity": intensity} | _labels_beside(Path(path), len(points))
@@ -70,7 +75,7 @@ def read_points(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.
         return _from_pcd(path)
     if suffix == ".npz":
         return _from_npz(path)
-    raise FormatError(f"{os.fspath(path)}: a recorded scan is a .bin, .pcd or .npz file")
+    raise FormatError(f"{os.fspath(path)}: a recorded scan is a .bin, .pcd.bin, .pcd or .npz file")
 
 
 def returns(points: np.ndarray, fields: Mapping[str, np.ndarray]) -> tuple[np.ndarray, dict[str, np.ndarray]]:

@@ -40,16 +40,16 @@ def add_inputs(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     one = group.add_mutually_exclusive_group(required=True)
     one.add_argument("--text", metavar="SENTENCE", help='what is on the road, in English: "two cars on the left"')
     one.add_argument("--image", metavar="PHOTO.jpg", help="a picture of a road: JPEG, PNG or WebP")
-    one.add_argument("--points", metavar="FILE.bin", help="a scan: KITTI .bin, float32 x y z [m] and intensity")
+    text = "a scan: KITTI .bin (float32 x y z [m] and intensity), nuScenes .pcd.bin, .pcd, or .npz"
+    one.add_argument("--points", metavar="SCAN", help=text)
     one.add_argument("--sketch", metavar="FILE", help="a sketch from above: .svg, or a painted picture (.png, .jpg)")
     one.add_argument("--boxes", metavar="FILE.json", help="boxes around objects, as in the .boxes.json of a scan")
     one.add_argument("--obj", metavar="FILE.obj", help="a 3D model: Wavefront OBJ with the ego vehicle at its origin")
     one.add_argument("--glb", metavar="FILE.glb", help="a 3D model: binary glTF, as Blender exports it")
     one.add_argument("--blender", metavar="FILE.py", help="a Blender Python script; it is read as data, never run")
     one.add_argument("--layout", metavar="LAYOUT.json", help="a layout, as `lidardraft draft` writes it")
-    group.add_argument(
-        "--labels", metavar="FILE.label", help="SemanticKITTI labels of --points (default: the .label beside it)"
-    )
+    text = "SemanticKITTI labels of --points (default: those in it, or the .label beside it or in ../labels)"
+    group.add_argument("--labels", metavar="FILE.label", help=text)
     text = "weights of a segmenter, as `lidardraft-train segmenter` writes them, that labels --points"
     group.add_argument("--segmenter", metavar="FILE", help=text)
     text = "fine: as near to --points as their cast can be (default); objects: few whole ones, to edit by hand"
@@ -204,37 +204,44 @@ def _intrinsics(given: str | None) -> object | None:
 
 
 def _from_points(arguments: argparse.Namespace) -> Layout:
+    from lidardraft.calibration.recording import read_points, returns
     from lidardraft.drafting.cloud import layout_from_cloud
-    from lidardraft.formats import kitti
 
-    path = Path(arguments.segmenter or arguments.labels or Path(arguments.points).with_suffix(".label"))
-    points, intensity = kitti.read_bin(arguments.points)
-    if arguments.segmenter is None and arguments.labels is None and not path.exists():
-        raise FormatError(
-            f"{arguments.points}: --points needs --labels or --segmenter, as there is no {path}: a layout is made of "
-            "classes"
-        )
-    height = _sensor_height(arguments, arguments.points)
-    labels, instances = _labels(arguments, path, points, intensity, height)
-    detail = arguments.detail or "fine"
-    with named(path):
-        return layout_from_cloud(points, labels, instances=instances, sensor_height=height, detail=detail)
-
-
-def _labels(
-    arguments: argparse.Namespace, path: Path, points: np.ndarray, intensity: np.ndarray, height: float
-) -> tuple[np.ndarray, np.ndarray | None]:
-    """The labels of --points, and the numbers of its objects where the file `path` has them."""
-    if arguments.segmenter is None:
-        from lidardraft.formats import semantickitti
-
-        return semantickitti.read_label(path, len(points))
-    if arguments.labels is not None:
+    if arguments.labels is not None and arguments.segmenter is not None:
         raise FormatError("--labels and --segmenter both say the classes of --points; give one of them")
+    path, height = arguments.points, _sensor_height(arguments, arguments.points)
+    points, fields = read_points(path)
+    if arguments.labels is not None:
+        from lidardraft.formats.semantickitti import read_label
+
+        fields |= dict(zip(("label", "instance"), read_label(arguments.labels, len(points)), strict=True))
+    with named(path):
+        points, fields = returns(points, fields)
+    if arguments.segmenter is not None:
+        fields = {"label": _segmented(arguments, points, fields.get("intensity"), height)}
+    elif "label" not in fields:
+        raise FormatError(
+            f"{path}: --points needs --labels or --segmenter, as there is no {Path(path).with_suffix('.label')}: a "
+            "layout is made of classes"
+        )
+    with named(arguments.segmenter or arguments.labels or path):
+        return layout_from_cloud(
+            points,
+            fields["label"],
+            instances=fields.get("instance"),
+            sensor_height=height,
+            detail=arguments.detail or "fine",
+        )
+
+
+def _segmented(
+    arguments: argparse.Namespace, points: np.ndarray, intensity: np.ndarray | None, height: float
+) -> np.ndarray:
+    """The classes of --points by the weights of --segmenter."""
     from lidardraft.networks import weight_file
     from lidardraft.perception.segmenter import Segmenter
 
-    return weight_file.load(path, Segmenter).label_points(points, intensity, height), None
+    return weight_file.load(arguments.segmenter, Segmenter).label_points(points, intensity, height)
 
 
 def _from_sketch(arguments: argparse.Namespace) -> Layout:

@@ -47,7 +47,9 @@ def layout_from_glb(path: str | os.PathLike[str], classes: Mapping[str, str] | N
         labels = [_class_of(piece, file, classes or {}) for piece in pieces]
         nameless = sorted({_name(piece) for piece, label in zip(pieces, labels, strict=True) if not label})
         if nameless:
-            raise LayoutError(f"no class for {', '.join(nameless)}; give them in `classes` (--class NAME=CLASS)")
+            raise LayoutError(
+                f"no class for {', '.join(nameless)}; say which by --class NAME=CLASS (`classes` in Python)"
+            )
         primitives = _primitives(file, pieces, [label or "" for label in labels])
         if not primitives:
             raise FormatError("the file has no triangles")

@@ -10,10 +10,13 @@ from lidardraft.errors import FormatError
 from lidardraft.files import read_bytes, written_whole
 
 _POINT_BYTES = 16
+_TEXT, _PRINTED = 32, {*range(32, 127), *b"\t\r\n"}  # so many printed characters in a row are no coordinates
 
-
-# How files of points begin that are no scans of KITTI; as numbers these would be kilometres or less than an atom.
+# How files begin that are no scans of KITTI; as numbers these would be kilometres or less than an atom.
 _OTHERS = {
+    b"\x89PNG": "PNG",
+    b"\xff\xd8\xff": "JPEG",
+    b"glTF": "binary glTF",
     b"ply\n": "PLY",
     b"ply\r": "PLY",
     b"LASF": "LAS",
@@ -34,6 +37,8 @@ def read_bin(path: str | os.PathLike[str]) -> tuple[np.ndarray, np.ndarray]:
         raise FormatError(f"{name} is empty; a scan has at least one point")
     if other := next((kind for start, kind in _OTHERS.items() if data.startswith(start)), None):
         raise FormatError(f"{name} is {other}; a KITTI scan is float32 x y z and intensity, and nothing before them")
+    if len(data) >= _TEXT and all(byte in _PRINTED for byte in data[:_TEXT]):
+        raise FormatError(f"{name} is text; a KITTI scan is float32 x y z and intensity")
     if len(data) % _POINT_BYTES:
         raise FormatError(f"{name} has {len(data)} bytes; a KITTI scan has {_POINT_BYTES} a point, so it is truncated")
     scan = np.frombuffer(data, dtype="<f4").reshape(-1, 4).astype(np.float32)

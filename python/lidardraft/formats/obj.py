@@ -25,11 +25,11 @@ _FRAMES = {"z": np.eye(3), "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.
 
 
 def layout_from_obj(
-    path: str | os.PathLike[str], labels: Mapping[str, str] | None = None, *, up: str = "z", scale: float = 1.0
+    path: str | os.PathLike[str], classes: Mapping[str, str] | None = None, *, up: str = "z", scale: float = 1.0
 ) -> Layout:
     """The layout of an OBJ file whose axis `up` points up and whose unit is `scale` metres.
 
-    The class of an object is what `labels` says of its name or of its material's, or else what these names say:
+    The class of an object is what `classes` says of its name or of its material's, or else what these names say:
     "car", "Car.001" and "ParkedCar_left" are cars. Things are numbered; an object's materials are parts of one thing,
     and so are "car_1.body" and "car_1.roof". Raises `LayoutError` listing the names that say no class, and
     `FormatError` where the file is broken.
@@ -39,20 +39,22 @@ def layout_from_obj(
         raise LayoutError(f"up is {up!r}; it must be 'y' or 'z'")
     if not (math.isfinite(scale) and scale > 0):
         raise LayoutError(f"scale is {scale}; it must be a finite number of metres > 0")
-    check_classes(labels or {})
+    check_classes(classes or {})
     _check_amount(path)
     objects = mesh.read_obj(path)
     with named(path):
-        classes = [class_of((name, material), labels or {}) for name, material, _ in objects]
+        labels = [class_of((name, material), classes or {}) for name, material, _ in objects]
         nameless = sorted(
-            {f"{o[0]} ({o[1] or 'no material'})" for o, label in zip(objects, classes, strict=True) if not label}
+            {f"{o[0]} ({o[1] or 'no material'})" for o, label in zip(objects, labels, strict=True) if not label}
         )
         if nameless:
-            raise LayoutError(f"no class for {', '.join(nameless)}; pass them in `labels` (--class NAME=CLASS)")
+            raise LayoutError(
+                f"no class for {', '.join(nameless)}; say which by --class NAME=CLASS (`classes` in Python)"
+            )
         instances: dict[str, int] = {}
         ids: dict[str, int] = {}
         fields: list[dict[str, Any]] = []
-        for (name, material, _), label in zip(objects, classes, strict=True):
+        for (name, material, _), label in zip(objects, labels, strict=True):
             assert label is not None
             thing = BY_NAME[label].is_thing
             number = instances.setdefault(id_of(name).split(".")[0], len(instances) + 1) if thing else 0

@@ -61,7 +61,7 @@ def check_classes(classes: Mapping[str, str]) -> None:
     """Raises `LayoutError` for a name that is given a class that is none."""
     for key, value in classes.items():
         if value not in BY_NAME or value == "none":
-            raise LayoutError(f"labels[{key!r}] is {value!r}; it must be {one_of(list(BY_NAME)[1:], value)}")
+            raise LayoutError(f"classes[{key!r}] is {value!r}; it must be {one_of(list(BY_NAME)[1:], value)}")
 
 
 def class_of(names: Iterable[str], classes: Mapping[str, str]) -> str | None:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from lidardraft.errors import SensorError
+from lidardraft.json_fields import is_number
 
 _WAVELENGTH = 905.0  # nm
 _PER_DECIBEL_KM = math.log(10.0) / 10.0 / 1000.0  # dB/km to 1/m
@@ -44,8 +45,8 @@ class Weather:
         for field in fields(self):
             value = getattr(self, field.name)
             most = {"visibility": math.inf, "wetness": 1.0}.get(field.name, 200.0)
-            if not 0.0 <= value <= most:
-                raise SensorError(f"{field.name} is {value}; it must be 0 to {most:g}")
+            if not (isinstance(value, float) or is_number(value)) or not 0.0 <= value <= most:  # inf is no `is_number`
+                raise SensorError(f"{field.name} is {value!r}; it must be 0 to {most:g}")
         if self.visibility == 0.0:
             raise SensorError(f"visibility is {self.visibility}; it must be more than 0")
 

@@ -61,7 +61,7 @@ def test_properties_come_before_names() -> None:
 
 def test_names_that_say_no_class_are_listed() -> None:
     script = "import bpy\n" + ADD + "add('Cube')\nadd('Thingy')\nadd('Car')"
-    with pytest.raises(LayoutError, match=r"no class for Cube \(line 3\), Thingy \(line 3\); give them in `classes`"):
+    with pytest.raises(LayoutError, match=r"no class for Cube \(line 3\), Thingy \(line 3\); say which by --class"):
         layout_from_blender(script)
     layout = layout_from_blender(script, classes={"Cube": "building", "Thingy": "other"})
     assert [p.label for p in layout] == ["building", "other", "car"]

@@ -41,7 +41,7 @@ def primitives_of(scene: Scene, classes: Mapping[str, str]) -> list[Primitive]:
     if nameless:
         names = ", ".join(f"{name:.60} (line {line})" for name, line in sorted(nameless.items())[:_MOST_NAMES])
         more = f" and {len(nameless) - _MOST_NAMES} more" if len(nameless) > _MOST_NAMES else ""
-        raise LayoutError(f"no class for {names}{more}; give them in `classes` (--class NAME=CLASS)")
+        raise LayoutError(f"no class for {names}{more}; say which by --class NAME=CLASS (`classes` in Python)")
     numbers = _Instances([item.properties.get("instance") for item, _, _ in meshes])
     ids: dict[str, int] = {}
     primitives = []
