@@ -45,6 +45,12 @@ def test_scans_are_scored_between_the_detailed_ones_and_random_weights(
     assert set(condition.by_class.values()) == {1.0}
 
 
+def test_the_untrained_network_is_sampled_as_the_trained_one(pairs: list[StreetPair], denoiser: Denoiser) -> None:
+    fast, langevin = (list(evaluate(Pipeline(denoiser, steps=2, langevin=n), pairs[:1]))[-1] for n in (None, 1))
+    assert fast.name == langevin.name == "untrained"
+    assert fast != langevin
+
+
 def test_scans_are_generated_where_the_weights_are(pairs: list[StreetPair], denoiser: Denoiser) -> None:
     scores = evaluate(Pipeline(denoiser.to("meta"), steps=1), pairs)
     assert [next(scores).name for _ in range(3)] == ["detailed scan", "condition image", "simulated"]

@@ -56,7 +56,9 @@ def evaluate(
 ) -> Iterator[Scores]:
     """The detailed scans, the condition images, the simulated scans of the same layouts, the pipeline's scans, and
     those of the same network untrained; `on_scan` is called after each generated scan."""
-    untrained = Pipeline(_random_weights(pipeline.denoiser), steps=pipeline.steps, start=pipeline.start)
+    untrained = Pipeline(
+        _random_weights(pipeline.denoiser), steps=pipeline.steps, start=pipeline.start, langevin=pipeline.langevin
+    )
     yield score("detailed scan", pairs, (pair.scan for pair in pairs))
     yield score("condition image", pairs, (pair.condition_image for pair in pairs))
     yield score("simulated", pairs, (_simulated(pair) for pair in pairs))

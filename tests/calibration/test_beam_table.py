@@ -97,6 +97,14 @@ def test_firings_are_counted_by_their_steps_where_they_are_not_numbered():
     np.testing.assert_array_equal(table.azimuth_offsets, 0.0)
 
 
+def test_a_scan_without_a_return_of_one_laser_does_not_hide_its_azimuth():
+    truth = Sensor(name="truth", elevations=(0.02, -0.05, -0.1), columns=360, azimuth_offsets=(0.1, 0.0, -0.1))
+    whole, other = (scan(truth, seed, np.arange(3)) for seed in range(2))
+    seen = other.ring != 0
+    partly = replace(other, points=other.points[seen], ring=other.ring[seen], column=other.column[seen])
+    np.testing.assert_allclose(fit_beam_table([whole, partly]).azimuth_offsets, truth.azimuth_offsets, atol=2e-4)
+
+
 def test_columns_that_are_no_firings_give_no_azimuths():
     truth = Sensor(name="truth", elevations=(0.02, -0.05, -0.1), columns=360, azimuth_offsets=(0.1, 0.0, -0.1))
     recording = scan(truth, 0, np.arange(3))

@@ -1,4 +1,5 @@
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from sklearn.cluster import DBSCAN
 
 from lidardraft.drafting.clustering import (
     FittedBox,
+    _neighbours,
     cluster,
     completions,
     fit_box,
@@ -192,3 +194,35 @@ def test_a_post_stands_behind_the_side_that_was_seen():
     post = fit_post(side)
     np.testing.assert_allclose(post.size, (0.4, 0.4, 2.9), atol=0.02)
     np.testing.assert_allclose(post.center, (10.0, 0.0, 1.45), atol=0.08)
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 10_000), furthest=st.sampled_from([5.0, 60.0, 900.0]))
+def test_neighbours_are_those_of_all_pairs(seed, furthest):
+    rng = np.random.default_rng(seed)
+    middles = rng.uniform(-1, 1, (20, 3)) * [furthest, furthest, 2.0]
+    points = (middles[:, None] + rng.normal(0, 1, (20, 15, 3)) * rng.uniform(0.1, 5, (20, 1, 1))).reshape(-1, 3)
+    reaches = 0.5 + 0.01 * np.linalg.norm(points[:, :2], axis=1)
+    a, b = np.triu_indices(len(points), 1)
+    close = np.linalg.norm(points[a] - points[b], axis=1) <= (reaches[a] + reaches[b]) / 2
+    found = sorted(
+        tuple(sorted(pair)) for pair in zip(*map(np.ndarray.tolist, _neighbours(points, reaches)), strict=True)
+    )
+    assert found == list(zip(a[close].tolist(), b[close].tolist(), strict=True))
+
+
+def test_a_far_point_does_not_have_near_ones_searched_widely():
+    y, z = np.meshgrid(np.arange(0, 10, 0.15), np.arange(0, 5, 0.15))
+    wall = np.column_stack([np.full(y.size, 5.0), y.ravel(), z.ravel()])
+
+    def peak(points):
+        tracemalloc.start()
+        found = cluster(points, reach=0.5, min_points=5)
+        memory = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return found, memory
+
+    (alone,), memory = peak(wall)
+    (beside,), with_far = peak(np.concatenate([wall, [[900.0, 0.0, 0.0]]]))
+    np.testing.assert_array_equal(alone, beside)
+    assert with_far < 1.5 * memory

@@ -57,6 +57,13 @@ def test_a_group_without_any_count_is_left_out() -> None:
     assert found.generated_vs_recorded == 1.0
 
 
+def test_a_sweep_without_a_measurement_does_not_leave_its_group_out() -> None:
+    row = Property("value", GAP.measure, lifelike.value_difference, lifelike._mean_value)
+    groups = {"a": [np.array(1.0), np.array(math.nan)], "b": [np.array(3.0)] * 2}
+    found = compare(row, groups, [np.array(2.0)] * 2)
+    assert (found.recorded, found.recorded_vs_recorded, found.generated_vs_recorded) == (2.0, 2.0, 1.0)
+
+
 def test_pooled_means_use_bins_that_both_have() -> None:
     first = [np.array([[30.0, 100.0], [5.0, 10.0]])]
     second = [np.array([[25.0, 50.0], [100.0, 100.0]]), np.array([[25.0, 50.0], [0.0, 100.0]])]

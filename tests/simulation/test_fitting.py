@@ -7,6 +7,7 @@ from coarse_boxes import box
 from lidardraft.objects.kinds import KINDS
 from lidardraft.scene.mesh import TriangleMesh, primitive_mesh
 from lidardraft.semantics import BY_NAME
+from lidardraft.simulation import fitting
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
 from lidardraft.simulation.fitting import EXTENTS, _cut_mesh, fitted
 
@@ -41,3 +42,14 @@ def test_a_mesh_is_cut_where_the_ground_is_and_cut_once() -> None:
     assert cut.vertices[:, 2].max() == 0.5
     assert _cut_mesh(square, -0.25) is cut
     assert _cut_mesh(square, 0.25) is not cut
+
+
+def test_a_cut_is_whole_where_another_thread_clears_those_that_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Cleared(dict):  # as soon as it is written
+        def __setitem__(self, key, value):
+            super().__setitem__(key, value)
+            self.clear()
+
+    monkeypatch.setattr(fitting, "_cuts", Cleared())
+    square = TriangleMesh(np.array([(-0.5, 0, -0.5), (0.5, 0, -0.5), (0.5, 0, 0.5)]), np.array([[0, 1, 2]]))
+    assert _cut_mesh(square, -0.25).vertices[:, 2].min() == -0.5

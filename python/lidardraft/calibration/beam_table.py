@@ -125,13 +125,16 @@ def _cone(out: np.ndarray, z: np.ndarray) -> tuple[float, float, float]:
 
 def _azimuth_offsets(recordings: Sequence[Recording], rings: np.ndarray, columns: int) -> np.ndarray:
     """By how much each laser looks further to the left than the mean of all, where firings are numbered [rad]."""
-    turned = np.zeros(len(rings), dtype=complex)
+    turned, returns = np.zeros(len(rings), dtype=complex), np.zeros(len(rings))
     for recording in recordings:
         if recording.column is None:
             return np.zeros(len(rings))
         ahead = np.exp(1j * (_azimuths(recording) + 2 * np.pi * (recording.column + 0.5) / columns - np.pi))
-        turned += [ahead[recording.ring == ring].mean() for ring in rings]
-    if np.abs(turned).min() < _ALIKE * len(recordings):  # columns that are no firings, or count the other way
+        for row, ring in enumerate(rings):
+            mine = ahead[recording.ring == ring]
+            turned[row] += mine.sum()
+            returns[row] += len(mine)
+    if (np.abs(turned) < _ALIKE * returns).any():  # columns that are no firings, or count the other way
         return np.zeros(len(rings))
     offsets = np.angle(turned)
     middle = np.angle(np.exp(1j * offsets).mean())

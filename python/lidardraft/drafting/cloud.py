@@ -48,8 +48,9 @@ def layout_from_cloud(
     """The layout of one labelled scan.
 
     `points` [N, 3] in the sensor frame [m]; `labels` [N] class ids of `semantics.CLASSES`, 0 is left out, or a function
-    of the points that tells them, such as a segmenter; `instances` [N] numbers of objects, counted for each class, 0
-    where unknown: those points are clustered. `sensor_height` is that over the road [m].
+    of the points that tells them, as `lambda points: segmenter.label_points(points, intensity, height)` does;
+    `instances` [N] numbers of objects, counted for each class, 0 where unknown: those points are clustered.
+    `sensor_height` is that over the road [m].
 
     The ground becomes a mesh for each class; people, vehicles and signs become boxes, one each, poles and trunks
     cylinders. Buildings, walls and fences become boxes and vegetation ellipsoids: with `detail` "fine" as many as make

@@ -26,6 +26,7 @@ from lidardraft.drafting.cloud_rules import (
 _NOISE = 0.05  # m; nearer to an edge than this is as good as on it
 _SAMPLE = 200  # points at most that say the heading of a box
 _SLICE = 0.3  # m of height
+_BAND = 2.0  # the highest over the lowest reach of points whose neighbours are searched together
 _OUTLIERS = 1.0  # % of the points at either end of an extent
 
 
@@ -66,9 +67,7 @@ def cluster(points: np.ndarray, *, reach: float, min_points: int) -> list[np.nda
     kept, cell, count = thin(points, reach / 4)
     thinned = points[kept]
     reaches = reach + REACH_PER_RANGE * np.linalg.norm(thinned[:, :2], axis=1)
-    a, b = cKDTree(thinned).query_pairs(reaches.max(), output_type="ndarray").T
-    close = np.linalg.norm(thinned[a] - thinned[b], axis=1) <= (reaches[a] + reaches[b]) / 2
-    a, b = a[close], b[close]
+    a, b = _neighbours(thinned, reaches)
     size = len(thinned)
     neighbours = count + np.bincount(a, count[b], size) + np.bincount(b, count[a], size)
     core = neighbours >= min_points
@@ -85,6 +84,26 @@ def cluster(points: np.ndarray, *, reach: float, min_points: int) -> list[np.nda
     numbers, starts = np.unique(found[order], return_index=True)
     members = np.split(order, starts[1:])[: len(numbers) - (numbers[-1] == size)]
     return sorted(members, key=len, reverse=True)
+
+
+def _neighbours(points: np.ndarray, reaches: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Both indices of each pair of points [N, 3] no further apart than the mean of their reaches [N].
+
+    By bands of the lesser reach of the two, since a tree is searched with one radius: one far point would else have it
+    wide for all.
+    """
+    most = 1 + 2 * REACH_PER_RANGE  # no neighbour's reach is so many times the other's, as their ranges are alike
+    low, highest, pairs = float(reaches.min()), float(reaches.max()), [np.empty((0, 2), dtype=np.intp)]
+    while low <= highest:
+        high = low * _BAND
+        near = np.flatnonzero((reaches >= low) & (reaches < high * most))
+        if len(near):
+            found = near[cKDTree(points[near]).query_pairs(reaches[near].max(), output_type="ndarray")]
+            pairs.append(found[reaches[found].min(axis=1) < high])
+        low = high
+    a, b = np.concatenate(pairs).T
+    close = np.linalg.norm(points[a] - points[b], axis=1) <= (reaches[a] + reaches[b]) / 2
+    return a[close], b[close]
 
 
 def fit_box(points: np.ndarray, outliers: float = _OUTLIERS) -> FittedBox:

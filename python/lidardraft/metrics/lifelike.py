@@ -73,7 +73,7 @@ class Comparison:
 def compare(measured: Property, groups: Mapping[str, Features], generated: Features) -> Comparison:
     """Measurements of a property by group of recorded sweeps, beside generated ones; groups without a count are left
     out."""
-    known = [list(features) for features in groups.values() if sum(np.abs(f).sum() for f in features) > 0]
+    known = [list(features) for features in groups.values() if sum(np.nansum(np.abs(f)) for f in features) > 0]
     between = [measured.distance(first, second) for first, second in itertools.combinations(known, 2)]
     halves = [(g[: len(g) // 2], g[len(g) // 2 :]) for g in known if len(g) >= _FEWEST_TO_HALVE]
     within = [measured.distance(first, second) for first, second in halves]

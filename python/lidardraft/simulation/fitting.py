@@ -193,12 +193,13 @@ def _cut_at_base(part: Primitive) -> Primitive | None:
 def _cut_mesh(mesh: TriangleMesh, at: float) -> TriangleMesh:
     """A mesh of the unit box over z = `at`, in the unit box again; what is made once is kept, so that it is shared."""
     key = (id(mesh), at)
-    if key not in _cuts:
+    entry = _cuts.get(key)  # another thread may clear the table at any time
+    if entry is None:
         if len(_cuts) >= _MOST_CUTS:
             _cuts.clear()
         vertices = mesh.vertices.copy()
         vertices[:, 2] = (np.maximum(vertices[:, 2], at) - at) / (0.5 - at) - 0.5
         over = (mesh.vertices[mesh.faces, 2] > at).any(axis=1)
         # the mesh itself is kept as well: another could get its id
-        _cuts[key] = (mesh, TriangleMesh(vertices, mesh.faces[over]))
-    return _cuts[key][1]
+        entry = _cuts[key] = (mesh, TriangleMesh(vertices, mesh.faces[over]))
+    return entry[1]

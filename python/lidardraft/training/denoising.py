@@ -20,6 +20,7 @@ from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.noise import training_levels
 from lidardraft.errors import TrainingError
 from lidardraft.networks.precision import reduced_precision
+from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.training.adherence_watch import AdherenceWatch
 from lidardraft.training.learner import LearningConfig
@@ -164,12 +165,12 @@ def _batch(config: DenoisingConfig, source: PairSource, processes: Processes, st
     sensor = pairs[0].scan.sensor
     scans = scans_of_step(config.batch, sensor)
     share = list(processes.share(scans))
+    rays = torch.from_numpy(encode_rays(sensor))
+    # The mirror image of staggered beams is another sensor. A state is not mirrored, as it is filled from the left.
+    if random.random() < 0.5 and not any(sensor.azimuth_offsets):
+        pairs, rays = [Pair(*map(_mirrored, pair)) for pair in pairs], rays.flip(-1)
     clean = torch.from_numpy(np.stack([encode_scan(pair.scan) for pair in pairs]))
     condition = torch.from_numpy(np.stack([encode_condition(pair.condition_image, pair.simulated) for pair in pairs]))
-    rays = torch.from_numpy(encode_rays(sensor))
-    # The mirror image of staggered beams is another sensor.
-    if random.random() < 0.5 and not any(sensor.azimuth_offsets):
-        clean, condition, rays = clean.flip(-1), condition.flip(-1), rays.flip(-1)
     sigma = training_levels(scans, generator, mean=config.sigma_mean, std=config.sigma_std)
     noise = torch.randn((scans, *clean.shape[1:]), generator=generator)
     kept = clean.isfinite().flatten(1).all(1) & condition.isfinite().flatten(1).all(1)
@@ -178,3 +179,9 @@ def _batch(config: DenoisingConfig, source: PairSource, processes: Processes, st
     skipped = (~kept).float().mean()
     wraps = torch.tensor(sensor.wraps)
     return clean[kept], sigma[share][kept], noise[share][kept], rays, condition[kept], wraps, skipped
+
+
+def _mirrored(image: RangeImage) -> RangeImage:
+    """What is encoded of an image, its columns from the last to the first."""
+    images = {name: getattr(image, name) for name in ("depth", "label", "instance", "intensity")}
+    return RangeImage.unchecked(image.sensor, **{name: x[:, ::-1] for name, x in images.items() if x is not None})
