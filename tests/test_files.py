@@ -8,7 +8,7 @@ import pytest
 
 from lidardraft import files
 from lidardraft.errors import FormatError, LayoutError
-from lidardraft.files import named, read_bytes, read_text, regular_size, written_whole
+from lidardraft.files import named, read_bytes, read_text, regular_size, write_text, written_whole
 
 
 def test_a_file_is_there_when_the_block_ends(tmp_path: Path) -> None:
@@ -135,3 +135,12 @@ def test_errors_of_ours_get_a_name_and_keep_their_kind() -> None:
         raise LayoutError("wrong")
     with pytest.raises(KeyError), named("a.json"):
         raise KeyError
+
+
+def test_a_text_is_written_where_it_can_be_read(tmp_path: Path) -> None:
+    write_text(tmp_path / "a.txt", "é")
+    assert read_text(tmp_path / "a.txt") == "é"
+    with pytest.raises(FormatError, match=rf"a.txt would have {files.MAX_TEXT + 1} bytes; such files of up to"):
+        write_text(tmp_path / "a.txt", "é" * (files.MAX_TEXT // 2) + "e")
+    assert read_text(tmp_path / "a.txt") == "é"
+    assert len(list(tmp_path.iterdir())) == 1

@@ -48,6 +48,15 @@ def check_replaceable(target: Path) -> None:
         raise FormatError(f"{target} cannot be written: it is there, and no regular file")
 
 
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a text in UTF-8; raises `FormatError` where it cannot be written or is more than `read_text` reads."""
+    content = text.encode("utf-8")
+    if len(content) > MAX_TEXT:
+        raise FormatError(f"{os.fspath(path)} would have {len(content)} bytes; such files of up to {MAX_TEXT} are read")
+    with written_whole(path) as temporary:
+        temporary.write_bytes(content)
+
+
 def regular_size(path: str | os.PathLike[str]) -> int:
     """The number of bytes of a file, links followed.
 

@@ -45,6 +45,13 @@ def check_fields(fields: Iterable[str], required: Iterable[str], optional: Itera
         raise FormatError(f"unknown field {min(unknown)!r}")
 
 
+def check_brackets(text: str | bytes) -> None:
+    """Raises `FormatError` where a text has more lists and objects than are read."""
+    opened = text.count("[") + text.count("{") if isinstance(text, str) else text.count(b"[") + text.count(b"{")
+    if opened > _MOST_BRACKETS:
+        raise FormatError(f"{opened} lists and objects; JSON of up to {_MOST_BRACKETS} is read")
+
+
 def is_number(value: Any) -> bool:
     """Whether it is a finite real number that fits in a float; True and False are none."""
     if type(value) is float:  # most are
@@ -63,9 +70,7 @@ def are_numbers(values: Any, count: int) -> bool:
 
 
 def _parse(text: str | bytes) -> Any:
-    opened = text.count("[") + text.count("{") if isinstance(text, str) else text.count(b"[") + text.count(b"{")
-    if opened > _MOST_BRACKETS:
-        raise FormatError(f"{opened} lists and objects; JSON of up to {_MOST_BRACKETS} is read")
+    check_brackets(text)
     try:
         return json.loads(text)
     except RecursionError:

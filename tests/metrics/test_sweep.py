@@ -8,7 +8,7 @@ import pytest
 from lidardraft.errors import LidarDraftError
 from lidardraft.metrics.sweep import Sweep, firing_step
 from lidardraft.scene.range_image import RangeImage
-from lidardraft.scene.sensor import PRESETS
+from lidardraft.scene.sensor import PRESETS, Sensor
 
 
 def fired(firings: int, lost: np.ndarray, *, phase: float = 0.3, drift: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
@@ -81,3 +81,19 @@ def test_a_range_image_keeps_its_points() -> None:
     np.testing.assert_array_equal(sweep.valid, image.valid)
     np.testing.assert_allclose(sweep.points[sweep.valid], image.points(), rtol=1e-6)
     np.testing.assert_allclose(sweep.depth, depth, rtol=1e-5)
+
+
+def test_the_lasers_of_a_sector_do_not_look_around_its_edges() -> None:
+    offsets = (0.2, -0.2)
+    sensor = Sensor(
+        name="sector", elevations=(0.1, 0.0), azimuth_offsets=offsets, columns=10, azimuth_start=0.5, azimuth_span=1.0
+    )
+    depth, blank = np.full(sensor.shape, 10.0, np.float32), np.zeros(sensor.shape)
+    image = RangeImage(sensor=sensor, depth=depth, label=blank.astype(np.uint8), instance=blank.astype(np.uint32))
+    sweep = Sweep.by_azimuth(image)
+    assert sweep.depth.shape == (2, 14)
+    np.testing.assert_array_equal(sweep.valid, [[i < 10 for i in range(14)], [i >= 4 for i in range(14)]])
+    azimuth = np.arctan2(sweep.points[..., 1], sweep.points[..., 0])
+    np.testing.assert_allclose(azimuth[0, 4:10], azimuth[1, 4:10], atol=1e-6)
+    assert (np.diff(azimuth[0, :10]) < 0).all()
+    assert (np.diff(azimuth[1, 4:]) < 0).all()

@@ -153,6 +153,28 @@ def test_ids_must_be_distinct():
         Layout(primitives=(CAR, CAR))
 
 
+def test_a_layout_that_is_built_can_be_read(tmp_path):
+    many = Layout([dataclasses.replace(CAR, id=f"c{k}") for k in range(66_000)])
+    many.save(tmp_path / "layout.json")
+    assert len(Layout.load(tmp_path / "layout.json")) == 66_000
+    with pytest.raises(LayoutError, match="1000001 primitives; a layout has 1000000 at most"):
+        Layout([CAR] * 1_000_001)
+
+
+@pytest.mark.parametrize(
+    ("provenance", "message"),
+    [
+        ({"sentence": "a" * 2**26}, r"layout.json would have 671089\d\d bytes; such files of up to 67108864 are read"),
+        ({"parts": [[]] * 3_000_000}, r"layout.json: 30000\d\d lists and objects; JSON of up to 3000000 is read"),
+    ],
+)
+def test_what_could_not_be_read_is_not_saved(provenance, message, tmp_path):
+    Layout([CAR]).save(tmp_path / "layout.json")
+    with pytest.raises(FormatError, match=message):
+        Layout(provenance=provenance).save(tmp_path / "layout.json")
+    assert Layout.load(tmp_path / "layout.json") == Layout([CAR])
+
+
 @pytest.mark.parametrize("coverage", [(0.0,), (0.0, math.nan), "ab", (0.0, "1"), 3.0])
 def test_a_coverage_is_two_finite_numbers(coverage):
     with pytest.raises(LayoutError, match=r"layout: coverage is .*; it must be 2 finite numbers"):

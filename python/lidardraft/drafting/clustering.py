@@ -26,7 +26,7 @@ from lidardraft.drafting.cloud_rules import (
 _NOISE = 0.05  # m; nearer to an edge than this is as good as on it
 _SAMPLE = 200  # points at most that say the heading of a box
 _SLICE = 0.3  # m of height
-_BAND = 2.0  # the highest over the lowest reach of points whose neighbours are searched together
+_BAND = 1.5  # the highest over the lowest reach of points whose neighbours are searched together
 _OUTLIERS = 1.0  # % of the points at either end of an extent
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import named, read_text, written_whole
+from lidardraft.files import named, read_text, write_text
 from lidardraft.json_fields import check_fields, check_object, parse_object
 from lidardraft.scene.box import Box
 
@@ -28,8 +28,7 @@ def write_boxes(path: str | os.PathLike[str], boxes: Sequence[Box], num_points: 
             _check_count(count)
     rows = [{**dataclasses.asdict(box), "num_points": int(count)} for box, count in zip(boxes, num_points, strict=True)]
     text = ",\n  ".join(json.dumps(row) for row in rows)
-    with written_whole(path) as temporary:
-        temporary.write_text('{"frame": "sensor", "boxes": [\n  ' + text + "\n]}\n")
+    write_text(path, '{"frame": "sensor", "boxes": [\n  ' + text + "\n]}\n")
 
 
 def read_boxes(path: str | os.PathLike[str]) -> tuple[list[Box], list[int]]:

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from lidardraft.errors import LidarDraftError
+from lidardraft.scene.azimuth_grid import azimuth_grid
 from lidardraft.scene.range_image import RangeImage
 
 
@@ -35,18 +36,18 @@ class Sweep:
     def by_azimuth(cls, image: RangeImage) -> Sweep:
         """The sweep of an image with each laser's firings in the columns that they look to, as `from_points` has them.
 
-        Lasers that fire together look up to 10 degrees apart: by firing, what lies in one column would not be
-        neighbours.
+        By firing, what lies in one column would not be neighbours. The sweep of a sector is wider than its image
+        (`azimuth_grid`).
         """
-        sweep, sensor = cls.from_image(image), image.sensor
-        if not sensor.azimuth_offsets:
+        sweep = cls.from_image(image)
+        if not image.sensor.azimuth_offsets:
             return sweep
-        step = sensor.azimuth_span / sensor.columns
-        shifts = np.rint(np.array(sensor.azimuth_offsets) / step).astype(int)[:, None]
-        columns = (np.arange(sensor.columns) + shifts) % sensor.columns
+        rows, columns, inside = azimuth_grid(image.sensor)
 
         def moved(values: np.ndarray) -> np.ndarray:
-            return values[np.arange(len(shifts))[:, None], columns]
+            found = values[rows, columns]
+            found[~inside] = 0
+            return found
 
         known = (None if values is None else moved(values) for values in (sweep.label, sweep.intensity))
         return cls(moved(sweep.points), *known)

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from lidardraft.errors import FormatError, LayoutError, one_of
-from lidardraft.files import named, read_text, written_whole
-from lidardraft.json_fields import check_fields, check_object, is_number, parse_object
+from lidardraft.files import named, read_text, write_text
+from lidardraft.json_fields import check_brackets, check_fields, check_object, is_number, parse_object
 from lidardraft.scene.box import Box, box_around
 from lidardraft.scene.layout_fields import check_id, checked_vector, checked_yaw
 from lidardraft.scene.materials import MATERIAL_BY_NAME
@@ -28,6 +28,7 @@ SCHEMA = "lidardraft.layout/1"
 SHAPES = ("box", "ellipsoid", "cylinder", "plane", "mesh")
 _OVERFLOWS = 1e300  # m, of coordinates whose sums and differences may be no numbers
 _INSTANCE_LIMIT = 2**16 - 1  # a SemanticKITTI label file holds 16 bits of instance
+_MOST_PRIMITIVES = 10**6  # as many as a text of JSON may hold (`json_fields`)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -186,6 +187,8 @@ class Layout:
             raise LayoutError(f"provenance cannot be written as JSON: {error}") from None
         if self.coverage is not None:
             object.__setattr__(self, "coverage", checked_vector("layout", "coverage", self.coverage, 2, math.inf))
+        if len(self.primitives) > _MOST_PRIMITIVES:
+            raise LayoutError(f"{len(self.primitives)} primitives; a layout has {_MOST_PRIMITIVES} at most")
         seen: set[str] = set()
         for primitive in self.primitives:
             if primitive.id in seen:
@@ -226,8 +229,8 @@ class Layout:
             raise FormatError(f"schema is {document.get('schema')!r}; this version reads {SCHEMA!r}")
         check_fields(document, ("schema", "primitives"), ("provenance", "coverage"))
         rows = document["primitives"]
-        if not isinstance(rows, list) or len(rows) > _INSTANCE_LIMIT:
-            raise FormatError(f"primitives is {rows!r:.50}; it must be a list of objects, {_INSTANCE_LIMIT} at most")
+        if not isinstance(rows, list):
+            raise FormatError(f"primitives is {rows!r:.50}; it must be a list of objects")
         return cls(
             primitives=tuple(Primitive.from_dict(check_object(row)) for row in rows),
             provenance=document.get("provenance", {}),
@@ -235,9 +238,11 @@ class Layout:
         )
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the JSON of `to_json`."""
-        with written_whole(path) as temporary:
-            temporary.write_text(self.to_json())
+        """Write the JSON of `to_json`; raises `FormatError` where it is more than `load` reads."""
+        text = self.to_json()
+        with named(path):
+            check_brackets(text)
+        write_text(path, text)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Layout:

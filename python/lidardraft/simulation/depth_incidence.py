@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lidardraft.scene.azimuth_grid import azimuth_grid
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, GROUND
 
@@ -19,7 +20,7 @@ def incidence_from_depth(depth: np.ndarray, label: np.ndarray, instance: np.ndar
     faces the sensor as much as it can, but for ground, which is level.
     """
     surface = label.astype(np.int64) << 32 | instance
-    rows, columns, inside = _by_azimuth(sensor)
+    rows, columns, inside = azimuth_grid(sensor)
     grid = _Grid(
         points=sensor.pattern.points(depth)[rows, columns],
         inverse=np.divide(1.0, depth, where=depth > 0, out=np.zeros(depth.shape))[rows, columns],
@@ -40,20 +41,6 @@ def incidence_from_depth(depth: np.ndarray, label: np.ndarray, instance: np.ndar
     seen = grid.surface >= 0
     incidence[rows[seen], columns[seen]] = np.minimum(cosine[seen], 1.0)
     return incidence
-
-
-def _by_azimuth(sensor: Sensor) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Row and column [H, W'] of each pixel of a grid whose columns look to one azimuth, and whether there is one.
-
-    Beams with offsets in azimuth look past each other in one column of the image.
-    """
-    beams, width = sensor.shape
-    offsets = np.array(sensor.azimuth_offsets or [0.0] * beams)
-    shifts = np.rint(offsets / (sensor.azimuth_span / width)).astype(np.intp)
-    more = 0 if sensor.wraps else int(np.abs(shifts).max())
-    columns = np.arange(-more, width + more)[None, :] + shifts[:, None]
-    inside = (columns >= 0) & (columns < width) | sensor.wraps
-    return np.broadcast_to(np.arange(beams)[:, None], columns.shape), columns % width, inside
 
 
 @dataclass(frozen=True, slots=True, eq=False)

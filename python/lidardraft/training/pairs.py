@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import named, read_text, written_whole
+from lidardraft.files import named, read_text, write_text, written_whole
 from lidardraft.json_fields import check_fields, check_object, parse_list, parse_object
 from lidardraft.scene import image_archive
 from lidardraft.scene.range_image import RangeImage
@@ -256,10 +256,8 @@ def _of_source(folder: Path, index: dict[str, Any], source: str) -> dict[str, An
 
 def _write_index(path: Path, sensor: Sensor | None, counts: list[int], source: str) -> None:
     fields = json.loads(sensor.to_json()) if sensor else None
-    with written_whole(path) as temporary:
-        temporary.write_text(
-            json.dumps({"schema": SCHEMA, "source": source, "classes": _CLASSES, "sensor": fields, "shards": counts})
-        )
+    index = {"schema": SCHEMA, "source": source, "classes": _CLASSES, "sensor": fields, "shards": counts}
+    write_text(path, json.dumps(index))
 
 
 def _read_index(path: Path) -> dict[str, Any]:
