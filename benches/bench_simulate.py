@@ -88,7 +88,7 @@ def overhead(simulator: Simulator, scanner: Scanner, sensor: Sensor, count: int 
 
 def shares(layouts: list[Layout], sensor: Sensor, clutter: float) -> dict[str, float]:
     """Milliseconds of each step."""
-    scenes = [detail(layout, 0, clutter=clutter) for layout in layouts]
+    scenes = [detail(layout, seed=0, clutter=clutter) for layout in layouts]
     scanners = [Scanner.from_layout(scene, sensor, by_id=True, threads=1) for scene in scenes]
     moving = sensor.poses_in_motion(sensor.pose(), (SPEED, 0.0, 0.0))
     clean = [scanner.cast(moving, 0) for scanner in scanners]
@@ -97,7 +97,7 @@ def shares(layouts: list[Layout], sensor: Sensor, clutter: float) -> dict[str, f
     return {
         "bare cast of the layout": milliseconds(lambda k: casters[k].scan(sensor, poses=moving, threads=1), count),
         "layout of the sentence": milliseconds(lambda k: layout_from_text(SENTENCE, seed=k), count),
-        "detail": milliseconds(lambda k: detail(layouts[k], 0, clutter=clutter), count),
+        "detail": milliseconds(lambda k: detail(layouts[k], seed=0, clutter=clutter), count),
         "compiling": milliseconds(lambda k: Scanner.from_layout(scenes[k], sensor, by_id=True, threads=1), count),
         "cast of the sub-rays": milliseconds(lambda k: scanners[k].cast(moving, 0), count),
         "sensor model": milliseconds(lambda k: scanners[k].observe(clean[k], 0), count),
@@ -117,7 +117,7 @@ def main() -> None:
     simulator = Simulator(layouts[0], sensor, clutter=clutter, threads=1)
     scanner = Scanner.from_layout(simulator.scene, sensor, by_id=True, threads=1)
     height, width = sensor.shape
-    sizes = [len(detail(layout, 0, clutter=clutter)) for layout in layouts]
+    sizes = [len(detail(layout, seed=0, clutter=clutter)) for layout in layouts]
     shapes, workers = np.mean([len(layout) for layout in layouts]), arguments.workers
     print(f"{height} x {width}, {shapes:.0f} shapes, in detail {np.mean(sizes):.0f}")
     rate, spent = poses_a_second(simulator, sensor, arguments.scans, workers)

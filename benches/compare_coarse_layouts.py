@@ -148,7 +148,7 @@ def compare_solver(streets: Iterable[Street]) -> Tallies:
             parked = {"heading": "parked"} if kind in ("bicycle", "motorcycle") else {}
             spec = SceneSpec(groups=(ObjectGroup(kind=kind, count=min(len(objects), _MOST), **parked),))
             try:
-                solved = ShapeTable.from_primitives(layout_from_spec(spec, street.seed))
+                solved = ShapeTable.from_primitives(layout_from_spec(spec, seed=street.seed))
             except LayoutError:  # now and then there is no room for as many
                 continue
             road = road_from_spec(spec, np.random.default_rng(street.seed))

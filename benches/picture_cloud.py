@@ -35,7 +35,7 @@ def main() -> None:
         layout = layout_from_cloud(points, labels, sensor_height=sensor.mount_height, detail=detail)
         picture = view.render_layout(layout)
         pictures.append(view.caption(picture, f'detail="{detail}": {len(layout)} shapes'))
-    view.save_png(view.stack(pictures), given.output)
+    view.save_png(given.output, view.stack(pictures))
 
 
 if __name__ == "__main__":

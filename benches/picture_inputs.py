@@ -62,7 +62,7 @@ def _cast(layout: Layout) -> np.ndarray:
 def main() -> None:
     """Write the pictures into a folder."""
     for name, picture in pictures():
-        save_png(picture, Path(sys.argv[1]) / f"{name}.png")
+        save_png(Path(sys.argv[1]) / f"{name}.png", picture)
 
 
 if __name__ == "__main__":

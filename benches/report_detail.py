@@ -88,7 +88,7 @@ def of_sentences(counts: Counts, sentences: tuple[str, ...] = SENTENCES, seeds: 
         for seed in range(seeds):
             layout = layout_from_text(sentence, seed=seed)
             start = time.process_time()
-            detailed = detail(layout, seed)
+            detailed = detail(layout, seed=seed)
             taken = time.process_time() - start
             times.append(1e5 * taken / len({object_of(primitive) for primitive in layout}))
             add(counts, "sentences", raycast(layout, SENSOR), raycast(detailed, SENSOR))
@@ -106,7 +106,7 @@ def of_streets(counts: Counts, number: int) -> None:
             table = coarse_layout(street.coarse, style, rng, ego.pose, visible)
             layout = table.layout({"source": style.source})
             bare = raycast(layout, SENSOR, visible.pose)
-            add(counts, f"{style.source}", bare, raycast(detail(layout, number), SENSOR, visible.pose))
+            add(counts, f"{style.source}", bare, raycast(detail(layout, seed=number), SENSOR, visible.pose))
             add(counts, f"{style.source}: street", bare, scene)
 
 

@@ -69,7 +69,7 @@ def report_solver() -> None:
     for number in range(SPECS):
         spec = random_spec(np.random.default_rng([7, number]))
         try:
-            layout = layout_from_spec(spec, number)
+            layout = layout_from_spec(spec, seed=number)
         except LayoutError:
             refused += 1
             continue

@@ -44,7 +44,7 @@ def main() -> None:
         for name, image in (("real scan", real), ("generated scan", scan.image))
     ]
     view.save_png(
-        view.stack([view.stack(views, across=True), view.stack(images, across=True)]), folder / "comparison.png"
+        folder / "comparison.png", view.stack([view.stack(views, across=True), view.stack(images, across=True)])
     )
     print(f"{len(points)} points became {len(layout)} shapes, {len(layout.boxes())} of them objects with a box")
     for name, image in (("real scan", real), ("generated scan", scan.image)):

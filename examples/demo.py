@@ -44,9 +44,9 @@ def main() -> None:
         kitti.write_bin(folder / f"{name}.bin", scan.points(), scan.intensities())
         semantickitti.write_label(folder / f"{name}.label", scan.labels(), scan.instances())
     write_boxes(folder / "boxes.json", simulated.boxes(), simulated.returns_per_box())
-    view.save_png(view.render_image(generated.condition_image), folder / "condition.png")
+    view.save_png(folder / "condition.png", view.render_image(generated.condition_image))
     images = {"condition image": generated.condition_image, "simulated": simulated.image, "generated": generated.image}
-    view.save_png(view.render_scans_of_layout(layout, generated.pose, images), folder / "preview.png")
+    view.save_png(folder / "preview.png", view.render_scans_of_layout(layout, generated.pose, images))
     labelled = np.mean(generated.labels() > 0)
     say(f"{len(generated.points())} points, {labelled:.0%} of them labelled; look at {folder / 'preview.png'}")
 

@@ -78,7 +78,7 @@ def test_pictures_stack_and_are_saved(tmp_path: Path) -> None:
     first, second = np.zeros((4, 10, 3), np.uint8), np.full((6, 8, 3), 255, np.uint8)
     assert view.stack([first, second]).shape == (16, 10, 3)
     assert view.stack([first, second], across=True).shape == (6, 24, 3)
-    view.save_png(view.caption(np.zeros((60, 200, 3), np.uint8), "scan"), tmp_path / "a.png")
+    view.save_png(tmp_path / "a.png", view.caption(np.zeros((60, 200, 3), np.uint8), "scan"))
     assert np.asarray(Image.open(tmp_path / "a.png")).max() == 255
 
 

@@ -132,4 +132,4 @@ def _save_image(image: RangeImage, points: np.ndarray, picture: np.ndarray, stem
     kitti.write_bin(f"{stem}.bin", points, image.intensity[image.valid])
     semantickitti.write_label(f"{stem}.label", image.label[image.valid], image.instance[image.valid])
     Path(f"{stem}.sensor.json").write_text(image.sensor.to_json())
-    view.save_png(picture, f"{stem}.png")
+    view.save_png(f"{stem}.png", picture)

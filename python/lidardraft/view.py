@@ -245,7 +245,7 @@ def caption(picture: np.ndarray, text: str) -> np.ndarray:
     return np.asarray(image)
 
 
-def save_png(picture: np.ndarray, path: str | os.PathLike[str]) -> None:
+def save_png(path: str | os.PathLike[str], picture: np.ndarray) -> None:
     """Write the picture uint8 [H, W, 3]."""
     with written_whole(path) as temporary:
         Image.fromarray(picture).save(temporary, format="png")

@@ -12,7 +12,7 @@ DOCS = Path(__file__).parents[2] / "docs"
 def test_the_pictures_of_the_docs_show_what_is_read_now(tmp_path: Path) -> None:
     """Where they are out of date, `python benches/picture_inputs.py docs` writes them anew."""
     for name, picture in pictures():
-        save_png(picture, tmp_path / f"{name}.png")
+        save_png(tmp_path / f"{name}.png", picture)
         with Image.open(DOCS / f"{name}.png") as image:
             shown = np.asarray(image)
         assert shown.shape == picture.shape, tmp_path

@@ -50,7 +50,7 @@ def test_the_picture_of_the_docs_shows_what_is_read_now(tmp_path: Path) -> None:
     """docs/blender.png; where it is out of date, copy the file that the message names there."""
     layout_from_blender(HERE / "blender_scripts" / "street.py").save(tmp_path / "street.json")
     picture = render_file(tmp_path / "street.json", Sensor.preset("hdl64e"))
-    save_png(picture, tmp_path / "blender.png")
+    save_png(tmp_path / "blender.png", picture)
     with Image.open(HERE.parents[1] / "docs" / "blender.png") as image:
         shown = np.asarray(image)
     assert shown.shape == picture.shape, tmp_path

@@ -35,7 +35,7 @@ SECRET = "sk-0123456789abcdef"
 
 
 def draft(server: ReplayServer, text: str = TEXT, seed: int = 0, **options: Any) -> Layout:
-    return layout_from_llm(text, seed, url=server.url, model="small", **options)
+    return layout_from_llm(text, seed=seed, url=server.url, model="small", **options)
 
 
 def replied(spec: dict[str, Any]) -> Answer:

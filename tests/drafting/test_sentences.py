@@ -91,16 +91,16 @@ def test_what_is_understood_and_what_is_not(sentence: Sentence) -> None:
 def test_every_relation_holds_for_three_seeds(sentence: Sentence) -> None:
     if sentence.refusal:
         with pytest.raises(LayoutError, match=sentence.refusal):
-            layout_from_text(sentence.text, 0)
+            layout_from_text(sentence.text, seed=0)
         return
     spec = spec_from_text(sentence.text)
-    layouts = [layout_from_text(sentence.text, seed) for seed in range(3)]
+    layouts = [layout_from_text(sentence.text, seed=seed) for seed in range(3)]
     for layout in layouts:
         assert broken(spec, layout) == []
         assert check(layout) == []
         groups = layout.provenance["spec"].get("groups", [])
         assert all(groups[number]["kind"] for number in layout.provenance["objects"].values())
-    assert layout_from_text(sentence.text, 2).to_json() == layouts[2].to_json()
+    assert layout_from_text(sentence.text, seed=2).to_json() == layouts[2].to_json()
     assert len({tuple((primitive.center, primitive.size) for primitive in layout) for layout in layouts}) == 3
 
 

@@ -15,14 +15,14 @@ from lidardraft.scene.check import check
 def test_the_near_side_is_at_the_distance(kind: str, said: str) -> None:
     fields = {said: (4.0, 4.0)}
     spec = SceneSpec(road=RoadSpec(sidewalk=True), groups=(ObjectGroup(kind=kind, count=2, **fields),))  # type: ignore[arg-type]
-    layout = layout_from_spec(spec, 0)
+    layout = layout_from_spec(spec, seed=0)
     assert broken(spec, layout) == []
     assert check(layout) == []
 
 
 def test_what_drives_stands_before_the_kerb() -> None:
     spec = SceneSpec(groups=(ObjectGroup(kind="car", places=("right",), heading="parked", from_road=(0.3, 0.3)),))
-    layout = layout_from_spec(spec, 0)
+    layout = layout_from_spec(spec, seed=0)
     (box,) = layout.boxes()
     assert abs(math.cos(box.yaw)) > 0.99
     assert broken(spec, layout) == []

@@ -28,7 +28,7 @@ def one(kind: str, count: int | str = 1, *places: str, road: str = "straight", *
 @pytest.mark.parametrize("road", ROADS)
 def test_every_kind_stands_on_every_road(kind: str, road: str) -> None:
     for seed in range(3):
-        layout = layout_from_spec(one(kind, "some", road=road), seed)
+        layout = layout_from_spec(one(kind, "some", road=road), seed=seed)
         assert check(layout) == []
         assert objects(layout)
 
@@ -58,7 +58,7 @@ def test_what_is_arranged_passes_every_check(
         for kind in kinds
     )
     try:
-        layout = layout_from_spec(SceneSpec(road=RoadSpec(kind=road), groups=groups), seed)
+        layout = layout_from_spec(SceneSpec(road=RoadSpec(kind=road), groups=groups), seed=seed)
     except LayoutError:
         return  # no room
     assert check(layout) == []
@@ -66,7 +66,7 @@ def test_what_is_arranged_passes_every_check(
 
 def test_ids_and_instances() -> None:
     layout = layout_from_spec(
-        SceneSpec(groups=(ObjectGroup(kind="car", count=3), ObjectGroup(kind="tree", count=2))), 0
+        SceneSpec(groups=(ObjectGroup(kind="car", count=3), ObjectGroup(kind="tree", count=2))), seed=0
     )
     assert {object_of(p) for p in layout if p.label == "car"} == {"car_1", "car_2", "car_3"}
     assert sorted(p.instance for p in layout if p.label == "car") == [1, 2, 3]
@@ -75,31 +75,31 @@ def test_ids_and_instances() -> None:
 
 
 def test_a_cyclist_is_a_rider_and_a_bicycle() -> None:
-    layout = layout_from_spec(one("bicycle", 1, "front"), 0)
+    layout = layout_from_spec(one("bicycle", 1, "front"), seed=0)
     assert [(p.label, p.instance) for p in layout if p.instance] == [("bicycle", 1), ("rider", 2)]
     assert [box.label for box in layout.boxes()] == ["bicycle", "rider"]
-    parked = layout_from_spec(one("bicycle", 1, "right", heading="parked"), 0)
+    parked = layout_from_spec(one("bicycle", 1, "right", heading="parked"), seed=0)
     assert [p.label for p in parked if p.instance] == ["bicycle"]
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_traffic_keeps_to_the_right(seed: int) -> None:
-    layout = layout_from_spec(one("car", 6), seed)
+    layout = layout_from_spec(one("car", 6), seed=seed)
     middle = layout["road"].center[1]
     for box in layout.boxes():
         assert (math.cos(box.yaw) > 0) == (box.center[1] < middle)
 
 
 def test_headings() -> None:
-    oncoming = layout_from_spec(one("car", 2, heading="against"), 0)
+    oncoming = layout_from_spec(one("car", 2, heading="against"), seed=0)
     assert all(math.cos(box.yaw) < -0.99 for box in oncoming.boxes())
-    crossing = layout_from_spec(one("truck", 1, heading="across"), 0)
+    crossing = layout_from_spec(one("truck", 1, heading="across"), seed=0)
     assert all(abs(math.sin(box.yaw)) > 0.99 for box in crossing.boxes())
     assert {"road_left", "road_right"} <= {p.id for p in crossing}
 
 
 def test_parked_cars_stand_between_lane_and_kerb() -> None:
-    layout = layout_from_spec(one("car", 4, "left", "right", heading="parked"), 2)
+    layout = layout_from_spec(one("car", 4, "left", "right", heading="parked"), seed=2)
     road = layout["road"]
     for box in layout.boxes():
         from_kerb = road.size[1] / 2 - abs(box.center[1] - road.center[1])
@@ -107,33 +107,33 @@ def test_parked_cars_stand_between_lane_and_kerb() -> None:
 
 
 def test_distance_and_spacing() -> None:
-    box = layout_from_spec(one("car", 1, "front", distance=(20, 20)), 4).boxes()[0]
+    box = layout_from_spec(one("car", 1, "front", distance=(20, 20)), seed=4).boxes()[0]
     assert box.center[0] == pytest.approx(20)
-    ahead = layout_from_spec(one("truck", 1, "behind", distance=(30, 40)), 4).boxes()[0]
+    ahead = layout_from_spec(one("truck", 1, "behind", distance=(30, 40)), seed=4).boxes()[0]
     assert -40 <= ahead.center[0] <= -30
-    house = layout_from_spec(one("house", 1, "left", distance=(25, 25)), 4)["house_1"]
+    house = layout_from_spec(one("house", 1, "left", distance=(25, 25)), seed=4)["house_1"]
     assert house.center[1] == pytest.approx(25)
-    trees = layout_from_spec(one("tree", 5, "left", spacing=9), 0)
+    trees = layout_from_spec(one("tree", 5, "left", spacing=9), seed=0)
     along = sorted(p.center[0] for p in trees if p.label == "trunk")
     np.testing.assert_allclose(np.diff(along), 9)
 
 
 def test_on_the_right_of_a_wide_road_is_a_lane() -> None:
-    layout = layout_from_spec(one("truck", 2, "right", road="motorway"), 0)
+    layout = layout_from_spec(one("truck", 2, "right", road="motorway"), seed=0)
     assert all(box.center[1] < -3 and math.cos(box.yaw) > 0 for box in layout.boxes())
 
 
 def test_absent_kinds_leave_the_mix() -> None:
     group = ObjectGroup(kind="vehicle", count=12)
-    layout = layout_from_spec(SceneSpec(groups=(group,), absent=("truck", "bus", "van")), 0)
+    layout = layout_from_spec(SceneSpec(groups=(group,), absent=("truck", "bus", "van")), seed=0)
     assert Counter(p.label for p in layout if p.instance) == {"car": 12}
     with pytest.raises(LayoutError, match="every kind of it is absent"):
-        layout_from_spec(SceneSpec(groups=(group,), absent=("car", "truck", "bus", "van")), 0)
+        layout_from_spec(SceneSpec(groups=(group,), absent=("car", "truck", "bus", "van")), seed=0)
 
 
 @pytest.mark.parametrize("radius_kind", ["left-bend", "right-bend"])
 def test_strips_follow_the_bend(radius_kind: str) -> None:
-    layout = layout_from_spec(one("wall", 1, "left", road=radius_kind), 1)
+    layout = layout_from_spec(one("wall", 1, "left", road=radius_kind), seed=1)
     parts = [p for p in layout if p.label == "wall"]
     assert len(parts) > 1
     yaws = np.diff([p.yaw for p in parts])
@@ -142,27 +142,28 @@ def test_strips_follow_the_bend(radius_kind: str) -> None:
 
 def test_no_room_is_said() -> None:
     with pytest.raises(LayoutError, match=r"bus in front: \d+ of 60 found room; in the way: .*bus_\d"):
-        layout_from_spec(one("bus", 60, "front"), 0)
+        layout_from_spec(one("bus", 60, "front"), seed=0)
     with pytest.raises(LayoutError, match=r"bus in front, 0 to 10 m away: \d of 40 found room; in the way: bus_"):
-        layout_from_spec(one("bus", 40, "front", distance=(0, 10)), 0)
+        layout_from_spec(one("bus", 40, "front", distance=(0, 10)), seed=0)
     with pytest.raises(LayoutError, match="tree on the left, 2 m away: 0 of 'some' found room; in the way: the road;"):
-        layout_from_spec(one("tree", "some", "left", distance=(2, 2)), 0)
+        layout_from_spec(one("tree", "some", "left", distance=(2, 2)), seed=0)
 
 
 def test_too_far() -> None:
     with pytest.raises(LayoutError, match="distance is 300 m; objects can be asked for up to 110 m away"):
-        layout_from_spec(one("car", 1, "front", distance=(300, 300)), 0)
-    assert layout_from_spec(one("car", 1, "front", distance=(105, 105)), 0).boxes()[0].center[0] == pytest.approx(105)
+        layout_from_spec(one("car", 1, "front", distance=(300, 300)), seed=0)
+    far = layout_from_spec(one("car", 1, "front", distance=(105, 105)), seed=0)
+    assert far.boxes()[0].center[0] == pytest.approx(105)
 
 
 @pytest.mark.parametrize("seed", [-1, 1.5, True])
 def test_wrong_seed(seed: object) -> None:
     with pytest.raises(LayoutError, match=r"seed is .*; it must be an integer >= 0"):
-        layout_from_spec(SceneSpec(), seed)  # type: ignore[arg-type]
+        layout_from_spec(SceneSpec(), seed=seed)  # type: ignore[arg-type]
 
 
 def test_provenance_is_json() -> None:
-    layout = layout_from_spec(one("car", 2, "front"), 5)
+    layout = layout_from_spec(one("car", 2, "front"), seed=5)
     assert Layout.from_json(layout.to_json()) == layout
     assert layout.provenance["seed"] == 5
 
@@ -179,7 +180,7 @@ def test_things_stand_on_the_ground_and_differ(kind: str) -> None:
 
 def test_spacing_that_leaves_the_road_is_refused() -> None:
     with pytest.raises(LayoutError, match="of 10 found room"):
-        layout_from_spec(one("tree", 10, "left", spacing=(30.0)), 0)
+        layout_from_spec(one("tree", 10, "left", spacing=(30.0)), seed=0)
 
 
 def random_spec(rng: np.random.Generator) -> SceneSpec:
@@ -230,7 +231,7 @@ def test_every_relation_of_a_random_spec_holds(tenth: int) -> None:
     for number in range(100 * tenth, 100 * tenth + 100):
         spec = random_spec(np.random.default_rng([7, number]))
         try:
-            layout = layout_from_spec(spec, number)
+            layout = layout_from_spec(spec, seed=number)
         except LayoutError:
             refused += 1
             continue
@@ -244,7 +245,7 @@ def test_every_relation_of_a_random_spec_holds(tenth: int) -> None:
 )
 def test_what_is_close_finds_room_for_every_seed(kind: str, distance: float) -> None:
     for seed in range(12):
-        layout = layout_from_spec(one(kind, 1, "front", distance=(distance, distance)), seed)
+        layout = layout_from_spec(one(kind, 1, "front", distance=(distance, distance)), seed=seed)
         assert check(layout) == []
         (box,) = layout.boxes()
         near_end = box.center[0] - box.size[0] / 2
@@ -252,12 +253,13 @@ def test_what_is_close_finds_room_for_every_seed(kind: str, distance: float) -> 
 
 
 def test_other_roads() -> None:
-    roundabout = layout_from_spec(one("car", 3, road="roundabout", at_junction=True), 0)
+    roundabout = layout_from_spec(one("car", 3, road="roundabout", at_junction=True), seed=0)
     middle = roundabout["roundabout"].center
     assert all(8.0 < math.dist(box.center[:2], middle[:2]) < 36.0 for box in roundabout.boxes())
-    lot = layout_from_spec(one("car", 100, road="parking-lot"), 0)
+    lot = layout_from_spec(one("car", 100, road="parking-lot"), seed=0)
     assert sum(abs(math.sin(box.yaw)) > 0.9 for box in lot.boxes()) == 100
-    one_way = layout_from_spec(SceneSpec(road=RoadSpec(one_way=True), groups=(ObjectGroup(kind="car", count=6),)), 0)
+    cars = ObjectGroup(kind="car", count=6)
+    one_way = layout_from_spec(SceneSpec(road=RoadSpec(one_way=True), groups=(cars,)), seed=0)
     assert all(math.cos(box.yaw) > 0.9 for box in one_way.boxes())
 
 
@@ -273,7 +275,7 @@ def test_an_impossible_crowd_is_refused_early(count: int, monkeypatch: pytest.Mo
 
     monkeypatch.setattr(Occupancy, "place", counted)
     with pytest.raises(LayoutError, match=rf"person on the left, on the sidewalk: at most \d+ of {count} found room"):
-        layout_from_spec(one("person", count, "left", surface="sidewalk"), 0)
+        layout_from_spec(one("person", count, "left", surface="sidewalk"), seed=0)
     assert tried < 40_000  # a third of what all arrangements take
 
 
@@ -288,7 +290,7 @@ def test_a_crowd_that_the_last_arrangement_does_not_hold_is_refused_at_once(monk
 
     monkeypatch.setattr(solver._Solver, "arrange", counted)
     with pytest.raises(LayoutError, match=r"bus: \d+ of 150 found room; in the way: bus_"):
-        layout_from_spec(one("bus", 150), 0)
+        layout_from_spec(one("bus", 150), seed=0)
     assert arrangements == 2  # all nine of them take seven seconds
 
 
@@ -296,12 +298,12 @@ def test_a_crowd_that_the_last_arrangement_does_not_hold_is_refused_at_once(monk
 def test_what_is_at_a_distance_leaves_room_for_what_is_behind_it(seed: int) -> None:
     car = ObjectGroup(kind="car", places=("front",), distance=(12.0, 12.0))
     spec = SceneSpec(groups=(car, ObjectGroup(kind="truck", relation="behind", references=(0,))))
-    assert broken(spec, layout_from_spec(spec, seed)) == []
+    assert broken(spec, layout_from_spec(spec, seed=seed)) == []
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_the_first_of_several_is_at_the_distance(seed: int) -> None:
-    layout = layout_from_spec(one("car", 3, "front", distance=(25.0, 25.0)), seed)
+    layout = layout_from_spec(one("car", 3, "front", distance=(25.0, 25.0)), seed=seed)
     assert math.isclose(min(box.center[0] for box in layout.boxes()), 25.0, abs_tol=2.5)
 
 
@@ -311,9 +313,9 @@ def test_a_relation_keeps_heading_and_lane(seed: int) -> None:
     coach = ObjectGroup(kind="bus", lane="middle", heading="with", relation="left-of", references=(0,))
     child = ObjectGroup(kind="person", heading="across-left", relation="in-front-of", references=(0,))
     spec = SceneSpec(road=RoadSpec(kind="motorway", lanes=3), groups=(truck, coach, child))
-    assert broken(spec, layout_from_spec(spec, seed)) == []
+    assert broken(spec, layout_from_spec(spec, seed=seed)) == []
 
 
 def test_a_thousand_trees_find_room() -> None:
-    layout = layout_from_spec(one("tree", 1000), 0)
+    layout = layout_from_spec(one("tree", 1000), seed=0)
     assert len(objects(layout)) == 1000

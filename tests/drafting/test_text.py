@@ -233,7 +233,7 @@ def test_too_many_lanes_and_objects() -> None:
 @pytest.mark.parametrize("sentence", [row[0] for row in UNDERSTOOD])
 def test_layouts_pass_every_check_and_survive_json(sentence: str) -> None:
     for seed in range(20):
-        layout = layout_from_text(sentence, seed)
+        layout = layout_from_text(sentence, seed=seed)
         assert check(layout) == []
     assert Layout.from_json(layout.to_json()) == layout
     assert layout.provenance["sentence"] == sentence
@@ -258,8 +258,8 @@ def test_paper_sentence() -> None:
 
 
 def test_seed_decides() -> None:
-    assert layout_from_text(PAPER, 3) == layout_from_text(PAPER, 3)
-    first, second = layout_from_text(PAPER, 0), layout_from_text(PAPER, 1)
+    assert layout_from_text(PAPER, seed=3) == layout_from_text(PAPER, seed=3)
+    first, second = layout_from_text(PAPER, seed=0), layout_from_text(PAPER, seed=1)
     assert [p.center for p in first] != [p.center for p in second]
 
 
@@ -274,7 +274,7 @@ PLACES = {"ahead": (1, 0), "behind us": (-1, 0), "on the left": (0, 1), "on the 
     seed=st.integers(0, 2**31),
 )
 def test_counts_and_relations_hold(kind: str, count: int, place: str, seed: int) -> None:
-    layout = layout_from_text(f"{count} {kind} {place}", seed, strict=True)
+    layout = layout_from_text(f"{count} {kind} {place}", seed=seed, strict=True)
     found = objects(layout)
     assert len(found) == count
     forward, left = PLACES[place]

@@ -42,7 +42,7 @@ def document(*nodes: dict[str, Any], **more: Any) -> tuple[dict[str, Any], bytes
 def read(tmp_path: Path, *nodes: dict[str, Any], classes: dict[str, str] | None = None, **more: Any) -> Layout:
     path = tmp_path / "a.glb"
     path.write_bytes(glb_bytes(*document(*nodes, **more)))
-    return layout_from_glb(path, classes)
+    return layout_from_glb(path, classes=classes)
 
 
 @pytest.mark.parametrize("layout", [EVERYTHING, *drafted()])

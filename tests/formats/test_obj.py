@@ -34,7 +34,7 @@ def test_names_that_say_no_class_are_listed(tmp_path):
         match=r"a.obj: no class for Cube.001 \(no material\), careful \(no material\); say which by --class NAME=CLASS",
     ):
         layout_from_obj(path)
-    assert [p.label for p in layout_from_obj(path, {"Cube.001": "building", "careful": "other"})] == [
+    assert [p.label for p in layout_from_obj(path, classes={"Cube.001": "building", "careful": "other"})] == [
         "building",
         "road",
         "other",
@@ -43,7 +43,7 @@ def test_names_that_say_no_class_are_listed(tmp_path):
 
 def test_labels_that_are_no_class(tmp_path):
     with pytest.raises(LayoutError, match=r"classes\['Cube'\] is 'cow'; it must be one of road"):
-        layout_from_obj(write(tmp_path / "a.obj", "Cube"), {"Cube": "cow"})
+        layout_from_obj(write(tmp_path / "a.obj", "Cube"), classes={"Cube": "cow"})
 
 
 def test_materials_say_the_class_and_are_parts_of_one_thing(tmp_path):
@@ -51,7 +51,7 @@ def test_materials_say_the_class_and_are_parts_of_one_thing(tmp_path):
     (tmp_path / "a.obj").write_text(
         "mtllib a.mtl\no Cube\nv 0 0 0\nv 4 0 0\nv 0 0 1\nv 4 0 1\nusemtl car\nf 1 2 3\nusemtl paint\nf 2 4 3\n"
     )
-    layout = layout_from_obj(tmp_path / "a.obj", {"paint": "car"})
+    layout = layout_from_obj(tmp_path / "a.obj", classes={"paint": "car"})
     assert [p.label for p in layout] == ["car", "car"]
     assert [p.instance for p in layout] == [1, 1]
     assert len({p.id for p in layout}) == 2

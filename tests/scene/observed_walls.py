@@ -28,4 +28,4 @@ def seen(layout: Layout, model: SensorModel, *, sensor: Sensor = SENSOR, seed: i
     image = raycast(layout, sub_rays(sensor, model), primitive=True, incidence=True)
     wetness = 0.0 if weather is None else weather.wetness
     surfaces = Surfaces.from_layout(layout, variation=False, wetness=wetness)
-    return observe(image, surfaces, seed, sensor=sensor, model=model, weather=weather)
+    return observe(image, surfaces, seed=seed, sensor=sensor, model=model, weather=weather)

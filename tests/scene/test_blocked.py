@@ -59,7 +59,7 @@ def test_every_way_to_cast_has_the_mask_and_leaves_the_rest_as_it_is():
 def test_nothing_comes_back_from_a_blocked_beam(weather):
     for model in (SensorModel(), SensorModel.ideal()):
         clean = raycast(ROOM, sub_rays(HALF, model), primitive=True, incidence=True)
-        scan = observe(clean, ROOM, 0, sensor=HALF, model=model, weather=weather)
+        scan = observe(clean, ROOM, seed=0, sensor=HALF, model=model, weather=weather)
         assert not scan.valid[HALF.blocked_pixels].any()
         assert not scan.intensity[HALF.blocked_pixels].any()
         assert scan.valid[~HALF.blocked_pixels].mean() > 0.9
@@ -67,7 +67,7 @@ def test_nothing_comes_back_from_a_blocked_beam(weather):
 
 def test_casts_of_others_do_not_know_the_vehicle_and_get_the_mask_too():
     theirs = raycast(ROOM, OPEN, primitive=True, incidence=True)
-    scan = observe(replace(theirs, sensor=HALF), ROOM, 0, model=SensorModel.ideal())
+    scan = observe(replace(theirs, sensor=HALF), ROOM, seed=0, model=SensorModel.ideal())
     np.testing.assert_array_equal(scan.valid, ~HALF.blocked_pixels)
 
 

@@ -32,16 +32,16 @@ def test_the_same_seed_gives_the_same_scan_and_leaves_the_image_as_it_was():
     layout, model = wall(30.0), SensorModel()
     image = raycast(layout, sub_rays(SENSOR, model), primitive=True, incidence=True)
     before = image.depth.copy()
-    one, two, other = (observe(image, layout, seed, sensor=SENSOR, model=model) for seed in (9, 9, 10))
+    one, two, other = (observe(image, layout, seed=seed, sensor=SENSOR, model=model) for seed in (9, 9, 10))
     for name in ("depth", "intensity", "label"):
         np.testing.assert_array_equal(getattr(one, name), getattr(two, name))
     assert (one.depth != other.depth).any()
     np.testing.assert_array_equal(image.depth, before)
     for threads in (1, 3):
         np.testing.assert_array_equal(
-            observe(image, layout, 9, sensor=SENSOR, model=model, threads=threads).depth, one.depth
+            observe(image, layout, seed=9, sensor=SENSOR, model=model, threads=threads).depth, one.depth
         )
-    generated = observe(image, layout, np.random.Generator(np.random.SFC64(9)), sensor=SENSOR, model=model)
+    generated = observe(image, layout, seed=np.random.Generator(np.random.SFC64(9)), sensor=SENSOR, model=model)
     np.testing.assert_array_equal(generated.depth, one.depth)
 
 
@@ -50,22 +50,22 @@ def test_a_plain_image_needs_no_sensor_and_a_moving_one_is_observed_alike():
     caster = Raycaster(layout)
     poses = SENSOR.poses_in_motion(velocity=(15.0, 0.0, 0.0))
     moving = caster.scan(SENSOR, poses=poses, primitive=True, incidence=True)
-    scan = observe(moving, layout, 0, model=IDEAL)
+    scan = observe(moving, layout, seed=0, model=IDEAL)
     np.testing.assert_array_equal(scan.depth, moving.depth)
-    assert observe(moving, layout, 0).valid.mean() > 0.9
+    assert observe(moving, layout, seed=0).valid.mean() > 0.9
 
 
 def test_errors():
     layout = wall(10.0)
     image = raycast(layout, SENSOR, primitive=True, incidence=True)
     with pytest.raises(SensorError, match="the image lacks primitive or incidence"):
-        observe(raycast(layout, SENSOR), layout, 0)
+        observe(raycast(layout, SENSOR), layout, seed=0)
     with pytest.raises(SensorError, match="the image shows primitive 0; the layout has 0"):
-        observe(image, Layout(), 0)
+        observe(image, Layout(), seed=0)
     with pytest.raises(LayoutError, match="ring: material is 'cheese'; it must be one of asphalt, "):
-        observe(image, wall(10.0, "cheese"), 0)
+        observe(image, wall(10.0, "cheese"), seed=0)
     with pytest.raises(SensorError, match="the image is of small; sub_rays of small are small x 3"):
-        observe(image, layout, 0, sensor=SENSOR)
+        observe(image, layout, seed=0, sensor=SENSOR)
 
 
 # Another value for every number of the model.

@@ -37,7 +37,7 @@ def cast(threads: int | None) -> np.ndarray:
 
 def observed(threads: int | None) -> np.ndarray:
     clean = CASTER.scan(SENSOR, primitive=True, incidence=True, threads=threads)
-    return observe(clean, LAYOUT, 0, threads=threads).depth
+    return observe(clean, LAYOUT, seed=0, threads=threads).depth
 
 
 def projected(_: int | None) -> np.ndarray:

@@ -29,7 +29,7 @@ def test_a_scan_is_a_cast_that_is_observed() -> None:
     for kwargs in ({"pose": SENSOR.pose(x=1.0)}, {"poses": poses}):
         clean = Raycaster(LAYOUT).scan(sub_rays(SENSOR, model), **kwargs, primitive=True, incidence=True, seed=4)
         surfaces = Surfaces.from_layout(LAYOUT, wetness=1.0)
-        expected = observe(clean, surfaces, 5, sensor=SENSOR, model=model, weather=RAIN)
+        expected = observe(clean, surfaces, seed=5, sensor=SENSOR, model=model, weather=RAIN)
         for threads in (None, 1, 3):
             scanner = Scanner.from_layout(LAYOUT, SENSOR, weather=RAIN, threads=threads)
             scan = scanner.observe(scanner.cast(next(iter(kwargs.values())), seed=4), 5)

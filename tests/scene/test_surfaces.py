@@ -30,7 +30,7 @@ def test_surfaces_hold_the_response_of_each_primitive_and_0_for_none():
     assert image.primitive is not None
     assert image.incidence is not None
     # with every effect off the intensity is the response
-    back = 300.0 * observe(image, surfaces, 0, model=replace(SensorModel.ideal(), full_scale=300.0)).intensity
+    back = 300.0 * observe(image, surfaces, seed=0, model=replace(SensorModel.ideal(), full_scale=300.0)).intensity
     assert (back[~image.valid] == 0).all()
     for i, name in enumerate(("plaster", "glass", "plaster")):
         met = image.primitive == i

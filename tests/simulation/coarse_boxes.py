@@ -23,7 +23,7 @@ def box(
 
 def detailed(*parts: Primitive, seed: int = 0, source: str = "spec") -> list[Primitive]:
     """What becomes of these shapes."""
-    return list(detail(Layout(primitives=parts, provenance={"source": source}), seed).primitives)
+    return list(detail(Layout(primitives=parts, provenance={"source": source}), seed=seed).primitives)
 
 
 def materials(parts: list[Primitive]) -> set[str | None]:

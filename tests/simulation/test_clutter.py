@@ -18,8 +18,8 @@ STREET = "a crossroads with houses, gardens, trees and parked cars on both sides
 
 
 def clutter_of(given: Layout, amount: float, seed: int = 0) -> list[Primitive]:
-    names = {object_of(p) for p in detail(given, seed)}
-    return [p for p in detail(given, seed, clutter=amount) if object_of(p) not in names]
+    names = {object_of(p) for p in detail(given, seed=seed)}
+    return [p for p in detail(given, seed=seed, clutter=amount) if object_of(p) not in names]
 
 
 @pytest.mark.parametrize("sentence", [STREET, "a road curving to the left with trees", "a motorway"])

@@ -48,7 +48,7 @@ def test_it_is_what_observe_makes_of_the_same_surfaces() -> None:
     model = replace(SensorModel(), material_noise=False)
     materials = [replace(p, material={"car": "dark-paint", "building": "brick"}.get(p.label)) for p in LAYOUT]
     surfaces = Surfaces.from_layout(Layout(tuple(materials)), variation=False)
-    expected = observe(CAST, surfaces, 5, model=model)
+    expected = observe(CAST, surfaces, seed=5, model=model)
     scan = observed(
         instance=None,  # which have a variation
         incidence=CAST.incidence,

@@ -57,7 +57,7 @@ def test_an_edit_changes_what_it_hides_and_shows_and_nothing_else() -> None:
     for edited, name in ((edit.remove(layout, "car_4"), "car_4"), (edit.move(layout, "tree_1", (0, 2, 0)), "tree_1")):
         after = simulate(edited, sensor, seed=2)
         clean, ids = [], []
-        for scene in (detail(layout, 2), detail(edited, 2)):
+        for scene in (detail(layout, seed=2), detail(edited, seed=2)):
             clean.append(Scanner.from_layout(scene, sensor, by_id=True).cast(sensor.pose(), 2))
             ids.append(np.array([*(p.id for p in scene), "none"])[clean[-1].primitive])
         moved = clean[0].depth != clean[1].depth
@@ -105,8 +105,8 @@ def test_weather_and_model_are_used() -> None:
 
 def test_the_scene_is_the_layout_in_detail_or_as_it_is() -> None:
     layout = Layout((ROAD, CAR))
-    assert Simulator(layout, SMALL, seed=3).scene == detail(layout, 3)
-    assert Simulator(layout, SMALL, seed=3, clutter=0.5).scene == detail(layout, 3, clutter=0.5)
+    assert Simulator(layout, SMALL, seed=3).scene == detail(layout, seed=3)
+    assert Simulator(layout, SMALL, seed=3, clutter=0.5).scene == detail(layout, seed=3, clutter=0.5)
     assert Simulator(layout, SMALL, detail=False).scene == layout
     plain, lifelike = (simulate(layout, SMALL, detail=on) for on in (False, True))
     assert plain.layout == lifelike.layout == layout

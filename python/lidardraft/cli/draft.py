@@ -35,7 +35,7 @@ def _write_preview(path: Path, layout: Layout, sensor: Sensor, seed: int) -> Non
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # a layout without ground may be meant
         scan = Simulator(layout, sensor, seed=seed).scan(seed=seed)
-    save_png(render_preview(layout, scan.image, scan.pose), path)
+    save_png(path, render_preview(layout, scan.image, scan.pose))
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

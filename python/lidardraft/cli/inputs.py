@@ -125,7 +125,7 @@ def layout_of_text(arguments: argparse.Namespace, seed: int) -> Layout:
 
         return layout_from_llm(
             arguments.text,
-            seed,
+            seed=seed,
             url=arguments.llm_url,
             model=arguments.llm_model,
             blender=bool(arguments.llm_blender),
@@ -134,7 +134,7 @@ def layout_of_text(arguments: argparse.Namespace, seed: int) -> Layout:
         )
     from lidardraft.drafting.text import layout_from_text
 
-    return layout_from_text(arguments.text, seed)
+    return layout_from_text(arguments.text, seed=seed)
 
 
 def _from_text(arguments: argparse.Namespace) -> Layout:
@@ -270,13 +270,13 @@ def _from_obj(arguments: argparse.Namespace) -> Layout:
     from lidardraft.formats.obj import layout_from_obj
 
     scale = 1.0 if arguments.scale is None else arguments.scale
-    return layout_from_obj(arguments.obj, _classes(arguments), up=arguments.up or "z", scale=scale)
+    return layout_from_obj(arguments.obj, classes=_classes(arguments), up=arguments.up or "z", scale=scale)
 
 
 def _from_glb(arguments: argparse.Namespace) -> Layout:
     from lidardraft.formats.glb import layout_from_glb
 
-    return layout_from_glb(arguments.glb, _classes(arguments))
+    return layout_from_glb(arguments.glb, classes=_classes(arguments))
 
 
 def _from_blender(arguments: argparse.Namespace) -> Layout:

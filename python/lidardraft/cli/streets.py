@@ -83,7 +83,7 @@ def _look(arguments: argparse.Namespace) -> None:
         images = view.caption(view.render_image(pair.scan), f"{pair.district}, {pair.style.source}")
         top = view.render_top_view(pair.scan, pair.layout, pair.pose, size=len(images))
         rows.append(view.stack([images, top], across=True))
-    view.save_png(view.stack(rows), arguments.look)
+    view.save_png(arguments.look, view.stack(rows))
     print(arguments.look)
 
 

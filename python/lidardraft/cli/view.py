@@ -26,7 +26,7 @@ def view(arguments: argparse.Namespace) -> None:
         raise FormatError(f"{path} is a folder; give one of its .bin, .npz or .json files")
     picture = _pictured(path, arguments.sensor)
     output = Path(arguments.output) if arguments.output else path.with_suffix(".view.png")
-    save_png(picture, output)
+    save_png(output, picture)
     print(output)
 
 

@@ -32,8 +32,8 @@ MAX_GROUPS = 50  # of a spec; the solver takes minutes for many that find no roo
 
 def layout_from_llm(
     text: str,
-    seed: int = 0,
     *,
+    seed: int = 0,
     url: str | None = None,
     model: str | None = None,
     blender: bool = False,
@@ -75,7 +75,7 @@ def layout_from_llm(
     if spec.not_understood and spec == SceneSpec(not_understood=spec.not_understood):
         raise TextError(f"nothing of {text!r} was understood by {server.model}")
     said = {"understood": relations(spec), "not_understood": list(spec.not_understood)}
-    return _with_provenance(layout_from_spec(spec, seed), described, said)
+    return _with_provenance(layout_from_spec(spec, seed=seed), described, said)
 
 
 def spec_prompt() -> Prompt:

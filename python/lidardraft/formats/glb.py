@@ -28,7 +28,7 @@ _TRIANGLES = 4
 Piece = tuple[dict[str, Any], np.ndarray, list[str], dict[str, Any]]  # node, world_from_node, names, mesh primitive
 
 
-def layout_from_glb(path: str | os.PathLike[str], classes: Mapping[str, str] | None = None) -> Layout:
+def layout_from_glb(path: str | os.PathLike[str], *, classes: Mapping[str, str] | None = None) -> Layout:
     """The layout of a binary glTF file, its y axis up as the format has it, in metres.
 
     The class of an object is its property (in `extras`) "class", or else what `classes` says of its name or of those

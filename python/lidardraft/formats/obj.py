@@ -25,7 +25,7 @@ _FRAMES = {"z": np.eye(3), "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.
 
 
 def layout_from_obj(
-    path: str | os.PathLike[str], classes: Mapping[str, str] | None = None, *, up: str = "z", scale: float = 1.0
+    path: str | os.PathLike[str], *, classes: Mapping[str, str] | None = None, up: str = "z", scale: float = 1.0
 ) -> Layout:
     """The layout of an OBJ file whose axis `up` points up and whose unit is `scale` metres.
 

@@ -27,8 +27,8 @@ _OBSERVED = ("depth", "intensity", "incidence", "instance", "primitive", "label"
 def observe(
     image: RangeImage,
     layout: Layout | Surfaces,
-    rng: np.random.Generator | int,
     *,
+    seed: int | np.random.Generator,
     sensor: Sensor | None = None,
     model: SensorModel | None = None,
     weather: Weather | None = None,
@@ -45,10 +45,9 @@ def observe(
     Raises `SensorError` for an image of another sensor or without primitive and incidence, and for a seed below 0;
     `LayoutError` for a material that is unknown.
     """
-    if not isinstance(rng, np.random.Generator):
-        if rng < 0:
-            raise SensorError(f"seed is {rng}; it must be 0 or more")
-        rng = np.random.Generator(np.random.SFC64(rng))
+    if not isinstance(seed, np.random.Generator) and seed < 0:
+        raise SensorError(f"seed is {seed}; it must be 0 or more")
+    rng = seed if isinstance(seed, np.random.Generator) else np.random.Generator(np.random.SFC64(seed))
     weather = weather or Weather()
     model = model or SensorModel.from_sensor(sensor or image.sensor)
     if sensor is None:

@@ -61,12 +61,12 @@ class Scanner:
             rays, pose, poses=poses_of_columns, primitive=True, incidence=True, seed=seed, threads=self.threads
         )
 
-    def observe(self, clean: RangeImage, rng: np.random.Generator | int) -> RangeImage:
+    def observe(self, clean: RangeImage, seed: int | np.random.Generator) -> RangeImage:
         """What the sensor reports of what `cast` returned."""
         return observe(
             clean,
             self.surfaces,
-            rng,
+            seed=seed,
             sensor=self.sensor,
             model=self.model,
             weather=self.weather,

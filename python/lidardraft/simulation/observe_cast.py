@@ -83,7 +83,7 @@ def observe_cast(
     }
     images["primitive"][seen] = primitive
     model = model or SensorModel.from_sensor(sensor)
-    scan = observe(RangeImage.unchecked(sensor, **images), surfaces, seed, model=model, weather=weather)
+    scan = observe(RangeImage.unchecked(sensor, **images), surfaces, seed=seed, model=model, weather=weather)
     names = ("depth", "label", "instance", "intensity", "incidence")
     return RangeImage.unchecked(sensor, **{name: getattr(scan, name) for name in names})
 
@@ -96,7 +96,9 @@ def observe_points(
     instance: np.ndarray | None = None,
     incidence: np.ndarray | None = None,
     materials: Mapping[str, str] | np.ndarray | None = None,
-    **options: Any,
+    seed: int = 0,
+    model: SensorModel | None = None,
+    weather: Weather | None = None,
 ) -> RangeImage:
     """As `observe_cast`, of points [N, 3] in the sensor frame [m], with one value a point [N] for each image.
 
@@ -126,7 +128,9 @@ def observe_points(
         instance=None if instance is None else picture("instance", instance),
         incidence=None if incidence is None else picture("incidence", incidence),
         materials=materials if isinstance(materials, Mapping | None) else picture("materials", materials, -1),
-        **options,
+        seed=seed,
+        model=model,
+        weather=weather,
     )
 
 

@@ -51,7 +51,7 @@ class Simulator:
             warnings.warn("the layout has no ground (road, sidewalk or terrain): nothing returns from it", stacklevel=2)
         if clutter and not detail:
             raise LayoutError(f"clutter is {clutter}; without detail it must be 0")
-        self.scene = detailed(self.layout, seed, clutter=clutter) if detail else self.layout
+        self.scene = detailed(self.layout, seed=seed, clutter=clutter) if detail else self.layout
         self._scanner = Scanner.from_layout(
             self.scene, sensor, model=model, weather=weather, by_id=True, threads=threads
         )
@@ -85,12 +85,15 @@ def simulate(
     weather: Weather | None = None,
     detail: bool = True,
     clutter: float = 0.0,
+    threads: int | None = None,
 ) -> Scan:
     """The scan of a layout or a sentence: `Simulator(layout, sensor, ...).scan(pose, ...)`.
 
     Same arguments, same scan, for any number of threads; another seed gives another one.
     """
-    simulator = Simulator(layout, sensor, seed=seed, model=model, weather=weather, detail=detail, clutter=clutter)
+    simulator = Simulator(
+        layout, sensor, seed=seed, model=model, weather=weather, detail=detail, clutter=clutter, threads=threads
+    )
     return simulator.scan(pose, speed=speed, seed=seed)
 
 
