@@ -82,7 +82,7 @@ def test_what_is_asked_and_what_is_told_of_it(server: ReplayServer) -> None:
     assert told["prompt"] == spec_prompt().version
     assert len(told["request_sha256"]) == 64
     assert [attempt["error"] for attempt in told["attempts"]] == [
-        "spec: not JSON: Expecting value: line 1 column 1 (char 0)",
+        "spec: not JSON: Expecting value: line 1 column 1 (char 0); it begins with 'No.'",
         None,
     ]
     assert json.loads(told["reply"]) == SPEC
