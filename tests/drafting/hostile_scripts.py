@@ -80,7 +80,7 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("caught recursion", "def f():\n    try:\n        f()\n    except Exception:\n        f()\nf()", 3),
     ("a refusal that is caught", "try:\n    import os\nexcept Exception:\n    pass", 2),
     ("sleeping", "import time\ntime.sleep(9999)", 2),
-    ("vertices of bmesh", "import bmesh\nbm = bmesh.new()\nwhile True:\n    bm.verts.new((0, 0, 0))", 3),
+    ("vertices of bmesh", "import bmesh\nbm = bmesh.new()\nwhile True:\n    bm.verts.new((0, 0, 0))", 4),
     ("columns of bmesh", "import bmesh\nbm = bmesh.new()\nbmesh.ops.create_grid(bm, x_segments=10**6)", 3),
     ("grid of bmesh", "import bmesh\nbm = bmesh.new()\nbmesh.ops.create_grid(bm, x_segments=500, y_segments=500)", 3),
     (
@@ -138,7 +138,7 @@ HOSTILE: list[tuple[str, str, int]] = [
     # what never ends
     ("while True", "while True:\n    pass", 1),
     ("while with steps", "x = 0\nwhile True:\n    x += 1", 2),
-    ("try and finally", "while True:\n    try:\n        break\n    finally:\n        continue", 3),
+    ("try and finally", "while True:\n    try:\n        break\n    finally:\n        continue", 1),
     ("a list that grows under a loop", "a = [1]\nfor x in a:\n    a.append(x)", 3),
     ("huge range", "for i in range(10**12):\n    pass", 2),
     ("nested loops", "for a in range(10**4):\n    for b in range(10**4):\n        pass", 3),
@@ -234,6 +234,44 @@ HOSTILE: list[tuple[str, str, int]] = [
         "m = bpy.context.object.modifiers.new('a', 'ARRAY')\nm.use_merge_vertices = [0] * 240000",
         4,
     ),
+    ("first elements that go", "a = [0] * 250000\nwhile True:\n    del a[0]", 3),
+    ("slices that go", "a = [0] * 250000\nwhile True:\n    del a[:1]", 3),
+    ("first elements that pop", "a = [0] * 250000\nwhile True:\n    a.pop(0)", 3),
+    ("first elements that come", "a = [0] * 240000\nwhile True:\n    a.insert(0, 1)", 3),
+    ("elements that are removed", "a = [0] * 250000\nwhile True:\n    a.remove(0)", 3),
+    ("directions", "from mathutils import Vector\nwhile 1:\n    Vector((1, 2, 3)).to_track_quat('X', 'Z')", 3),
+    ("products of vectors", "from mathutils import Vector\nv = Vector((1, 2, 3))\nwhile 1:\n    v = v.cross(v)", 4),
+    ("inverses", "from mathutils import Matrix\nm = Matrix()\nwhile True:\n    m = m.inverted()", 4),
+    ("angles of matrices", "from mathutils import Matrix\nwhile True:\n    Matrix.Rotation(1, 3, 'X').to_euler()", 3),
+    (
+        "collections of one object",
+        "import bpy\nbpy.ops.mesh.primitive_cube_add()\nwhile True:\n"
+        "    bpy.data.collections.new('a').objects.link(bpy.context.object)",
+        4,
+    ),
+    (
+        "turns of an object",
+        "import bpy\nbpy.ops.mesh.primitive_cube_add()\nwhile True:\n    bpy.ops.transform.rotate(value=1)",
+        4,
+    ),
+    (
+        "places in the world",
+        "import bpy\nbpy.ops.mesh.primitive_cube_add()\no = bpy.context.object\nwhile True:\n"
+        "    o.matrix_world = o.matrix_world",
+        5,
+    ),
+    (
+        "extents of a sphere",
+        "import bpy\nbpy.ops.mesh.primitive_uv_sphere_add(segments=500, ring_count=290)\nwhile 1:\n"
+        "    bpy.context.object.dimensions",
+        4,
+    ),
+    ("generators of numbers", "import random\nwhile True:\n    random.Random(1)", 3),
+    ("stars of modules", "while True:\n    from math import *", 2),
+    ("a chain of comparisons", "x = 1\nwhile 1" + " < 2 > 1" * 6000 + ":\n    pass", 2),
+    ("a chain of operators", "x = 1\nwhile " + "x or " * 12000 + "x:\n    pass", 2),
+    ("many names of a class", "from enum import Enum\nclass E(Enum):\n" + _MANY_NAMES + "E(1)", 2),
+    ("many lines under a loop", "while True:\n" + "    x = 1\n" * 8000, 1995),
     # numbers that are none
     ("infinite place", "import bpy\nbpy.ops.mesh.primitive_cube_add(location=(float('inf'), 0, 0))", 2),
     ("place that is no number", "import bpy\nbpy.ops.mesh.primitive_cube_add(location=(float('nan'), 0, 0))", 2),
@@ -259,7 +297,7 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("elif chain", "if 0:\n    pass\n" + "elif 0:\n    pass\n" * 2000, 299),
     ("unknown conversion of an f-string", "x = 1\ny = f'{x!z}'", 2),
     ("too many tokens", "x = [" + "1," * 200000 + "]", 1),
-    ("too many lines", "x = 1\n" * 100000, 20001),
+    ("too many lines", "x = 1\n" * 100000, 8334),
     ("too long", "# " + "a" * 5_000_000, 1),
     ("lone surrogate", "x = 1\nx = '\ud800'", 2),
     ("lone surrogate in an escape", "x = 1\nx = '\\ud800'", 2),

@@ -9,10 +9,10 @@ from lidardraft.files import written_whole
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import BY_NAME
 
-_HEAD = '''"""A layout of semantic shapes. Run it in Blender, or read it: lidardraft draft --blender FILE.py
+_SCRIPT = '''"""A layout of semantic shapes. Run it in Blender, or read it: lidardraft draft --blender FILE.py
 
-Metres and radians; x forward, y left, z up; the ego vehicle stands at the origin. Each call of `add` is one shape: its
-name, class, number, center, full extents and yaw.
+Metres and radians; x forward, y left, z up; the ego vehicle stands at the origin. Each of ROWS is one shape: its kind,
+class and number, center (3), full extents (3), yaw, and name.
 """
 
 import bpy
@@ -23,10 +23,6 @@ bpy.context.scene["lidardraft"] = {travelling}
 COLOURS = {{
 {colours}
 }}
-MATERIALS = {{}}
-for label, colour in COLOURS.items():
-    MATERIALS[label] = bpy.data.materials.new(label)
-    MATERIALS[label].diffuse_color = colour
 
 
 def unit_mesh():
@@ -35,36 +31,45 @@ def unit_mesh():
     return mesh
 
 
-MESHES = {{}}
+UNITS = {{}}
 bpy.ops.mesh.primitive_cube_add(size=1)
-MESHES["box"] = unit_mesh()
+UNITS["box"] = unit_mesh()
 bpy.ops.mesh.primitive_uv_sphere_add(radius=0.5)
-MESHES["ellipsoid"] = unit_mesh()
+UNITS["ellipsoid"] = unit_mesh()
 bpy.ops.mesh.primitive_cylinder_add(radius=0.5, depth=1)
-MESHES["cylinder"] = unit_mesh()
+UNITS["cylinder"] = unit_mesh()
 bpy.ops.mesh.primitive_plane_add(size=1)
-MESHES["plane"] = unit_mesh()
+UNITS["plane"] = unit_mesh()
+MESHES, MATERIALS = {{}}, {{}}
+for label, colour in COLOURS.items():
+    MATERIALS[label] = bpy.data.materials.new(label)
+    MATERIALS[label].diffuse_color = colour
+    for shape, unit in UNITS.items():
+        MESHES[shape + " " + label] = unit.copy()
+        MESHES[shape + " " + label].materials.append(MATERIALS[label])
 
 
-def triangles(vertices, faces):
+def triangles(label, vertices, faces):
     xyz, abc = list(map(float, vertices.split())), list(map(int, faces.split()))
     mesh = bpy.data.meshes.new("mesh")
     mesh.from_pydata(list(zip(xyz[0::3], xyz[1::3], xyz[2::3])), [], list(zip(abc[0::3], abc[1::3], abc[2::3])))
+    mesh.materials.append(MATERIALS[label])
     return mesh
 
 
-def add(mesh, name, label, instance, center, size, yaw, properties={{}}):
-    if mesh in MESHES:
-        mesh = MESHES[mesh].copy()
-    mesh.materials.append(MATERIALS[label])
-    item = bpy.data.objects.new(name, mesh)
-    item.location, item.scale, item.rotation_euler = center, (size[0], size[1], size[2] or 1), (0, 0, yaw)
-    item["id"], item["class"], item["instance"] = name, label, instance
-    for key, value in properties.items():
-        item[key] = value
+OF_ITS_OWN = {own_meshes}
+PROPERTIES = {properties}
+ROWS = {rows}
+for row in ROWS:
+    shape, label, instance, *numbers, name = row.split(" ", 10)
+    x, y, z, length, width, height, yaw = map(float, numbers)
+    item = bpy.data.objects.new(name, OF_ITS_OWN[name] if shape == "mesh" else MESHES[shape + " " + label])
+    item.location, item.scale, item.rotation_euler = (x, y, z), (length, width, height or 1), (0, 0, yaw)
+    item["id"], item["class"], item["instance"] = name, label, int(instance)
     bpy.context.collection.objects.link(item)
-
-
+    if name in PROPERTIES:
+        for key, value in PROPERTIES[name].items():
+            item[key] = value
 '''
 
 
@@ -75,8 +80,13 @@ def blender_script(layout: Layout) -> str:
         f"    {label!r}: {(*(round(part / 255, 3) for part in BY_NAME[label].colour), 1.0)}," for label in labels
     ]
     travelling = json.dumps({"provenance": layout.provenance, "coverage": layout.coverage})
-    head = _HEAD.format(colours="\n".join(colours), travelling=repr(travelling))
-    return head + "".join(_row(primitive) for primitive in layout)
+    return _SCRIPT.format(
+        colours="\n".join(colours),
+        travelling=repr(travelling),
+        own_meshes=_written("{}", [_own_mesh(each) for each in layout if each.mesh is not None]),
+        properties=_written("{}", [f"{each.id!r}: {found!r}" for each in layout if (found := _properties(each))]),
+        rows=_written("[]", [repr(_row(each)) for each in layout]),
+    )
 
 
 def write_blender_script(path: str | os.PathLike[str], layout: Layout) -> None:
@@ -85,19 +95,24 @@ def write_blender_script(path: str | os.PathLike[str], layout: Layout) -> None:
         temporary.write_text(blender_script(layout), encoding="utf-8")
 
 
+def _written(brackets: str, parts: list[str]) -> str:
+    """The parts of a list or a dict, a line each."""
+    lines = "".join(f"    {part},\n" for part in parts)
+    return f"{brackets[0]}\n{lines}{brackets[1]}"
+
+
 def _row(primitive: Primitive) -> str:
-    mesh = primitive.mesh
-    properties = {name: value for name in ("material", "extinction") if (value := getattr(primitive, name)) is not None}
-    shape = repr(primitive.shape)
-    if mesh is not None:
-        vertices = " ".join(map(repr, mesh.vertices.ravel().tolist()))
-        shape = f'triangles("{vertices}", "{" ".join(map(str, mesh.faces.ravel().tolist()))}")'
-        properties["unit_box"] = True  # read back as it is, in the box that `size` is of
-    fields = [shape, repr(primitive.id), repr(primitive.label), repr(primitive.instance)]
-    fields += [
-        repr(primitive.center),
-        repr(primitive.size),
-        repr(primitive.yaw),
-        *([repr(properties)] if properties else []),
-    ]
-    return f"add({', '.join(fields)})\n"
+    numbers = (repr(float(number)) for number in (*primitive.center, *primitive.size, primitive.yaw))
+    return " ".join([primitive.shape, primitive.label, str(primitive.instance), *numbers, primitive.id])
+
+
+def _own_mesh(primitive: Primitive) -> str:
+    assert primitive.mesh is not None
+    vertices = " ".join(map(repr, primitive.mesh.vertices.ravel().tolist()))
+    faces = " ".join(map(str, primitive.mesh.faces.ravel().tolist()))
+    return f'{primitive.id!r}: triangles({primitive.label!r}, "{vertices}", "{faces}")'
+
+
+def _properties(primitive: Primitive) -> dict[str, object]:
+    found = {name: value for name in ("material", "extinction") if (value := getattr(primitive, name)) is not None}
+    return found | {"unit_box": True} if primitive.mesh is not None else found  # read back in the box that `size` is of

@@ -57,5 +57,7 @@ def test_flat_shapes() -> None:
 
 
 def test_fans() -> None:
-    assert shapes.fans([(0, 1, 2, 3), (4, 5), (6, 7, 8)]).tolist() == [[0, 1, 2], [0, 2, 3], [6, 7, 8]]
+    polygons = shapes.polygons_of([(0, 1, 2, 3), (4, 5), (6, 7, 8), (3, 2, 1)])
+    assert [each.tolist() for each in polygons] == [[[0, 1, 2, 3]], [[6, 7, 8], [3, 2, 1]]]
+    assert shapes.fans(polygons).tolist() == [[0, 1, 2], [0, 2, 3], [6, 7, 8], [3, 2, 1]]
     assert shapes.fans([]).shape == (0, 3)

@@ -1,3 +1,5 @@
+import gc
+
 import pytest
 from script_reading import agrees, reads, refuses
 
@@ -36,6 +38,20 @@ def test_a_number_of_random_without_a_seed_is_noted_once() -> None:
     assert reads("import random\nrandom.seed(5)\nrandom.random()").notes == {}
 
 
-def test_a_long_script_that_is_gone_through_once_is_read() -> None:
-    reads("x = 1 + 2\n" * 900, Limits(steps=1))
-    refuses("for i in range(10000):\n    x = 1", "more than 54 steps", 2, Limits(steps=10))
+def test_the_length_of_a_script_counts_as_steps() -> None:
+    """Parsing takes as long as going through it, so a script may be long or take many rounds, and not both."""
+    script = "x = 1 + 2\n" * 900  # 4500 tokens
+    reads(script, Limits(steps=40_000))
+    refuses(script, "more than 15000 steps; `limits` allows more", 900, Limits(steps=15_000))
+    refuses("for i in range(10000):\n    x = 1", "more than 100 steps", 2, Limits(steps=100))
+
+
+def test_the_collector_of_python_is_left_as_it_was() -> None:
+    refuses("x = 1\nimport os", "import of os", 2)
+    assert gc.isenabled()
+    gc.disable()
+    try:
+        reads("x = 1")
+        assert not gc.isenabled()
+    finally:
+        gc.enable()

@@ -30,7 +30,7 @@ def test_they_do_what_pythons_do(script: str) -> None:
 @pytest.mark.parametrize(
     ("script", "said"),
     [
-        ("[].pop()", "pop: pop from empty list"),
+        ("[].pop()", "a list of 0 has no place -1"),
         ("[1].remove(2)", "2 is not in the list"),
         ("{}.pop('a')", "pop: 'a'"),
         ("{}.setdefault([])", "a list cannot be a key"),

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
 from lidardraft.drafting.script.values import Builtin, Record, Value, describe, text
 
+_STEPS = 8  # that a block costs
 _MOST_PROPERTIES = 200  # of an object or a mesh
 
 
@@ -51,6 +52,7 @@ class Blocks(Record):
 
     def new(self, name: str, *arguments: Value, **named: Value) -> Value:
         """A new block; its name gets a number where another one has it."""
+        self.budget.take_steps(_STEPS)
         block = self._make(self, *arguments, **named)
         block.name = self.free_name(text(name, "the name"))
         self.by_name[block.name] = block

@@ -15,6 +15,7 @@ from lidardraft.drafting.script.limits import RefusalError
 from lidardraft.drafting.script.values import Value, describe, elements, real, reals, truth, whole
 
 _ORIGIN = (0.0, 0.0, 0.0)
+_STEPS = 15  # that what is done with a small array costs
 # What leaves a surface where it is, or nearly so.
 _PASSED_OVER = ("recalc_face_normals", "remove_doubles", "triangulate", "reverse_faces", "join_triangles", "bevel")
 
@@ -86,7 +87,9 @@ def _round_shapes() -> dict[str, Callable[..., Value]]:
 def _moves() -> dict[str, Callable[..., Value]]:
     def moved(mesh: Value, verts: Value, linear: np.ndarray, offset: np.ndarray, space: Value) -> None:
         matrix = affine(linear, offset)
+        _mesh(mesh).budget.take_steps(_STEPS)
         if isinstance(space, Matrix) and space.array.shape == (4, 4):
+            mesh.budget.take_steps(4 * _STEPS)
             matrix = np.linalg.pinv(space.array) @ matrix @ space.array
         _mesh(mesh).transform(Matrix(matrix), _vertices(mesh, verts))
 
@@ -112,6 +115,7 @@ def _moves() -> dict[str, Callable[..., Value]]:
 
 def _cuts() -> dict[str, Callable[..., Value]]:
     def extrude_face_region(bm: Value, geom: Value = (), **_: Value) -> Value:
+        _mesh(bm).budget.take_steps(_STEPS)
         faces = [item for item in elements(geom, _mesh(bm).budget) if isinstance(item, EditedFace)]
         corners = list(dict.fromkeys(corner for face in faces for corner in face.corners))
         place = {corner: number for number, corner in enumerate(corners)}
@@ -139,8 +143,8 @@ def _cuts() -> dict[str, Callable[..., Value]]:
 
 def _added(mesh: Value, shape: MeshShape, matrix: Value) -> Value:
     _mesh(mesh).charge(3 * shape.vertices)  # each has two triangles at most
-    vertices, faces = shape.triangles()
-    made = mesh.add(vertices, faces.tolist())
+    vertices, polygons = shape.make()
+    made = mesh.add(vertices, [face for each in polygons for face in each.tolist()])
     if matrix is not None:
         mesh.transform(matrix, made)
     return {"verts": made}

@@ -57,12 +57,12 @@ class LinkedObjects(Record):
             raise RefusalError(f"{describe(item)} is no object")
         if self._collection in item.collections:
             raise RefusalError(f"the object {item.name!r:.60} is in this collection already")
-        item.collections.append(self._collection)
+        item.collections[self._collection] = None
 
     def _unlink(self, item: Value) -> None:
         if not isinstance(item, SceneObject) or self._collection not in item.collections:
             raise RefusalError(f"{describe(item)} is not in this collection")
-        item.collections.remove(self._collection)
+        del item.collections[self._collection]
 
     def attribute(self, name: str) -> Value:
         methods: dict[str, Callable[..., Value]] = {"link": self.link, "unlink": self._unlink}

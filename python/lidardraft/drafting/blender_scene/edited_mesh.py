@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from lidardraft.drafting.blender_scene.blocks import Unread
-from lidardraft.drafting.blender_scene.mesh_shapes import MeshShape, fans, polyhedron
+from lidardraft.drafting.blender_scene.mesh_shapes import MeshShape, polygons_of, polyhedron
 from lidardraft.drafting.blender_scene.meshes import Mesh
 from lidardraft.drafting.blender_scene.vectors import IDENTITY, Matrix, Vector
 from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
@@ -62,7 +62,7 @@ class EditedFace(Record):
             super().set_attribute(name, value)
 
     def _places(self) -> np.ndarray:
-        self._budget.take_steps(_STEPS + len(self.corners))
+        self._budget.take_steps(6 * _STEPS + len(self.corners))
         return np.array([corner.place.numbers for corner in self.corners])
 
     def _normal(self) -> np.ndarray:
@@ -116,7 +116,7 @@ class EditedMesh(Record):
         if not isinstance(matrix, Matrix):
             raise RefusalError(f"vertices are moved by {describe(matrix)}; it must be a Matrix")
         offset = matrix.array[:3, 3] if len(matrix.array) == 4 else np.zeros(3)
-        self.budget.take_steps(len(vertices))
+        self.budget.take_steps(_STEPS + len(vertices))
         if vertices:
             places = np.array([vertex.place.numbers for vertex in vertices]) @ matrix.array[:3, :3].T + offset
             for vertex, place in zip(vertices, places.tolist(), strict=True):
@@ -144,8 +144,8 @@ class EditedMesh(Record):
         """The mesh that it is now; None without a face."""
         self.budget.take_steps(len(self.vertices) + len(self.faces))
         places, corners = self._places(), self._corners()
-        triangles = fans([tuple(face) for face in corners])
-        return polyhedron(places, triangles) if len(triangles) else None
+        polygons = polygons_of(corners)
+        return polyhedron(places, polygons) if polygons else None
 
     def to_mesh(self, mesh: Value) -> None:
         """Make a mesh of it."""
@@ -159,8 +159,9 @@ class EditedMesh(Record):
             raise RefusalError(f"{describe(mesh)} is no mesh")
         if mesh.shape is not None:
             self.charge(3 * mesh.shape.vertices)
-            vertices, faces = mesh.shape.triangles()
-            self.add(vertices @ mesh.matrix[:3, :3].T + mesh.matrix[:3, 3], faces.tolist())
+            vertices, polygons = mesh.shape.make()
+            faces = [face for each in polygons for face in each.tolist()]
+            self.add(vertices @ mesh.matrix[:3, :3].T + mesh.matrix[:3, 3], faces)
 
 
 class EditedElements(Record):

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from lidardraft.drafting.blender_scene.matrix_constructors import MatrixType
 from lidardraft.drafting.blender_scene.rotations import about_axis
-from lidardraft.drafting.blender_scene.vectors import Euler, MatrixType, Rotation, Vector
+from lidardraft.drafting.blender_scene.vectors import STEPS_OF_MATRIX, Euler, Rotation, Vector
 from lidardraft.drafting.script.limits import RefusalError
 from lidardraft.drafting.script.values import Builtin, Namespace, Value, describe, real, reals
 
@@ -20,7 +21,7 @@ def mathutils_module() -> Namespace:
 
     vector = Builtin("Vector", lambda numbers=(0.0, 0.0, 0.0): Vector.from_value(numbers))
     makers = {"Vector": vector, "Euler": Builtin("Euler", euler), "Matrix": MatrixType()}
-    makers |= {"Quaternion": Builtin("Quaternion", quaternion), "Color": vector}
+    makers |= {"Quaternion": Builtin("Quaternion", quaternion, 2 * STEPS_OF_MATRIX), "Color": vector}
     return Namespace("mathutils", makers)
 
 

@@ -8,12 +8,13 @@ from collections.abc import Callable
 import numpy as np
 
 from lidardraft.drafting.blender_scene.blocks import Block, Blocks, Unread
-from lidardraft.drafting.blender_scene.mesh_shapes import MeshShape, fans, polyhedron
+from lidardraft.drafting.blender_scene.mesh_shapes import MeshShape, polygons_of, polyhedron
 from lidardraft.drafting.blender_scene.vectors import IDENTITY, Matrix, Vector
 from lidardraft.drafting.script.limits import RefusalError
 from lidardraft.drafting.script.values import Builtin, Record, Value, describe, elements, is_number, reals, whole
 
 _STEPS, _CELLS = 2, 8  # that a vertex costs which a script moves
+_STEPS_OF_COPY = 10
 _MESH_ELEMENTS = ("edges", "polygons", "loops", "uv_layers", "vertex_colors", "color_attributes", "attributes")
 
 
@@ -113,6 +114,8 @@ class Mesh(Block):
 
     def copy(self) -> Mesh:
         """Another mesh of the same shape and materials."""
+        self.owner.budget.take_steps(_STEPS_OF_COPY)
+        self.owner.budget.take_cells(3 * len(self.properties) + len(self.materials.materials))
         mesh: Mesh = self.owner.new(self.name)
         mesh.shape, mesh.matrix = self.shape, self.matrix
         mesh.materials.materials = list(self.materials.materials)
@@ -127,11 +130,11 @@ class Mesh(Block):
             return []
         self.owner.budget.take_steps(_STEPS * self.shape.vertices)
         self.owner.budget.take_cells(_CELLS * self.shape.vertices)
-        places, faces = self.shape.triangles()
+        places, faces = self.shape.make()
         places = places @ self.matrix[:3, :3].T + self.matrix[:3, 3]
         vertices = [Vertex(number, Vector(place)) for number, place in enumerate(places.tolist())]
         read = lambda: (np.array([vertex.place.numbers for vertex in vertices]), faces)  # noqa: E731
-        self.shape, self.matrix = dataclasses.replace(self.shape, shape="any", triangles=read), IDENTITY
+        self.shape, self.matrix = dataclasses.replace(self.shape, shape="any", make=read), IDENTITY
         self._vertices, self._read = vertices, self.shape
         return vertices
 
@@ -150,8 +153,8 @@ class Mesh(Block):
             if not all(type(corner) is int and 0 <= corner < len(points) for corner in corners):
                 raise RefusalError(f"face {len(polygons)} is {corners!r:.60}; the mesh has {len(points)} vertices")
             polygons.append(corners)
-        triangles = fans(polygons)
-        self.shape = polyhedron(points, triangles) if len(triangles) else None
+        shaped = polygons_of(polygons)
+        self.shape = polyhedron(points, shaped) if shaped else None
 
 
 class Vertex(Record):

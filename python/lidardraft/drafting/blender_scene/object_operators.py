@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from lidardraft.drafting.blender_scene.blocks import Unread
-from lidardraft.drafting.blender_scene.mesh_shapes import polyhedron
+from lidardraft.drafting.blender_scene.mesh_shapes import Polygons, polyhedron
 from lidardraft.drafting.blender_scene.meshes import Mesh
 from lidardraft.drafting.blender_scene.objects import SceneObject
 from lidardraft.drafting.blender_scene.rotations import affine, rotation_matrix
@@ -98,7 +98,8 @@ def _making(scene: Scene) -> dict[str, Callable[..., Value]]:
             other = item.copy()
             if not truth(linked) and isinstance(other.data, Mesh):
                 other.data = other.data.copy()
-            other.collections = list(item.collections)
+            other.collections = dict(item.collections)
+            scene.objects.budget.take_cells(len(item.collections))
             copies.append(other)
             if scene.objects.active is item:
                 scene.objects.active = other
@@ -133,12 +134,13 @@ def _transforming(scene: Scene) -> dict[str, Callable[..., Value]]:
 
     def transform_apply(location: Value = True, rotation: Value = True, scale: Value = True, **_: Value) -> Value:
         for item in selection.selection:
+            scene.objects.budget.take_steps(2 * _STEPS)
             _apply(item, truth(location), truth(rotation), truth(scale))
         return _DONE
 
     def translate(value: Value = _ORIGIN, **_: Value) -> Value:
         for item in _roots(scene):
-            world = item.world()
+            world = item.charged_world()
             world[:3, 3] += reals(value, 3, "the way")
             item.set_world(world)
         return _DONE
@@ -155,6 +157,7 @@ def _transforming(scene: Scene) -> dict[str, Callable[..., Value]]:
 
     def origin_set(type: Value = "GEOMETRY_ORIGIN", center: Value = "MEDIAN", **_: Value) -> Value:
         for item in selection.selection:
+            scene.objects.budget.take_steps(_STEPS)
             if isinstance(item.data, Mesh) and item.data.shape is not None:
                 origin = _origin(scene, item, text(type, "the type"), center)
                 _set_origin(item, item.data, origin, keeps_place=type != "GEOMETRY_ORIGIN")
@@ -172,7 +175,7 @@ def _transforming(scene: Scene) -> dict[str, Callable[..., Value]]:
 def _origin(scene: Scene, item: SceneObject, type: str, center: Value) -> np.ndarray:
     """Where the origin of an object goes [3], in its own axes."""
     if type == "ORIGIN_CURSOR":
-        return np.asarray((np.linalg.pinv(item.world()) @ [*scene.cursor.numbers, 1.0])[:3])
+        return np.asarray((np.linalg.pinv(item.charged_world()) @ [*scene.cursor.numbers, 1.0])[:3])
     if type not in ("ORIGIN_GEOMETRY", "GEOMETRY_ORIGIN") or center not in ("MEDIAN", "BOUNDS"):
         raise RefusalError(f"origin_set to {type!r:.40}, {describe(center)} is not read")
     vertices = item.vertices()
@@ -197,11 +200,12 @@ def _about_middle(scene: Scene, linear: np.ndarray) -> None:
     items = _roots(scene)
     if not items:
         return
-    worlds = [item.world() for item in items]
+    worlds = [item.charged_world() for item in items]
     origins = np.array([world[:3, 3] for world in worlds])
     middle = (origins.min(axis=0) + origins.max(axis=0)) / 2
     change = affine(linear, middle - linear @ middle)
     for item, world in zip(items, worlds, strict=True):
+        scene.objects.budget.take_steps(2 * _STEPS)
         # Blender does not shear: an axis of the object keeps its direction, and becomes as long as the change makes it.
         turned = linear @ world[:3, :3]
         crooked = turned.T @ turned - np.diag(np.diag(turned.T @ turned))
@@ -238,18 +242,19 @@ def _joining(scene: Scene) -> dict[str, Callable[..., Value]]:
         if active is None or type != "OBJECT":
             raise RefusalError("there is no active object to be the parent, or it is no parent of objects")
         for item in [item for item in objects.selection if item is not active]:
-            world = item.world()
+            world = item.charged_world()
+            objects.budget.take_steps(2 * _STEPS)
             item.set_parent(active)
             item.parent_inverse = np.eye(4)
             try:
-                item.parent_inverse = np.linalg.inv(active.world()) @ world @ np.linalg.inv(item.local())
+                item.parent_inverse = np.linalg.inv(active.charged_world()) @ world @ np.linalg.inv(item.local())
             except np.linalg.LinAlgError:
                 raise RefusalError("a parent, or a part of it, is scaled to nothing") from None
         return _DONE
 
     def parent_clear(type: Value = "CLEAR") -> Value:
         for item in objects.selection:
-            world = item.world()
+            world = item.charged_world()
             item.parent, item.parent_inverse = None, np.eye(4)
             if type == "CLEAR_KEEP_TRANSFORM":
                 item.set_world(world)
@@ -259,22 +264,25 @@ def _joining(scene: Scene) -> dict[str, Callable[..., Value]]:
         active = objects.active
         if active is None or active not in objects.selection or not isinstance(active.data, Mesh):
             raise RefusalError("the active object is no selected mesh that others can be joined to")
-        inverse = np.linalg.pinv(active.world())
-        vertices, faces, count = [], [], 0
+        inverse = np.linalg.pinv(active.charged_world())
+        objects.budget.take_steps(2 * _STEPS)
+        vertices: list[np.ndarray] = []
+        faces: Polygons = []
+        count = 0
         for item in [active, *(other for other in list(objects.selection) if other is not active)]:
             if not isinstance(item.data, Mesh) or item.data.shape is None:
                 continue
-            objects.budget.take_steps(2 * item.data.shape.vertices)
-            points, triangles = item.data.shape.triangles()
-            to_active = inverse @ item.world() @ item.data.matrix
+            objects.budget.take_steps(2 * item.data.shape.vertices + _STEPS)
+            points, polygons = item.data.shape.make()
+            to_active = inverse @ item.charged_world() @ item.data.matrix
             vertices.append(points @ to_active[:3, :3].T + to_active[:3, 3])
-            faces.append(triangles + count)
+            faces += [each + count for each in polygons]
             count += len(points)
             if item is not active:
                 objects.remove(item)
         if not vertices:
             return _DONE
-        active.data.shape = polyhedron(np.concatenate(vertices), np.concatenate(faces))
+        active.data.shape = polyhedron(np.concatenate(vertices), faces)
         active.data.matrix = np.eye(4)
         return _DONE
 

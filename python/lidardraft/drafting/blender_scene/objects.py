@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -30,9 +31,8 @@ _LOOKS = (
     *("pass_index", "cycles", "visible_shadow", "visible_camera", "show_axis", "show_bounds", "show_transparent"),
     *("empty_display_size", "empty_display_type", "use_fake_user", "track_axis", "up_axis", "lock_location"),
 )
-_SMOOTHING = ("BEVEL", "SUBSURF", "EDGE_SPLIT", "WEIGHTED_NORMAL", "SMOOTH", "TRIANGULATE", "SMOOTH_BY_ANGLE")
 _LONGEST_CHAIN = 32  # of parents
-_STEPS = 20  # that a copy costs
+_STEPS = 20  # that a copy or a matrix costs
 
 
 class Objects(Blocks):
@@ -73,6 +73,7 @@ class SceneObject(Block):
     """An object: a mesh, an empty, a light or a camera, with its transform."""
 
     kind = "an object"
+    weight = 2
     owner: Objects
 
     def __init__(self, owner: Objects, object_data: Value = None) -> None:
@@ -85,7 +86,7 @@ class SceneObject(Block):
         self.scale = Vector([1.0, 1.0, 1.0])
         self.parent: SceneObject | None = None
         self.parent_inverse = IDENTITY
-        self.collections: list[Block] = []
+        self.collections: dict[Block, None] = {}
         self.modifiers = Modifiers(owner.note)
         self.mode = "XYZ"
         self.line = owner.line()
@@ -105,9 +106,10 @@ class SceneObject(Block):
 
     def set_world(self, matrix: np.ndarray) -> None:
         """Place it so that `world()` is the matrix [4, 4]; raises `RefusalError` for one that shears."""
+        self.owner.budget.take_steps(2 * _STEPS)
         if self.parent is not None:
             try:
-                matrix = np.linalg.inv(self.parent.world() @ self.parent_inverse) @ matrix
+                matrix = np.linalg.inv(self.parent.charged_world() @ self.parent_inverse) @ matrix
             except np.linalg.LinAlgError:
                 raise RefusalError(f"the parent of {self.name!r:.60} is scaled to nothing") from None
         if not np.isfinite(matrix).all():
@@ -138,6 +140,7 @@ class SceneObject(Block):
     def copy(self) -> SceneObject:
         """Another object with the same data, transform and parent, in no collection yet."""
         self.owner.budget.take_steps(_STEPS)
+        self.owner.budget.take_cells(3 * len(self.properties))
         other: SceneObject = self.owner.new(self.name, self.data)
         for name in ("location", "rotation", "scale"):
             getattr(other, name).numbers = list(getattr(self, name).numbers)
@@ -155,44 +158,15 @@ class SceneObject(Block):
         """The vertices of its mesh [V, 3], in its own axes."""
         if not isinstance(self.data, Mesh) or self.data.shape is None:
             return np.zeros((0, 3))
-        self.owner.budget.take_steps(self.data.shape.vertices)
-        vertices, _ = self.data.shape.triangles()
+        self.owner.budget.take_steps(_STEPS + self.data.shape.vertices)
+        vertices, _ = self.data.shape.make()
         return np.asarray(vertices @ self.data.matrix[:3, :3].T + self.data.matrix[:3, 3])
 
     def attribute(self, name: str) -> Value:
-        fields: dict[str, Callable[[], Value]] = {
-            "data": lambda: self.data,
-            "type": lambda: "MESH" if isinstance(self.data, Mesh) else "EMPTY" if self.data is None else self.data.kind,
-            "location": lambda: self.location,
-            "rotation_euler": lambda: self.rotation,
-            "rotation_mode": lambda: self.mode,
-            "rotation_quaternion": lambda: Rotation(rotation_matrix(self.rotation.numbers)),
-            "scale": lambda: self.scale,
-            "parent": lambda: self.parent,
-            "matrix_world": lambda: Matrix(self.world()),
-            "matrix_local": lambda: Matrix(self.local()),
-            "bound_box": self._bound_box,
-            "matrix_basis": lambda: Matrix(self.local()),
-            "dimensions": lambda: Vector((self.extents() * np.abs(self.scale.numbers)).tolist()),
-            "active_material": lambda: self._materials()[0] if self._materials() else None,
-            "users_collection": lambda: tuple(self.collections),
-            "material_slots": lambda: Unread("material_slots", self.owner.note),
-            "modifiers": lambda: self.modifiers,
-            "constraints": self._constraints,
-            "animation_data": lambda: None,
-        }
-        methods: dict[str, Callable[..., Value]] = {
-            "select_set": self.select,
-            "select_get": lambda: self in self.owner.selection,
-            "copy": self.copy,
-            "hide_get": lambda: False,
-            "hide_set": lambda *_: self.owner.note("what hides objects is passed over"),
-            "keyframe_insert": lambda *_, **__: self.owner.note("animation is passed over"),
-        }
-        if name in fields:
-            return fields[name]()
-        if name in methods:
-            return Builtin(name, methods[name])
+        if name in _FIELDS:
+            return _FIELDS[name](self)
+        if name in _METHODS:
+            return Builtin(name, partial(_METHODS[name], self))
         try:
             return super().attribute(name)
         except RefusalError:
@@ -200,13 +174,39 @@ class SceneObject(Block):
                 return Unread(f"{name} of objects", self.owner.note)
             raise
 
+    def _type(self) -> str:
+        return "MESH" if isinstance(self.data, Mesh) else "EMPTY" if self.data is None else self.data.kind
+
+    def charged_world(self) -> np.ndarray:
+        """`world()`, counted as steps."""
+        above, levels = self.parent, 1
+        while above is not None:
+            above, levels = above.parent, levels + 1
+        self.owner.budget.take_steps(_STEPS * levels)
+        return self.world()
+
+    def _collections(self) -> tuple[Block, ...]:
+        self.owner.budget.take_cells(len(self.collections))
+        return tuple(self.collections)
+
+    def _quaternion(self) -> Rotation:
+        self.owner.budget.take_steps(_STEPS)
+        return Rotation(rotation_matrix(self.rotation.numbers))
+
+    def _local(self) -> np.ndarray:
+        self.owner.budget.take_steps(_STEPS)
+        return self.local()
+
     def _bound_box(self) -> Value:
-        vertices = self.vertices() if len(self.vertices()) else np.zeros((1, 3))
+        self.owner.budget.take_steps(_STEPS)
+        vertices = self.vertices()
+        vertices = vertices if len(vertices) else np.zeros((1, 3))
         corners = np.stack([vertices.min(axis=0), vertices.max(axis=0)])
         order = [(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 1, 1), (1, 1, 0)]
         return [tuple(float(corners[side, axis]) for axis, side in enumerate(sides)) for sides in order]
 
-    def _materials(self) -> list[Material | None]:
+    def materials(self) -> list[Material | None]:
+        """Those of its mesh."""
         return self.data.materials.materials if isinstance(self.data, Mesh) else []
 
     def select(self, state: Value = True) -> None:
@@ -274,8 +274,43 @@ class SceneObject(Block):
     def class_names(self) -> list[str]:
         """The names that may say its class, the most telling ones first: its own, those of its materials, parents and
         collections."""
-        names, parent = [self.name, *(material.name for material in self._materials() if material)], self.parent
+        names, parent = [self.name, *(material.name for material in self.materials() if material)], self.parent
         while parent is not None:
             names.append(parent.name)
             parent = parent.parent
         return [*names, *(collection.name for collection in self.collections)]
+
+
+def _active_material(item: SceneObject) -> Value:
+    return next(iter(item.materials()), None)
+
+
+_FIELDS: dict[str, Callable[[SceneObject], Value]] = {
+    "data": lambda item: item.data,
+    "type": SceneObject._type,
+    "location": lambda item: item.location,
+    "rotation_euler": lambda item: item.rotation,
+    "rotation_mode": lambda item: item.mode,
+    "rotation_quaternion": SceneObject._quaternion,
+    "scale": lambda item: item.scale,
+    "parent": lambda item: item.parent,
+    "matrix_world": lambda item: Matrix(item.charged_world()),
+    "matrix_local": lambda item: Matrix(item._local()),
+    "matrix_basis": lambda item: Matrix(item._local()),
+    "bound_box": SceneObject._bound_box,
+    "dimensions": lambda item: Vector((item.extents() * np.abs(item.scale.numbers)).tolist()),
+    "active_material": _active_material,
+    "users_collection": SceneObject._collections,
+    "material_slots": lambda item: Unread("material_slots", item.owner.note),
+    "modifiers": lambda item: item.modifiers,
+    "constraints": SceneObject._constraints,
+    "animation_data": lambda _: None,
+}
+_METHODS: dict[str, Callable[..., Value]] = {
+    "select_set": SceneObject.select,
+    "select_get": lambda item: item in item.owner.selection,
+    "copy": SceneObject.copy,
+    "hide_get": lambda _: False,
+    "hide_set": lambda item, *_: item.owner.note("what hides objects is passed over"),
+    "keyframe_insert": lambda item, *_, **__: item.owner.note("animation is passed over"),
+}

@@ -7,16 +7,20 @@ import math
 import numpy as np
 
 from lidardraft.drafting.script.limits import RefusalError
-from lidardraft.drafting.script.values import Value, text
+from lidardraft.drafting.script.values import Value, describe, real, text
 
 
 def rotation_matrix(angles: list[float] | tuple[float, ...]) -> np.ndarray:
     """The rotation [3, 3] about x, then y, then z, by so many radians: Blender's order XYZ."""
-    (cx, cy, cz), (sx, sy, sz) = np.cos(angles), np.sin(angles)
-    about_x = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
-    about_y = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
-    about_z = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
-    return about_z @ about_y @ about_x
+    x, y, z = angles
+    cx, sx, cy, sy, cz, sz = math.cos(x), math.sin(x), math.cos(y), math.sin(y), math.cos(z), math.sin(z)
+    return np.array(
+        [
+            (cy * cz, sx * sy * cz - cx * sz, cx * sy * cz + sx * sz),
+            (cy * sz, sx * sy * sz + cx * cz, cx * sy * sz - sx * cz),
+            (-sy, sx * cy, cx * cy),
+        ]
+    )
 
 
 def angles_of(rotation: np.ndarray) -> list[float]:
@@ -59,3 +63,11 @@ def about_axis(axis: np.ndarray, angle: float) -> np.ndarray:
     x, y, z = axis / length
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.asarray(np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross)
+
+
+def about_named_axis(axis: Value, angle: Value) -> np.ndarray:
+    """The rotation [3, 3] about "X", "Y" or "Z" by an angle [rad]."""
+    name, turn = text(axis, "the axis").lower(), real(angle, "the angle")
+    if name not in ("x", "y", "z"):
+        raise RefusalError(f"the axis is {describe(axis)}; it must be 'X', 'Y' or 'Z'")
+    return rotation_matrix([turn if name == each else 0.0 for each in "xyz"])

@@ -6,19 +6,22 @@ import ast
 import math
 import operator
 from collections.abc import Callable
+from functools import partial
+from typing import ClassVar
 
 import numpy as np
 
 from lidardraft.drafting.blender_scene.rotations import (
-    about_axis,
+    about_named_axis,
     affine,
     angles_of,
     rotation_matrix,
     tracking,
 )
 from lidardraft.drafting.script.limits import RefusalError
-from lidardraft.drafting.script.values import Builtin, Record, Value, describe, is_number, real, reals, text
+from lidardraft.drafting.script.values import Builtin, Record, Value, describe, is_number, real, reals
 
+STEPS_OF_MATRIX = 15  # steps that what is done with a small array costs
 IDENTITY = np.eye(4)
 IDENTITY.flags.writeable = False
 _AXES = {"x": 0, "y": 1, "z": 2, "w": 3}
@@ -34,6 +37,8 @@ class Vector(Record):
     """Two to four finite numbers, which can be set one by one."""
 
     kind = "a Vector"
+    weight = 3
+    methods: ClassVar[dict[str, tuple[int, Callable[..., Value]]]] = {}  # with what a call costs
 
     def __init__(self, numbers: list[float] | tuple[float, ...]) -> None:
         self.numbers = list(numbers)
@@ -58,24 +63,10 @@ class Vector(Record):
             return math.hypot(*self.numbers) ** (2 if name == "length_squared" else 1)
         if name in ("xy", "xyz", "xz", "yz") and len(self.numbers) > 2:
             return Vector([self.numbers[_AXES[axis]] for axis in name])
-        methods: dict[str, Callable[..., Value]] = {
-            "copy": lambda: type(self)(self.numbers),
-            "normalized": self._normalized,
-            "normalize": lambda: self._become(self._normalized()),
-            "dot": lambda other: sum(a * b for a, b in zip(self.numbers, self._same(other), strict=True)),
-            "cross": lambda other: Vector(np.cross(self.numbers, self._same(other)).tolist()),
-            "lerp": lambda other, factor: self._between(other, real(factor, "the factor")),
-            "to_tuple": lambda: tuple(self.numbers),
-            "rotate": self._rotate,
-            "angle": lambda other, *_: self._angle(self._same(other)),
-            "to_2d": lambda: Vector(self.numbers[:2]),
-            "to_3d": lambda: Vector([*self.numbers, 0.0][:3]),
-            "to_track_quat": lambda track="Z", up="Y": Rotation(tracking(self.numbers, track, up)),
-            "to_matrix": lambda: Matrix(rotation_matrix(self.numbers)),
-        }
-        if name not in methods or (name == "to_matrix" and not isinstance(self, Euler)):
+        if name not in self.methods:
             return super().attribute(name)
-        return Builtin(name, methods[name])
+        weight, method = self.methods[name]
+        return Builtin(name, partial(method, self), weight)
 
     def set_attribute(self, name: str, value: Value) -> None:
         if name not in _AXES or _AXES[name] >= len(self.numbers):
@@ -120,21 +111,32 @@ class Vector(Record):
         length = math.hypot(*self.numbers)
         return Vector([number / length for number in self.numbers] if length else self.numbers)
 
-    def _between(self, other: Value, factor: float) -> Vector:
-        return Vector([a + (b - a) * factor for a, b in zip(self.numbers, self._same(other), strict=True)])
+    def _dot(self, other: Value) -> float:
+        return sum(a * b for a, b in zip(self.numbers, self._same(other), strict=True))
 
-    def _angle(self, other: tuple[float, ...]) -> float:
+    def _cross(self, other: Value) -> Vector:
+        (ax, ay, az), (bx, by, bz) = self.numbers, self._same(other)
+        return Vector([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+
+    def _between(self, other: Value, factor: Value) -> Vector:
+        part, others = real(factor, "the factor"), self._same(other)
+        return Vector([a + (b - a) * part for a, b in zip(self.numbers, others, strict=True)])
+
+    def _angle(self, vector: Value, *_: Value) -> float:
+        other = self._same(vector)
         lengths = math.hypot(*self.numbers) * math.hypot(*other)
         if lengths == 0:
             raise RefusalError("the angle of a vector without length")
         return math.acos(max(-1.0, min(1.0, sum(a * b for a, b in zip(self.numbers, other, strict=True)) / lengths)))
 
-    def _become(self, other: Vector) -> None:
-        self.numbers = other.numbers
+    def _normalize(self) -> None:
+        self.numbers = self._normalized().numbers
 
     def _rotate(self, turn: Value) -> None:
-        matrix = turn.array[:3, :3] if isinstance(turn, Matrix) else rotation_matrix(reals(turn, 3, "the angles"))
-        self.numbers = (matrix @ np.array(self.numbers[:3])).tolist()
+        numbers = reals(self, 3, "a vector that is turned")
+        is_array = isinstance(turn, Matrix | Rotation)
+        matrix = turn.array[:3, :3] if is_array else rotation_matrix(reals(turn, 3, "the angles"))
+        self.numbers = (matrix @ numbers).tolist()
 
 
 class Euler(Vector):
@@ -142,29 +144,22 @@ class Euler(Vector):
 
     kind = "an Euler"
 
-    def attribute(self, name: str) -> Value:
-        methods: dict[str, Callable[..., Value]] = {
-            "rotate_axis": self._rotate_axis,
-            "to_quaternion": lambda: Rotation(rotation_matrix(self.numbers)),
-        }
-        return Builtin(name, methods[name]) if name in methods else super().attribute(name)
-
     def _rotate_axis(self, axis: Value, angle: Value) -> None:
-        turn = _rotation(angle, 3, axis)
-        self.numbers = angles_of(rotation_matrix(self.numbers) @ turn.array)
+        self.numbers = angles_of(rotation_matrix(self.numbers) @ about_named_axis(axis, angle))
 
 
 class Rotation(Record):
     """A quaternion, as the matrix [3, 3] that it stands for."""
 
     kind = "a Quaternion"
+    weight = STEPS_OF_MATRIX
 
     def __init__(self, array: np.ndarray) -> None:
         self.array = array
 
     def attribute(self, name: str) -> Value:
         methods: dict[str, Callable[..., Value]] = {
-            "to_euler": lambda *_: Euler(angles_of(self.array)),
+            "to_euler": lambda *order: _euler(self.array, *order),
             "to_matrix": lambda: Matrix(self.array),
             "copy": lambda: self,
             "inverted": lambda: Rotation(self.array.T),
@@ -184,6 +179,7 @@ class Matrix(Record):
     """A square matrix of three or four rows."""
 
     kind = "a Matrix"
+    weight = STEPS_OF_MATRIX
 
     def __init__(self, array: np.ndarray) -> None:
         if not np.isfinite(array).all():
@@ -209,7 +205,7 @@ class Matrix(Record):
             "to_4x4": lambda: Matrix(
                 affine(self.array[:3, :3], self.array[:3, 3] if len(self.array) == 4 else np.zeros(3))
             ),
-            "to_euler": lambda *_: Euler(angles_of(self.array[:3, :3] / np.linalg.norm(self.array[:3, :3], axis=0))),
+            "to_euler": lambda *order: _euler(self.array[:3, :3], *order),
             "to_3x3": lambda: Matrix(self.array[:3, :3]),
             "to_quaternion": lambda: Rotation(self.array[:3, :3] / np.linalg.norm(self.array[:3, :3], axis=0)),
             "to_scale": lambda: Vector(np.linalg.norm(self.array[:3, :3], axis=0).tolist()),
@@ -246,42 +242,28 @@ class Matrix(Record):
             raise RefusalError("a matrix that has no inverse") from None
 
 
-class MatrixType(Record):
-    """`mathutils.Matrix` itself, which is called and has constructors."""
-
-    kind = "Matrix"
-
-    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
-        return Builtin("Matrix", Matrix.from_value).call(arguments, keywords)
-
-    def attribute(self, name: str) -> Value:
-        makers: dict[str, Callable[..., Value]] = {
-            "Translation": lambda vector: Matrix(affine(np.eye(3), np.array(reals(vector, 3, "the translation")))),
-            "Rotation": _rotation,
-            "Scale": lambda factor, size, *axis: (
-                Matrix(np.diag([*[real(factor, "the factor")] * 3, 1.0])[:size, :size])
-                if not axis
-                else _scale_along(factor, size, *axis)
-            ),
-            "Diagonal": lambda vector: Matrix(np.diag(Vector.from_value(vector).numbers)),
-            "Identity": lambda size: Matrix(np.eye(4)[:size, :size]),
-        }
-        return Builtin(f"Matrix.{name}", makers[name]) if name in makers else super().attribute(name)
+def _euler(array: np.ndarray, order: Value = "XYZ", *_: Value) -> Euler:
+    if order != "XYZ":
+        raise RefusalError(f"angles in the order {describe(order)}; only 'XYZ' is read")
+    return Euler(angles_of(array / np.linalg.norm(array, axis=0)))
 
 
-def _rotation(angle: Value, size: Value, axis: Value = "Z") -> Matrix:
-    if isinstance(axis, Vector | tuple | list):
-        turn = about_axis(np.array(reals(axis, 3, "the axis")), real(angle, "the angle"))
-        return Matrix(affine(turn, np.zeros(3))[:size, :size])
-    name = text(axis, "the axis").lower()
-    if name not in ("x", "y", "z"):
-        raise RefusalError(f"the axis is {axis!r}; it must be 'X', 'Y' or 'Z'")
-    angles = [real(angle, "the angle") if name == each else 0.0 for each in "xyz"]
-    return Matrix(affine(rotation_matrix(angles), np.zeros(3))[:size, :size])
-
-
-def _scale_along(factor: Value, size: Value, axis: Value) -> Matrix:
-    direction = np.array(reals(axis, 3, "the axis"))
-    direction = direction / (np.linalg.norm(direction) or 1.0)
-    stretched = np.eye(3) + (real(factor, "the factor") - 1) * np.outer(direction, direction)
-    return Matrix(affine(stretched, np.zeros(3))[:size, :size])
+Vector.methods = {
+    "copy": (1, lambda self: type(self)(self.numbers)),
+    "normalized": (2, Vector._normalized),
+    "normalize": (2, Vector._normalize),
+    "dot": (3, Vector._dot),
+    "cross": (3, Vector._cross),
+    "lerp": (3, Vector._between),
+    "to_tuple": (1, lambda self: tuple(self.numbers)),
+    "rotate": (STEPS_OF_MATRIX, Vector._rotate),
+    "angle": (5, Vector._angle),
+    "to_2d": (1, lambda self: Vector(self.numbers[:2])),
+    "to_3d": (1, lambda self: Vector([*self.numbers, 0.0][:3])),
+    "to_track_quat": (4 * STEPS_OF_MATRIX, lambda self, track="Z", up="Y": Rotation(tracking(self.numbers, track, up))),
+}
+Euler.methods = Vector.methods | {
+    "to_matrix": (STEPS_OF_MATRIX, lambda self: Matrix(rotation_matrix(self.numbers))),
+    "to_quaternion": (STEPS_OF_MATRIX, lambda self: Rotation(rotation_matrix(self.numbers))),
+    "rotate_axis": (2 * STEPS_OF_MATRIX, Euler._rotate_axis),
+}

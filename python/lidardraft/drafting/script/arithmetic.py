@@ -41,8 +41,10 @@ _ORDERS: dict[type[ast.cmpop], Callable[[Value, Value], bool]] = {
 def binary(kind: type[ast.operator], left: Value, right: Value, budget: Budget) -> Value:
     """The result of an operator between two values."""
     if isinstance(left, Record):
+        budget.take_steps(left.weight)
         return left.binary(kind, right)
     if isinstance(right, Record):
+        budget.take_steps(right.weight)
         return right.binary(kind, left, reflected=True)
     if is_number(left) and is_number(right):
         return _of_numbers(kind, left, right)
@@ -158,3 +160,10 @@ def is_key(value: Value) -> bool:
     if isinstance(value, tuple):
         return len(value) <= 16 and all(not isinstance(item, tuple) and is_key(item) for item in value)
     return value.is_key if isinstance(value, Record) else value is None or isinstance(value, int | float | str)
+
+
+def dict_key(key: Value) -> Value:
+    """The value, which can be a key of a dict."""
+    if not is_key(key):
+        raise RefusalError(f"{describe(key)} cannot be a key")
+    return key

@@ -150,6 +150,7 @@ def _of_collections(budget: Budget) -> dict[str, Callable[..., Value]]:
         columns = tuple(column.take(shortest, budget) if isinstance(column, Endless) else column for column in ended)
         if truth(strict) and any(length(column) != shortest for column in columns):
             raise RefusalError("zip: the lists are not of the same length")
+        budget.take_steps(2 * len(columns))
         parts = [elements(column[:shortest] if isinstance(column, range) else column, budget) for column in columns]
         budget.take_cells(3 * shortest)
         return list(zip(*parts, strict=False))
@@ -174,7 +175,7 @@ def _of_collections(budget: Budget) -> dict[str, Callable[..., Value]]:
 def ordered(items: Value, key: Value, reverse: Value, budget: Budget, call: Call) -> list[Value]:
     """What `sorted` gives: of numbers, of texts, or of flat tuples of them."""
     found = elements(items, budget)
-    budget.take_steps(len(found))
+    budget.take_steps(len(found) if key is None else 3 * len(found))
     keys = found if key is None else [call(key, [item]) for item in found]
     if not all(is_key(each) and each is not None for each in keys):
         raise RefusalError("sorted: values without an order")
@@ -188,6 +189,7 @@ def _of_order(budget: Budget, call: Call) -> dict[str, Callable[..., Value]]:
             found = elements(items[0] if len(items) == 1 else items, budget)
             if not found and "default" in default:
                 return default["default"]
+            budget.take_steps(0 if key is None else 2 * len(found))
             keys = found if key is None else [call(key, [item]) for item in found]
             if not all(is_key(each) and each is not None for each in keys):
                 raise RefusalError("values without an order")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Iterator
 
-from lidardraft.drafting.script.expressions import Evaluate, Expressions, dict_key
+from lidardraft.drafting.script.arithmetic import dict_key
+from lidardraft.drafting.script.expressions import Evaluate, Expressions
 from lidardraft.drafting.script.formatting import format_value, to_text
 from lidardraft.drafting.script.frame import Frame, Function
 from lidardraft.drafting.script.iterators import Iterator as OnceThrough

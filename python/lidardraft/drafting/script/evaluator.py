@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import gc
 from typing import Any
 
 from lidardraft.drafting.script.class_statements import ClassStatements
@@ -14,7 +15,7 @@ from lidardraft.drafting.script.standard_modules import standard_modules
 from lidardraft.drafting.script.statements import Execute
 from lidardraft.drafting.script.values import Namespace, Record, Value
 
-_STEPS_OF_TOKEN = 4  # so that a script that is gone through once is never too long
+_STEPS_OF_TOKEN = 6  # what parsing it takes
 
 
 class Evaluator(ClassStatements):
@@ -42,15 +43,24 @@ class Evaluator(ClassStatements):
 
     def read(self, script: str) -> None:
         """Go through a whole script. Raises `RefusalError` naming the line of what is not understood or too much."""
+        collecting = gc.isenabled()
+        gc.disable()  # it would go through the tree again and again; what is made is bounded
         try:
             tree, tokens = parse(script, self.limits)
-            self.budget.add_steps(_STEPS_OF_TOKEN * tokens)
+            self.line = len(script.splitlines())  # where the whole of it is too long
+            self.budget.take_steps(_STEPS_OF_TOKEN * tokens)
+            self.line = 1
             run = self.block(tree.body)
             run(Frame(self.builtins, {"__name__": "__main__"}))
+        except RefusalError as refusal:
+            raise refusal.at(self.line) from None
         except RecursionError:
             raise RefusalError("nested too deeply to be read", self.line) from None
         except MemoryError:
             raise RefusalError("too large to be read", self.line) from None
+        finally:
+            if collecting:
+                gc.enable()
 
     def _import(self, node: ast.Import) -> Execute:
         def execute(frame: Frame) -> None:
@@ -68,6 +78,7 @@ class Evaluator(ClassStatements):
             module = self._module(node.module)
             for alias in node.names:
                 if alias.name == "*" and isinstance(module, Namespace):
+                    self.budget.take_steps(len(module.values))
                     for name, value in module.values.items():
                         frame.set(name, value)
                 elif alias.name.startswith(("*", "_")) or not isinstance(module, Record):

@@ -6,7 +6,7 @@ import ast
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from lidardraft.drafting.script.arithmetic import binary, compare, is_key, unary
+from lidardraft.drafting.script.arithmetic import binary, compare, dict_key, unary
 from lidardraft.drafting.script.builtin_functions import builtin_functions, ordered
 from lidardraft.drafting.script.classes import Super, builtin_decorators
 from lidardraft.drafting.script.frame import Frame, Function
@@ -63,12 +63,12 @@ class Expressions:
         """What a function returns. Raises `RefusalError` where calls are nested too deeply."""
         if not isinstance(function, Record):
             raise RefusalError(f"{describe(function)} cannot be called")
+        self.budget.take_steps(function.weight)
         if not isinstance(function, Function):
             return function.call(arguments, keywords)
         self.levels += function.levels
         if self.levels > self.limits.levels:
             raise RefusalError(f"calls within calls, more than {self.limits.levels} levels deep in all")
-        self.budget.take_steps(function.weight)
         result = function.body(function.bind(arguments, keywords))
         self.levels -= function.levels
         return result
@@ -126,15 +126,23 @@ class Expressions:
         def evaluate(frame: Frame) -> Value:
             owner = owner_of(frame)
             try:
-                if name.startswith("_") and not (isinstance(owner, Record) and owner.has_private(name)):
-                    raise RefusalError(f"the attribute {name!r:.60} is not read")
-                if isinstance(owner, Record):
-                    return owner.attribute(name)
-                return method(owner, name, self.budget, self.ordered)
+                return self.attribute_of(owner, name)
             except RefusalError as refusal:
                 raise refusal.at(line) from None
 
         return evaluate
+
+    def attribute_of(self, owner: Value, name: str) -> Value:
+        """What stands behind a dot."""
+        if not isinstance(owner, Record):
+            if name.startswith("_"):
+                raise RefusalError(f"the attribute {name!r:.60} is not read")
+            return method(owner, name, self.budget, self.ordered)
+        if name.startswith("_") and not owner.has_private(name):
+            raise RefusalError(f"the attribute {name!r:.60} is not read")
+        if owner.weight:
+            self.budget.take_steps(owner.weight)
+        return owner.attribute(name)
 
     def _call(self, node: ast.Call) -> Evaluate:
         if isinstance(node.func, ast.Name) and node.func.id == "super" and not node.args:
@@ -238,6 +246,7 @@ class Expressions:
 
     def _item(self, owner: Value, key: Value) -> Value:
         if isinstance(owner, Record):
+            self.budget.take_steps(owner.weight)
             return owner.item(key)
         if isinstance(owner, dict):
             if dict_key(key) not in owner:
@@ -303,10 +312,3 @@ class Expressions:
     def target(self, node: ast.expr) -> Callable[[Frame, Value], None]:
         """The function that gives what stands on the left of an assignment a value."""
         raise NotImplementedError
-
-
-def dict_key(key: Value) -> Value:
-    """The value, which can be a key of a dict."""
-    if not is_key(key):
-        raise RefusalError(f"{describe(key)} cannot be a key")
-    return key

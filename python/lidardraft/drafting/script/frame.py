@@ -70,19 +70,29 @@ class Function(Record):
         self.levels = levels
         self.weight = weight
         self.owner: Record | None = None  # the class that it is a method of
-        self._arguments = arguments
         self._frame = frame
-        self._defaults = defaults
+        self._arguments = arguments
+        self._names = [each.arg for each in (*arguments.posonlyargs, *arguments.args)]
+        self._only = [each.arg for each in arguments.kwonlyargs]
+        self._is_plain = not (self._only or arguments.vararg or arguments.kwarg)
+        first = len(self._names) - len(arguments.defaults)
+        self._defaults = dict(zip(self._names[first:], defaults, strict=False))
+        pairs = zip(self._only, arguments.kw_defaults, defaults[len(arguments.defaults) :], strict=True)
+        self._defaults |= {name: value for name, default, value in pairs if default is not None}
 
     def bind(self, arguments: list[Value], keywords: dict[str, Value]) -> Frame:
         """The frame in which the body runs. Raises `RefusalError` where the arguments are not those of the function."""
-        given = self._arguments
-        names = [arg.arg for arg in (*given.posonlyargs, *given.args)]
-        only = [arg.arg for arg in given.kwonlyargs]
-        count = len(given.defaults)
-        found = dict(zip(names[len(names) - count :], self._defaults, strict=False))
-        keyword_defaults = zip(only, given.kw_defaults, self._defaults[count:], strict=True)
-        found |= {name: value for name, default, value in keyword_defaults if default is not None}
+        names = self._names
+        if self._is_plain and not keywords and len(arguments) == len(names):
+            found = dict(zip(names, arguments, strict=True))
+        else:
+            found = self._bound(arguments, keywords)
+        if self.owner is not None and names:  # what `super()` needs
+            found |= {"__class__": self.owner, "__self__": found[names[0]]}
+        return Frame(self._frame, found)
+
+    def _bound(self, arguments: list[Value], keywords: dict[str, Value]) -> dict[str, Value]:
+        given, names, only = self._arguments, self._names, self._only
         passed = dict(zip(names, arguments, strict=False))
         more: dict[str, Value] = {}
         for name, value in keywords.items():
@@ -97,10 +107,8 @@ class Function(Record):
             passed[given.kwarg.arg] = more
         elif more:
             raise RefusalError(f"{self.name}() has no argument {next(iter(more))!r:.60}")
-        found |= passed
+        found = self._defaults | passed
         missing = [name for name in (*names, *only) if name not in found]
         if missing:
             raise RefusalError(f"{self.name}() is not given {missing[0]!r:.60}")
-        if self.owner is not None and names:  # what `super()` needs
-            found |= {"__class__": self.owner, "__self__": found[names[0]]}
-        return Frame(self._frame, found)
+        return found

@@ -62,7 +62,7 @@ def _products(budget: Budget) -> dict[str, Callable[..., Value]]:
 
 def _chain(budget: Budget) -> Callable[..., Value]:
     def chain(*lists: Value) -> list[Value]:
-        budget.take_steps(len(lists) // 4)
+        budget.take_steps(len(lists))
         parts = [elements(items, budget) for items in lists]
         budget.take_cells(sum(map(len, parts)))
         return [item for part in parts for item in part]

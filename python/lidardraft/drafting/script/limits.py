@@ -13,8 +13,8 @@ class Limits:
     """
 
     file: int = 4_000_000  # characters of the script
-    tokens: int = 60_000  # names, numbers and signs of it, outside comments and strings
-    steps: int = 150_000  # nodes of the syntax tree that are evaluated, one for each time; and four for each token
+    tokens: int = 25_000  # names, numbers and signs of it, outside comments and strings
+    steps: int = 150_000  # nodes of the syntax tree that are evaluated, one for each time; a token takes six more
     levels: int = 150  # of nesting: of the script's text, and of calls within calls
     length: int = 250_000  # elements or characters of one value
     cells: int = 1_000_000  # elements of all values that are made or walked through, together
@@ -54,19 +54,14 @@ class Budget:
 
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
-        self.steps = self.most_steps = limits.steps
+        self.steps = limits.steps
         self.cells = limits.cells
 
     def take_steps(self, count: int) -> None:
         """Count so many evaluated nodes, or what takes as long; a number below 0 is 0."""
         self.steps -= max(count, 0)
         if self.steps < 0:
-            raise RefusalError(f"the script takes more than {self.most_steps} steps")
-
-    def add_steps(self, count: int) -> None:
-        """Allow so many more."""
-        self.steps += count
-        self.most_steps += count
+            raise RefusalError(f"the script takes more than {self.limits.steps} steps; `limits` allows more")
 
     def take_cells(self, count: int) -> None:
         """Count so many elements of a value, before it is made; a number below 0 is 0."""

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from lidardraft.drafting.script.arithmetic import equal, is_key
 from lidardraft.drafting.script.formatting import brace_format
-from lidardraft.drafting.script.limits import Budget, RefusalError
-from lidardraft.drafting.script.values import Builtin, Value, describe, elements, text, whole
+from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
+from lidardraft.drafting.script.values import Builtin, Value, describe, elements, take_moved, text, whole
 
 _WIDEST = 200
 _SIMPLE = ("upper", "lower", "title", "capitalize", "strip", "lstrip", "rstrip", "isdigit", "isalpha", "isalnum")
@@ -83,12 +83,21 @@ def _of_list(value: list[Value], budget: Budget, order: Callable[..., list[Value
         budget.take_cells(len(value) + len(items))
         value.extend(items)
 
-    def insert(place: int, item: Value) -> None:
-        budget.take_cells(len(value) + 1)
+    def insert(place: Value, item: Value) -> None:
+        budget.take_cells(1)
+        take_moved(value, whole(place, "a place"), budget)
         value.insert(place, item)
 
+    def pop(place: Value = -1) -> Value:
+        if not -len(value) <= whole(place, "a place") < len(value):
+            raise RaisedError("IndexError", f"a list of {len(value)} has no place {place}")
+        take_moved(value, place, budget)
+        return value.pop(place)
+
     def remove(item: Value) -> None:
-        del value[_index(value, item, budget)]
+        place = _index(value, item, budget)
+        take_moved(value, place, budget)
+        del value[place]
 
     def sort(*, key: Value = None, reverse: Value = False) -> None:
         value[:] = order(value, key, reverse)
@@ -105,7 +114,7 @@ def _of_list(value: list[Value], budget: Budget, order: Callable[..., list[Value
         "extend": extend,
         "insert": insert,
         "remove": remove,
-        "pop": lambda place=-1: value.pop(place),
+        "pop": pop,
         "clear": value.clear,
         "index": lambda item: _index(value, item, budget),
         "count": lambda item: _count(value, item, budget),

@@ -17,6 +17,7 @@ _FUNCTIONS = (
 )
 _LARGEST_FACTORIAL = 20  # the largest below 2^63
 _DRAWS = ("random", "uniform", "gauss", "normalvariate", "lognormvariate", "expovariate", "triangular")
+_STEPS_OF_SEED, _CELLS_OF_GENERATOR = 20, 1000
 _WHOLE_DRAWS = ("randint", "randrange")
 
 
@@ -86,8 +87,8 @@ class RandomNumbers(Record):
         table |= {"choice": self._choice, "choices": self._choices, "sample": self._sample, "shuffle": self._shuffle}
         for name, function in table.items():
             self.functions[name] = Builtin(f"random.{name}", self._drawing(function))
-        self.functions["seed"] = Builtin("random.seed", self._seed)
-        self.functions["Random"] = Builtin("random.Random", self._another)
+        self.functions["seed"] = Builtin("random.seed", self._seed, _STEPS_OF_SEED)
+        self.functions["Random"] = Builtin("random.Random", self._another, 4 * _STEPS_OF_SEED)
 
     def _drawing(self, function: Callable[..., Value]) -> Callable[..., Value]:
         def draw(*arguments: Value, **keywords: Value) -> Value:
@@ -98,6 +99,7 @@ class RandomNumbers(Record):
         return draw
 
     def _another(self, x: Value = None) -> RandomNumbers:
+        self.budget.take_cells(_CELLS_OF_GENERATOR)
         return RandomNumbers(self.budget, self._note, x)
 
     def _seed(self, a: Value = None) -> None:

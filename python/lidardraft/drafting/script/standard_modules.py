@@ -77,7 +77,7 @@ def _functools(budget: Budget, call: Call) -> dict[str, Value]:
 
     def reduce(function: Value, items: Value, *start: Value) -> Value:
         found = [*start[:1], *elements(items, budget)]
-        budget.take_steps(2 * len(found))
+        budget.take_steps(5 * len(found))
         if not found:
             raise RefusalError("reduce of nothing")
         result = found[0]

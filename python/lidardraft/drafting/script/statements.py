@@ -6,13 +6,12 @@ import ast
 from collections.abc import Callable
 from typing import Any
 
-from lidardraft.drafting.script.arithmetic import binary
+from lidardraft.drafting.script.arithmetic import binary, dict_key
 from lidardraft.drafting.script.classes import ClassFrame, Decorator
 from lidardraft.drafting.script.displays import Displays
-from lidardraft.drafting.script.expressions import dict_key
 from lidardraft.drafting.script.frame import Frame, Function
 from lidardraft.drafting.script.limits import Limits, RefusalError
-from lidardraft.drafting.script.values import Record, Value, describe, elements, truth, whole
+from lidardraft.drafting.script.values import Record, Value, describe, elements, take_moved, truth, whole
 
 Execute = Callable[[Frame], object]  # gives what ends the statements around it early, or None
 _BREAK, _CONTINUE = object(), object()
@@ -301,6 +300,8 @@ class Statements(Displays):
                 isinstance(owner, list)
                 and (isinstance(key, slice) or -len(owner) <= whole(key, "a place") < len(owner))
             ):
+                if isinstance(owner, list):
+                    take_moved(owner, key, self.budget)
                 del owner[key]
             else:
                 raise RefusalError(f"{describe(owner)} has no place {describe(key)}")

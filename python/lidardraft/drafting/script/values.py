@@ -13,6 +13,7 @@ from lidardraft.drafting.script.limits import Budget, RefusalError
 
 Value = Any  # one of the types above; mypy has no way to say it that helps here
 LARGEST = 2**63  # of whole numbers
+_MOVED_IN_A_STEP, _TAKEN_IN_A_STEP = 2000, 50  # elements of a list
 _NUMBER = (int, float)  # asked for so often that a union, which is slower, shows
 
 
@@ -21,6 +22,7 @@ class Record:
 
     kind = "a value"
     is_key = False  # whether it can be a key of a dict: what is the same only as itself
+    weight = 0  # steps that a use of it costs beyond its node: an attribute, an item, an operator, a call
 
     def has_private(self, _name: str) -> bool:
         """Whether a name that begins with an underscore may be read and set in it."""
@@ -87,8 +89,9 @@ class Builtin(Record):
 
     kind = "a function"
 
-    def __init__(self, name: str, call: Callable[..., Value]) -> None:
+    def __init__(self, name: str, call: Callable[..., Value], weight: int = 2) -> None:
         self.name = name
+        self.weight = weight
         self._call = call
 
     def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
@@ -192,6 +195,15 @@ def length(value: Value) -> int:
     if isinstance(value, str | list | tuple | dict | range):
         return _length(value)
     raise RefusalError(f"{describe(value)} has no length")
+
+
+def take_moved(items: list[Value], places: Value, budget: Budget) -> None:
+    """Count the elements that move or go where those at a place, or within a slice, are taken out or put in."""
+    if isinstance(places, slice):
+        budget.take_steps(len(items) // _TAKEN_IN_A_STEP)
+    else:
+        behind = -places if places < 0 else len(items) - places
+        budget.take_steps(min(max(behind, 0), len(items)) // _MOVED_IN_A_STEP)
 
 
 def truth(value: Value) -> bool:
