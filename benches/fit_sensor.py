@@ -13,6 +13,7 @@ from __future__ import annotations
 import io
 import lzma
 import sys
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -20,10 +21,12 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 import recordings
+from lidardraft.calibration.receiver import bisected, edge_drops
+from lidardraft.calibration.street_casts import StreetCasts
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.materials import MATERIAL_BY_NAME, Material, diffuse_response, leaf_response, response
-from lidardraft.scene.sensor import PRESETS
+from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.sensor_model_presets import MODELS
 from lidardraft.semantics import BY_NAME
@@ -51,6 +54,8 @@ SMOOTH = 2 * np.pi / COLUMNS  # m a firing and metre of range, by which surfaces
 FLAT = 0.03  # m, at any range
 HEIGHT = 2.0  # m of the sensor over the ground
 LONGEST = 8  # columns that a hole in a surface may be wide
+STREETS, SEED = 24, 5_000_000  # that edges are held against
+EDGE_DROPS = (1e-3, 5.0)
 
 
 def planes(points: np.ndarray, step: int) -> tuple[np.ndarray, np.ndarray]:
@@ -238,6 +243,21 @@ def report_holes(name: str, found: list[tuple[np.ndarray, np.ndarray]], model: S
         print(f"| {low:g} to {high:g} | {rays} | {drops / rays:.4f} | {expected.mean():.4f} | {run:.2f} |")
 
 
+def report_edges(places: dict[str, list[Sweep]], sensor: Sensor, model: SensorModel) -> None:
+    """Share of the firings between near and far surfaces that are lost, and the `edge_drop` with which streets lose as
+    many."""
+    casts = StreetCasts.from_sensor(sensor, model, STREETS, seed=SEED)
+
+    def lost(edge_drop: float) -> float:
+        return edge_drops(casts.observed(replace(model, edge_drop=edge_drop), sensor.range_sigma))
+
+    print(f"\n| {sensor.name}: edges of | lost | edge_drop |\n|---|---:|---:|")
+    found = {place: edge_drops(sweeps) for place, sweeps in places.items()}
+    for place, share in found.items():
+        print(f"| {place} | {share:.3f} | {bisected(lost, share, EDGE_DROPS, rising=True):.3f} |")
+    print(f"| streets, edge_drop {model.edge_drop:g} | {lost(model.edge_drop):.3f} | |")
+
+
 def main(folder: Path) -> None:
     """Print all of it."""
     report_walls(folder)
@@ -252,6 +272,9 @@ def main(folder: Path) -> None:
         labelled = [sweep for group in read(folder.parent, COLUMNS).labelled.values() for sweep in group]
         report_noise(name, labelled, MODELS[name], SURFACES)
         report_tilts(name, labelled, PRESETS[name].elevations)
+    pandar64 = recordings.pandar64(folder.parent, COLUMNS)
+    pjlab = {"PJLab, all": [sweep for group in pandar64.plain.values() for sweep in group]}
+    report_edges(pandar64.plain | pjlab | pandar64.labelled, PRESETS["pandar64"], MODEL)
     for name, read in (("os0-128", recordings.os0_128), ("os1-32", recordings.os1_32)):
         halves = [sweep for group in read(folder.parent, 1024).plain.values() for sweep in group]
         report_noise(name, halves, MODELS[name], None)

@@ -21,6 +21,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -63,6 +64,9 @@ def main() -> None:
         parser.error(f"sensors are {', '.join(READERS)}, --num is {POSES} or more, --jobs 1 or more")
     if (given.scan_with or given.without) and len(names) > 1:
         parser.error("--scan-with and --without go with one sensor in --sensors")
+    if given.scan_with and (shape := Sensor.preset(given.scan_with).shape) != PRESETS[names[0]].shape:
+        wanted = PRESETS[names[0]].shape
+        parser.error(f"{given.scan_with} has {shape[0]} x {shape[1]} pixels; {names[0]} has {wanted[0]} x {wanted[1]}")
     with ProcessPoolExecutor(given.jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
         about = given.data, given.num, given.scan_with, given.without
         sections = [pool.submit(_section, name, *about) for name in names]
@@ -82,9 +86,19 @@ def _section(name: str, folder: Path, num: int, scan_with: str | None, without: 
     if reason:
         return f"### {name}\n\nSkipped: {reason}.\n", {}
     if without:
-        recorded = replace(recorded, plain={group: s for group, s in recorded.plain.items() if group != without})
+        recorded = without_group(recorded, without)
     comparisons, pooled = report(recorded, Sensor.preset(scan_with or name), num)
     return markdown(recorded, comparisons, num), pooled
+
+
+def without_group(recorded: Recordings, left_out: str) -> Recordings:
+    """The recordings but for one group; exits where there is none of this name."""
+    groups: tuple[dict[str, Any], ...] = (recorded.plain, recorded.labelled, recorded.shares)
+    names = list(dict.fromkeys(name for group in groups for name in group))
+    if left_out not in names:
+        raise SystemExit(f"--without is {left_out!r}; the groups are {', '.join(names)}")
+    plain, labelled, shares = ({name: one for name, one in group.items() if name != left_out} for group in groups)
+    return replace(recorded, plain=plain, labelled=labelled, shares=shares)
 
 
 def _missing(name: str, folder: Path) -> str:

@@ -1,5 +1,7 @@
 //! The sensor model: its constants, checked once; arrays of images and surfaces in, images written in place.
 
+use std::f64::consts::TAU;
+
 use lidardraft_core::Error;
 use lidardraft_core::sensor_model as core;
 use numpy::ndarray::Ix2;
@@ -117,6 +119,7 @@ pub(crate) fn observe(
         backscatter: &backscatter,
         extinction,
         shape: [pattern.0.rows(), pattern.0.columns()],
+        turn: (pattern.0.columns() as f64 * TAU / pattern.0.spec().azimuth_span) as f32,
     };
     let (min, max) = (pattern.0.spec().min_range as f32, pattern.0.spec().max_range as f32);
     let ranging = core::Ranging { sigma: range_sigma, min, max };

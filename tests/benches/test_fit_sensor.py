@@ -1,11 +1,16 @@
 """The fits give back what made the data."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from fit_sensor import COLUMNS, LONGEST, bends, fit_noise, fit_roughness, holes, images, planes
+from fit_sensor import COLUMNS, LONGEST, bends, fit_noise, fit_roughness, holes, images, planes, report_edges
+from lidardraft.calibration.street_casts import StreetCasts
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.materials import Material, diffuse_response
+from lidardraft.scene.sensor import PRESETS
+from lidardraft.scene.sensor_model_presets import MODELS
 
 
 def test_roughness_and_scale_come_back():
@@ -74,3 +79,11 @@ def test_a_sweep_is_put_in_its_rings_and_columns():
     assert (ranges > 0).sum() == 4
     np.testing.assert_allclose(ranges[ranges > 0], np.sqrt(68), rtol=1e-6)
     assert ground[ranges > 0].all()
+
+
+def test_what_edges_lose_comes_back(capsys):
+    sensor, model = PRESETS["vlp16"], MODELS["vlp16"]
+    casts = StreetCasts.from_sensor(sensor, model, 16, seed=6)
+    report_edges({"a place": casts.observed(replace(model, edge_drop=0.4), sensor.range_sigma)}, sensor, model)
+    (row,) = (line for line in capsys.readouterr().out.splitlines() if line.startswith("| a place"))
+    assert float(row.split("|")[3]) == pytest.approx(0.4, rel=0.3)

@@ -91,6 +91,26 @@ def test_wrong_arguments(wrong: list[str], monkeypatch: pytest.MonkeyPatch) -> N
         report_streets.main()
 
 
+def test_a_group_is_left_out_wherever_it_is() -> None:
+    sweep = Sweep(np.ones((2, 8, 3), dtype=np.float32))
+    plain = {"a": [sweep], "b": [sweep]}
+    real = Recordings(sensor="vlp16", plain=plain, labelled={"a": [sweep]}, shares={"c": np.ones(3)})
+    left = report_streets.without_group(real, "a")
+    assert (list(left.plain), list(left.labelled), list(left.shares)) == (["b"], [], ["c"])
+    assert not report_streets.without_group(real, "c").shares
+    with pytest.raises(SystemExit, match="--without is 'raw'; the groups are a, b, c"):
+        report_streets.without_group(real, "raw")
+
+
+def test_a_sensor_to_scan_with_has_as_many_pixels(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.argv", ["report", "--sensors", "hdl64e", "--scan-with", "vlp16"])
+    with pytest.raises(SystemExit):
+        report_streets.main()
+    assert "vlp16 has 16 x 1800 pixels; hdl64e has 64 x 1024" in capsys.readouterr().err
+
+
 @needs_recordings
 def test_kitti_fills_its_rows() -> None:
     sweeps = recordings.hdl64e(data(), 1024)

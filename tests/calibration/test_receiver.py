@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from recorded_streets import SENSOR, sweeps, with_model
 
-from lidardraft.calibration.receiver import bisected, fit_receiver, fit_speckle, fit_texture
+from lidardraft.calibration.receiver import at_limits, bisected, fit_receiver, fit_speckle, fit_texture
 from lidardraft.calibration.street_casts import StreetCasts
 from lidardraft.scene.sensor_model import SensorModel
 
@@ -74,3 +74,13 @@ def test_speckle_is_found(casts):
     truth = with_model(speckle=0.3)
     found = fit_speckle(sweeps(truth, STREETS, seed=6), casts, replace(TYPICAL, speckle=0.05), SENSOR.range_sigma)
     assert found.speckle == pytest.approx(0.3, rel=0.25)
+
+
+def test_constants_at_a_limit_of_their_search_are_named():
+    assert at_limits(TYPICAL, 0.01) == {}
+    assert at_limits(replace(TYPICAL, edge_drop=0.0, texture=0.0), 0.01) == {}  # which are off, not found
+    assert at_limits(replace(TYPICAL, pulse_duration=4.9e-8, edge_drop=1.01e-3), 2.01e-4) == {
+        "pulse_duration": 5e-8,
+        "edge_drop": 1e-3,
+        "range_sigma": 2e-4,
+    }

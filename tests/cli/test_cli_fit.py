@@ -33,6 +33,8 @@ def test_scans_become_a_sensor_that_other_commands_take(scans: list[str], capsys
     said = capsys.readouterr().out
     assert "lasers: 8, returns " in said
     assert "points lost in projection: 0.0" in said
+    assert "more where a beam has several echoes\n" in said
+    assert "from patch to patch, " in said
     assert "| intensity (JSD) |" in said
     assert said.endswith("mine.json: fitted to 2 scans\n")
     sensor = Sensor.preset("mine.json")
@@ -60,6 +62,14 @@ def test_lasers_that_are_mixed_up_are_told(scans: list[str], capsys: pytest.Capt
     np.savez("mixed.npz", xyz=recording.points, ring=recording.ring + (recording.points[:, 1] < 0))
     assert cli.main(["fit", "mixed.npz", "-o", "mine.json", "--streets", "4"]) == 0
     assert "% of the points look like those of other lasers" in capsys.readouterr().err
+
+
+def test_a_constant_at_the_limit_of_its_search_is_told(scans: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    recording = read_recording(scans[0])
+    noise = 1 + 0.1 * np.random.default_rng(0).standard_normal((len(recording.points), 1))  # more than any sensor has
+    np.savez("noisy.npz", xyz=recording.points * noise, ring=recording.ring)
+    assert cli.main(["fit", "noisy.npz", "-o", "mine.json", "--streets", "4"]) == 0
+    assert "range_sigma is at the limit of its search, 0.2: " in capsys.readouterr().err
 
 
 def test_bad_input_is_one_line(refused: Callable[..., str], scans: list[str]) -> None:

@@ -24,7 +24,7 @@ from lidardraft.scene.sensor_model import SensorModel
 MOST_COLUMNS = 1024  # that recordings are held against streets with; more take time and say nothing new
 STREETS = 48
 _LAST, _MANY = 0.95, 15  # so many returns in the last twentieth of all ranges say that there is a limit
-SEED = 3_000_000  # no training and no report uses it
+SEED = 3_000_000  # other streets than those of training, and of the reports that a fit is judged by
 
 
 @dataclass(frozen=True)

@@ -24,84 +24,47 @@ _STEPS = 9
 _TEXTURE_STEPS = 5  # each fits an intensity curve
 _LEAST_CHANGE = 0.1  # of a figure, from one limit of its constant to the other: what moves it less is not told by it
 _ROUNDS = 2
-_THRESHOLDS = (1e-8, 1e-3)  # 1/m2; 0.10 reaches 3 km and 10 m, less and nothing far returns
-_DROPS = (1e-5, 0.3)
-_EDGE_DROPS = (1e-3, 5.0)
 _EDGE, _EDGES_WITHIN = 1.0, 20.0  # m between near and far; and the nearer: further off echoes are weak, too
-_SIGMAS = (2e-4, 0.2)  # m
-_JITTERS = (1e-3, 0.5)  # m
-_SPECKLES = (0.01, 1.0)
-_TEXTURES = (0.02, 1.0)
 _ALIKE = 0.5  # m: returns of neighbouring lasers whose ranges differ by less are of one surface
-_PULSES = (1e-9, 5e-8)  # s
 _FAR_BENDS = (25.0, 60.0)  # m
+# Between what a constant is searched for.
+_LIMITS = {
+    "pulse_duration": (1e-9, 5e-8),  # s
+    "detection_threshold": (1e-8, 1e-3),  # 1/m2; 0.10 reaches 3 km and 10 m, less and nothing far returns
+    "drop_probability": (1e-5, 0.3),
+    "edge_drop": (1e-3, 5.0),
+    "range_sigma": (2e-4, 0.2),  # m
+    "jitter": (1e-3, 0.5),  # m
+    "texture": (0.02, 1.0),
+    "speckle": (0.01, 1.0),
+}
 
 
 def fit_receiver(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorModel) -> tuple[SensorModel, float]:
     """The model with its pulse, drop and noise fitted, and the `range_sigma` [m] that goes with it."""
     sigma = casts.scanners[0].sensor.range_sigma
     # surfaces further apart than a pulse is long make two echoes, closer ones a return that hangs between them
-    model = _found(
-        lambda value: replace(model, pulse_duration=value),
-        lambda one: _mixed(casts.observed(one, sigma)),
-        _mixed(recorded),
-        _PULSES,
-        model,
-    )
+    model = _fitted("pulse_duration", _mixed, recorded, casts, model, sigma)
     for _ in range(_ROUNDS):  # one bends a little what the other is found by
-        model = _fit_drop(recorded, casts, model, sigma)
-    model = _found(
-        lambda value: replace(model, edge_drop=value),
-        lambda one: edge_drops(casts.observed(one, sigma)),
-        edge_drops(recorded),
-        _EDGE_DROPS,
-        model,
-    )
+        model = _fitted("detection_threshold", _far_rate, recorded, casts, model, sigma)
+        model = _fitted("drop_probability", _ground_rate, recorded, casts, model, sigma)
+    model = _fitted("edge_drop", edge_drops, recorded, casts, model, sigma)
+    near = _near_bend(recorded)
     for _ in range(_ROUNDS):
-        model, sigma = _fit_noise(recorded, casts, model)
+        sigma = sigma if math.isnan(near) else _sigma(near, casts, model)
+        model = _fitted("jitter", _far_bend, recorded, casts, model, sigma)
     return model, sigma
 
 
-def _fit_drop(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorModel, sigma: float) -> SensorModel:
-    model = _found(
-        lambda value: replace(model, detection_threshold=value),
-        lambda one: _far_rate(casts.observed(one, sigma)),
-        _far_rate(recorded),
-        _THRESHOLDS,
-        model,
-    )
-    return _found(
-        lambda value: replace(model, drop_probability=value),
-        lambda one: _ground_rate(casts.observed(one, sigma)),
-        _ground_rate(recorded),
-        _DROPS,
-        model,
-    )
-
-
-def _fit_noise(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorModel) -> tuple[SensorModel, float]:
-    target, sigma = _bend(recorded, near=True), casts.scanners[0].sensor.range_sigma
-    if not math.isnan(target):
-        sigma = bisected(lambda value: _bend(casts.observed(model, value), near=True), target, _SIGMAS, rising=True)
-    noisy = _found(
-        lambda value: replace(model, jitter=value),
-        lambda one: _bend(casts.observed(one, sigma), near=False),
-        _bend(recorded, near=False),
-        _JITTERS,
-        model,
-    )
-    return noisy, sigma
+def _sigma(near: float, casts: StreetCasts, model: SensorModel) -> float:
+    """The `range_sigma` [m] with which streets bend as much near by."""
+    limits = _LIMITS["range_sigma"]
+    return bisected(lambda value: _near_bend(casts.observed(model, value)), near, limits, rising=True)
 
 
 def fit_speckle(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorModel, sigma: float) -> SensorModel:
     """The model with the scatter of readings from firing to firing, whose intensity curve is known."""
-    return _found(
-        lambda value: replace(model, speckle=value),
-        lambda one: _reading_step(casts.observed(one, sigma)),
-        _reading_step(recorded),
-        _SPECKLES,
-        model,
-    )
+    return _fitted("speckle", _reading_step, recorded, casts, model, sigma)
 
 
 def fit_texture(
@@ -118,9 +81,41 @@ def fit_texture(
         with_texture,
         lambda one: _likeness(casts.observed(one, sigma)),
         _likeness(recorded),
-        _TEXTURES,
+        _LIMITS["texture"],
         with_texture(otherwise),
         steps=_TEXTURE_STEPS,
+    )
+
+
+def at_limits(model: SensorModel, range_sigma: float) -> dict[str, float]:
+    """The constants that lie at a limit of their search, and that limit: no value brought streets to what was recorded,
+    or the best one is further out."""
+    found = {}
+    for name, limits in _LIMITS.items():
+        value = range_sigma if name == "range_sigma" else getattr(model, name)
+        low, high = map(math.log, limits)
+        for limit in limits:
+            # the last step of the coarsest search
+            if value > 0 and abs(math.log(value / limit)) < (high - low) / 2**_TEXTURE_STEPS:
+                found[name] = limit
+    return found
+
+
+def _fitted(
+    name: str,
+    figure: Callable[[Sequence[Sweep]], float],
+    recorded: Sequence[Sweep],
+    casts: StreetCasts,
+    model: SensorModel,
+    sigma: float,
+) -> SensorModel:
+    """The model with the value of one constant with which a figure of streets is that of the recordings."""
+    return _found(
+        lambda value: replace(model, **{name: value}),  # type: ignore[arg-type]
+        lambda one: figure(casts.observed(one, sigma)),
+        figure(recorded),
+        _LIMITS[name],
+        model,
     )
 
 
@@ -201,21 +196,34 @@ def _mixed(sweeps: Sequence[Sweep]) -> float:
     return float(np.mean(shares)) if shares else math.nan
 
 
-def _bend(sweeps: Sequence[Sweep], near: bool) -> float:
-    """How far returns lie off the middle of their neighbours in the row [m]: the median on the ground near by, the
-    lower quartile of all further off, where few surfaces are smooth."""
+def _near_bend(sweeps: Sequence[Sweep]) -> float:
+    """Median of how far returns of the ground near by lie off the middle of their neighbours in the row [m]."""
     found = []
     for sweep in sweeps:
-        before, here, after = sweep.depth[:, :-2], sweep.depth[:, 1:-1], sweep.depth[:, 2:]
-        inside = (before > 0) & (after > 0)
-        if near:
-            ground = np.isin(groups_of(sweep, labelled=False), (LANE, GROUND))[:, 1:-1]
-            inside &= ground & (here > 0) & (here < _NEAR_GROUND)
-        else:
-            inside &= (here > _FAR_BENDS[0]) & (here < _FAR_BENDS[1])
-        found.append(np.abs(here - (before + after) / 2)[inside])
-    bends = np.concatenate(found)
-    return float(np.quantile(bends, 0.5 if near else 0.25)) if len(bends) >= 500 else math.nan
+        bends, here = _bends(sweep)
+        ground = np.isin(groups_of(sweep, labelled=False), (LANE, GROUND))[:, 1:-1]
+        found.append(bends[ground & (here > 0) & (here < _NEAR_GROUND)])
+    return _quantile(np.concatenate(found), 0.5)
+
+
+def _far_bend(sweeps: Sequence[Sweep]) -> float:
+    """Lower quartile of the same for all returns further off, where few surfaces are smooth."""
+    found = []
+    for sweep in sweeps:
+        bends, here = _bends(sweep)
+        found.append(bends[(here > _FAR_BENDS[0]) & (here < _FAR_BENDS[1])])
+    return _quantile(np.concatenate(found), 0.25)
+
+
+def _bends(sweep: Sweep) -> tuple[np.ndarray, np.ndarray]:
+    """How far returns [H, W - 2] lie off the middle of their neighbours, NaN where one is missing; and their ranges."""
+    before, here, after = sweep.depth[:, :-2], sweep.depth[:, 1:-1], sweep.depth[:, 2:]
+    return np.where((before > 0) & (after > 0), np.abs(here - (before + after) / 2), np.nan), here
+
+
+def _quantile(bends: np.ndarray, share: float) -> float:
+    known = bends[~np.isnan(bends)]
+    return float(np.quantile(known, share)) if len(known) >= 500 else math.nan
 
 
 def _reading_step(sweeps: Sequence[Sweep]) -> float:

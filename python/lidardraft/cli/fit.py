@@ -48,6 +48,8 @@ def fit(arguments: argparse.Namespace) -> None:
 
 
 def _print_sensor(found: Fit, recordings: list[Recording]) -> None:
+    from lidardraft.calibration.receiver import at_limits
+
     sensor, table, model = found.sensor, found.table, found.sensor.model
     assert model is not None
     print(
@@ -61,11 +63,15 @@ def _print_sensor(found: Fit, recordings: list[Recording]) -> None:
     print(f"ranges: {sensor.min_range:g} to {sensor.max_range:g} m; mounted {sensor.mount_height:.2f} m over the road")
     print(f"hidden by the vehicle: {sensor.blocked_pixels.mean():.1%} of the firings")
     print(f"range noise: {1e3 * sensor.range_sigma:.1f} mm, and {1e3 * model.jitter:.0f} mm over the root of the power")
-    print(f"detected: {1 / math.sqrt(model.detection_threshold / 0.10):.0f} m far at a reflectance of 0.10; "
-          f"{model.drop_probability:.2%} dropped at any range")  # fmt: skip
+    print(f"detected: {1 / math.sqrt(model.detection_threshold / 0.10):.0f} m far at a reflectance of 0.10")
+    at_edges = 1 - math.exp(-model.edge_drop)
+    print(f"dropped: {model.drop_probability:.2%} at any range, {at_edges:.1%} more where a beam has several echoes")
     print(f"echoes: one within {model.pulse_length:.2f} m")
+    print(f"power: {model.texture:.2f} from patch to patch, {model.speckle:.2f} from firing to firing")
     if model.intensity_curve is not None:
         print(f"intensity: quantiles agree to {found.intensity_residual:.3f} of 1")
+    for name, limit in at_limits(model, sensor.range_sigma).items():
+        say("lidardraft", f"{name} is at the limit of its search, {limit:g}: streets come no nearer to the scans")
 
 
 def _lost(found: Fit, recordings: list[Recording]) -> tuple[float, float]:

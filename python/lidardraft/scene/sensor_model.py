@@ -39,8 +39,8 @@ class SensorModel:
     its logarithm).
 
     Scatter: `speckle` of the power from pulse to pulse, `texture` of it from patch to patch of what a beam looks at,
-    3 columns long on average (both relative), `material_noise` whether materials add their own grain and roughness,
-    `dust` the depth of the stains on the window, `glass_transmission` whether rays pass through glass.
+    3 / 1024 of a turn long on average (both relative), `material_noise` whether materials add their own grain and
+    roughness, `dust` the depth of the stains on the window, `glass_transmission` whether rays pass through glass.
 
     Range: `jitter` [m] is the noise of an echo of power 1, on top of the sensor's `range_sigma`; `range_step` [m]
     rounds it. One unit differs from another: the number `unit` decides each beam's range offset, which has the standard

@@ -48,9 +48,9 @@ pub(crate) fn transmit_through_glass(
 
 /// Multiplies the powers by a gain and by what scatters them.
 ///
-/// `gain` is the logarithm of that of the beam, `texture` the patches that it looks at. Speckle is the sensor's, from pulse
-/// to pulse; `grain`, which is written, that of the surface each pixel shows. Both are independent from pixel to pixel,
-/// so one `normal` number stands for both.
+/// `gain` is the logarithm of that of the beam, `texture` the patches that it looks at. Speckle is the sensor's, from
+/// pulse to pulse; `grain`, which is written, that of the surface each pixel shows. Both are independent from pixel to
+/// pixel, so one `normal` number stands for both.
 #[inline(always)]
 pub(crate) fn scatter_power<L: Lanes>(
     echoes: &mut Echoes,
@@ -105,11 +105,11 @@ pub(crate) fn add_backscatter(
 
 /// Ray drop: where there is no echo, or one that is not detected.
 ///
-/// An echo of power P is dropped with probability 1 - exp(-2 f / P^1.25 - drop_probability): somewhat less speckle than
-/// developed one, whose power is distributed as the `exponential` numbers. Factor and exponent are fitted to how rays to
-/// the ground are dropped in recordings of a Pandar64, see docs/sensor-model.md. The fading f has the mean 1 and follows
-/// the `patches` of surfaces, so that dropped rays come in runs. `edge_drop` is added to the exponent where the beam made
-/// several echoes: receivers often report none of them.
+/// An echo of power P is dropped with probability 1 - exp(-2 f / P^1.25 - drop_probability): somewhat less speckle
+/// than developed one, whose power is distributed as the `exponential` numbers. Factor and exponent are fitted to how
+/// rays to the ground are dropped in recordings of a Pandar64, see docs/sensor-model.md. The fading f has the mean 1
+/// and follows the `patches` of surfaces, so that dropped rays come in runs. `edge_drop` is added to the exponent where
+/// the beam made several echoes: receivers often report none of them.
 #[inline(always)]
 pub(crate) fn drop_rays(
     echoes: &Echoes,

@@ -48,8 +48,8 @@ impl Pieces {
 }
 
 impl IntensityCurve {
-    /// The curves through `responses` and the readings of all beams, or of each; and gains at `distances`, if any, of all
-    /// beams or of each.
+    /// The curves through `responses` and the readings of all beams, or of each; and gains at `distances`, if any, of
+    /// all beams or of each.
     ///
     /// # Errors
     /// [`Error::SensorModel`] or [`Error::CurveTable`].

@@ -40,6 +40,8 @@ pub struct Light<'a> {
     pub extinction: f32,
     /// Rows and columns of the sensor.
     pub shape: [usize; 2],
+    /// How many of its columns there are in a whole turn.
+    pub turn: f32,
 }
 
 /// Writes to `scan` what a sensor reports of the light that comes back.
@@ -49,8 +51,8 @@ pub struct Light<'a> {
 /// number.
 ///
 /// # Errors
-/// Those of [`SensorModel::check`], [`Error::CurveTable`], [`Error::OffsetTable`], [`Error::ObservedSize`], [`Error::SurfaceColumn`] or [`Error::ImagePrimitive`],
-/// before anything is written.
+/// Those of [`SensorModel::check`], [`Error::CurveTable`], [`Error::OffsetTable`], [`Error::ObservedSize`],
+/// [`Error::SurfaceColumn`] or [`Error::ImagePrimitive`], before anything is written.
 pub fn observe(
     light: &Light<'_>,
     ranging: Ranging,
@@ -177,7 +179,7 @@ impl<'a> Observer<'a> {
         let returns = self.light.returns.row(number, columns * model.shares.len());
         if model.texture > 0.0 {
             numbers.sample(Key::new(self.seed, Stream::Texture, number), columns);
-            numbers.hold(texture);
+            numbers.hold(self.light.turn, texture);
         }
         numbers.sample(Key::new(self.seed, Stream::Pulses, number), columns);
         self.patches.blend(number, patches);

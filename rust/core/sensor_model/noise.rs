@@ -2,7 +2,7 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use super::elementary::{cos_sin, ln};
+use super::elementary::{cos_sin, larger, ln};
 use crate::medium::mix;
 
 /// What random numbers are for; each stream is independent of the others.
@@ -74,13 +74,12 @@ impl Numbers {
             *exponential = -ln(uniform(high >> 9));
         }
     }
-}
 
-impl Numbers {
-    /// One of the normal numbers for each column, which stays for [`HELD`] columns on average.
+    /// One of the normal numbers for each column, which stays for [`HELD`] on average, of a sensor with so many columns
+    /// in a whole `turn`.
     #[inline(always)]
-    pub(crate) fn hold(&self, values: &mut [f32]) {
-        let often = -(1.0 - 1.0 / HELD).ln();
+    pub(crate) fn hold(&self, turn: f32, values: &mut [f32]) {
+        let often = -(1.0 - 1.0 / larger(HELD * turn, 1.0)).ln();
         let mut held = self.normal.first().copied().unwrap_or(0.0);
         for ((value, &normal), &exponential) in values.iter_mut().zip(&self.normal).zip(&self.exponential) {
             held = if exponential < often { normal } else { held };
@@ -117,9 +116,9 @@ pub(crate) struct Patches {
 
 /// Columns over which fading and dust change.
 const PATCH: usize = 8;
-/// Columns that a patch of one response has on average. In PandaSet, what the readings of a laser on walls have that
-/// those of its neighbours have not goes on in two thirds of the firings to the next column (of 1024).
-const HELD: f32 = 3.0;
+/// How wide a patch of one response is on average, of a whole turn. In PandaSet, what the readings of a laser on walls
+/// have that those of its neighbours have not goes on in two thirds of the firings to the next column of 1024.
+const HELD: f32 = 3.0 / 1024.0;
 
 impl Patches {
     pub(crate) fn new(seed: u64, stream: Stream, rows: usize, columns: usize) -> Patches {

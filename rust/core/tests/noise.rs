@@ -131,12 +131,12 @@ fn patches_have_variance_1_change_slowly_and_are_independent_further_off() {
 }
 
 #[test]
-fn held_numbers_stay_for_3_columns_on_average_and_are_those_of_one_row() {
+fn held_numbers_stay_for_3_of_1024_columns_on_average_and_are_those_of_one_row() {
     let mut rows = vec![vec![0.0; COLUMNS]; ROWS];
     for (row, held) in rows.iter_mut().enumerate() {
         let mut numbers = Numbers::default();
         numbers.sample(Key::new(2, Stream::Texture, row), COLUMNS);
-        numbers.hold(held);
+        numbers.hold(1024.0, held);
     }
     let starts: usize = rows.iter().map(|row| row.windows(2).filter(|pair| pair[0] != pair[1]).count()).sum();
     assert!((starts as f64 / COUNT as f64 - 1.0 / 3.0).abs() < error(COUNT));
@@ -147,6 +147,18 @@ fn held_numbers_stay_for_3_columns_on_average_and_are_those_of_one_row() {
     assert!((mean(numbers.iter().map(|x| x * x)) - 1.0).abs() < 2_f64.sqrt() * error);
     assert!((correlation(&numbers[2..], &numbers) - 4.0 / 9.0).abs() < error);
     assert!(correlation(&numbers[COLUMNS..], &numbers).abs() < error);
+}
+
+#[test]
+fn held_numbers_stay_for_the_same_angle_whatever_the_number_of_columns() {
+    let mut numbers = Numbers::default();
+    numbers.sample(Key::new(2, Stream::Texture, 0), COUNT);
+    for (turn, columns) in [(2048.0, 6.0), (512.0, 1.5), (16.0, 1.0)] {
+        let mut held = vec![0.0; COUNT];
+        numbers.hold(turn, &mut held);
+        let starts = held.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        assert!((starts as f64 / COUNT as f64 - 1.0 / columns).abs() < error(COUNT), "{turn}");
+    }
 }
 
 #[test]

@@ -113,7 +113,8 @@ fn seen_with(
         rms_height: &[0.0, 0.0, 0.0, 0.02],
     };
     let backscatter = [Backscatter { depth: &fog, response: &weak }];
-    let mut light = Light { returns, surfaces, backscatter: &backscatter, extinction: 0.001, shape: SHAPE };
+    let mut light =
+        Light { returns, surfaces, backscatter: &backscatter, extinction: 0.001, shape: SHAPE, turn: 1024.0 };
     spoil(&mut light);
     let mut scan = Scan {
         depth: vec![9.0; pixels],
