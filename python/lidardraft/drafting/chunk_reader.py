@@ -116,7 +116,7 @@ class ChunkReader:
             clear = not exact and not unclear_counts(chunk.tokens) and "COUNT_RANGE" not in chunk.types
         elif head == "LANE":
             clear = exact is not None and (self.notes.lanes in (0, exact) or self.notes.each_way)
-        elif chunk.types <= {*COUNT_TYPES, "A", "THE", "ANOTHER"}:
+        elif chunk.types <= {*COUNT_TYPES, "A", "THE", "ANOTHER"} or "OF_THEM" in chunk.types:
             return []
         else:
             clear = exact == 1 and head in ROAD_OF

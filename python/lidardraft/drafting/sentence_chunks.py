@@ -49,8 +49,8 @@ class Chunk(NamedTuple):
     @property
     def span(self) -> tuple[int, int]:
         """Where its words stand in the text: from and to, without articles before them."""
-        first = next((token for token in self.tokens if token.type not in _ARTICLES), self.tokens[0])
-        return first.start_pos or 0, self.tokens[-1].end_pos or 0
+        said = [token for token in self.tokens if token.type not in _ARTICLES] or self.tokens
+        return min(token.start_pos or 0 for token in said), max(token.end_pos or 0 for token in self.tokens)
 
     @property
     def is_object(self) -> bool:
@@ -105,6 +105,12 @@ def _is_verb_before_subject(chunks: list[Chunk]) -> bool:
     return before >= 0 and chunks[before].name == "position" and (before == 0 or chunks[before - 1].name in LINKS)
 
 
+def _counts_listed(count: Chunk, link: Chunk, named: Chunk) -> bool:
+    """Whether a number is that of a bare noun before it, as in "cars: 3"."""
+    bare = named.head in (*KIND_OF, "LANE") and not named.types & {*COUNT_TYPES, *_ARTICLES, "ANOTHER", "OF_THEM"}
+    return bare and link.name in ("COMMA", "STOP") and [token.type in COUNT_TYPES for token in count.tokens] == [True]
+
+
 def _joined(chunks: list[Chunk]) -> list[Chunk]:
     """Without the prepositions that no object follows, and with positions that then adjoin as one."""
     found: list[Chunk] = []
@@ -117,6 +123,8 @@ def _joined(chunks: list[Chunk]) -> list[Chunk]:
             found[-1] = Chunk("position", [*found[-1].tokens, *chunk.tokens])
         elif chunk.is_object and _is_verb_before_subject(found):
             found[-1] = Chunk("phrase", [*found[-1].tokens, *chunk.tokens])
+        elif len(found) > 1 and _counts_listed(chunk, found[-1], found[-2]):
+            found[-2:] = [Chunk("phrase", [*chunk.tokens, *found[-2].tokens])]
         else:
             found.append(chunk)
     return found

@@ -25,7 +25,8 @@ class Mention:
     """A group while its modifiers are being read; count 0 denies it, a `weak` position is overruled by the next one.
 
     The kind is None for what is unknown, which takes the words after it and makes nothing. What is `described` by a
-    verb shares no position with what is listed after it; `same_as` is the mention whose noun "one" or "two" stand for.
+    verb shares no position with what is listed after it; `same_as` is the mention whose noun "one" or "two" stand for,
+    `of_them` says that it counts them already.
     """
 
     kind: str | None
@@ -44,6 +45,7 @@ class Mention:
     references: list[Mention] = field(default_factory=list)
     described: bool = False
     same_as: Mention | None = None
+    of_them: bool = False
     spans: list[Span] = field(default_factory=list)
 
     def group(self, references: tuple[int, ...] = (), words: str = "") -> ObjectGroup:
@@ -134,11 +136,14 @@ class SentenceNotes:
     def spec(self) -> SceneSpec:
         """The spec: what is wanted, less what is denied, with what the setting implies."""
         divided = [mention for mention in self.mentions if mention.count != 0 and self._is_divided(mention)]
-        for whole in divided:
-            for part in self.mentions:
-                if part.same_as is whole:
-                    part.at = whole.at.narrowed(part.at) if whole.placed else part.at
-                    part.heading, part.size, part.scale = part.heading or whole.heading, whole.size, whole.scale
+        for part in self.mentions:
+            whole = part.same_as
+            if whole is not None and (part.of_them or whole in divided):
+                part.at = whole.at.narrowed(part.at) if whole.placed else part.at
+                part.heading, part.size, part.scale = part.heading or whole.heading, whole.size, whole.scale
+                counted = part.of_them and isinstance(part.count, int) and isinstance(whole.count, int)
+                if counted and 0 < part.count < whole.count:  # type: ignore[operator]
+                    whole.count -= part.count  # type: ignore[operator]
         wanted = [mention for mention in self.mentions if mention.count != 0 and mention not in divided]
         denied = [mention for mention in self.mentions if mention.count == 0]
         for mention in wanted:

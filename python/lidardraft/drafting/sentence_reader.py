@@ -98,7 +98,7 @@ class SentenceReader(PositionReader):
             self._road(chunk)
         elif head == "LANE":
             self._lanes(chunk)
-        elif chunk.types <= {*COUNT_TYPES, "A", "THE", "ANOTHER"} or self._is_part(chunk):
+        elif chunk.types <= {*COUNT_TYPES, "A", "THE", "ANOTHER", "OF_THEM"} or self._is_part(chunk):
             self._ellipsis(chunk)
         else:
             self._state(chunk)
@@ -126,14 +126,18 @@ class SentenceReader(PositionReader):
         self.open = []
         parked = "parked" if last.heading == "parked" else None
         one = 1 if count == "some" and not chunk.types & {"SOME", "ANOTHER"} else count
-        part = Mention(last.kind, one, heading=parked, spans=[chunk.span], same_as=last.same_as or last)
+        of_them = "OF_THEM" in chunk.types
+        part = Mention(
+            last.kind, one, heading=parked, spans=[chunk.span], same_as=last.same_as or last, of_them=of_them
+        )
         add_qualities(part, chunk.tokens)
         self._put(chunk, part)
 
     def _is_part(self, chunk: Chunk) -> bool:
         """Whether a phrase without a noun tells what some of those before do, as "the other one is waiting"."""
-        first, types = chunk.tokens[0].type, {*COUNT_TYPES, "THE", "ANOTHER", "QUIET", *STATES}
-        summed = self.notes.mentions[-1:] and self.notes.mentions[-1].same_as is not None
+        first, types = chunk.tokens[0].type, {*COUNT_TYPES, "THE", "ANOTHER", "OF_THEM", "QUIET", *STATES}
+        last = self.notes.mentions[-1:]
+        summed = last and (last[0].same_as is not None or "OF_THEM" in chunk.types)
         return (
             bool(summed)
             and first in ("NUMBER", "ANOTHER")

@@ -107,6 +107,7 @@ _PLAIN = {
 }
 _UNIT_STOP = re.compile(r"(\d ?(?:m|ft|yd|km))\.(?= [a-z])")  # "10 m. ahead", but not "10 m. A bus"
 _LONGEST_ITEM = 40  # characters of a line, in a text that has one for each object
+_MEASURE = r"(?:(?:with |has |having )?(?:an? |its )?(?:total )?)(height|length|width)"
 _LIST_ITEM = re.compile(r"(?:^|\n)\s*(?:[-*\u2022]|\d{1,2}[.)]) (?=\S)")  # of one that has a line for each
 _SPELLINGS = (
     (re.compile(r"@ ?(?=\d)"), " at "),
@@ -115,7 +116,7 @@ _SPELLINGS = (
     (re.compile(r"(?:<=|\u2264) ?(?=\d)"), "at most "),
     (re.compile(r"> ?(?=\d)"), "more than "),
     (re.compile(r"< ?(?=\d)"), "less than "),
-    (re.compile(r"\b([a-z]{2,})(?:: ?| ?= ?)(\d{1,9})(?= *(?:[,;.)\n]|$|and\b))"), r"\2 \1"),  # "cars: 3"
+    (re.compile(rf"\b{_MEASURE}(?:: ?| ?= ?| of | )(\d[\d.]* ?{UNIT})"), r"\2 in \1"),  # "height: 2 m"
     (re.compile(r"(?<=\d) - (?=\d)"), "-"),
     (re.compile(rf"(\d) ?({UNIT})(?: to | ?- ?)(?=\d[\d.,]* ?\2)"), r"\1 to "),  # "10 m to 20 m"
     (re.compile(rf"\b(between \d[\d.,]*) ?({UNIT}) and (?=\d[\d.,]* ?\2)"), r"\1 and "),
@@ -130,9 +131,8 @@ _SPELLINGS = (
     (re.compile(r"\b(?:nobody|no one|no body)\b(?! way)"), "no people"),
     (re.compile(r"\b(?:on|to|at) (?:its|his|her|their) (left|right)(?: (?:hand )?side)?\b"), r"to the \1 of it"),
     (re.compile(r"\ba dozen or so\b"), "12 or so"),
+    (re.compile(r"(?<=[a-z])(?:: ?| ?= ?| \(?x ?| ?\()(?=\d)"), ", "),  # "cars: 3", "cars x3", "cars (3)"
     (re.compile(r": "), ", "),
     (re.compile(r"(?<![\w.,-])(\d{1,9}) ?x (?=[a-z]{2})"), r"\1 "),  # "2x cars"
-    (re.compile(r"(?<![\w-])([a-z]{2,}) \(?x ?(\d{1,9})\)?(?![\w.,-])"), r"\2 \1"),  # "cars x3"
-    (re.compile(r"(?<![\w-])([a-z]{2,}) ?\((\d{1,9})\)"), r"\2 \1,"),  # "cars (3)"
     (re.compile(r" ?[()]"), ", "),
 )
