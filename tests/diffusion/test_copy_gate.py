@@ -53,7 +53,7 @@ def test_of_two_values_that_are_about_as_likely_the_last_is_kept() -> None:
     assert (clearly_the_first < 0.2).all()
 
 
-def test_the_surprise_is_that_of_the_density() -> None:
+def test_the_negative_log_likelihood_is_that_of_the_density() -> None:
     found = mixture(0.35, 5.0, prior=math.log(2))
     grid = torch.linspace(-8, 8, 40_001)
     density = torch.stack(

@@ -188,7 +188,7 @@ def _is_at(one: Placed, place: str, road: Road) -> bool:
     fore, side = split_place(place)
     ego = road.lane(road.ego_lane)
     along = {"front": one.along > 0, "behind": one.along < 0, "beside": abs(one.along) < 5.5, "": True}[fore]
-    return along and {"left": one.across > ego, "right": one.across < max(0.0, ego), "": True}[side]
+    return along and {"left": one.across > ego, "right": one.across < ego, "": True}[side]
 
 
 def _at_distance(one: Placed, group: ObjectGroup, place: str, road: Road) -> bool:

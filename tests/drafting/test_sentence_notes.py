@@ -1,7 +1,8 @@
 """Notes on a sentence become a spec."""
 
+from lidardraft.drafting.mention import Mention
 from lidardraft.drafting.scene_spec import ObjectGroup
-from lidardraft.drafting.sentence_notes import Mention, SentenceNotes
+from lidardraft.drafting.sentence_notes import SentenceNotes
 
 
 def test_settings_imply_what_the_sentence_does_not_say():

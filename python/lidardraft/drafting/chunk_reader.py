@@ -6,11 +6,12 @@ from collections.abc import Iterable
 
 from lark import Token
 
+from lidardraft.drafting.mention import Mention
 from lidardraft.drafting.number_words import COUNT_TYPES, exact_count, unclear_counts
 from lidardraft.drafting.object_qualities import SIZES
 from lidardraft.drafting.positions import Position
 from lidardraft.drafting.sentence_chunks import KIND_OF, LINKS, LISTED, ROAD_OF, SETTINGS, STATES, Chunk
-from lidardraft.drafting.sentence_notes import Mention, SentenceNotes
+from lidardraft.drafting.sentence_notes import SentenceNotes
 
 END = Chunk("", [])
 _SINGULAR = (
@@ -47,6 +48,7 @@ class ChunkReader:
         self.denial = ""  # the word that denies a list of objects
         self.excepting = False
         self.excepted: list[Mention] = []  # what the next object or place is an exception from
+        self.each: Mention | None = None  # what each of has the objects that follow
         self.has_ego = False
         self.restart = -1  # the link that ended what is unknown
 
@@ -90,6 +92,12 @@ class ChunkReader:
             for mention in self.open if self.prefix is not None and not first else []:
                 mention.at, mention.placed, self.prefix = Position(), False, None
 
+    def _open_all(self, chunk: Chunk) -> None:
+        """What "both" or "all" do is said of the whole whose parts were named last."""
+        whole = self.open[-1].same_as if self.open else None
+        if whole is not None and {"both", "all"} & set(self._between(self._previous(), chunk)):
+            self.open = [whole]
+
     def _between(self, one: Chunk, other: Chunk) -> list[str]:
         """The words between two chunks, which say nothing alone."""
         return self.notes.text[one.span[1] : other.tokens[0].start_pos if other.tokens else None].split()
@@ -116,8 +124,6 @@ class ChunkReader:
             clear = not exact and not unclear_counts(chunk.tokens) and "COUNT_RANGE" not in chunk.types
         elif head == "LANE":
             clear = exact is not None and (self.notes.lanes in (0, exact) or self.notes.each_way)
-        elif chunk.types <= {*COUNT_TYPES, "A", "THE", "ANOTHER"} or "OF_THEM" in chunk.types:
-            return []
         else:
             clear = exact == 1 and head in ROAD_OF
         return [] if clear else [token for token in chunk.tokens if token.type in COUNT_TYPES]

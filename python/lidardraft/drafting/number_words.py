@@ -54,8 +54,11 @@ _goes_on = rf"(?:(?:{_word}|dozen|and|to|or|point|lanes?|ways?|wheelers?)\b|{UNI
 NUMBERED_COMPOUND = re.compile(rf"(?<![a-z0-9])(?:{_word}|[\d.,]*\d)-(?!{_goes_on})[a-z]")
 _LENGTHS = re.compile(rf"([a-z ]*?)({NUMBER})(?:(?: (?:to|and|or) |-| - )({NUMBER}))? ?([kmfyci])[a-z]*(?: .*)?")
 _COUNTS = re.compile(rf"([a-z ]*?)({NUMBER})(?:(?: (?:to|and|or) |-| - )({NUMBER}))?( or (?:more|fewer|so))?")
-_AT_MOST = ("within", "less than", "closer than", "under", "up to", "at most", "no more than", "fewer than")
-_AT_LEAST = ("at least", "more than", "over", "no fewer than")
+_AT_MOST = (
+    *("within", "less than", "closer than", "nearer than", "under"),
+    *("up to", "at most", "no more than", "fewer than"),
+)
+_AT_LEAST = ("at least", "more than", "over", "beyond", "further than", "farther than", "no fewer than")
 _FURTHER = 40.0  # m, what "at least 20 m" reaches beyond; estimate of ours
 _FEW_OF = {"a few": (3, 5), "several": (3, 6), "a couple of": (2, 2)}  # dozen, hundred, thousand; estimate of ours
 _EACH = {"dozen": 12, "hundred": 100, "thousand": 1000}
@@ -94,7 +97,7 @@ def count_of(tokens: list[Token]) -> Count:
         return count_range(ranges[0])
     vague = [_VAGUE[token.type] for token in tokens if token.type in _VAGUE]
     if vague and not unclear:
-        return vague[0]
+        return "many" if "many" in vague else vague[0]
     noun = str(tokens[-1])
     return _GROUPS.get(noun) or ("some" if is_plural(noun) else 1)
 
@@ -136,6 +139,13 @@ def count_range(text: str) -> tuple[int, int]:
     return low, high
 
 
+def count_times(count: Count, each: Count) -> Count:
+    """So many of each of so many; a word for one of the numbers is one for all of them."""
+    if isinstance(count, int) and isinstance(each, int):
+        return count * each
+    return each if count == 1 else count
+
+
 def unclear_counts(tokens: list[Token]) -> list[Token]:
     """The words of a noun phrase for its number, if they are no single whole number or range, as "two three"."""
     counts = [token for token in tokens if token.type in COUNT_TYPES]
@@ -143,7 +153,8 @@ def unclear_counts(tokens: list[Token]) -> list[Token]:
     collective = [token for token in counts if token.type in ("SOME", "MANY") and token.endswith(" of")]
     if len(counts) == len(collective) + 1 and counts[-1] not in collective:
         counts = counts[-1:]
-    clear = len(counts) == 1 and not _is_fraction(counts[0])
+    vague = bool(counts) and all(token.type in _VAGUE for token in counts)  # "a dense row of"
+    clear = vague or (len(counts) == 1 and not _is_fraction(counts[0]))
     return [] if clear else counts
 
 

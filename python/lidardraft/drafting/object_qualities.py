@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from lark import Token
 
+from lidardraft.drafting.mention import Mention
 from lidardraft.drafting.number_words import metres
-from lidardraft.drafting.sentence_notes import Mention
 
 _HEADING_OF = {"PARKED": "parked", "MOVING": "with", "CROSSING": "across", "ONCOMING": "against"}
 # What usual lengths, widths and heights are multiplied by; estimates of ours.

@@ -83,7 +83,7 @@ class Occupancy:
         if "road" not in kind.surfaces and any(_reaches(part, pose.across, self.road) for part in parts):
             self.in_the_way["the road"] += 1
             return False
-        if any(is_at(pose, place) for place in group.not_places):
+        if any(is_at(pose, place, self.road) for place in group.not_places):
             self.in_the_way["a place where it may not be"] += 1
             return False
         x, y, _ = self.road.at(pose.along, pose.across)
@@ -168,11 +168,12 @@ def _reaches(part: ObjectPart, across: float, road: Road) -> bool:
     return low and abs(across) - part.size[1] / 2 < road.edge
 
 
-def is_at(pose: RoadPose, place: str) -> bool:
-    """Whether a pose is at one of PLACES; anywhere is at ""."""
+def is_at(pose: RoadPose, place: str, road: Road) -> bool:
+    """Whether a pose is at one of PLACES, as the ego sees them; anywhere is at ""."""
+    aside = pose.across - road.lane(road.ego_lane)
     fore, side = split_place(place)
     along = {"front": pose.along > 0, "behind": pose.along < 0, "beside": abs(pose.along) <= 4.0, "": True}[fore]
-    return along and {"left": pose.across > 0, "right": pose.across < 0, "": True}[side]
+    return along and {"left": aside > 0, "right": aside < 0, "": True}[side]
 
 
 def _cells(solid: Solid) -> Iterator[tuple[int, int]]:

@@ -1,8 +1,12 @@
-"""In which order the groups of a spec are placed, and which of them are placed as one row."""
+"""In which order the groups of a spec are placed, which of them as one row, and which are as long as another is."""
 
 from __future__ import annotations
 
-from lidardraft.drafting.scene_spec import ObjectGroup, SceneSpec
+import dataclasses
+
+from lidardraft.drafting.scene_spec import EXTENTS, ObjectGroup, SceneSpec
+
+_APART = 1.5  # m between what stands in a row at a wall; estimate of ours
 
 
 def placing_order(spec: SceneSpec, urgent: set[int]) -> list[int]:
@@ -40,6 +44,29 @@ def row_of(spec: SceneSpec, number: int) -> tuple[int, int, int] | None:
         if isinstance(group.count, int) and group.heading not in ("across", "parked"):
             return ends[0], between, ends[-1]
     return None
+
+
+def long_strips(groups: tuple[ObjectGroup, ...]) -> tuple[ObjectGroup, ...]:
+    """The groups, with a wall or hedge whose length is open as long as a row of what stands at it."""
+    found = []
+    for number, group in enumerate(groups):
+        sizes, size = group.record.sizes, group.size or (None, None, None)
+        if group.record.follows_road and group.count == 1 and size[0] is None and sizes is not None:
+            rows = [_row_length(other) for other in groups if other.references == (number,)]
+            if max(rows, default=0.0) > sizes.largest[0]:
+                group = dataclasses.replace(group, size=(max(rows), *size[1:]))
+        found.append(group)
+    return tuple(found)
+
+
+def _row_length(group: ObjectGroup) -> float:
+    """How long a row of all its objects is [m], 0 for what drives or is one."""
+    sizes, count = group.record.sizes, group.count
+    most = getattr(group.record.counts, count)[1] if isinstance(count, str) else count
+    most = most[1] if isinstance(most, tuple) else most
+    if sizes is None or group.record.is_vehicle or most < 2:
+        return 0.0
+    return min(EXTENTS[1], most * (sizes.largest[0] + _APART))
 
 
 def _is_free(group: ObjectGroup) -> bool:

@@ -18,6 +18,7 @@ _PLACES_OF: dict[str, tuple[Place, ...]] = {
     "LEFT": (("", "left"),),
     "RIGHT": (("", "right"),),
     "SIDES": (("", "left"), ("", "right")),
+    "EACH_SIDE": (("", "left"), ("", "right")),
     "ONE_SIDE": (("", "right"),),
     "OPPOSITE": (("", "left"),),
     "OVERTAKING": (("beside", ""),),
@@ -32,6 +33,8 @@ _LANE_OF = {
     "EACH_LANE": "each",
     "OVERTAKING": "left",
 }
+DISTANCES = ("DISTANCE", "NEAR", "FAR")
+SET_BACK = ("FROM_ROAD", "FROM_SIDEWALK")  # which no relation goes with
 LANE_WORDS = tuple(word for word in _LANE_OF if word.endswith("_LANE"))
 _HEADING_OF = {"OPPOSITE_LANE": "against", "OVERTAKING": "with", "FROM_SIDE": "across", "CROSSWALK": "across"}
 
@@ -40,7 +43,7 @@ _HEADING_OF = {"OPPOSITE_LANE": "against", "OVERTAKING": "with", "FROM_SIDE": "a
 class Position:
     """Where something is; the default says nothing. `beside_road` is on any side of it.
 
-    `heading` is the one that goes with such a place.
+    `heading` is the one that goes with such a place; a number at `shared` places is that at all of them together.
     """
 
     places: tuple[Place, ...] = (("", ""),)
@@ -52,6 +55,7 @@ class Position:
     on_road: bool = False
     beside_road: bool = False
     both_sides: bool = False
+    shared: bool = False
     at_junction: bool = False
     lane: str | None = None
     heading: str | None = None
@@ -59,7 +63,9 @@ class Position:
     @property
     def only_places(self) -> bool:
         """Whether it says nothing but places."""
-        return self == Position(self.places, beside_road=self.beside_road, both_sides=self.both_sides)
+        return self == Position(
+            self.places, beside_road=self.beside_road, both_sides=self.both_sides, shared=self.shared
+        )
 
     def agrees(self, other: Position) -> bool:
         """Whether something can be at both at once: no two places, distances or lanes of them differ."""
@@ -88,6 +94,7 @@ class Position:
             on_road=self.on_road or other.on_road,
             beside_road=self.beside_road or other.beside_road,
             both_sides=self.both_sides or other.both_sides,
+            shared=self.shared or other.shared,
             at_junction=self.at_junction or other.at_junction,
             lane=other.lane or self.lane,
             heading=other.heading or self.heading,
@@ -126,7 +133,8 @@ def read_position(tokens: list[Token], *, beside_road: bool = False) -> Position
                 sidewalk=token.type == "SIDEWALK",
                 on_road=token.type == "ON_ROAD",
                 beside_road=token.type == "ALONG",
-                both_sides=token.type == "SIDES",
+                both_sides=token.type in ("SIDES", "EACH_SIDE"),
+                shared=token.type == "SIDES",
                 at_junction=token.type == "CORNER",
                 lane=_LANE_OF.get(token.type),
                 heading=_HEADING_OF.get(token.type),

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from lark import Token
 
-from lidardraft.drafting.number_words import Count, count_of, exact_count
+from lidardraft.drafting.mention import Mention
+from lidardraft.drafting.number_words import count_of, exact_count
 from lidardraft.drafting.object_qualities import add_qualities
 from lidardraft.drafting.sentence_chunks import KIND_OF, Chunk
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
-from lidardraft.drafting.sentence_notes import Mention
 
 _RELATION_OF = {
     "BEHIND": "behind",
@@ -74,7 +74,7 @@ def mention_of(chunk: Chunk) -> Mention:
 
 def known_mention(chunk: Chunk, mentions: list[Mention], subjects: list[Mention]) -> Mention | None:
     """The last mention that a phrase such as "the bus" can mean; None where it must be another object."""
-    if "THE" not in chunk.types or exact_count(chunk.tokens) is not None:
+    if not chunk.types & {"THE", "EACH"} or exact_count(chunk.tokens) is not None:
         return None
     kind = mention_of(chunk).kind
     for mention in reversed(mentions):
@@ -86,16 +86,12 @@ def known_mention(chunk: Chunk, mentions: list[Mention], subjects: list[Mention]
 
 
 def meant_by(pronoun: str, mentions: list[Mention]) -> list[Mention]:
-    """The last mention that a pronoun can mean: "them" are several."""
-    several = [mention for mention in mentions if mention.count != 1]
-    return (several if (pronoun in ("they", "them") or pronoun.startswith("each")) and several else mentions)[-1:]
-
-
-def count_times(count: Count, each: Count) -> Count:
-    """So many of each of so many; a word for one of the numbers is one for all of them."""
-    if isinstance(count, int) and isinstance(each, int):
-        return count * each
-    return each if count == 1 else count
+    """The last mention that a pronoun can mean: "them" are several, "it" is no number of them."""
+    if pronoun in ("they", "them") or pronoun.startswith(("each", "every")):
+        fitting = [mention for mention in mentions if mention.count != 1]
+    else:
+        fitting = [mention for mention in mentions if mention.count == 1 or not isinstance(mention.count, int)]
+    return (fitting or mentions)[-1:]
 
 
 def depends(mention: Mention, other: Mention) -> bool:

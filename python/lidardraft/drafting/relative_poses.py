@@ -81,7 +81,8 @@ class RelativePoses:
         if self.relation == "opposite":
             beside = self.road.edge / 2 if self.kind.drives else max(self.road.edge + 2.0, abs(reference.pose.across))
             across = -reference.side * beside
-            return self._pose(reference.pose.along + float(rng.uniform(-1.0, 1.0)), across, rng, reference)
+            reach = 1.0 + 2.0 * effort * place * self.size[0]  # several stand in a row
+            return self._pose(reference.pose.along + reach * float(rng.uniform(-1.0, 1.0)), across, rng, reference)
         if self.relation in ("left-of", "right-of"):
             return self._aside(reference, 1 if self.relation == "left-of" else -1, rng, effort)
         if self.relation == "row":
@@ -90,7 +91,7 @@ class RelativePoses:
             return self._behind(reference, rng, effort, place)
         if self.relation == "in-front-of":
             return self._in_front(reference, rng, effort, place)
-        return self._beside(reference, rng, effort, _NEAR if self.relation == "near" else _CLOSE)
+        return self._beside(reference, rng, effort, place, _NEAR if self.relation == "near" else _CLOSE)
 
     def _behind(self, reference: Footprint, rng: np.random.Generator, effort: float, place: int) -> RoadPose | None:
         """At its back: of what drives the rear, of what stands beside the road the side away from it."""
@@ -112,6 +113,9 @@ class RelativePoses:
 
     def _width_of_row(self, reference: Footprint, effort: float, place: int) -> float:
         """How far along the road those behind one object, or in front of it, reach [m]; more, as they find no room."""
+        if reference.kind.follows_road and place:  # first along all of it
+            free = max(reference.half_along, 2.0 * reference.half_along - self.size[0])
+            return free + 2.0 * max(0.0, 2.0 * effort - 1.0) * place * self.size[0]
         return reference.half_along + 2.0 * effort * place * self.size[0]
 
     def _in_line(
@@ -126,9 +130,13 @@ class RelativePoses:
         return self._pose(reference.pose.along + way * off, reference.pose.across, rng, reference)
 
     def _beside(
-        self, reference: Footprint, rng: np.random.Generator, effort: float, usual: tuple[float, float]
+        self, reference: Footprint, rng: np.random.Generator, effort: float, place: int, usual: tuple[float, float]
     ) -> RoadPose | None:
         """At its side across the road, or along it."""
+        if reference.kind.follows_road and place and not self._needs_road:  # several along a fence
+            found = self._aside(reference, 1 if rng.random() < 0.5 else -1, rng, effort, usual)
+            along = reference.pose.along + float(rng.uniform(-1.0, 1.0)) * reference.half_along
+            return found and found._replace(along=along)
         along_it = not (self.kind.drives and reference.kind.drives) and rng.random() < 0.5
         if along_it and not self._needs_road:
             off = reference.half_along + self.size[0] / 2 + self._gap(usual, rng, effort)
@@ -191,6 +199,10 @@ class RelativePoses:
         if self.kind.walks and str(self.heading).startswith("across"):
             return across, walking_yaw(str(self.heading), rng)
         if self.kind.walks or (self.kind.cycles and self.heading == "parked"):
+            kerb = self.road.edge + self.size[0] / 2
+            on_road = abs(across) < kerb and reference.side * reference.pose.across > self.road.edge
+            if on_road and not self.kind.walks:  # a bicycle at a wall stands on its side of the kerb
+                across = reference.side * kerb
             return across, float(rng.uniform(-math.pi, math.pi))
         if not self.kind.drives:
             clear = self._verge + self.size[1] / 2 + 0.3

@@ -284,8 +284,10 @@ def _road_edge(road: Road, sides: tuple[int, ...]) -> PoseSampler:
     """What is set down on the road: in a line along its edges."""
 
     def sample(rng: np.random.Generator, along: float, number: int, effort: float) -> RoadPose:
-        off = float(rng.uniform(0.4, 0.5 + min(1.0, effort) * (road.edge - 1.0)))
-        return RoadPose(along, alternate(sides, number) * (road.edge - off), float(rng.uniform(-math.pi, math.pi)))
+        side = alternate(sides, number)
+        wide = road.edge - side * road.lane(road.ego_lane)  # to the ego
+        off = float(rng.uniform(0.4, 0.5 + min(1.0, effort) * max(0.0, wide - 1.0)))
+        return RoadPose(along, side * (road.edge - off), float(rng.uniform(-math.pi, math.pi)))
 
     return sample
 

@@ -26,7 +26,7 @@ _NOUNS = (*KIND_OF, *ROAD_OF, "TRAFFIC", "LANE", "COMPOUND")
 _OBJECTS = (*KIND_OF, "TRAFFIC")
 _ARTICLES = ("A", "THE")
 LISTED = ("AND", "OR", "COMMA")
-LINKS = ("WITH", "STOP", "EXCEPT", *LISTED)
+LINKS = ("WITH", "STOP", "EXCEPT", "EACH_HAS", *LISTED)
 _FALSE_NOUNS = ("ed", "ing", "ly")  # endings of words that say more of the noun before them
 
 
@@ -98,8 +98,10 @@ def _one_noun_each(tokens: list[Token]) -> Iterator[list[Token]]:
 
 def _is_verb_before_subject(chunks: list[Chunk]) -> bool:
     """Whether a clause ends with a place and a verb, as "on the left stand", so that the subject is to come."""
-    if len(chunks) < 2 or not (chunks[-1].name == "phrase" and chunks[-1].types <= set(STATES)):
+    if not chunks or not (chunks[-1].name == "phrase" and chunks[-1].types <= set(STATES)):
         return False
+    if len(chunks) < 2 or chunks[-2].name in LINKS:  # "from ahead is coming a bus"
+        return chunks[-1].types <= {"ONCOMING", "PARKED", "CROSSING"}
     before = len(chunks) - 2
     before -= chunks[before].name == "PRONOUN" or chunks[before].is_object
     return before >= 0 and chunks[before].name == "position" and (before == 0 or chunks[before - 1].name in LINKS)

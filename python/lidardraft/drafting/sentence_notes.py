@@ -6,93 +6,16 @@ import dataclasses
 import re
 from dataclasses import dataclass, field
 
-from lidardraft.drafting.positions import Place, Position
+from lidardraft.drafting.mention import Mention, Span, keep_away
+from lidardraft.drafting.mention_parts import is_one_of, lanes_filled, parted
 from lidardraft.drafting.scene_spec import ObjectGroup, RoadSpec, SceneSpec
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 
-Span = tuple[int, int]  # of characters of the sentence: from and to
 _HYPHENED_TO, _HYPHENED = (
     re.compile(r"([^\W\d]+-)*$"),
     re.compile(r"(-[^\W\d]+)*"),
 )  # the rest of a word such as "lay-by"
 _SIDES = ("left", "right")
-_BESIDE_EACH_OTHER = 1.0  # m between people in a queue; estimate of ours
-_QUEUE_GAP = 2.5  # m between vehicles in a queue; estimate of ours
-
-
-@dataclass(eq=False)
-class Mention:
-    """A group while its modifiers are being read; count 0 denies it, a `weak` position is overruled by the next one.
-
-    The kind is None for what is unknown, which takes the words after it and makes nothing. What is `described` by a
-    verb shares no position with what is listed after it; `same_as` is the mention whose noun "one" or "two" stand for,
-    `of_them` says that it counts them already.
-    """
-
-    kind: str | None
-    count: int | str | tuple[int, int] = 1
-    at: Position = field(default_factory=Position)
-    not_at: list[Place] = field(default_factory=list)
-    heading: str | None = None
-    on_road: bool = False
-    in_queue: bool = False
-    ridden: bool = False
-    placed: bool = False
-    weak: bool = False
-    size: list[float | None] = field(default_factory=lambda: [None, None, None])
-    scale: list[float] = field(default_factory=lambda: [1.0, 1.0, 1.0])
-    relation: str | None = None
-    references: list[Mention] = field(default_factory=list)
-    described: bool = False
-    same_as: Mention | None = None
-    of_them: bool = False
-    spans: list[Span] = field(default_factory=list)
-
-    def group(self, references: tuple[int, ...] = (), words: str = "") -> ObjectGroup:
-        """As a group of the spec; vehicles along the sides of a road are parked."""
-        assert self.kind is not None
-        at, kind = self.at, SENTENCE_KINDS[self.kind]
-        heading = "across" if at.heading == "across" else self.heading or at.heading
-        lane, spacing = at.lane, at.spacing
-        if kind.is_vehicle and heading is None and (at.beside_road or at.both_sides):
-            heading = "parked"
-        if not (kind.drives or (kind.walks and heading != "parked")):
-            heading = None
-        if self.in_queue and kind.drives and heading is None and not references:
-            heading, lane = "with", lane or (None if any(side for _, side in at.places) else "own")
-            spacing = spacing or (kind.sizes.largest[0] if kind.sizes else 6.0) + _QUEUE_GAP
-        elif self.in_queue and kind.walks:
-            spacing = spacing or _BESIDE_EACH_OTHER
-        standing = bool(self.references) and not any(_moves(str(one.kind)) for one in self.references)
-        if kind.cycles and heading is None and standing and not self.ridden:
-            heading = "parked"  # a bicycle at a wall
-        if at.on_road and kind.is_vehicle and heading is None:
-            lane = lane or "own"
-        in_road = (self.on_road or at.on_road) and {"road", "sidewalk"} <= set(kind.surfaces)
-        places = tuple(dict.fromkeys(_named(place) for place in at.places if any(place)))
-        return ObjectGroup(
-            kind=self.kind,
-            count="some" if spacing and self.count == 1 else self.count,
-            places=places or (("front",) if self.in_queue and kind.drives and not references else ()),
-            not_places=tuple(dict.fromkeys(_named(place) for place in self.not_at if any(place))),
-            surface="sidewalk" if at.sidewalk and "sidewalk" in kind.surfaces else "road" if in_road else None,
-            lane=lane if "road" in kind.surfaces and (not references or kind.is_vehicle) else None,
-            at_junction=at.at_junction,
-            heading=heading,
-            distance=at.distance,
-            from_road=None if references else at.from_road,
-            from_sidewalk=None if references or at.from_road else at.from_sidewalk,
-            spacing=spacing,
-            size=(self.size[0], self.size[1], self.size[2]) if any(self.size) else None,
-            scale=(self.scale[0], self.scale[1], self.scale[2]) if self.scale != [1.0, 1.0, 1.0] else None,
-            relation=self.relation if references else None,
-            references=references,
-            words=words,
-        )
-
-
-def _named(place: Place) -> str:
-    return "-".join(filter(None, place))
 
 
 @dataclass
@@ -135,16 +58,7 @@ class SentenceNotes:
 
     def spec(self) -> SceneSpec:
         """The spec: what is wanted, less what is denied, with what the setting implies."""
-        divided = [mention for mention in self.mentions if mention.count != 0 and self._is_divided(mention)]
-        for part in self.mentions:
-            whole = part.same_as
-            if whole is not None and (part.of_them or whole in divided):
-                part.at = whole.at.narrowed(part.at) if whole.placed else part.at
-                part.heading, part.size, part.scale = part.heading or whole.heading, whole.size, whole.scale
-                counted = part.of_them and isinstance(part.count, int) and isinstance(whole.count, int)
-                if counted and 0 < part.count < whole.count:  # type: ignore[operator]
-                    whole.count -= part.count  # type: ignore[operator]
-        wanted = [mention for mention in self.mentions if mention.count != 0 and mention not in divided]
+        wanted = parted(self.mentions)
         denied = [mention for mention in self.mentions if mention.count == 0]
         for mention in wanted:
             for no in denied:
@@ -170,7 +84,7 @@ class SentenceNotes:
                     number
                     for reference in mention.references
                     for number, one in enumerate(wanted)
-                    if one is reference or (reference in divided and one.same_as is reference)
+                    if is_one_of(one, reference, wanted)
                 ),
                 self._words(mention),
             )
@@ -184,16 +98,6 @@ class SentenceNotes:
             not_understood=tuple(self.not_understood),
         )
 
-    def _is_divided(self, mention: Mention) -> bool:
-        """Whether it only sums up those after it, as in "three cars: one ahead, two behind"."""
-        each = [other for other in self.mentions if other.same_as is mention]
-        if not mention.placed and any(other.at.lane == "each" for other in each):
-            return True
-        whole = sum(other.count for other in each if isinstance(other.count, int))
-        if not each or whole != mention.count or (mention.placed and len(each) == 1):
-            return False
-        return not mention.placed or all(other.at.agrees(mention.at) for other in each)
-
     def _words(self, mention: Mention) -> str:
         """The words that a mention was read from: all between its first and its last, unless others are among them."""
         start, end = min((a for a, _ in mention.spans), default=0), max((b for _, b in mention.spans), default=0)
@@ -205,7 +109,7 @@ class SentenceNotes:
     def _road_spec(self, needs_sidewalk: bool) -> RoadSpec:
         kind = self.road or "straight"
         whole = kind == "motorway" or self.each_way or self.one_way
-        number = self.lanes or self._lanes_filled() or self.usual_lanes
+        number = self.lanes or lanes_filled(self.mentions) or self.usual_lanes
         lanes = number if whole else (number + 1) // 2
         oncoming = number // 2 if number % 2 and not whole else self.oncoming_lanes if kind != "motorway" else 0
         sidewalk = self.sidewalk if self.sidewalk is not None or "RURAL" not in self.settings else False
@@ -217,15 +121,6 @@ class SentenceNotes:
             sidewalk=sidewalk,
             one_way=self.one_way,
         )
-
-    def _lanes_filled(self) -> int:
-        """How many lanes "three cars, one in each lane" speaks of; 0 where it is not said."""
-        for one in self.mentions:
-            if one.at.lane == "each" and one.same_as is not None:
-                whole, each = one.same_as.count, one.count
-                if isinstance(whole, int) and isinstance(each, int) and whole > each and not whole % each:
-                    return whole // each
-        return 0
 
     def _implied(self, groups: list[ObjectGroup]) -> list[ObjectGroup]:
         """What the setting means where the sentence does not say it itself."""
@@ -251,18 +146,6 @@ def _covers(no: Mention, mention: Mention) -> bool:
     """Whether what is denied somewhere is, or may be, what is wanted."""
     kinds = {no.kind, mention.kind}
     return len(kinds) == 1 or ("vehicle" in kinds and all(SENTENCE_KINDS[str(kind)].is_vehicle for kind in kinds))
-
-
-def keep_away(mention: Mention, no: Position) -> None:
-    """Leave out places: of those that the mention names, else of everywhere."""
-    if mention.relation is None and any(place in mention.at.places for place in no.places):
-        mention.at = mention.at.without(no)
-    else:
-        mention.not_at += [place for place in no.places if any(place)]
-
-
-def _moves(kind: str) -> bool:
-    return SENTENCE_KINDS[kind].drives or SENTENCE_KINDS[kind].walks
 
 
 def _drives(kind: str | None, heading: str | None) -> bool:

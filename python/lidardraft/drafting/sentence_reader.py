@@ -8,20 +8,21 @@ from __future__ import annotations
 
 import dataclasses
 
-from lidardraft.drafting.number_words import COUNT_TYPES, count_of, exact_count, unclear_counts
+from lidardraft.drafting.mention import Mention
+from lidardraft.drafting.number_words import COUNT_TYPES, exact_count
 from lidardraft.drafting.object_qualities import add_qualities
-from lidardraft.drafting.position_reader import PositionReader
+from lidardraft.drafting.part_reader import PartReader
 from lidardraft.drafting.positions import Position
-from lidardraft.drafting.references import known_mention, mention_of
+from lidardraft.drafting.references import known_mention, meant_by, mention_of
 from lidardraft.drafting.sentence_chunks import JUNCTIONS, KIND_OF, LISTED, ROAD_OF, SETTINGS, STATES, Chunk
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
-from lidardraft.drafting.sentence_notes import Mention, SentenceNotes
+from lidardraft.drafting.sentence_notes import SentenceNotes
 
 _PASSED_ON_THE_WAY = ("MOVING", "ALONG", "A", "THE", "NUMBER", "LANE", "UNKNOWN", *SETTINGS)
-_ASIDE = ("FRONT", "BEHIND", "BESIDE", "LEFT", "RIGHT", "SIDES", "DISTANCE")
+_ASIDE = ("FRONT", "BEHIND", "BESIDE", "LEFT", "RIGHT", "SIDES", "EACH_SIDE", "DISTANCE")
 
 
-class SentenceReader(PositionReader):
+class SentenceReader(PartReader):
     """Reads the chunks of a parsed sentence."""
 
     def read(self) -> SentenceNotes:
@@ -45,10 +46,16 @@ class SentenceReader(PositionReader):
     def _link(self, chunk: Chunk) -> None:
         if chunk.name in ("WITH", "STOP"):
             self.host = self.open if chunk.name == "WITH" and self._before() == "" else []
-            self.open, self.prefix, self.denial = [], None, ""
+            self.open, self.prefix, self.denial, self.each = [], None, "", None
             if len(self.host) == 1 and self.host[0].kind is None and any(self.host[0].at.places[0]):
                 # "a petrol station on the right with two cars"
                 self.prefix, self.prefix_weak, self.prefix_index = Position(self.host[0].at.places), True, self.index
+        elif chunk.name == "EACH_HAS":
+            several = [mention for mention in self.notes.mentions if mention.count not in (0, 1)]
+            self.each = meant_by("them", several)[0] if several else None
+            self.open, self.prefix = [], None
+            if self.each is None:
+                self._report(chunk)
         elif chunk.name == "EGO":
             self.has_ego = True
         elif chunk.name == "PRONOUN" and not self.open:
@@ -58,7 +65,7 @@ class SentenceReader(PositionReader):
             self.open, self.restart, self.denial = [], self.index - 1, ""
             self.prefix = None if chunk.name == "COMMA" else self.prefix
         elif chunk.name == "COMMA":
-            self.prefix_weak, self.denial = True, ""
+            self.prefix_weak, self.denial, self.each = True, "", None
         elif chunk.name == "AND" and self.denial != "without":
             self.denial = ""
         elif chunk.name == "EXCEPT":
@@ -91,6 +98,9 @@ class SentenceReader(PositionReader):
             return
         if head in ROAD_OF or head in SETTINGS:
             self.notes.settings |= chunk.types & set(SETTINGS)
+        if chunk.types <= {*COUNT_TYPES, "A", "THE", "ANOTHER", "FIRST", "OF_THEM"} or self._is_part(chunk):
+            self._ellipsis(chunk)
+            return
         self._report_strange(chunk)
         if head in KIND_OF or head == "TRAFFIC":
             self._object(chunk)
@@ -98,8 +108,6 @@ class SentenceReader(PositionReader):
             self._road(chunk)
         elif head == "LANE":
             self._lanes(chunk)
-        elif chunk.types <= {*COUNT_TYPES, "A", "THE", "ANOTHER", "OF_THEM"} or self._is_part(chunk):
-            self._ellipsis(chunk)
         else:
             self._state(chunk)
 
@@ -113,41 +121,11 @@ class SentenceReader(PositionReader):
             self.open = self.latest = [Mention(None, at=self.prefix or Position())]
             self.relation = None
 
-    def _ellipsis(self, chunk: Chunk) -> None:
-        """A number without a noun means more of the same, as in "two cars ahead and one behind"."""
-        last = self.notes.mentions[-1] if self.notes.mentions else None
-        following = self._following()
-        unclear = unclear_counts(chunk.tokens) or self._before(1) not in (*LISTED, "STOP", "WITH")
-        goes_on = following.name in ("position", "turn") or self._is_part(chunk)
-        if last is None or unclear or not goes_on:
-            self._report(chunk)
-            return
-        count = count_of(chunk.tokens)
-        self.open = []
-        parked = "parked" if last.heading == "parked" else None
-        one = 1 if count == "some" and not chunk.types & {"SOME", "ANOTHER"} else count
-        of_them = "OF_THEM" in chunk.types
-        part = Mention(
-            last.kind, one, heading=parked, spans=[chunk.span], same_as=last.same_as or last, of_them=of_them
-        )
-        add_qualities(part, chunk.tokens)
-        self._put(chunk, part)
-
-    def _is_part(self, chunk: Chunk) -> bool:
-        """Whether a phrase without a noun tells what some of those before do, as "the other one is waiting"."""
-        first, types = chunk.tokens[0].type, {*COUNT_TYPES, "THE", "ANOTHER", "OF_THEM", "QUIET", *STATES}
-        last = self.notes.mentions[-1:]
-        summed = last and (last[0].same_as is not None or "OF_THEM" in chunk.types)
-        return (
-            bool(summed)
-            and first in ("NUMBER", "ANOTHER")
-            and chunk.types <= types
-            and chunk.types & set(STATES) != set()
-        )
-
     def _state(self, chunk: Chunk) -> None:
         """Words without a noun: how the objects before them stand or move, and how large they are."""
         self._end_list(chunk)
+        self._report_tokens(token for token in chunk.tokens if token.type == "EACH")
+        self._open_all(chunk)
         for mention in self.open:
             if mention.kind is None or ("NO" in chunk.types and chunk.types & set(STATES)):
                 self._report(chunk)
@@ -174,11 +152,26 @@ class SentenceReader(PositionReader):
 
     def _object(self, chunk: Chunk) -> None:
         mention = mention_of(chunk)
+        mention.same_as = self._whole(chunk, mention)
+        mention.of_them = mention.same_as is not None
         kind = SENTENCE_KINDS[str(mention.kind)]
         before = self._previous()
         known = known_mention(chunk, self.notes.mentions, []) if self._before(1) in ("STOP", *LISTED) else None
-        if known is not None and self._before(1) != "STOP" and (known.placed or known.relation is not None):
+        goes_on = self._following().head in ("FOLLOWED", "OVERTAKING")
+        if (
+            known is not None
+            and self._before(1) != "STOP"
+            and not goes_on
+            and (known.placed or known.relation is not None)
+        ):
             known = None
+        hosts = [one.host for one in self.notes.mentions if one.host is not None and one.host.kind == mention.kind]
+        if "EACH" in chunk.types:
+            known = known_mention(chunk, self.notes.mentions, [])
+            mention.count = mention.count if exact_count(chunk.tokens) else "some"
+            self.each = known or mention
+        elif hosts and isinstance(hosts[-1].count, str) and exact_count(chunk.tokens):  # "there are four lamps"
+            known, hosts[-1].count = hosts[-1], mention.count
         if self._is_ego(chunk, mention):
             self.has_ego = True
         elif kind.is_ridden and self._is_ridden(chunk, before):
@@ -193,37 +186,6 @@ class SentenceReader(PositionReader):
             self.open = self.latest = [known]
         else:
             self._put(chunk, mention)
-
-    def _put(self, chunk: Chunk, mention: Mention) -> None:
-        """Open a mention: alone, or beside those that a list has opened and no position has closed."""
-        listed = self._before(1) in LISTED
-        if not listed or any(
-            other.placed or other.described or other.kind is None or (other.count == 0 and mention.count != 0)
-            for other in self.open
-        ):
-            self.open = []
-        if self.excepting:
-            self.excepting = False
-            if str(self._previous().tokens[0]).startswith("but no"):  # "cars but not trucks on the right"
-                self.open = [one for one in self.excepted if one.count != 0 and not one.placed]
-            wanted = bool(self.excepted) and self.excepted[-1].count != 0
-            mention.count = 0 if wanted else mention.count
-        elif mention.count == 0:
-            self.denial = str(chunk.tokens[0])
-        elif self.denial and listed and mention.count in (1, "some"):  # "no cars or ten trees" has trees
-            mention.count = 0
-        if self.turning is not None:
-            mention.heading, self.turning = self.turning, None
-        if self.prefix is not None:
-            mention.at, mention.placed, mention.weak = self.prefix, True, self.prefix_weak and self.relation is None
-        mention.described = chunk.head == "TRAFFIC"  # it is everywhere, whatever the objects listed after it do
-        self.open.append(mention)
-        self.latest = self.open
-        self.notes.mentions.append(mention)
-        if self.relation is not None:
-            name, references, at = self.relation
-            self.relation = None
-            self._relate(name, references, at)
 
     def _road(self, chunk: Chunk) -> None:
         kind = ROAD_OF[chunk.head]

@@ -12,7 +12,7 @@ import numpy as np
 
 from lidardraft.drafting.crowd import Crowd
 from lidardraft.drafting.occupancy import Occupancy, is_at
-from lidardraft.drafting.placing_order import placing_order, row_of, with_references
+from lidardraft.drafting.placing_order import long_strips, placing_order, row_of, with_references
 from lidardraft.drafting.relation_text import group_relations
 from lidardraft.drafting.relative_poses import Footprint, RelativePoses
 from lidardraft.drafting.road_from_spec import road_from_spec
@@ -67,6 +67,7 @@ class _Solver:
 
     def __init__(self, spec: SceneSpec, seed: int, attempt: int) -> None:
         self.spec, self.attempt = spec, attempt
+        self.groups = long_strips(spec.groups)
         self.rng = np.random.default_rng([seed, attempt] if attempt else seed)
         self.road = road_from_spec(spec, self.rng, attempt)
         self.scene = Occupancy(self.road, self.rng)
@@ -81,7 +82,7 @@ class _Solver:
         for number in placing_order(spec, urgent):
             if number in self.placed:
                 continue
-            group = spec.groups[number]
+            group = self.groups[number]
             row = row_of(spec, number)
             if row is not None:
                 if not self._place_row(row):
@@ -169,7 +170,7 @@ class _Solver:
         poses = RelativePoses(self.road, kind, (size[0], size[1]), group.heading, relation, group.distance, lanes)
         for attempt in range(TRIES):
             pose = poses.sample(references, self.rng, index, attempt / TRIES)
-            if pose is None or not is_at(pose, place):
+            if pose is None or not is_at(pose, place, self.road):
                 self.scene.in_the_way["the road" if pose is None else "the other place that it has"] += 1
                 continue
             footprint = self.scene.place(kind, group, pose)
@@ -263,7 +264,7 @@ class _Solver:
         near, far = zone.span
         step = (far - near) / wanted
         # what another object finds no room behind, or in front of, is moved as far as its distance allows
-        referenced = any(self.spec.groups[one] is group for other in self.spec.groups for one in other.references)
+        referenced = any(self.groups[one] is group for other in self.groups for one in other.references)
         leeway = self.attempt / ARRANGEMENTS if referenced else 0.0
         bound = group.distance is not None and group.distance[0] == group.distance[1] == abs(near)
         tries = TRIES * 5 if wanted >= _CROWDED else TRIES

@@ -88,9 +88,15 @@ def _normalised(sentence: str) -> str:
     text = "".join(character if character.isprintable() else " " for character in text)
     for symbol, plain in _PLAIN.items():
         text = text.replace(symbol, plain)
-    for pattern, plain in _SPELLINGS:
-        text = pattern.sub(plain, text)
+    for pattern, spelling in _SPELLINGS:
+        text = pattern.sub(spelling, text)
     return " ".join(text.split())
+
+
+def _each_length(found: re.Match[str]) -> str:
+    """Each of some lengths with its unit, as in "at 10, 20 and 30 m"."""
+    unit = found[4]
+    return " and at ".join(f"{value} {unit}" for value in (found[1], *re.findall(r"\d+", found[2]), found[3]))
 
 
 def _unhyphened(text: str) -> str:
@@ -107,7 +113,7 @@ _PLAIN = {
 }
 _UNIT_STOP = re.compile(r"(\d ?(?:m|ft|yd|km))\.(?= [a-z])")  # "10 m. ahead", but not "10 m. A bus"
 _LONGEST_ITEM = 40  # characters of a line, in a text that has one for each object
-_MEASURE = r"(?:(?:with |has |having )?(?:an? |its )?(?:total )?)(height|length|width)"
+_EXTENT, _LENGTH = r"\b(height|length|width)", rf"\d[\d.]* ?{UNIT}"
 _LIST_ITEM = re.compile(r"(?:^|\n)\s*(?:[-*\u2022]|\d{1,2}[.)]) (?=\S)")  # of one that has a line for each
 _SPELLINGS = (
     (re.compile(r"@ ?(?=\d)"), " at "),
@@ -116,7 +122,18 @@ _SPELLINGS = (
     (re.compile(r"(?:<=|\u2264) ?(?=\d)"), "at most "),
     (re.compile(r"> ?(?=\d)"), "more than "),
     (re.compile(r"< ?(?=\d)"), "less than "),
-    (re.compile(rf"\b{_MEASURE}(?:: ?| ?= ?| of | )(\d[\d.]* ?{UNIT})"), r"\2 in \1"),  # "height: 2 m"
+    (
+        re.compile(rf"(?:\b(?:with|has|having) )?(?:\b(?:an?|its) )?(?<!lane ){_EXTENT}(?:: ?| ?= ?| of )({_LENGTH})"),
+        r"\2 in \1",
+    ),
+    (re.compile(rf"(?<=, ){_EXTENT} ({_LENGTH})"), r"\2 in \1"),  # "a wall, height 2 m"
+    (re.compile(r"(?<=[a-z]) ?/ ?(?=(?:direction|way|side|lane)\b)"), " per "),
+    (
+        re.compile(
+            rf"(?<!between )(?<!from )\b(\d+)((?:, ?\d+)*),? and (\d+) ?({UNIT})(?! (?:apart|long|high|tall|wide))"
+        ),
+        _each_length,
+    ),
     (re.compile(r"(?<=\d) - (?=\d)"), "-"),
     (re.compile(rf"(\d) ?({UNIT})(?: to | ?- ?)(?=\d[\d.,]* ?\2)"), r"\1 to "),  # "10 m to 20 m"
     (re.compile(rf"\b(between \d[\d.,]*) ?({UNIT}) and (?=\d[\d.,]* ?\2)"), r"\1 and "),
@@ -130,8 +147,14 @@ _SPELLINGS = (
     (re.compile(r"\b(left|right|ahead|behind|front|sides?|back|rear|background|foreground): "), r"\1 "),
     (re.compile(r"\b(?:nobody|no one|no body)\b(?! way)"), "no people"),
     (re.compile(r"\b(?:on|to|at) (?:its|his|her|their) (left|right)(?: (?:hand )?side)?\b"), r"to the \1 of it"),
+    (
+        re.compile(r"\b(?:some|a little|a short) (?:way|distance) (?=(?:back |away )?from the (?:road|str))"),
+        "5 to 15 m ",
+    ),
+    (re.compile(r'"([^"]{1,30})"(?= signs?\b)'), r"\1"),  # a "no entry" sign
+    (re.compile(rf"\ba (?:family|party|team|gang) of ({NUMBER})\b(?: people)?"), r"\1 people"),
     (re.compile(r"\ba dozen or so\b"), "12 or so"),
-    (re.compile(r"(?<=[a-z])(?:: ?| ?= ?| \(?x ?| ?\()(?=\d)"), ", "),  # "cars: 3", "cars x3", "cars (3)"
+    (re.compile(r"(?<=[a-z]{2})(?:: ?| ?= ?| \(?x ?| ?\()(?=\d)"), ", "),  # "cars: 3", "cars x3", "cars (3)"
     (re.compile(r": "), ", "),
     (re.compile(r"(?<![\w.,-])(\d{1,9}) ?x (?=[a-z]{2})"), r"\1 "),  # "2x cars"
     (re.compile(r" ?[()]"), ", "),

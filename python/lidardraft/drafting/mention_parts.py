@@ -1,0 +1,128 @@
+"""Mentions that count others, or that stand for several groups: what "one of them", "each" and "side by side" mean."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+
+from lidardraft.drafting.mention import Mention
+from lidardraft.drafting.number_words import count_times
+from lidardraft.drafting.positions import Position
+from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
+
+_MOST_ABREAST = 5  # so many stand side by side; a word for a number says nothing of them
+
+
+def parted(mentions: list[Mention]) -> list[Mention]:
+    """The mentions of what is wanted, each of its own objects: none only sums up others or counts them again."""
+    for mention in mentions:
+        if mention.host is not None:
+            mention.count = count_times(mention.count, mention.host.count)
+            if mention.relation is None and not mention.placed:
+                mention.relation, mention.references, mention.placed = "near", [mention.host], True
+    _note_listed_parts(mentions)
+    for mention in mentions:
+        _count_rest(mention, _parts_of(mention, mentions))
+    sums = [one for one in mentions if one.count != 0 and _is_sum(one, _parts_of(one, mentions))]
+    for part in mentions:
+        whole = part.same_as
+        if whole is not None and (part.of_them or whole in sums):
+            _inherit(part, whole)
+            if isinstance(part.count, int) and isinstance(whole.count, int) and 0 < part.count < whole.count:
+                whole.count -= part.count if part.of_them and whole not in sums else 0
+    wanted = [mention for mention in mentions if mention.count != 0 and mention not in sums]
+    return [one for mention in wanted for one in (*_abreast(mention), *_at_each_side(mention))]
+
+
+def is_one_of(mention: Mention, reference: Mention, wanted: list[Mention]) -> bool:
+    """Whether a mention is what another one is placed from, or a part that it was divided into."""
+    return mention is reference or (mention.same_as is reference and reference not in wanted)
+
+
+def lanes_filled(mentions: list[Mention]) -> int:
+    """How many lanes "three cars, one in each lane" speaks of; 0 where it is not said."""
+    for one in mentions:
+        if one.at.lane == "each" and one.same_as is not None:
+            whole, each = one.same_as.count, one.count
+            if isinstance(whole, int) and isinstance(each, int) and whole > each and not whole % each:
+                return whole // each
+    return 0
+
+
+def _parts_of(whole: Mention, mentions: list[Mention]) -> list[Mention]:
+    return [other for other in mentions if other.same_as is whole]
+
+
+def _note_listed_parts(mentions: list[Mention]) -> None:
+    """Those that sum up to the number of vehicles, or of their own kind, just before them are parts of it."""
+    for index, whole in enumerate(mentions):
+        if not isinstance(whole.count, int) or whole.count < 2 or whole.references:
+            continue
+        parts: list[Mention] = []
+        for other in mentions[index + 1 :]:
+            vehicle = whole.kind == "vehicle" and SENTENCE_KINDS[str(other.kind)].is_vehicle
+            if other.same_as is not None or not (vehicle or other.kind == whole.kind):
+                break
+            parts.append(other)
+            if sum(part.count for part in parts if isinstance(part.count, int)) >= whole.count:
+                break
+        if len(parts) > 1 and sum(part.count for part in parts if isinstance(part.count, int)) == whole.count:
+            for part in parts:
+                part.same_as, part.of_them = whole, True
+
+
+def _count_rest(whole: Mention, parts: list[Mention]) -> None:
+    """Of "the others" there are as many as the other parts leave."""
+    for rest in parts:
+        if rest.of_them and rest.count == "some" and isinstance(whole.count, int):
+            left = whole.count - sum(part.count for part in parts if isinstance(part.count, int))
+            rest.count = max(1, left)
+
+
+def _is_sum(whole: Mention, parts: list[Mention]) -> bool:
+    """Whether it only sums up its parts, as in "three cars: one ahead, two behind"."""
+    if not whole.placed and any(part.at.lane == "each" for part in parts):
+        return True
+    if not parts or sum(part.count for part in parts if isinstance(part.count, int)) != whole.count:
+        return False
+    if any(part.of_them for part in parts):
+        return True
+    return not whole.placed or (len(parts) > 1 and all(part.at.agrees(whole.at) for part in parts))
+
+
+def _inherit(part: Mention, whole: Mention) -> None:
+    """Give to a part what is said of all, where it says nothing else itself."""
+    if whole.placed:
+        at = whole.at.narrowed(part.at)
+        apart = len(at.places) > max(len(whole.at.places), len(part.at.places))
+        part.at = dataclasses.replace(at, places=part.at.places) if apart else at
+        part.placed = True
+    if not part.references and whole.references and whole.relation is not None:
+        part.relation, part.references = whole.relation, whole.references
+    if part.kind == whole.kind:
+        part.size, part.scale = whole.size, whole.scale
+    part.heading = part.heading or whole.heading
+
+
+def _abreast(mention: Mention) -> Iterator[Mention]:
+    """All but the first of what stands side by side, each beside the one before it."""
+    if not mention.abreast or not isinstance(mention.count, int) or not 1 < mention.count <= _MOST_ABREAST:
+        return
+    before = mention
+    for _ in range(mention.count - 1):
+        at = Position(heading=mention.at.heading)
+        before = dataclasses.replace(mention, count=1, at=at, relation="beside", references=[before], same_as=mention)
+        yield before
+    mention.count = 1
+
+
+def _at_each_side(mention: Mention) -> Iterator[Mention]:
+    """A number of objects at both sides is half of them at each."""
+    low, high = mention.count if isinstance(mention.count, tuple) else (mention.count, mention.count)
+    if not mention.at.shared or len(mention.at.places) != 2 or isinstance(low, str) or isinstance(high, str) or low < 2:
+        yield mention
+        return
+    for place, odd in zip(mention.at.places, (1, 0), strict=True):
+        count = ((low + odd) // 2, (high + odd) // 2)
+        at = dataclasses.replace(mention.at, places=(place,))
+        yield dataclasses.replace(mention, count=count if low != high else count[0], at=at, same_as=mention)

@@ -1,0 +1,118 @@
+"""Objects that a sentence opens: new ones, and those without a noun that are more of the same or part of others."""
+
+from __future__ import annotations
+
+from lidardraft.drafting.mention import Mention
+from lidardraft.drafting.number_words import COUNT_TYPES, Count, count_of, number, unclear_counts
+from lidardraft.drafting.object_qualities import add_qualities
+from lidardraft.drafting.position_reader import PositionReader
+from lidardraft.drafting.positions import Position
+from lidardraft.drafting.references import meant_by
+from lidardraft.drafting.sentence_chunks import LISTED, STATES, Chunk
+
+
+class PartReader(PositionReader):
+    """Reads one phrase that counts objects at a time."""
+
+    def _put(self, chunk: Chunk, mention: Mention) -> None:
+        """Open a mention: alone, or beside those that a list has opened and no position has closed."""
+        listed = self._before(1) in LISTED
+        if not listed or any(
+            other.placed or other.described or other.kind is None or (other.count == 0 and mention.count != 0)
+            for other in self.open
+        ):
+            self.open = []
+        if self.excepting:
+            self.excepting = False
+            if str(self._previous().tokens[0]).startswith("but no"):  # "cars but not trucks on the right"
+                self.open = [one for one in self.excepted if one.count != 0 and not one.placed]
+            wanted = bool(self.excepted) and self.excepted[-1].count != 0
+            mention.count = 0 if wanted else mention.count
+        elif mention.count == 0:
+            self.denial = str(chunk.tokens[0])
+        elif self.denial and listed and mention.count in (1, "some"):  # "no cars or ten trees" has trees
+            mention.count = 0
+        if self.turning is not None:
+            mention.heading, self.turning = self.turning, None
+        if self.prefix is not None:
+            mention.at, mention.placed, mention.weak = self.prefix, True, self.prefix_weak and self.relation is None
+        mention.host = self.each if self.each is not mention else None
+        mention.described = chunk.head == "TRAFFIC"  # it is everywhere, whatever the objects listed after it do
+        self.open.append(mention)
+        self.latest = self.open
+        self.notes.mentions.append(mention)
+        if self.relation is not None:
+            name, references, at = self.relation
+            self.relation = None
+            self._relate(name, references, at)
+
+    def _ellipsis(self, chunk: Chunk) -> None:
+        """A number without a noun means more of the same, as in "two cars ahead and one behind", or some of them."""
+        last = self.notes.mentions[-1] if self.notes.mentions else None
+        of_them = "OF_THEM" in chunk.types
+        begins = of_them or self._before(1) in (*LISTED, "STOP", "WITH")
+        several = meant_by("them", self._several())
+        if several and (of_them or _is_definite(chunk)):
+            last, of_them = several[0], True
+        counts = [token for token in chunk.tokens if token.type in (*COUNT_TYPES, "ANOTHER", "FIRST")]
+        said = counts[-1].split()[-1]  # "the rest", "the first two"
+        count = "some" if said == "rest" else int(number(said)) if said in ("two", "three") else count_of(counts)
+        if self.excepting and self.excepted:
+            self._leave_out(chunk, count)
+        elif last is None or not begins or unclear_counts(counts):
+            self._report(chunk)
+        elif self._following().name in ("position", "turn") or self._is_part(chunk):
+            self._open_part(chunk, count, last, of_them=of_them)
+        elif of_them and isinstance(last.count, str):  # "bicycles at a fence: 15 of them"
+            last.count = count
+            last.spans.append(chunk.span)
+        else:
+            self._report(chunk)
+
+    def _open_part(self, chunk: Chunk, count: Count, last: Mention, *, of_them: bool) -> None:
+        if "FIRST" in chunk.types and last.at.spacing:  # where the first is, the whole row begins
+            self.open = self.latest = [last]
+            if not self._following().types & {"FRONT", "BEHIND"}:
+                last.at = last.at.narrowed(Position(places=(("front", ""),)))
+            return
+        self.open = []
+        one = 1 if count == "some" and not chunk.types & {"SOME", "ANOTHER"} else count
+        parked = "parked" if last.heading == "parked" else None
+        part = Mention(
+            last.kind, one, heading=parked, spans=[chunk.span], same_as=last.same_as or last, of_them=of_them
+        )
+        add_qualities(part, chunk.tokens)
+        self._put(chunk, part)
+
+    def _several(self) -> list[Mention]:
+        return [mention for mention in self.notes.mentions if mention.count not in (0, 1)]
+
+    def _leave_out(self, chunk: Chunk, count: Count) -> None:
+        """All but so many of those before, as in "each one except the last"."""
+        self.excepting = False
+        whole = self.excepted[-1]
+        if isinstance(count, int) and isinstance(whole.count, int) and whole.count > count:
+            whole.count -= count
+            whole.spans.append(chunk.span)
+        else:
+            self._report(chunk)
+
+    def _is_part(self, chunk: Chunk) -> bool:
+        """Whether a phrase without a noun tells what some of those before do, as "the other one is waiting"."""
+        types = {*COUNT_TYPES, "THE", "ANOTHER", "FIRST", "OF_THEM", "QUIET", *STATES}
+        several = bool(self._several()) or any(mention.same_as is not None for mention in self.notes.mentions)
+        begins = chunk.tokens[0].type in ("NUMBER", "ANOTHER", "FIRST") and several
+        return begins and chunk.types <= types and bool(chunk.types & set(STATES))
+
+    def _whole(self, chunk: Chunk, mention: Mention) -> Mention | None:
+        """What "one of them", "two of the cars" or "the last house" are part of."""
+        if "OF_THEM" in chunk.types:
+            return next(reversed(self._several()), None)
+        if [token.type for token in chunk.tokens[:2]] != ["NUMBER", "THE"] and not _is_definite(chunk):
+            return None
+        return next((one for one in reversed(self._several()) if one.kind == mention.kind), None)
+
+
+def _is_definite(chunk: Chunk) -> bool:
+    """Whether it names one of several, as "the first" or "the others"."""
+    return bool(chunk.types & {"FIRST", "ANOTHER"}) and chunk.tokens[0].startswith("the ")
