@@ -48,7 +48,10 @@ def in_aisle(road: Road, sides: tuple[int, ...]) -> PoseSampler:
     def sample(rng: np.random.Generator, along: float, number: int, effort: float) -> RoadPose:
         side = alternate(sides, number)
         far = rng.random() < 0.3 + 0.4 * effort
-        across = further + float(rng.uniform(-_WALKER_OFF, _WALKER_OFF)) if far else float(rng.uniform(0.5, road.edge))
+        beside = min(max(0.5, side * road.lane(road.ego_lane) + 0.1), road.edge - 0.1)  # of the ego
+        across = (
+            further + float(rng.uniform(-_WALKER_OFF, _WALKER_OFF)) if far else float(rng.uniform(beside, road.edge))
+        )
         return RoadPose(along, side * across, float(rng.uniform(-math.pi, math.pi)))
 
     return sample

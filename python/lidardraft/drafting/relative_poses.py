@@ -81,7 +81,7 @@ class RelativePoses:
         if self.relation == "opposite":
             beside = self.road.edge / 2 if self.kind.drives else max(self.road.edge + 2.0, abs(reference.pose.across))
             across = -reference.side * beside
-            reach = 1.0 + 2.0 * effort * place * self.size[0]  # several stand in a row
+            reach = min(6.0, 1.0 + 2.0 * effort * place * self.size[0])  # several stand in a row
             return self._pose(reference.pose.along + reach * float(rng.uniform(-1.0, 1.0)), across, rng, reference)
         if self.relation in ("left-of", "right-of"):
             return self._aside(reference, 1 if self.relation == "left-of" else -1, rng, effort)

@@ -257,7 +257,8 @@ def _carriageway(road: Road, sides: tuple[int, ...], heading: str = "") -> PoseS
     def sample(rng: np.random.Generator, along: float, _number: int, _effort: float) -> RoadPose:
         low, high = (-(road.edge - 0.5), road.edge - 0.5)
         if len(sides) == 1:
-            low, high = (0.0, high) if sides[0] > 0 else (low, 0.0)
+            ego = road.lane(road.ego_lane)
+            low, high = (ego, high) if sides[0] > 0 else (low, max(low + 0.1, ego))
         yaw = walking_yaw(heading, rng)
         return RoadPose(along, float(rng.uniform(low, high)), yaw)
 
