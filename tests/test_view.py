@@ -45,6 +45,19 @@ def test_a_layout_is_rendered_over_the_scan_from_above() -> None:
     assert (picture[76, 98:103] == view.PALETTE[13]).all()
 
 
+@pytest.mark.parametrize("name", ["vlp32c", "os1-32"])
+def test_a_pole_is_upright_in_a_range_image_whose_beams_look_aside(name: str) -> None:
+    pole = Primitive(shape="cylinder", center=(-6, 4, 0), size=(0.3, 0.3, 20), label="pole", id="pole")
+    image = raycast(Layout((pole,)), Sensor.preset(name))
+    _, columns = np.nonzero(image.label)
+    assert np.ptp(columns) > 20  # in the image itself
+    picture = view.render_image(image)
+    strip = picture[len(picture) // 2 :]  # of labels
+    _, columns = np.nonzero((strip == view.PALETTE[6]).all(axis=2))
+    assert len(columns) > 100
+    assert np.ptp(columns) <= 12  # 0.3 m at 7.2 m are 12 of 1,800 columns, 7 of 1,024
+
+
 def test_a_top_view_reaches_as_far_as_it_is_asked_to() -> None:
     empty = RangeImage.empty(SENSOR)
     picture, bare = (

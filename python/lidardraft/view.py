@@ -91,13 +91,25 @@ def colour_by_height(z: np.ndarray) -> np.ndarray:
 
 
 def render_image(image: RangeImage) -> np.ndarray:
-    """The range image itself, depth over label (over intensity, where it has one): uint8 [H', W, 3]."""
-    strips = [colour_by_depth(image.depth), PALETTE[image.label]]
+    """The range image itself, depth over label (over intensity, where it has one): uint8 [H', W, 3].
+
+    A column of the picture is one azimuth, also where beams look aside from the column that they fire in.
+    """
+    strips = [colour_by_depth(image.depth), PALETTE[image.label]]  # uint8 [H, W, 3] each
     if image.intensity is not None:
         grey = (np.sqrt(np.clip(image.intensity, 0, 1)) * 255).astype(np.uint8)
         strips.append(np.repeat(grey[..., None], 3, axis=2))
     scale = max(1, round(128 / image.sensor.shape[0]))
-    return stack([np.repeat(strip, scale, axis=0) for strip in strips])
+    return stack([np.repeat(_by_azimuth(strip, image.sensor), scale, axis=0) for strip in strips])
+
+
+def _by_azimuth(picture: np.ndarray, sensor: Sensor) -> np.ndarray:
+    """Rows [H, W, 3] of a sensor whose beams look to different azimuths, shifted so that what is upright looks so."""
+    if not (sensor.azimuth_offsets and sensor.wraps):
+        return picture
+    shifts = np.rint(np.array(sensor.azimuth_offsets) * sensor.columns / sensor.azimuth_span).astype(np.int64)
+    columns = (np.arange(sensor.columns) + shifts[:, None]) % sensor.columns
+    return np.take_along_axis(picture, columns[..., None], axis=1)
 
 
 def render_scan(image: RangeImage, pose: np.ndarray, *, by_label: bool = False) -> np.ndarray:

@@ -1,4 +1,6 @@
 import json
+import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -30,7 +32,9 @@ def scans(folder: Path) -> list[str]:
 
 def test_scans_become_a_sensor_that_other_commands_take(scans: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["fit", *scans, "-o", "mine.json", "--streets", "4"]) == 0
-    said = capsys.readouterr().out
+    captured = capsys.readouterr()
+    said = captured.out
+    assert "fitted to one scan alone" not in captured.err
     assert "lasers: 8, returns " in said
     assert "points lost in projection: 0.0" in said
     assert "more where a beam has several echoes\n" in said
@@ -38,6 +42,13 @@ def test_scans_become_a_sensor_that_other_commands_take(scans: list[str], capsys
     assert "| intensity (JSD) |" in said
     assert said.endswith("mine.json: fitted to 2 scans\n")
     sensor = Sensor.preset("mine.json")
+    strong, weak = map(
+        float, re.search(r"range noise: (\S+) mm of strong echoes, (\S+) mm of a surface 30 m", said).groups()
+    )
+    power = 0.10 / 30**2 / sensor.model.detection_threshold
+    assert (strong, weak) == pytest.approx(
+        (1e3 * sensor.range_sigma, 1e3 * math.hypot(sensor.range_sigma, sensor.model.jitter / power**0.5)), abs=0.5
+    )
     assert (sensor.name, len(sensor.elevations)) == ("mine", 8)
     assert sensor.model is not None
     assert sensor.model.intensity_curve is not None
@@ -61,7 +72,9 @@ def test_lasers_that_are_mixed_up_are_told(scans: list[str], capsys: pytest.Capt
     recording = read_recording(scans[0])
     np.savez("mixed.npz", xyz=recording.points, ring=recording.ring + (recording.points[:, 1] < 0))
     assert cli.main(["fit", "mixed.npz", "-o", "mine.json", "--streets", "4"]) == 0
-    assert "% of the points look like those of other lasers" in capsys.readouterr().err
+    said = capsys.readouterr()
+    assert "% of the points look like those of other lasers" in said.err
+    assert said.err.count("fitted to one scan alone") == 1
 
 
 def test_a_constant_at_the_limit_of_its_search_is_told(scans: list[str], capsys: pytest.CaptureFixture[str]) -> None:
@@ -74,7 +87,9 @@ def test_a_constant_at_the_limit_of_its_search_is_told(scans: list[str], capsys:
 
 def test_bad_input_is_one_line(refused: Callable[..., str], scans: list[str]) -> None:
     assert "nowhere.bin: No such file" in refused("fit", "nowhere.bin", "-o", "mine.json")
-    assert "scan.las: a recorded scan is a .bin, .pcd or .npz file" in refused("fit", "scan.las", "-o", "mine.json")
+    assert "scan.las: a recorded scan is a .bin, .pcd.bin, .pcd or .npz file" in refused(
+        "fit", "scan.las", "-o", "mine.json"
+    )
     assert "mine.txt: a sensor file ends in .json" in refused("fit", scans[0], "-o", "mine.txt")
     assert "did you mean 'hdl64e'?" in refused("fit", scans[0], "--like", "hdl65e", "-o", "mine.json")
     Path("empty.bin").write_bytes(b"")

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from lidardraft.calibration.recording import Recording
 
 _MOST_LOST = 0.1  # of the points; of right recordings less than 0.01 are
+_DARK, _NOISE_AT = 0.10, 30.0  # a reflectance, and a range [m], at which figures are printed
 _HELD_BACK = 0.25  # of the scans judge, the last ones, where no others are named
 
 
@@ -38,6 +39,9 @@ def fit(arguments: argparse.Namespace) -> None:
     if not held and len(recordings) > 1:
         count = max(1, round(_HELD_BACK * len(recordings)))
         recordings, held = recordings[:-count], recordings[-count:]
+    if len(recordings) == 1:
+        say("lidardraft", "fitted to one scan alone: where it has no returns from below, the vehicle is taken to hide "
+            "the ground, and of rare surfaces it says little; ten scans of different places are enough")  # fmt: skip
     found = fit_sensor(recordings, output.stem, like=like, columns=arguments.columns, num_streets=arguments.streets)
     with written_whole(output) as temporary:
         temporary.write_text(found.sensor.to_json())
@@ -62,8 +66,11 @@ def _print_sensor(found: Fit, recordings: list[Recording]) -> None:
             "laser, or the motion of the vehicle is taken out")  # fmt: skip
     print(f"ranges: {sensor.min_range:g} to {sensor.max_range:g} m; mounted {sensor.mount_height:.2f} m over the road")
     print(f"hidden by the vehicle: {sensor.blocked_pixels.mean():.1%} of the firings")
-    print(f"range noise: {1e3 * sensor.range_sigma:.1f} mm, and {1e3 * model.jitter:.0f} mm over the root of the power")
-    print(f"detected: {1 / math.sqrt(model.detection_threshold / 0.10):.0f} m far at a reflectance of 0.10")
+    reach = math.sqrt(_DARK / model.detection_threshold)  # m; there the power is 1, and falls with the squared range
+    weak = math.hypot(sensor.range_sigma, model.jitter * _NOISE_AT / reach)
+    print(f"range noise: {1e3 * sensor.range_sigma:.1f} mm of strong echoes, {1e3 * weak:.0f} mm of a surface "
+          f"{_NOISE_AT:g} m away with a reflectance of {_DARK:.2f}")  # fmt: skip
+    print(f"detected: {reach:.0f} m far at a reflectance of {_DARK:.2f}")
     at_edges = 1 - math.exp(-model.edge_drop)
     print(f"dropped: {model.drop_probability:.2%} at any range, {at_edges:.1%} more where a beam has several echoes")
     print(f"echoes: one within {model.pulse_length:.2f} m")
