@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 
 import recordings
+from lidardraft.cli.arguments import read_sensor
 from lidardraft.metrics import lifelike
 from lidardraft.metrics.lifelike import Comparison, Property
 from lidardraft.metrics.sweep import Sweep
@@ -64,7 +65,7 @@ def main() -> None:
         parser.error(f"sensors are {', '.join(READERS)}, --num is {POSES} or more, --jobs 1 or more")
     if (given.scan_with or given.without) and len(names) > 1:
         parser.error("--scan-with and --without go with one sensor in --sensors")
-    if given.scan_with and (shape := Sensor.preset(given.scan_with).shape) != PRESETS[names[0]].shape:
+    if given.scan_with and (shape := read_sensor(given.scan_with).shape) != PRESETS[names[0]].shape:
         wanted = PRESETS[names[0]].shape
         parser.error(f"{given.scan_with} has {shape[0]} x {shape[1]} pixels; {names[0]} has {wanted[0]} x {wanted[1]}")
     with ProcessPoolExecutor(given.jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
@@ -87,7 +88,7 @@ def _section(name: str, folder: Path, num: int, scan_with: str | None, without: 
         return f"### {name}\n\nSkipped: {reason}.\n", {}
     if without:
         recorded = without_group(recorded, without)
-    comparisons, pooled = report(recorded, Sensor.preset(scan_with or name), num)
+    comparisons, pooled = report(recorded, read_sensor(scan_with or name), num)
     return markdown(recorded, comparisons, num), pooled
 
 

@@ -21,6 +21,7 @@ from pathlib import Path
 import recordings
 from lidardraft.calibration.fit import fit_sensor
 from lidardraft.calibration.recording import read_recording
+from lidardraft.cli.arguments import read_sensor
 from lidardraft.metrics.crop_features import FAMILIES
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.metrics.two_sample import ALL, TwoSample, open_pixels, two_sample
@@ -53,7 +54,7 @@ def main() -> None:
     shown = open_pixels([sweep for sweeps in drives.values() for sweep in sweeps])
     judges = parted({name: sweeps for name, sweeps in drives.items() if name != FITTED_TO})
     made: dict[str, Callable[[], list[Sweep]]] = {
-        f"streets, {name}": lambda name=name: street_sweeps(Sensor.preset(name), given.num) for name in given.sensor
+        f"streets, {name}": lambda name=name: street_sweeps(read_sensor(name), given.num) for name in given.sensor
     } | {f"{folder}": lambda folder=folder: scans_in(folder) for folder in given.scans}
     print(f"| scans | {ALL} | {' | '.join(FAMILIES)} |\n|---|{'---:|' * (len(FAMILIES) + 1)}")
     told = {}
@@ -103,7 +104,7 @@ def _sweep(path: Path) -> Sweep:
     recorded = read_recording(path)
     sensor = path.with_suffix(".sensor.json")
     if sensor.exists():  # a laser without a return is missing in the order of the points
-        image = RangeImage.project(recorded.points, Sensor.preset(sensor), intensity=recorded.intensity)
+        image = RangeImage.project(recorded.points, Sensor.load(sensor), intensity=recorded.intensity)
         return Sweep.from_image(image)
     return Sweep.from_points(recorded.points, recorded.ring, height=ROWS, columns=COLUMNS, intensity=recorded.intensity)
 

@@ -93,7 +93,7 @@ def readers() -> dict[str, Reader]:
         "range image": Reader(RangeImage.load, ".npz", _written(image.save, ".npz")),
         "layout": Reader(Layout.load, ".json", LAYOUT.to_json().encode()),
         "boxes": Reader(read_boxes, ".json", _written(lambda p: write_boxes(p, LAYOUT.boxes(), [3]), ".json")),
-        "sensor": Reader(Sensor.preset, ".json", SENSOR.to_json().encode()),
+        "sensor": Reader(Sensor.load, ".json", SENSOR.to_json().encode()),
         "obj": Reader(lidardraft.layout_from_obj, ".obj", _written(lambda p: write_obj(p, LAYOUT), ".obj")),
         "glb": Reader(lidardraft.layout_from_glb, ".glb", _written(lambda p: write_glb(p, LAYOUT), ".glb")),
         "blender": Reader(

@@ -92,7 +92,7 @@ READERS: dict[str, tuple[Callable[[Path], object], str, Callable[[Path], object]
     "sketch of shapes": (layout_from_sketch, ".svg", lambda path: path.write_text(SVG)),
     "boxes": (read_boxes, ".json", lambda path: write_boxes(path, Layout((CAR,)).boxes(), [3])),
     "layout": (Layout.load, ".json", Layout((CAR,), {"seed": 1}, (-1.0, 1.0)).save),
-    "sensor": (Sensor.preset, ".json", lambda path: path.write_text(SENSOR.to_json())),
+    "sensor": (Sensor.load, ".json", lambda path: path.write_text(SENSOR.to_json())),
     "carla ply": (read_carla, ".ply", write_ply),
     "carla npy": (read_carla, ".npy", write_carla_records),
     "train ids": (read_semantics, ".png", lambda path: Image.new("L", (9, 7), 3).save(path)),

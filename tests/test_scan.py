@@ -42,7 +42,7 @@ def test_a_moving_scan_in_the_world_lies_on_the_layout(scan: Scan) -> None:
 def test_a_scan_is_saved_with_its_sensor(scan: Scan, tmp_path: Path) -> None:
     scan.save(tmp_path / "name.with.dots")
     assert {path.name for path in tmp_path.iterdir()} == {f"name.with.dots{ending}" for ending in SCAN_ENDINGS}
-    assert Sensor.preset(tmp_path / "name.with.dots.sensor.json") == SMALL
+    assert Sensor.load(tmp_path / "name.with.dots.sensor.json") == SMALL
     points, intensity = kitti.read_bin(tmp_path / "name.with.dots.bin")
     np.testing.assert_array_equal(points, scan.points())
     np.testing.assert_array_equal(intensity, scan.intensities())

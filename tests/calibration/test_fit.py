@@ -58,7 +58,7 @@ def test_streets_by_the_fitted_sensor_read_and_hide_as_those_of_the_true_one(fit
 
 def test_a_fitted_sensor_is_a_file_that_says_everything(fitted, tmp_path):
     (tmp_path / "mine.json").write_text(fitted.sensor.to_json())
-    sensor = Sensor.preset(tmp_path / "mine.json")
+    sensor = Sensor.load(tmp_path / "mine.json")
     assert sensor == fitted.sensor
     assert SensorModel.from_sensor(sensor) == fitted.sensor.model
     assert sensor.name == "mine"

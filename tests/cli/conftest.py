@@ -13,7 +13,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty working directory with a small sensor."""
     monkeypatch.chdir(tmp_path)
     sensor = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=128)
-    Path("small.json").write_text(sensor.to_json())
+    sensor.save("small.json")
     return tmp_path
 
 

@@ -41,7 +41,7 @@ def test_scans_become_a_sensor_that_other_commands_take(scans: list[str], capsys
     assert "from patch to patch, " in said
     assert "| intensity (JSD) |" in said
     assert said.endswith("mine.json: fitted to 2 scans\n")
-    sensor = Sensor.preset("mine.json")
+    sensor = Sensor.load("mine.json")
     strong, weak = map(
         float, re.search(r"range noise: (\S+) mm of strong echoes, (\S+) mm of a surface 30 m", said).groups()
     )
@@ -91,7 +91,9 @@ def test_bad_input_is_one_line(refused: Callable[..., str], scans: list[str]) ->
         "fit", "scan.las", "-o", "mine.json"
     )
     assert "mine.txt: a sensor file ends in .json" in refused("fit", scans[0], "-o", "mine.txt")
-    assert "did you mean 'hdl64e'?" in refused("fit", scans[0], "--like", "hdl65e", "-o", "mine.json")
+    assert "sensor is 'hdl65e'; it must be a .json file or one of hdl64e, " in refused(
+        "fit", scans[0], "--like", "hdl65e", "-o", "mine.json"
+    )
     Path("empty.bin").write_bytes(b"")
     assert "empty.bin is empty" in refused("fit", "empty.bin", "-o", "mine.json")
     np.savez("zeros.npz", xyz=np.zeros((50, 3)), ring=np.zeros(50))

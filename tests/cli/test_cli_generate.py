@@ -38,7 +38,7 @@ def test_generate_from_text(capsys: pytest.CaptureFixture[str]) -> None:
     assert first != second  # another seed, another layout
     fields = json.loads(Path("out/000000.layout.json").read_text())["primitives"][0]
     assert {"shape", "center", "size", "yaw", "label", "id", "instance"} <= set(fields)
-    assert Sensor.preset("out/000000.sensor.json") == Sensor.preset("small.json")
+    assert Sensor.load("out/000000.sensor.json") == Sensor.load("small.json")
 
 
 def test_generate_again_gives_the_same_scan() -> None:

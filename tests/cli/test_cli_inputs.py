@@ -203,7 +203,7 @@ def test_boxes_are_read_from_the_height_of_their_sensor() -> None:
     draft = ["draft", "--boxes", "scan.boxes.json", "-o", "layout.json"]
     assert cli.main([*draft, "--sensor", "small.json"]) == 0
     (read,) = Layout.load("layout.json").boxes()
-    np.testing.assert_allclose(read.center, (9.0, 2.0, -0.9 + Sensor.preset("small.json").mount_height))
+    np.testing.assert_allclose(read.center, (9.0, 2.0, -0.9 + Sensor.load("small.json").mount_height))
     assert (read.size, read.yaw) == (box.size, box.yaw)
     high = Sensor(name="high", elevations=(0.0, -0.1), columns=64, mount_height=3.0)
     Path("scan.sensor.json").write_text(high.to_json())

@@ -47,7 +47,7 @@ def test_a_cast_without_a_sensor_is_of_the_one_given(cast: RangeImage, refused: 
     np.savez("bare.npz", depth=cast.depth, label=cast.label.astype(np.int64))
     assert "bare.npz: it does not say by which sensor it is" in refused("observe", "bare.npz", "-o", "out")
     assert cli.main(["observe", "bare.npz", "--sensor", "small.json", "-o", "out"]) == 0
-    expected = observe_cast(cast.depth, cast.label, Sensor.preset("small.json"))
+    expected = observe_cast(cast.depth, cast.label, Sensor.load("small.json"))
     np.testing.assert_array_equal(kitti.read_bin("out/000000.bin")[0], expected.points())
 
 

@@ -23,7 +23,7 @@ def recordings(folder: Path) -> Path:
         car = Primitive(
             shape="box", center=(10 + number, 3, 0.8), size=(4.5, 1.8, 1.6), label="car", id="car", instance=1
         )
-        scan = simulate(Layout(primitives=(road, car)), Sensor.preset("small.json"), seed=number)
+        scan = simulate(Layout(primitives=(road, car)), Sensor.load("small.json"), seed=number)
         for name in ("velodyne", "labels"):
             (folder / "00" / name).mkdir(parents=True, exist_ok=True)
         kitti.write_bin(folder / f"00/velodyne/{number:06d}.bin", scan.points(), scan.intensities())
@@ -45,7 +45,7 @@ def test_a_sequence_becomes_pairs_and_a_second_call_adds_what_is_new(
     assert cli.main(PAIRS) == 0
     assert "out: 3 pairs, 1 of them new" in capsys.readouterr().out
     folder = PairFolder("out")
-    assert folder.sensor == Sensor.preset("small.json")
+    assert folder.sensor == Sensor.load("small.json")
     assert [Path(note["scan"]).name for note in folder.notes] == ["000000.bin", "000001.bin", "000002.bin"]
     for pair in (folder[i] for i in range(3)):
         both = pair.scan.valid & pair.simulated.valid
@@ -129,7 +129,7 @@ def test_what_cannot_be_is_refused(refused: Refused) -> None:
 @pytest.mark.usefixtures("recordings")
 def test_a_folder_of_another_sensor_is_refused(refused: Refused) -> None:
     assert cli.main(PAIRS) == 0
-    small = Sensor.preset("small.json")
+    small = Sensor.load("small.json")
     Path("small.json").write_text(Sensor(name="small", elevations=small.elevations, columns=64).to_json())
     assert "out holds pairs of another small; use another folder" in refused(*PAIRS)
     assert "out holds pairs of 'recordings, small'" in refused(*PAIRS[:3], "hdl32e", *PAIRS[4:])

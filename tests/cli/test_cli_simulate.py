@@ -26,7 +26,7 @@ def test_simulate_from_text(capsys: pytest.CaptureFixture[str]) -> None:
     for number in range(2):
         points, _ = kitti.read_bin(f"out/00000{number}.bin")
         label, _ = semantickitti.read_label(f"out/00000{number}.label", len(points))
-        expected = simulate("a car ahead", Sensor.preset("small.json"), seed=3 + number, speed=8.0)
+        expected = simulate("a car ahead", Sensor.load("small.json"), seed=3 + number, speed=8.0)
         np.testing.assert_array_equal(points, expected.points())
         np.testing.assert_array_equal(label, expected.labels())
         assert Layout.load(f"out/00000{number}.layout.json") == expected.layout
@@ -48,8 +48,8 @@ def test_clutter_stands_beside_the_road() -> None:
     text = "a straight road with trees on both sides"
     assert cli.main(["simulate", "--text", text, "--clutter", "1", "-o", "out", *SMALL]) == 0
     points, _ = kitti.read_bin("out/000000.bin")
-    np.testing.assert_array_equal(points, simulate(text, Sensor.preset("small.json"), clutter=1.0).points())
-    assert points.tobytes() != simulate(text, Sensor.preset("small.json")).points().tobytes()
+    np.testing.assert_array_equal(points, simulate(text, Sensor.load("small.json"), clutter=1.0).points())
+    assert points.tobytes() != simulate(text, Sensor.load("small.json")).points().tobytes()
 
 
 def test_bad_input_is_one_line(refused: Callable[..., str], capsys: pytest.CaptureFixture[str]) -> None:

@@ -20,7 +20,7 @@ def height(path: str) -> int:
 
 @pytest.fixture
 def image() -> RangeImage:
-    return raycast(Layout((ROAD,)), Sensor.preset("small.json"))
+    return raycast(Layout((ROAD,)), Sensor.load("small.json"))
 
 
 def test_layouts_and_range_images(image: RangeImage, capsys: pytest.CaptureFixture[str]) -> None:

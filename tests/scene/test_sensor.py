@@ -73,8 +73,12 @@ def test_the_pose_stands_on_the_mount_and_looks_along_the_yaw():
 
 def test_a_sensor_of_ones_own_is_a_json_file(tmp_path):
     (tmp_path / "mine.json").write_text(json.dumps({"name": "mine", "elevations": [0.1, -0.1], "columns": 16}))
-    sensor = Sensor.preset(tmp_path / "mine.json")
+    sensor = Sensor.load(tmp_path / "mine.json")
     assert sensor == Sensor(name="mine", elevations=(0.1, -0.1), columns=16)
+    sensor.save(tmp_path / "saved.json")
+    assert Sensor.load(tmp_path / "saved.json") == sensor
+    with pytest.raises(FormatError, match=r"a.json cannot be written"):
+        sensor.save(tmp_path / "nowhere" / "a.json")
 
 
 @pytest.mark.parametrize(
@@ -108,14 +112,14 @@ def test_a_sensor_of_ones_own_is_a_json_file(tmp_path):
 def test_a_file_that_is_no_sensor(tmp_path, text, message):
     (tmp_path / "mine.json").write_text(text)
     with pytest.raises(LidarDraftError, match=message):
-        Sensor.preset(tmp_path / "mine.json")
+        Sensor.load(tmp_path / "mine.json")
 
 
 def test_a_missing_file_and_an_unknown_name(tmp_path):
     with pytest.raises(FormatError, match=r"none.json: No such file"):
-        Sensor.preset(tmp_path / "none.json")
+        Sensor.load(tmp_path / "none.json")
     with pytest.raises(
-        SensorError, match=r"sensor is 'hdl65e'; it must be a .json file or one of hdl64e, hdl64e-linear, "
+        SensorError, match=r"sensor is 'hdl65e'; it must be one of hdl64e, hdl64e-linear, .*`Sensor.load` reads a file"
     ):
         Sensor.preset("hdl65e")
 

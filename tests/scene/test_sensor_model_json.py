@@ -28,7 +28,7 @@ CURVE = IntensityCurve(responses=(0.1, 1.0), readings=((0.0, 0.5), (0.1, 0.2)), 
 def test_a_sensor_file_carries_the_model(model, tmp_path):
     sensor = replace(SENSOR, model=model)
     (tmp_path / "mine.json").write_text(sensor.to_json())
-    read = Sensor.preset(tmp_path / "mine.json")
+    read = Sensor.load(tmp_path / "mine.json")
     assert read == sensor
     assert SensorModel.from_sensor(read) == model
     assert "Infinity" not in sensor.to_json()  # which is no JSON

@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lidardraft.cli import evaluate
-from lidardraft.cli.arguments import add_seed, add_sensor, add_training_device, whole_number
+from lidardraft.cli.arguments import add_seed, add_sensor, add_training_device, read_sensor, whole_number
 from lidardraft.cli.training_progress import show
-from lidardraft.scene.sensor import Sensor
 
 if TYPE_CHECKING:
     from lidardraft.diffusion.denoiser import Denoiser
@@ -32,7 +31,7 @@ def ablation(arguments: argparse.Namespace) -> None:
     from lidardraft.training.loop import check_run_folder, device_for_training
     from lidardraft.training.street_source import StreetSource
 
-    sensor, num = Sensor.preset(arguments.sensor), arguments.num
+    sensor, num = read_sensor(arguments.sensor), arguments.num
     base, control = (
         dataclasses.replace(stage, steps=steps, seed=arguments.seed)
         for stage, steps in zip(recipes.small_paper().stages, (arguments.base_steps, arguments.steps), strict=True)

@@ -6,11 +6,12 @@ import argparse
 import math
 import re
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lidardraft.diffusion.sampling_defaults import START, STEPS, STEPS_FROM_NOISE
-from lidardraft.errors import FormatError, one_of
-from lidardraft.scene.sensor import PRESETS
+from lidardraft.errors import FormatError, SensorError, one_of
+from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.scene.weather import Weather
 
 if TYPE_CHECKING:
@@ -82,6 +83,15 @@ def add_sensor(parser: Options, *, default: str | None = DEFAULT_SENSOR, of: str
     """--sensor; `of` says which sensor is meant."""
     text = f"sensor{of}: {', '.join(PRESETS)}, or a .json file" + (f" (default {default})" if default else "")
     parser.add_argument("--sensor", default=default, metavar="NAME", help=text)
+
+
+def read_sensor(name: str) -> Sensor:
+    """The sensor of a value of --sensor: that of a file, whose errors name it, or a preset; else a `SensorError`."""
+    if Path(name).suffix == ".json":
+        return Sensor.load(name)
+    if name not in PRESETS:
+        raise SensorError(f"sensor is {name!r}; it must be a .json file or {one_of(PRESETS, name)}")
+    return Sensor.preset(name)
 
 
 def add_seed(parser: Options, *, default: int = 0) -> None:

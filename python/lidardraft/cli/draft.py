@@ -6,7 +6,7 @@ import argparse
 import warnings
 from pathlib import Path
 
-from lidardraft.cli.arguments import add_sensor
+from lidardraft.cli.arguments import add_sensor, read_sensor
 from lidardraft.cli.inputs import add_inputs, read_layout
 from lidardraft.cli.layout_file import check_ending, write_layout
 from lidardraft.scene.layout import Layout
@@ -17,7 +17,7 @@ def draft(arguments: argparse.Namespace) -> None:
     """Make a layout, a file of boxes and other shapes that can be edited, from a sentence, a labelled scan, a sketch,
     boxes, a 3D model or a Blender script."""
     check_ending(arguments.output)
-    sensor = Sensor.preset(arguments.sensor)
+    sensor = read_sensor(arguments.sensor)
     layout = read_layout(arguments)
     write_layout(arguments.output, layout)
     objects = len(layout.boxes())

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from lidardraft.cli.arguments import add_seed, add_sensor, add_weights, whole_number
+from lidardraft.cli.arguments import add_seed, add_sensor, add_weights, read_sensor, whole_number
 from lidardraft.scene.sensor import Sensor
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ def evaluate(arguments: argparse.Namespace) -> None:
     scans."""
     from lidardraft.pipeline import Pipeline
 
-    sensor, num = Sensor.preset(arguments.sensor), arguments.num
+    sensor, num = read_sensor(arguments.sensor), arguments.num
     pipeline = Pipeline.from_pretrained(
         arguments.weights, device=arguments.device, steps=arguments.steps, start=arguments.start
     )

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lidardraft.cli.arguments import whole_number
+from lidardraft.cli.arguments import read_sensor, whole_number
 from lidardraft.cli.command import say
 from lidardraft.errors import FormatError
-from lidardraft.files import written_whole
 from lidardraft.scene.sensor import Sensor
 
 if TYPE_CHECKING:
@@ -33,7 +32,7 @@ def fit(arguments: argparse.Namespace) -> None:
     output = Path(arguments.output)
     if output.suffix != ".json":
         raise FormatError(f"{output}: a sensor file ends in .json")
-    like = None if arguments.like is None else Sensor.preset(arguments.like)
+    like = None if arguments.like is None else read_sensor(arguments.like)
     recordings = [read_recording(path) for path in arguments.scans]
     held = [read_recording(path) for path in arguments.judge]
     if not held and len(recordings) > 1:
@@ -43,8 +42,7 @@ def fit(arguments: argparse.Namespace) -> None:
         say("lidardraft", "fitted to one scan alone: where it has no returns from below, the vehicle is taken to hide "
             "the ground, and of rare surfaces it says little; ten scans of different places are enough")  # fmt: skip
     found = fit_sensor(recordings, output.stem, like=like, columns=arguments.columns, num_streets=arguments.streets)
-    with written_whole(output) as temporary:
-        temporary.write_text(found.sensor.to_json())
+    found.sensor.save(output)
     _print_sensor(found, [*recordings, *held])
     if held:
         _print_rows(found, like, recordings, held, arguments.streets)

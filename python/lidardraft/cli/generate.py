@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from lidardraft.cli.arguments import add_weights, whole_number
+from lidardraft.cli.arguments import add_weights, read_sensor, whole_number
 from lidardraft.cli.inputs import add_inputs, read_layout
 from lidardraft.cli.scan_folder import add_scan_output, check_output, layouts, write_scans
 from lidardraft.scene.layout import Layout
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def generate(arguments: argparse.Namespace) -> None:
     """Make labelled LiDAR scans with the diffusion model, from a sentence, a layout, a 3D model or a labelled scan."""
     check_output(arguments)
-    sensor = Sensor.preset(arguments.sensor)
+    sensor = read_sensor(arguments.sensor)
     layout = read_layout(arguments)
 
     from lidardraft.pipeline import Pipeline

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lidardraft.cli.arguments import add_seed, assignments, number
+from lidardraft.cli.arguments import add_seed, assignments, number, read_sensor
 from lidardraft.cli.command import say
 from lidardraft.cli.language_model import add_language_model, asks_language_model
 from lidardraft.errors import FormatError
@@ -106,12 +106,12 @@ def sensor_beside(file: str | Path) -> Sensor | None:
     NAME.boxes.json."""
     path = Path(file)
     path = path.with_name(f"{path.name.removesuffix(path.suffix).removesuffix('.boxes')}.sensor.json")
-    return Sensor.preset(path) if path.exists() else None
+    return Sensor.load(path) if path.exists() else None
 
 
 def _sensor_height(arguments: argparse.Namespace, file: str) -> float:
     """How high over the road the sensor stood in whose frame the file is."""
-    return (sensor_beside(file) or Sensor.preset(arguments.sensor)).mount_height
+    return (sensor_beside(file) or read_sensor(arguments.sensor)).mount_height
 
 
 def _classes(arguments: argparse.Namespace) -> dict[str, str]:

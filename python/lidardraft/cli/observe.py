@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lidardraft.cli.arguments import add_seed, add_sensor, add_weather, assignments, read_weather
+from lidardraft.cli.arguments import add_seed, add_sensor, add_weather, assignments, read_sensor, read_weather
 from lidardraft.cli.scan_folder import add_folder, check_output, write_observed
 from lidardraft.errors import FormatError
 from lidardraft.files import named
@@ -22,7 +22,7 @@ def observe(arguments: argparse.Namespace) -> None:
     """Add ray drop, noise and intensity to the casts of another renderer, which keep their labels: range and class
     images, or clouds of CARLA's semantic LiDAR."""
     check_output(arguments)
-    sensor = None if arguments.sensor is None else Sensor.preset(arguments.sensor)
+    sensor = None if arguments.sensor is None else read_sensor(arguments.sensor)
     materials = assignments(arguments.materials, "--material", "CLASS=MATERIAL, as in car=dark-paint")
     weather = read_weather(arguments.weather)
     write_observed(arguments, _observed(arguments, sensor, materials, weather))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lidardraft.cli.arguments import add_seed, add_sensor
+from lidardraft.cli.arguments import add_seed, add_sensor, read_sensor
 from lidardraft.cli.command import say
 from lidardraft.cli.inputs import sensor_beside
 from lidardraft.cli.output_folder import check_empty
@@ -98,7 +98,7 @@ def _scan_files(given: list[str]) -> list[Path]:
 
 def _sensor(arguments: argparse.Namespace, scan: Path) -> Sensor:
     if arguments.sensor is not None:
-        return Sensor.preset(arguments.sensor)
+        return read_sensor(arguments.sensor)
     sensor = sensor_beside(scan)
     if sensor is None:
         raise FormatError("--sensor is needed: a preset, or the file that `lidardraft fit` makes of these scans")

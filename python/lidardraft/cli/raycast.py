@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import argparse
 
-from lidardraft.cli.arguments import add_sensor
+from lidardraft.cli.arguments import add_sensor, read_sensor
 from lidardraft.cli.inputs import add_inputs, read_layout
 from lidardraft.scene.raycast import raycast as cast
-from lidardraft.scene.sensor import Sensor
 
 
 def raycast(arguments: argparse.Namespace) -> None:
     """Cast the rays of a sensor into a layout: an .npz file with its depth, class and instance images, the condition
     image of the diffusion model."""
-    sensor = Sensor.preset(arguments.sensor)
+    sensor = read_sensor(arguments.sensor)
     image = cast(read_layout(arguments), sensor)
     image.save(arguments.output)
     print(f"{arguments.output}: {sensor.name}, {image.valid.mean():.0%} of the rays hit")

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from lidardraft.cli.arguments import add_weather, number, read_weather
+from lidardraft.cli.arguments import add_weather, number, read_sensor, read_weather
 from lidardraft.cli.inputs import add_inputs, read_layout
 from lidardraft.cli.scan_folder import add_scan_output, check_output, layouts, write_scans
 from lidardraft.scene.layout import Layout
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def simulate(arguments: argparse.Namespace) -> None:
     """Make labelled LiDAR scans by physics alone, from a sentence, a layout, a 3D model or a labelled scan."""
     check_output(arguments)
-    sensor, weather = Sensor.preset(arguments.sensor), read_weather(arguments.weather)
+    sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
     layout = read_layout(arguments)
     write_scans(arguments, _simulated(arguments, sensor, weather, layout))
 

@@ -9,10 +9,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lidardraft.cli.arguments import add_seed, add_sensor, whole_number
+from lidardraft.cli.arguments import add_seed, add_sensor, read_sensor, whole_number
 from lidardraft.cli.output_folder import check_empty
 from lidardraft.errors import FormatError
-from lidardraft.scene.sensor import Sensor
 from lidardraft.streets import StreetConfig
 from lidardraft.streets import streets as pairs_of_streets
 
@@ -40,7 +39,7 @@ def write_pairs_of_streets(folder: str | Path, arguments: argparse.Namespace) ->
     from lidardraft.training.pairs import Pair, pairs_on_disk, write_pairs
 
     num, seed, poses = arguments.num, arguments.seed, arguments.poses
-    config = StreetConfig(sensor=Sensor.preset(arguments.sensor), poses_per_street=poses, simulated=True)
+    config = StreetConfig(sensor=read_sensor(arguments.sensor), poses_per_street=poses, simulated=True)
     source = f"streets of seed {seed}, {poses} poses each, {config.sensor.name}"
     if not (Path(folder) / "index.json").exists():
         check_empty(Path(folder), "", but=r"\d+\.npz|.*\.partial")  # what a run may leave that was killed early
@@ -76,7 +75,7 @@ def _look(arguments: argparse.Namespace) -> None:
         raise FormatError(f"--num is {num}; a picture shows up to {_ROWS} streets")
     if not Path(arguments.look).parent.is_dir():
         raise FormatError(f"{arguments.look}: there is no folder {Path(arguments.look).parent}")
-    config = StreetConfig(sensor=Sensor.preset(arguments.sensor), poses_per_street=1)
+    config = StreetConfig(sensor=read_sensor(arguments.sensor), poses_per_street=1)
     pairs = pairs_of_streets(arguments.seed, config, workers=min(arguments.workers, num))
     rows = []
     for pair in tqdm(itertools.islice(pairs, num), total=num, unit="street", disable=None, leave=False):

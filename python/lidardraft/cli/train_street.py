@@ -17,6 +17,7 @@ from lidardraft.cli.arguments import (
     add_sensor,
     add_training_device,
     positive,
+    read_sensor,
     whole_number,
 )
 from lidardraft.cli.training_progress import show
@@ -107,7 +108,7 @@ def _source(arguments: argparse.Namespace) -> PairSource:
     from lidardraft.training.pairs import PairFolder
     from lidardraft.training.street_source import StreetSource
 
-    sensor = None if arguments.sensor is None else Sensor.preset(arguments.sensor)
+    sensor = None if arguments.sensor is None else read_sensor(arguments.sensor)
     sources: list[PairSource] = []
     weights: list[float] = []
     for given in arguments.data or ["streets"]:

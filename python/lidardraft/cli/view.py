@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lidardraft.cli.arguments import DEFAULT_SENSOR, add_sensor
+from lidardraft.cli.arguments import DEFAULT_SENSOR, add_sensor, read_sensor
 from lidardraft.cli.command import say
 from lidardraft.cli.inputs import sensor_beside
 from lidardraft.errors import FormatError
@@ -57,7 +57,7 @@ def _pictured(path: Path, name: str | None) -> np.ndarray:
 
 def _sensor(path: Path, name: str | None) -> Sensor:
     if name is not None:
-        return Sensor.preset(name)
+        return read_sensor(name)
     if path.suffix == ".bin":
         if sensor := sensor_beside(path):
             return sensor

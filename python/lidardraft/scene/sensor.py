@@ -9,14 +9,13 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from lidardraft import _core
 from lidardraft.errors import SensorError, one_of
-from lidardraft.files import named, read_text
+from lidardraft.files import named, read_text, written_whole
 from lidardraft.json_fields import check_fields, is_number, parse_object
 from lidardraft.scene import beam_tables
 from lidardraft.scene.blocked import Blocked, blocked_pixels, checked_blocked
@@ -206,16 +205,24 @@ class Sensor:
             fields["model"] = model_from_fields(fields["model"])
         return cls(**fields)
 
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the JSON of `to_json`."""
+        with written_whole(path) as temporary:
+            temporary.write_text(self.to_json())
+
     @classmethod
-    def preset(cls, name: str | os.PathLike[str]) -> Sensor:
-        """The preset of that name, or the sensor in the JSON file of that name, whose errors name it."""
-        if name in PRESETS:
-            return PRESETS[str(name)]
-        if Path(name).suffix == ".json":
-            text = read_text(name)
-            with named(name):
-                return cls.from_json(text)
-        raise SensorError(f"sensor is {os.fspath(name)!r}; it must be a .json file or {one_of(PRESETS, name)}")
+    def load(cls, path: str | os.PathLike[str]) -> Sensor:
+        """As `from_json`, of a file; the errors name it."""
+        text = read_text(path)
+        with named(path):
+            return cls.from_json(text)
+
+    @classmethod
+    def preset(cls, name: str) -> Sensor:
+        """The preset of that name; raises `SensorError` where there is none."""
+        if name not in PRESETS:
+            raise SensorError(f"sensor is {name!r}; it must be {one_of(PRESETS, name)} (`Sensor.load` reads a file)")
+        return PRESETS[name]
 
 
 def _beams(high: float, low: float, count: int) -> tuple[float, ...]:
