@@ -29,10 +29,7 @@ _OS1: dict[str, Any] = {"max_range": 120.0, "range_sigma": 0.0015}
 _OS2: dict[str, Any] = {"min_range": 1.0, "max_range": 240.0, "range_sigma": 0.0015}
 # Where a beam starts: the columns of the core's `origins` [H, 3].
 _ORIGINS = ("origin_forwards", "origin_lefts", "origin_heights")
-_QUANTITIES = (
-    *("azimuth_start", "azimuth_span", "min_range", "max_range"),
-    *("mount_height", "range_sigma", "sweep_time"),
-)
+_QUANTITIES = ("azimuth_start", "azimuth_span", "min_range", "max_range", "mount_height", "range_sigma", "sweep_time")
 _HIGHEST = 1e9  # m, the core's limit of coordinates
 # Elevations closer than this are of the same beam [rad]: tables are rounded, and the beams of every preset are further
 # apart.
@@ -241,12 +238,11 @@ def _ouster(
 
     Azimuths are rounded to a tenth of a degree, less than a third of a column: beams of one azimuth are cast together.
     """
-    forwards = (forward,) * len(elevations)
     return Sensor(
         name=name,
         elevations=elevations,
         azimuth_offsets=_turned(np.round(azimuths, 1)),
-        origin_forwards=forwards,
+        origin_forwards=(forward,) * len(elevations),
         columns=1024,
         mount_height=1.8,
         **fields,
