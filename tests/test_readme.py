@@ -22,7 +22,7 @@ def blocks(language: str) -> list[str]:
 def test_python(code: str, tmp_path: Path) -> None:
     result = subprocess.run([sys.executable, "-W", "error", "-c", code], cwd=tmp_path, capture_output=True, text=True)
     assert result.returncode == 0, result.stderr
-    written = {".bin", ".label", ".json", ".png"} if "scan.save" in code else set()
+    written = {".bin", ".label", ".json", ".png"} if "scan.save" in code else {".json"} & {*re.findall(r"\.\w+", code)}
     assert {path.suffix for path in tmp_path.iterdir()} == written
 
 
@@ -69,6 +69,32 @@ def test_links_lead_somewhere(page: Path) -> None:
             found = page.parent / target if target else page
             assert found.exists(), target
             assert not anchor or anchor in anchors(found), f"{target}#{anchor}"
+
+
+def test_the_tables_of_sensors() -> None:
+    from dataclasses import fields
+    from math import degrees
+
+    from lidardraft.scene.sensor import PRESETS, Sensor
+
+    page = (ROOT / "docs" / "sensor-model.md").read_text()
+    rows = re.findall(r"^\| `(.+?)` \| (.+?) \| (.+?) \| .+? \| (.+?) \| (.+?) \|$", page, re.MULTILINE)
+    assert rows == [
+        (
+            name,
+            f"{len(sensor.elevations)} x {sensor.columns}",
+            f"{degrees(sensor.elevations[0]):.1f} to {degrees(sensor.elevations[-1]):.1f}",
+            f"{sensor.mount_height:g}",
+            f"{sensor.min_range:g} to {sensor.max_range:g}",
+        )
+        for name, sensor in PRESETS.items()
+    ]
+    assert {sensor.sweep_time for sensor in PRESETS.values()} == {0.1}
+    keys = page.split("| key |")[1].split("\n\n")[0]
+    assert re.findall(r"`(\w+)`", "".join(re.findall(r"^\| (`.+?) \|", keys, re.MULTILINE))) == [
+        field.name for field in fields(Sensor)
+    ]
+    Sensor.from_json(re.findall(r"```json\n(.*?)```", page, flags=re.DOTALL)[0])
 
 
 def test_the_class_table_of_the_conventions() -> None:
