@@ -28,6 +28,7 @@ from lidardraft.scene.sensor_limits import SensorLimits
 from lidardraft.simulation.simulate import simulate
 
 WEIGHTS = Path(__file__).parent / "weights"
+_POSTPROCESS_STREAM = 7  # random numbers of the postprocessing, apart from the sampler's
 
 
 class Pipeline:
@@ -117,7 +118,7 @@ class Pipeline:
         image = decode_scan(self._sample(condition_image, simulated, seed, on_step), sensor)
         if "simulated" not in self.denoiser.config.condition:
             return image
-        return postprocess(image, condition_image, simulated, np.random.default_rng([seed, 7]))
+        return postprocess(image, condition_image, simulated, np.random.default_rng([seed, _POSTPROCESS_STREAM]))
 
     @torch.inference_mode()
     def _sample(

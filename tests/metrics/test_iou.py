@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from lidardraft.errors import LayoutError
+from lidardraft.errors import LidarDraftError
 from lidardraft.metrics.iou import ClassScores, confusion_matrix
 
 #                   unlabelled, 1 x 4,      2 x 3,   3 x 1
@@ -37,9 +37,9 @@ def test_all_right_is_one():
 
 
 def test_images_that_do_not_fit():
-    with pytest.raises(LayoutError, match=r"truth is \(10,\) and the labels found are \(9,\)"):
+    with pytest.raises(LidarDraftError, match=r"truth is \(10,\) and the labels found are \(9,\)"):
         confusion_matrix(TRUTH, FOUND[:9], 5)
-    with pytest.raises(LayoutError, match="a truth is 0 or 3; ids are 0 to 2"):
+    with pytest.raises(LidarDraftError, match="a truth is 0 or 3; ids are 0 to 2"):
         confusion_matrix(TRUTH, FOUND, 3)
-    with pytest.raises(LayoutError, match="a label found is -1 or 2"):
+    with pytest.raises(LidarDraftError, match="a label found is -1 or 2"):
         confusion_matrix(TRUTH, FOUND - np.where(FOUND == 0, 1, 0), 5)

@@ -3,7 +3,7 @@ import pytest
 import torch
 from safetensors.torch import save_file
 
-from lidardraft.errors import CheckpointError, LayoutError, SensorError
+from lidardraft.errors import CheckpointError, LayoutError, LidarDraftError
 from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter, SegmenterConfig
 from lidardraft.perception.spherical_grid import FEATURES, SphericalGrid
@@ -87,9 +87,9 @@ def test_points_that_cannot_be(segmenter):
 
 
 def test_a_config_that_cannot_be():
-    with pytest.raises(SensorError, match=r"widths are \(8,\) on 63 columns; it needs one, and even columns"):
+    with pytest.raises(LidarDraftError, match=r"widths are \(8,\) on 63 columns; it needs one, and even columns"):
         SegmenterConfig(grid=SphericalGrid(columns=63), widths=(8,))
-    with pytest.raises(SensorError, match=r"widths are \(\)"):
+    with pytest.raises(LidarDraftError, match=r"widths are \(\)"):
         SegmenterConfig(widths=())
 
 

@@ -11,7 +11,7 @@ from planned import plans
 
 from lidardraft.errors import LayoutError
 from lidardraft.scene.sensor import PRESETS
-from lidardraft.streets.ego import EGO_SIZE, Ego, mount, sample_ego
+from lidardraft.streets.ego import EGO_SPACE, Ego, mount, sample_ego
 from lidardraft.streets.placement.lanes import AISLE, MAIN_ROAD, ROUNDABOUT, SIDE_ROAD
 from lidardraft.streets.placement.occupancy import Occupancy, box_space, spaces_of, touch
 
@@ -27,8 +27,8 @@ def egos(number: int = 6) -> list[tuple[Occupancy, Ego]]:
 
 def test_the_ego_vehicle_is_free_and_on_the_road_of_its_lane():
     for occupancy, ego in egos():
-        assert occupancy.is_free(ego.x, ego.y, ego.yaw, EGO_SIZE)
-        mine = box_space(ego.x, ego.y, ego.yaw, EGO_SIZE[:2], 0.0, EGO_SIZE[2])
+        assert occupancy.is_free(ego.x, ego.y, ego.yaw, EGO_SPACE)
+        mine = box_space(ego.x, ego.y, ego.yaw, EGO_SPACE[:2], 0.0, EGO_SPACE[2])
         for placed in occupancy.objects:
             if math.hypot(placed.x - ego.x, placed.y - ego.y) < 30.0:
                 for space in spaces_of(placed.kind, placed.x, placed.y, placed.yaw, placed.size, placed.clearance):

@@ -14,7 +14,7 @@ from lidardraft import Sensor, raycast
 from lidardraft.errors import LayoutError
 from lidardraft.metrics.adherence import adherence
 from lidardraft.streets import StreetConfig, StreetPair, streets
-from lidardraft.streets.ego import EGO_SIZE
+from lidardraft.streets.ego import EGO_SPACE
 
 SMALL = StreetConfig(sensor=Sensor.preset("vlp16"), poses_per_street=2)
 
@@ -104,10 +104,10 @@ def test_nothing_stands_on_the_ego_vehicle():
     for pair in take(8, SMALL, 12):
         # the street itself is not kept in a pair; what is drawn is within 3 % of it
         for box in pair.layout.boxes():
-            reach = (EGO_SIZE[1] / 2 + min(box.size[:2]) / 2) - 0.2
+            reach = (EGO_SPACE[1] / 2 + min(box.size[:2]) / 2) - 0.2
             assert np.hypot(*box.center[:2]) > reach, (pair.index, box)
         near = pair.scan.points()[np.abs(pair.scan.points()[:, 2]) < 1.2]
-        inside = (np.abs(near[:, 0]) < EGO_SIZE[0] / 2 - 0.2) & (np.abs(near[:, 1]) < EGO_SIZE[1] / 2 - 0.2)
+        inside = (np.abs(near[:, 0]) < EGO_SPACE[0] / 2 - 0.2) & (np.abs(near[:, 1]) < EGO_SPACE[1] / 2 - 0.2)
         assert not inside.any()
 
 

@@ -13,7 +13,7 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel, sub_rays
-from lidardraft.streets.ego import mount, sample_ego
+from lidardraft.streets.pairs import sample_viewpoint
 from lidardraft.streets.street import StreetConfig, make_street
 
 _BRIGHTEST = 1e4  # times a white surface: responses are read without a limit
@@ -33,9 +33,8 @@ class StreetCasts:
         config = StreetConfig(sensor=sensor, poses_per_street=1)
         for number in range(num):
             street = make_street(seed, config, number=number)
-            rng = np.random.default_rng([street.seed, number, 1])
-            ego = sample_ego(street.occupancy, street.lanes, rng)
-            in_motion = sensor.poses_in_motion(mount(sensor, ego, rng), (ego.speed, 0.0, 0.0))
+            ego, pose, _ = sample_viewpoint(street, sensor, number)
+            in_motion = sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
             scanners.append(Scanner.from_layout(street.scene, sensor, model=model))
             casts.append(scanners[-1].cast(ego.pose @ in_motion, seed=number))
         return cls(tuple(scanners), tuple(casts))

@@ -9,7 +9,11 @@ from lidardraft.errors import LidarDraftError
 
 
 def karras_levels(steps: int, *, sigma_min: float = 0.002, sigma_max: float = 20.0, rho: float = 7.0) -> list[float]:
-    """The `steps` falling noise levels of a sampler and a last 0 (Karras et al., NeurIPS 2022, Eq. 5)."""
+    """The `steps` falling noise levels of a sampler and a last 0 (Karras et al., NeurIPS 2022, Eq. 5).
+
+    `sigma_min` and `rho` are theirs (Table 1). `sigma_max` is an estimate of ours, for theirs is 80: states lie within
+    -1 and 1, so noise of 20 hides them.
+    """
     _check_levels(steps, sigma_min, sigma_max)
     high, low = sigma_max ** (1 / rho), sigma_min ** (1 / rho)
     return [(high + i / max(steps - 1, 1) * (low - high)) ** rho for i in range(steps)] + [0.0]

@@ -12,19 +12,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.errors import LayoutError
+from lidardraft.errors import LidarDraftError
 
 
 def confusion_matrix(truth: np.ndarray, found: np.ndarray, classes: int) -> np.ndarray:
     """How often class t was labelled f, i64 [K, K] at [t, f], of class ids [...] from 0 to `classes` - 1.
 
-    Class 0 is "unlabelled". Matrices of several scans are added. Raises `LayoutError` where ids or shapes do not fit.
+    Class 0 is "unlabelled". Matrices of several scans are added. Raises `LidarDraftError` where ids or shapes do not
+    fit.
     """
     if truth.shape != found.shape:
-        raise LayoutError(f"truth is {truth.shape} and the labels found are {found.shape}; they must be the same")
+        raise LidarDraftError(f"truth is {truth.shape} and the labels found are {found.shape}; they must be the same")
     for name, ids in (("truth", truth), ("label found", found)):
         if ids.size and not 0 <= ids.min() <= ids.max() < classes:
-            raise LayoutError(f"a {name} is {ids.min()} or {ids.max()}; ids are 0 to {classes - 1}")
+            raise LidarDraftError(f"a {name} is {ids.min()} or {ids.max()}; ids are 0 to {classes - 1}")
     pairs = truth.ravel().astype(np.int64) * classes + found.ravel()
     return np.bincount(pairs, minlength=classes * classes).reshape(classes, classes)
 

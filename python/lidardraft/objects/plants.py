@@ -24,6 +24,7 @@ from lidardraft.scene.layout import Primitive
 
 _G = 0.5
 _BOUGHS = 6  # ways to branch: an estimate of ours
+_BOUGH_STREAM = 19  # random numbers of a way to branch
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,7 +234,7 @@ def _add_tiers(builder: ObjectBuilder, crown: float, density: float) -> None:
 @lru_cache(maxsize=2 * _BOUGHS)
 def _boughs(form: int, bare: bool) -> MeshTemplate:
     """Boughs in shares of the crown, two thirds of the way to its rim; more and longer ones where it is bare."""
-    rng = np.random.default_rng([form, 19])
+    rng = np.random.default_rng([form, _BOUGH_STREAM])
     count = _BOUGH.count[bare]
     low_foot, spread = _BOUGH.foot
     bars = []

@@ -16,7 +16,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from lidardraft.errors import LayoutError, SensorError
+from lidardraft.errors import LayoutError, LidarDraftError
 from lidardraft.networks.convolution import RangeImageConv, fold, unfold
 from lidardraft.networks.residual import Chain, ResidualBlock
 from lidardraft.networks.weight_file import Network
@@ -32,7 +32,7 @@ _WRAPS = True  # the grid has all azimuths, whatever part of them the sensor see
 class SegmenterConfig:
     """The form of the network: the channels of each stage, which has half the rows and columns of the one before.
 
-    Raises `SensorError` where there is no stage, or the columns of the grid do not pair up.
+    Raises `LidarDraftError` where there is no stage, or the columns of the grid do not pair up.
     """
 
     grid: SphericalGrid = field(default_factory=SphericalGrid)
@@ -40,7 +40,7 @@ class SegmenterConfig:
 
     def __post_init__(self) -> None:
         if not self.widths or self.grid.columns % _CELL[1]:
-            raise SensorError(
+            raise LidarDraftError(
                 f"widths are {self.widths} on {self.grid.columns} columns; it needs one, and even columns"
             )
 

@@ -53,17 +53,24 @@ class Box:
 def box_around(parts: Sequence[Primitive]) -> Box:
     """The box around the parts of one object, with the yaw, id, label and instance of the largest."""
     largest = max(parts, key=lambda part: math.prod(part.size))
+    low, high = corners_around(parts, largest.yaw)
+    u, v, z = ((a + b) / 2 for a, b in zip(low, high, strict=True))
     cos, sin = math.cos(largest.yaw), math.sin(largest.yaw)
-    to_box = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    center = (cos * u - sin * v, sin * u + cos * v, z)
+    size = (high[0] - low[0], high[1] - low[1], high[2] - low[2])
+    return Box(largest.id, largest.label, largest.instance, center, size, largest.yaw)
+
+
+def corners_around(parts: Sequence[Primitive], yaw: float) -> tuple[list[float], list[float]]:
+    """The lowest and the highest corner [3] of the box around shapes, in the layout's frame turned by `yaw`."""
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    low, high = [math.inf] * 3, [-math.inf] * 3
     for part in parts:
-        turn = part.yaw - largest.yaw
-        c, s = abs(math.cos(turn)), abs(math.sin(turn))
+        x, y, z = part.center
         length, width, height = part.size
-        half = 0.5 * np.array([c * length + s * width, s * length + c * width, height])
-        center = to_box @ part.center
-        low, high = np.minimum(low, center - half), np.maximum(high, center + half)
-    center = to_box.T @ ((low + high) / 2)
-    return Box(
-        largest.id, largest.label, largest.instance, tuple(center.tolist()), tuple((high - low).tolist()), largest.yaw
-    )
+        c, s = abs(math.cos(part.yaw - yaw)), abs(math.sin(part.yaw - yaw))
+        middle = (cos * x + sin * y, cos * y - sin * x, z)
+        half = ((c * length + s * width) / 2, (s * length + c * width) / 2, height / 2)
+        low = [min(a, m - h) for a, m, h in zip(low, middle, half, strict=True)]
+        high = [max(a, m + h) for a, m, h in zip(high, middle, half, strict=True)]
+    return low, high

@@ -22,6 +22,7 @@ T = TypeVar("T")
 _FILL = 0.6
 # Where the sub-rays of a ring stand: turned a little, as no two may have one elevation.
 _TURN = 0.17
+_TILT_STREAM = 3  # random numbers of the tilts of a unit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -259,7 +260,7 @@ def beam_tilts(sensor: Sensor, model: SensorModel) -> np.ndarray:
     """
     steps = -np.diff(sensor.elevations)
     step = np.minimum(np.append(steps, np.inf), np.append(np.inf, steps))
-    sampled = np.random.default_rng([model.unit, 3]).standard_normal(len(step))
+    sampled = np.random.default_rng([model.unit, _TILT_STREAM]).standard_normal(len(step))
     tilts: np.ndarray = np.clip(sampled, -2.5, 2.5) * model.tilt_spread * np.minimum(step / math.radians(1.0), 1.0)
     return tilts
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lidardraft.objects.placed_object import Vector
+from lidardraft.scene.box import corners_around
 from lidardraft.scene.layout import Layout, Primitive, object_of
 from lidardraft.semantics import BY_NAME, GROUND
 
@@ -38,15 +39,7 @@ class UprightBox(NamedTuple):
             return cls(x, y, z - part.size[2] / 2, part.yaw, part.size)
         yaw = max(parts, key=lambda part: math.prod(part.size)).yaw
         cos, sin = math.cos(yaw), math.sin(yaw)
-        low, high = [math.inf] * 3, [-math.inf] * 3
-        for part in parts:
-            x, y, z = part.center
-            length, width, height = part.size
-            c, s = abs(math.cos(part.yaw - yaw)), abs(math.sin(part.yaw - yaw))
-            middle = (cos * x + sin * y, cos * y - sin * x, z)
-            half = ((c * length + s * width) / 2, (s * length + c * width) / 2, height / 2)
-            low = [min(a, m - h) for a, m, h in zip(low, middle, half, strict=True)]
-            high = [max(a, m + h) for a, m, h in zip(high, middle, half, strict=True)]
+        low, high = corners_around(parts, yaw)
         u, v = (low[0] + high[0]) / 2, (low[1] + high[1]) / 2
         size = (high[0] - low[0], high[1] - low[1], high[2] - low[2])
         return cls(cos * u - sin * v, sin * u + cos * v, low[2], yaw, size)

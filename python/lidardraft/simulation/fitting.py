@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from lidardraft.objects.cars import BODIES
 from lidardraft.objects.kinds import kind_of
 from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.scene.layout import Primitive
@@ -16,44 +15,9 @@ from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.semantics import CLASSES
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
 
-Extents = tuple[Vector, Vector]
 Build = Callable[[PlacedObject, np.random.Generator], list[Primitive]]
 
 
-def _times(size: Vector, by: float) -> Vector:
-    return size[0] * by, size[1] * by, size[2] * by
-
-
-# Smallest and largest extents [m] that builders are right for, about those that `tests/objects` builds; a box beyond
-# them has a stretched one. Of kinds that are not here, any extents are right.
-EXTENTS: dict[str, Extents] = {
-    **{name: (_times(body.size, 0.5), _times(body.size, 2.0)) for name, body in BODIES.items()},
-    "truck": ((5.5, 2.1, 2.6), (12.0, 2.6, 4.0)),
-    "trailer_truck": ((12.5, 2.3, 3.2), (18.8, 2.6, 4.2)),
-    "bus": ((8.0, 2.3, 2.8), (18.8, 2.6, 3.5)),
-    "tram": ((14.0, 2.2, 3.2), (60.0, 2.7, 3.9)),
-    "bicycle": ((1.5, 0.45, 1.0), (2.0, 0.7, 1.15)),
-    "cyclist": ((1.6, 0.5, 1.5), (1.95, 0.66, 1.95)),
-    "motorcycle": ((1.8, 0.6, 1.05), (2.4, 0.9, 1.3)),
-    "motorcyclist": ((1.9, 0.65, 1.4), (2.4, 0.9, 1.75)),
-    "person": ((0.2, 0.28, 1.0), (1.0, 0.6, 2.0)),
-    "house": ((5.0, 5.0, 4.0), (40.0, 20.0, 14.0)),
-    "block": ((5.0, 5.0, 3.5), (60.0, 40.0, 60.0)),
-    "shed": ((2.4, 2.4, 2.2), (30.0, 20.0, 6.0)),
-    "hedge": ((0.6, 0.3, 0.4), (60.0, 4.0, 5.0)),
-    "fence": ((0.6, 0.05, 0.4), (60.0, 0.4, 3.0)),
-    "mesh_fence": ((1.0, 0.05, 0.6), (60.0, 0.4, 3.0)),
-    "garden_wall": ((0.5, 0.1, 0.35), (60.0, 0.8, 1.6)),
-    "wall": ((1.0, 0.1, 0.7), (60.0, 1.0, 8.0)),
-    "shelter": ((2.4, 1.1, 2.2), (7.0, 2.2, 3.0)),
-    "bin": ((0.35, 0.35, 0.6), (1.3, 1.4, 1.5)),
-    "bench": ((1.0, 0.4, 0.65), (3.0, 0.9, 1.1)),
-    "cabinet": ((0.25, 0.5, 0.7), (0.6, 2.5, 1.8)),
-    "pole": ((0.03, 0.03, 0.3), (1.0, 1.0, 15.0)),
-    "sign": ((0.05, 0.3, 0.5), (0.4, 4.0, 6.0)),
-    "traffic_light": ((0.2, 0.25, 1.0), (0.6, 0.6, 6.0)),
-    "tree": ((0.8, 0.8, 1.5), (20.0, 20.0, 30.0)),
-}
 _PROUD = (0.05, 0.05, 0.0)  # m that trim may stand out of a box: length, width, height
 _MOST_PROUD = 0.6  # m; parts that reach further out, as balconies do, are left out
 _MOST_CUTS = 512
@@ -78,7 +42,7 @@ def fitted(
     it; they have the instances of `coarse`, and a class that it has. `labels` are the classes of the parts that are
     wanted, by default all; `build` takes the place of the kind's own builder.
     """
-    low, high = EXTENTS.get(kind, (box.size, box.size))
+    low, high = kind_of(kind).extents or (box.size, box.size)
     length, width, height = (min(max(extent, a), b) for extent, a, b in zip(box.size, low, high, strict=True))
     size = (length, width, height)
     placed = PlacedObject(

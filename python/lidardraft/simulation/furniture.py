@@ -5,7 +5,7 @@ from __future__ import annotations
 from lidardraft.objects.kinds import KINDS
 from lidardraft.scene.layout import Primitive
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
-from lidardraft.simulation.fitting import EXTENTS, fitted, solid
+from lidardraft.simulation.fitting import fitted, solid
 from lidardraft.simulation.surroundings import Surroundings
 
 _GUESSED = ("bench", "shelter", "bin", "cabinet")  # kinds that a box may be, in this order
@@ -26,5 +26,5 @@ def other(coarse: CoarseObject, _surroundings: Surroundings) -> list[Primitive]:
 
 
 def _is_in(box: UprightBox, kind: str) -> bool:
-    low, high = EXTENTS[kind]
+    low, high = KINDS[kind].extents or (box.size, box.size)
     return all(a <= extent <= b for a, extent, b in zip(low, box.size, high, strict=True))

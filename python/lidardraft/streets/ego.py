@@ -13,7 +13,7 @@ from lidardraft.streets.placement.district import FAST
 from lidardraft.streets.placement.lanes import Lane
 from lidardraft.streets.placement.occupancy import Occupancy
 
-EGO_SIZE = (4.5, 2.2, 1.6)  # m that stay free around the ego vehicle
+EGO_SPACE = (4.5, 2.2, 1.6)  # m that stay free around the ego vehicle
 _WHEELBASE, _TRACK = 2.7, 1.6  # m, as is usual for cars
 
 # Where it is: estimates of ours.
@@ -72,9 +72,9 @@ def sample_ego(occupancy: Occupancy, lanes: tuple[Lane, ...], rng: np.random.Gen
             continue
         x, y, heading = road.at(along, across)
         yaw = math.remainder(heading + angle + rng.normal(0.0, _OFF_LANE), 2 * math.pi)
-        if occupancy.is_free(x, y, yaw, EGO_SIZE):
+        if occupancy.is_free(x, y, yaw, EGO_SPACE):
             return _ego(occupancy, lane, (along, across, angle), (x, y, yaw), rng)
-    raise LayoutError(f"no free place of {EGO_SIZE[0]} x {EGO_SIZE[1]} m for the ego vehicle")
+    raise LayoutError(f"no free place of {EGO_SPACE[0]} x {EGO_SPACE[1]} m for the ego vehicle")
 
 
 def _ego(

@@ -16,6 +16,7 @@ from lidardraft.errors import LayoutError
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import IMAGES, RangeImage
 from lidardraft.scene.scanner import Scanner
+from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.streets.coarse.coarse_layout import Style, coarse_layout, sample_style
@@ -29,6 +30,7 @@ from lidardraft.streets.worker_processes import worker_processes
 _SCAN = ("depth", "label", "instance", "intensity")
 _CONDITION_IMAGE = ("depth", "label", "instance")
 _SIMULATED = _SCAN
+_SCAN_STREAM = 1  # random numbers of a scan, apart from those that made its street
 _Rest = tuple[ShapeTable, np.ndarray, Style, str, float, int]
 
 
@@ -162,11 +164,17 @@ def _pair_in_worker(run: _StreetRun, index: int) -> tuple[list[np.ndarray], _Res
     return images, (pair.shapes, pair.pose, pair.style, pair.district, pair.speed, pair.index)
 
 
+def sample_viewpoint(street: Street, sensor: Sensor, index: int) -> tuple[Ego, np.ndarray, np.random.Generator]:
+    """Where scan number `index` of a street is taken: the ego vehicle, the sensor in its frame [4, 4] (`mount`), and
+    the generator for what follows."""
+    rng = np.random.default_rng([street.seed, index, _SCAN_STREAM])
+    ego = sample_ego(street.occupancy, street.lanes, rng)
+    return ego, mount(sensor, ego, rng), rng
+
+
 def scan_street(street: Street, scanner: Scanner, index: int) -> tuple[Ego, VisibleObjects, np.random.Generator]:
     """Scan number `index` of a street: where it is taken, what it sees, and the generator for what follows."""
-    rng = np.random.default_rng([street.seed, index, 1])
-    ego = sample_ego(street.occupancy, street.lanes, rng)
-    pose = mount(scanner.sensor, ego, rng)
+    ego, pose, rng = sample_viewpoint(street, scanner.sensor, index)
     poses = scanner.sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
     scan = scanner.observe(scanner.cast(ego.pose @ poses, seed=index), rng)
     coarse = street.coarse

@@ -56,7 +56,8 @@ class DenoisingConfig(LearningConfig):
     A batch holds `batch` whole scans of 64 x 1024, fewer of larger ones, mirrored half the time. The first
     `zero_conv_steps` change the ControlNet's zero convolutions alone. Every `watch_every` steps (0: never) two fixed
     unseen streets are sampled, and a network that does not heed its condition is told (`AdherenceWatch`). ln sigma is
-    normal with `sigma_mean` and `sigma_std`. The other fields are those of `LearningConfig`.
+    normal with `sigma_mean` and `sigma_std`: estimates of ours near the -1.2 and 1.2 of Karras et al. (NeurIPS 2022,
+    Table 1), somewhat wider. The other fields are those of `LearningConfig`.
     """
 
     denoiser: DenoiserConfig

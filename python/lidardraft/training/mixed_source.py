@@ -14,6 +14,8 @@ from lidardraft.training.denoising import PairSource
 from lidardraft.training.pairs import Pair
 from lidardraft.training.processes import ALONE, Processes
 
+_CHOICE_STREAM = 5  # random numbers that choose a source
+
 
 @dataclass(frozen=True)
 class MixedSource:
@@ -61,5 +63,5 @@ class MixedSource:
     def pairs(self, step: int, scans: int, processes: Processes = ALONE) -> list[Pair]:
         """Those of one source, drawn by the weights: the same for a step."""
         shares = np.array(self.weights) / sum(self.weights)
-        chosen = np.random.default_rng([step, 5]).choice(len(self.sources), p=shares)
+        chosen = np.random.default_rng([step, _CHOICE_STREAM]).choice(len(self.sources), p=shares)
         return self.sources[int(chosen)].pairs(step, scans, processes)

@@ -13,6 +13,7 @@ from torch import Tensor
 from torch.nn import functional
 
 from lidardraft.errors import TrainingError
+from lidardraft.networks.precision import reduced_precision
 from lidardraft.perception.segmenter import Segmenter, SegmenterConfig
 from lidardraft.perception.spherical_grid import features
 from lidardraft.semantics import NUM_CLASSES
@@ -67,7 +68,7 @@ def train_segmenter(
 
     def loss(_: int, batch: Batch) -> tuple[Tensor, Measures]:
         x, target = batch
-        with torch.autocast(on.type, dtype=torch.bfloat16, enabled=on.type == "cuda"):
+        with reduced_precision(on):
             logits = segmenter(x)
         right = (logits.argmax(1) + 1 == target)[target > 0]
         return segmentation_loss(logits.float(), target, weights), {"accuracy": right.float()}

@@ -17,6 +17,7 @@ from lidardraft.training.processes import ALONE, Processes
 from lidardraft.training.sampled_sensor import sample_sensor
 
 _POSES = 2  # of a street: a network learns more from another street than from another look at one
+_SENSOR_STREAM = 11  # random numbers of a step's sensor
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +57,7 @@ class StreetSource:
     def pairs(self, step: int, scans: int, processes: Processes = ALONE) -> list[Pair]:
         """Pairs of one sensor, as many as `scans` of 64 x 1024 are worth: the same for a step; of several processes,
         this one's."""
-        sensor = self.sensor or sample_sensor(np.random.default_rng([self.seed, step, 11]))
+        sensor = self.sensor or sample_sensor(np.random.default_rng([self.seed, step, _SENSOR_STREAM]))
         config = StreetConfig(sensor=sensor, poses_per_street=_POSES, simulated=True)
         pairs = []
         for number in processes.share(scans_of_step(scans, sensor)):

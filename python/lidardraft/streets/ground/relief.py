@@ -61,7 +61,7 @@ class Relief:
         self._bank = (
             math.copysign(min(_BANKED, _BANKED_EACH * abs(road.curvature)), -road.curvature) if outside else 0.0
         )
-        self._length = 2 * math.pi / rng.uniform(*_WAVELENGTHS)
+        self._wavenumbers = 2 * math.pi / rng.uniform(*_WAVELENGTHS)
         self._rise = np.clip(rng.normal(0.0, land.grade, 2) * _WAVES, -0.5 * _STEEPEST, 0.5 * _STEEPEST)
         self._phase = rng.uniform(0.0, 2 * math.pi, 2)
         self.hillside = np.clip(rng.normal(0.0, land.hillside, 2), -_STEEPEST_HILL, _STEEPEST_HILL)
@@ -72,7 +72,7 @@ class Relief:
 
     def grade(self, along: float) -> float:
         """The slope of the road along itself."""
-        return float((self._rise * np.cos(self._length * along + self._phase)).sum())
+        return float((self._rise * np.cos(self._wavenumbers * along + self._phase)).sum())
 
     def heights(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
         """Heights [m] of points whose coordinates broadcast; near 0 at (0, 0)."""
@@ -94,8 +94,8 @@ class Relief:
 
     def _profile(self, along: np.ndarray) -> np.ndarray:
         height = 0.0
-        for rise, length, phase in zip(self._rise, self._length, self._phase, strict=True):
-            height = height + rise / length * (np.sin(length * along + phase) - math.sin(phase))
+        for rise, wavenumber, phase in zip(self._rise, self._wavenumbers, self._phase, strict=True):
+            height = height + rise / wavenumber * (np.sin(wavenumber * along + phase) - math.sin(phase))
         return np.asarray(height)
 
     def _crossfall(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
