@@ -49,7 +49,21 @@ def test_a_face_is_extruded() -> None:
 
 def test_vertices_are_deleted_with_their_faces() -> None:
     script = NEW + "bmesh.ops.create_cube(bm)\nbmesh.ops.delete(bm, geom=bm.verts[:1], context='VERTS')\n"
-    with_car(script + "assert len(bm.verts) == 7 and len(bm.faces) == 12 - 6 or len(bm.faces) < 12" + END)
+    with_car(script + "assert len(bm.verts) == 7 and len(bm.faces) == 3" + END)
+
+
+def test_faces_are_deleted_with_the_vertices_of_no_other_one() -> None:
+    two = "bmesh.ops.create_grid(bm, size=1)\nbmesh.ops.create_cube(bm)\n"
+    with_car(
+        NEW + two + "bmesh.ops.delete(bm, geom=[bm.faces[0]], context='FACES')\n"
+        "assert len(bm.verts) == 8 and len(bm.faces) == 6\n"
+        "bmesh.ops.delete(bm, geom=[bm.faces[0]], context='FACES')\n"
+        "assert len(bm.verts) == 8 and len(bm.faces) == 5" + END
+    )
+    with_car(
+        NEW + two + "bmesh.ops.delete(bm, geom=[bm.faces[0]], context='FACES_ONLY')\n"
+        "assert len(bm.verts) == 12 and len(bm.faces) == 6" + END
+    )
 
 
 @pytest.mark.parametrize(

@@ -30,9 +30,24 @@ def test_what_is_removed_is_gone() -> None:
     assert primitive_mesh(box).faces.shape == (10, 3)
 
 
+def test_edges_are_those_of_the_faces() -> None:
+    with_car(
+        NEW + "bm.from_mesh(car.data)\nassert len(bm.edges) == 12\nupright = 0\nfor e in bm.edges:\n"
+        "    a, b = e.verts\n    assert e.calc_length() == 1 and isinstance(e, bmesh.types.BMEdge)\n"
+        "    upright += a.co.z != b.co.z\nassert upright == 4\nbm.edges.ensure_lookup_table()\n"
+        "assert bm.edges[0].verts[0] in bm.verts[:] and len(bm.edges[:3]) == 3"
+    )
+
+
 @pytest.mark.parametrize(
     ("script", "said"),
     [
+        (
+            "other = bmesh.new()\nv = [other.verts.new((k, k * k, 0)) for k in range(3)]\nbm.faces.new(v)\n"
+            "bm.to_mesh(car.data)",
+            "line 11: a face of a BMesh has a vertex that has been removed, or is one of another BMesh",
+        ),
+        ("bm.edges[0]", "`edges` of a BMesh has no place 0"),
         ("bm.faces.new([bm.verts.new((0, 0, 0))] * 3)", "a face of 1 vertices; it needs 3 or more, each once"),
         ("bm.faces.new([1, 2, 3])", "a face of what is no vertex"),
         ("bm.verts[0]", "`verts` of a BMesh has no place 0"),

@@ -34,8 +34,31 @@ def test_the_number_of_vertices_is_known_before_they_are_made(name: str) -> None
     shape, _ = CLOSED[name]
     vertices, faces = shape.triangles()
     assert len(vertices) == shape.vertices
-    if name != "cone":  # whose tip is a ring without extent
-        assert TriangleMesh(vertices, faces).is_closed()
+    assert TriangleMesh(vertices, faces).is_closed()
+
+
+@pytest.mark.parametrize(
+    ("shape", "vertices", "polygons"),
+    [
+        (shapes.cube(1.0), 8, 6),
+        (shapes.grid(1.0, 3, 2), 12, 6),
+        (shapes.cone(1.0, 1.0, 2.0, 32), 64, 34),
+        (shapes.cone(1.0, 0.0, 2.0, 32), 33, 33),
+        (shapes.cone(0.0, 1.0, 2.0, 32, capped=False), 33, 32),
+        (shapes.sphere(1.0, 32, 16), 482, 512),
+        (shapes.icosphere(1.0, 2), 42, 80),
+        (shapes.torus(1.0, 0.25, 48, 12), 576, 576),
+    ],
+)
+def test_vertices_and_polygons_are_as_many_as_in_blender(shape: MeshShape, vertices: int, polygons: int) -> None:
+    places, faces = shape.make()
+    assert (len(places), sum(map(len, faces)), shape.vertices) == (vertices, polygons, vertices)
+
+
+def test_a_cone_may_stand_on_its_tip() -> None:
+    assert volume(shapes.cone(0.0, 1.0, 3.0, 64)) == pytest.approx(math.pi, rel=0.02)
+    vertices, faces = shapes.cone(0.0, 1.0, 3.0, 64).triangles()
+    assert TriangleMesh(vertices, faces).is_closed()
 
 
 def test_round_shapes_of_few_corners_are_meshes() -> None:

@@ -14,6 +14,32 @@ def test_an_array_makes_a_row_of_objects() -> None:
     assert {primitive.size for primitive in layout} == {(4, 2, 1.5)}
 
 
+@pytest.mark.parametrize("name", ["Car_1", "Car.001", "Car_1_Body"])
+def test_what_an_array_makes_shares_nothing_with_other_objects(name: str) -> None:
+    layout = scene(
+        CUBE + f"car.name = '{name}'\ncar['id'], car['instance'] = 'first', 7\n"
+        "car.modifiers.new('Row', 'ARRAY').count = 3\n"
+        "bpy.ops.mesh.primitive_cube_add()\nbpy.context.object.name = 'Car_2'\n"
+    )
+    assert [primitive.id for primitive in layout] == ["first", "first_array001", "first_array002", "Car_2"]
+    assert layout["first"].instance == 7
+    assert len({primitive.instance for primitive in layout}) == 4
+
+
+def test_parts_that_have_arrays_belong_to_one_object_each() -> None:
+    row = ".modifiers.new('Row', 'ARRAY')\nm.count, m.use_relative_offset, m.use_constant_offset = 2, False, True\n"
+    layout = scene(
+        CUBE + f"car.name = 'Car_1_Body'\nm = car{row}bpy.ops.mesh.primitive_cube_add()\n"
+        f"bpy.context.object.name = 'Car_1_Wheel'\nm = bpy.context.object{row}"
+    )
+    assert [(primitive.id, primitive.instance) for primitive in layout] == [
+        ("Car_1.Body", 1),
+        ("Car_1_array001.Body", 2),
+        ("Car_1.Wheel", 1),
+        ("Car_1_array001.Wheel", 2),
+    ]
+
+
 def test_arrays_of_arrays_and_constant_offsets() -> None:
     layout = scene(
         CUBE + "bpy.ops.object.modifier_add(type='ARRAY')\nm = car.modifiers['Array']\nm.use_relative_offset = False\n"

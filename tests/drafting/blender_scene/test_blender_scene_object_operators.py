@@ -81,3 +81,12 @@ def test_a_turn_by_a_quarter_keeps_a_box() -> None:
     car = with_car(f"car.scale = (2, 1, 4)\ncar.rotation_euler = (0, {math.pi / 2}, 0)")
     assert car.shape == "box"
     assert car.size == pytest.approx((4, 1, 2))
+
+
+def test_a_copy_is_moved() -> None:
+    layout = scene(
+        CUBE + "bpy.ops.object.duplicate_move(TRANSFORM_OT_translate={'value': (6, 0, 0)})\n"
+        "getattr(bpy.ops.object, 'duplicate_move')(OBJECT_OT_duplicate={'linked': True})\n"
+    )
+    assert [primitive.center[0] for primitive in layout] == [5, 11, 11]
+    refuses("bpy.ops.object.duplicate_move(TRANSFORM_OT_translate=1)", "what transform.translate gets is 1; it must be")

@@ -22,6 +22,9 @@ from script_reading import agrees, refuses
         "assert list(filter(None, [0, 1, 2])) == [1, 2] and list(filter(lambda x: x > 1, [0, 1, 2])) == [2]",
         "assert len(set([1, 1, 2])) == 2 and 1 in {1, 2}",
         "assert print('x', end='') is None",
+        "class A:\n    x = 1\n    def f(self):\n        return 2\n"
+        "assert getattr(A(), 'x') == 1 and getattr(A(), 'f')() == 2 and getattr(A(), 'y', 3) == 3",
+        "assert getattr('ab', 'upper')() == 'AB'",
     ],
 )
 def test_they_give_what_pythons_do(script: str) -> None:
@@ -40,7 +43,7 @@ def test_they_give_what_pythons_do(script: str) -> None:
         ("min()", "min: "),
         ("zip([1], [1, 2], strict=True)", "not of the same length"),
         ("dict(1)", "1 cannot be looped over"),
-        ("getattr(1, 'a')", "the name 'getattr' is not known"),
+        ("getattr(1, 'a')", "1 has no 'a' that is read"),
     ],
 )
 def test_wrong_arguments_are_named(script: str, said: str) -> None:

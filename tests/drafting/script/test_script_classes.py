@@ -30,6 +30,20 @@ from script_reading import agrees, refuses
         "in K] == ['CAR', 'BUS']",
         "from typing import NamedTuple\nclass P(NamedTuple):\n    x: int\n    y: int = 2\na, b = P(1)\n"
         "assert (a, b) == (1, 2)",
+        "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n    x: int\n    y: tuple = ()\n"
+        "@dataclass(frozen=True)\nclass B(A):\n    pass\n"
+        "assert A(1) == A(1) and A(1) != A(2) and A(1) != B(1) and A(1) in [A(1)] and A(1) != 1",
+        "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n    x: int\n"
+        "assert {A(1): 5}[A(1)] == 5 and len({A(1), A(1), A(2)}) == 2",
+        "from collections import namedtuple\nP = namedtuple('P', 'x y')\n"
+        "assert P(1, 2) == P(1, 2) == (1, 2) and (1, 2) == P(1, 2) and P(1, 2) != P(2, 1)\n"
+        "assert {P(1, 2): 5}[P(1, 2)] == 5 and {P(1, 2): 5}[(1, 2)] == 5",
+        "from enum import IntEnum, Enum\nclass E(IntEnum):\n    A = 1\nclass F(Enum):\n    A = 1\n"
+        "assert E.A == 1 and 1 == E.A and F.A != 1 and f'{E.A}' == '1' and str(F.A) == 'F.A'",
+        "class A:\n    def __str__(self):\n        return 'Tree_1'\n    def __repr__(self):\n        return 'A()'\n"
+        "assert f'{A()}' == str(A()) == 'Tree_1' and '%s' % A() == 'Tree_1' and repr(A()) == f'{A()!r}' == 'A()'\n"
+        "assert str([A()]) == '[A()]'",
+        "class A:\n    def __repr__(self):\n        return 'A()'\nclass B(A):\n    pass\nassert str(B()) == 'A()'",
         "class A:\n    pass\na, b = A(), A()\nassert a == a and a != b and a in [b, a] and len({a: 1, b: 2}) == 2",
     ],
 )
@@ -58,6 +72,12 @@ def test_they_are_what_python_makes_of_them(script: str) -> None:
         ),
         ("from dataclasses import dataclass\n@dataclass\nclass A:\n    x: int\nA(1, 2)", "other arguments than x", 5),
         ("from enum import Enum\nclass K(Enum):\n    A = 1\nK(2)", "the class K has no such member", 4),
+        (
+            "class A:\n    def __str__(self):\n        return 1\nstr(A())",
+            "what __str__ gives is 1; it must be a text",
+            4,
+        ),
+        ("class A:\n    def __str__(self):\n        return str(self)\nstr(A())", "levels deep", 3),
         ("super().f()", r"super\(\) outside of a method", 1),
     ],
 )

@@ -17,6 +17,17 @@ from script_reading import agrees, refuses
         "def f():\n    try:\n        return 1\n    finally:\n        x = 2\nassert f() == 1",
         "x = []\ntry:\n    try:\n        raise KeyError\n    finally:\n        x.append(1)\nexcept KeyError:\n"
         "    x.append(2)\nassert x == [1, 2]",
+        "try:\n    x = 1 / 0\nexcept ZeroDivisionError as e:\n    x = str(e)\nassert x == 'division by zero'",
+        "try:\n    x = 1 % 0\nexcept ArithmeticError:\n    x = 1\nassert x == 1",
+        "try:\n    x = int('a')\nexcept (ValueError, TypeError):\n    x = 1\nassert x == 1",
+        "try:\n    [].pop()\nexcept IndexError:\n    x = 1\nassert x == 1",
+        "try:\n    {}.pop('a')\nexcept KeyError:\n    x = 1\nassert x == 1",
+        "try:\n    a, b = [1]\nexcept ValueError:\n    x = 1\nassert x == 1",
+        "try:\n    [1].index(2)\nexcept ValueError:\n    x = 1\nassert x == 1",
+        "try:\n    raise ValueError('too short: %d' % 3)\nexcept ValueError as e:\n    x = f'{e}'\n"
+        "assert x == 'too short: 3'",
+        "x = []\ntry:\n    try:\n        {}['a']\n    except KeyError:\n        x.append(1)\n        raise\n"
+        "except KeyError:\n    x.append(2)\nassert x == [1, 2]",
     ],
 )
 def test_what_python_catches_is_caught(script: str) -> None:
@@ -30,6 +41,8 @@ def test_what_python_catches_is_caught(script: str) -> None:
         ("try:\n    import os\nexcept Exception:\n    pass", "import of os", 2),
         ("try:\n    while True:\n        pass\nexcept:\n    pass", "more than 150", 3),
         ("try:\n    x = 1\nfinally:\n    raise ValueError", "the script ends itself here", 4),
+        ("x = 1\nraise ValueError('the street is too short')", "ValueError: 'the street is too short'", 2),
+        ("def f(x):\n    pass\ntry:\n    f()\nexcept TypeError:\n    pass", "is not given 'x'", 4),
         ("raise", "the script ends itself here", 1),
     ],
 )

@@ -14,6 +14,14 @@ from script_reading import agrees, reads, refuses
         "assert p.x + p[1] == a + b == 3",
         "from functools import partial, reduce\nf = partial(max, 5, key=abs)\nassert f(3) == 5\n"
         "assert reduce(lambda a, b: a * b, [2, 3, 4]) == 24 and reduce(lambda a, b: a + b, [], 7) == 7",
+        "from collections import Counter\nc = Counter({'a': 2})\nc.update(['a', 'b'])\nc.update({'b': 5})\n"
+        "assert c['a'] == 3 and c['b'] == 6 and c['none'] == 0 and 'none' not in c\n"
+        "assert c.most_common(1) == [('b', 6)] and c.most_common() == [('b', 6), ('a', 3)] and sum(c.values()) == 9",
+        "from collections import deque\nd = deque([1, 2, 3])\nd.append(4)\nd.appendleft(0)\n"
+        "assert d.popleft() == 0 and d.pop() == 4 and len(d) == 3 and list(d) == [1, 2, 3] and d[-1] == 3",
+        "from functools import cache, lru_cache\nmade = []\n@lru_cache(maxsize=None)\ndef f(x, y=1):\n"
+        "    made.append(x)\n    return x + y\n@cache\ndef g(x):\n    made.append(x)\n    return -x\n"
+        "assert f(1) == f(1) == 2 and f(1, y=2) == 3 and g(5) == g(5) == -5 and made == [1, 1, 5]",
         "from abc import ABC, abstractmethod\nclass A(ABC):\n    @abstractmethod\n    def f(self):\n        pass\n"
         "class B(A):\n    def f(self):\n        return 1\nassert B().f() == 1",
     ],
@@ -27,7 +35,9 @@ def test_the_clock_stands_still() -> None:
 
 
 def test_what_they_refuse() -> None:
-    refuses("from functools import lru_cache", "functools.lru_cache is not read")
+    refuses("[1].popleft()", "a list has no 'popleft' that is read")
+    refuses("from functools import singledispatch", "functools.singledispatch is not read")
+    refuses("from functools import cache\n@cache\ndef f(x):\n    pass\nf([])", "of what cannot be a key", 5)
     refuses("from collections import namedtuple\nnamedtuple('A', '_x')", "namedtuple of '_x' is not read", 2)
     refuses("from functools import reduce\nreduce(max, [])", "reduce of nothing", 2)
     refuses("import time\ntime.sleep(1)", "time.sleep is not read", 2)

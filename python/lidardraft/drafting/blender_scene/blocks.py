@@ -148,7 +148,7 @@ class Block(Record):
 
     def item(self, key: Value) -> Value:
         if key not in self.properties if isinstance(key, str) else True:
-            raise RefusalError(f"{self.kind} {self.name!r:.60} has no property {describe(key)}")
+            raise RaisedError("KeyError", f"{self.kind} {self.name!r:.60} has no property {describe(key)}")
         return self.properties[key]
 
     def set_item(self, key: Value, value: Value) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from lidardraft.drafting.blender_scene.bmesh_operators import bmesh_operators
-from lidardraft.drafting.blender_scene.edited_mesh import EditedFace, EditedMesh, EditedVertex
+from lidardraft.drafting.blender_scene.edited_mesh import EditedEdge, EditedFace, EditedMesh, EditedVertex
 from lidardraft.drafting.blender_scene.meshes import Mesh
 from lidardraft.drafting.blender_scene.scene import Scene
 from lidardraft.drafting.script.limits import RefusalError
@@ -34,7 +34,7 @@ def bmesh_module(scene: Scene) -> Namespace:
         "update_edit_mesh": lambda mesh, **_: edited(mesh) and None,
     }
     values: dict[str, Value] = {name: Builtin(f"bmesh.{name}", function) for name, function in functions.items()}
-    kinds = {"BMVert": EditedVertex, "BMFace": EditedFace, "BMesh": EditedMesh, "BMEdge": Namespace}
+    kinds = {"BMVert": EditedVertex, "BMFace": EditedFace, "BMesh": EditedMesh, "BMEdge": EditedEdge}
     values["types"] = Namespace("bmesh.types", {name: KindOfRecord(kind) for name, kind in kinds.items()})
     operators = bmesh_operators(scene.note)
     values["ops"] = Namespace("bmesh.ops", {name: Builtin(f"bmesh.ops.{name}", f) for name, f in operators.items()})

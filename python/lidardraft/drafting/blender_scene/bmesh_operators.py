@@ -134,9 +134,16 @@ def _cuts() -> dict[str, Callable[..., Value]]:
         gone = set(elements(geom, _mesh(bm).budget))
         if context not in ("VERTS", "FACES", "FACES_ONLY"):
             raise RefusalError(f"delete in the context {describe(context)} is not read")
-        bm.budget.take_steps(len(bm.faces) + len(bm.vertices))
-        bm.faces = [face for face in bm.faces if face not in gone and not gone.intersection(face.corners)]
-        bm.vertices = [vertex for vertex in bm.vertices if context != "VERTS" or vertex not in gone]
+        bm.budget.take_steps(3 * len(bm.faces) + len(bm.vertices))
+        if context == "VERTS":
+            bm.faces = [face for face in bm.faces if not gone.intersection(face.corners)]
+        else:
+            lost = [face for face in bm.faces if face in gone]
+            bm.faces = [face for face in bm.faces if face not in gone]
+            # With its faces go the vertices of no other one; FACES_ONLY leaves them.
+            kept = {corner for face in bm.faces for corner in face.corners}
+            gone = {corner for face in lost for corner in face.corners} - kept if context == "FACES" else set()
+        bm.vertices = [vertex for vertex in bm.vertices if vertex not in gone]
 
     return {"extrude_face_region": extrude_face_region, "delete": delete}
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 from lidardraft.drafting.blender_scene.blocks import Block, Blocks
 from lidardraft.drafting.blender_scene.objects import Objects, SceneObject
-from lidardraft.drafting.script.limits import RefusalError
+from lidardraft.drafting.script.limits import RaisedError, RefusalError
 from lidardraft.drafting.script.values import Builtin, Record, Value, describe
 
 
@@ -56,12 +56,12 @@ class LinkedObjects(Record):
         if not isinstance(item, SceneObject):
             raise RefusalError(f"{describe(item)} is no object")
         if self._collection in item.collections:
-            raise RefusalError(f"the object {item.name!r:.60} is in this collection already")
+            raise RaisedError("RuntimeError", f"the object {item.name!r:.60} is in this collection already")
         item.collections[self._collection] = None
 
     def _unlink(self, item: Value) -> None:
         if not isinstance(item, SceneObject) or self._collection not in item.collections:
-            raise RefusalError(f"{describe(item)} is not in this collection")
+            raise RaisedError("RuntimeError", f"{describe(item)} is not in this collection")
         del item.collections[self._collection]
 
     def attribute(self, name: str) -> Value:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -72,6 +73,28 @@ class EditedFace(Record):
         return np.asarray(normal / length if length else normal)
 
 
+class EditedEdge(Record):
+    """An edge between two vertices."""
+
+    kind = "a BMEdge"
+    is_key = True
+    weight = 2
+
+    def __init__(self, verts: tuple[EditedVertex, EditedVertex]) -> None:
+        self.verts = verts
+
+    def attribute(self, name: str) -> Value:
+        if name == "verts":
+            return list(self.verts)
+        if name == "calc_length":
+            return Builtin(name, lambda: math.dist(*(vertex.place.numbers for vertex in self.verts)))
+        return super().attribute(name)
+
+    def set_attribute(self, name: str, value: Value) -> None:
+        if name not in _LOOKS:
+            super().set_attribute(name, value)
+
+
 class EditedMesh(Record):
     """`bmesh.types.BMesh`."""
 
@@ -86,7 +109,9 @@ class EditedMesh(Record):
     def attribute(self, name: str) -> Value:
         if name in ("verts", "faces"):
             return EditedElements(self, name)
-        if name in ("edges", "loops", "select_history", "select_mode"):
+        if name == "edges":
+            return EditedEdges(self)
+        if name in ("loops", "select_history", "select_mode"):
             return Unread(f"{name} of a BMesh", self._note)
         methods: dict[str, Callable[..., Value]] = {
             "to_mesh": self.to_mesh,
@@ -98,6 +123,17 @@ class EditedMesh(Record):
             "copy": self.copy,
         }
         return Builtin(name, methods[name]) if name in methods else super().attribute(name)
+
+    def edges(self) -> list[EditedEdge]:
+        """The edges of its faces; those of no face are in no shape."""
+        sides = sum(len(face.corners) for face in self.faces)
+        self.budget.take_steps(2 * sides)
+        self.budget.take_cells(_CELLS * sides)
+        found: dict[frozenset[EditedVertex], tuple[EditedVertex, EditedVertex]] = {}
+        for face in self.faces:
+            for pair in zip(face.corners, face.corners[1:] + face.corners[:1], strict=True):
+                found.setdefault(frozenset(pair), pair)
+        return [EditedEdge(pair) for pair in found.values()]
 
     def charge(self, count: int) -> None:
         """Count so many vertices and faces, before they are made."""
@@ -138,6 +174,8 @@ class EditedMesh(Record):
 
     def _corners(self) -> list[list[int]]:
         number = {vertex: place for place, vertex in enumerate(self.vertices)}
+        if any(corner not in number for face in self.faces for corner in face.corners):
+            raise RefusalError("a face of a BMesh has a vertex that has been removed, or is one of another BMesh")
         return [[number[corner] for corner in face.corners] for face in self.faces]
 
     def shape(self) -> MeshShape | None:
@@ -162,6 +200,29 @@ class EditedMesh(Record):
             vertices, polygons = mesh.shape.make()
             faces = [face for each in polygons for face in each.tolist()]
             self.add(vertices @ mesh.matrix[:3, :3].T + mesh.matrix[:3, 3], faces)
+
+
+class EditedEdges(Record):
+    """The edges of a mesh that is being edited."""
+
+    kind = "`edges` of a BMesh"
+
+    def __init__(self, mesh: EditedMesh) -> None:
+        self._mesh = mesh
+
+    def elements(self) -> list[Value]:
+        return list(self._mesh.edges())
+
+    def attribute(self, name: str) -> Value:
+        if name not in ("new", "ensure_lookup_table", "index_update"):
+            return super().attribute(name)
+        return Builtin(f"edges.{name}", lambda *_: None)  # an edge of no face is in no shape
+
+    def item(self, key: Value) -> Value:
+        edges = self._mesh.edges()
+        if not isinstance(key, slice) and (not isinstance(key, int) or not -len(edges) <= key < len(edges)):
+            raise RefusalError(f"{self.kind} has no place {describe(key)}")
+        return edges[key]
 
 
 class EditedElements(Record):

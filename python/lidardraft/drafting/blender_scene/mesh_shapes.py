@@ -82,6 +82,11 @@ def cone(radius: float, top_radius: float, depth: float, corners: int, *, capped
     def make() -> tuple[np.ndarray, Polygons]:
         low, high = _ring(radius, corners, -depth / 2), _ring(top_radius, corners, depth / 2)
         ring = np.arange(corners)
+        if (radius == 0) != (top_radius == 0):  # one vertex is the tip
+            base, tip = (low, high[:1]) if top_radius == 0 else (high, low[:1])
+            around = np.stack([ring, np.roll(ring, -1), np.full(corners, corners)], axis=1)
+            sides = [around, ring[None, ::-1]] if capped else [around]
+            return np.concatenate([base, tip]), sides if top_radius == 0 else [side[:, ::-1] for side in sides]
         polygons = [_band(ring, ring + corners)]
         if capped:
             polygons.append(np.stack([ring[::-1], ring + corners]))
@@ -89,7 +94,8 @@ def cone(radius: float, top_radius: float, depth: float, corners: int, *, capped
 
     is_round = corners >= _ROUND_CIRCLE and radius == top_radius and capped
     across = 2 * abs(radius)
-    return MeshShape("cylinder" if is_round else "mesh", (across, across, abs(depth)), 2 * corners, make)
+    count = corners + 1 if (radius == 0) != (top_radius == 0) else 2 * corners
+    return MeshShape("cylinder" if is_round else "mesh", (across, across, abs(depth)), count, make)
 
 
 def sphere(radius: float, segments: int, rings: int) -> MeshShape:

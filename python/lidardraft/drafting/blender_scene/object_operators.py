@@ -22,7 +22,19 @@ _STEPS = 30  # that an object costs
 
 def object_operators(scene: Scene) -> dict[str, Callable[..., Value]]:
     """The operators by their names behind `bpy.ops.`."""
-    return _selecting(scene) | _making(scene) | _transforming(scene) | _joining(scene)
+    operators = _selecting(scene) | _making(scene) | _transforming(scene) | _joining(scene)
+
+    def duplicate_move(OBJECT_OT_duplicate: Value = None, TRANSFORM_OT_translate: Value = None, **_: Value) -> Value:
+        for name, given in (
+            ("object.duplicate", OBJECT_OT_duplicate),
+            ("transform.translate", TRANSFORM_OT_translate),
+        ):
+            if not isinstance(given, dict | None):
+                raise RefusalError(f"what {name} gets is {describe(given)}; it must be a dict")
+            operators[name](**(given or {}))
+        return _DONE
+
+    return operators | {"object.duplicate_move": duplicate_move}
 
 
 def _selecting(scene: Scene) -> dict[str, Callable[..., Value]]:

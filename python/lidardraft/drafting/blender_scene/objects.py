@@ -90,6 +90,7 @@ class SceneObject(Block):
         self.modifiers = Modifiers(owner.note)
         self.mode = "XYZ"
         self.line = owner.line()
+        self.suffix = ""  # of its id, where it is what an array has made of another object
 
     def local(self) -> np.ndarray:
         """parent_from_object [4, 4], without the inverse of the parent."""

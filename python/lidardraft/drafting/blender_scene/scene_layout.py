@@ -92,7 +92,11 @@ def _copies(scene: Scene, item: SceneObject) -> list[SceneObject]:
             raise RefusalError(f"more than {scene.objects.budget.limits.objects} objects", item.line)
         scene.objects.budget.take_steps(_STEPS)
         other = copy.copy(item)
-        other.name = item.name if number == 0 else f"{item.name}.array{number:03}"
+        if number:  # an object of its own: with an id and an instance of its own
+            other.suffix = f"_array{number:03}"
+            other.properties = {name: value for name, value in item.properties.items() if name != "instance"}
+            if isinstance(given := other.properties.get("id"), str):
+                other.properties["id"] = given + other.suffix
         other.location = Vector((item.local() @ [*offset, 1.0])[:3].tolist() if number else item.location.numbers)
         found.append(other)
     return found
@@ -121,8 +125,8 @@ def _whole_and_part(item: SceneObject, label: str, classes: Mapping[str, str]) -
     match = _NUMBERED_PART.fullmatch(top.name[:200])
     whole = match.group(1) if match else top.name
     if item is top:
-        return whole, match.group(2) if match else ""
-    return whole, item.name.removeprefix(whole).lstrip("._ -") or item.name
+        return whole + item.suffix, match.group(2) if match else ""
+    return whole + item.suffix, item.name.removeprefix(whole).lstrip("._ -") or item.name
 
 
 class _Instances:

@@ -7,7 +7,7 @@ import operator
 from collections.abc import Callable
 
 from lidardraft.drafting.script.formatting import percent_format
-from lidardraft.drafting.script.limits import Budget, RefusalError
+from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
 from lidardraft.drafting.script.values import Record, Value, checked, describe, is_number, truth
 
 _LONGEST_SHIFT = 64
@@ -43,6 +43,8 @@ def binary(kind: type[ast.operator], left: Value, right: Value, budget: Budget) 
     if isinstance(left, Record):
         budget.take_steps(left.weight)
         return left.binary(kind, right)
+    if kind is ast.Mod and isinstance(left, str):
+        return percent_format(left, right, budget)
     if isinstance(right, Record):
         budget.take_steps(right.weight)
         return right.binary(kind, left, reflected=True)
@@ -57,8 +59,6 @@ def binary(kind: type[ast.operator], left: Value, right: Value, budget: Budget) 
         if isinstance(left, str | list | tuple) and isinstance(right, int):
             _take(len(left) * max(right, 0), left, budget)
             return left * right
-    if kind is ast.Mod and isinstance(left, str):
-        return percent_format(left, right, budget)
     raise RefusalError(f"{describe(left)} and {describe(right)} cannot be calculated with so")
 
 
@@ -72,8 +72,10 @@ def _of_numbers(kind: type[ast.operator], left: Value, right: Value) -> Value:
         raise RefusalError(f"a shift by {right} bits")
     try:
         return checked(_NUMBERS[kind](left, right))
-    except (ArithmeticError, ValueError, TypeError) as error:
+    except TypeError as error:
         raise RefusalError(f"{error}") from None
+    except (ArithmeticError, ValueError) as error:
+        raise RaisedError(type(error).__name__, f"{error}") from None
 
 
 def _take(count: int, value: Value, budget: Budget) -> None:
@@ -115,6 +117,8 @@ def _ordered(order: Callable[[Value, Value], bool], left: Value, right: Value) -
 
 def equal(left: Value, right: Value, budget: Budget, level: int = 0) -> bool:
     """Whether two values are equal; lists and the like by their elements, a limited way down."""
+    left = left.compared_as() if isinstance(left, Record) else left
+    right = right.compared_as() if isinstance(right, Record) else right
     if isinstance(left, Record):
         return left.equals(right)
     if isinstance(right, Record):

@@ -9,8 +9,8 @@ from lidardraft.drafting.script.arithmetic import is_key
 from lidardraft.drafting.script.classes import BoundMethod, Instance, ScriptClass
 from lidardraft.drafting.script.formatting import to_text
 from lidardraft.drafting.script.frame import Function
-from lidardraft.drafting.script.iterators import Endless, Iterator, iterator, next_value
-from lidardraft.drafting.script.limits import Budget, RefusalError
+from lidardraft.drafting.script.iterators import Endless, Iterator, going, iterator, next_value
+from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
 from lidardraft.drafting.script.values import (
     Builtin,
     KindOfRecord,
@@ -76,7 +76,7 @@ def _of_numbers(budget: Budget) -> dict[str, Callable[..., Value]]:
         "print": lambda *_, **__: None,
         "isinstance": _isinstance,
         "type": _type,
-        "hasattr": lambda value, name: _has(value, text(name, "the name")),
+        "hasattr": lambda value, name: has(value, text(name, "the name")),
         "callable": lambda value: isinstance(value, Function | Builtin | BoundMethod | ScriptClass),
     }
 
@@ -102,7 +102,7 @@ def _type(value: Value) -> Value:
     return value.of
 
 
-def _has(value: Value, name: str) -> bool:
+def has(value: Value, name: str) -> bool:
     """What `hasattr` says of a value of ours: whether a script that reads the attribute is read on."""
     if isinstance(value, Instance):  # a property is not run
         return value.has_private(name) and value.has(name)
@@ -143,16 +143,18 @@ def _of_collections(budget: Budget) -> dict[str, Callable[..., Value]]:
     def zipped(*columns: Value, strict: Value = False) -> list[Value]:
         if not columns:
             return []
-        ended = [elements(column, budget) if isinstance(column, Iterator) else column for column in columns]
-        if all(isinstance(column, Endless) for column in ended):
+        if all(isinstance(column, Endless) for column in columns):
             raise RefusalError("zip: none of these has an end")
-        shortest = min(length(column) for column in ended if not isinstance(column, Endless))
-        columns = tuple(column.take(shortest, budget) if isinstance(column, Endless) else column for column in ended)
-        if truth(strict) and any(length(column) != shortest for column in columns):
-            raise RefusalError("zip: the lists are not of the same length")
+        lengths = [
+            column.left() if isinstance(column, Iterator) else length(column)
+            for column in columns
+            if not isinstance(column, Endless)
+        ]
+        if truth(strict) and len({*lengths}) > 1:
+            raise RaisedError("ValueError", "zip: the lists are not of the same length")
         budget.take_steps(2 * len(columns))
-        parts = [elements(column[:shortest] if isinstance(column, range) else column, budget) for column in columns]
-        budget.take_cells(3 * shortest)
+        budget.take_cells(3 * min(lengths))
+        parts = [iter(column) if isinstance(column, range) else going(column, budget) for column in columns]
         return list(zip(*parts, strict=False))
 
     return {
@@ -165,7 +167,7 @@ def _of_collections(budget: Budget) -> dict[str, Callable[..., Value]]:
         "zip": zipped,
         "frozenset": distinct,
         "iter": lambda items: iterator(items, budget),
-        "next": lambda items, *default: next_value(items, default, budget),
+        "next": lambda items, *default: next_value(items, default),
         "reversed": lambda items: elements(items, budget)[::-1],
         "any": lambda items: any(map(truth, elements(items, budget))),
         "all": lambda items: all(map(truth, elements(items, budget))),

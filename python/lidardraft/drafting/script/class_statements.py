@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import ast
 
-from lidardraft.drafting.script.classes import BaseMarker, ClassFrame, ScriptClass
+from lidardraft.drafting.script.class_parts import BaseMarker
+from lidardraft.drafting.script.classes import ClassFrame, ScriptClass
 from lidardraft.drafting.script.failures import Failures
 from lidardraft.drafting.script.frame import Frame
 from lidardraft.drafting.script.limits import Limits, RefusalError

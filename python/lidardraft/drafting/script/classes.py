@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from lidardraft.drafting.script.arithmetic import equal
+from lidardraft.drafting.script.class_parts import AutoValue, BaseMarker, Decorator, FieldDefault, Method, Setter
 from lidardraft.drafting.script.frame import Frame, Function
 from lidardraft.drafting.script.limits import Budget, RefusalError
-from lidardraft.drafting.script.values import Builtin, Record, Value, describe
+from lidardraft.drafting.script.values import Builtin, Record, Value, describe, text
 
-SPECIAL = ("__init__", "__post_init__", "__repr__", "__str__")  # methods that a class may have; the last two never run
+SPECIAL = ("__init__", "__post_init__", "__repr__", "__str__")  # methods that a class may have
 _DEEPEST, _MOST_NAMES = 16, 200  # classes of which one is derived from the other; names of a class
 _STEPS = 5  # that an instance costs
 Call = Callable[[Value, list[Value], dict[str, Value]], Value]
@@ -32,68 +33,6 @@ class ClassFrame(Frame):
             super().set(name, value)
 
 
-class Decorator(Record):
-    """What may stand behind an @."""
-
-    kind = "a decorator"
-
-    def __init__(self, around: Callable[[Value], Value]) -> None:
-        self.around = around
-
-    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
-        """Itself, as in `@dataclass(frozen=True)`; what stands in the brackets changes no shape."""
-        return self if keywords or not arguments else self.around(arguments[0])
-
-
-class Method(Record):
-    """A function of a class: one that is called with the instance or the class first, or with neither."""
-
-    kind = "a method"
-
-    def __init__(self, function: Value, bound_to: str) -> None:
-        self.function = function
-        self.bound_to = bound_to  # "property", "class" or "nothing"
-
-    def attribute(self, name: str) -> Value:
-        if name != "setter" or self.bound_to != "property":
-            return super().attribute(name)
-        return Decorator(lambda setter: Setter(self.function, setter))
-
-
-class Setter(Method):
-    """A property that can be set too."""
-
-    def __init__(self, function: Value, setter: Value) -> None:
-        super().__init__(function, "property")
-        self.setter = setter
-
-
-class FieldDefault(Record):
-    """What `field(...)` of a dataclass says."""
-
-    kind = "a field of a dataclass"
-
-    def __init__(self, default: Value = None, default_factory: Value = None, **_: Value) -> None:
-        self.default = default
-        self.factory = default_factory
-
-
-class BaseMarker(Record):
-    """A class of Python's own that others may be derived from: "object", "Enum" or "NamedTuple"."""
-
-    is_key = True
-
-    def __init__(self, name: str) -> None:
-        self.kind = f"the class {name}"
-        self.name = name
-
-
-class AutoValue(Record):
-    """`auto()`: the number of a member of an enumeration."""
-
-    kind = "auto()"
-
-
 class ScriptClass(Record):
     """A class: its members by their names, and the fields that its instances are made from, if it says them.
 
@@ -107,6 +46,7 @@ class ScriptClass(Record):
         self.kind = f"the class {name:.40}"
         self.base = base if isinstance(base, ScriptClass) else None
         self.marker: str = self.base.marker if self.base else base.name if isinstance(base, BaseMarker) else "object"
+        self.is_enumeration = self.marker.endswith("Enum")
         self.depth: int = 1 + (self.base.depth if self.base else 0)
         if self.depth > _DEEPEST:
             raise RefusalError(f"a class derived from more than {_DEEPEST} others")
@@ -115,13 +55,14 @@ class ScriptClass(Record):
             raise RefusalError(f"a class of more than {_MOST_NAMES} names")
         self.annotated = body.annotated
         self.fields: list[str] | None = self.base.fields if self.base else None
+        self.is_dataclass: bool = self.base is not None and self.base.is_dataclass
         self.run = call
         self._budget = budget
         for member in members.values():
             function = member.function if isinstance(member, Method) else member
             if isinstance(function, Function) and function.owner is None:
                 function.owner = self
-        if self.marker == "Enum":
+        if self.is_enumeration:
             self._enumerate()
         elif self.marker == "NamedTuple":
             self.take_fields()
@@ -182,17 +123,17 @@ class ScriptClass(Record):
         return [member for member in self.members.values() if isinstance(member, Instance)]
 
     def elements(self) -> list[Value]:
-        return list(self._members_of_enumeration()) if self.marker == "Enum" else super().elements()
+        return list(self._members_of_enumeration()) if self.is_enumeration else super().elements()
 
     def item(self, key: Value) -> Value:
-        if self.marker != "Enum" or not isinstance(key, str) or key not in self.members:
+        if not self.is_enumeration or not isinstance(key, str) or key not in self.members:
             return super().item(key)
         return self.members[key]
 
     def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
         self._budget.take_steps(_STEPS + len(self.fields or ()))
         self._budget.take_cells(3 + 3 * len(self.fields or ()))
-        if self.marker == "Enum":
+        if self.is_enumeration:
             for member in self._members_of_enumeration() if len(arguments) == 1 else []:
                 if equal(member.values["value"], arguments[0], self._budget):
                     return member
@@ -224,7 +165,7 @@ class ScriptClass(Record):
 
 
 class Instance(Record):
-    """An instance of a class of the script."""
+    """An instance of a class of the script; a key of a dict by its values, where Python's is and they are plain."""
 
     is_key = True
 
@@ -232,6 +173,33 @@ class Instance(Record):
         self.of = of
         self.kind = f"a value of {of.kind}"
         self.values: dict[str, Value] = {}
+
+    def __eq__(self, other: object) -> bool:
+        return self is other or (isinstance(other, Instance | tuple) and self._as_key() == _as_key(other))
+
+    def __hash__(self) -> int:
+        return hash(self._as_key())
+
+    def _as_key(self) -> Value:
+        found = self.compared_as()
+        plain = isinstance(found, tuple) and not any(isinstance(each, list | tuple | dict | Instance) for each in found)
+        return found if plain else id(self)
+
+    def compared_as(self) -> Value:
+        if self.of.marker in ("IntEnum", "StrEnum"):
+            return self.values["value"]
+        if self.of.marker == "NamedTuple":
+            return tuple(self.values.values())
+        return (self.of, *self.values.values()) if self.of.is_dataclass else self
+
+    def text(self, as_repr: bool) -> str:
+        for name in ("__repr__",) if as_repr else ("__str__", "__repr__"):
+            if (found := self.of.find(name)) is not _MISSING:
+                return text(self.of.run(found, [self], {}), f"what {name} gives")
+        if self.of.is_enumeration and not as_repr:
+            plain = self.of.marker != "Enum"
+            return str(self.values["value"]) if plain else f"{self.of.name}.{self.values['name']}"
+        return super().text(as_repr)
 
     def has_private(self, name: str) -> bool:
         return name == "__class__" or not (name.startswith("__") and name.endswith("__"))
@@ -266,6 +234,10 @@ class Instance(Record):
         if not isinstance(key, int) or not -len(numbers) <= key < len(numbers):
             return super().item(key)
         return numbers[key]
+
+
+def _as_key(value: Value) -> Value:
+    return value._as_key() if isinstance(value, Instance) else value
 
 
 class BoundMethod(Record):
@@ -307,6 +279,7 @@ def dataclass(of: Value) -> Value:
     if not isinstance(of, ScriptClass):
         raise RefusalError(f"{describe(of)} is no class")
     of.take_fields()
+    of.is_dataclass = True
     return of
 
 

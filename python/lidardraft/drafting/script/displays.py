@@ -6,15 +6,16 @@ import ast
 from collections.abc import Callable, Iterator
 
 from lidardraft.drafting.script.arithmetic import dict_key
-from lidardraft.drafting.script.expressions import Evaluate, Expressions
+from lidardraft.drafting.script.expressions import Evaluate
 from lidardraft.drafting.script.formatting import format_value, to_text
 from lidardraft.drafting.script.frame import Frame, Function
 from lidardraft.drafting.script.iterators import Iterator as OnceThrough
 from lidardraft.drafting.script.limits import Limits, RefusalError
+from lidardraft.drafting.script.operators import Operators
 from lidardraft.drafting.script.values import Value, truth
 
 
-class Displays(Expressions):
+class Displays(Operators):
     """Adds these to the other expressions."""
 
     def __init__(self, limits: Limits) -> None:

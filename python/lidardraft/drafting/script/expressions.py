@@ -6,15 +6,26 @@ import ast
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from lidardraft.drafting.script.arithmetic import binary, compare, dict_key, unary
-from lidardraft.drafting.script.builtin_functions import builtin_functions, ordered
+from lidardraft.drafting.script.arithmetic import dict_key
+from lidardraft.drafting.script.builtin_functions import builtin_functions, has, ordered
 from lidardraft.drafting.script.classes import Super, builtin_decorators
 from lidardraft.drafting.script.frame import Frame, Function
-from lidardraft.drafting.script.iterators import Endless
+from lidardraft.drafting.script.iterators import going
 from lidardraft.drafting.script.limits import Budget, Limits, RaisedError, RefusalError
 from lidardraft.drafting.script.methods import method
 from lidardraft.drafting.script.source import lone_surrogate
-from lidardraft.drafting.script.values import DefaultDict, Record, Value, describe, elements, length, text, truth, whole
+from lidardraft.drafting.script.values import (
+    Builtin,
+    Counter,
+    DefaultDict,
+    Record,
+    Value,
+    describe,
+    elements,
+    length,
+    text,
+    whole,
+)
 
 Evaluate = Callable[[Frame], Value]
 _NO_KEYWORDS: dict[str, Value] = {}
@@ -30,17 +41,13 @@ class Expressions:
         self.depth = 0  # of nodes within nodes, in what is being made a function of
         self.deepest = 0
         self.levels = 0  # of nodes within nodes, in all functions that are being called
-        self.builtins = Frame(None, {**builtin_functions(self.budget, self.call), **builtin_decorators()})
+        functions = {**builtin_functions(self.budget, self.call), "getattr": Builtin("getattr", self._getattr)}
+        self.builtins = Frame(None, {**functions, **builtin_decorators()})
         self.makers: dict[type[ast.expr], Callable[[Any], Evaluate]] = {
             ast.Constant: self._constant,
             ast.Name: self._name,
             ast.Attribute: self._attribute,
             ast.Call: self._call,
-            ast.BinOp: self._binary,
-            ast.UnaryOp: self._unary,
-            ast.BoolOp: self._boolean,
-            ast.Compare: self._compare,
-            ast.IfExp: self._conditional,
             ast.Subscript: self._subscript,
         }
 
@@ -132,6 +139,10 @@ class Expressions:
 
         return evaluate
 
+    def _getattr(self, owner: Value, name: Value, *default: Value) -> Value:
+        name = text(name, "the name of an attribute")
+        return default[0] if default and not has(owner, name) else self.attribute_of(owner, name)
+
     def attribute_of(self, owner: Value, name: str) -> Value:
         """What stands behind a dot."""
         if not isinstance(owner, Record):
@@ -184,54 +195,6 @@ class Expressions:
         for name, value in more.items():
             keywords[text(name, "the name of an argument")] = value
 
-    def _binary(self, node: ast.BinOp) -> Evaluate:
-        kind, left, right, line = type(node.op), self.expression(node.left), self.expression(node.right), node.lineno
-        budget = self.budget
-
-        def evaluate(frame: Frame) -> Value:
-            try:
-                return binary(kind, left(frame), right(frame), budget)
-            except RefusalError as refusal:
-                raise refusal.at(line) from None
-
-        return evaluate
-
-    def _unary(self, node: ast.UnaryOp) -> Evaluate:
-        kind, operand = type(node.op), self.expression(node.operand)
-        return lambda frame: unary(kind, operand(frame))
-
-    def _boolean(self, node: ast.BoolOp) -> Evaluate:
-        wanted, parts = isinstance(node.op, ast.Or), [self.expression(part) for part in node.values]
-
-        def evaluate(frame: Frame) -> Value:
-            value = None
-            for part in parts:
-                value = part(frame)
-                if truth(value) == wanted:
-                    break
-            return value
-
-        return evaluate
-
-    def _compare(self, node: ast.Compare) -> Evaluate:
-        first = self.expression(node.left)
-        rest = [(type(op), self.expression(part)) for op, part in zip(node.ops, node.comparators, strict=True)]
-
-        def evaluate(frame: Frame) -> Value:
-            left = first(frame)
-            for kind, part in rest:
-                right = part(frame)
-                if not compare(kind, left, right, self.budget):
-                    return False
-                left = right
-            return True
-
-        return evaluate
-
-    def _conditional(self, node: ast.IfExp) -> Evaluate:
-        test, body, orelse = self.expression(node.test), self.expression(node.body), self.expression(node.orelse)
-        return lambda frame: body(frame) if truth(test(frame)) else orelse(frame)
-
     def _subscript(self, node: ast.Subscript) -> Evaluate:
         owner_of, key_of, line = self.expression(node.value), self.key(node.slice), node.lineno
 
@@ -250,6 +213,8 @@ class Expressions:
             return owner.item(key)
         if isinstance(owner, dict):
             if dict_key(key) not in owner:
+                if isinstance(owner, Counter):
+                    return 0
                 if isinstance(owner, DefaultDict) and owner.factory is not None:
                     self.budget.take_cells(3)
                     owner[key] = self.call(owner.factory, [])
@@ -305,9 +270,7 @@ class Expressions:
 
     def items_of(self, value: Value) -> Iterator[Value]:
         """What a loop goes through, one after the other: a range is not made a list of, a list may grow meanwhile."""
-        if isinstance(value, Endless):
-            return value.rest()
-        return iter(value if isinstance(value, list | tuple | range) else elements(value, self.budget))
+        return iter(value) if isinstance(value, list | tuple | range) else going(value, self.budget)
 
     def target(self, node: ast.expr) -> Callable[[Frame, Value], None]:
         """The function that gives what stands on the left of an assignment a value."""

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import ast
 
+from lidardraft.drafting.script.formatting import to_text
 from lidardraft.drafting.script.frame import Frame
 from lidardraft.drafting.script.limits import Limits, RaisedError, RefusalError
 from lidardraft.drafting.script.statements import Execute, Statements
 from lidardraft.drafting.script.values import truth
 
 _ALL = ("Exception", "BaseException")
-_KINDS = {"KeyError": ("LookupError",), "IndexError": ("LookupError",)}
+_KINDS = {
+    **dict.fromkeys(("KeyError", "IndexError"), "LookupError"),
+    **dict.fromkeys(("ZeroDivisionError", "OverflowError"), "ArithmeticError"),
+}
 
 
 class Failures(Statements):
@@ -18,6 +22,7 @@ class Failures(Statements):
 
     def __init__(self, limits: Limits) -> None:
         super().__init__(limits)
+        self._handled: RaisedError | None = None  # what a bare `raise` raises again
         self.statements |= {ast.Try: self._try, ast.Assert: self._assert, ast.Raise: self._raise}
 
     def _try(self, node: ast.Try) -> Execute:
@@ -34,10 +39,14 @@ class Failures(Statements):
             except RaisedError as error:
                 self.levels = levels
                 for names, name, handle in handlers:
-                    if not names or {error.name, *_KINDS.get(error.name, ()), *_ALL} & set(names):
+                    if not names or {error.name, _KINDS.get(error.name), *_ALL} & set(names):
                         if name is not None:
-                            frame.set(name, str(error))
-                        return handle(frame)
+                            frame.set(name, error.said)
+                        outside, self._handled = self._handled, error
+                        try:
+                            return handle(frame)
+                        finally:
+                            self._handled = outside
                 raise
             return orelse(frame) if ended is None else ended
 
@@ -65,11 +74,16 @@ class Failures(Statements):
 
     def _raise(self, node: ast.Raise) -> Execute:
         names = _names(node.exc.func if isinstance(node.exc, ast.Call) else node.exc)
+        arguments_of = self.items(node.exc.args if isinstance(node.exc, ast.Call) else [])
 
-        def execute(_: Frame) -> None:
+        def execute(frame: Frame) -> None:
+            if node.exc is None and self._handled is not None:
+                raise self._handled
             if not names:
                 raise RefusalError("the script ends itself here with an error")
-            raise RaisedError(names[0], "the script ends itself here with an error")
+            said = to_text(arguments[0], self.budget) if (arguments := arguments_of(frame)) else ""
+            shown = f": {said[:200]!r}" if said else ""
+            raise RaisedError(names[0], f"the script ends itself here with {names[0]:.60}{shown}", said)
 
         return execute
 

@@ -18,7 +18,7 @@ _PERCENT = re.compile(r"%(?:%|[-+ #0]*(\d*)(?:\.(\d+))?[dioxXeEfFgGsr])")
 def to_text(value: Value, budget: Budget, level: int = 0) -> str:
     """What `str` makes of a value; what is in a list looks as in Python's own."""
     if isinstance(value, Record):
-        return f"<{value.kind}>"
+        return value.text(level > 0)
     if not isinstance(value, list | tuple | dict):
         return repr(value) if level and isinstance(value, str) else str(value)
     if level > 8:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator as Going
-from itertools import islice
 
 from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
 from lidardraft.drafting.script.values import Record, Value, describe, elements
@@ -17,6 +16,19 @@ class Iterator(Record):
     def __init__(self, items: list[Value]) -> None:
         self._items = items
         self._place = 0
+
+    def length(self) -> int:
+        raise RefusalError("an iterator has no length")
+
+    def left(self) -> int:
+        """How many values have not been handed out."""
+        return len(self._items) - self._place
+
+    def rest(self) -> Going[Value]:
+        """All that are left, of which each is gone once it is handed out."""
+        while self._place < len(self._items):
+            self._place += 1
+            yield self._items[self._place - 1]
 
     def elements(self) -> list[Value]:
         rest, self._place = self._items[self._place :], len(self._items)
@@ -44,21 +56,21 @@ class Endless(Record):
         """All that are left."""
         return self._values
 
-    def take(self, count: int, budget: Budget) -> list[Value]:
-        """The next `count` values."""
-        budget.take_cells(count)
-        return list(islice(self._values, count))
-
 
 def iterator(value: Value, budget: Budget) -> Value:
     """What `iter` gives."""
     return value if isinstance(value, Iterator | Endless) else Iterator(elements(value, budget))
 
 
-def next_value(value: Value, default: tuple[Value, ...], budget: Budget) -> Value:
+def going(value: Value, budget: Budget) -> Going[Value]:
+    """What takes one value after the other out of it; an iterator that is shared goes on for all who share it."""
+    return value.rest() if isinstance(value, Iterator | Endless) else iter(elements(value, budget))
+
+
+def next_value(value: Value, default: tuple[Value, ...]) -> Value:
     """What `next` gives."""
     if isinstance(value, Endless):
-        return value.take(1, budget)[0]
+        return next(value.rest())
     if not isinstance(value, Iterator):
         raise RefusalError(f"{describe(value)} is no iterator")
     return value.next(*default)

@@ -8,8 +8,8 @@ import math
 from collections.abc import Callable
 
 from lidardraft.drafting.script.arithmetic import binary
-from lidardraft.drafting.script.iterators import Endless
-from lidardraft.drafting.script.limits import Budget, RefusalError
+from lidardraft.drafting.script.iterators import Endless, going
+from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
 from lidardraft.drafting.script.values import Builtin, Value, elements, whole
 
 Call = Callable[[Value, list[Value], dict[str, Value]], Value]
@@ -92,12 +92,14 @@ def _sequences(budget: Budget, call: Call) -> dict[str, Callable[..., Value]]:
         if not 1 <= len(bounds) <= 3:
             raise RefusalError("islice takes one to three bounds")
         limits = [None if bound is None else whole(bound, "a bound") for bound in bounds]
-        part = slice(*limits)
+        if any(limit is not None and limit < 0 for limit in limits):
+            raise RaisedError("ValueError", "islice: a bound below 0")
+        end = slice(*limits).stop
         if isinstance(items, Endless):
-            if part.stop is None:
+            if end is None:
                 raise RefusalError("islice of a sequence without an end to no end")
-            return items.take(part.stop, budget)[part]
-        return elements(items, budget)[part]
+            budget.take_cells(end)
+        return list(itertools.islice(going(items, budget), *limits))
 
     def accumulate(items: Value, function: Value = None, *, initial: Value = None) -> list[Value]:
         found = elements(items, budget)

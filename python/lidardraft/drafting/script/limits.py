@@ -42,11 +42,13 @@ class RefusalError(Exception):
 
 
 class RaisedError(RefusalError):
-    """An error that Python too would raise, by the `name` of its class: one that the script may catch."""
+    """An error that Python too would raise, by the `name` of its class: one that the script may catch, and of which
+    `str` is `said`: the message, where it is None."""
 
-    def __init__(self, name: str, message: str) -> None:
+    def __init__(self, name: str, message: str, said: str | None = None) -> None:
         super().__init__(message)
         self.name = name
+        self.said = message if said is None else said
 
 
 class Budget:

@@ -7,7 +7,17 @@ from collections.abc import Callable
 from lidardraft.drafting.script.arithmetic import equal, is_key
 from lidardraft.drafting.script.formatting import brace_format
 from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
-from lidardraft.drafting.script.values import Builtin, Value, describe, elements, take_moved, text, whole
+from lidardraft.drafting.script.values import (
+    Builtin,
+    Counter,
+    Deque,
+    Value,
+    describe,
+    elements,
+    take_moved,
+    text,
+    whole,
+)
 
 _WIDEST = 200
 _SIMPLE = ("upper", "lower", "title", "capitalize", "strip", "lstrip", "rstrip", "isdigit", "isalpha", "isalnum")
@@ -24,6 +34,7 @@ def method(value: Value, name: str, budget: Budget, order: Callable[..., list[Va
         table = _of_list(value, budget, order)
     elif isinstance(value, dict):
         table = _of_dict(value, budget)
+        table |= _of_counter(value, budget) if isinstance(value, Counter) else {}
     elif isinstance(value, tuple):
         table = {"index": lambda item: _index(value, item, budget), "count": lambda item: _count(value, item, budget)}
     else:
@@ -110,7 +121,8 @@ def _of_list(value: list[Value], budget: Budget, order: Callable[..., list[Value
         budget.take_cells(len(value))
         value.reverse()
 
-    return {
+    left: dict[str, Callable[..., Value]] = {"popleft": lambda: pop(0), "appendleft": lambda item: insert(0, item)}
+    return (left if isinstance(value, Deque) else {}) | {
         "extend": extend,
         "insert": insert,
         "remove": remove,
@@ -164,6 +176,27 @@ def _of_dict(value: dict[Value, Value], budget: Budget) -> dict[str, Callable[..
     }
 
 
+def _of_counter(value: Counter, budget: Budget) -> dict[str, Callable[..., Value]]:
+    def most_common(n: Value = None) -> list[Value]:
+        budget.take_steps(len(value))
+        budget.take_cells(3 * len(value))
+        numbered = sorted(value.items(), key=lambda pair: pair[1], reverse=True)
+        return numbered if n is None else numbered[: max(whole(n, "n"), 0)]
+
+    return {"most_common": most_common, "update": lambda items=(): count_into(value, items, budget)}
+
+
+def count_into(counter: Counter, items: Value, budget: Budget) -> None:
+    """Add what there is of each of the items, or the numbers of another dict."""
+    keys = elements(items, budget)
+    budget.take_cells(3 * len(keys))
+    for key in keys:
+        if not is_key(key):
+            raise RefusalError(f"{describe(key)} cannot be a key")
+        number = items[key] if isinstance(items, dict) else 1
+        counter[key] = counter.get(key, 0) + whole(number, "a count")
+
+
 def _append(items: list[Value], item: Value, budget: Budget) -> None:
     budget.take_cells(1)
     items.append(item)
@@ -174,7 +207,7 @@ def _index(items: list[Value] | tuple[Value, ...], wanted: Value, budget: Budget
     for place, item in enumerate(items):
         if equal(item, wanted, budget):
             return place
-    raise RefusalError(f"{describe(wanted)} is not in the list")
+    raise RaisedError("ValueError", f"{describe(wanted)} is not in the list")
 
 
 def _count(items: list[Value] | tuple[Value, ...], wanted: Value, budget: Budget) -> int:

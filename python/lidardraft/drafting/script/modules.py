@@ -6,7 +6,7 @@ import math
 import random
 from collections.abc import Callable
 
-from lidardraft.drafting.script.classes import BaseMarker
+from lidardraft.drafting.script.class_parts import BaseMarker
 from lidardraft.drafting.script.limits import Budget, RefusalError
 from lidardraft.drafting.script.values import Builtin, Namespace, Record, Value, checked, describe, elements, whole
 

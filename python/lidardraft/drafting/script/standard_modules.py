@@ -5,21 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from lidardraft.drafting.script.arithmetic import is_key
-from lidardraft.drafting.script.classes import (
-    AutoValue,
-    BaseMarker,
-    ClassFrame,
-    Decorator,
-    FieldDefault,
-    ScriptClass,
-    dataclass,
-)
+from lidardraft.drafting.script.class_parts import AutoValue, BaseMarker, Decorator, FieldDefault
+from lidardraft.drafting.script.classes import ClassFrame, ScriptClass, dataclass
 from lidardraft.drafting.script.frame import Frame
 from lidardraft.drafting.script.itertools_module import itertools_module
 from lidardraft.drafting.script.limits import Budget, RefusalError
+from lidardraft.drafting.script.methods import count_into
 from lidardraft.drafting.script.values import (
     Builtin,
+    Counter,
     DefaultDict,
+    Deque,
     Namespace,
     Record,
     Value,
@@ -39,7 +35,7 @@ def standard_modules(budget: Budget, call: Call, note: Callable[[str], None]) ->
         note("the time is taken as 0")
         return 0.0
 
-    enum = {name: BaseMarker("Enum") for name in ("Enum", "IntEnum", "StrEnum")}
+    enum = {name: BaseMarker(name) for name in ("Enum", "IntEnum", "StrEnum")}
     modules: dict[str, dict[str, Value]] = {
         "itertools": itertools_module(budget, call),
         "functools": _functools(budget, call),
@@ -50,6 +46,27 @@ def standard_modules(budget: Budget, call: Call, note: Callable[[str], None]) ->
         "time": {name: Builtin(f"time.{name}", clock) for name in ("time", "perf_counter", "monotonic")},
     }
     return {name: Namespace(name, values) for name, values in modules.items()}
+
+
+class Cached(Record):
+    """A function that is called once for the same arguments, as `functools.cache` makes it."""
+
+    kind = "a cached function"
+
+    def __init__(self, function: Value, budget: Budget, call: Call) -> None:
+        self._function = function
+        self._budget = budget
+        self._run = call
+        self._results: dict[Value, Value] = {}
+
+    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
+        key = (*arguments, *keywords.items())
+        if not all(is_key(each) for each in (*arguments, *keywords.values())):
+            raise RefusalError("a cached function of what cannot be a key")
+        self._budget.take_cells(3 + len(key))
+        if key not in self._results:
+            self._results[key] = self._run(self._function, arguments, keywords)
+        return self._results[key]
 
 
 class Partial(Record):
@@ -85,7 +102,9 @@ def _functools(budget: Budget, call: Call) -> dict[str, Value]:
             result = call(function, [result, item], {})
         return result
 
-    return {"partial": Builtin("partial", partial), "reduce": Builtin("reduce", reduce)}
+    cached = Decorator(lambda function: Cached(function, budget, call))
+    functions = {"partial": Builtin("partial", partial), "reduce": Builtin("reduce", reduce)}
+    return {**functions, "cache": cached, "lru_cache": cached}
 
 
 def _collections(budget: Budget, call: Call) -> dict[str, Value]:
@@ -97,15 +116,9 @@ def _collections(budget: Budget, call: Call) -> dict[str, Value]:
         found.factory = default_factory
         return found
 
-    def counter(items: Value = ()) -> DefaultDict:
-        found = DefaultDict()
-        found.factory = Builtin("int", int)
-        keys = elements(items, budget)
-        budget.take_cells(3 * len(keys))
-        for key in keys:
-            if not is_key(key):
-                raise RefusalError(f"{describe(key)} cannot be a key")
-            found[key] = found.get(key, 0) + 1
+    def counter(items: Value = ()) -> Counter:
+        found = Counter()
+        count_into(found, items, budget)
         return found
 
     def namedtuple(typename: Value, field_names: Value, **_: Value) -> ScriptClass:
@@ -120,6 +133,7 @@ def _collections(budget: Budget, call: Call) -> dict[str, Value]:
     table: dict[str, Callable[..., Value]] = {
         "defaultdict": defaultdict,
         "Counter": counter,
+        "deque": lambda items=(): Deque(elements(items, budget)),
         "namedtuple": namedtuple,
         "OrderedDict": lambda pairs=(): dict(elements(pairs, budget)),
     }

@@ -7,10 +7,11 @@ from collections.abc import Callable
 from typing import Any
 
 from lidardraft.drafting.script.arithmetic import binary, dict_key
-from lidardraft.drafting.script.classes import ClassFrame, Decorator
+from lidardraft.drafting.script.class_parts import Decorator
+from lidardraft.drafting.script.classes import ClassFrame
 from lidardraft.drafting.script.displays import Displays
 from lidardraft.drafting.script.frame import Frame, Function
-from lidardraft.drafting.script.limits import Limits, RefusalError
+from lidardraft.drafting.script.limits import Limits, RaisedError, RefusalError
 from lidardraft.drafting.script.values import Record, Value, describe, elements, take_moved, truth, whole
 
 Execute = Callable[[Frame], object]  # gives what ends the statements around it early, or None
@@ -170,7 +171,7 @@ class Statements(Displays):
                 first, end = starred[0], len(items) - (len(targets) - 1 - starred[0])
                 items = [*items[:first], items[first:end], *items[end:]]
             if len(items) != len(targets):
-                raise RefusalError(f"{len(items)} values for {len(targets)} names")
+                raise RaisedError("ValueError", f"{len(items)} values for {len(targets)} names")
             for assign, item in zip(targets, items, strict=True):
                 assign(frame, item)
 

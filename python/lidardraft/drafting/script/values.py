@@ -9,7 +9,7 @@ import ast
 from collections.abc import Callable
 from typing import Any
 
-from lidardraft.drafting.script.limits import Budget, RefusalError
+from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
 
 Value = Any  # one of the types above; mypy has no way to say it that helps here
 LARGEST = 2**63  # of whole numbers
@@ -77,11 +77,27 @@ class Record:
         """Whether it is equal to another value."""
         return self is other
 
+    def compared_as(self) -> Value:
+        """The value of Python's that it is compared as: itself, where `equals` decides."""
+        return self
+
+    def text(self, _as_repr: bool) -> str:
+        """What `str`, or `repr`, makes of it."""
+        return f"<{self.kind}>"
+
 
 class DefaultDict(dict[Value, Value]):
     """A dict that gets what `factory()` gives for a key that it lacks."""
 
     factory: Value = None
+
+
+class Counter(dict[Value, Value]):
+    """A dict of numbers, in which what it lacks has the number 0."""
+
+
+class Deque(list[Value]):
+    """A list that a script also takes from, and adds to, on the left."""
 
 
 class Builtin(Record):
@@ -95,12 +111,15 @@ class Builtin(Record):
         self._call = call
 
     def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
-        """Its result. Raises `RefusalError` with what the function says of wrong arguments."""
+        """Its result. Raises `RefusalError` with what the function says of wrong arguments, which a script cannot
+        catch: the function of Python's might take them."""
         try:
             return self._call(*arguments, **keywords)
-        except (TypeError, ValueError, ArithmeticError, LookupError) as error:
+        except TypeError as error:
             said = str(error).replace("<lambda>()", self.name)
             raise RefusalError(f"{self.name}: {said:.200}") from None
+        except (ValueError, ArithmeticError, LookupError) as error:
+            raise RaisedError(type(error).__name__, f"{self.name}: {error!s:.200}") from None
 
 
 class KindOfRecord(Record):
