@@ -145,7 +145,7 @@ def test_seeds():
 
 def test_a_moved_crown_stays_porous():
     caster = Raycaster(STREET)
-    caster.place("tree_1", upright((14.0, 1.0, 2.0), 0.4))
+    caster.move("tree_1", upright((14.0, 1.0, 2.0), 0.4))
     layout = edit.replace(STREET, "tree_1", center=(14.0, 1.0, 2.0), yaw=0.4)
     np.testing.assert_array_equal(caster.scan(SENSOR, seed=3).depth, raycast(layout, SENSOR, seed=3).depth)
 

@@ -30,7 +30,7 @@ _CROWDED = 100  # objects of one group that need more room from the start
 _MOST_SPACED = 40  # objects of a row whose number is a word
 
 
-def layout_from_spec(spec: SceneSpec, *, seed: int = 0) -> Layout:
+def layout_from_spec(spec: SceneSpec, seed: int = 0) -> Layout:
     """A layout in which every relation of the spec holds and that passes every check; the same for the same arguments.
 
     What finds no room makes the scene be arranged anew, with that first and more room for what the spec leaves open.

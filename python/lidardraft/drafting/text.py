@@ -22,7 +22,7 @@ from lidardraft.scene.layout import Layout
 MAX_LENGTH = 10_000  # characters
 
 
-def layout_from_text(sentence: str, *, seed: int = 0, strict: bool = False) -> Layout:
+def layout_from_text(sentence: str, seed: int = 0, *, strict: bool = False) -> Layout:
     """A checked layout of what the sentence says; the same for the same sentence and seed.
 
     `layout.provenance` holds the sentence, the seed and the spec, and

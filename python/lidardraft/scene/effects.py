@@ -27,8 +27,8 @@ _OBSERVED = ("depth", "intensity", "incidence", "instance", "primitive", "label"
 def observe(
     image: RangeImage,
     layout: Layout | Surfaces,
-    *,
     seed: int | np.random.Generator,
+    *,
     sensor: Sensor | None = None,
     model: SensorModel | None = None,
     weather: Weather | None = None,

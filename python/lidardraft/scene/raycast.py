@@ -138,7 +138,7 @@ class Raycaster:
             normal=normal,
         )
 
-    def place(self, id: str, pose: np.ndarray) -> None:
+    def move(self, id: str, pose: np.ndarray) -> None:
         """Let an object (all parts that share `id` up to the dot), or the one primitive `id`, stand elsewhere.
 
         `pose` is where it stands in the world, world_from_object [4, 4], rigid, tilted if need be. The object's frame

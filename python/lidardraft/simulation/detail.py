@@ -42,7 +42,7 @@ RULES: dict[str, Callable[[CoarseObject, Surroundings], list[Primitive]]] = {
 }
 
 
-def detail(layout: Layout, *, seed: int = 0, clutter: float = 0.0) -> Layout:
+def detail(layout: Layout, seed: int = 0, *, clutter: float = 0.0) -> Layout:
     """The layout with each coarse object replaced by a detailed one in its place, as docs/simulation.md has it.
 
     Ids keep the part before the dot, and objects their classes, instances, places and extents. What has a material, a

@@ -30,10 +30,10 @@ def differing(a, b):
 
 
 @pytest.mark.parametrize(("name", "object"), [("car_1", (CAR,)), ("van_2", (CABIN, TRUNK)), ("van_2.box", (TRUNK,))])
-def test_a_placed_object_is_cast_where_it_stands(name, object):
+def test_a_moved_object_is_cast_where_it_stands(name, object):
     box = box_around(object)
     caster = Raycaster(LAYOUT)
-    caster.place(name, upright((3.0, 6.0, box.center[2] + 0.2), box.yaw + 1.1))
+    caster.move(name, upright((3.0, 6.0, box.center[2] + 0.2), box.yaw + 1.1))
     moved = {
         part.id: dataclasses.replace(
             part,
@@ -52,7 +52,7 @@ def test_a_placed_object_is_cast_where_it_stands(name, object):
 def test_moving_is_moving_in_the_layout():
     edited = edit.move(LAYOUT, "car_1", (2.0, -4.0, 0.0), turn=0.7)
     caster = Raycaster(LAYOUT)
-    caster.place("car_1", upright(edited["car_1"].center, edited["car_1"].yaw))
+    caster.move("car_1", upright(edited["car_1"].center, edited["car_1"].yaw))
     assert differing(caster.scan(SENSOR), raycast(edited, SENSOR)) < 0.001
     assert differing(caster.scan(SENSOR), raycast(LAYOUT, SENSOR)) > 0.01
 
@@ -64,7 +64,7 @@ def test_the_world_moved_one_way_is_the_sensor_moved_the_other(layout, sensor, p
     one = data.draw(st.sampled_from(layout.primitives))
     alone = Raycaster(Layout((one,)))
     still = alone.scan(sensor, pose)
-    alone.place(one.id, motion @ upright(one.center, one.yaw))
+    alone.move(one.id, motion @ upright(one.center, one.yaw))
     moved = alone.scan(sensor, motion @ pose)
     # A ray on the rim of a shape may fall to either side of it.
     assert np.sum(
@@ -77,15 +77,15 @@ def test_where_it_stood_is_where_it_stands():
     for object in ((CAR,), (CABIN, TRUNK)):
         box = box_around(object)
         name = object[0].id.partition(".")[0]
-        caster.place(name, np.eye(4))
+        caster.move(name, np.eye(4))
         assert differing(caster.scan(SENSOR), before) > 0.01
-        caster.place(name, upright(box.center, box.yaw))
+        caster.move(name, upright(box.center, box.yaw))
         assert differing(caster.scan(SENSOR), before) < 0.001
 
 
 def test_only_the_thing_that_moved_has_moved():
     caster, before = Raycaster(LAYOUT), raycast(LAYOUT, SENSOR)
-    caster.place("car_1", upright((0.0, 0.0, 60.0), 0.0))
+    caster.move("car_1", upright((0.0, 0.0, 60.0), 0.0))
     after = caster.scan(SENSOR)
     others = before.instance != 1
     np.testing.assert_array_equal(after.instance[others], before.instance[others])
@@ -102,7 +102,7 @@ def test_a_thing_may_be_tilted():
     assert caster.scan(above, over).depth[0, 0] == pytest.approx(18.5, abs=1e-3)
     on_its_nose = upright(CAR.center, CAR.yaw)
     on_its_nose[:3, :3] = on_its_nose[:3, :3] @ rotations(np.array([[0.0, np.pi / 2, 0.0]]))[0]
-    caster.place("car_1", on_its_nose)
+    caster.move("car_1", on_its_nose)
     assert caster.scan(above, over).depth[0, 0] == pytest.approx(20 - 0.75 - 2, abs=1e-3)
 
 
@@ -110,7 +110,7 @@ def test_a_name_of_parts_is_the_object_before_it_is_a_part():
     base = dataclasses.replace(CAR, id="car_1", center=(10, 1, 0.5), size=(4, 2, 1))
     roof = dataclasses.replace(CAR, id="car_1.roof", center=(10, 1, 1.25), size=(2, 2, 0.5))
     caster = Raycaster(Layout((base, roof)))
-    caster.place("car_1", upright((0.0, 0.0, 60.0), 0.0))
+    caster.move("car_1", upright((0.0, 0.0, 60.0), 0.0))
     assert not caster.scan(SENSOR).valid.any()
 
 
@@ -128,7 +128,7 @@ def test_a_name_of_parts_is_the_object_before_it_is_a_part():
 def test_moves_that_cannot_be_change_nothing(id, pose, message):
     caster = Raycaster(LAYOUT)
     with pytest.raises(LayoutError, match=message):
-        caster.place(id, pose)
+        caster.move(id, pose)
     np.testing.assert_array_equal(caster.scan(SENSOR).depth, raycast(LAYOUT, SENSOR).depth)
     with pytest.raises(LayoutError, match="the layout has none"):
-        Raycaster(Layout()).place("car_1", np.eye(4))
+        Raycaster(Layout()).move("car_1", np.eye(4))
