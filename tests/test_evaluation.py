@@ -1,12 +1,14 @@
 """Scores of generated scans, with a network that has not learned."""
 
+import dataclasses
 import math
 
+import numpy as np
 import pytest
 import torch
 
 from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.evaluation import evaluate, loss_by_other_layouts, unseen_streets
+from lidardraft.evaluation import evaluate, loss_by_other_layouts, score, unseen_streets
 from lidardraft.pipeline import Pipeline
 from lidardraft.scene.sensor import Sensor
 from lidardraft.streets import StreetPair
@@ -43,6 +45,12 @@ def test_scans_are_scored_between_the_detailed_ones_and_random_weights(
     assert 0 < detailed.holes < 0.2
     assert 0 < detailed.lone < 0.2
     assert set(condition.by_class.values()) == {1.0}
+    assert set(detailed.intensity.values()) == {0.0}
+    assert condition.intensity == {}  # a cast has none
+    for scores in (simulated, generated):
+        assert 0 < scores.intensity["road"] < 0.3
+    bright = [dataclasses.replace(pair.scan, intensity=np.sqrt(pair.scan.intensity)) for pair in pairs]
+    assert score("brighter", pairs, bright).intensity["road"] > 0.6
 
 
 def test_the_untrained_network_is_sampled_as_the_trained_one(pairs: list[StreetPair], denoiser: Denoiser) -> None:

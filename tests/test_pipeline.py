@@ -47,6 +47,17 @@ def test_the_same_seed_gives_the_same_scan(pipeline: Pipeline) -> None:
     assert (first.label > 0)[first.valid].mean() > 0.9
 
 
+def test_a_moving_sensor_generates_what_it_sees_on_its_way(pipeline: Pipeline) -> None:
+    layout = layout_from_text("a car ahead, houses on both sides", seed=0)
+    moving = pipeline(layout, sensor=SMALL, speed=30.0)
+    assert moving.speed == 30.0
+    depths = {speed: simulate(layout, SMALL, speed=speed).image.depth for speed in (0.0, 30.0)}
+    same = {speed: (np.abs(moving.image.depth - depth) < 1e-3)[depth > 0].mean() for speed, depth in depths.items()}
+    assert same[30.0] > 0.95
+    assert same[0.0] < 0.9  # the rest is road, whose range is the same from anywhere
+    assert (moving.image.label > 0)[moving.image.valid].mean() > 0.9
+
+
 def test_every_step_is_told(pipeline: Pipeline) -> None:
     steps: list[int] = []
     Pipeline(pipeline.denoiser, steps=3)("a car ahead", sensor=SMALL, on_step=lambda: steps.append(len(steps)))

@@ -15,15 +15,20 @@ from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.sampling_defaults import STEPS_FROM_NOISE
 from lidardraft.metrics.adherence import Adherence, adherence
 from lidardraft.metrics.bev import bev_jsd
+from lidardraft.metrics.lifelike import CLASS_SETS, pooled_divergence
+from lidardraft.metrics.profiles import intensity_histogram
 from lidardraft.metrics.returns import lone_returns, near_holes
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.networks.precision import reduced_precision
 from lidardraft.pipeline import Pipeline
+from lidardraft.scene.labelling import label_by_agreement
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
+from lidardraft.semantics import BY_NAME
 from lidardraft.streets import StreetConfig, StreetPair, streets
 
 _Item = TypeVar("_Item")
+_FEWEST = 100  # returns of a class whose intensities are compared
 _HEEDED_LEVELS = (0.1, 0.3, 1.0, 3.0)  # of noise: at lower ones the scan itself says all
 
 
@@ -31,7 +36,8 @@ _HEEDED_LEVELS = (0.1, 0.3, 1.0, 3.0)  # of noise: at lower ones the scan itself
 class Scores:
     """Those of one kind of scan of the same streets: adherence to the condition images (means over the streets), the
     Jensen-Shannon distance of the top views from those of the detailed scans, and the shares of holes on near surfaces
-    and of lone returns (`metrics/returns.py`)."""
+    and of lone returns (`metrics/returns.py`); `intensity`, the Jensen-Shannon distance of the intensities of each
+    class from those of the detailed scans, of classes that both have."""
 
     name: str
     objects: float
@@ -41,6 +47,7 @@ class Scores:
     holes: float
     lone: float
     by_class: dict[str, float]
+    intensity: dict[str, float]
 
 
 def unseen_streets(
@@ -63,8 +70,7 @@ def evaluate(
     yield score("condition image", pairs, (pair.condition_image for pair in pairs))
     yield score("simulated", pairs, (_simulated(pair) for pair in pairs))
     for name, generator in (("generated", pipeline), ("untrained", untrained)):
-        scans = (generator.generate(pair.condition_image, _simulated(pair), seed=pair.index) for pair in pairs)
-        yield score(name, pairs, _counted(scans, on_scan))
+        yield score(name, pairs, _counted((_generated(generator, pair) for pair in pairs), on_scan))
 
 
 def sample_scans(
@@ -105,6 +111,12 @@ def _simulated(pair: StreetPair) -> RangeImage:
     return pair.simulated
 
 
+def _generated(pipeline: Pipeline, pair: StreetPair) -> RangeImage:
+    """What the pipeline makes of a pair, with labels."""
+    image = pipeline.generate(pair.condition_image, _simulated(pair), seed=pair.index)
+    return label_by_agreement(image, (_simulated(pair), pair.condition_image), pair.layout, pair.poses())
+
+
 def _counted(items: Iterable[_Item], on_item: Callable[[], object] | None) -> Iterator[_Item]:
     """The items, with a call after each."""
     for item in items:
@@ -138,7 +150,21 @@ def score(name: str, pairs: list[StreetPair], scans: Iterable[RangeImage]) -> Sc
         holes=_share([near_holes(sweep) for sweep in sweeps]),
         lone=_share([lone_returns(sweep) for sweep in sweeps]),
         by_class=_by_class(scores),
+        intensity=_intensity([Sweep.from_image(pair.scan) for pair in pairs], sweeps),
     )
+
+
+def _intensity(detailed: list[Sweep], sweeps: list[Sweep]) -> dict[str, float]:
+    """How far the intensities of each class are from those of the detailed scans; nothing where there are none."""
+    if any(sweep.intensity is None for sweep in sweeps):
+        return {}
+    found = {}
+    for name, members in CLASS_SETS.items():
+        ids = tuple(BY_NAME[member].id for member in members)
+        of_class = [[intensity_histogram(sweep, ids) for sweep in scans] for scans in (detailed, sweeps)]
+        if min(np.sum(histograms) for histograms in of_class) >= _FEWEST:
+            found[name] = pooled_divergence(*of_class)
+    return found
 
 
 def _by_class(scores: list[Adherence]) -> dict[str, float]:

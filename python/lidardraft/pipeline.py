@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import warnings
 from collections.abc import Callable
@@ -22,7 +23,6 @@ from lidardraft.scan import Scan
 from lidardraft.scene.labelling import label_by_agreement
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import RangeImage
-from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_limits import SensorLimits
 from lidardraft.simulation.simulate import simulate
@@ -87,19 +87,22 @@ class Pipeline:
         *,
         sensor: Sensor | None = None,
         seed: int = 0,
+        speed: float = 0.0,
         on_step: Callable[[], object] | None = None,
     ) -> Scan:
-        """The scan of a sentence or a layout. Same arguments, same scan; another seed gives another one (of a
-        sentence, with another layout too). `on_step` is called after each sampling step."""
+        """The scan of a sentence or a layout, by a sensor that moves ahead with `speed` [m/s] while it sweeps.
+
+        Same arguments, same scan; another seed gives another one (of a sentence, with another layout too). `on_step` is
+        called after each sampling step.
+        """
         check_type("source", source, str, Layout)
         sensor = sensor or Sensor.preset("hdl64e")
         layout = layout_from_text(source, seed=seed) if isinstance(source, str) else source
-        pose = sensor.pose()
-        condition_image = raycast(layout, sensor, pose)
-        simulated = simulate(layout, sensor, seed=seed, pose=pose).image
-        generated = self.generate(condition_image, simulated, seed=seed, on_step=on_step)
-        image = label_by_agreement(generated, (simulated, condition_image), layout, pose)
-        return Scan(image=image, layout=layout, pose=pose, seed=seed)
+        simulated = simulate(layout, sensor, seed=seed, speed=speed)
+        condition_image = simulated.condition_image
+        generated = self.generate(condition_image, simulated.image, seed=seed, on_step=on_step)
+        image = label_by_agreement(generated, (simulated.image, condition_image), layout, simulated.poses())
+        return dataclasses.replace(simulated, image=image)
 
     def generate(
         self,

@@ -18,6 +18,8 @@ def test_scores_of_unseen_streets(capsys: pytest.CaptureFixture[str]) -> None:
     assert captured.out.startswith("1 street, small, 2 steps\n")
     rows = re.findall(r"^(\S.*?)(?: +\d\.\d{3}){6}$", captured.out, re.MULTILINE)
     assert rows == ["detailed scan", "condition image", "simulated", "generated", "untrained"]
+    assert len(re.findall(r"^ {4}all, by class: .*road \d\.\d\d", captured.out, re.MULTILINE)) == 5
+    assert len(re.findall(r"^ {4}intensity \(JSD\), by class: .*road \d\.\d\d", captured.out, re.MULTILINE)) == 4
     assert captured.err == (
         "lidardraft: these weights were trained on columns of 512 to 2048, and small has 128; its scans may be poor\n"
     )

@@ -4,6 +4,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from processes import shown_on_a_terminal
 
@@ -92,3 +93,11 @@ def test_one_scan_shows_its_progress() -> None:
     assert "1/2" in shown
     assert "2/2" in shown
     assert "\rlidardraft: these weights" in shown  # on a line of its own
+
+
+def test_the_speed_of_the_sensor_is_that_of_the_scan() -> None:
+    text = "houses along both sides"
+    assert cli.main(["generate", "--text", text, "--speed", "20", "-o", "out", *QUICK]) == 0
+    with pytest.warns(UserWarning, match="its scans may be poor"):
+        expected = pipeline.Pipeline.from_pretrained(steps=2)(text, sensor=Sensor.load("small.json"), speed=20.0)
+    np.testing.assert_array_equal(kitti.read_bin("out/000000.bin")[0], expected.points())

@@ -44,6 +44,25 @@ def test_a_return_from_inside_a_crown_is_vegetation() -> None:
     assert (labelled.label[inside] == BY_NAME["vegetation"].id).all()
 
 
+def test_a_return_of_a_moving_sensor_is_where_its_column_was() -> None:
+    """At 100 m/s the columns of the crown, at the left, are taken 2.5 m behind the middle of the sweep."""
+    poses = SENSOR.poses_in_motion(POSE, (100.0, 0.0, 0.0))
+    layout = Layout((dataclasses.replace(CROWN, size=(2, 6, 6), center=(-2.5, 12, 2)),))
+    image = raycast(layout, SENSOR, poses=poses)
+    crown = image.valid
+    inside = dataclasses.replace(
+        image,
+        depth=image.depth + np.where(crown, np.float32(1.5), 0),
+        label=0 * image.label,
+        instance=0 * image.instance,
+    )
+    assert crown.sum() > 10
+    labelled = label_by_agreement(inside, [image], layout, poses)
+    assert (labelled.label[crown] == BY_NAME["vegetation"].id).mean() > 0.8
+    still = label_by_agreement(inside, [image], layout, POSE)
+    assert (still.label[crown] == 0).all()
+
+
 def test_a_return_where_the_condition_image_has_nothing_stays_without_class() -> None:
     condition_image = raycast(LAYOUT, SENSOR)
     car = condition_image.label == BY_NAME["car"].id

@@ -142,6 +142,12 @@ def add_weights(parser: Options) -> None:
     parser.add_argument("--device", default="cpu", help="where torch runs the model: cpu, cuda, ... (default cpu)")
 
 
+def add_speed(parser: Options) -> None:
+    """--speed."""
+    text = "how fast the sensor moves ahead while it sweeps [m/s] (default 0)"
+    parser.add_argument("--speed", type=number, default=0.0, metavar="V", help=text)
+
+
 def add_weather(parser: Options) -> None:
     """--weather, which `read_weather` reads."""
     text = "rain:10mm or snow:2mm (of water, an hour), fog:100m (visibility), wet:0.5 (of the ground); repeatable"

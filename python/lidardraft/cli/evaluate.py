@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -32,7 +33,14 @@ def evaluate(arguments: argparse.Namespace) -> None:
     for row in scores(pipeline, pairs):
         numbers = (row.objects, row.overall, row.drop, row.jsd, row.holes, row.lone)
         print(f"{row.name:16}{''.join(f'{number:9.3f}' for number in numbers)}")
-        print(" " * 4 + ", ".join(f"{name} {share:.2f}" for name, share in row.by_class.items()), flush=True)
+        print(f"    all, by class: {_by_class(row.by_class)}")
+        if row.intensity:
+            print(f"    intensity (JSD), by class: {_by_class(row.intensity)}")
+        sys.stdout.flush()
+
+
+def _by_class(values: dict[str, float]) -> str:
+    return ", ".join(f"{name} {value:.2f}" for name, value in values.items())
 
 
 def unseen_streets(num: int, sensor: Sensor, seed: int = _SEED) -> list[StreetPair]:
@@ -63,9 +71,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "objects, all: share of the returns on objects, or on anything, within 0.5 m or 5 % of the layout. drop: share "
         "of the rays that hit the layout and return nothing. BEV JSD: how far the top views are from those of the "
         "detailed scans; 0 is equal. holes: of the places between two returns of a surface within 20 m, the share that "
-        "returns nothing. lone: share of the returns that have no neighbour within 0.5 m and 3 %. untrained: the same "
-        "network with random weights; where it has a copy gate it keeps the simulated depths, so that training shows "
-        "in what differs from this row."
+        "returns nothing. lone: share of the returns that have no neighbour within 0.5 m and 3 %. intensity (JSD): how "
+        "far the intensities of a class are from those of the detailed scans. These are by the sensor model, as the "
+        "simulated ones are: so it says how much the generator changes, not whether it comes nearer to recordings. "
+        "untrained: the same network with random weights; where it has a copy gate it keeps the simulated depths, so "
+        "that training shows in what differs from this row."
     )
     add_sensor(parser)
     add_weights(parser)

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from lidardraft.cli.arguments import add_weights, read_sensor, whole_number
+from lidardraft.cli.arguments import add_speed, add_weights, read_sensor, whole_number
 from lidardraft.cli.inputs import add_inputs, read_layout
 from lidardraft.cli.scan_folder import add_scan_output, check_output, layouts, write_scans
 from lidardraft.scene.layout import Layout
@@ -41,7 +41,7 @@ def _generated(pipeline: Pipeline, arguments: argparse.Namespace, sensor: Sensor
     with tqdm(total=arguments.num * arguments.steps, unit="step", disable=None) as bar:
         for number, (seed, each) in enumerate(layouts(arguments, layout), start=1):
             bar.set_description(f"scan {number} of {arguments.num}")
-            yield pipeline(each, sensor=sensor, seed=seed, on_step=bar.update)
+            yield pipeline(each, sensor=sensor, seed=seed, speed=arguments.speed, on_step=bar.update)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -49,9 +49,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = (
         "`generate` imitates the scans that its weights were trained on: seconds a scan, with labels from the layout "
         "where the scan keeps to it. `simulate` works out what the sensor measures: milliseconds a scan, any sensor "
-        "and weather, exact labels."
+        "and weather, exact labels. Weather and clutter are `simulate`'s alone: no weights have seen them."
     )
     add_inputs(parser)
+    add_speed(parser.add_argument_group("world"))
     model = parser.add_argument_group("model")
     add_weights(model)
     text = (

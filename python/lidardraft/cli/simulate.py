@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from lidardraft.cli.arguments import add_weather, number, read_sensor, read_weather
+from lidardraft.cli.arguments import add_speed, add_weather, number, read_sensor, read_weather
 from lidardraft.cli.inputs import add_inputs, read_layout
 from lidardraft.cli.scan_folder import add_scan_output, check_output, layouts, write_scans
 from lidardraft.scene.layout import Layout
@@ -47,8 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_inputs(parser)
     world = parser.add_argument_group("world")
     add_weather(world)
-    text = "how fast the sensor moves ahead while it sweeps [m/s] (default 0)"
-    world.add_argument("--speed", type=number, default=0.0, metavar="V", help=text)
+    add_speed(world)
     text = "what stands beside the roads and is not in the layout, from 0 (nothing) to 1 (default 0)"
     world.add_argument("--clutter", type=number, default=0.0, metavar="SHARE", help=text)
     add_scan_output(parser)

@@ -28,7 +28,7 @@ def agrees(scan: RangeImage, other: RangeImage) -> np.ndarray:
 def label_by_agreement(scan: RangeImage, known: Sequence[RangeImage], layout: Layout, pose: np.ndarray) -> RangeImage:
     """`scan` with label and instance: those of the first of the `known` images whose range agrees, else those of the
     smallest shape of the layout whose box, grown by 0.3 m, holds the point, else none. `pose` is world_from_sensor
-    [4, 4] of all images.
+    [4, 4] of all images, or that of each column [W, 4, 4].
 
     The box of an ellipsoid or a cylinder stands for it: its corners are close to it. A mesh is not known to fill the
     box around it, so it labels only where the ranges agree.
@@ -40,7 +40,8 @@ def label_by_agreement(scan: RangeImage, known: Sequence[RangeImage], layout: La
         label[new], instance[new] = image.label[new], image.instance[new]
         near |= new
     rest = scan.valid & ~near
-    points = scan.sensor.pattern.points(scan.depth)[rest] @ pose[:3, :3].T + pose[:3, 3]
+    poses = np.broadcast_to(pose, (scan.sensor.columns, 4, 4))
+    points = scan.points(poses)[rest[scan.valid]]
     rest_label, rest_instance = label[rest], instance[rest]
     # From the largest to the smallest, so that of nested shapes the smallest is written last.
     solids = [primitive for primitive in layout if primitive.mesh is None]
