@@ -116,7 +116,9 @@ def _print_rows(
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of the command."""
-    text = "scans of one sensor: KITTI .bin (labels beside it are used), .pcd with rings or rows, .npz"
+    text = (
+        "scans of one sensor: KITTI .bin (labels beside it are used), nuScenes .pcd.bin, .pcd with rings or rows, .npz"
+    )
     parser.add_argument("scans", nargs="+", metavar="SCAN", help=text)
     parser.add_argument("-o", "--output", required=True, metavar="SENSOR.json", help="where the sensor goes")
     text = "scans that the fit is judged on (default: a quarter of SCANs, the last ones, is kept back for that)"

@@ -143,7 +143,7 @@ def _read(file: Path, labels: str | None, sensor: Sensor, label: Labeller | None
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of the command."""
-    text = "recorded scans: KITTI .bin, .pcd, .npz, or folders of them"
+    text = "recorded scans: KITTI .bin, nuScenes .pcd.bin, .pcd, .npz, or folders of them"
     parser.add_argument("scans", nargs="+", metavar="SCAN", help=text)
     text = (
         "SemanticKITTI labels of the scan, or the folder of NAME.label of all (default: beside them, or in ../labels)"
