@@ -45,6 +45,7 @@ class ChunkReader:
         self.prefix_index = -9  # where it was read
         self.relation: tuple[str, list[Mention], Position] | None = None  # of the object that follows
         self.turning: str | None = None  # how the object that follows turns
+        self.manner: list[Token] = []  # states of all objects that follow
         self.denial = ""  # the word that denies a list of objects
         self.excepting = False
         self.excepted: list[Mention] = []  # what the next object or place is an exception from

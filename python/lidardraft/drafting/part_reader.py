@@ -32,6 +32,8 @@ class PartReader(PositionReader):
             self.denial = str(chunk.tokens[0])
         elif self.denial and listed and mention.count in (1, "some"):  # "no cars or ten trees" has trees
             mention.count = 0
+        if self.manner:
+            add_qualities(mention, self.manner)
         if self.turning is not None:
             mention.heading, self.turning = self.turning, None
         if self.prefix is not None:
@@ -44,6 +46,8 @@ class PartReader(PositionReader):
         if self.relation is not None:
             name, references, at = self.relation
             self.relation = None
+            if self.prefix is not None and self.prefix.distance:  # which the relation may leave no room for
+                mention.spans.append(self.chunks[self.prefix_index - 1].span)
             self._relate(name, references, at)
 
     def _ellipsis(self, chunk: Chunk) -> None:
@@ -57,7 +61,12 @@ class PartReader(PositionReader):
         counts = [token for token in chunk.tokens if token.type in (*COUNT_TYPES, "ANOTHER", "FIRST")]
         said = counts[-1].split()[-1]  # "the rest", "the first two"
         count = "some" if said == "rest" else int(number(said)) if said in ("two", "three") else count_of(counts)
-        if self.excepting and self.excepted:
+        following = self._following(self._following().name == "COMMA")
+        told = self._following().name == "position" or (following.name == "phrase" and following.types <= set(STATES))
+        if self.excepting and self.excepted and told:  # "except one on the left", "except one, which is oncoming"
+            self.excepting = False
+            self._open_part(chunk, count, self.excepted[-1], of_them=True)
+        elif self.excepting and self.excepted:
             self._leave_out(chunk, count)
         elif last is None or not begins or unclear_counts(counts):
             self._report(chunk)

@@ -1,10 +1,10 @@
-"""In which order the groups of a spec are placed, which of them as one row, and which are as long as another is."""
+"""In which order the groups of a spec are placed, which of them as one row, and what their relations leave of them."""
 
 from __future__ import annotations
 
 import dataclasses
 
-from lidardraft.drafting.scene_spec import EXTENTS, ObjectGroup, SceneSpec
+from lidardraft.drafting.scene_spec import EXTENTS, ObjectGroup, SceneSpec, split_place
 
 _APART = 1.5  # m between what stands in a row at a wall; estimate of ours
 
@@ -56,6 +56,21 @@ def long_strips(groups: tuple[ObjectGroup, ...]) -> tuple[ObjectGroup, ...]:
             if max(rows, default=0.0) > sizes.largest[0]:
                 group = dataclasses.replace(group, size=(max(rows), *size[1:]))
         found.append(group)
+    return tuple(found)
+
+
+def with_sides(groups: tuple[ObjectGroup, ...]) -> tuple[ObjectGroup, ...]:
+    """The groups, where what is placed nowhere is on the side that something at one side is placed from it."""
+    found = list(groups)
+    for group in groups:
+        sides = {split_place(place)[1] for place in group.places}
+        for number in group.references:
+            reference = found[number]
+            free = not (reference.places or reference.not_places or reference.references or reference.lane)
+            if len(sides) == 1 and sides <= {"left", "right"} and free and not reference.record.drives:
+                (side,) = sides
+                side = side if group.relation != "opposite" else "right" if side == "left" else "left"
+                found[number] = dataclasses.replace(reference, places=(side,))
     return tuple(found)
 
 

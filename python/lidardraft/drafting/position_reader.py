@@ -33,6 +33,8 @@ class PositionReader(RelationReader):
         following, before = self._following(), self._before()
         if self._previous().name == "EGO" and following.name == "EGO":
             before = self._before(2)  # "if you look to the right you see"
+        if self.manner and self.manner is self._previous().tokens:
+            before = "STOP"
         if chunk.types & {"SIDEWALK"} and self._previous().head == "BUSY" and not self.open:
             self.notes.settings.discard("BUSY")  # it is the sidewalk that is crowded
             self._report(self._previous())
@@ -45,6 +47,8 @@ class PositionReader(RelationReader):
         elif self._several_named(following) and relation is not None:  # "under the third one there is a bench"
             several, rest = self._several_named(following), following.tokens[self._words_for_some(following) :]
             self.chunks[self.index : self.index + 1] = [Chunk("phrase", rest)] if rest else []
+            if chunk.tokens[-1].type == "BETWEEN":
+                self._skip_second(several)
             self._refer(chunk, relation, several, before)
         elif (following.is_object or following.is_unknown) and refers(chunk, following, linked=linked):
             self.index += 1
@@ -74,6 +78,10 @@ class PositionReader(RelationReader):
             meant = [listed[0].host]
         elif pronoun in ("they", "them") and before == "" and len(listed) > 1:
             meant, self.open = listed[:-1], listed[-1:]  # "cars, lorries and a bus between them"
+        side = self._following()
+        if relation == "beside" and [token.type for token in side.tokens] in (["LEFT"], ["RIGHT"]):
+            relation = "left-of" if side.head == "LEFT" else "right-of"  # "next to it on the left"
+            self.index += 1
         for mention in listed if pronoun.startswith(("each", "every")) else []:
             mention.count = count_times(mention.count, meant[0].count) if meant else mention.count
         self._refer(chunk, relation, meant, before)
@@ -90,7 +98,15 @@ class PositionReader(RelationReader):
         types = [token.type for token in chunk.tokens]
         number = len(list(itertools.takewhile(("ANOTHER", "FIRST", "NUMBER", "OF_THEM").__contains__, types)))
         definite = chunk.tokens[0].startswith("the ") or "OF_THEM" in types[:number]
-        return number if definite and types[number : number + 1] in ([], ["A"]) else 0
+        return number if definite and types[number : number + 1] in ([], ["A"], ["DOING"]) else 0
+
+    def _skip_second(self, several: list[Mention]) -> None:
+        """Pass over the other one of two neighbours, as in "between the second and the third one"."""
+        link, other = self._following(), self._following(1)
+        if link.name == "AND" and several and self._several_named(other):
+            rest = other.tokens[self._words_for_some(other) :]
+            verb = all(token.type == "DOING" for token in rest)
+            self.chunks[self.index : self.index + 2] = [] if verb else [Chunk("phrase", rest)]
 
     def _is_ego_named(self, named: Chunk) -> bool:
         """Whether "the car" can only be that of the ego: no other was named."""
@@ -164,14 +180,14 @@ class PositionReader(RelationReader):
             self._report(chunk)
             for mention in self.open:
                 mention.at, mention.spans = mention.at.narrowed(position), [*mention.spans, chunk.span]
-        elif sidewalk_only and (listed or not self.open):
+        elif sidewalk_only and (listed or not self.open) and not (self.prefix and self._introduces(strongly=True)):
             self.notes.sidewalk = True
         elif before == "WITH" and position.spacing and self.host:
             self.open = self.host
             self._attach(position, chunk, listed)
         elif before in (None, *LINKS) and self._introduces(strongly=not self.open or self.relation is not None):
             between = [chunk.name for chunk in self.chunks[self.prefix_index : self.index - 1]]
-            adjoins = between in (["COMMA"], ["EGO", "COMMA"])  # "in front of us, at 30 m, a bus"
+            adjoins = bool(between) and set(between) <= {"COMMA", "EGO"}  # "in front of us, at 30 m, a bus"
             self.prefix = self.prefix.narrowed(position) if self.prefix is not None and adjoins else position
             self.prefix_weak, self.prefix_index = False, self.index
         elif before in LISTED and {"is", "are"} & set(self._between(chunk, following)):
@@ -207,7 +223,9 @@ class PositionReader(RelationReader):
 
     def _attach(self, position: Position, chunk: Chunk, listed: bool) -> None:
         """To the open mentions: a further place after "and", a closer description of the same place otherwise."""
+        corners = 4 if any(t.type == "CORNER" and t.startswith(("each", "every")) for t in chunk.tokens) else 1
         for mention in list(self.open):
+            mention.count = count_times(mention.count, corners)
             at = self._fitting(position, chunk, mention)
             mention.spans.append(chunk.span)
             if not mention.placed or mention.weak:
@@ -268,13 +286,20 @@ class PositionReader(RelationReader):
             spacing=None if at.spacing else position.spacing,
         )
 
+    def _leads_to_object(self) -> bool:
+        """Whether nothing but places and commas stands before an object, as in "in front of us, at 30 m, a bus"."""
+        names = ("COMMA", "EGO", "position")
+        following = itertools.dropwhile(lambda one: one.name in names, self.chunks[self.index :])
+        named = next(following, END)
+        return self._following().name in ("COMMA", "EGO") and (named.is_object or named.is_unknown)
+
     def _introduces(self, *, strongly: bool) -> bool:
         """Whether an object follows a position at once, or, where nothing is open yet, after a comma."""
+        if strongly and not self.open and self._leads_to_object():
+            return True
         passed = ("EGO", "COMMA", "turn") if strongly else ("EGO", "turn")
         after = self.chunks[self.index : self.index + 4]
         if after and after[0].name == "phrase" and after[0].head in ROAD_OF and "THE" in after[0].types:
             after = after[1:]  # "on the left of the road a car"
-        if strongly and [chunk.name for chunk in after[:3]] == ["EGO", "COMMA", "position"]:
-            after = self.chunks[self.index + 3 : self.index + 6]  # "in front of us, at 30 m, a bus"
         following = next((c for c in after[:3] if c.name not in passed), END)
         return following.is_object or following.is_unknown

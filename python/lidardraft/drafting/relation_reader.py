@@ -11,8 +11,10 @@ from lidardraft.drafting.mention import Mention
 from lidardraft.drafting.number_words import count_of
 from lidardraft.drafting.positions import DISTANCES, LANE_WORDS, SET_BACK, Position, read_position
 from lidardraft.drafting.references import depends, known_mention, mention_of
-from lidardraft.drafting.sentence_chunks import ROAD_OF, Chunk
+from lidardraft.drafting.sentence_chunks import KIND_OF, ROAD_OF, Chunk
+from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 
+_PARTS_OF_ROAD = {"OWN_LANE", "LEFT_LANE", "RIGHT_LANE", "SIDEWALK"}
 _FROM_THE_EGO = {  # where something is that the ego is behind, in front of, ...
     "behind": ("front", ""),
     "in-front-of": ("behind", ""),
@@ -35,8 +37,12 @@ class RelationReader(ChunkReader):
         if between and both and (count_of(named.tokens) == 1 or {"THE"} <= named.types & after.types):
             chunks.append(after)
             self.index += 2 + (place is not None)
-        elif between and after.head in ROAD_OF:  # "between the trees and the road"
-            chunk.tokens[-1] = Token.new_borrow_pos("FRONT", "in front of", chunk.tokens[-1])
+        elif between and (
+            after.head in ROAD_OF or (after.types and after.types <= _PARTS_OF_ROAD)
+        ):  # "between the trees and the road"
+            drives = named.head in KIND_OF and SENTENCE_KINDS[KIND_OF[named.head]].drives
+            found, word = ("BESIDE", "beside") if drives else ("FRONT", "in front of")
+            chunk.tokens[-1] = Token.new_borrow_pos(found, word, chunk.tokens[-1])
             self.index += 2 + (place is not None)
         else:
             place = None
@@ -48,10 +54,20 @@ class RelationReader(ChunkReader):
         references = [self._reference(one, subjects) for one in chunks]
         for subject in self._open_known() if "EACH" in named.types else []:
             subject.host = references[0]
+        if place is None and linked and self._names_place(chunks[-1]):  # "in front of a van on the right, a child"
+            place = self._following()
+            self.index += 1
         if place is not None and not references[0].placed:  # "between the bus ahead and the car behind"
             references[0].at, references[0].placed = read_position(place.tokens), True
             references[0].spans.append(place.span)
         return references
+
+    def _names_place(self, named: Chunk) -> bool:
+        """Whether what follows a reference that begins a clause is the place of it, and the subject is to come."""
+        after = [self._following(further) for further in range(3)]
+        return (
+            [one.name for one in after[:2]] == ["position", "COMMA"] and after[2].is_object and "THE" not in named.types
+        )
 
     def _reference(self, chunk: Chunk, subjects: list[Mention]) -> Mention:
         """The mention that a phrase means: one that is known and none of the subjects, or a new one."""
@@ -59,7 +75,7 @@ class RelationReader(ChunkReader):
         self._report_strange(chunk)
         if known is None:
             known = mention_of(chunk)
-            known.count = "some" if "EACH" in chunk.types else known.count
+            known.count = "some" if "EACH" in chunk.types and known.count == 1 else known.count
             self.notes.mentions.append(known)
         return known
 
@@ -80,6 +96,11 @@ class RelationReader(ChunkReader):
                 mention.described = True
         elif not references or relation is None or any(reference.kind is None for reference in references):
             self._report(chunk)
+        elif chunk.tokens[-1].type == "FOLLOWED" and self._previous_names_ego(references):  # "we are followed by a van"
+            for mention in references:
+                mention.at, mention.placed = at.narrowed(Position(places=(("behind", ""),))), True
+                mention.spans.append(chunk.span)
+            self.open = references
         elif chunk.tokens[-1].type == "FOLLOWED" and self._open_known():
             subjects, self.open = self._open_known()[-1:], references
             self._relate(relation, subjects, at)
@@ -103,6 +124,10 @@ class RelationReader(ChunkReader):
             self.open = references
         else:
             self._report(chunk)
+
+    def _previous_names_ego(self, references: list[Mention]) -> bool:
+        before = self.chunks[: self.index - 1]
+        return len(before) > 1 and before[-2].name == "EGO" and not any(one.placed for one in references)
 
     def _relate_back(self, chunk: Chunk, relation: str, references: list[Mention]) -> None:
         """A second relation of an object is that of what is named with it, where it goes both ways and that is free."""

@@ -79,7 +79,8 @@ class RelativePoses:
         if self.relation == "between":
             return self._between(references[0], references[1], rng, effort)
         if self.relation == "opposite":
-            beside = self.road.edge / 2 if self.kind.drives else max(self.road.edge + 2.0, abs(reference.pose.across))
+            lane = self.road.edge - self.road.parking / 2 if self.heading == "parked" else self.road.edge / 2
+            beside = lane if self.kind.drives else max(self.road.edge + 2.0, abs(reference.pose.across))
             across = -reference.side * beside
             reach = min(6.0, 1.0 + 2.0 * effort * place * self.size[0])  # several stand in a row
             return self._pose(reference.pose.along + reach * float(rng.uniform(-1.0, 1.0)), across, rng, reference)

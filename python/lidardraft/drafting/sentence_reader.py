@@ -7,6 +7,7 @@ that it changes nothing of what is known.
 from __future__ import annotations
 
 import dataclasses
+import itertools
 
 from lidardraft.drafting.mention import Mention
 from lidardraft.drafting.number_words import COUNT_TYPES, exact_count
@@ -47,6 +48,7 @@ class SentenceReader(PartReader):
         if chunk.name in ("WITH", "STOP"):
             self.host = self.open if chunk.name == "WITH" and self._before() == "" else []
             self.open, self.prefix, self.denial, self.each = [], None, "", None
+            self.manner = self.manner if chunk.name == "WITH" else []
             if len(self.host) == 1 and self.host[0].kind is None and any(self.host[0].at.places[0]):
                 # "a petrol station on the right with two cars"
                 self.prefix, self.prefix_weak, self.prefix_index = Position(self.host[0].at.places), True, self.index
@@ -65,7 +67,8 @@ class SentenceReader(PartReader):
             self.open, self.restart, self.denial = [], self.index - 1, ""
             self.prefix = None if chunk.name == "COMMA" else self.prefix
         elif chunk.name == "COMMA":
-            self.prefix_weak, self.denial, self.each = True, "", None
+            named = any(one.is_object for one in self.chunks[self.prefix_index : self.index])
+            self.prefix_weak, self.denial, self.each = self.prefix_weak or named, "", None
         elif chunk.name == "AND" and self.denial != "without":
             self.denial = ""
         elif chunk.name == "EXCEPT":
@@ -135,9 +138,17 @@ class SentenceReader(PartReader):
                 add_qualities(mention, chunk.tokens)
                 mention.spans.append(chunk.span)
                 mention.described = True
-        if not self.open:
+        if not self.open and self._before(1) in (None, "STOP") and self._is_of_what_follows(chunk):
+            self.manner = chunk.tokens
+        elif not self.open:
             lone = ("PARKED", "CROSSING", "ONCOMING", "QUEUEING", "SIZE")
             self._report_tokens(t for t in chunk.tokens if t.type in lone)
+
+    def _is_of_what_follows(self, chunk: Chunk) -> bool:
+        """Whether a state is that of a list of objects after it, as in "parked on the left: a car, a van"."""
+        rest = itertools.dropwhile(lambda one: one.name in ("position", "COMMA"), self.chunks[self.index :])
+        listed = "COMMA" in (self._following().name, self._following(1).name)
+        return chunk.types <= {"PARKED", "ONCOMING", "CROSSING", "MOVING"} and listed and next(rest, chunk).is_object
 
     def _lanes(self, chunk: Chunk) -> None:
         count = exact_count(chunk.tokens)
@@ -166,6 +177,8 @@ class SentenceReader(PartReader):
         ):
             known = None
         hosts = [one.host for one in self.notes.mentions if one.host is not None and one.host.kind == mention.kind]
+        if self.notes.text[chunk.span[1] :].lstrip().startswith(("in total", "in all", "altogether")):
+            hosts = [one for one in self.notes.mentions if one.kind == mention.kind and one.same_as is None]
         if "EACH" in chunk.types:
             known = known_mention(chunk, self.notes.mentions, [])
             mention.count = mention.count if exact_count(chunk.tokens) else "some"
@@ -212,8 +225,8 @@ class SentenceReader(PartReader):
                 mention.on_road = not mention.placed
 
     def _near(self, reference: Mention) -> None:
-        """What a queue stands at is near to it, and not each of its vehicles near to that."""
-        queues = [mention for mention in self._open_known() if mention.in_queue]
+        """What a queue, or what is placed already, stands at is near to it."""
+        queues = [one for one in self._open_known() if one.in_queue or one.relation is not None]
         if queues and not reference.placed and not reference.references:
             reference.relation, reference.references, reference.placed = "near", queues, True
         else:

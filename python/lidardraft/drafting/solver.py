@@ -12,7 +12,7 @@ import numpy as np
 
 from lidardraft.drafting.crowd import Crowd
 from lidardraft.drafting.occupancy import Occupancy, is_at
-from lidardraft.drafting.placing_order import long_strips, placing_order, row_of, with_references
+from lidardraft.drafting.placing_order import long_strips, placing_order, row_of, with_references, with_sides
 from lidardraft.drafting.relation_text import group_relations
 from lidardraft.drafting.relative_poses import Footprint, RelativePoses
 from lidardraft.drafting.road_from_spec import road_from_spec
@@ -67,7 +67,7 @@ class _Solver:
 
     def __init__(self, spec: SceneSpec, seed: int, attempt: int) -> None:
         self.spec, self.attempt = spec, attempt
-        self.groups = long_strips(spec.groups)
+        self.groups = with_sides(long_strips(spec.groups))
         self.rng = np.random.default_rng([seed, attempt] if attempt else seed)
         self.road = road_from_spec(spec, self.rng, attempt)
         self.scene = Occupancy(self.road, self.rng)

@@ -144,7 +144,7 @@ _SPELLINGS = (
     (re.compile(r"\b(i|we|you|they)'(?:m|re|ve|d|ll)\b"), r"\1"),
     (re.compile(r"(?<!in )(?<!the )\bfront: "), "in front "),
     (re.compile(r"(?<!the )\b(?:rear|back): "), "behind "),
-    (re.compile(r"\b(left|right|ahead|behind|front|sides?|back|rear|background|foreground): "), r"\1 "),
+    (re.compile(r"(?<!\bon the )\b(left|right|ahead|behind|front|sides?|back|rear|background|foreground): "), r"\1 "),
     (re.compile(r"\b(?:nobody|no one|no body)\b(?! way)"), "no people"),
     (re.compile(r"\b(?:on|to|at) (?:its|his|her|their) (left|right)(?: (?:hand )?side)?\b"), r"to the \1 of it"),
     (
