@@ -15,8 +15,6 @@ pub(crate) struct Return {
     pub(crate) instance: u32,
     /// The index of the primitive in the scene.
     pub(crate) primitive: usize,
-    /// The triangle of a mesh; 0 for every other shape.
-    pub(crate) part: u32,
     /// The cosine of the angle between the ray and the surface normal, 0 to 1.
     pub(crate) incidence: f32,
     /// The unit normal of the surface in the world, on the side that the ray comes from.
@@ -39,7 +37,6 @@ impl Return {
             label: hit.label,
             instance: hit.instance,
             primitive: hit.primitive,
-            part: hit.part,
             incidence: cosine.abs().min(1.0) as f32,
             normal: if cosine > 0.0 { -normal } else { normal },
         }

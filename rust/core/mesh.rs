@@ -85,20 +85,7 @@ impl TriangleMesh {
             let [a, b, c] = corners(face);
             [(a, b), (b, c), (c, a)].into_iter().all(|(a, b)| volume(through, a, b) >= -sure)
         };
-        self.faces.iter().filter(may_meet).count() == 1 && self.is_closed()
-    }
-
-    /// Whether each edge is run along once in either direction.
-    fn is_closed(&self) -> bool {
-        let edge = |[from, to]: [u32; 2]| (from.min(to), from.max(to), from < to);
-        let edges = self.faces.iter().flat_map(|&[a, b, c]| [edge([a, b]), edge([b, c]), edge([c, a])]);
-        let mut edges: Vec<(u32, u32, bool)> = edges.collect();
-        edges.sort_unstable();
-        let both =
-            |pair: &[(u32, u32, bool)]| (pair[0].0, pair[0].1) == (pair[1].0, pair[1].1) && pair[0].2 != pair[1].2;
-        // Two equal edges, or a third one, leave some pair that is none.
-        let (pairs, rest) = edges.as_chunks::<2>();
-        rest.is_empty() && pairs.iter().all(|pair| both(pair)) && edges.windows(2).all(|pair| pair[0] != pair[1])
+        self.faces.iter().filter(may_meet).count() == 1 && self.open_edge().is_none()
     }
 
     /// The vertices and faces, without a copy.

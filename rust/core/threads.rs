@@ -1,6 +1,5 @@
 //! Work spread over threads.
 
-use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::ThreadPool;
@@ -26,18 +25,40 @@ pub(crate) fn thread_count(threads: usize) -> usize {
     if threads > 0 { threads } else { pool(0).map_or(1, |pool| pool.current_num_threads()) }
 }
 
+/// Pools that are kept: a caller seldom asks for more than a few numbers of threads in turn.
+const KEPT: usize = 4;
+
+/// A pool, and what it is of: a process and a number of threads.
+type OwnedPool = ((u32, usize), Arc<ThreadPool>);
+
 /// The pool of so many threads, kept for next time; `None` where the machine gives no more threads.
 ///
 /// A pool is one of this process: in a forked child its threads are gone, and who waits for them waits forever. That is why
-/// rayon's own pool, of which there is one, is never used.
+/// rayon's own pool, of which there is one, is never used, and why a child never drops a pool of its parent.
 fn pool(threads: usize) -> Option<Arc<ThreadPool>> {
-    static POOLS: Mutex<BTreeMap<(u32, usize), Arc<ThreadPool>>> = Mutex::new(BTreeMap::new());
+    // Those used last come last.
+    static POOLS: Mutex<Vec<OwnedPool>> = Mutex::new(Vec::new());
     let pools = || POOLS.lock().unwrap_or_else(PoisonError::into_inner);
     let key = (std::process::id(), threads);
-    if let Some(pool) = pools().get(&key) {
-        return Some(Arc::clone(pool));
+    let kept = |pools: &mut Vec<OwnedPool>| {
+        let at = pools.iter().position(|(owner, _)| *owner == key)?;
+        pools[at..].rotate_left(1);
+        pools.last().map(|(_, pool)| Arc::clone(pool))
+    };
+    if let Some(pool) = kept(&mut pools()) {
+        return Some(pool);
     }
-    // Built while the lock is free: one that is held during a fork stays held in the child.
+    // Built, and others dropped, while the lock is free: one that is held during a fork stays held in the child.
     let pool = Arc::new(rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()?);
-    Some(Arc::clone(pools().entry(key).or_insert(pool)))
+    let mut pools = pools();
+    if let Some(pool) = kept(&mut pools) {
+        return Some(pool);
+    }
+    pools.push((key, Arc::clone(&pool)));
+    let mine = |((process, _), _): &OwnedPool| *process == key.0;
+    let oldest = (pools.iter().filter(|pool| mine(pool)).count() > KEPT).then(|| pools.iter().position(mine)).flatten();
+    let dropped = oldest.map(|at| pools.remove(at));
+    drop(pools);
+    drop(dropped);
+    Some(pool)
 }

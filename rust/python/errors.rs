@@ -51,7 +51,35 @@ impl From<CoreError> for PyErr {
             | Error::ObjWithoutFaces { .. }
             | Error::ObjMesh { .. } => FormatError::new_err(message),
             Error::Backend { .. } | Error::Threads { .. } | Error::Seed { .. } => LidarDraftError::new_err(message),
-            _ => LayoutError::new_err(message),
+            Error::EmptyMesh { .. }
+            | Error::VertexNotFinite { .. }
+            | Error::FaceIndex { .. }
+            | Error::PrimitiveTable { .. }
+            | Error::TableShape { .. }
+            | Error::ShapeCode { .. }
+            | Error::MeshCount { .. }
+            | Error::Mesh { .. }
+            | Error::MeshReach { .. }
+            | Error::Center { .. }
+            | Error::Size { .. }
+            | Error::Yaw { .. }
+            | Error::Extinction { .. }
+            | Error::PlaneMedium { .. }
+            | Error::OpenMedium { .. }
+            | Error::MovedCount { .. }
+            | Error::MovedIndex { .. }
+            | Error::MovedTwice { .. }
+            | Error::PoseEntry { .. }
+            | Error::PoseLastRow { .. }
+            | Error::PoseNotRigid { .. }
+            | Error::PoseMirrored { .. }
+            | Error::PoseOfTable { .. }
+            | Error::PoseCount { .. }
+            | Error::ScanCount { .. }
+            | Error::RayCount { .. }
+            | Error::RayOrigin { .. }
+            | Error::RayDirection { .. }
+            | Error::MaxRange { .. } => LayoutError::new_err(message),
         }
     }
 }

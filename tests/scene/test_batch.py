@@ -83,3 +83,18 @@ def test_images_that_are_not_in_the_batch():
 def test_arrays_that_are_no_batch(change, message):
     with pytest.raises(SensorError, match=message):
         dataclasses.replace(RangeImageBatch.empty(SMALL, 3), **change)
+
+
+@pytest.mark.parametrize("rolling", [False, True])
+def test_a_batch_of_fewer_scans_than_threads_is_its_scans(rolling):
+    tree = Primitive(shape="ellipsoid", center=(9, 3, 3), size=(5, 5, 5), label="vegetation", id="tree", extinction=0.7)
+    road = Primitive(shape="plane", center=(0, 0, 0), size=(99, 99, 0), label="road", id="road")
+    caster, sensor = Raycaster(Layout((road, tree))), Sensor.preset("hdl64e")
+    several = np.stack([sensor.pose(x=float(x)) for x in range(3)])
+    if rolling:
+        several = np.stack([sensor.poses_in_motion(pose, velocity=(9, 0, 0)) for pose in several])
+    batch = caster.scan_batch(sensor, several, threads=8, seed=5, **OPTIONS)
+    for number, pose in enumerate(several):
+        alone = caster.scan(sensor, threads=1, seed=5 + number, **{"poses" if rolling else "pose": pose}, **OPTIONS)
+        for name in set(IMAGES) - {"intensity"}:
+            np.testing.assert_array_equal(getattr(batch[number], name), getattr(alone, name), err_msg=name)

@@ -1,5 +1,8 @@
 import dataclasses
 import math
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -106,3 +109,20 @@ def test_meshes_in_any_memory_order_are_cast():
 def test_a_pose_that_is_not_rigid(pose, message):
     with pytest.raises(LayoutError, match=message):
         raycast(Layout(primitives=(ROAD,)), SENSOR, pose)
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="this system does not list threads")
+def test_threads_of_numbers_that_are_no_longer_asked_for_end():
+    code = (
+        "import os, time\n"
+        "from lidardraft import Layout, Sensor, raycast\n"
+        "before = len(os.listdir('/proc/self/task'))\n"
+        "for threads in range(2, 31):\n"
+        "    raycast(Layout(), Sensor.preset('vlp16'), threads=threads)\n"
+        "until = time.monotonic() + 30\n"
+        "while len(os.listdir('/proc/self/task')) > before + 114 and time.monotonic() < until:\n"
+        "    time.sleep(0.01)\n"
+        "print(len(os.listdir('/proc/self/task')) - before)\n"
+    )
+    left = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
+    assert 0 < int(left) <= 114  # those of the last four numbers

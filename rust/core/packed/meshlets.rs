@@ -5,6 +5,7 @@ use glam::{DVec3, Vec3};
 use super::AabbTable;
 use super::aabb_table::f32_center;
 use crate::Bounds;
+use crate::intersect::Triangle;
 use crate::simd::WIDEST;
 
 /// Triangles of a meshlet: one to a lane.
@@ -57,7 +58,7 @@ impl Meshlets {
             let [a, b, c] = corners(face);
             (b - a).cross(c - a) != DVec3::ZERO
         });
-        let bounded = with_area.map(|face| (face, triangle_bounds(&corners(face))));
+        let bounded = with_area.map(|face| (face, Triangle { corners: corners(face) }.bounds()));
         let (large, small): (Vec<_>, Vec<_>) = bounded.partition(|face| face.1.diagonal() > LARGE);
         let order = morton_order(small);
         let (mut meshlets, mut boxes) = (Vec::new(), Vec::new());
@@ -121,11 +122,6 @@ fn longest_last([a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
     } else {
         [a, b, c]
     }
-}
-
-fn triangle_bounds(corners: &[DVec3; 3]) -> Bounds {
-    let [a, b, c] = *corners;
-    Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
 }
 
 /// Triangles in the order of a Morton curve; the few that are much larger than the others come first, or they would

@@ -17,7 +17,7 @@ mod view;
 mod visibility_buffer;
 mod write_images;
 
-use crate::threads::spread;
+use crate::threads::{spread, thread_count};
 use crate::{Backend, Error, ImagesMut, Pose, Result, Scene, SensorPattern};
 
 /// Casts a scan: the closest return of every ray of a pattern.
@@ -43,8 +43,8 @@ pub fn scan(
     Ok(())
 }
 
-/// Casts several scans, one list of poses and one set of images for each; threads take whole scans. Scan k has the seed
-/// `seed` + k.
+/// Casts several scans, one list of poses and one set of images for each; threads take whole scans, or parts of them where
+/// there are more threads than scans. Scan k has the seed `seed` + k.
 ///
 /// # Errors
 /// [`Error::ScanCount`], [`Error::PoseCount`] or [`Error::ImageSize`], before anything is written.
@@ -63,8 +63,8 @@ pub fn scan_batch(
     for (poses, images) in poses.iter().zip(images.iter()) {
         check(pattern, poses, images)?;
     }
-    // A scan by itself is spread by rows.
-    let within = if images.len() == 1 { threads } else { 1 };
+    // Where whole scans do not occupy all threads, their parts are spread over the same ones.
+    let within = if images.len() < thread_count(threads) { threads } else { 1 };
     let scans = poses.iter().zip(images).enumerate().collect();
     spread(threads, scans, |(k, (poses, images)): (usize, (&&[Pose], _))| {
         cast(scene, pattern, poses, seed.wrapping_add(k as u64), images, backend, within);

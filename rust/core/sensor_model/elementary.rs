@@ -1,6 +1,8 @@
 //! Elementary functions without branches or calls, so that the compiler makes vectors of loops over them.
 //!
-//! Errors are a few units in the last place. There is no fused multiplication: the bits are the same on every machine.
+//! Errors are a few units in the last place. There is no fused multiplication: the bits of these functions are the same on
+//! every machine. What calls the functions of the platform beside them, as [`super::noise::Patches`] does, may differ there in
+//! the last bits.
 
 use std::f32::consts::{LN_2, LOG2_E};
 
