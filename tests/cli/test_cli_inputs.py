@@ -192,7 +192,7 @@ def test_what_is_wrong_with_a_sketch(refused: Callable[..., str]) -> None:
     draft = ("draft", "-o", "layout.json", "--sketch")
     assert "a.png: No such file" in refused(*draft, "a.png")
     Image.new("RGB", (50, 50), "white").save("a.png")
-    assert "a.png: a painted sketch needs metres_per_pixel, or a black bar" in refused(*draft, "a.png")
+    assert "a.png: a painted sketch needs metres_per_pixel (--metres-per-pixel)" in refused(*draft, "a.png")
     assert "metres_per_pixel is -1.0" in refused(*draft, "a.png", "--metres-per-pixel", "-1")
 
 

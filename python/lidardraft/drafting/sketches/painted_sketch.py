@@ -58,7 +58,10 @@ def read_painting(pixels: np.ndarray, metres_per_pixel: float | None, scale_bar:
 
 def _scale_of_bar(found: np.ndarray, length: float | None) -> float:
     if length is None:
-        raise LayoutError("a painted sketch needs metres_per_pixel, or a black bar and scale_bar, its length in metres")
+        raise LayoutError(
+            "a painted sketch needs metres_per_pixel (--metres-per-pixel), or a black bar and its length in metres, "
+            "scale_bar (--scale-bar)"
+        )
     pieces, _ = ndimage.label(found == BAR, np.ones((3, 3)))
     spans = [max(part.stop - part.start for part in box) for box in ndimage.find_objects(pieces)]
     if not spans:
