@@ -76,7 +76,7 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("sums of texts", "import itertools\nitertools.accumulate(['a' * 1000] * 1000)", 2),
     ("partial of partial", "from functools import partial\nf = print\nwhile True:\n    f = partial(f, 1)", 4),
     ("reduce that doubles", "from functools import reduce\nreduce(lambda a, b: a + a, range(99), [0])", 2),
-    ("caught for ever", "while True:\n    try:\n        {}['a']\n    except KeyError:\n        continue", 3),
+    ("caught for ever", "while True:\n    try:\n        {}['a']\n    except KeyError:\n        continue", 2),
     ("caught recursion", "def f():\n    try:\n        f()\n    except Exception:\n        f()\nf()", 3),
     ("a refusal that is caught", "try:\n    import os\nexcept Exception:\n    pass", 2),
     ("sleeping", "import time\ntime.sleep(9999)", 2),
@@ -272,6 +272,133 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("a chain of operators", "x = 1\nwhile " + "x or " * 12000 + "x:\n    pass", 2),
     ("many names of a class", "from enum import Enum\nclass E(Enum):\n" + _MANY_NAMES + "E(1)", 2),
     ("many lines under a loop", "while True:\n" + "    x = 1\n" * 8000, 1995),
+    # what is compared, cached, raised and turned into text
+    ("getattr of a dunder", "import bpy\ngetattr(bpy, '__class__')", 2),
+    ("getattr private of text", "getattr('', '__class__').__mro__", 1),
+    ("getattr in a format", "getattr('{0.__class__}', 'format')(1)", 1),
+    (
+        "getattr of a property without end",
+        "class A:\n    @property\n    def x(self):\n        while True:\n            pass\ngetattr(A(), 'x', 1)",
+        4,
+    ),
+    ("cached recursion", "from functools import cache\n@cache\ndef f(n):\n    return f(n + 1)\nf(0)", 4),
+    (
+        "cached memory",
+        "from functools import cache\n@cache\ndef f(n):\n    return [0] * 1000\ni = 0\nwhile True:\n"
+        "    f(i)\n    i += 1",
+        4,
+    ),
+    (
+        "cache of a shared key",
+        "from functools import cache\n@cache\ndef f(*a):\n    return 1\nwhile True:\n    f(*range(9000))",
+        6,
+    ),
+    (
+        "deque rotates",
+        "from collections import deque\nd = deque([0] * 240000)\nwhile True:\n    d.append(d.popleft())",
+        4,
+    ),
+    (
+        "Counter update of itself",
+        "from collections import Counter\nc = Counter(range(60000))\nwhile True:\n    c.update(c)",
+        4,
+    ),
+    ("Counter of huge", "from collections import Counter\nc = Counter({'a': 2**62})\nwhile True:\n    c.update(c)", 4),
+    (
+        "duplicate_move",
+        "import bpy\nbpy.ops.mesh.primitive_cube_add()\no = bpy.context.object\no.name='Car'\n"
+        "while True:\n    bpy.ops.object.duplicate_move(TRANSFORM_OT_translate={'value': (1, 0, 0)})",
+        6,
+    ),
+    (
+        "LocRotScale",
+        "from mathutils import Matrix\nwhile True:\n    Matrix.LocRotScale((1, 2, 3), (1, 2, 3), (1, 2, 3))",
+        3,
+    ),
+    (
+        "edges of bmesh",
+        "import bmesh\nbm = bmesh.new()\nbmesh.ops.create_grid(bm, x_segments=80, y_segments=80)\n"
+        "while True:\n    bm.edges[0]",
+        5,
+    ),
+    (
+        "edges of one face",
+        "import bmesh\nbm = bmesh.new()\n"
+        "f = bm.faces.new([bm.verts.new((i, 0, 0)) for i in range(4000)])\nwhile True:\n"
+        "    for e in bm.edges:\n        e.calc_length()",
+        6,
+    ),
+    ("__str__ of itself", "class A:\n    def __str__(self):\n        return f'{self}'\nstr(A())", 3),
+    (
+        "__str__ that is long",
+        "class A:\n    def __str__(self):\n        return 'a' * 200000\na = A()\nwhile True:\n    f'{a}{a}'",
+        6,
+    ),
+    (
+        "__str__ doubles",
+        "class A:\n    def __init__(self, x):\n        self.x = x\n    def __str__(self):\n"
+        "        return f'{self.x}{self.x}'\na = 1\nfor i in range(60):\n    a = A(a)\nstr(a)",
+        5,
+    ),
+    (
+        "dataclasses of dataclasses",
+        "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n    x: object\n"
+        "    y: object = 0\na = b = 1\nfor i in range(60):\n    a = A(a, a)\n    b = A(b, b)\na == b",
+        10,
+    ),
+    (
+        "dataclasses as keys",
+        "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n    x: object\n"
+        "    y: object = 0\na = b = 1\nfor i in range(60):\n    a = A(a, a)\n    b = A(b, b)\n"
+        "d = {a: 1}\nd[b]",
+        11,
+    ),
+    (
+        "dataclasses in tuples in order",
+        "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n    x: object\n"
+        "    y: object = 0\na = []\nb = []\nfor i in range(60):\n    a = [a, a]\n    b = [b, b]\n"
+        "sorted([(A(a), 1), (A(b), 2)])",
+        11,
+    ),
+    (
+        "wide dataclass as a key",
+        "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n"
+        + "".join(f"    a{k}: int = 0\n" for k in range(150))
+        + "d = {A(): 1}\na = A()\nwhile True:\n    d[a]",
+        157,
+    ),
+    (
+        "keys of dataclasses",
+        "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n    x: object\n"
+        "    y: object = 0\nd = {}\ni = 0\nwhile True:\n    d[A(i)] = 1\n    i += 1",
+        9,
+    ),
+    ("raise with a long text", "x = 'a\\n' * 100000\nraise ValueError(x)", 2),
+    (
+        "raise again for ever",
+        "def f():\n    try:\n        raise KeyError\n    except KeyError:\n        raise\nwhile True:\n"
+        "    try:\n        f()\n    except KeyError:\n        pass",
+        3,
+    ),
+    ("zip of many", "a = iter([1])\nwhile True:\n    zip(*[a] * 1000)", 3),
+    ("islice far", "from itertools import islice, count\nislice(count(), 10**15, 10**15 + 1)", 2),
+    (
+        "ids of what arrays make",
+        "import bpy\nbpy.ops.mesh.primitive_cube_add()\no = bpy.context.object\no.name='Car'\n"
+        "o['id'] = 'a' * 100000\no.modifiers.new('a', 'ARRAY').count = 1000",
+        6,
+    ),
+    (
+        "mesh of polygons",
+        "import bpy\nm = bpy.data.meshes.new('a')\nwhile True:\n"
+        "    m.from_pydata([(0, 0, 0)] * 3, [], [(0, 1, 2), (0, 1, 2, 0)] * 4000)",
+        4,
+    ),
+    (
+        "cone tips",
+        "import bpy\nwhile True:\n    bpy.ops.mesh.primitive_cone_add(vertices=500)\n    bpy.context.object.dimensions",
+        4,
+    ),
     # numbers that are none
     ("infinite place", "import bpy\nbpy.ops.mesh.primitive_cube_add(location=(float('inf'), 0, 0))", 2),
     ("place that is no number", "import bpy\nbpy.ops.mesh.primitive_cube_add(location=(float('nan'), 0, 0))", 2),

@@ -183,6 +183,7 @@ class EditedMesh(Record):
         self.budget.take_steps(len(self.vertices) + len(self.faces))
         places, corners = self._places(), self._corners()
         polygons = polygons_of(corners)
+        self.budget.take_steps(2 * len(polygons))
         return polyhedron(places, polygons) if polygons else None
 
     def to_mesh(self, mesh: Value) -> None:

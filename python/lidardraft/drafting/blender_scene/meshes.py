@@ -154,6 +154,7 @@ class Mesh(Block):
                 raise RefusalError(f"face {len(polygons)} is {corners!r:.60}; the mesh has {len(points)} vertices")
             polygons.append(corners)
         shaped = polygons_of(polygons)
+        budget.take_steps(2 * len(shaped))
         self.shape = polyhedron(points, shaped) if shaped else None
 
 

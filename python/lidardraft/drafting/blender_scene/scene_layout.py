@@ -96,6 +96,7 @@ def _copies(scene: Scene, item: SceneObject) -> list[SceneObject]:
             other.suffix = f"_array{number:03}"
             other.properties = {name: value for name, value in item.properties.items() if name != "instance"}
             if isinstance(given := other.properties.get("id"), str):
+                scene.objects.budget.take_text(len(given))
                 other.properties["id"] = given + other.suffix
         other.location = Vector((item.local() @ [*offset, 1.0])[:3].tolist() if number else item.location.numbers)
         found.append(other)

@@ -173,6 +173,7 @@ class Instance(Record):
         self.of = of
         self.kind = f"a value of {of.kind}"
         self.values: dict[str, Value] = {}
+        self._key: Value = None  # what it is a key as, once that is asked for
 
     def __eq__(self, other: object) -> bool:
         return self is other or (isinstance(other, Instance | tuple) and self._as_key() == _as_key(other))
@@ -181,9 +182,11 @@ class Instance(Record):
         return hash(self._as_key())
 
     def _as_key(self) -> Value:
-        found = self.compared_as()
-        plain = isinstance(found, tuple) and not any(isinstance(each, list | tuple | dict | Instance) for each in found)
-        return found if plain else id(self)
+        if self._key is None:
+            found = self.compared_as()
+            plain = isinstance(found, tuple) and not any(isinstance(e, list | tuple | dict | Instance) for e in found)
+            self._key = found if plain else id(self)
+        return self._key
 
     def compared_as(self) -> Value:
         if self.of.marker in ("IntEnum", "StrEnum"):
@@ -225,6 +228,7 @@ class Instance(Record):
         else:
             self.of._budget.take_cells(1)
             self.values[name] = value
+            self._key = None
 
     def elements(self) -> list[Value]:
         return list(self.values.values()) if self.of.marker == "NamedTuple" else super().elements()

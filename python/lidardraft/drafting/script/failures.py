@@ -10,6 +10,7 @@ from lidardraft.drafting.script.limits import Limits, RaisedError, RefusalError
 from lidardraft.drafting.script.statements import Execute, Statements
 from lidardraft.drafting.script.values import truth
 
+_STEPS = 5  # that an error costs which is met on its way
 _ALL = ("Exception", "BaseException")
 _KINDS = {
     **dict.fromkeys(("KeyError", "IndexError"), "LookupError"),
@@ -38,6 +39,7 @@ class Failures(Statements):
                 ended = body(frame)
             except RaisedError as error:
                 self.levels = levels
+                self.budget.take_steps(_STEPS)
                 for names, name, handle in handlers:
                     if not names or {error.name, _KINDS.get(error.name), *_ALL} & set(names):
                         if name is not None:

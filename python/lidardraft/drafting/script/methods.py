@@ -12,6 +12,7 @@ from lidardraft.drafting.script.values import (
     Counter,
     Deque,
     Value,
+    checked,
     describe,
     elements,
     take_moved,
@@ -137,14 +138,14 @@ def _of_list(value: list[Value], budget: Budget, order: Callable[..., list[Value
 
 
 def _of_dict(value: dict[Value, Value], budget: Budget) -> dict[str, Callable[..., Value]]:
-    def checked(key: Value) -> Value:
+    def as_key(key: Value) -> Value:
         if not is_key(key):
             raise RefusalError(f"{describe(key)} cannot be a key")
         return key
 
     def setdefault(key: Value, default: Value = None) -> Value:
         budget.take_cells(3)
-        return value.setdefault(checked(key), default)
+        return value.setdefault(as_key(key), default)
 
     def update(more: Value = None, **keywords: Value) -> None:
         if not isinstance(more, dict | None):
@@ -164,11 +165,11 @@ def _of_dict(value: dict[Value, Value], budget: Budget) -> dict[str, Callable[..
         return value.copy()
 
     return {
-        "get": lambda key, default=None: value.get(checked(key), default),
+        "get": lambda key, default=None: value.get(as_key(key), default),
         "keys": listed(value.keys),
         "values": listed(value.values),
         "items": listed(value.items),
-        "pop": lambda key, *default: value.pop(checked(key), *default),
+        "pop": lambda key, *default: value.pop(as_key(key), *default),
         "setdefault": setdefault,
         "update": update,
         "clear": value.clear,
@@ -189,12 +190,13 @@ def _of_counter(value: Counter, budget: Budget) -> dict[str, Callable[..., Value
 def count_into(counter: Counter, items: Value, budget: Budget) -> None:
     """Add what there is of each of the items, or the numbers of another dict."""
     keys = elements(items, budget)
+    budget.take_steps(len(keys) // 4)
     budget.take_cells(3 * len(keys))
     for key in keys:
         if not is_key(key):
             raise RefusalError(f"{describe(key)} cannot be a key")
         number = items[key] if isinstance(items, dict) else 1
-        counter[key] = counter.get(key, 0) + whole(number, "a count")
+        counter[key] = checked(counter.get(key, 0) + whole(number, "a count"))
 
 
 def _append(items: list[Value], item: Value, budget: Budget) -> None:
