@@ -236,9 +236,7 @@ def report_holes(name: str, found: list[tuple[np.ndarray, np.ndarray]], model: S
             continue
         distance = before[inside]
         echo = response(MATERIAL_BY_NAME["asphalt"], HEIGHT / np.maximum(distance, HEIGHT))
-        expected = 1.0 - np.exp(
-            -2.0 * (model.detection_threshold * distance**2 / echo) ** 1.25 - model.drop_probability
-        )
+        expected = 1.0 - np.exp(-2.0 * (model.detection_threshold * distance**2 / echo) ** 1.25 - model.drop_exponent)
         run = drops / (dropped[inside] > 0).sum()
         print(f"| {low:g} to {high:g} | {rays} | {drops / rays:.4f} | {expected.mean():.4f} | {run:.2f} |")
 

@@ -173,7 +173,7 @@ class SensorModel:
         material_noise: bool,
         dust: float,
         fading: float,
-        drop_probability: float,  # 0 to 1
+        drop_exponent: float,  # 0 to 1
         edge_drop: float,
         unit: int,
         range_offsets: list[float],  # m, of each beam or none

@@ -22,7 +22,7 @@ type CurveTables = (Vec<f32>, Vec<Vec<f32>>, Vec<f32>, Vec<Vec<f32>>, Vec<f32>);
 #[pymethods]
 impl SensorModel {
     #[new]
-    #[pyo3(signature = (*, shares, pulse_duration, detection_threshold, last_return, glass_transmission, speckle, texture, material_noise, dust, fading, drop_probability, edge_drop, unit, range_offsets, offset_spread, gain_spread, jitter, range_step, full_scale, knee, cutoff, cutoff_spread, levels, compensation_range, intensity_curve=None))]
+    #[pyo3(signature = (*, shares, pulse_duration, detection_threshold, last_return, glass_transmission, speckle, texture, material_noise, dust, fading, drop_exponent, edge_drop, unit, range_offsets, offset_spread, gain_spread, jitter, range_step, full_scale, knee, cutoff, cutoff_spread, levels, compensation_range, intensity_curve=None))]
     #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
     fn new(
         shares: Vec<f32>,
@@ -35,7 +35,7 @@ impl SensorModel {
         material_noise: bool,
         dust: f32,
         fading: f32,
-        drop_probability: f32,
+        drop_exponent: f32,
         edge_drop: f32,
         unit: i64,
         range_offsets: Vec<f32>,
@@ -62,7 +62,7 @@ impl SensorModel {
             material_noise,
             dust,
             fading,
-            drop_probability,
+            drop_exponent,
             edge_drop,
             unit: u64::try_from(unit).map_err(|_| negative_unit(unit))?,
             range_offsets,

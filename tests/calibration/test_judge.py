@@ -12,7 +12,7 @@ from lidardraft.scene.intensity_curve import IntensityCurve
 
 STREETS = 6
 CURVE = IntensityCurve(responses=(0.01, 1.0), readings=((0.3, 0.9),))
-TRUTH = replace(with_model(intensity_curve=CURVE, drop_probability=0.1), range_sigma=0.05)
+TRUTH = replace(with_model(intensity_curve=CURVE, drop_exponent=0.1), range_sigma=0.05)
 
 
 @pytest.fixture(scope="module")

@@ -36,10 +36,10 @@ def test_what_no_value_reaches_gets_the_nearest_limit():
     ids=["short and exact", "long and noisy"],
 )
 def test_drop_and_noise_are_found(casts, threshold, drop, sigma, jitter):
-    truth = with_model(detection_threshold=threshold, drop_probability=drop, jitter=jitter)
+    truth = with_model(detection_threshold=threshold, drop_exponent=drop, jitter=jitter)
     model, found = fit_receiver(sweeps(replace(truth, range_sigma=sigma), STREETS, seed=6), casts, TYPICAL)
     assert model.detection_threshold == pytest.approx(threshold, rel=0.5)  # a quarter in range
-    assert model.drop_probability == pytest.approx(drop, rel=0.2, abs=0.004)
+    assert model.drop_exponent == pytest.approx(drop, rel=0.2, abs=0.004)
     assert found == pytest.approx(sigma, rel=0.25)
     assert 0.5 * jitter < model.jitter < 2.0 * jitter
     assert model.offset_spread == TYPICAL.offset_spread  # lasers 2 degrees apart do not tell

@@ -81,7 +81,7 @@ OTHERWISE = {
     "material_noise": False,
     "dust": 0.8,
     "fading": 0.0,
-    "drop_probability": 0.3,
+    "drop_exponent": 0.3,
     "edge_drop": 3.0,
     "glass_transmission": False,
     "jitter": 0.3,

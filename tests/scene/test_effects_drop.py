@@ -23,8 +23,8 @@ def test_a_threshold_of_0_detects_everything():
     assert seen(wall(190.0, "rubber"), IDEAL).valid.all()
 
 
-def test_the_drop_probability_holds_for_near_bright_surfaces():
-    assert seen(wall(3.0), replace(IDEAL, drop_probability=0.1)).valid.mean() == pytest.approx(math.exp(-0.1), abs=0.01)
+def test_the_drop_exponent_holds_for_near_bright_surfaces():
+    assert seen(wall(3.0), replace(IDEAL, drop_exponent=0.1)).valid.mean() == pytest.approx(math.exp(-0.1), abs=0.01)
 
 
 def test_beams_that_make_several_echoes_are_dropped_by_their_own_probability():

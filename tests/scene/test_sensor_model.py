@@ -124,7 +124,7 @@ def test_a_pulse_of_5_ns_is_75_cm_long():
         ({"speckle": math.nan}, "speckle is NaN; it must be finite and 0 or more"),
         ({"tilt_spread": math.nan}, "tilt_spread is nan; it must be finite and 0 or more"),
         ({"jitter": math.inf}, "jitter is inf; it must be finite and 0 or more"),
-        ({"drop_probability": 1.5}, r"drop_probability is 1\.5; it must be 0 to 1"),
+        ({"drop_exponent": 1.5}, r"drop_exponent is 1\.5; it must be 0 to 1"),
         ({"knee": 0.0}, "knee is 0; it must be greater than 0 and at most 1"),
         ({"compensation_range": 0.0}, "compensation_range is 0; it must be greater than 0"),
         ({"pulse_duration": 0.0}, "pulse_duration is 0; it must be finite and greater than 0"),

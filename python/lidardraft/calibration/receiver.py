@@ -31,7 +31,7 @@ _FAR_BENDS = (25.0, 60.0)  # m
 _LIMITS = {
     "pulse_duration": (1e-9, 5e-8),  # s
     "detection_threshold": (1e-8, 1e-3),  # 1/m2; 0.10 reaches 3 km and 10 m, less and nothing far returns
-    "drop_probability": (1e-5, 0.3),
+    "drop_exponent": (1e-5, 0.3),
     "edge_drop": (1e-3, 5.0),
     "range_sigma": (2e-4, 0.2),  # m
     "jitter": (1e-3, 0.5),  # m
@@ -47,7 +47,7 @@ def fit_receiver(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorMod
     model = _fitted("pulse_duration", _mixed, recorded, casts, model, sigma)
     for _ in range(_ROUNDS):  # one bends a little what the other is found by
         model = _fitted("detection_threshold", _far_rate, recorded, casts, model, sigma)
-        model = _fitted("drop_probability", _ground_rate, recorded, casts, model, sigma)
+        model = _fitted("drop_exponent", _ground_rate, recorded, casts, model, sigma)
     model = _fitted("edge_drop", edge_drops, recorded, casts, model, sigma)
     near = _near_bend(recorded)
     for _ in range(_ROUNDS):

@@ -69,8 +69,8 @@ def _print_sensor(found: Fit, recordings: list[Recording]) -> None:
     print(f"range noise: {1e3 * sensor.range_sigma:.1f} mm of strong echoes, {1e3 * weak:.0f} mm of a surface "
           f"{_NOISE_AT:g} m away with a reflectance of {_DARK:.2f}")  # fmt: skip
     print(f"detected: {reach:.0f} m far at a reflectance of {_DARK:.2f}")
-    at_edges = 1 - math.exp(-model.edge_drop)
-    print(f"dropped: {model.drop_probability:.2%} at any range, {at_edges:.1%} more where a beam has several echoes")
+    anyhow, at_edges = (1 - math.exp(-exponent) for exponent in (model.drop_exponent, model.edge_drop))
+    print(f"dropped: {anyhow:.2%} at any range, {at_edges:.1%} more where a beam has several echoes")
     print(f"echoes: one within {model.pulse_length:.2f} m")
     print(f"power: {model.texture:.2f} from patch to patch, {model.speckle:.2f} from firing to firing")
     if model.intensity_curve is not None:

@@ -35,7 +35,7 @@ class SensorModel:
     Receiver: `detection_threshold` is the response over range squared [1/m2] of power 1 (0: everything is detected). A
     response of 1 is that of a white surface that faces the sensor. Return mode: of several echoes the strongest is
     reported, or with `last_return` the last one above the threshold. Ray drop: an echo of power P is dropped with
-    probability 1 - exp(-2 / P^1.25 - `drop_probability`), to which `edge_drop` is added in the exponent where the beam
+    probability 1 - exp(-2 / P^1.25 - `drop_exponent`), to which `edge_drop` is added in the exponent where the beam
     makes several echoes; `fading` is by how much the first term differs from patch to patch of a surface (the spread of
     its logarithm).
 
@@ -67,7 +67,7 @@ class SensorModel:
     material_noise: bool = True
     dust: float = 0.0
     fading: float = 1.6
-    drop_probability: float = 0.0003
+    drop_exponent: float = 0.0003
     edge_drop: float = 0.05
     glass_transmission: bool = True
     jitter: float = 0.07
@@ -115,7 +115,7 @@ class SensorModel:
             material_noise=self.material_noise,
             dust=self.dust,
             fading=self.fading,
-            drop_probability=self.drop_probability,
+            drop_exponent=self.drop_exponent,
             edge_drop=self.edge_drop,
             unit=self.unit,
             range_offsets=list(self.range_offsets),
@@ -179,7 +179,7 @@ class SensorModel:
             texture=0.0,
             material_noise=False,
             fading=0.0,
-            drop_probability=0.0,
+            drop_exponent=0.0,
             edge_drop=0.0,
             glass_transmission=False,
             jitter=0.0,

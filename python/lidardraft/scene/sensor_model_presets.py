@@ -72,7 +72,7 @@ MODELS: dict[str, SensorModel] = {
     "vlp16": SensorModel(detection_threshold=0.10 / 100.0**2, **_REFLECTIVITY),
     "vlp32c": SensorModel(
         detection_threshold=0.10 / 200.0**2,
-        drop_probability=0.022,
+        drop_exponent=0.022,
         jitter=0.04,
         range_step=0.004,
         tilt_spread=2.6e-3,

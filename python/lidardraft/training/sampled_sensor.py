@@ -85,7 +85,7 @@ def _with_model(sensor: Sensor, name: str, rng: np.random.Generator) -> Sensor:
     model = dataclasses.replace(
         model,
         detection_threshold=about(model.detection_threshold, 3.0),
-        drop_probability=float(np.exp(rng.uniform(np.log(1e-4), np.log(0.03)))),
+        drop_exponent=float(np.exp(rng.uniform(np.log(1e-4), np.log(0.03)))),
         fading=about(model.fading, 1.3),
         speckle=about(model.speckle, 2.0),
         jitter=about(model.jitter, 2.0),

@@ -105,7 +105,7 @@ pub(crate) fn add_backscatter(
 
 /// Ray drop: where there is no echo, or one that is not detected.
 ///
-/// An echo of power P is dropped with probability 1 - exp(-2 f / P^1.25 - drop_probability): somewhat less speckle
+/// An echo of power P is dropped with probability 1 - exp(-2 f / P^1.25 - drop_exponent): somewhat less speckle
 /// than developed one, whose power is distributed as the `exponential` numbers. Factor and exponent are fitted to how
 /// rays to the ground are dropped in recordings of a Pandar64, see docs/sensor-model.md. The fading f has the mean 1
 /// and follows the `patches` of surfaces, so that dropped rays come in runs. `edge_drop` is added to the exponent where
@@ -122,7 +122,7 @@ pub(crate) fn drop_rays(
     for ((((dropped, &power), &split), &patch), &exponential) in pulses.zip(patches).zip(exponential) {
         let fading = exp(-model.fading * patch - model.fading * model.fading / 2.0);
         let weak = 1.0 / power;
-        let anyhow = model.drop_probability + model.edge_drop * split;
+        let anyhow = model.drop_exponent + model.edge_drop * split;
         *dropped = exponential - anyhow <= WEAK_DROPS * fading * weak * weak.sqrt().sqrt();
     }
 }

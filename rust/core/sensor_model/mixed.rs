@@ -1,11 +1,11 @@
-//! Mixed pixels: beams whose sub-rays met more than one surface, and the echo that is reported of each.
+//! Mixed pixels: pulses whose sub-rays met more than one surface, and the echo that is reported of each.
 
 use super::elementary::larger;
 use super::surfaces::response_place;
 use super::{Returns, SensorModel, Surfaces};
 use crate::simd::Lanes;
 
-/// The N mixed pixels of a row, whose beams are S sub-rays.
+/// The N mixed pixels of a row, whose pulses are S sub-rays.
 #[derive(Default)]
 pub(crate) struct Mixed {
     /// Their columns [N].
@@ -50,19 +50,19 @@ impl Mixed {
         columns: usize,
         surfaces: &Surfaces<'_>,
     ) {
-        let beams = self.columns.len();
-        restart(&mut self.places, beams, 0);
-        restart(&mut self.responses, beams, 0.0);
+        let pulses = self.columns.len();
+        restart(&mut self.places, pulses, 0);
+        restart(&mut self.responses, pulses, 0.0);
         for numbers in [&mut self.depth, &mut self.power] {
-            numbers.resize(beams * white.len() / columns, 0.0);
+            numbers.resize(pulses * white.len() / columns, 0.0);
         }
-        self.primitive.resize(beams * white.len() / columns, 0);
+        self.primitive.resize(pulses * white.len() / columns, 0);
         for ray in 0..white.len() / columns {
-            let (row, beams) = (ray * columns..(ray + 1) * columns, ray * beams..(ray + 1) * beams);
+            let (row, pulses) = (ray * columns..(ray + 1) * columns, ray * pulses..(ray + 1) * pulses);
             let (far, primitive) = (&rays.depth[row.clone()], &rays.primitive[row.clone()]);
             let (white, incidence) = (&white[row.clone()], &rays.incidence[row]);
-            let (power, met) = (&mut self.power[beams.clone()], &mut self.primitive[beams.clone()]);
-            let taken = self.depth[beams].iter_mut().zip(&mut *power).zip(met).zip(&mut self.places);
+            let (power, met) = (&mut self.power[pulses.clone()], &mut self.primitive[pulses.clone()]);
+            let taken = self.depth[pulses].iter_mut().zip(&mut *power).zip(met).zip(&mut self.places);
             for ((((depth, power), met), place), &column) in taken.zip(&self.columns) {
                 let column = column as usize;
                 (*depth, *power, *met) = (far[column], white[column], primitive[column]);
@@ -75,23 +75,23 @@ impl Mixed {
         }
     }
 
-    /// Finds the echo of each beam: the strongest, or with `last_return` the last above the threshold.
+    /// Finds the echo of each pulse: the strongest, or with `last_return` the last above the threshold.
     ///
     /// Sub-rays whose ranges lie within the length of a pulse of each other make one echo at their mean range.
     #[inline(always)]
     pub(crate) fn separate(&mut self, model: &SensorModel) {
-        let beams = self.columns.len();
-        if beams == 0 {
+        let pulses = self.columns.len();
+        if pulses == 0 {
             return;
         }
         self.choose(model);
         let pulse_length = model.pulse_length() as f32;
         for numbers in [&mut self.echo.depth, &mut self.echo.power, &mut self.echo.split, &mut self.brightest] {
-            restart(numbers, beams, 0.0);
+            restart(numbers, pulses, 0.0);
         }
-        restart(&mut self.echo.winner, beams, 0);
+        restart(&mut self.echo.winner, pulses, 0);
         let Echo { depth: mean, power: total, winner, split } = &mut self.echo;
-        let rays = self.depth.chunks_exact(beams).zip(self.power.chunks_exact_mut(beams));
+        let rays = self.depth.chunks_exact(pulses).zip(self.power.chunks_exact_mut(pulses));
         for (ray, (depth, power)) in (0..).zip(rays) {
             // loops over few columns each: the compiler makes no vectors of one over all of them
             for ((power, &depth), &middle) in power.iter_mut().zip(depth).zip(&self.middle) {
@@ -109,12 +109,12 @@ impl Mixed {
                 *brightest = larger(power, *brightest);
             }
         }
-        for (depth, primitive) in self.depth.chunks_exact(beams).zip(self.primitive.chunks_exact(beams)) {
-            for beam in 0..beams {
+        for (depth, primitive) in self.depth.chunks_exact(pulses).zip(self.primitive.chunks_exact(pulses)) {
+            for pulse in 0..pulses {
                 // the far end of slanted ground is no other surface
-                let other = primitive[beam] != self.primitive[winner[beam] as usize * beams + beam];
-                let apart = depth[beam] > 0.0 && !together(depth[beam], self.middle[beam], pulse_length);
-                split[beam] = if other && apart { 1.0 } else { split[beam] };
+                let other = primitive[pulse] != self.primitive[winner[pulse] as usize * pulses + pulse];
+                let apart = depth[pulse] > 0.0 && !together(depth[pulse], self.middle[pulse], pulse_length);
+                split[pulse] = if other && apart { 1.0 } else { split[pulse] };
             }
         }
         for ((mean, &total), &middle) in mean.iter_mut().zip(&*total).zip(&self.middle) {
@@ -125,13 +125,13 @@ impl Mixed {
     /// Finds the range in the middle of each echo that is reported: that of a sub-ray.
     #[inline(always)]
     fn choose(&mut self, model: &SensorModel) {
-        let beams = self.columns.len();
+        let pulses = self.columns.len();
         let pulse_length = model.pulse_length() as f32;
-        restart(&mut self.most, beams, f32::NEG_INFINITY);
-        restart(&mut self.middle, beams, 0.0);
-        for at in self.depth.chunks_exact(beams) {
-            restart(&mut self.sum, beams, 0.0);
-            for (depth, power) in self.depth.chunks_exact(beams).zip(self.power.chunks_exact(beams)) {
+        restart(&mut self.most, pulses, f32::NEG_INFINITY);
+        restart(&mut self.middle, pulses, 0.0);
+        for at in self.depth.chunks_exact(pulses) {
+            restart(&mut self.sum, pulses, 0.0);
+            for (depth, power) in self.depth.chunks_exact(pulses).zip(self.power.chunks_exact(pulses)) {
                 for (((sum, &depth), &power), &at) in self.sum.iter_mut().zip(depth).zip(power).zip(at) {
                     *sum += if together(depth, at, pulse_length) { power } else { 0.0 };
                 }

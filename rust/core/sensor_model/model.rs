@@ -32,7 +32,7 @@ pub struct SensorModel {
     /// By how much ray drop differs from patch to patch: the spread of its logarithm.
     pub fading: f32,
     /// What ray drop adds to the exponent at any power.
-    pub drop_probability: f32,
+    pub drop_exponent: f32,
     /// What ray drop adds to the exponent where a beam makes several echoes.
     pub edge_drop: f32,
     /// Which unit of the sensor this is.
@@ -98,9 +98,9 @@ impl SensorModel {
         for &offset in &self.range_offsets {
             held("a range offset", offset, offset.is_finite(), "finite")?;
         }
-        let (drop, knee, range) = (self.drop_probability, self.knee, self.compensation_range);
+        let (drop, knee, range) = (self.drop_exponent, self.knee, self.compensation_range);
         held("cutoff", self.cutoff, (0.0..=1.0).contains(&self.cutoff), "0 to 1")?;
-        held("drop_probability", drop, (0.0..=1.0).contains(&drop), "0 to 1")?;
+        held("drop_exponent", drop, (0.0..=1.0).contains(&drop), "0 to 1")?;
         held("knee", knee, knee > 0.0 && knee <= 1.0, "greater than 0 and at most 1")?;
         held("compensation_range", range, range > 0.0, "greater than 0")
     }

@@ -1,4 +1,4 @@
-//! What a receiver makes of the sub-rays of a beam: their powers, and one echo.
+//! What a receiver makes of the sub-rays of a pulse: their powers, and one echo.
 
 use super::elementary::{exp, larger, smaller};
 use super::mixed::{Mixed, restart};
@@ -6,7 +6,7 @@ use super::surfaces::{entry, look_up, response_place};
 use super::{Returns, SensorModel, Surfaces};
 use crate::simd::Lanes;
 
-/// The echo of each beam of a row.
+/// The echo of each pulse of a row.
 #[derive(Default)]
 pub(crate) struct Echoes {
     /// Ranges [m], 0 where there is none.
@@ -17,19 +17,19 @@ pub(crate) struct Echoes {
     pub(crate) primitive: Vec<i32>,
     /// Cosines of incidence.
     pub(crate) incidence: Vec<f32>,
-    /// 1 where the beam made several echoes, of which this is one, else 0.
+    /// 1 where the pulse made several echoes, of which this is one, else 0.
     pub(crate) split: Vec<f32>,
     /// Where sub-rays met different surfaces, and which of them was the brightest: elsewhere they are alike.
     pub(crate) mixed: Mixed,
     /// Power of each sub-ray [S, W] if everything were white and faced the sensor.
     white: Vec<f32>,
     spread: Spread,
-    /// Where in a table of the surfaces something of each beam is.
+    /// Where in a table of the surfaces something of each pulse is.
     places: Vec<u32>,
     responses: Vec<f32>,
 }
 
-/// How the sub-rays of each beam differ.
+/// How the sub-rays of each pulse differ.
 #[derive(Default)]
 struct Spread {
     nearest: Vec<f32>,
@@ -55,7 +55,7 @@ pub(crate) fn received_power(depth: &[f32], response: f32, extinction: f32, mode
     }
 }
 
-/// One echo a beam out of a row of sub-rays, of which each brings its share of the power.
+/// One echo a pulse out of a row of sub-rays, of which each brings its share of the power.
 ///
 /// Where all of them met one surface, its response is that at their mean incidence.
 #[inline(always)]
@@ -90,17 +90,17 @@ pub(crate) fn receive<L: Lanes>(
     let Echoes { mixed, white, .. } = echoes;
     mixed.gather::<L>(rays, white, columns, surfaces);
     mixed.separate(model);
-    for (beam, &column) in mixed.columns.iter().enumerate() {
+    for (pulse, &column) in mixed.columns.iter().enumerate() {
         let column = column as usize;
-        let pixel = mixed.echo.winner[beam] as usize * columns + column;
-        (echoes.depth[column], echoes.power[column]) = (mixed.echo.depth[beam], mixed.echo.power[beam]);
-        echoes.split[column] = mixed.echo.split[beam];
+        let pixel = mixed.echo.winner[pulse] as usize * columns + column;
+        (echoes.depth[column], echoes.power[column]) = (mixed.echo.depth[pulse], mixed.echo.power[pulse]);
+        echoes.split[column] = mixed.echo.split[pulse];
         (echoes.primitive[column], echoes.incidence[column]) = (rays.primitive[pixel], rays.incidence[pixel]);
     }
 }
 
 impl Echoes {
-    /// What a column of the surfaces has for the primitive of each beam.
+    /// What a column of the surfaces has for the primitive of each pulse.
     #[inline(always)]
     pub(super) fn look_up<L: Lanes>(&mut self, column: &[f32], values: &mut [f32]) {
         for (place, &primitive) in self.places.iter_mut().zip(&self.primitive) {
@@ -109,7 +109,7 @@ impl Echoes {
         look_up::<L>(column, &self.places, values);
     }
 
-    /// Power, range, primitive and mean incidence of each beam, as if its sub-rays had met one surface, which is white.
+    /// Power, range, primitive and mean incidence of each pulse, as if its sub-rays had met one surface, which is white.
     #[inline(always)]
     fn sum_up(&mut self, rays: &Returns<'_>, columns: usize) {
         for image in [&mut self.power, &mut self.depth, &mut self.incidence] {
@@ -137,7 +137,7 @@ impl Echoes {
         }
     }
 
-    /// Finds the beams whose sub-rays met more than one primitive, or one in places further apart than a pulse is long.
+    /// Finds the pulses whose sub-rays met more than one primitive, or one in places further apart than a pulse is long.
     #[inline(always)]
     fn find_mixed(&mut self, rays: &Returns<'_>, columns: usize, model: &SensorModel) {
         let Spread { nearest, furthest, primitive } = &mut self.spread;

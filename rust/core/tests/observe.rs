@@ -18,7 +18,7 @@ pub(super) fn ideal() -> SensorModel {
         material_noise: false,
         dust: 0.0,
         fading: 0.0,
-        drop_probability: 0.0,
+        drop_exponent: 0.0,
         edge_drop: 0.0,
         unit: 0,
         range_offsets: Vec::new(),
@@ -47,7 +47,7 @@ fn lively() -> SensorModel {
         material_noise: true,
         dust: 1.0,
         fading: 1.6,
-        drop_probability: 0.01,
+        drop_exponent: 0.01,
         edge_drop: 0.5,
         unit: 3,
         offset_spread: 0.02,
@@ -159,7 +159,7 @@ fn a_scan_is_the_same_bit_for_bit_with_every_backend() {
 
 #[test]
 fn no_return_is_nothing_in_every_image() {
-    let scan = seen(&SensorModel { drop_probability: 0.5, ..lively() }, 0, 1, |_| ()).unwrap();
+    let scan = seen(&SensorModel { drop_exponent: 0.5, ..lively() }, 0, 1, |_| ()).unwrap();
     let dropped = |k: &usize| scan.depth[*k] == 0.0;
     assert!((0..scan.depth.len()).filter(dropped).count() > scan.depth.len() / 3);
     for k in (0..scan.depth.len()).filter(dropped) {
@@ -212,7 +212,7 @@ fn a_number_that_cannot_be_is_named_with_its_limit() {
     says(SensorModel { jitter: f32::INFINITY, ..ideal() }, "jitter is inf; it must be finite and 0 or more");
     says(SensorModel { pulse_duration: 0.0, ..ideal() }, "pulse_duration is 0; it must be finite and greater than 0");
     says(SensorModel { full_scale: 0.0, ..ideal() }, "full_scale is 0; it must be finite and greater than 0");
-    says(SensorModel { drop_probability: 1.5, ..ideal() }, "drop_probability is 1.5; it must be 0 to 1");
+    says(SensorModel { drop_exponent: 1.5, ..ideal() }, "drop_exponent is 1.5; it must be 0 to 1");
     says(SensorModel { knee: 1.25, ..ideal() }, "knee is 1.25; it must be greater than 0 and at most 1");
     says(SensorModel { compensation_range: 0.0, ..ideal() }, "compensation_range is 0; it must be greater than 0");
     let broken = SensorModel { knee: 0.0, ..ideal() };
