@@ -399,6 +399,10 @@ HOSTILE: list[tuple[str, str, int]] = [
         "import bpy\nwhile True:\n    bpy.ops.mesh.primitive_cone_add(vertices=500)\n    bpy.context.object.dimensions",
         4,
     ),
+    ("sets that grow", "s = set()\nwhile True:\n    s.add(len(s))", 3),
+    ("sets of sets", "s = set(range(60000))\nwhile True:\n    s | s", 3),
+    ("sets of many", "s = set()\nwhile True:\n    s.union(*[[]] * 9000)", 3),
+    ("sets without", "s = set(range(60000))\nwhile True:\n    s.isdisjoint([])", 3),
     # numbers that are none
     ("infinite place", "import bpy\nbpy.ops.mesh.primitive_cube_add(location=(float('inf'), 0, 0))", 2),
     ("place that is no number", "import bpy\nbpy.ops.mesh.primitive_cube_add(location=(float('nan'), 0, 0))", 2),

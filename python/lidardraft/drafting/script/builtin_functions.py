@@ -11,6 +11,7 @@ from lidardraft.drafting.script.formatting import to_text
 from lidardraft.drafting.script.frame import Function
 from lidardraft.drafting.script.iterators import Endless, Iterator, going, iterator, next_value
 from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
+from lidardraft.drafting.script.sets import Set
 from lidardraft.drafting.script.values import (
     Builtin,
     KindOfRecord,
@@ -28,7 +29,8 @@ from lidardraft.drafting.script.values import (
 
 _MOST_KINDS = 50  # that isinstance is asked for
 _LONGEST_NUMBER = 40  # characters of a text that becomes a number
-_TYPES = {kind.__name__: (kind,) for kind in (bool, int, float, str, list, tuple, dict)}
+_TYPES: dict[str, tuple[type, ...]] = {kind.__name__: (kind,) for kind in (bool, int, float, str, list, tuple, dict)}
+_TYPES |= dict.fromkeys(("set", "frozenset"), (Set,))
 Call = Callable[[Value, list[Value]], Value]
 
 
@@ -129,11 +131,8 @@ def _of_collections(budget: Budget) -> dict[str, Callable[..., Value]]:
         budget.take_cells(3 * len(found))
         return {**found, **keywords}
 
-    def distinct(items: Value = ()) -> list[Value]:
-        found = elements(items, budget)
-        if not all(map(is_key, found)):
-            raise RefusalError("a set of values that cannot be keys")
-        return list(dict.fromkeys(found))
+    def as_set(items: Value = ()) -> Set:
+        return Set(elements(items, budget), budget)
 
     def numbered(items: Value, start: Value = 0) -> list[Value]:
         found = elements(items, budget)
@@ -161,11 +160,11 @@ def _of_collections(budget: Budget) -> dict[str, Callable[..., Value]]:
         "len": length,
         "list": lambda items=(): elements(items, budget),
         "tuple": lambda items=(): tuple(elements(items, budget)),
-        "set": distinct,
+        "set": as_set,
         "dict": as_dict,
         "enumerate": numbered,
         "zip": zipped,
-        "frozenset": distinct,
+        "frozenset": as_set,
         "iter": lambda items: iterator(items, budget),
         "next": lambda items, *default: next_value(items, default),
         "reversed": lambda items: elements(items, budget)[::-1],

@@ -43,7 +43,6 @@ class Displays(Operators):
         return lambda frame: tuple(items_of(frame))
 
     def _set(self, node: ast.Set) -> Evaluate:
-        """The elements as a list without duplicates: a script may look for one in it, or loop over them."""
         items_of = self.items(node.elts)
         return lambda frame: self.call(self.builtins.variables["set"], [items_of(frame)])
 
