@@ -371,14 +371,14 @@ HOSTILE: list[tuple[str, str, int]] = [
         "keys of dataclasses",
         "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n    x: object\n"
         "    y: object = 0\nd = {}\ni = 0\nwhile True:\n    d[A(i)] = 1\n    i += 1",
-        9,
+        10,
     ),
     ("raise with a long text", "x = 'a\\n' * 100000\nraise ValueError(x)", 2),
     (
         "raise again for ever",
         "def f():\n    try:\n        raise KeyError\n    except KeyError:\n        raise\nwhile True:\n"
         "    try:\n        f()\n    except KeyError:\n        pass",
-        3,
+        7,
     ),
     ("zip of many", "a = iter([1])\nwhile True:\n    zip(*[a] * 1000)", 3),
     ("islice far", "from itertools import islice, count\nislice(count(), 10**15, 10**15 + 1)", 2),
@@ -403,6 +403,8 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("sets of sets", "s = set(range(60000))\nwhile True:\n    s | s", 3),
     ("sets of many", "s = set()\nwhile True:\n    s.union(*[[]] * 9000)", 3),
     ("sets without", "s = set(range(60000))\nwhile True:\n    s.isdisjoint([])", 3),
+    ("functions that are made", "while True:\n    def g(a, b=1, *c, d=2, **e): pass", 2),
+    ("classes that are made", "while True:\n    class B: pass", 2),
     # numbers that are none
     ("infinite place", "import bpy\nbpy.ops.mesh.primitive_cube_add(location=(float('inf'), 0, 0))", 2),
     ("place that is no number", "import bpy\nbpy.ops.mesh.primitive_cube_add(location=(float('nan'), 0, 0))", 2),

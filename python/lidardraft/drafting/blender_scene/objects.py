@@ -107,7 +107,7 @@ class SceneObject(Block):
 
     def set_world(self, matrix: np.ndarray) -> None:
         """Place it so that `world()` is the matrix [4, 4]; raises `RefusalError` for one that shears."""
-        self.owner.budget.take_steps(2 * _STEPS)
+        self.owner.budget.take_steps(3 * _STEPS)
         if self.parent is not None:
             try:
                 matrix = np.linalg.inv(self.parent.charged_world() @ self.parent_inverse) @ matrix

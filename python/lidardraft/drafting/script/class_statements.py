@@ -7,7 +7,7 @@ import ast
 from lidardraft.drafting.script.class_parts import BaseMarker
 from lidardraft.drafting.script.classes import ClassFrame, ScriptClass
 from lidardraft.drafting.script.failures import Failures
-from lidardraft.drafting.script.frame import Frame
+from lidardraft.drafting.script.frame import STEPS_OF_FUNCTION, Frame
 from lidardraft.drafting.script.limits import Limits, RefusalError
 from lidardraft.drafting.script.statements import Execute
 from lidardraft.drafting.script.values import Record, describe
@@ -40,6 +40,7 @@ class ClassStatements(Failures):
             base = None if base_of is None else base_of(frame)
             if not isinstance(base, ScriptClass | BaseMarker | None):
                 raise RefusalError(f"a class derived from {describe(base)} is not read", node.lineno)
+            self.budget.take_steps(STEPS_OF_FUNCTION)
             inside = ClassFrame(frame)
             block(inside)
             self.line = node.lineno

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from lidardraft.drafting.script.arithmetic import dict_key
 from lidardraft.drafting.script.expressions import Evaluate
 from lidardraft.drafting.script.formatting import format_value, to_text
-from lidardraft.drafting.script.frame import Frame, Function
+from lidardraft.drafting.script.frame import STEPS_OF_FUNCTION, Frame, Function
 from lidardraft.drafting.script.iterators import Iterator as OnceThrough
 from lidardraft.drafting.script.limits import Limits, RefusalError
 from lidardraft.drafting.script.operators import Operators
@@ -67,7 +67,12 @@ class Displays(Operators):
     def _lambda(self, node: ast.Lambda) -> Evaluate:
         (body, weight), levels = self.depth_of(lambda: self.weighed(lambda: self.expression(node.body)))
         defaults = self.defaults(node.args)
-        return lambda frame: Function("<lambda>", node.args, body, frame, levels, weight, defaults(frame))
+
+        def evaluate(frame: Frame) -> Value:
+            self.budget.take_steps(STEPS_OF_FUNCTION)
+            return Function("<lambda>", node.args, body, frame, levels, weight, defaults(frame))
+
+        return evaluate
 
     def defaults(self, arguments: ast.arguments) -> Callable[[Frame], list[Value]]:
         """The function that gives the values of the defaults of a function, those of keyword-only arguments last."""

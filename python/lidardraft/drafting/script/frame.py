@@ -8,6 +8,7 @@ from collections.abc import Callable
 from lidardraft.drafting.script.limits import RefusalError
 from lidardraft.drafting.script.values import Record, Value
 
+STEPS_OF_FUNCTION = 10  # that making one costs
 _MOST_ARGUMENTS = 100  # of a function
 
 

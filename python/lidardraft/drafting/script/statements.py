@@ -10,7 +10,7 @@ from lidardraft.drafting.script.arithmetic import binary, dict_key
 from lidardraft.drafting.script.class_parts import Decorator
 from lidardraft.drafting.script.classes import ClassFrame
 from lidardraft.drafting.script.displays import Displays
-from lidardraft.drafting.script.frame import Frame, Function
+from lidardraft.drafting.script.frame import STEPS_OF_FUNCTION, Frame, Function
 from lidardraft.drafting.script.limits import Limits, RaisedError, RefusalError
 from lidardraft.drafting.script.values import Record, Value, describe, elements, take_moved, truth, whole
 
@@ -244,6 +244,7 @@ class Statements(Displays):
         def execute(frame: Frame) -> None:
             home = frame.outer if isinstance(frame, ClassFrame) else frame  # a method does not see the names beside it
             assert home is not None
+            self.budget.take_steps(STEPS_OF_FUNCTION)
             function = Function(node.name, node.args, body, home, levels, weight + 1, defaults(frame))
             frame.set(node.name, decorate(frame, function))
 
