@@ -45,6 +45,7 @@ class ChunkReader:
         self.prefix_index = -9  # where it was read
         self.relation: tuple[str, list[Mention], Position] | None = None  # of the object that follows
         self.turning: str | None = None  # how the object that follows turns
+        self.related: Mention | None = None  # the last of those that a relation before them placed
         self.manner: list[Token] = []  # states of all objects that follow
         self.denial = ""  # the word that denies a list of objects
         self.excepting = False

@@ -20,6 +20,11 @@ def parted(mentions: list[Mention]) -> list[Mention]:
             mention.count = count_times(mention.count, mention.host.count)
             if mention.relation is None and not mention.placed:
                 mention.relation, mention.references, mention.placed = "near", [mention.host], True
+    for mention in mentions:
+        _turn_to_strip(mention)
+        if mention.relation == "between" and mention.heading == "parked":
+            for reference in mention.references:
+                reference.heading = reference.heading or "parked"
     _note_listed_parts(mentions)
     for mention in mentions:
         _count_rest(mention, _parts_of(mention, mentions))
@@ -47,6 +52,17 @@ def lanes_filled(mentions: list[Mention]) -> int:
             if isinstance(whole, int) and isinstance(each, int) and whole > each and not whole % each:
                 return whole // each
     return 0
+
+
+def _turn_to_strip(mention: Mention) -> None:
+    """A hedge in front of several houses is what those stand behind, as long as they need it."""
+    strip = mention.kind is not None and SENTENCE_KINDS[mention.kind].follows_road and mention.count == 1
+    if not strip or mention.relation != "in-front-of" or len(mention.references) != 1:
+        return
+    (row,) = mention.references
+    if row.count not in (0, 1) and row.relation is None and not row.at.distance and not mention.at.distance:
+        mention.relation, mention.references, mention.at = None, [], row.at.narrowed(mention.at)
+        row.relation, row.references, row.placed = "behind", [mention], True
 
 
 def _parts_of(whole: Mention, mentions: list[Mention]) -> list[Mention]:

@@ -9,6 +9,7 @@ from lidardraft.drafting.position_reader import PositionReader
 from lidardraft.drafting.positions import Position
 from lidardraft.drafting.references import meant_by
 from lidardraft.drafting.sentence_chunks import LISTED, STATES, Chunk
+from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 
 
 class PartReader(PositionReader):
@@ -17,6 +18,7 @@ class PartReader(PositionReader):
     def _put(self, chunk: Chunk, mention: Mention) -> None:
         """Open a mention: alone, or beside those that a list has opened and no position has closed."""
         listed = self._before(1) in LISTED
+        related = self.open[-1] if self.open and self._before(1) == "AND" and self.open[-1] is self.related else None
         if not listed or any(
             other.placed or other.described or other.kind is None or (other.count == 0 and mention.count != 0)
             for other in self.open
@@ -49,6 +51,14 @@ class PartReader(PositionReader):
             if self.prefix is not None and self.prefix.distance:  # which the relation may leave no room for
                 mention.spans.append(self.chunks[self.prefix_index - 1].span)
             self._relate(name, references, at)
+            self.related = mention
+        elif related is not None:  # "behind it a truck and two cars"
+            in_row = all(SENTENCE_KINDS[str(one.kind)].drives for one in (mention, related))
+            in_row = in_row and related.relation in ("behind", "in-front-of")
+            mention.relation, mention.references = related.relation, [related] if in_row else related.references
+            mention.at, mention.placed, mention.weak = related.at, True, True
+            self.open = [related, mention]
+            self.related = mention
 
     def _ellipsis(self, chunk: Chunk) -> None:
         """A number without a noun means more of the same, as in "two cars ahead and one behind", or some of them."""
@@ -86,9 +96,10 @@ class PartReader(PositionReader):
             return
         self.open = []
         one = 1 if count == "some" and not chunk.types & {"SOME", "ANOTHER"} else count
-        parked = "parked" if last.heading == "parked" else None
+        kept = last.heading == "parked" or (last.heading == "against" and "ANOTHER" in chunk.types)
+        heading = last.heading if kept else None
         part = Mention(
-            last.kind, one, heading=parked, spans=[chunk.span], same_as=last.same_as or last, of_them=of_them
+            last.kind, one, heading=heading, spans=[chunk.span], same_as=last.same_as or last, of_them=of_them
         )
         add_qualities(part, chunk.tokens)
         self._put(chunk, part)
@@ -110,7 +121,9 @@ class PartReader(PositionReader):
         """Whether a phrase without a noun tells what some of those before do, as "the other one is waiting"."""
         types = {*COUNT_TYPES, "THE", "ANOTHER", "FIRST", "OF_THEM", "QUIET", *STATES}
         several = bool(self._several()) or any(mention.same_as is not None for mention in self.notes.mentions)
-        begins = chunk.tokens[0].type in ("NUMBER", "ANOTHER", "FIRST") and several
+        first = chunk.tokens[0]
+        more = first.type == "ANOTHER" and first.startswith(("an", "one")) and bool(self.notes.mentions)
+        begins = more or (first.type in ("NUMBER", "ANOTHER", "FIRST") and several)
         return begins and chunk.types <= types and bool(chunk.types & set(STATES))
 
     def _whole(self, chunk: Chunk, mention: Mention) -> Mention | None:

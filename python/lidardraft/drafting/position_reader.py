@@ -8,19 +8,18 @@ import itertools
 from lark import Token
 
 from lidardraft.drafting.chunk_reader import END
-from lidardraft.drafting.mention import Mention, keep_away
-from lidardraft.drafting.number_words import SMALL_NUMBERS, count_times, metres, number
-from lidardraft.drafting.positions import DISTANCES, LANE_WORDS, SET_BACK, Position, read_position
+from lidardraft.drafting.mention import Mention
+from lidardraft.drafting.number_words import count_times
+from lidardraft.drafting.place_reader import PlaceReader
+from lidardraft.drafting.positions import Position, read_position
 from lidardraft.drafting.references import meant_by, refers, relation_of
-from lidardraft.drafting.relation_reader import RelationReader
 from lidardraft.drafting.sentence_chunks import JUNCTIONS, LINKS, LISTED, ROAD_OF, Chunk
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 
 _OF_NOTHING = ("RELATED", "BETWEEN", "LEFT_OF", "RIGHT_OF", "FOLLOWED")  # without an object after them
-_OTHER_SIDE = ("opposite side", "other side", "far side", "off side")
 
 
-class PositionReader(RelationReader):
+class PositionReader(PlaceReader):
     """Reads one position at a time."""
 
     def _position(self, chunk: Chunk) -> None:
@@ -50,6 +49,13 @@ class PositionReader(RelationReader):
             if chunk.tokens[-1].type == "BETWEEN":
                 self._skip_second(several)
             self._refer(chunk, relation, several, before)
+        elif chunk.head == "BETWEEN" and following.head in ROAD_OF and self._following(2).is_object:
+            named = self._following(2)  # "a hedge between the road and two houses"
+            self.index += 3
+            chunk = Chunk(
+                "position", [*chunk.tokens[:-1], Token.new_borrow_pos("FRONT", "in front of", chunk.tokens[-1])]
+            )
+            self._refer(chunk, "in-front-of", self._references(chunk, named, linked=linked), before)
         elif (following.is_object or following.is_unknown) and refers(chunk, following, linked=linked):
             self.index += 1
             if self._is_ego_named(following):
@@ -129,37 +135,6 @@ class PositionReader(RelationReader):
             self._report_tokens(found)
         return Chunk("position", [token for token in chunk.tokens if token.type != "ABREAST"])
 
-    def _with_known_side(self, chunk: Chunk) -> Chunk:
-        """The position with a side for "the other side": the one where the last objects are not."""
-        if not any(token.endswith(_OTHER_SIDE) for token in chunk.tokens):
-            return chunk
-        sides = [
-            side
-            for mention in self.notes.mentions
-            if self._before(1) != "" or not any(mention is one for one in self.open)
-            for _, side in mention.at.places
-            if side
-        ]
-        other = "RIGHT" if sides[-1:] == ["left"] else "LEFT"
-        tokens = [
-            Token.new_borrow_pos(other, str(token), token) if token.endswith(_OTHER_SIDE) else token
-            for token in chunk.tokens
-        ]
-        return Chunk("position", tokens)
-
-    def _without_size(self, chunk: Chunk) -> Chunk:
-        """The position without a length that is a size of the object before it, as in "a tall building of 30 m"."""
-        named = self._previous()
-        if not (named.is_object and chunk.tokens and chunk.tokens[0].type == "DISTANCE"):
-            return chunk
-        if self._between(named, chunk) != ["of"] or len(self._open_known()) != 1:
-            return chunk
-        long = SENTENCE_KINDS[str(self.open[0].kind)].follows_road or "LONG" in named.types
-        self.open[0].size[0 if long and not named.types & {"TALL", "LOW"} else 2] = metres(chunk.tokens[0])[1]
-        self.open[0].scale = [1.0, 1.0, 1.0]
-        self.open[0].spans.append(chunk.span)
-        return Chunk("position", chunk.tokens[1:])
-
     def _road_named(self) -> Chunk | None:
         """The road that "it" means in "a roundabout with houses around it"."""
         before = [chunk for chunk in self.chunks[: self.index] if chunk.name == "phrase" and chunk.head in ROAD_OF]
@@ -204,92 +179,13 @@ class PositionReader(RelationReader):
         elif position != Position(beside_road=position.beside_road):  # a road alone has no place
             self._report(chunk)
 
-    def _note_lanes(self, chunk: Chunk) -> None:
-        """What "in both lanes" or "in each of the three lanes" says of the road."""
-        for token in chunk.tokens:
-            words = token.split() if token.type == "EACH_LANE" else []
-            said = [int(number(word)) for word in words if word.isdigit() or word in SMALL_NUMBERS]
-            self.notes.lanes = self.notes.lanes or (said[0] if said else 2 if {"both", "either"} & set(words) else 0)
-
-    def _except(self, chunk: Chunk, position: Position) -> None:
-        """All but those at a position; none but those, of what is denied."""
-        self.excepting = False
-        for mention in self.notes.mentions[-1:]:
-            if mention.count == 0:
-                mention.count, mention.at, mention.placed = "some", position, True
-            else:
-                keep_away(mention, position)
-            mention.spans.append(chunk.span)
-
-    def _attach(self, position: Position, chunk: Chunk, listed: bool) -> None:
-        """To the open mentions: a further place after "and", a closer description of the same place otherwise."""
-        corners = 4 if any(t.type == "CORNER" and t.startswith(("each", "every")) for t in chunk.tokens) else 1
-        for mention in list(self.open):
-            mention.count = count_times(mention.count, corners)
-            at = self._fitting(position, chunk, mention)
-            mention.spans.append(chunk.span)
-            if not mention.placed or mention.weak:
-                mention.at = at if mention.weak else mention.at.narrowed(at)
-            elif listed and not self._goes_on(at, mention):
-                if at.only_places and mention.at.only_places:
-                    mention.at = mention.at.or_at(at)
-                else:
-                    other = dataclasses.replace(mention, at=at, spans=[chunk.span])
-                    if at.distance and mention.at.distance and mention.count != 1:  # "two cars at 20 m and at 40 m"
-                        self._list_distances(mention, other)
-                    self.notes.mentions.append(other)
-                    self.open[self.open.index(mention)] = other
-                    mention = other
-            else:
-                mention.at = mention.at.narrowed(self._without_second_length(at, chunk, mention.at))
-            mention.placed, mention.weak = True, False
-
-    def _list_distances(self, mention: Mention, other: Mention) -> None:
-        """One of several is at a further distance; the place that follows the last distance is that of all."""
-        other.count, other.same_as, other.of_them = 1, mention.same_as or mention, mention.count != "some"
-        mention.count = 1 if mention.count == "some" else mention.count
-        rest = dataclasses.replace(other.at, distance=None)
-        for one in self.notes.mentions:
-            if (one is mention or one.same_as is other.same_as) and rest.agrees(
-                dataclasses.replace(one.at, distance=None)
-            ):
-                one.at = rest.narrowed(one.at)
-
-    def _goes_on(self, at: Position, mention: Mention) -> bool:
-        """Whether a position after a comma describes the same place more closely, as in "on the left, 20 m away"."""
-        closer = mention.count == 1 or not (at.only_places and mention.at.only_places)
-        return self._before(1) == "COMMA" and closer and at.agrees(mention.at)
-
-    def _fitting(self, position: Position, chunk: Chunk, mention: Mention) -> Position:
-        """The position without what its kind cannot have, which is reported."""
-        kind = SENTENCE_KINDS[str(mention.kind)]
-        unfit = {"SIDEWALK"} if "sidewalk" not in kind.surfaces else set()
-        unfit |= set(SET_BACK) if mention.references else set()
-        unfit |= {"CROSSWALK"} if not kind.walks else set()
-        unfit |= set(LANE_WORDS) if "road" not in kind.surfaces else set()
-        self._report_tokens(t for t in chunk.tokens if t.type in unfit)
-        return position if "CROSSWALK" not in unfit & chunk.types else dataclasses.replace(position, heading=None)
-
-    def _report_second_lengths(self, chunk: Chunk) -> None:
-        for types in (DISTANCES, ("SPACING",)):  # the last one counts
-            tokens = [token for token in chunk.tokens if token.type in types][:-1]
-            self._report_tokens(tokens)
-
-    def _without_second_length(self, position: Position, chunk: Chunk, at: Position) -> Position:
-        """A further position of what is `at` a place: its first distance and spacing stay, and others are reported."""
-        for types, known in ((DISTANCES, at.distance), (("SPACING",), at.spacing)):
-            tokens = [token for token in chunk.tokens if known and token.type in types]
-            self._report_tokens(tokens)
-        return dataclasses.replace(
-            position,
-            distance=None if at.distance else position.distance,
-            spacing=None if at.spacing else position.spacing,
-        )
-
     def _leads_to_object(self) -> bool:
         """Whether nothing but places and commas stands before an object, as in "in front of us, at 30 m, a bus"."""
-        names = ("COMMA", "EGO", "position")
-        following = itertools.dropwhile(lambda one: one.name in names, self.chunks[self.index :])
+        states = {"PARKED", "ONCOMING", "CROSSING", "MOVING", "QUEUEING"}
+        passed = ("COMMA", "EGO", "position")
+        following = itertools.dropwhile(
+            lambda one: one.name in passed or (one.name == "phrase" and one.types <= states), self.chunks[self.index :]
+        )
         named = next(following, END)
         return self._following().name in ("COMMA", "EGO") and (named.is_object or named.is_unknown)
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 
 from lark import Token
 
 from lidardraft.drafting.chunk_reader import ChunkReader
 from lidardraft.drafting.mention import Mention
-from lidardraft.drafting.number_words import count_of
+from lidardraft.drafting.number_words import count_of, is_plural
+from lidardraft.drafting.object_qualities import add_qualities
 from lidardraft.drafting.positions import DISTANCES, LANE_WORDS, SET_BACK, Position, read_position
 from lidardraft.drafting.references import depends, known_mention, mention_of
 from lidardraft.drafting.sentence_chunks import KIND_OF, ROAD_OF, Chunk
@@ -54,24 +56,46 @@ class RelationReader(ChunkReader):
         references = [self._reference(one, subjects) for one in chunks]
         for subject in self._open_known() if "EACH" in named.types else []:
             subject.host = references[0]
-        if place is None and linked and self._names_place(chunks[-1]):  # "in front of a van on the right, a child"
-            place = self._following()
+        if place is None and linked and not references[0].placed and self._names_place():
+            place = self._following()  # "in front of a van on the right, a child"
             self.index += 1
         if place is not None and not references[0].placed:  # "between the bus ahead and the car behind"
             references[0].at, references[0].placed = read_position(place.tokens), True
             references[0].spans.append(place.span)
+        if linked:
+            self._read_relative_clause(references[0])
         return references
 
-    def _names_place(self, named: Chunk) -> bool:
+    def _names_place(self) -> bool:
         """Whether what follows a reference that begins a clause is the place of it, and the subject is to come."""
-        after = [self._following(further) for further in range(3)]
-        return (
-            [one.name for one in after[:2]] == ["position", "COMMA"] and after[2].is_object and "THE" not in named.types
+        after = self._following(2 if self._following(1).name == "COMMA" else 1)
+        return self._following().name == "position" and after.is_object
+
+    def _read_relative_clause(self, reference: Mention) -> None:
+        """What a clause with "which" says of a reference, as in "behind the bus, which is parked, a girl"."""
+        if self._following().name != "COMMA":
+            return
+        if not {"which", "who", "that"} & set(self._between(self._following(), self._following(1))):
+            return
+        clause = list(
+            itertools.takewhile(lambda one: one.name in ("phrase", "position"), self.chunks[self.index + 1 :])
         )
+        if any(one.is_object for one in clause):
+            return
+        for one in clause:
+            if one.name == "position":
+                reference.at, reference.placed = reference.at.narrowed(read_position(one.tokens)), True
+            else:
+                add_qualities(reference, one.tokens)
+            reference.spans.append(one.span)
+        self.index += 1 + len(clause)
 
     def _reference(self, chunk: Chunk, subjects: list[Mention]) -> Mention:
         """The mention that a phrase means: one that is known and none of the subjects, or a new one."""
-        known = known_mention(chunk, self.notes.mentions, subjects)
+        named = chunk
+        if len(chunk.tokens) == 1 and not is_plural(chunk.tokens[0]):  # "in front of wall"
+            named = Chunk(chunk.name, [Token("THE", "the"), *chunk.tokens])
+        known = known_mention(named, self.notes.mentions, subjects)
         self._report_strange(chunk)
         if known is None:
             known = mention_of(chunk)
@@ -114,6 +138,11 @@ class RelationReader(ChunkReader):
                 at = dataclasses.replace(at, heading="with")
             for mention in self._subjects(references):
                 mention.spans.append(chunk.span)
+            subject = self._subjects(references)[0]
+            if from_ego.distance and self._turn_round(subject, relation, references):
+                subject.at, subject.placed = subject.at.narrowed(from_ego), True
+                self.open = [subject]
+                return
             if from_ego.distance:
                 self._hand_over(from_ego, self._subjects(references)[0], references)
             self._relate(relation, references, at)
@@ -160,6 +189,8 @@ class RelationReader(ChunkReader):
             mention.relation, mention.references = relation, references
             self._report_set_back(mention)
             before = mention.at if mention.placed and not mention.weak else Position()
+            if before.distance and self._turn_round(mention, relation, references):
+                continue
             if before.distance:  # from the ego; what a relation has is measured from the reference
                 self._hand_over(before, mention, references)
                 before = dataclasses.replace(before, distance=None)
@@ -167,6 +198,16 @@ class RelationReader(ChunkReader):
             mention.placed, mention.weak = True, False
         new = [reference for reference in references if not reference.placed and not reference.references]
         self.open = new if new and new[-1] is references[-1] else subjects
+
+    def _turn_round(self, mention: Mention, relation: str, references: list[Mention]) -> bool:
+        """What stands at a distance and behind what is placed nowhere: that one is in front of it."""
+        turned = {"behind": "in-front-of", "in-front-of": "behind"}.get(relation)
+        drive = all(SENTENCE_KINDS[str(one.kind)].drives for one in (mention, *references))
+        if turned is None or not drive or len(references) > 1 or references[0].placed or references[0].references:
+            return False
+        mention.relation, mention.references = None, []
+        references[0].relation, references[0].references, references[0].placed = turned, [mention], True
+        return True
 
     def _report_set_back(self, mention: Mention) -> None:
         chunks = [chunk for chunk in self.chunks[: self.index] if chunk.span in mention.spans]

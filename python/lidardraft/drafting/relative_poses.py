@@ -208,7 +208,8 @@ class RelativePoses:
         if not self.kind.drives:
             clear = self._verge + self.size[1] / 2 + 0.3
             if "road" not in self.kind.surfaces and abs(across) < clear:
-                across = math.copysign(clear, across)
+                aside = abs(reference.pose.across) > self.road.edge and self.relation in ("in-front-of", "behind")
+                across = reference.side * clear if aside else math.copysign(clear, across)
             return across, 0.0 if across > 0 else BACKWARDS
         lanes = self.lanes or [(n, 1) for n in range(self.road.lanes)] + [(n, -1) for n in range(self.road.oncoming)]
         ways = [(self.road.lane(n, way), way) for n, way in lanes]

@@ -32,7 +32,8 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
     if farthest > MAX_DISTANCE:
         raise LayoutError(f"distance is {farthest:g} m; objects can be asked for up to {MAX_DISTANCE:g} m away")
     queue = max((queue_length(group) for group in spec.groups if group.record.is_vehicle), default=0.0)
-    half_length = max(80.0, farthest + 15.0, min(MAX_DISTANCE, max(queue, 30.0 * effort) + 10.0))
+    row = max((_row_end(group) for group in spec.groups), default=0.0)
+    half_length = max(80.0, farthest + 15.0, row + 5.0, min(MAX_DISTANCE, max(queue, 30.0 * effort) + 10.0))
     if motorway:  # nothing else of it may differ from one seed to the next
         half_length += float(rng.spawn(1)[0].uniform(0.0, 8.0))
     wanted = spec.road.sidewalk
@@ -60,6 +61,13 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
         paved_areas=_parking_lot(lanes * lane_width, farthest, rng) if lot else (),
         one_way=spec.road.one_way,
     )
+
+
+def _row_end(group: ObjectGroup) -> float:
+    """How far away the last of a row stands that begins at a distance [m]; 0 for what is no such row."""
+    if group.spacing is None or group.distance is None or group.fewest is None:
+        return 0.0
+    return min(MAX_DISTANCE, group.distance[0] + group.spacing * (group.fewest - 1))
 
 
 def _sample_lanes(spec: SceneSpec, rng: np.random.Generator, needed: int) -> int:

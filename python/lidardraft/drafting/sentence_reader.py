@@ -138,7 +138,8 @@ class SentenceReader(PartReader):
                 add_qualities(mention, chunk.tokens)
                 mention.spans.append(chunk.span)
                 mention.described = True
-        if not self.open and self._before(1) in (None, "STOP") and self._is_of_what_follows(chunk):
+        begins = self._before(1) in (None, "STOP") or (self._before(1) == "COMMA" and self.prefix is not None)
+        if not self.open and begins and self._is_of_what_follows(chunk):
             self.manner = chunk.tokens
         elif not self.open:
             lone = ("PARKED", "CROSSING", "ONCOMING", "QUEUEING", "SIZE")
@@ -148,7 +149,11 @@ class SentenceReader(PartReader):
         """Whether a state is that of a list of objects after it, as in "parked on the left: a car, a van"."""
         rest = itertools.dropwhile(lambda one: one.name in ("position", "COMMA"), self.chunks[self.index :])
         listed = "COMMA" in (self._following().name, self._following(1).name)
-        return chunk.types <= {"PARKED", "ONCOMING", "CROSSING", "MOVING"} and listed and next(rest, chunk).is_object
+        return (
+            chunk.types <= {"PARKED", "ONCOMING", "CROSSING", "MOVING", "QUEUEING"}
+            and listed
+            and next(rest, chunk).is_object
+        )
 
     def _lanes(self, chunk: Chunk) -> None:
         count = exact_count(chunk.tokens)

@@ -127,7 +127,8 @@ _SPELLINGS = (
         r"\2 in \1",
     ),
     (re.compile(rf"(?<=, ){_EXTENT} ({_LENGTH})"), r"\2 in \1"),  # "a wall, height 2 m"
-    (re.compile(r"(?<=[a-z]) ?/ ?(?=(?:direction|way|side|lane)\b)"), " per "),
+    (re.compile(r"(?<=[a-z]) ?/ ?(?=(?:direction|dir|way|side|lane)\b)"), " per "),
+    (re.compile(r"\bper dir\b\.?"), "per direction"),
     (
         re.compile(
             rf"(?<!between )(?<!from )\b(\d+)((?:, ?\d+)*),? and (\d+) ?({UNIT})(?! (?:apart|long|high|tall|wide))"
