@@ -53,6 +53,9 @@ def binary(kind: type[ast.operator], left: Value, right: Value, budget: Budget) 
     if kind is ast.Add and type(left) is type(right) and isinstance(left, str | list | tuple):
         _take(len(left) + len(right), left, budget)
         return left + right
+    if kind is ast.BitOr and type(left) is type(right) is dict:
+        budget.take_cells(3 * (len(left) + len(right)))
+        return {**left, **right}
     if kind is ast.Mult:
         if isinstance(left, int):
             left, right = right, left

@@ -50,10 +50,13 @@ def _of_text(value: str, name: str, budget: Budget) -> dict[str, Callable[..., V
     if name in _SIMPLE or name in _SEARCHES:  # no longer than the text itself
         return {name: getattr(value, name)}
 
-    def split(separator: str | None = None, maxsplit: int = -1) -> list[str]:
-        pieces = len(value) // 2 + 1 if separator is None else value.count(text(separator, "the separator")) + 1
-        budget.take_cells(2 * pieces)
-        return value.split(separator, maxsplit)
+    def split(cut: Callable[..., list[str]]) -> Callable[..., list[str]]:
+        def call(sep: str | None = None, maxsplit: int = -1) -> list[str]:
+            pieces = len(value) // 2 + 1 if sep is None else value.count(text(sep, "the separator")) + 1
+            budget.take_cells(2 * pieces)
+            return cut(value, sep, maxsplit)
+
+        return call
 
     def join(parts: Value) -> str:
         words = [text(part, "a part of a text") for part in elements(parts, budget)]
@@ -77,7 +80,8 @@ def _of_text(value: str, name: str, budget: Budget) -> dict[str, Callable[..., V
         return value.replace("\r\n", "\n").replace("\r", "\n").removesuffix("\n").split("\n") if value else []
 
     return {
-        "split": split,
+        "split": split(str.split),
+        "rsplit": split(str.rsplit),
         "splitlines": lines,
         "join": join,
         "replace": replace,

@@ -13,7 +13,7 @@ from lidardraft.drafting.script.values import Builtin, Namespace, Record, Value,
 _FUNCTIONS = (
     *("acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "cos", "cosh", "sin", "sinh", "tan", "tanh"),
     *("ceil", "floor", "trunc", "fabs", "fmod", "copysign", "gcd", "hypot", "degrees", "radians"),
-    *("exp", "log", "log10", "log2", "pow", "sqrt", "isclose", "isfinite", "isinf", "isnan"),
+    *("exp", "log", "log10", "log2", "pow", "sqrt", "isqrt", "modf", "isclose", "isfinite", "isinf", "isnan"),
 )
 _LARGEST_FACTORIAL = 20  # the largest below 2^63
 _DRAWS = ("random", "uniform", "gauss", "normalvariate", "lognormvariate", "expovariate", "triangular")
