@@ -70,3 +70,8 @@ def test_fewer_lasers_than_a_patch_has_none():
     table = replace(TABLE, elevations=TABLE.elevations[:3], heights=TABLE.heights[:3], rings=TABLE.rings[:3])
     three = [Sweep(sweep.points[:3]) for sweep in sweeps(np.zeros(LASERS))]
     assert fit_range_offsets(three, table) == pytest.approx(np.zeros(3))
+
+
+def test_scans_in_which_nothing_is_flat_tell_no_offsets():
+    torn = [Sweep(np.where(np.arange(512)[:, None] % 2 == 0, one.points, 0.0)) for one in sweeps(np.full(LASERS, 0.05))]
+    np.testing.assert_array_equal(fit_range_offsets(torn, TABLE), 0.0)

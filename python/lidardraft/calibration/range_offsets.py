@@ -30,6 +30,8 @@ def fit_range_offsets(recorded: Sequence[Sweep], table: BeamTable) -> np.ndarray
     if len(offsets) < _LASERS:
         return offsets
     patches, lasers = _patches(recorded)
+    if not len(patches):
+        return offsets
     rays = patches - origins[lasers][:, :, None]
     rays /= np.maximum(np.linalg.norm(rays, axis=3, keepdims=True), 1e-6)
     for _ in range(_ROUNDS):
