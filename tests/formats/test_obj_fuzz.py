@@ -74,10 +74,10 @@ def test_a_valid_file_comes_back_as_it_was_written(path, document):
         np.testing.assert_array_equal(shape.vertices[shape.faces], triangles)
 
 
-def attempt(function, *arguments):
+def attempt(function, *arguments, **options):
     """What the function gives and None, or None and the one error of ours that it may raise."""
     try:
-        return function(*arguments), None
+        return function(*arguments, **options), None
     except LidarDraftError as error:
         return None, error
 
@@ -89,7 +89,7 @@ def survives(path, data: bytes) -> None:
     if error is None:
         assert all(len(shape.faces) and np.isfinite(shape.vertices).all() for _, _, shape in objects)
         labels = {name: "other" for entry in objects for name in entry[:2]}
-        layout, error = attempt(obj.layout_from_obj, path, labels)
+        layout, error = attempt(obj.layout_from_obj, path, classes=labels)
         image, error = (None, error) if error else attempt(raycast, layout, SENSOR)
         assert error or np.isfinite(image.depth).all()
     else:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sized
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -28,7 +28,7 @@ SCHEMA = "lidardraft.layout/1"
 SHAPES = ("box", "ellipsoid", "cylinder", "plane", "mesh")
 _OVERFLOWS = 1e300  # m, of coordinates whose sums and differences may be no numbers
 _INSTANCE_LIMIT = 2**16 - 1  # a SemanticKITTI label file holds 16 bits of instance
-_MOST_PRIMITIVES = 10**6  # as many as a text of JSON may hold (`json_fields`)
+_MOST_PRIMITIVES = 100_000  # which are read in a second or two
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -187,8 +187,7 @@ class Layout:
             raise LayoutError(f"provenance cannot be written as JSON: {error}") from None
         if self.coverage is not None:
             object.__setattr__(self, "coverage", checked_vector("layout", "coverage", self.coverage, 2, math.inf))
-        if len(self.primitives) > _MOST_PRIMITIVES:
-            raise LayoutError(f"{len(self.primitives)} primitives; a layout has {_MOST_PRIMITIVES} at most")
+        _check_number(self.primitives)
         seen: set[str] = set()
         for primitive in self.primitives:
             if primitive.id in seen:
@@ -231,6 +230,7 @@ class Layout:
         rows = document["primitives"]
         if not isinstance(rows, list):
             raise FormatError(f"primitives is {rows!r:.50}; it must be a list of objects")
+        _check_number(rows)
         return cls(
             primitives=tuple(Primitive.from_dict(check_object(row)) for row in rows),
             provenance=document.get("provenance", {}),
@@ -255,3 +255,8 @@ class Layout:
 def object_of(primitive: Primitive) -> str:
     """The name of the object that a primitive is a part of: its id up to the first dot."""
     return primitive.id.split(".", 1)[0]
+
+
+def _check_number(primitives: Sized) -> None:
+    if len(primitives) > _MOST_PRIMITIVES:
+        raise LayoutError(f"{len(primitives)} primitives; a layout has {_MOST_PRIMITIVES} at most")
