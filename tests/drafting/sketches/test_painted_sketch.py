@@ -67,7 +67,7 @@ def test_what_has_no_colour_of_a_class_is_told() -> None:
     [
         (np.full((50, 50, 3), (255, 128, 128), np.uint8), "100% of the pixels have no class's colour"),
         (np.random.default_rng(0).integers(0, 256, (300, 300, 3)).astype(np.uint8), "have no class's colour"),
-        (painted([CAR], size=(99, 99)), "or a black bar and scale_bar"),
+        (painted([CAR], size=(99, 99)), "or a black bar and its length in metres"),
     ],
 )
 def test_pictures_that_are_no_sketch(pixels: np.ndarray, said: str) -> None:
