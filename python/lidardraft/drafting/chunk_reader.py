@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable
 
 from lark import Token
@@ -11,6 +12,7 @@ from lidardraft.drafting.number_words import COUNT_TYPES, exact_count, unclear_c
 from lidardraft.drafting.object_qualities import SIZES
 from lidardraft.drafting.positions import Position
 from lidardraft.drafting.sentence_chunks import KIND_OF, LINKS, LISTED, ROAD_OF, SETTINGS, STATES, Chunk
+from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.sentence_notes import SentenceNotes
 
 END = Chunk("", [])
@@ -81,13 +83,17 @@ class ChunkReader:
         return self.chunks[index].name if self.chunks[index].name in LINKS else ""
 
     def _end_list(self, chunk: Chunk) -> None:
-        """A verb in the singular is that of the last one alone, as in "trees, a bus is 20 m ahead"; a place before all
-        of them is then not its own.
+        """Leave open those of a list that the place after it is of.
+
+        A sidewalk is that of the last ones that can be there. A verb in the singular is that of the last one alone, as
+        in "trees, a bus is 20 m ahead"; a place before all of them is then not its own.
         """
         if not self._previous().is_object or self._before(2) not in LISTED:
             return
         if "DISTANCE" in chunk.types and self._before(2) == "COMMA":  # "three cars, a bus 20 m ahead"
             self.open = self.open[-1:]
+        if "SIDEWALK" in chunk.types and _fits_sidewalk(self.open[-1]):  # "a bus, people on the sidewalk"
+            self.open = list(itertools.takewhile(_fits_sidewalk, reversed(self.open)))[::-1]
         if any(verb in _SINGULAR for verb in [*self._between(self._previous(), chunk), *chunk.tokens]):
             self.open = self.open[-1:]
             first = self.index - self.prefix_index <= 4  # after the place
@@ -129,3 +135,7 @@ class ChunkReader:
         else:
             clear = exact == 1 and head in ROAD_OF
         return [] if clear else [token for token in chunk.tokens if token.type in COUNT_TYPES]
+
+
+def _fits_sidewalk(mention: Mention) -> bool:
+    return mention.kind is not None and "sidewalk" in SENTENCE_KINDS[mention.kind].surfaces
