@@ -15,7 +15,7 @@ import numpy as np
 
 from lidardraft import _core
 from lidardraft.errors import SensorError, one_of
-from lidardraft.files import named, read_text, written_whole
+from lidardraft.files import named, read_text, write_text
 from lidardraft.json_fields import check_fields, is_number, parse_object
 from lidardraft.scene import beam_tables
 from lidardraft.scene.blocked import Blocked, blocked_pixels, checked_blocked
@@ -203,9 +203,8 @@ class Sensor:
         return cls(**fields)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the JSON of `to_json`."""
-        with written_whole(path) as temporary:
-            temporary.write_text(self.to_json())
+        """Write the JSON of `to_json`; raises `FormatError` where it cannot be written."""
+        write_text(path, self.to_json())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Sensor:

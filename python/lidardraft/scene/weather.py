@@ -4,7 +4,7 @@ Extinction per metre follows ITU-R P.1814 (2007): fog by visibility (Koschmieder
 as Kim amends it), rain after Carbonneau, snow wet or dry. Backscatter of fog is that of Hahner et al. (ICCV 2021);
 raindrops and snowflakes are met one by one, as many as Marshall and Palmer (1948) and Gunn and Marshall (1958) counted,
 the way Hahner et al. (CVPR 2022) sample snow. Their light is that of a small target near by, which a receiver that is
-focused far away sees blurred: only a part falls on its detector (Measures, Laser Remote Sensing, 1984, ch. 7.3).
+focused far away sees blurred: only a part falls on its detector (the form factor of the lidar equation).
 """
 
 from __future__ import annotations
