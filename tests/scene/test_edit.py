@@ -53,6 +53,10 @@ def test_what_is_added_and_can_be_counted_gets_an_instance_of_its_own() -> None:
     with pytest.raises(LayoutError, match="truck_1: instance 2 is car_9's; 0 takes a free one"):
         add(layout, replaced(primitive("truck_1", 60, label="truck"), instance=2))
     assert add(layout, primitive("bus_1.rear", 37, label="bus"))["bus_1.rear"].instance == 1
+    van = replaced(primitive("van_1.body", 50), instance=9)
+    assert add(LAYOUT, van, primitive("van_1.roof", 50))["van_1.roof"].instance == 9
+    with pytest.raises(LayoutError, match="car_5: instance 9 is van_1's"):
+        add(LAYOUT, van, replaced(primitive("car_5", 60), instance=9))
 
 
 def test_remove() -> None:

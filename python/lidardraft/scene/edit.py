@@ -41,6 +41,8 @@ def add(layout: Layout, *primitives: Primitive) -> Layout:
             if name not in numbers:
                 numbers[name] = next(free)
             primitive = dataclasses.replace(primitive, instance=numbers[name])
+        if primitive.instance:
+            owners[primitive.instance], numbers[name] = name, primitive.instance
         added.append(primitive)
     return dataclasses.replace(layout, primitives=(*layout.primitives, *added))
 
