@@ -1,10 +1,11 @@
-"""The pictures of docs: sentences, images, sketches and boxes, each input with the layout that it becomes.
+"""The pictures of docs: each input with the layout that it becomes.
 
 `python benches/picture_inputs.py docs` writes them anew; `tests/benches/test_picture_inputs.py` says when that is due.
 """
 
 from __future__ import annotations
 
+import json
 import math
 import sys
 from collections.abc import Iterator
@@ -15,12 +16,15 @@ from PIL import Image
 
 import lidardraft
 from lidardraft.drafting.pinhole import Pinhole
+from lidardraft.drafting.scene_spec import SceneSpec
+from lidardraft.drafting.solver import layout_from_spec
 from lidardraft.scene.layout import Layout
 from lidardraft.view import caption, render_from_above, render_layout, render_scan, save_png, stack
 from rendered_pictures import render
 
 SENTENCE = "a busy crossroads, a bus turning left, people on the right pavement, trees and houses on both sides"
 SKETCHES = Path(__file__).parents[1] / "examples" / "sketches"
+MODELS_PAGE = Path(__file__).parents[1] / "docs" / "language-models.md"
 
 
 def pictures() -> Iterator[tuple[str, np.ndarray]]:
@@ -28,6 +32,7 @@ def pictures() -> Iterator[tuple[str, np.ndarray]]:
     layout = lidardraft.layout_from_text(SENTENCE, seed=1)
     yield "sentences", _shown(layout)
     yield "boxes", _shown(lidardraft.layout_from_boxes(layout.boxes()))
+    yield "language-models", _shown(layout_from_spec(_reply_of_the_page()))
     yield "images", _photograph()
     with Image.open(SKETCHES / "crossroads.png") as image:
         sheet = np.asarray(image.convert("RGB").resize((480, 480), Image.Resampling.BOX))
@@ -35,6 +40,11 @@ def pictures() -> Iterator[tuple[str, np.ndarray]]:
     named = lidardraft.layout_from_sketch(SKETCHES / "bend.svg")
     rows = [[caption(sheet, "crossroads.png"), _shown(painted)], [_shown(named, "bend.svg as a layout"), _cast(named)]]
     yield "sketches", stack([stack(row, across=True) for row in rows])
+
+
+def _reply_of_the_page() -> SceneSpec:
+    """What a language model wrote, as the page shows it."""
+    return SceneSpec.from_dict(json.loads(MODELS_PAGE.read_text(encoding="utf-8").split("```json")[1].split("```")[0]))
 
 
 def _photograph() -> np.ndarray:
