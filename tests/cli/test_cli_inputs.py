@@ -365,8 +365,8 @@ def test_what_is_wrong_with_a_blender_script(refused: Callable[..., str]) -> Non
     Path("scene.py").write_text(SCRIPT)
     assert "scene.py: no class for Blob (line 2); say which by --class" in refused(*draft)
     assert "did you mean 'car'?" in refused(*draft, "--class", "Blob=cra")
-    Path("scene.py").write_text("import bpy\nimport os\n")
-    assert "scene.py: line 2: import of os: a script is read, not run" in refused(*draft)
+    Path("scene.py").write_text("import bpy\nimport os\nos.system('ls')\n")
+    assert "scene.py: line 3: os.system is not read" in refused(*draft)
 
 
 def test_what_is_drafted_is_read_again(capsys: pytest.CaptureFixture[str]) -> None:

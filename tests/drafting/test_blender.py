@@ -98,8 +98,8 @@ def test_files_that_are_no_script(tmp_path: Path) -> None:
             layout_from_blender(path)
     path.write_bytes(b"\xef\xbb\xbf" + CAR.encode())
     assert len(layout_from_blender(path)) == 1
-    path.write_text("import bpy\nimport os")
-    with pytest.raises(ScriptError, match=r"a\.py: line 2: import of os"):
+    path.write_text("import bpy\nimport os\nos.remove('a')")
+    with pytest.raises(ScriptError, match=r"a\.py: line 3: os.remove is not read"):
         layout_from_blender(path)
     with open(path, "wb") as file:
         file.truncate(10**8)

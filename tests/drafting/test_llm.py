@@ -201,7 +201,7 @@ def test_what_else_is_refused_before_anything_is_sent(server: ReplayServer) -> N
 def test_a_script_becomes_a_layout(server: ReplayServer) -> None:
     script = SCRIPT.format(x=20)
     server.answers = [
-        openai("```python\nimport os\n```"),
+        openai("```python\nimport os\nos.mkdir(1)\n```"),
         openai("```python\nimport bpy\nbpy.ops.mesh.primitive_cube_add()\n```"),
         openai(f"Here it is:\n```python\n{script}```\n"),
     ]
@@ -215,7 +215,7 @@ def test_a_script_becomes_a_layout(server: ReplayServer) -> None:
     assert told["llm"]["prompt"] == blender_prompt().version
     assert code_of(told["llm"]["reply"]) == script
     first, second, third = [attempt["error"] for attempt in told["llm"]["attempts"]]
-    assert "line 1: import of os" in first
+    assert "line 2: os.mkdir is not read" in first
     assert "no class for Cube" in second
     assert third is None
     assert {tuple(sorted(request.body)) for request in server.requests} == {("messages", "model", "seed")}

@@ -31,3 +31,25 @@ def test_what_they_refuse() -> None:
     refuses("bpy.context.collection.objects.link(5)", "5 is no object")
     refuses(TREES + "trees.objects.unlink(car)", "an object is not in this collection")
     refuses(TREES + "trees.children.link(car)", "an object is no collection")
+
+
+def test_new_objects_come_into_the_active_collection() -> None:
+    layout = scene(
+        "cars = bpy.data.collections.new('Cars')\nbpy.context.scene.collection.children.link(cars)\n"
+        "layer = bpy.context.view_layer\nlayer.active_layer_collection = layer.layer_collection.children['Cars']\n"
+        "assert bpy.context.collection is cars and layer.active_layer_collection.name == 'Cars'\n"
+        "bpy.ops.mesh.primitive_cube_add()\nassert bpy.context.object.users_collection == (cars,)\n"
+        "layer.layer_collection.children[0].hide_viewport = True\n"
+        "bpy.data.collections.remove(bpy.data.collections.new('Other'))"
+    )
+    assert [shape.label for shape in layout] == ["car"]
+    assert any("what hides collections" in note for note in layout.provenance["notes"])
+
+
+def test_a_removed_collection_is_active_no_more() -> None:
+    scene(
+        "c = bpy.data.collections.new('C')\nbpy.context.scene.collection.children.link(c)\n"
+        "layer = bpy.context.view_layer\nlayer.active_layer_collection = layer.layer_collection.children['C']\n"
+        "bpy.data.collections.remove(c)\nassert bpy.context.collection is bpy.context.scene.collection\n" + CUBE
+    )
+    refuses("bpy.context.view_layer.layer_collection.children['None']", "there is no collection 'None'")

@@ -65,7 +65,7 @@ def test_copies_parents_and_joined_meshes() -> None:
         ("bpy.ops.object.select_all(action='ALL')", "the action is 'ALL'"),
         ("bpy.ops.object.mode_set(mode='SCULPT')", "the mode 'SCULPT' is not read"),
         ("bpy.ops.object.mode_set(mode='EDIT')\nbpy.ops.mesh.primitive_cube_add()", "leave the edit mode first"),
-        ("bpy.ops.object.mode_set(mode='EDIT')\nbpy.ops.mesh.subdivide()", "bpy.ops.mesh.subdivide is not read"),
+        ("bpy.ops.object.mode_set(mode='EDIT')\nbpy.ops.mesh.spin()", "bpy.ops.mesh.spin is not read"),
         ("bpy.ops.object.delete()\nbpy.ops.object.modifier_add(type='ARRAY')", "no active object that could have"),
         ("bpy.ops.object.origin_set(type='ORIGIN_CENTER_OF_MASS')", "origin_set to 'ORIGIN_CENTER_OF_MASS'"),
         ("car.scale.x = 2\nbpy.ops.object.transform_apply(scale=False)", "applied without an uneven scale"),

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from scene_reading import refuses, with_car
+from scene_reading import CUBE, refuses, scene, with_car
 
 from lidardraft.drafting.blender_scene.rotations import angles_of, rotation_matrix
 
@@ -65,3 +65,10 @@ def test_a_rotation_and_its_angles() -> None:
 )
 def test_what_they_refuse(script: str, said: str) -> None:
     refuses(script, said)
+
+
+def test_a_vector_of_four_numbers() -> None:
+    scene(
+        CUBE + "assert Vector((1, 2)).to_4d()[:] == (1, 2, 0, 1) and Vector((1, 2, 3)).to_4d()[:] == (1, 2, 3, 1)\n"
+        "assert Vector((1, 2, 3, 4)).to_4d()[:] == (1, 2, 3, 4)"
+    )

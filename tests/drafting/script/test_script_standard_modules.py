@@ -1,5 +1,5 @@
 import pytest
-from script_reading import agrees, reads, refuses
+from script_reading import agrees, refuses
 
 
 @pytest.mark.parametrize(
@@ -30,14 +30,9 @@ def test_they_give_what_python_gives(script: str) -> None:
     agrees(script)
 
 
-def test_the_clock_stands_still() -> None:
-    assert reads("import time\nassert time.time() == time.perf_counter()").notes == {"the time is taken as 0": 2}
-
-
 def test_what_they_refuse() -> None:
     refuses("[1].popleft()", "a list has no 'popleft' that is read")
-    refuses("from functools import singledispatch", "functools.singledispatch is not read")
+    refuses("from functools import singledispatch\nsingledispatch(1)", "a call of functools.singledispatch", 2)
     refuses("from functools import cache\n@cache\ndef f(x):\n    pass\nf([])", "of what cannot be a key", 5)
     refuses("from collections import namedtuple\nnamedtuple('A', '_x')", "namedtuple of '_x' is not read", 2)
     refuses("from functools import reduce\nreduce(max, [])", "reduce of nothing", 2)
-    refuses("import time\ntime.sleep(1)", "time.sleep is not read", 2)

@@ -1,4 +1,5 @@
 import pytest
+from script_reading import agrees, refuses
 
 from lidardraft.drafting.script.limits import Budget, Limits, RefusalError
 from lidardraft.drafting.script.values import (
@@ -65,3 +66,13 @@ def test_lengths_and_elements() -> None:
     with pytest.raises(RefusalError, match="a value of 6 elements; 5 are the most"):
         elements(range(6), budget)
     assert describe("a" * 100) == repr("a" * 40)
+
+
+def test_types_in_brackets_and_unions_of_types() -> None:
+    agrees(
+        "from typing import Union\nPoint = tuple[float, float]\nTable = dict[str, list[Point]]\n"
+        "Number = Union[int, float]\n"
+        "def f(a: Number, b: Table = None) -> Point:\n    return (a, a)\nassert f(1) == (1, 1)\n"
+        "assert isinstance(1.5, int | float) and not isinstance('a', int | float) and list((1, 2)) == [1, 2]"
+    )
+    refuses("x = int + float", "Add of a function and a function is not read")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from lidardraft.drafting.blender_scene.edit_operators import edit_operators
 from lidardraft.drafting.blender_scene.mesh_operators import mesh_operators
 from lidardraft.drafting.blender_scene.object_operators import object_operators
 from lidardraft.drafting.blender_scene.scene import Scene
@@ -23,7 +24,7 @@ class Operators(Record):
         self.kind = f"bpy.ops.{name}".rstrip(".")
         self._scene = scene
         self._name = name
-        self._known = mesh_operators(scene) | object_operators(scene)
+        self._known = mesh_operators(scene) | object_operators(scene) | edit_operators(scene)
         self._made: dict[str, Value] = {}
 
     def attribute(self, name: str) -> Value:

@@ -43,6 +43,41 @@ class Collection(Block):
                 waiting.extend(reversed(collection.children))
 
 
+class LayerCollection(Record):
+    """A collection as the view layer shows it, or the children of one by their names."""
+
+    kind = "a layer collection"
+
+    def __init__(self, collection: Collection, note: Callable[[str], None]) -> None:
+        self.collection = collection
+        self._note = note
+
+    def attribute(self, name: str) -> Value:
+        if name == "collection":
+            return self.collection
+        if name == "children":
+            return self
+        return self.collection.name if name == "name" else super().attribute(name)
+
+    def set_attribute(self, name: str, value: Value) -> None:
+        if name not in ("exclude", "hide_viewport", "holdout"):
+            return super().set_attribute(name, value)
+        self._note("what hides collections is passed over")
+
+    def elements(self) -> list[Value]:
+        self.collection.owner.budget.take_steps(len(self.collection.children) + 1)
+        return [LayerCollection(child, self._note) for child in self.collection.children]
+
+    def item(self, key: Value) -> Value:
+        found = self.elements()
+        if isinstance(key, int) and -len(found) <= key < len(found):
+            return found[key]
+        for child in found:
+            if child.collection.name == key:
+                return child
+        raise RaisedError("KeyError", f"there is no collection {describe(key)} in {self.collection.name!r:.60}")
+
+
 class LinkedObjects(Record):
     """The objects of a collection."""
 

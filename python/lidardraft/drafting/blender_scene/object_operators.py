@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from lidardraft.drafting.blender_scene.blocks import Unread
+from lidardraft.drafting.blender_scene.edit_operators import transform_vertices
 from lidardraft.drafting.blender_scene.mesh_shapes import Polygons, polyhedron
 from lidardraft.drafting.blender_scene.meshes import Mesh
 from lidardraft.drafting.blender_scene.objects import SceneObject
@@ -67,7 +68,7 @@ def _selecting(scene: Scene) -> dict[str, Callable[..., Value]]:
         if mode not in ("OBJECT", "EDIT"):
             raise RefusalError(f"the mode {describe(mode)} is not read")
         if mode == "EDIT":
-            scene.edit_mode = True
+            scene.edit_mode = scene.edits_all = True
         else:
             scene.leave_edit_mode()
         return _DONE
@@ -151,9 +152,13 @@ def _transforming(scene: Scene) -> dict[str, Callable[..., Value]]:
         return _DONE
 
     def translate(value: Value = _ORIGIN, **_: Value) -> Value:
+        way = np.array(reals(value, 3, "the way"))
+        if scene.edit_mode:
+            transform_vertices(scene, np.eye(3), way)
+            return _DONE
         for item in _roots(scene):
             world = item.charged_world()
-            world[:3, 3] += reals(value, 3, "the way")
+            world[:3, 3] += way
             item.set_world(world)
         return _DONE
 
@@ -210,6 +215,9 @@ def _roots(scene: Scene) -> list[SceneObject]:
 def _about_middle(scene: Scene, linear: np.ndarray) -> None:
     """Turn or stretch the selected objects about the middle of their origins' bounds."""
     items = _roots(scene)
+    if scene.edit_mode:
+        transform_vertices(scene, linear, np.zeros(3))
+        return
     if not items:
         return
     worlds = [item.charged_world() for item in items]

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from lidardraft.drafting.blender_scene.blocks import Block, Blocks, Unread
-from lidardraft.drafting.blender_scene.collection import Collection, LinkedObjects
+from lidardraft.drafting.blender_scene.collection import Collection, LayerCollection, LinkedObjects
 from lidardraft.drafting.blender_scene.meshes import Material, Mesh
 from lidardraft.drafting.blender_scene.objects import Objects, SceneObject
 from lidardraft.drafting.blender_scene.vectors import Vector
@@ -50,7 +50,9 @@ class Scene:
         self.master = Collection(self.collections, self.objects)
         self.master.name = "Scene Collection"
         self.current = CurrentScene(self)
+        self.active_collection = self.master
         self.edit_mode = False
+        self.edits_all = True  # whether all vertices are selected there, or none
         self.edited: dict[Mesh, Any] = {}  # what is edited in the edit mode
         self.cursor = Vector([0.0, 0.0, 0.0])
 
@@ -59,9 +61,15 @@ class Scene:
         if self.edit_mode:
             raise RefusalError("meshes that are edited are not read; leave the edit mode first")
         item: SceneObject = self.objects.new(name, data)
-        LinkedObjects(self.master).link(item)
+        LinkedObjects(self.collection()).link(item)
         self.objects.select_only(item)
         return item
+
+    def collection(self) -> Collection:
+        """The one that new objects come into."""
+        if self.collections.by_name.get(self.active_collection.name) is not self.active_collection:
+            self.active_collection = self.master  # it has been removed
+        return self.active_collection
 
     def leave_edit_mode(self) -> None:
         """Let what was edited become the meshes."""
@@ -77,6 +85,7 @@ class Scene:
         self.objects.selection.clear()
         self.objects.active = None
         self.master.children.clear()
+        self.active_collection = self.master
 
     def modules(self) -> dict[str, Value]:
         """`bpy.data`, `bpy.context` and `bpy.app` by their names."""
@@ -86,6 +95,7 @@ class Scene:
             "materials": self.materials,
             "collections": self.collections,
             "scenes": Scenes(self.current),
+            "filepath": "",
         }
         data |= {name: OtherBlocks(name, self.note) for name in (*_PASSED_OVER, *_UNKNOWN)}
         kinds = {"Object": SceneObject, "Mesh": Mesh, "Material": Material, "Collection": Collection}
@@ -226,7 +236,7 @@ class Context(Record):
         if name == "view_layer":
             return ViewLayer(scene)
         if name == "collection":
-            return scene.master
+            return scene.collection()
         if name == "mode":
             return "EDIT_MESH" if scene.edit_mode else "OBJECT"
         if name == "temp_override":
@@ -251,15 +261,18 @@ class ViewLayer(Record):
             return self
         if name == "active":
             return self._scene.objects.active
-        if name in ("layer_collection", "active_layer_collection", "depsgraph"):
+        if name in ("layer_collection", "active_layer_collection"):
+            is_active = name == "active_layer_collection"
+            return LayerCollection(self._scene.collection() if is_active else self._scene.master, self._scene.note)
+        if name == "depsgraph":
             return Unread(name, self._scene.note)
         return super().attribute(name)
 
     def set_attribute(self, name: str, value: Value) -> None:
         if name == "active" and isinstance(value, SceneObject | None):
             self._scene.objects.active = value
-        elif name == "active_layer_collection":
-            raise RefusalError("another active collection is not read; link objects to their collection instead")
+        elif name == "active_layer_collection" and isinstance(value, LayerCollection):
+            self._scene.active_collection = value.collection
         else:
             super().set_attribute(name, value)
 

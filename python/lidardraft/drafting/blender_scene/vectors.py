@@ -260,6 +260,10 @@ Vector.methods = {
     "angle": (5, Vector._angle),
     "to_2d": (1, lambda self: Vector(self.numbers[:2])),
     "to_3d": (1, lambda self: Vector([*self.numbers, 0.0][:3])),
+    "to_4d": (
+        1,
+        lambda self: Vector([*self.numbers, *(0.0, 1.0)[len(self.numbers) - 2 :]]),
+    ),
     "to_track_quat": (4 * STEPS_OF_MATRIX, lambda self, track="Z", up="Y": Rotation(tracking(self.numbers, track, up))),
 }
 Euler.methods = Vector.methods | {

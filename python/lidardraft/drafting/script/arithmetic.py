@@ -128,7 +128,8 @@ def equal(left: Value, right: Value, budget: Budget, level: int = 0) -> bool:
         return right.equals(left)
     if not isinstance(left, list | tuple | dict):
         return bool(left == right)
-    if type(left) is not type(right) or len(left) != len(right):
+    alike = any(isinstance(left, kind) and isinstance(right, kind) for kind in (list, tuple, dict))
+    if not alike or len(left) != len(right):
         return False
     if level > 8:
         raise RefusalError("lists within lists, too deep to be compared")

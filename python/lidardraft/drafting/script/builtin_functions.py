@@ -16,6 +16,7 @@ from lidardraft.drafting.script.values import (
     Builtin,
     KindOfRecord,
     Record,
+    TypeFunction,
     Value,
     checked,
     describe,
@@ -37,7 +38,11 @@ Call = Callable[[Value, list[Value]], Value]
 def builtin_functions(budget: Budget, call: Call) -> dict[str, Builtin]:
     """The functions by their names; `call(function, arguments)` calls a function of the script."""
     tables = (_of_numbers(budget), _of_collections(budget), _of_order(budget, call))
-    return {name: Builtin(name, function) for table in tables for name, function in table.items()}
+    return {
+        name: (TypeFunction if name in _TYPES else Builtin)(name, function)
+        for table in tables
+        for name, function in table.items()
+    }
 
 
 def _of_numbers(budget: Budget) -> dict[str, Callable[..., Value]]:
@@ -142,7 +147,9 @@ def _of_collections(budget: Budget) -> dict[str, Callable[..., Value]]:
     def zipped(*columns: Value, strict: Value = False) -> list[Value]:
         if not columns:
             return []
-        if all(isinstance(column, Endless) for column in columns):
+        if all(isinstance(column, Endless) for column in columns):  # generators may end
+            columns = tuple(Iterator(elements(column, budget)) for column in columns)
+        if any(isinstance(column, Endless) for column in columns) and truth(strict):
             raise RefusalError("zip: none of these has an end")
         lengths = [
             column.left() if isinstance(column, Iterator) else length(column)

@@ -63,6 +63,15 @@ class BaseMarker(Record):
         self.name = name
 
 
+class ErrorClass(BaseMarker):
+    """A class of errors of Python's own, of which the script may derive others."""
+
+    def __init__(self, error: str) -> None:
+        super().__init__("object")
+        self.kind = f"the class {error}"
+        self.error = error
+
+
 class AutoValue(Record):
     """`auto()`: the number of a member of an enumeration."""
 

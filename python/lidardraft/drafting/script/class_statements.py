@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import ast
 
-from lidardraft.drafting.script.class_parts import BaseMarker
+from lidardraft.drafting.script.class_parts import BaseMarker, ErrorClass
 from lidardraft.drafting.script.classes import ClassFrame, ScriptClass
-from lidardraft.drafting.script.failures import Failures
+from lidardraft.drafting.script.failures import STEPS_OF_ERROR, Failures, is_caught
 from lidardraft.drafting.script.frame import STEPS_OF_FUNCTION, Frame
-from lidardraft.drafting.script.limits import Limits, RefusalError
+from lidardraft.drafting.script.limits import Limits, RaisedError, RefusalError
 from lidardraft.drafting.script.statements import Execute
-from lidardraft.drafting.script.values import Record, describe
+from lidardraft.drafting.script.values import Record, Value, describe
 
 
 class Surroundings(Record):
@@ -21,6 +21,24 @@ class Surroundings(Record):
 
     def leave(self) -> None:
         """End the block."""
+
+    def catches(self, _error: RaisedError) -> bool:
+        """Whether an error ends the block, and nothing more."""
+        return False
+
+
+class Suppressed(Surroundings):
+    """`contextlib.suppress(...)`."""
+
+    kind = "suppress"
+
+    def __init__(self, *errors: Value) -> None:
+        self._names = [error.error for error in errors if isinstance(error, ErrorClass)]
+        if len(self._names) != len(errors):
+            raise RefusalError("suppress of what is no class of errors of Python's own")
+
+    def catches(self, error: RaisedError) -> bool:
+        return is_caught(error, self._names)
 
 
 class ClassStatements(Failures):
@@ -53,7 +71,8 @@ class ClassStatements(Failures):
         block = self.block(node.body)
 
         def execute(frame: Frame) -> object:
-            entered = []
+            entered: list[Surroundings] = []
+            levels = self.levels
             for value_of, name in parts:
                 value = value_of(frame)
                 if not isinstance(value, Surroundings) or name is not None:
@@ -62,6 +81,12 @@ class ClassStatements(Failures):
                 entered.append(value)
             try:
                 return block(frame)
+            except RaisedError as error:
+                self.budget.take_steps(STEPS_OF_ERROR)
+                if not any(value.catches(error) for value in entered):
+                    raise
+                self.levels = levels
+                return None
             finally:
                 for value in reversed(entered):
                     value.leave()

@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from lidardraft.drafting.script.arithmetic import equal
-from lidardraft.drafting.script.class_parts import AutoValue, BaseMarker, Decorator, FieldDefault, Method, Setter
+from lidardraft.drafting.script.class_parts import (
+    AutoValue,
+    BaseMarker,
+    Decorator,
+    ErrorClass,
+    FieldDefault,
+    Method,
+    Setter,
+)
 from lidardraft.drafting.script.frame import Frame, Function
 from lidardraft.drafting.script.limits import Budget, RefusalError
 from lidardraft.drafting.script.values import Builtin, Record, Value, describe, text
@@ -13,6 +21,11 @@ from lidardraft.drafting.script.values import Builtin, Record, Value, describe, 
 SPECIAL = ("__init__", "__post_init__", "__repr__", "__str__")  # methods that a class may have
 _DEEPEST, _MOST_NAMES = 16, 200  # classes of which one is derived from the other; names of a class
 _STEPS = 5  # that an instance costs
+_ERRORS = (
+    *("BaseException", "Exception", "ArithmeticError", "AssertionError", "AttributeError", "ImportError", "IndexError"),
+    *("KeyError", "LookupError", "NameError", "NotImplementedError", "OSError", "OverflowError", "RuntimeError"),
+    *("StopIteration", "SystemExit", "TypeError", "ValueError", "ZeroDivisionError"),
+)
 Call = Callable[[Value, list[Value], dict[str, Value]], Value]
 _MISSING = object()
 
@@ -294,4 +307,5 @@ def builtin_decorators() -> dict[str, Value]:
         "staticmethod": Decorator(lambda function: Method(function, "nothing")),
         "classmethod": Decorator(lambda function: Method(function, "class")),
         "object": BaseMarker("object"),
+        **{name: ErrorClass(name) for name in _ERRORS},
     }

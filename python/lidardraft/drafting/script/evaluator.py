@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import ast
 import gc
-from typing import Any
 
-from lidardraft.drafting.script.class_statements import ClassStatements
 from lidardraft.drafting.script.frame import Frame
-from lidardraft.drafting.script.limits import Limits, RefusalError
+from lidardraft.drafting.script.generators import Generators, yielding_nodes
+from lidardraft.drafting.script.limits import Limits, RaisedError, RefusalError
 from lidardraft.drafting.script.modules import Annotations, RandomNumbers, math_module
+from lidardraft.drafting.script.os_modules import SCRIPT
+from lidardraft.drafting.script.outside import Outside
 from lidardraft.drafting.script.source import parse
 from lidardraft.drafting.script.standard_modules import standard_modules
 from lidardraft.drafting.script.statements import Execute
 from lidardraft.drafting.script.values import Namespace, Record, Value
 
 _STEPS_OF_TOKEN = 6  # what parsing it takes
+_STEPS_OF_WALK = 2  # what going once more through the tree takes, for a token
 
 
-class Evaluator(ClassStatements):
+class Evaluator(Generators):
     """Reads scripts that may use `modules`: math, random, and what is added to them.
 
     `notes` are lines about what was passed over, each with the line of the script where that was met first.
@@ -27,7 +29,7 @@ class Evaluator(ClassStatements):
     def __init__(self, limits: Limits) -> None:
         super().__init__(limits)
         self.notes: dict[str, int] = {}
-        self.modules: dict[str, Value] = {
+        self.modules: dict[str, Record] = {
             "math": math_module(self.budget),
             "random": RandomNumbers(self.budget, self.note),
             "typing": Annotations(),
@@ -50,8 +52,14 @@ class Evaluator(ClassStatements):
             self.line = len(script.splitlines())  # where the whole of it is too long
             self.budget.take_steps(_STEPS_OF_TOKEN * tokens)
             self.line = 1
+            if "yield" in script:
+                self.budget.take_steps(_STEPS_OF_WALK * tokens)
+                self.yielding = yielding_nodes(tree)
             run = self.block(tree.body)
-            run(Frame(self.builtins, {"__name__": "__main__"}))
+            run(Frame(self.builtins, {"__name__": "__main__", "__file__": SCRIPT}))
+        except RaisedError as error:
+            if error.name != "SystemExit" or error.said not in ("", "0", "None"):
+                raise error.at(self.line) from None
         except RefusalError as refusal:
             raise refusal.at(self.line) from None
         except RecursionError:
@@ -81,23 +89,28 @@ class Evaluator(ClassStatements):
                     self.budget.take_steps(len(module.values))
                     for name, value in module.values.items():
                         frame.set(name, value)
-                elif alias.name.startswith(("*", "_")) or not isinstance(module, Record):
-                    raise RefusalError(f"{node.module}.{alias.name:.60} is not read")
+                elif alias.name.startswith(("*", "_")):
+                    raise RefusalError(f"{node.module:.60}.{alias.name:.60} is not read")
                 else:
-                    frame.set(alias.asname or alias.name, module.attribute(alias.name))
+                    frame.set(alias.asname or alias.name, self._name_in(module, alias.name))
 
         return execute
 
-    def _module(self, name: str) -> Any:
+    def _module(self, name: str) -> Record:
         first, *rest = name.split(".")
-        if first not in self.modules:
-            known = ", ".join(module for module in self.modules if not module.startswith("_"))
-            raise RefusalError(f"import of {name:.60}: a script is read, not run; it may use {known}")
-        module = self.modules[first]
+        module = self.modules[first] if first in self.modules else Outside(first)
         for part in rest:
-            if part.startswith("_") or not isinstance(module, Record):
+            if part.startswith("_"):
                 raise RefusalError(f"import of {name:.60} is not read")
-            module = module.attribute(part)
-        if not isinstance(module, Record):
-            raise RefusalError(f"import of {name:.60} is not read")
+            found = self._name_in(module, part)
+            if not isinstance(found, Record):
+                raise RefusalError(f"import of {name:.60} is not read")
+            module = found
         return module
+
+    def _name_in(self, module: Record, name: str) -> Value:
+        """What a module has under a name: nothing that is read, where it is not known."""
+        try:
+            return module.attribute(name)
+        except RefusalError:
+            return Outside(f"{module.kind}.{name:.60}")

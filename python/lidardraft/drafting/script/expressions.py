@@ -73,12 +73,16 @@ class Expressions:
         self.budget.take_steps(function.weight)
         if not isinstance(function, Function):
             return function.call(arguments, keywords)
-        self.levels += function.levels
-        if self.levels > self.limits.levels:
-            raise RefusalError(f"calls within calls, more than {self.limits.levels} levels deep in all")
+        self.go_within(function.levels)
         result = function.body(function.bind(arguments, keywords))
         self.levels -= function.levels
         return result
+
+    def go_within(self, levels: int) -> None:
+        """Count the levels of a function that is being called."""
+        self.levels += levels
+        if self.levels > self.limits.levels:
+            raise RefusalError(f"calls within calls, more than {self.limits.levels} levels deep in all")
 
     def ordered(self, items: Value, key: Value, reverse: Value) -> list[Value]:
         """What `sorted` gives."""

@@ -10,11 +10,12 @@ from lidardraft.drafting.script.limits import Limits, RaisedError, RefusalError
 from lidardraft.drafting.script.statements import Execute, Statements
 from lidardraft.drafting.script.values import truth
 
-_STEPS = 5  # that an error costs which is met on its way
+STEPS_OF_ERROR = 5  # that an error costs which is met on its way
 _ALL = ("Exception", "BaseException")
 _KINDS = {
     **dict.fromkeys(("KeyError", "IndexError"), "LookupError"),
     **dict.fromkeys(("ZeroDivisionError", "OverflowError"), "ArithmeticError"),
+    "JSONDecodeError": "ValueError",
 }
 
 
@@ -39,9 +40,9 @@ class Failures(Statements):
                 ended = body(frame)
             except RaisedError as error:
                 self.levels = levels
-                self.budget.take_steps(_STEPS)
+                self.budget.take_steps(STEPS_OF_ERROR)
                 for names, name, handle in handlers:
-                    if not names or {error.name, _KINDS.get(error.name), *_ALL} & set(names):
+                    if not names or is_caught(error, names):
                         if name is not None:
                             frame.set(name, error.said)
                         outside, self._handled = self._handled, error
@@ -88,6 +89,12 @@ class Failures(Statements):
             raise RaisedError(names[0], f"the script ends itself here with {names[0]:.60}{shown}", said)
 
         return execute
+
+
+def is_caught(error: RaisedError, names: list[str]) -> bool:
+    """Whether `except` of these classes catches the error; `SystemExit` is no `Exception`."""
+    kinds = _ALL[1:] if error.name == "SystemExit" else (_KINDS.get(error.name), *_ALL)
+    return not {error.name, *kinds}.isdisjoint(names)
 
 
 def _names(node: ast.expr | None) -> list[str]:

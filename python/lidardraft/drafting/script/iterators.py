@@ -56,6 +56,10 @@ class Endless(Record):
         """All that are left."""
         return self._values
 
+    def next(self, *_default: Value) -> Value:
+        """The value that comes next."""
+        return next(self._values)
+
 
 def iterator(value: Value, budget: Budget) -> Value:
     """What `iter` gives."""
@@ -69,8 +73,6 @@ def going(value: Value, budget: Budget) -> Going[Value]:
 
 def next_value(value: Value, default: tuple[Value, ...]) -> Value:
     """What `next` gives."""
-    if isinstance(value, Endless):
-        return next(value.rest())
-    if not isinstance(value, Iterator):
+    if not isinstance(value, Iterator | Endless):
         raise RefusalError(f"{describe(value)} is no iterator")
     return value.next(*default)

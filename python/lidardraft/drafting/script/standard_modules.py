@@ -1,16 +1,23 @@
-"""`itertools`, `functools`, `collections`, `dataclasses`, `enum`, `abc` and `time` as a script sees them."""
+"""The modules of Python's own library as a script sees them: what is in them that changes nothing outside."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
+from lidardraft.drafting.script.argparse_module import argparse_module
 from lidardraft.drafting.script.arithmetic import is_key
 from lidardraft.drafting.script.class_parts import AutoValue, BaseMarker, Decorator, FieldDefault
+from lidardraft.drafting.script.class_statements import Suppressed
 from lidardraft.drafting.script.classes import ClassFrame, ScriptClass, dataclass
+from lidardraft.drafting.script.clock_modules import clock_modules
+from lidardraft.drafting.script.copy_module import copy_module
 from lidardraft.drafting.script.frame import Frame
 from lidardraft.drafting.script.itertools_module import itertools_module
+from lidardraft.drafting.script.json_module import json_module
 from lidardraft.drafting.script.limits import Budget, RefusalError
 from lidardraft.drafting.script.methods import count_into
+from lidardraft.drafting.script.os_modules import os_modules
+from lidardraft.drafting.script.silent_modules import silent_modules
 from lidardraft.drafting.script.values import (
     Builtin,
     Counter,
@@ -30,20 +37,21 @@ Call = Callable[[Value, list[Value], dict[str, Value]], Value]
 
 def standard_modules(budget: Budget, call: Call, note: Callable[[str], None]) -> dict[str, Value]:
     """The modules by their names."""
-
-    def clock() -> float:
-        note("the time is taken as 0")
-        return 0.0
-
     enum = {name: BaseMarker(name) for name in ("Enum", "IntEnum", "StrEnum")}
     modules: dict[str, dict[str, Value]] = {
         "itertools": itertools_module(budget, call),
         "functools": _functools(budget, call),
         "collections": _collections(budget, call),
+        "contextlib": {"suppress": Builtin("suppress", Suppressed)},
         "dataclasses": {"dataclass": Decorator(dataclass), "field": Builtin("field", FieldDefault)},
         "enum": {**enum, "auto": Builtin("auto", AutoValue)},
         "abc": {"ABC": BaseMarker("object"), "abstractmethod": Decorator(lambda function: function)},
-        "time": {name: Builtin(f"time.{name}", clock) for name in ("time", "perf_counter", "monotonic")},
+        "copy": copy_module(budget),
+        "json": json_module(budget),
+        "argparse": argparse_module(budget),
+        **os_modules(budget, note),
+        **clock_modules(note),
+        **silent_modules(),
     }
     return {name: Namespace(name, values) for name, values in modules.items()}
 

@@ -15,7 +15,7 @@ from lidardraft.drafting.script.limits import Limits, RaisedError, RefusalError
 from lidardraft.drafting.script.values import Record, Value, describe, elements, take_moved, truth, whole
 
 Execute = Callable[[Frame], object]  # gives what ends the statements around it early, or None
-_BREAK, _CONTINUE = object(), object()
+BREAK, CONTINUE = object(), object()
 
 
 class _Returned:
@@ -40,8 +40,8 @@ class Statements(Displays):
             ast.If: self._if,
             ast.For: self._for,
             ast.While: self._while,
-            ast.Break: lambda _: lambda _: _BREAK,
-            ast.Continue: lambda _: lambda _: _CONTINUE,
+            ast.Break: lambda _: lambda _: BREAK,
+            ast.Continue: lambda _: lambda _: CONTINUE,
             ast.FunctionDef: self._function,
             ast.Return: self._return,
             ast.Global: self._names_elsewhere,
@@ -206,9 +206,9 @@ class Statements(Displays):
                 self.budget.take_steps(weight)
                 assign(frame, item)
                 ended = body(frame)
-                if ended is _BREAK:
+                if ended is BREAK:
                     return None
-                if ended is not None and ended is not _CONTINUE:
+                if ended is not None and ended is not CONTINUE:
                     return ended
             return orelse(frame)
 
@@ -222,9 +222,9 @@ class Statements(Displays):
             while truth(test(frame)):
                 self.budget.take_steps(weight)
                 ended = body(frame)
-                if ended is _BREAK:
+                if ended is BREAK:
                     return None
-                if ended is not None and ended is not _CONTINUE:
+                if ended is not None and ended is not CONTINUE:
                     return ended
             return orelse(frame)
 
@@ -233,13 +233,7 @@ class Statements(Displays):
     def _function(self, node: ast.FunctionDef) -> Execute:
         decorate = self.decorators(node.decorator_list)
         defaults = self.defaults(node.args)
-        (block, weight), levels = self.depth_of(lambda: self.weighed(lambda: self.block(node.body)))
-
-        def body(frame: Frame) -> Value:
-            line = self.line
-            ended = block(frame)
-            self.line = line
-            return ended.value if isinstance(ended, _Returned) else None
+        (body, weight), levels = self.depth_of(lambda: self.weighed(lambda: self.body(node)))
 
         def execute(frame: Frame) -> None:
             home = frame.outer if isinstance(frame, ClassFrame) else frame  # a method does not see the names beside it
@@ -249,6 +243,18 @@ class Statements(Displays):
             frame.set(node.name, decorate(frame, function))
 
         return execute
+
+    def body(self, node: ast.FunctionDef) -> Callable[[Frame], Value]:
+        """The function that gives what a call returns."""
+        block = self.block(node.body)
+
+        def body(frame: Frame) -> Value:
+            line = self.line
+            ended = block(frame)
+            self.line = line
+            return ended.value if isinstance(ended, _Returned) else None
+
+        return body
 
     def decorators(self, nodes: list[ast.expr]) -> Callable[[Frame, Value], Value]:
         """The function that puts the decorators of a function or a class around it."""

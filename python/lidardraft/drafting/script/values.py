@@ -122,6 +122,20 @@ class Builtin(Record):
             raise RaisedError(type(error).__name__, f"{self.name}: {error!s:.200}") from None
 
 
+class TypeFunction(Builtin):
+    """A function that is also a type: `list`, `float`. What is said of types in brackets is passed over."""
+
+    is_key = True
+
+    def item(self, _key: Value) -> Value:
+        return self
+
+    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
+        if operator is not ast.BitOr:
+            return super().binary(operator, other, reflected=reflected)
+        return (other, self) if reflected else (self, other)  # as `isinstance` takes them
+
+
 class KindOfRecord(Record):
     """A class of Blender's that a script may only ask about, with `isinstance`."""
 

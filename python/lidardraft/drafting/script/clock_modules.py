@@ -1,0 +1,79 @@
+"""`time` and `datetime` as a script sees them: the clock stands still, at the beginning of 1970, which is noted."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+
+from lidardraft.drafting.script.values import Builtin, Namespace, Record, Value, text
+
+_FIRST = "1970-01-01 00:00:00"
+_READINGS = ("time", "perf_counter", "monotonic", "process_time")
+_PARTS = {"year": 1970, "month": 1, "day": 1} | dict.fromkeys(("hour", "minute", "second", "microsecond"), 0)
+Note = Callable[[str], None]
+
+
+class Moment(Record):
+    """A time, of which there is one."""
+
+    kind = "a moment"
+
+    def attribute(self, name: str) -> Value:
+        if name in _PARTS:
+            return _PARTS[name]
+        methods: dict[str, Callable[..., Value]] = {
+            "isoformat": lambda *_, **__: _FIRST.replace(" ", "T"),
+            "strftime": _formatted,
+            "timestamp": lambda: 0.0,
+            "date": lambda: self,
+        }
+        return Builtin(name, methods[name]) if name in methods else super().attribute(name)
+
+    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
+        if operator is not ast.Sub or not isinstance(other, Moment):
+            return super().binary(operator, other, reflected=reflected)
+        return Duration()
+
+    def text(self, _as_repr: bool) -> str:
+        return _FIRST
+
+
+class Duration(Record):
+    """The time between two moments, which is none."""
+
+    kind = "a duration"
+
+    def attribute(self, name: str) -> Value:
+        if name in ("seconds", "days", "microseconds"):
+            return 0
+        return Builtin(name, lambda: 0.0) if name == "total_seconds" else super().attribute(name)
+
+    def text(self, _as_repr: bool) -> str:
+        return "0:00:00"
+
+
+def _formatted(form: Value, *_: Value) -> str:
+    text(form, "the format")
+    return _FIRST
+
+
+def clock_modules(note: Note) -> dict[str, dict[str, Value]]:
+    """The contents of the modules by their names."""
+
+    def noted(value: Value) -> Callable[..., Value]:
+        def call(*_: Value, **__: Value) -> Value:
+            note("the time is taken as 0")
+            return value
+
+        return call
+
+    def formatted(*arguments: Value) -> str:
+        note("the time is taken as 0")
+        return _formatted(*arguments)
+
+    time = {name: Builtin(f"time.{name}", noted(0.0)) for name in _READINGS}
+    time |= {"sleep": Builtin("time.sleep", lambda _: None), "strftime": Builtin("time.strftime", formatted)}
+    time |= {name: Builtin(f"time.{name}", noted(_FIRST)) for name in ("ctime", "asctime")}
+    moments = {name: Builtin(f"datetime.{name}", noted(Moment())) for name in ("now", "today", "utcnow")}
+    kinds = {name: Namespace(f"datetime.{name}", moments) for name in ("datetime", "date")}
+    return {"time": time, "datetime": kinds}
