@@ -1,5 +1,5 @@
 import pytest
-from script_reading import refuses
+from script_reading import agrees, refuses
 
 
 @pytest.mark.parametrize(
