@@ -126,13 +126,13 @@ def _broken_of(group: ObjectGroup, placed: list[Placed], road: Road) -> list[str
         for axis, said in enumerate(group.size or ()):
             if said is not None and abs((one.height if axis == 2 else one.size[axis]) - said) > 0.05:
                 wrong.append(f"size {one.size}, {one.height}")
-        if group.record.is_vehicle and group.lane is not None and not _in_lane(group, one, road):
+        if group.lane is not None and not _in_lane(group, one, road):
             wrong.append(f"not in the {group.lane} lane")
         wrong += _broken_set_back(group, one, road)
         beside = abs(one.foot) > road.edge
         if group.surface == "road" and beside:
             wrong.append("not on the road")
-        if "road" not in group.record.surfaces and not beside:
+        if not group.on_road and not beside:
             wrong.append("on the road")
         if group.at_junction and road.junction is not None:
             reach = (road.roundabout_radius or road.edge) + 40.0
@@ -141,7 +141,9 @@ def _broken_of(group: ObjectGroup, placed: list[Placed], road: Road) -> list[str
     if group.spacing is not None and len(placed) > 2 and group.relation is None:
         along = sorted({round(one.along, 1) for one in placed})
         steps = np.diff(along)
-        if steps.size and abs(steps.min() - group.spacing) > 0.4:
+        lengths = [one.size[0] for one in placed]
+        gaps = steps - np.mean(lengths)  # a spacing shorter than the objects is between their ends
+        if steps.size and min(abs(steps.min() - group.spacing), abs(gaps.min() - group.spacing)) > 0.4:
             wrong.append(f"spacing {steps}")
     return wrong
 
@@ -197,7 +199,7 @@ def _at_distance(one: Placed, group: ObjectGroup, place: str, road: Road) -> boo
         return True
     near, far = group.distance
     fore, _ = split_place(place)
-    lateral = not fore and "road" not in group.record.surfaces
+    lateral = not fore and not group.on_road
     if lateral:
         off = abs(one.across - road.lane(road.ego_lane))
         return near - 0.6 <= off <= far + 0.6
@@ -218,6 +220,9 @@ def _broken_heading(group: ObjectGroup, one: Placed, road: Road) -> list[str]:
         return [] if way else ["not crossing"]
     if group.record.walks:
         return []
+    placed = group.places or group.lane or group.relation or group.not_places
+    if group.heading == "against" and not placed and one.along < 0:
+        return ["oncoming, but behind"]
     if group.heading in ("with", "against"):
         return [] if (cos > 0.9) == (group.heading == "with") else [f"heading {one.heading}"]
     return []

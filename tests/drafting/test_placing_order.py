@@ -1,6 +1,8 @@
 """What is placed first."""
 
-from lidardraft.drafting.placing_order import placing_order, row_of, with_references
+import pytest
+
+from lidardraft.drafting.placing_order import long_strips, placing_order, row_of, with_gaps, with_references
 from lidardraft.drafting.scene_spec import ObjectGroup, SceneSpec
 
 CARS, BUS = ObjectGroup(kind="car", count=3), ObjectGroup(kind="bus", places=("front",))
@@ -19,3 +21,37 @@ def test_what_is_between_two_is_placed_as_a_row() -> None:
     spec = SceneSpec(groups=(ObjectGroup(kind="truck", count=2), BETWEEN))
     assert row_of(spec, 0) == (0, 1, 0)
     assert row_of(SceneSpec(groups=(CARS, BUS)), 0) is None
+
+
+def test_of_the_urgent_the_nearest_is_first() -> None:
+    far, near = (
+        ObjectGroup(kind=kind, places=("front",), distance=(x, x)) for kind, x in (("truck", 8), ("person", 5))
+    )
+    assert placing_order(SceneSpec(groups=(far, near)), set()) == [0, 1]
+    assert placing_order(SceneSpec(groups=(far, near)), {0, 1}) == [1, 0]
+
+
+def test_a_strip_in_a_lane_is_short() -> None:
+    in_lane, asked = (
+        ObjectGroup(kind="wall", lane="left"),
+        ObjectGroup(kind="wall", lane="left", size=(6.0, None, None)),
+    )
+    (short,) = long_strips((in_lane,))
+    assert short.size is not None
+    assert short.size[0] == 2.0
+    assert long_strips((asked,)) == (asked,)
+
+
+@pytest.mark.parametrize(("spacing", "step"), [(1.5, 6.0), (4.0, 8.5), (4.2, 4.2), (9.0, 9.0)])
+def test_a_spacing_that_is_shorter_than_the_objects_is_between_their_ends(spacing: float, step: float) -> None:
+    (row,) = with_gaps((ObjectGroup(kind="car", count=4, spacing=spacing),))
+    assert row.spacing == pytest.approx(step, abs=0.5)
+    assert (row.size is None) == (spacing == step)
+
+
+def test_crowns_leave_room_for_each_other() -> None:
+    (row,) = with_gaps((ObjectGroup(kind="tree", count=4, spacing=2.0),))
+    assert row.spacing == 2.0
+    assert row.size is not None
+    assert row.size[0] is not None
+    assert row.size[0] < 2.0

@@ -38,7 +38,7 @@ def test_zones_are_where_their_place_says(kind: str, place: str) -> None:
         assert "right" not in place or all(pose.across < ego for pose in found)
 
 
-@pytest.mark.parametrize("kind", [name for name, kind in SENTENCE_KINDS.items() if "road" not in kind.surfaces])
+@pytest.mark.parametrize("kind", [name for name, kind in SENTENCE_KINDS.items() if not kind.on_road])
 def test_what_stands_beside_the_road_is_off_it(kind: str) -> None:
     assert all(abs(pose.across) > ROAD.edge for pose in poses("", kind=kind))
 
@@ -49,6 +49,19 @@ def test_what_drives_keeps_to_its_lane_and_direction() -> None:
         assert min(abs(pose.across - lane) for lane in lanes) <= 0.15
         assert (math.cos(pose.yaw) > 0) == (pose.across < 0)
     assert all(abs(pose.across) == pytest.approx(ROAD.edge - 1.1) for pose in poses("", kind="car", heading="parked"))
+
+
+def test_what_is_oncoming_is_ahead() -> None:
+    assert all(pose.along > 0 for pose in poses("", kind="car", heading="against"))
+    assert any(pose.along < 0 for pose in poses("", kind="car", heading="against", lane="opposite"))
+
+
+def test_who_crosses_at_a_roundabout_does_so_before_it() -> None:
+    ring = Road(junction=40.0, roundabout_radius=20.0)
+    group = ObjectGroup(kind="person", heading="across")
+    near, far = zone_of(group, group.record, "", ring).span
+    assert max(near, far) < 20.0
+    assert min(near, far) > 15.0
 
 
 def test_cyclists_keep_to_the_right_of_their_lane() -> None:

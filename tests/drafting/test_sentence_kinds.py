@@ -36,7 +36,8 @@ def test_records_fit_together(kind: SentenceKind) -> None:
     assert kind.label not in GROUND
     assert set(kind.surfaces) <= set(SURFACES)
     assert kind.is_vehicle + kind.cycles + kind.walks <= 1
-    assert ("road" in kind.surfaces) == (kind.drives or kind.walks or kind.name == "cone")
+    assert "road" in kind.surfaces or not kind.on_road
+    assert ("road" not in kind.surfaces) == (kind.name in ("house", "building", "garden"))
     for word in COUNTS:
         low, high = getattr(kind.counts, word)
         assert 1 <= low <= high

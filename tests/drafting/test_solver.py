@@ -263,6 +263,16 @@ def test_other_roads() -> None:
     assert all(math.cos(box.yaw) > 0.9 for box in one_way.boxes())
 
 
+def test_who_drives_through_the_ring_of_a_roundabout_drives_around() -> None:
+    for seed in range(10):
+        layout = layout_from_spec(one("car", 20, road="roundabout"), seed=seed)
+        middle = layout["roundabout"].center
+        for box in layout.boxes():
+            x, y = box.center[0] - middle[0], box.center[1] - middle[1]
+            if math.hypot(x, y) < 12.0:
+                assert x * math.sin(box.yaw) - y * math.cos(box.yaw) > 0.9 * math.hypot(x, y)
+
+
 @pytest.mark.parametrize("count", [1000, 5000])
 def test_an_impossible_crowd_is_refused_early(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
     tried = 0

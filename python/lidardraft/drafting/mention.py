@@ -64,7 +64,8 @@ class Mention:
             heading = "parked"  # a bicycle at a wall
         if at.on_road and kind.is_vehicle and heading is None:
             lane = lane or "own"
-        in_road = (self.on_road or at.on_road) and {"road", "sidewalk"} <= set(kind.surfaces)
+        said_on_road = at.on_road or (self.on_road and kind.on_road)  # a house "on the road" is beside it
+        in_road = said_on_road and "road" in kind.surfaces and not kind.is_vehicle
         places = tuple(dict.fromkeys(_named(place) for place in at.places if any(place)))
         return ObjectGroup(
             kind=self.kind,

@@ -50,13 +50,14 @@ class Occupancy:
         """Place one object there if there is room for it."""
         in_lot = bool(self.road.paved_areas) and abs(pose.across) > self.road.edge
         parked = group.heading == "parked" or (in_lot and group.heading is None)
-        parts = kind.sample_parts(self.rng, parked=parked, bent=self.road.curvature != 0.0)
+        bent = kind.follows_road and self.road.curvature != 0.0 and not group.on_road
+        parts = kind.sample_parts(self.rng, parked=parked, bent=bent)
         parts = _sized(parts, group)
         if group.set_back:
             pose = with_near_side_at(group, pose, parts)
         if not self._may_stand(kind, group, parts, pose):
             return None
-        primitives = [self._primitive(kind, part, pose) for part in parts]
+        primitives = [self._primitive(kind, part, pose, bent) for part in parts]
         moving = kind.drives and not parked
         close = group.distance or group.spacing or group.relation
         ahead = FOLLOWING_GAP if moving and not close else GAP
@@ -80,7 +81,7 @@ class Occupancy:
 
     def _may_stand(self, kind: SentenceKind, group: ObjectGroup, parts: list[ObjectPart], pose: RoadPose) -> bool:
         """Whether an object may be there at all, whatever else stands around."""
-        if "road" not in kind.surfaces and any(_reaches(part, pose.across, self.road) for part in parts):
+        if not group.on_road and any(_reaches(part, pose.across, self.road) for part in parts):
             self.in_the_way["the road"] += 1
             return False
         if any(is_at(pose, place, self.road) for place in group.not_places):
@@ -107,7 +108,9 @@ class Occupancy:
         assert self.road.junction is not None
         assert self.road.roundabout_radius is not None
         radius = math.hypot(pose.along - self.road.junction, pose.across)
-        if kind.drives and abs(radius - self.road.island - RING / 2) < 0.01:
+        around = math.atan2(pose.across, pose.along - self.road.junction) + math.pi / 2
+        on_ring = abs(radius - self.road.island - RING / 2) < 0.01 and math.cos(pose.yaw - around) > 0.9
+        if kind.drives and on_ring:
             return False
         length, width, _ = extents(parts)
         reach = length / 2 if kind.drives else math.hypot(length, width) / 2
@@ -126,11 +129,11 @@ class Occupancy:
                 if penetration(solid, other) > 0:
                     yield _NAMES.get(other.primitive.id, other.primitive.id.partition(".")[0])
 
-    def _primitive(self, kind: SentenceKind, part: ObjectPart, pose: RoadPose) -> Primitive:
+    def _primitive(self, kind: SentenceKind, part: ObjectPart, pose: RoadPose, bent: bool) -> Primitive:
         along, across, yaw = pose
         length, width, height = part.size
         dx, dy, dz = part.center
-        if kind.follows_road:  # each segment follows the bend, as long as the arc is there
+        if bent:  # each segment follows the bend, as long as the arc is there
             along, dx, length = along + dx, 0.0, length * (1.0 - self.road.curvature * across)
         x, y, heading = self.road.at(along, across)
         z = self.ground.height(x, y)

@@ -4,22 +4,30 @@ from __future__ import annotations
 
 import dataclasses
 
+from lidardraft.drafting.occupancy import GAP
 from lidardraft.drafting.scene_spec import EXTENTS, ObjectGroup, SceneSpec, split_place
 
-_APART = 1.5  # m between what stands in a row at a wall; estimate of ours
+# Estimates of ours.
+_APART = 1.5  # m between what stands in a row at a wall
+_BETWEEN_CROWNS = 0.3  # m
+_BARRIER = 2.0  # m, the length of a fence or wall that stands in a lane, across it
 
 
 def placing_order(spec: SceneSpec, urgent: set[int]) -> list[int]:
-    """The numbers of the groups as they are placed: the `urgent`, what has relations, what is bound, the largest."""
+    """The numbers of the groups as they are placed: the `urgent`, what has relations, what is bound, the largest.
+
+    Of the urgent at a distance the nearest are first: there is least room before them.
+    """
     referenced = {reference for group in spec.groups for reference in group.references}
 
     def depth(number: int) -> int:
         return max((1 + depth(reference) for reference in spec.groups[number].references), default=0)
 
-    def rank(number: int) -> tuple[bool, bool, int, bool, bool, int]:
+    def rank(number: int) -> tuple[bool, bool, int, bool, float, bool, int]:
         group = spec.groups[number]
         related = number in referenced or bool(group.references)
-        bound = group.distance is None, group.spacing is None, -group.record.precedence
+        near = group.distance[0] if group.distance is not None and number in urgent else 0.0
+        bound = group.distance is None, near, group.spacing is None, -group.record.precedence
         return number not in urgent, not related, depth(number), *bound
 
     return sorted(range(len(spec.groups)), key=rank)
@@ -47,11 +55,13 @@ def row_of(spec: SceneSpec, number: int) -> tuple[int, int, int] | None:
 
 
 def long_strips(groups: tuple[ObjectGroup, ...]) -> tuple[ObjectGroup, ...]:
-    """The groups, with a wall or hedge whose length is open as long as a row of what stands at it."""
+    """The groups, with a wall or hedge whose length is open as long as a row of what stands at it, short in a lane."""
     found = []
     for number, group in enumerate(groups):
         sizes, size = group.record.sizes, group.size or (None, None, None)
-        if group.record.follows_road and group.count == 1 and size[0] is None and sizes is not None:
+        if group.record.follows_road and group.on_road and size[0] is None:
+            group = dataclasses.replace(group, size=(_BARRIER, *size[1:]))
+        elif group.record.follows_road and group.count == 1 and size[0] is None and sizes is not None:
             rows = [_row_length(other) for other in groups if other.references == (number,)]
             if max(rows, default=0.0) > sizes.largest[0]:
                 group = dataclasses.replace(group, size=(max(rows), *size[1:]))
@@ -72,6 +82,29 @@ def with_sides(groups: tuple[ObjectGroup, ...]) -> tuple[ObjectGroup, ...]:
                 side = side if group.relation != "opposite" else "right" if side == "left" else "left"
                 found[number] = dataclasses.replace(reference, places=(side,))
     return tuple(found)
+
+
+def with_gaps(groups: tuple[ObjectGroup, ...]) -> tuple[ObjectGroup, ...]:
+    """The groups, where a spacing that is shorter than the objects is that between the end of one and the next."""
+    return tuple(map(_with_gap, groups))
+
+
+def _with_gap(group: ObjectGroup) -> ObjectGroup:
+    """All objects are of one length then, that of trees what leaves room for the crowns."""
+    sizes, size = group.record.sizes, group.size or (None, None, None)
+    if group.spacing is None or group.relation is not None or sizes is None:
+        return group
+    scale = (group.scale or (1.0,))[0]
+    if group.kind in ("tree", "bush"):
+        crown = max(EXTENTS[0], group.spacing - _BETWEEN_CROWNS)
+        if size[0] is None and crown < sizes.smallest[0] * scale:
+            group = dataclasses.replace(group, size=(crown, crown, size[2]))
+        return group
+    least = size[0] or sizes.smallest[0] * scale
+    length = size[0] or (sizes.smallest[0] + sizes.largest[0]) / 2 * scale
+    if group.spacing >= least + GAP:
+        return group
+    return dataclasses.replace(group, size=(length, *size[1:]), spacing=group.spacing + length)
 
 
 def _row_length(group: ObjectGroup) -> float:

@@ -207,7 +207,7 @@ class RelativePoses:
             return across, float(rng.uniform(-math.pi, math.pi))
         if not self.kind.drives:
             clear = self._verge + self.size[1] / 2 + 0.3
-            if "road" not in self.kind.surfaces and abs(across) < clear:
+            if not self.kind.on_road and abs(across) < clear:
                 aside = abs(reference.pose.across) > self.road.edge and self.relation in ("in-front-of", "behind")
                 across = reference.side * clear if aside else math.copysign(clear, across)
             return across, 0.0 if across > 0 else BACKWARDS

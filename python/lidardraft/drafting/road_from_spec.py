@@ -16,6 +16,7 @@ MAX_DISTANCE = MAX_RANGE - 10.0  # m, that an object can be asked for at
 AISLE_LANE = 3.0  # m; the aisle of a parking lot is 6 m wide (EAR 05)
 _LOT_LENGTH = (60.0, 90.0)  # m, estimate of ours
 _MAX_LANES = 6
+_WIDEST_LANE = 3.7  # m, of the usual ones
 
 
 def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -> Road:
@@ -27,7 +28,9 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
     kind = spec.road.kind
     motorway, lot = kind == "motorway", kind == "parking-lot"
     ego_lane, needed = _ego_lane(spec)
-    lanes = spec.road.lanes or _sample_lanes(spec, rng, max(needed, 1 + effort // 2))
+    lanes = spec.road.lanes or max(
+        needed, min(_most_lanes(spec), _sample_lanes(spec, rng, max(needed, 1 + effort // 2)))
+    )
     farthest = max((g.distance[1] for g in spec.groups if g.distance and g.relation is None), default=0.0)
     if farthest > MAX_DISTANCE:
         raise LayoutError(f"distance is {farthest:g} m; objects can be asked for up to {MAX_DISTANCE:g} m away")
@@ -39,7 +42,7 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
     wanted = spec.road.sidewalk
     sidewalk = float(rng.uniform(1.8, 3.0)) if wanted or (wanted is None and not (motorway or lot)) else 0.0
     bend = {"left-bend": 1.0, "right-bend": -1.0, "bend": float(rng.choice([-1, 1]))}.get(kind, 0.0)
-    lane_width = 3.75 if motorway else AISLE_LANE if lot else float(rng.uniform(3.3, 3.7))
+    lane_width = 3.75 if motorway else AISLE_LANE if lot else float(rng.uniform(3.3, _WIDEST_LANE))
     parking = HARD_SHOULDER if motorway else 0.0 if lot else _parking_width(spec, min(ego_lane, lanes - 1))
     oncoming = 0 if spec.road.one_way else spec.road.oncoming_lanes or lanes
     edge = (lanes + oncoming) / 2 * lane_width + parking
@@ -67,7 +70,7 @@ def _row_end(group: ObjectGroup) -> float:
     """How far away the last of a row stands that begins at a distance [m]; 0 for what is no such row."""
     if group.spacing is None or group.distance is None or group.fewest is None:
         return 0.0
-    return min(MAX_DISTANCE, group.distance[0] + group.spacing * (group.fewest - 1))
+    return min(MAX_RANGE, group.distance[0] + group.spacing * (group.fewest - 1))
 
 
 def _sample_lanes(spec: SceneSpec, rng: np.random.Generator, needed: int) -> int:
@@ -76,6 +79,20 @@ def _sample_lanes(spec: SceneSpec, rng: np.random.Generator, needed: int) -> int
     if spec.road.kind == "motorway":
         return max(needed, int(rng.choice([2, 3])))
     return min(_MAX_LANES, max(needed, int(rng.choice([1, 2], p=[0.75, 0.25]))))
+
+
+def _most_lanes(spec: SceneSpec) -> int:
+    """In each direction, where what stands beside the road at a distance from the ego is to find room there."""
+    beside = [
+        group.distance[0]
+        for group in spec.groups
+        if group.distance is not None
+        and group.relation is None
+        and not group.on_road
+        and any(split_place(place) in (("", ""), ("", "left")) for place in group.places or ("",))
+    ]
+    # the ego is in the rightmost of them
+    return max(2 if spec.road.kind == "motorway" else 1, int((min(beside, default=100.0) / _WIDEST_LANE + 0.5) / 2))
 
 
 def _ego_lane(spec: SceneSpec) -> tuple[int, int]:

@@ -4,21 +4,28 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from lidardraft.drafting.junction_poses import STOP_LINE, at_corner, half_of, in_turn, on_crossing_road, on_ring
+from lidardraft.drafting.lane_poses import (
+    in_lane,
+    in_lane_on_foot,
+    in_turns,
+    lanes_of,
+    on_carriageway,
+    on_foot,
+    set_down,
+)
 from lidardraft.drafting.parking_bays import LOT_DEPTH, in_aisle, in_bay
-from lidardraft.drafting.road_pose import BACKWARDS, PoseSampler, RoadPose, alternate, turned, walking_yaw
+from lidardraft.drafting.road_pose import BACKWARDS, PoseSampler, RoadPose, alternate, turned
 from lidardraft.drafting.scene_spec import ObjectGroup, split_place
 from lidardraft.drafting.sentence_kinds import SentenceKind
 from lidardraft.drafting.set_back import set_back
 from lidardraft.scene.road import Road
 
 # Estimates of ours.
-LANE_OFFSET = 0.15  # m from the middle of a lane, at most
 NEAREST = 8.0  # m to the middle of what is in front or behind, where no distance is asked for
 _DEEPEST = 105.0  # m behind the sidewalk, for hundreds of objects
 QUEUE_BEFORE = 25.0  # m before a junction that things are "at" it
@@ -45,12 +52,19 @@ class Zone:
         low = max(-limit, near - more) if near < 0 < far else near
         return dataclasses.replace(self, span=(low, min(limit, far + more) if far > near else max(-limit, far + more)))
 
+    def begun_later(self, by: float) -> Zone:
+        """With a span that begins `by` later [m]."""
+        near, far = self.span
+        return dataclasses.replace(self, span=(near + math.copysign(by, far - near), far))
+
 
 def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Zone:
     """The zone for an object of `kind` that the group wants at `place`, one of PLACES or ""."""
     fore, side = split_place(place)
-    if group.distance is not None and not fore and "road" in kind.surfaces:
+    if group.distance is not None and not fore and group.on_road:
         fore = "front"
+    if group.heading == "against" and group.lane is None and not fore and "front" not in group.not_places:
+        fore = "front"  # what has passed the ego comes towards it no more
     if not side:
         side = "right" if "left" in group.not_places else "left" if "right" in group.not_places else ""
     sides = {"left": (1,), "right": (-1,)}.get(side, (1, -1))
@@ -67,9 +81,8 @@ def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Z
     span = _span(group, fore, road, 65.0)
     if group.surface == "sidewalk":
         return Zone(span, _sidewalk(road, sides), len(sides))
-    if "road" in kind.surfaces:
-        sample_pose = _road_edge(road, sides) if group.lane is None else _on_foot(group, fore, side, road)
-        return Zone(span, sample_pose, len(sides))
+    if group.on_road:
+        return Zone(span, set_down(group, kind, fore, side, sides, road), len(sides))
     lateral = group.distance if not fore else None
     if kind.at_junction and road.junction is not None and not fore and lateral is None:
         span = (road.junction - half_of(road) - 5.0, road.junction - half_of(road) - 1.0)
@@ -94,7 +107,7 @@ def _junction_zone(
             return Zone((junction, junction), on_ring(road))
         stop = junction - half_of(road) - STOP_LINE
         lanes = lanes_of(group, "front", "left" if sides == (1,) else "right" if sides == (-1,) else "", road)
-        return Zone((stop - 3.0, max(NEAREST, stop - QUEUE_BEFORE)), _lane(road, lanes, kind, group.heading))
+        return Zone((stop - 3.0, max(NEAREST, stop - QUEUE_BEFORE)), in_lane(road, lanes, kind, group.heading))
     near = junction - half_of(road) - road.sidewalk
     if kind.drives:
         return Zone((near - 4.0, near - QUEUE_BEFORE), _kerb(road, sides), len(sides))
@@ -116,18 +129,8 @@ def _driven(group: ObjectGroup, kind: SentenceKind, fore: str, side: str, sides:
         span = _span(group, fore, road, 60.0)
     lanes = lanes_of(group, fore, side, road)
     if group.lane == "each":
-        return Zone(span, _in_turns(lanes, lambda lane: _lane(road, [lane], kind, group.heading)))
-    return Zone(span, _lane(road, lanes, kind, group.heading, side))
-
-
-def _in_turns(lanes: list[tuple[int, int]], sampler_of: Callable[[tuple[int, int]], PoseSampler]) -> PoseSampler:
-    """In one lane after the other."""
-    samplers = [sampler_of(lane) for lane in lanes]
-
-    def sample(rng: np.random.Generator, along: float, number: int, effort: float) -> RoadPose:
-        return samplers[number % len(samplers)](rng, along, number, effort)
-
-    return sample
+        return Zone(span, in_turns(lanes, lambda lane: in_lane(road, [lane], kind, group.heading)))
+    return Zone(span, in_lane(road, lanes, kind, group.heading, side))
 
 
 def _in_lot(span: tuple[float, float], road: Road) -> tuple[float, float]:
@@ -170,50 +173,6 @@ def queue_length(group: ObjectGroup) -> float:
     return NEAREST + count * group.record.lane_length
 
 
-def each_lane(group: ObjectGroup, road: Road) -> list[tuple[int, int]]:
-    """(number, direction) of all lanes that the heading of a group allows."""
-    own, oncoming = [(n, 1) for n in range(road.lanes)], [(n, -1) for n in range(road.oncoming)]
-    return {"with": own, "against": oncoming or own}.get(str(group.heading), own + oncoming)
-
-
-def lanes_of(group: ObjectGroup, fore: str, side: str, road: Road) -> list[tuple[int, int]]:
-    """(number, direction) of the lanes that fit, the ego's own first where it does."""
-    if group.lane == "each":
-        return each_lane(group, road)
-    own = [(road.ego_lane, 1), *((n, 1) for n in range(road.lanes) if n != road.ego_lane)]
-    oncoming = [(n, -1) for n in range(road.oncoming)]
-    left, right = ([(n, d) for n, d in own if (n - road.ego_lane) * way > 0] for way in (1, -1))
-    if group.lane is not None:
-        leftmost = own[:0] if road.lanes == 1 and oncoming else [(road.lanes - 1, 1)]
-        middle, rightmost = [(road.lanes // 2, 1)], [(0, 1)]
-        named = {"own": own[:1], "left": leftmost, "middle": middle, "right": rightmost, "opposite": oncoming}
-        return named[group.lane] or oncoming or own
-    if group.heading == "against":
-        return (right if side == "right" else []) or oncoming or own
-    if side == "left":
-        return left or oncoming or own
-    if side == "right":
-        return right or own[:1]
-    if fore == "beside":
-        return own[1:] or oncoming or own
-    return own if fore or group.heading == "with" else own + oncoming
-
-
-def _lane(
-    road: Road, lanes: list[tuple[int, int]], kind: SentenceKind, heading: str | None, side: str = ""
-) -> PoseSampler:
-    def sample(rng: np.random.Generator, along: float, number: int, effort: float) -> RoadPose:
-        lane, direction = lanes[0] if number == 0 and effort < 0.5 else lanes[int(rng.integers(len(lanes)))]
-        middle = road.lane(lane) * direction + float(rng.uniform(-LANE_OFFSET, LANE_OFFSET))
-        if kind.cycles:  # keeps to the right of its lane, to the left only where the whole lane is the ego's
-            to_the_left = side == "left" and (lane, direction) == (road.ego_lane, 1)
-            middle -= (-1 if to_the_left else direction) * (road.lane_width / 2 - 0.7)
-        direction = {"with": 1, "against": -1}.get(str(heading), direction)
-        return RoadPose(along, middle, turned(rng, 0.0 if direction > 0 else BACKWARDS))
-
-    return sample
-
-
 def _kerb(road: Road, sides: tuple[int, ...]) -> PoseSampler:
     def sample(rng: np.random.Generator, along: float, number: int, _effort: float) -> RoadPose:
         side = alternate(sides, number)
@@ -240,57 +199,18 @@ def _person(group: ObjectGroup, fore: str, side: str, sides: tuple[int, ...], ro
     if group.walks_across:
         span = _span(group, fore or "front", road, 35.0)
         if road.junction is not None and group.distance is None and fore in ("", "front"):
-            span = (road.junction - road.verge - 2.0, road.junction - road.edge - 0.5)
-        return Zone(span, _carriageway(road, sides, str(group.heading)))
+            half = half_of(road)
+            span = (road.junction - (half + road.sidewalk) - 2.0, road.junction - half - 0.5)
+        return Zone(span, on_carriageway(road, sides, str(group.heading)))
     if group.surface == "road":
-        return Zone(_span(group, fore, road, 35.0), _carriageway(road, sides))
+        return Zone(_span(group, fore, road, 35.0), on_carriageway(road, sides))
     if group.lane is not None:
-        return Zone(_span(group, fore, road, 35.0), _on_foot(group, fore, side, road))
+        return Zone(_span(group, fore, road, 35.0), on_foot(group, fore, side, road))
     if group.surface is None and fore in ("front", "behind") and not side:
-        return Zone(_span(group, fore, road, 35.0), _in_lane(road, [(road.ego_lane, 1)]))
+        return Zone(_span(group, fore, road, 35.0), in_lane_on_foot(road, [(road.ego_lane, 1)]))
     if road.paved_areas:
         return Zone(_in_lot(_span(group, fore, road, 40.0), road), in_aisle(road, sides), len(sides))
     return Zone(_span(group, fore, road, 40.0), _sidewalk(road, sides), len(sides))
-
-
-def _carriageway(road: Road, sides: tuple[int, ...], heading: str = "") -> PoseSampler:
-    def sample(rng: np.random.Generator, along: float, _number: int, _effort: float) -> RoadPose:
-        low, high = (-(road.edge - 0.5), road.edge - 0.5)
-        if len(sides) == 1:
-            ego = road.lane(road.ego_lane)
-            low, high = (ego, high) if sides[0] > 0 else (low, max(low + 0.1, ego))
-        yaw = walking_yaw(heading, rng)
-        return RoadPose(along, float(rng.uniform(low, high)), yaw)
-
-    return sample
-
-
-def _on_foot(group: ObjectGroup, fore: str, side: str, road: Road) -> PoseSampler:
-    lanes = lanes_of(group, fore, side, road)
-    return _in_turns(lanes, lambda lane: _in_lane(road, [lane])) if group.lane == "each" else _in_lane(road, lanes)
-
-
-def _in_lane(road: Road, lanes: list[tuple[int, int]]) -> PoseSampler:
-    """On foot, or set down, in one of the lanes."""
-
-    def sample(rng: np.random.Generator, along: float, _number: int, _effort: float) -> RoadPose:
-        lane, direction = lanes[0] if len(lanes) == 1 else lanes[int(rng.integers(len(lanes)))]
-        off = float(rng.uniform(-1.2, 1.2))
-        return RoadPose(along, direction * road.lane(lane) + off, float(rng.uniform(-math.pi, math.pi)))
-
-    return sample
-
-
-def _road_edge(road: Road, sides: tuple[int, ...]) -> PoseSampler:
-    """What is set down on the road: in a line along its edges."""
-
-    def sample(rng: np.random.Generator, along: float, number: int, effort: float) -> RoadPose:
-        side = alternate(sides, number)
-        wide = road.edge - side * road.lane(road.ego_lane)  # to the ego
-        off = float(rng.uniform(0.4, 0.5 + min(1.0, effort) * max(0.0, wide - 1.0)))
-        return RoadPose(along, side * (road.edge - off), float(rng.uniform(-math.pi, math.pi)))
-
-    return sample
 
 
 def _roadside(

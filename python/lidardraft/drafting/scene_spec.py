@@ -169,6 +169,11 @@ class ObjectGroup:
         return SENTENCE_KINDS[self.kind]
 
     @property
+    def on_road(self) -> bool:
+        """Whether it may be on the road."""
+        return self.record.on_road or self.surface == "road" or self.lane is not None
+
+    @property
     def set_back(self) -> bool:
         """Whether it is asked for at a distance from the road or the sidewalk."""
         return self.from_road is not None or self.from_sidewalk is not None

@@ -66,8 +66,8 @@ class SentenceKind:
     `label` is the class of its largest part. `sizes` are those of the whole object, without a rider; None for the kind
     "vehicle", which stands for any kind with a `traffic_share`, the share it has of such traffic. `shapes` samples the
     parts. `counts` says what words for numbers mean. `surfaces` are those that it can be asked for on; with none it
-    always stands behind the sidewalk. `precedence` is higher for what is placed earlier, as it needs most room or has
-    least choice.
+    always stands behind the sidewalk. What is `set_down` stands on the road where nothing else is said. `precedence` is
+    higher for what is placed earlier, as it needs most room or has least choice.
 
     `is_vehicle`, `cycles` and `walks` say how it moves, if it does. `is_ridden` adds a rider unless it is parked.
     `lane_length` is what it takes of a lane while it drives, with the gaps that people leave [m], and `parking_width`
@@ -85,6 +85,7 @@ class SentenceKind:
     counts: CountRanges = _OTHERS
     surfaces: tuple[str, ...] = ()
     precedence: int = 0
+    set_down: bool = False
     is_vehicle: bool = False
     cycles: bool = False
     walks: bool = False
@@ -101,6 +102,11 @@ class SentenceKind:
     def drives(self) -> bool:
         """Whether it moves in a lane."""
         return self.is_vehicle or self.cycles
+
+    @property
+    def on_road(self) -> bool:
+        """Whether it may be on the road without being asked for there."""
+        return self.drives or self.walks or self.set_down
 
     def sample_parts(self, rng: np.random.Generator, *, parked: bool = False, bent: bool = False) -> list[ObjectPart]:
         """The parts of one object, in a size of its own; a single part has an empty name.
@@ -203,7 +209,7 @@ _BEHIND_THE_SIDEWALK = (
         label="vegetation",
         sizes=SizeBetween((2.8, 2.8, 5.0), (5.0, 5.0, 10.0)),
         shapes=sample_tree,
-        surfaces=("sidewalk",),
+        surfaces=_ROADS_AND_WALKS,
         precedence=1,
         setback=Setback(1.3, 3.0, 14.0),
     ),
@@ -212,7 +218,7 @@ _BEHIND_THE_SIDEWALK = (
         label="vegetation",
         sizes=SizeBetween((0.8, 0.8, 0.7), (2.2, 2.2, 1.8)),
         shapes=sample_bush,
-        surfaces=("sidewalk",),
+        surfaces=_ROADS_AND_WALKS,
         setback=Setback(1.4, 3.0, 10.0),
     ),
     SentenceKind(
@@ -229,6 +235,7 @@ _BEHIND_THE_SIDEWALK = (
         sizes=SizeBetween((6.0, 0.6, 0.9), (16.0, 1.2, 2.0)),
         counts=_STRIPS,
         precedence=3,
+        surfaces=("road",),
         setback=Setback(0.9, 1.2, 5.0),
         follows_road=True,
     ),
@@ -238,6 +245,7 @@ _BEHIND_THE_SIDEWALK = (
         sizes=SizeBetween((10.0, 0.06, 0.9), (30.0, 0.15, 1.8)),
         counts=_STRIPS,
         precedence=4,
+        surfaces=("road",),
         setback=Setback(0.4, 0.8, 5.0),
         follows_road=True,
     ),
@@ -247,6 +255,7 @@ _BEHIND_THE_SIDEWALK = (
         sizes=SizeBetween((10.0, 0.2, 1.5), (30.0, 0.4, 3.0)),
         counts=_STRIPS,
         precedence=5,
+        surfaces=("road",),
         setback=Setback(0.5, 0.9, 5.0),
         follows_road=True,
     ),
@@ -257,21 +266,21 @@ _STREET_FURNITURE = (
         label="pole",
         sizes=SizeBetween((0.1, 0.1, 2.5), (0.2, 0.2, 5.0)),
         shapes=sample_pole,
-        surfaces=("sidewalk",),
+        surfaces=_ROADS_AND_WALKS,
     ),
     SentenceKind(
         name="street-light",
         label="pole",
         sizes=SizeBetween((0.3, 1.2, 6.0), (0.3, 1.2, 8.5)),
         shapes=sample_street_light,
-        surfaces=("sidewalk",),
+        surfaces=_ROADS_AND_WALKS,
     ),
     SentenceKind(
         name="traffic-light",
         label="traffic-light",
         sizes=SizeBetween((0.35, 0.35, 3.1), (0.35, 0.35, 3.9)),
         shapes=sample_traffic_light,
-        surfaces=("sidewalk",),
+        surfaces=_ROADS_AND_WALKS,
         at_junction=True,
     ),
     SentenceKind(
@@ -279,16 +288,16 @@ _STREET_FURNITURE = (
         label="traffic-sign",
         sizes=SizeBetween((0.145, 0.6, 2.0), (0.145, 0.9, 2.6)),
         shapes=sample_traffic_sign,
-        surfaces=("sidewalk",),
+        surfaces=_ROADS_AND_WALKS,
     ),
     SentenceKind(
-        name="bin", label="other", sizes=SizeBetween((0.5, 0.5, 0.9), (0.8, 0.7, 1.2)), surfaces=("sidewalk",)
+        name="bin", label="other", sizes=SizeBetween((0.5, 0.5, 0.9), (0.8, 0.7, 1.2)), surfaces=_ROADS_AND_WALKS
     ),
     SentenceKind(
         name="bench",
         label="other",
         sizes=SizeBetween((1.4, 0.5, 0.75), (1.9, 0.6, 0.9)),
-        surfaces=("sidewalk",),
+        surfaces=_ROADS_AND_WALKS,
         setback=Setback(0.7, 1.0, 3.0),
     ),
 )
@@ -300,6 +309,7 @@ _SET_DOWN = (
         sizes=SizeBetween((0.28, 0.28, 0.5), (0.4, 0.4, 0.75)),
         shapes=sample_cone,
         surfaces=_ROADS_AND_WALKS,
+        set_down=True,
     ),
 )
 SENTENCE_KINDS: dict[str, SentenceKind] = {

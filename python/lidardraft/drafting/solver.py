@@ -11,13 +11,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from lidardraft.drafting.crowd import Crowd
-from lidardraft.drafting.occupancy import Occupancy, is_at
-from lidardraft.drafting.placing_order import long_strips, placing_order, row_of, with_references, with_sides
+from lidardraft.drafting.lane_poses import each_lane, lanes_of
+from lidardraft.drafting.occupancy import GAP, Occupancy, is_at
+from lidardraft.drafting.placing_order import long_strips, placing_order, row_of, with_gaps, with_references, with_sides
 from lidardraft.drafting.relation_text import group_relations
 from lidardraft.drafting.relative_poses import Footprint, RelativePoses
 from lidardraft.drafting.road_from_spec import road_from_spec
 from lidardraft.drafting.road_pose import RoadPose
-from lidardraft.drafting.road_zones import Zone, each_lane, lanes_of, zone_of
+from lidardraft.drafting.road_zones import Zone, zone_of
 from lidardraft.drafting.scene_spec import ObjectGroup, SceneSpec
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.errors import LayoutError
@@ -27,6 +28,7 @@ from lidardraft.scene.layout import Layout
 TRIES = 60  # of places for one object
 ARRANGEMENTS = 10  # of the whole scene
 _CROWDED = 100  # objects of one group that need more room from the start
+_LATER = 4.0  # m that a row begins later with each arrangement
 _MOST_SPACED = 40  # objects of a row whose number is a word
 
 
@@ -67,7 +69,7 @@ class _Solver:
 
     def __init__(self, spec: SceneSpec, seed: int, attempt: int) -> None:
         self.spec, self.attempt = spec, attempt
-        self.groups = with_sides(long_strips(spec.groups))
+        self.groups = with_gaps(with_sides(long_strips(spec.groups)))
         self.rng = np.random.default_rng([seed, attempt] if attempt else seed)
         self.road = road_from_spec(spec, self.rng, attempt)
         self.scene = Occupancy(self.road, self.rng)
@@ -129,9 +131,11 @@ class _Solver:
     def _place(self, group: ObjectGroup, place: str, index: int, wanted: int) -> Footprint | None:
         kind = self._kind(group)
         if group.relation is not None:
-            return self._place_relative(group, kind, group.relation, self._references(group), index, place)
+            return self._place_relative(group, kind, group.relation, self._references(group, place), index, place)
         bound = group.distance is not None or place.startswith("beside")
         zone = zone_of(group, kind, place, self.road).grown(0 if bound else self.attempt, self.road)
+        if group.spacing is not None and not bound:
+            zone = zone.begun_later(self.attempt * _LATER)
         for anywhere, pose in self._poses(zone, group, kind, index, wanted):
             footprint = self.scene.place(kind, group, pose)
             if anywhere and self.crowd is not None:
@@ -140,9 +144,11 @@ class _Solver:
                 return footprint
         return None
 
-    def _references(self, group: ObjectGroup) -> list[Footprint]:
-        """What the objects of a group are placed from; where they are between others, two neighbours."""
+    def _references(self, group: ObjectGroup, place: str) -> list[Footprint]:
+        """What the objects of a group are placed from, at their own place if any are; between, two neighbours."""
         each = [self.placed[reference] for reference in group.references]
+        there = [[one for one in found if is_at(one.pose, place, self.road)] for found in each]
+        each = [near or found for near, found in zip(there, each, strict=True)]
         if group.relation != "between":
             return [footprint for footprints in each for footprint in footprints]
         if len(each) == 2:
@@ -248,6 +254,9 @@ class _Solver:
         mix = [one for one in SENTENCE_KINDS.values() if one.traffic_share and one.name not in self.spec.absent]
         if group.heading == "parked":  # what a usual parking strip takes
             mix = [one for one in mix if one.parking_width < kind.parking_width]
+        if group.spacing is not None:  # what fits into a row, or the shortest
+            room = group.spacing - GAP
+            mix = [one for one in mix if _longest(one) <= room] or sorted(mix, key=_longest)[:1]
         if not mix:
             raise LayoutError(f"{kind.name}: every kind of it is absent: {', '.join(self.spec.absent)}")
         shares = np.array([one.traffic_share for one in mix])
@@ -289,6 +298,10 @@ class _Solver:
             effort = float(rng.random()) if wanted >= _CROWDED else attempt / tries
             anywhere = attempt >= tries // 4 and group.spacing is None
             yield anywhere, zone.sample_pose(rng, along, number, effort * (1 + self.attempt) ** 1.3)
+
+
+def _longest(kind: SentenceKind) -> float:
+    return kind.sizes.largest[0] if kind.sizes is not None else math.inf
 
 
 def _measured_from(kind: SentenceKind, effort: float) -> float:

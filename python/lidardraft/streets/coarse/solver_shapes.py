@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from lidardraft.drafting.lane_poses import LANE_OFFSET
 from lidardraft.drafting.object_shapes import (
     CROWN_BASE,
     TRUNK_DIAMETER,
@@ -20,7 +21,6 @@ from lidardraft.drafting.object_shapes import (
 )
 from lidardraft.drafting.occupancy import GAP
 from lidardraft.drafting.road_pose import YAW_DEVIATION
-from lidardraft.drafting.road_zones import LANE_OFFSET
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.objects.coarse_shapes import CoarseShape, box_of
 from lidardraft.objects.kinds import Alignment, Kind, kind_of
