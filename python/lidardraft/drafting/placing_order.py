@@ -91,20 +91,20 @@ def with_gaps(groups: tuple[ObjectGroup, ...]) -> tuple[ObjectGroup, ...]:
 
 def _with_gap(group: ObjectGroup) -> ObjectGroup:
     """All objects are of one length then, that of trees what leaves room for the crowns."""
-    sizes, size = group.record.sizes, group.size or (None, None, None)
-    if group.spacing is None or group.relation is not None or sizes is None:
+    spacing, sizes, size = group.spacing, group.record.sizes, group.size or (None, None, None)
+    if spacing is None or group.relation is not None or sizes is None:
         return group
     scale = (group.scale or (1.0,))[0]
     if group.kind in ("tree", "bush"):
-        crown = max(EXTENTS[0], group.spacing - _BETWEEN_CROWNS)
+        crown = max(EXTENTS[0], spacing - _BETWEEN_CROWNS)
         if size[0] is None and crown < sizes.smallest[0] * scale:
             group = dataclasses.replace(group, size=(crown, crown, size[2]))
         return group
     least = size[0] or sizes.smallest[0] * scale
     length = size[0] or (sizes.smallest[0] + sizes.largest[0]) / 2 * scale
-    if group.spacing >= least + GAP:
+    if spacing >= least + GAP:
         return group
-    return dataclasses.replace(group, size=(length, *size[1:]), spacing=group.spacing + length)
+    return dataclasses.replace(group, size=(length, *size[1:]), spacing=spacing + length)
 
 
 def _row_length(group: ObjectGroup) -> float:
