@@ -23,10 +23,10 @@ def test_names_from_others_stay_text() -> None:
     assert layout_from_blender(script) == layout
 
 
-def test_a_thousand_shapes_are_read_within_the_limits() -> None:
+def test_three_thousand_shapes_are_read_within_the_limits() -> None:
     boxes = tuple(
         Primitive(shape="box", center=(k / 7, k / 9, k / 11), size=(1 / 3, 2 / 3, 4 / 3), label="pole", id=f"pole_{k}")
-        for k in range(1000)
+        for k in range(3000)
     )
     assert layout_from_blender(blender_script(Layout(boxes))) == Layout(boxes)
 
@@ -35,3 +35,12 @@ def test_it_is_written_whole(tmp_path: Path) -> None:
     write_blender_script(tmp_path / "a.py", EVERYTHING)
     assert (tmp_path / "a.py").read_text(encoding="utf-8") == blender_script(EVERYTHING)
     assert layout_from_blender(tmp_path / "a.py") == EVERYTHING
+
+
+def test_any_character_may_be_in_a_name() -> None:
+    names = ["a|b", "\u2502 |", " both ends ", 'two"""quotes', "back\\slash\\", "line\nfeed\r", "é\U0001f600", "{x}"]
+    shapes = tuple(
+        Primitive(shape="plane", center=(k, 0, 0), size=(2, 1, 0), label="road", id=name)
+        for k, name in enumerate(names)
+    )
+    assert layout_from_blender(blender_script(Layout(shapes))) == Layout(shapes)

@@ -11,8 +11,8 @@ from lidardraft.semantics import BY_NAME
 
 _SCRIPT = '''"""A layout of semantic shapes. Run it in Blender, or read it: lidardraft draft --blender FILE.py
 
-Metres and radians; x forward, y left, z up; the ego vehicle stands at the origin. Each of ROWS is one shape: its kind,
-class and number, center (3), full extents (3), yaw, and name.
+Metres and radians; x forward, y left, z up; the ego vehicle stands at the origin. Each line of ROWS is one shape: its
+mesh and instance, center (3), full extents (3; 1 for the height of a plane), angles (3), and name.
 """
 
 import bpy
@@ -45,31 +45,36 @@ for label, colour in COLOURS.items():
     MATERIALS[label] = bpy.data.materials.new(label)
     MATERIALS[label].diffuse_color = colour
     for shape, unit in UNITS.items():
-        MESHES[shape + " " + label] = unit.copy()
-        MESHES[shape + " " + label].materials.append(MATERIALS[label])
+        mesh = MESHES[shape + ":" + label] = unit.copy()
+        mesh["class"] = label
+        mesh.materials.append(MATERIALS[label])
 
 
-def triangles(label, vertices, faces):
+def triangles(name, label, vertices, faces):
     xyz, abc = list(map(float, vertices.split())), list(map(int, faces.split()))
-    mesh = bpy.data.meshes.new("mesh")
+    mesh = MESHES[name] = bpy.data.meshes.new("mesh")
     mesh.from_pydata(list(zip(xyz[0::3], xyz[1::3], xyz[2::3])), [], list(zip(abc[0::3], abc[1::3], abc[2::3])))
+    mesh["class"] = label
     mesh.materials.append(MATERIALS[label])
-    return mesh
 
 
-OF_ITS_OWN = {own_meshes}
-PROPERTIES = {properties}
-ROWS = {rows}
-for row in ROWS:
-    shape, label, instance, *numbers, name = row.split(" ", 10)
-    x, y, z, length, width, height, yaw = map(float, numbers)
-    item = bpy.data.objects.new(name, OF_ITS_OWN[name] if shape == "mesh" else MESHES[shape + " " + label])
-    item.location, item.scale, item.rotation_euler = (x, y, z), (length, width, height or 1), (0, 0, yaw)
-    item["id"], item["class"], item["instance"] = name, label, int(instance)
-    bpy.context.collection.objects.link(item)
-    if name in PROPERTIES:
-        for key, value in PROPERTIES[name].items():
-            item[key] = value
+{own_meshes}ROWS = """
+{rows}"""
+cells = ROWS.split({bar})
+kinds, names = " ".join(cells[0::5]).split(), cells[4::5]
+layout = bpy.data.collections.new("Layout")
+bpy.context.scene.collection.children.link(layout)
+new, link = bpy.data.objects.new, layout.objects.link
+for kind, instance, name in zip(kinds[0::2], map(int, kinds[1::2]), names):
+    item = new(name, MESHES[kind])
+    item["id"], item["instance"] = name, instance
+    link(item)
+for numbers, what in enumerate(("location", "scale", "rotation_euler"), 1):
+    layout.objects.foreach_set(what, list(map(float, " ".join(cells[numbers::5]).split())))
+objects = list(layout.objects)
+for row, properties in {properties}.items():
+    for key, value in properties.items():
+        objects[row][key] = value
 '''
 
 
@@ -80,12 +85,17 @@ def blender_script(layout: Layout) -> str:
         f"    {label!r}: {(*(round(part / 255, 3) for part in BY_NAME[label].colour), 1.0)}," for label in labels
     ]
     travelling = json.dumps({"provenance": layout.provenance, "coverage": layout.coverage})
+    bar = _bar_between([primitive.id for primitive in layout])
+    kinds = [f"{each.shape}:{each.label if each.mesh is None else row}" for row, each in enumerate(layout)]
+    own = [_own_mesh(kind, each) for kind, each in zip(kinds, layout, strict=True) if each.mesh is not None]
+    properties = [f"{row}: {found!r}" for row, each in enumerate(layout) if (found := _properties(each))]
     return _SCRIPT.format(
         colours="\n".join(colours),
         travelling=repr(travelling),
-        own_meshes=_written("{}", [_own_mesh(each) for each in layout if each.mesh is not None]),
-        properties=_written("{}", [f"{each.id!r}: {found!r}" for each in layout if (found := _properties(each))]),
-        rows=_written("[]", [repr(_row(each)) for each in layout]),
+        own_meshes="".join(f"{line}\n" for line in own),
+        properties="{\n" + "".join(f"    {line},\n" for line in properties) + "}" if properties else "{}",
+        rows="".join(_row(kind, each, bar) for kind, each in zip(kinds, layout, strict=True)),
+        bar=repr(bar),
     )
 
 
@@ -95,22 +105,32 @@ def write_blender_script(path: str | os.PathLike[str], layout: Layout) -> None:
         temporary.write_text(blender_script(layout), encoding="utf-8")
 
 
-def _written(brackets: str, parts: list[str]) -> str:
-    """The parts of a list or a dict, a line each."""
-    lines = "".join(f"    {part},\n" for part in parts)
-    return f"{brackets[0]}\n{lines}{brackets[1]}"
+def _bar_between(names: list[str]) -> str:
+    """The character between the cells of a row, which is in no name."""
+    taken = set().union(*names)
+    return next(bar for bar in ("|", *map(chr, range(0x2502, 0x110000))) if bar not in taken)
 
 
-def _row(primitive: Primitive) -> str:
-    numbers = (repr(float(number)) for number in (*primitive.center, *primitive.size, primitive.yaw))
-    return " ".join([primitive.shape, primitive.label, str(primitive.instance), *numbers, primitive.id])
+def _row(kind: str, primitive: Primitive, bar: str) -> str:
+    length, width, height = primitive.size
+    extents = (length, width, 1.0 if primitive.shape == "plane" else height)
+    numbers = (" ".join(map(repr, map(float, part))) for part in (primitive.center, extents, (0, 0, primitive.yaw)))
+    return _in_quotes(bar.join([f"{kind} {primitive.instance}", *numbers, primitive.id, "\n"]))
 
 
-def _own_mesh(primitive: Primitive) -> str:
+def _in_quotes(text: str) -> str:
+    """A text as it stands between triple quotes."""
+    return "".join(
+        letter if letter == "\n" or (letter.isprintable() and letter not in '\\"') else f"\\U{ord(letter):08x}"
+        for letter in text
+    )
+
+
+def _own_mesh(kind: str, primitive: Primitive) -> str:
     assert primitive.mesh is not None
     vertices = " ".join(map(repr, primitive.mesh.vertices.ravel().tolist()))
     faces = " ".join(map(str, primitive.mesh.faces.ravel().tolist()))
-    return f'{primitive.id!r}: triangles({primitive.label!r}, "{vertices}", "{faces}")'
+    return f'triangles("{kind}", {primitive.label!r}, "{vertices}", "{faces}")'
 
 
 def _properties(primitive: Primitive) -> dict[str, object]:

@@ -53,3 +53,19 @@ def test_a_removed_collection_is_active_no_more() -> None:
         "bpy.data.collections.remove(c)\nassert bpy.context.collection is bpy.context.scene.collection\n" + CUBE
     )
     refuses("bpy.context.view_layer.layer_collection.children['None']", "there is no collection 'None'")
+
+
+def test_numbers_of_all_objects_of_a_collection_are_set_in_the_order_of_their_links() -> None:
+    script = (
+        "c = bpy.data.collections.new('Cars')\nbpy.context.scene.collection.children.link(c)\nm = car.data\n"
+        "bpy.data.objects.remove(car)\na, b = bpy.data.objects.new('b', m), bpy.data.objects.new('a', m)\n"
+        "c.objects.link(b)\nc.objects.link(a)\n"
+    )
+    layout = scene(
+        CUBE + script + "c.objects.foreach_set('location', [1, 2, 3, 4, 5, 6])\n"
+        "c.objects.foreach_set('scale', (1, 1, 1, 2, 2, 2))\nassert c.objects[:] == [b, a] and c.objects[0] is b"
+    )
+    assert {shape.id: (shape.center, shape.size[0]) for shape in layout} == {"a": ((1, 2, 3), 1), "b": ((4, 5, 6), 2)}
+    refuses(script + "c.objects.foreach_set('location', [1, 2, 3])", "foreach_set of 'location' for 2 objects to 3")
+    refuses(script + "c.objects.foreach_set('name', [1, 2, 3, 4, 5, 6])", "foreach_set of 'name'")
+    refuses(script + "c.objects.foreach_set('scale', [1, 2, 3, 4, 5, 'a'])", "the scale is 'a'")

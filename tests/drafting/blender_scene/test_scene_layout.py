@@ -1,7 +1,7 @@
 """Classes, ids and instances of the objects of a scene."""
 
 import pytest
-from scene_reading import CUBE, scene
+from scene_reading import CUBE, scene, with_car
 
 from lidardraft.drafting.blender import layout_from_blender
 from lidardraft.errors import LayoutError
@@ -78,3 +78,9 @@ def test_a_vehicle_modelled_along_y_is_turned() -> None:
     assert layout.primitives[0].size == (4.5, 1.8, 1.5)
     assert layout.primitives[0].yaw == pytest.approx(1.5707963)
     assert layout.primitives[1].size == (2, 8, 3)
+
+
+def test_the_class_of_a_mesh_is_that_of_its_objects() -> None:
+    car = with_car("car.name = 'Wall'\ncar.data['class'] = 'bus'\ncar.scale = (1, 5, 1)")
+    assert (car.label, car.size) == ("bus", (1, 5, 1))
+    assert with_car("car.data['class'] = 'bus'\ncar['class'] = 'truck'").label == "truck"

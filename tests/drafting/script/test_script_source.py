@@ -10,7 +10,7 @@ def test_only_code_counts_as_tokens() -> None:
     text = 'x = "1 2 3 4 5"  # and 6 7 8\ny = """\n9 10\n""" + \'it\\\'s\'\n'
     tree, tokens = parse(text, Limits())
     assert isinstance(tree, ast.Module)
-    assert tokens == 3 + 1 + 5  # x = "", and what is left of a comment; y = "" + ""
+    assert tokens == 3 + 5  # x = ""; y = "" + ""
     assert parse("x = f'{a} {b}'", Limits())[1] > 8  # an f-string holds code
 
 
@@ -39,3 +39,27 @@ def test_quotes_without_end_take_no_time(quotes: str) -> None:
 
 def test_warnings_of_python_are_not_passed_on() -> None:
     parse("x = '\\d'", Limits())
+
+
+@pytest.mark.parametrize(
+    ("text", "said", "line"),
+    [
+        ("x = 1\ny = '" + 'a"' * 250_001 + "'", "more than 250000 quotes, backslashes and number signs", 2),
+        ("#\n" * 250_001, "more than 250000 quotes", 250_001),
+        ("\n" * 1_000_001, "more than 1000000 characters of code", 1_000_002),
+        ("x = 1\ny = " + "a" * 1_000_000, "more than 1000000 characters of code", 2),
+        ("x = f'" + "{a} " * 9000 + "'", "more than 25000 names", 1),
+        ("x = rF'" + "{a} " * 9000 + "'", "more than 25000 names", 1),
+        ("x = Fr'" + "{a} " * 9000 + "'", "more than 25000 names", 1),
+    ],
+    ids=["quotes", "comments", "lines", "name", "f", "rF", "Fr"],
+)
+def test_a_text_that_takes_long_to_split_is_refused(text: str, said: str, line: int) -> None:
+    with pytest.raises(RefusalError, match=said) as refused:
+        parse(text, Limits())
+    assert refused.value.line == line
+
+
+def test_a_long_text_in_quotes_is_data() -> None:
+    for quote in ('"', "'", '"""', "'''"):
+        assert parse(f"x = {quote}{'a ' * 1_000_000}{quote}", Limits())[1] == 3

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from lidardraft.drafting.blender_scene.blocks import Block, Blocks
 from lidardraft.drafting.blender_scene.objects import Objects, SceneObject
 from lidardraft.drafting.script.limits import RaisedError, RefusalError
-from lidardraft.drafting.script.values import Builtin, Record, Value, describe
+from lidardraft.drafting.script.values import Builtin, Record, Value, describe, elements, reals
 
 
 class Collection(Block):
@@ -22,8 +22,9 @@ class Collection(Block):
         self.children: list[Collection] = []
 
     def members(self) -> list[SceneObject]:
-        """The objects that are in the collection itself."""
-        return [item for item in self.all_objects.all() if self in item.collections]
+        """The objects that are in the collection itself, in the order in which they came into it."""
+        found = [item for item in self.all_objects.all() if self in item.collections]
+        return sorted(found, key=lambda item: item.collections[self])
 
     def attribute(self, name: str) -> Value:
         if name in ("objects", "all_objects"):
@@ -92,7 +93,8 @@ class LinkedObjects(Record):
             raise RefusalError(f"{describe(item)} is no object")
         if self._collection in item.collections:
             raise RaisedError("RuntimeError", f"the object {item.name!r:.60} is in this collection already")
-        item.collections[self._collection] = None
+        self._collection.all_objects.links += 1
+        item.collections[self._collection] = self._collection.all_objects.links
 
     def _unlink(self, item: Value) -> None:
         if not isinstance(item, SceneObject) or self._collection not in item.collections:
@@ -101,14 +103,26 @@ class LinkedObjects(Record):
 
     def attribute(self, name: str) -> Value:
         methods: dict[str, Callable[..., Value]] = {"link": self.link, "unlink": self._unlink}
+        methods |= {"foreach_set": self._set_all}
         methods |= {"get": self._get, "keys": lambda: [item.name for item in self.elements()], "values": self.elements}
         return Builtin(name, methods[name]) if name in methods else super().attribute(name)
 
     def _get(self, name: Value, default: Value = None) -> Value:
         return next((item for item in self.elements() if item.name == name), default)
 
+    def _set_all(self, attr: Value, seq: Value) -> None:
+        """Give three numbers to every object, one object after the other."""
+        items, budget = self.elements(), self._collection.all_objects.budget
+        numbers = elements(seq, budget)
+        if attr not in ("location", "scale", "rotation_euler") or len(numbers) != 3 * len(items):
+            raise RefusalError(f"foreach_set of {describe(attr)} for {len(items)} objects to {len(numbers)} numbers")
+        budget.take_steps(len(items))
+        values = reals(numbers, len(numbers), f"the {attr}")
+        for number, item in enumerate(items):
+            item.set_attribute(attr, values[3 * number : 3 * number + 3])
+
     def elements(self) -> list[Value]:
-        return list(self._collection.members())
+        return self._collection.members()
 
     def item(self, key: Value) -> Value:
         if isinstance(key, slice):

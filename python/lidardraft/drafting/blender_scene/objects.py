@@ -42,6 +42,7 @@ class Objects(Blocks):
         super().__init__("objects", SceneObject, budget, note)
         self.line = line  # of the script, that is being carried out
         self.active: SceneObject | None = None
+        self.links = 0  # of objects to collections, that have been made
         self.selection: dict[SceneObject, None] = {}
 
     def new(self, name: str, *arguments: Value, **named: Value) -> Value:
@@ -86,7 +87,7 @@ class SceneObject(Block):
         self.scale = Vector([1.0, 1.0, 1.0])
         self.parent: SceneObject | None = None
         self.parent_inverse = IDENTITY
-        self.collections: dict[Block, None] = {}
+        self.collections: dict[Block, int] = {}  # with the number of the link, which grows from one to the next
         self.modifiers = Modifiers(owner.note)
         self.mode = "XYZ"
         self.line = owner.line()

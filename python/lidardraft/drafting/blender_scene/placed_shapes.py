@@ -30,14 +30,16 @@ def placed_shape(item: SceneObject, mesh: Mesh, shape: MeshShape, **fields: Any)
 
 
 def _placed_exactly(item: SceneObject, mesh: Mesh, shape: MeshShape, **fields: Any) -> Primitive | None:
-    stretch, is_unit = np.diag(mesh.matrix)[:3], item.properties.get("unit_box")
+    is_unit = item.properties.get("unit_box")
     if shape.shape == "any" and not is_unit:
         return None
-    if not np.array_equal(mesh.matrix, np.diag([*stretch, 1.0])):
+    rows = mesh.matrix.tolist()
+    if any(number for row, numbers in enumerate(rows) for column, number in enumerate(numbers) if row != column):
         return None
-    scale, yaw = np.array(item.scale.numbers), item.rotation.numbers[2]
+    stretch, yaw = [rows[axis][axis] for axis in range(3)], item.rotation.numbers[2]
     if shape.shape not in ("mesh", "any"):
-        length, width, height = np.abs(scale * stretch * shape.size).tolist()
+        edges = zip(item.scale.numbers, stretch, shape.size, strict=True)
+        length, width, height = (abs(scale * factor * edge) for scale, factor, edge in edges)
         flat = shape.shape == "plane" or (shape.shape == "box" and height == 0)  # a slab without height
         if min(length, width) == 0 or (height == 0 and not flat):
             return None
@@ -45,7 +47,7 @@ def _placed_exactly(item: SceneObject, mesh: Mesh, shape: MeshShape, **fields: A
         fields |= {"center": tuple(item.location.numbers), "size": size, "yaw": yaw}
         return Primitive(shape="plane" if flat else shape.shape, **fields)
     vertices, faces = shape.triangles()
-    vertices = vertices * stretch
+    vertices, scale = vertices * stretch, np.array(item.scale.numbers)
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     if is_unit:
         low, high = np.full(3, -0.5), np.full(3, 0.5)

@@ -59,7 +59,7 @@ def primitives_of(scene: Scene, classes: Mapping[str, str]) -> list[Primitive]:
         if primitive is None:
             scene.note(f"{item.name:.60} has no surface")
         else:
-            primitives.append(primitive if "class" in item.properties else _lengthwise(primitive))
+            primitives.append(primitive if _given_class(item) is not None else _lengthwise(primitive))
     return primitives
 
 
@@ -103,8 +103,14 @@ def _copies(scene: Scene, item: SceneObject) -> list[SceneObject]:
     return found
 
 
+def _given_class(item: SceneObject) -> Any:
+    """The property `class` of the object, or else of its mesh."""
+    of_mesh = item.data.properties.get("class") if isinstance(item.data, Mesh) else None
+    return item.properties.get("class", of_mesh)
+
+
 def _class_of(item: SceneObject, classes: Mapping[str, str]) -> str | None:
-    given = item.properties.get("class")
+    given = _given_class(item)
     if isinstance(given, str) or not isinstance(item.data, Mesh):
         return given
     # The mesh comes last: most are called after the operator that made them.

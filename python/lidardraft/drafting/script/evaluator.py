@@ -49,7 +49,7 @@ class Evaluator(Generators):
         gc.disable()  # it would go through the tree again and again; what is made is bounded
         try:
             tree, tokens = parse(script, self.limits)
-            self.line = len(script.splitlines())  # where the whole of it is too long
+            self.line = script.rstrip("\n").count("\n") + 1  # where the whole of it is too long
             self.budget.take_steps(_STEPS_OF_TOKEN * tokens)
             self.line = 1
             if "yield" in script:

@@ -16,7 +16,7 @@ class Limits:
     tokens: int = 25_000  # names, numbers and signs of it, outside comments and strings
     steps: int = 150_000  # nodes of the syntax tree that are evaluated, one for each time; a token takes six more
     levels: int = 150  # of nesting: of the script's text, and of calls within calls
-    length: int = 250_000  # elements or characters of one value
+    length: int = 250_000  # elements of one value, or eighths of the characters of a text
     cells: int = 1_000_000  # elements of all values that are made or walked through, together
     objects: int = 5_000
     vertices: int = 500_000  # of all meshes together
@@ -75,6 +75,6 @@ class Budget:
 
     def take_text(self, characters: int) -> None:
         """Count the characters of a text, eight to a cell, before it is made."""
-        if characters > self.limits.length:
-            raise RefusalError(f"a text of {characters} characters; {self.limits.length} are the most")
+        if characters > 8 * self.limits.length:
+            raise RefusalError(f"a text of {characters} characters; {8 * self.limits.length} are the most")
         self.take_cells(characters // 8 + 1)

@@ -5,20 +5,23 @@ from __future__ import annotations
 import ast
 import re
 import warnings
+from itertools import islice
 
 from lidardraft.drafting.script.limits import Limits, RefusalError
 
-# A comment, or a string with its prefix; one that does not end goes on to the end of its line or of the text.
-_COMMENT_OR_STRING = re.compile(
-    r"""\#[^\n]*|(?:\b[A-Za-z]{1,2})?(?:"{3}(?:[^\\]|\\.)*?(?:"{3}|\Z)|'{3}(?:[^\\]|\\.)*?(?:'{3}|\Z)"""
-    r"""|"(?:[^"\\\n]|\\.)*(?:"|$|\Z)|'(?:[^'\\\n]|\\.)*(?:'|$|\Z))""",
+# Code, a comment, or a string; one that does not end goes on to the end of its line or of the text. Whatever follows,
+# its end is found: it is never gone through a second time.
+_PART = re.compile(
+    r"""(?P<code>[^"'#]+)|(?P<comment>\#[^\n]*)"""
+    r"""|"{3}(?:[^"\\]+|\\.|"(?!""))*(?:"{3}|\\?\Z)|'{3}(?:[^'\\]+|\\.|'(?!''))*(?:'{3}|\\?\Z)"""
+    r"""|"(?:[^"\\\n]+|\\.)*(?:"|$|\\?\Z)|'(?:[^'\\\n]+|\\.)*(?:'|$|\\?\Z)""",
     re.DOTALL | re.MULTILINE,
 )
-
-
-# A number, a name, or one character of another kind.
 _SURROGATE = re.compile("[\ud800-\udfff]")
-_TOKEN = re.compile(r"\w+(?:\.\w+)?|[^\s\w]")
+_MARK = re.compile(r"""["'\\#]""")  # what takes time and memory in a text that is split into strings
+_IS_FORMATTED = re.compile(r"[fF][rR]?\Z")  # what stands before an f-string
+_TOKEN = re.compile(r"\s+|(\w+(?:\.\w+)?|[^\s\w])")
+_LONGEST_TOKEN = 40  # characters, with the spaces around it, on the average
 
 
 def parse(text: str, limits: Limits) -> tuple[ast.Module, int]:
@@ -53,18 +56,31 @@ def lone_surrogate(text: str) -> int | None:
 
 
 def _count_tokens(text: str, limits: Limits) -> int:
-    code = _COMMENT_OR_STRING.sub(_code_of, text)
-    count, most = 0, limits.tokens
-    for match in _TOKEN.finditer(code):
-        count += 1
-        if count > most:
-            line = code.count("\n", 0, match.start()) + 1
-            raise RefusalError(f'more than {most} names, numbers and signs; put data into texts, as "1 2 3"', line)
+    marks = sum(map(text.count, "\"'\\#"))
+    if marks > limits.length:
+        last = next(islice(_MARK.finditer(text), limits.length, None))
+        line = text.count("\n", 0, last.start()) + 1
+        raise RefusalError(f"more than {limits.length} quotes, backslashes and number signs", line)
+    count, size = 0, 0
+    for part in _PART.finditer(text):
+        if part["comment"] is not None:
+            continue
+        if part["code"] is None and not _IS_FORMATTED.search(text, max(part.start() - 2, 0), part.start()):
+            count += 1
+            _check_count(count, text, part.start(), limits)
+            continue
+        size += part.end() - part.start()  # an f-string holds expressions
+        if size > _LONGEST_TOKEN * limits.tokens:
+            line = text.count("\n", 0, part.end()) + 1
+            raise RefusalError(f"more than {_LONGEST_TOKEN * limits.tokens} characters of code", line)
+        for token in _TOKEN.finditer(part.group()):
+            if token.lastindex is not None:
+                count += 1
+                _check_count(count, text, part.start() + token.start(), limits)
     return count
 
 
-def _code_of(match: re.Match[str]) -> str:
-    """What counts as code of a comment or a string: its line ends, and all of an f-string, which holds expressions."""
-    found = match.group()
-    prefix = found[: min(found.find(quote) % (len(found) + 1) for quote in "\"'#")].lower()
-    return found if "f" in prefix else '"' + "\n" * found.count("\n")
+def _check_count(count: int, text: str, place: int, limits: Limits) -> None:
+    if count > limits.tokens:
+        line = text.count("\n", 0, place) + 1
+        raise RefusalError(f'more than {limits.tokens} names, numbers and signs; put data into texts, as "1 2 3"', line)
