@@ -19,7 +19,7 @@ def test_each_limit_is_a_whole_number() -> None:
         (Limits(steps=20), "while 1: pass", "the script takes more than"),
         (Limits(levels=4), "[[[[[1]]]]]", "nested more than 4 levels deep"),
         (Limits(length=10), "[0] * 11", "a value of 11 elements; 10 are the most"),
-        (Limits(length=10), "'a' * 11", "a text of 11 characters; 10 are the most"),
+        (Limits(length=10), "'a' * 81", "a text of 81 characters; 80 are the most"),
         (Limits(cells=100), "[[0] * 30 for i in range(9)]", "all values together have more than 100 elements"),
     ],
 )

@@ -70,8 +70,8 @@ def _count_tokens(text: str, limits: Limits) -> int:
             _check_count(count, text, part.start(), limits)
             continue
         size += part.end() - part.start()  # an f-string holds expressions
-        if size > _LONGEST_TOKEN * limits.tokens:
-            line = text.count("\n", 0, part.end()) + 1
+        if (beyond := size - _LONGEST_TOKEN * limits.tokens) > 0:
+            line = text.count("\n", 0, part.end() - beyond) + 1
             raise RefusalError(f"more than {_LONGEST_TOKEN * limits.tokens} characters of code", line)
         for token in _TOKEN.finditer(part.group()):
             if token.lastindex is not None:
