@@ -42,6 +42,7 @@ class Mention:
     of_them: bool = False
     host: Mention | None = None
     abreast: bool = False
+    name: str = ""
     spans: list[Span] = field(default_factory=list)
 
     def group(self, references: tuple[int, ...] = (), words: str = "") -> ObjectGroup:

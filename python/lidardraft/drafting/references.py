@@ -68,15 +68,18 @@ def mention_of(chunk: Chunk) -> Mention:
     if vehicle and len(chunk.tokens) > 1 and chunk.tokens[-2].type in KIND_OF:
         mention.kind = KIND_OF[chunk.tokens[-2].type]
     add_qualities(mention, chunk.tokens)
+    mention.name = next((str(token) for token in chunk.tokens if token.type == "NAME"), "")
     mention.spans.append(chunk.span)
     return mention
 
 
 def known_mention(chunk: Chunk, mentions: list[Mention], subjects: list[Mention]) -> Mention | None:
-    """The last mention that a phrase such as "the bus" can mean; None where it must be another object."""
+    """The last mention that a phrase such as "the bus" or "bus A" can mean; None where it must be another object."""
+    kind, name = mention_of(chunk).kind, mention_of(chunk).name
+    if name:
+        return next((one for one in mentions if (one.kind, one.name) == (kind, name)), None)
     if not chunk.types & {"THE", "EACH"} or exact_count(chunk.tokens) is not None:
         return None
-    kind = mention_of(chunk).kind
     for mention in reversed(mentions):
         if mention.count == 0 or mention.kind is None or any(mention is subject for subject in subjects):
             continue

@@ -56,9 +56,11 @@ class RelationReader(ChunkReader):
         references = [self._reference(one, subjects) for one in chunks]
         for subject in self._open_known() if "EACH" in named.types else []:
             subject.host = references[0]
-        if place is None and linked and not references[0].placed and self._names_place():
+        if place is None and linked and self._names_place():
             place = self._following()  # "in front of a van on the right, a child"
             self.index += 1
+            if references[0].placed:  # one of them is there, and so is the subject
+                chunk.tokens[:0] = place.tokens
         if place is not None and not references[0].placed:  # "between the bus ahead and the car behind"
             references[0].at, references[0].placed = read_position(place.tokens), True
             references[0].spans.append(place.span)

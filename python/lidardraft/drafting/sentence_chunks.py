@@ -26,6 +26,7 @@ _NOUNS = (*KIND_OF, *ROAD_OF, "TRAFFIC", "LANE", "COMPOUND")
 _OBJECTS = (*KIND_OF, "TRAFFIC")
 _ARTICLES = ("A", "THE")
 LISTED = ("AND", "OR", "COMMA")
+_RELATING = ("BEHIND", "FRONT", "BESIDE", "NEAR", "BETWEEN", "OPPOSITE", "LEFT_OF", "RIGHT_OF", "DISTANCE_FROM", "RELATED")
 LINKS = ("WITH", "STOP", "EXCEPT", "EACH_HAS", *LISTED)
 _FALSE_NOUNS = ("ed", "ing", "ly")  # endings of words that say more of the noun before them
 
@@ -81,8 +82,9 @@ def chunks_of(tree: Tree[Token]) -> list[Chunk]:
             continue
         tokens = [token for token in child.children if isinstance(token, Token)]
         parts = _one_noun_each(tokens) if child.data == "phrase" else iter([tokens])
-        chunks += [Chunk(str(child.data), part) for part in parts if any(t.type not in _ARTICLES for t in part)]
-    return _joined(chunks)
+        chunks += [Chunk(str(child.data), part) for part in parts]
+    said = [chunk for chunk in _with_names(chunks) if not chunk.types <= {*_ARTICLES}]
+    return _joined(_with_adjectives(said))
 
 
 def _one_noun_each(tokens: list[Token]) -> Iterator[list[Token]]:
@@ -94,6 +96,58 @@ def _one_noun_each(tokens: list[Token]) -> Iterator[list[Token]]:
         if following is None or ends:
             yield part
             part = []
+
+
+def _with_names(chunks: list[Chunk]) -> list[Chunk]:
+    """With the names of objects in their phrases, before the noun: "car A", or "van 1" and "van 2"."""
+    pairs = list(zip(chunks, chunks[1:], strict=False))
+    numbers = {(one.head, str(after.tokens[0])) for one, after in pairs if _is_numbered(one, after)}
+    found: list[Chunk] = []
+    for chunk in chunks:
+        first, rest = chunk.tokens[0], chunk.tokens[1:]
+        named = bool(found) and found[-1].head in KIND_OF and found[-1].name == chunk.name == "phrase"
+        numbered = named and _is_numbered(found[-1], chunk) and {(found[-1].head, n) for n in "12"} <= numbers
+        if numbered or (named and first.type == "NAME" and not is_plural(found[-1].tokens[-1])):
+            found[-1] = Chunk("phrase", [Token.new_borrow_pos("NAME", str(first), first), *found[-1].tokens])
+            found += [Chunk("phrase", rest)] if rest else []
+        else:
+            of_none = {token: "A" if token == "A" else "UNKNOWN" for token in chunk.tokens if token.type == "NAME"}
+            found.append(
+                Chunk(chunk.name, [Token.new_borrow_pos(of_none.get(t, t.type), str(t), t) for t in chunk.tokens])
+            )
+    return found
+
+
+def _is_numbered(named: Chunk, number: Chunk) -> bool:
+    """Whether a number follows a single object at once."""
+    single = named.head in KIND_OF and len(named.tokens) == 1 and not is_plural(named.tokens[0])
+    return single and number.name == "phrase" and [token.type for token in number.tokens[:1]] == ["NUMBER"]
+
+
+def _with_adjectives(chunks: list[Chunk]) -> list[Chunk]:
+    """With places behind the noun that they say more of: "the left hedge" is "the hedge on the left"."""
+    found: list[Chunk] = []
+    for chunk in chunks:
+        place = found[-1].tokens[-1] if found and found[-1].name == "position" else None
+        overtakes = [token for token in chunk.tokens if token.type == "OVERTAKER"]
+        if place is not None and chunk.head in KIND_OF and len(chunk.tokens) == 1 and _is_adjective(place, found):
+            found[-1:] = [Chunk("position", found[-1].tokens[:-1])] if found[-1].tokens[1:] else []
+            found += [Chunk("phrase", [Token("THE", "the"), *chunk.tokens]), Chunk("position", [place])]
+        elif overtakes:
+            rest = [token for token in chunk.tokens if token not in overtakes]
+            found += [Chunk("phrase", rest), Chunk("position", [Token.new_borrow_pos("OVERTAKING", "overtaking", overtakes[0])])]
+        else:
+            found.append(chunk)
+    return found
+
+
+def _is_adjective(place: Token, chunks: list[Chunk]) -> bool:
+    """Whether a place just before a noun is no place of its own, as in "behind the left hedge"."""
+    before = chunks[-1].tokens[-2:-1] or (chunks[-2].tokens[-1:] if len(chunks) > 1 else [])
+    if place not in ("the left", "the right") or not (place.start_pos == 0 or before):
+        return False
+    adjoins = place.start_pos == 0 or (place.start_pos or 0) <= (before[0].end_pos or 0) + 1  # no "to" between them
+    return adjoins and (not before or before[0].type in (*LINKS, *_RELATING))
 
 
 def _is_verb_before_subject(chunks: list[Chunk]) -> bool:

@@ -172,10 +172,12 @@ class SentenceReader(PartReader):
         mention.of_them = mention.same_as is not None
         kind = SENTENCE_KINDS[str(mention.kind)]
         before = self._previous()
-        known = known_mention(chunk, self.notes.mentions, []) if self._before(1) in ("STOP", *LISTED) else None
+        begins = self._before(1) in ("STOP", *LISTED) or bool(mention.name)
+        known = known_mention(chunk, self.notes.mentions, []) if begins else None
         goes_on = self._following().head in ("FOLLOWED", "OVERTAKING")
         if (
             known is not None
+            and not mention.name
             and self._before(1) != "STOP"
             and not goes_on
             and (known.placed or known.relation is not None)

@@ -81,8 +81,9 @@ def _listed(parts: list[str]) -> str:
 
 
 def _normalised(sentence: str) -> str:
-    """Lower case, single blanks, also for what cannot be printed; symbols as words."""
-    text = _LIST_ITEM.sub("; ", _UNIT_STOP.sub(r"\1", sentence).lower())
+    """Lower case but for names such as "car A", single blanks, also for what cannot be printed; symbols as words."""
+    text = "".join(part if index % 2 else part.lower() for index, part in enumerate(_NAME.split(sentence)))
+    text = _LIST_ITEM.sub("; ", _UNIT_STOP.sub(r"\1", text))
     if max(map(len, text.splitlines()), default=0) <= _LONGEST_ITEM:
         text = text.strip().replace("\n", "; ")
     text = "".join(character if character.isprintable() else " " for character in text)
@@ -111,6 +112,7 @@ _PLAIN = {
     **{"\u2019": "'", "\u2013": "-", "\u2014": ", ", "\u2026": ". ", "\u00d7": "x", "&": " and ", " + ": " and "},
     **{"w/o ": "without ", "w/ ": "with "},
 }
+_NAME = re.compile(r"(?<=[a-z] )([A-H])(?=[,.;:!?)]|$|'s\b| (?![A-Z]))")  # as in "car A"
 _UNIT_STOP = re.compile(r"(\d ?(?:m|ft|yd|km))\.(?= [a-z])")  # "10 m. ahead", but not "10 m. A bus"
 _LONGEST_ITEM = 40  # characters of a line, in a text that has one for each object
 _EXTENT, _LENGTH = r"\b(height|length|width)", rf"\d[\d.]* ?{UNIT}"
