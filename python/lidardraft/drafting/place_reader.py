@@ -8,9 +8,9 @@ from lark import Token
 
 from lidardraft.drafting.mention import Mention, keep_away
 from lidardraft.drafting.number_words import SMALL_NUMBERS, count_times, metres, number
-from lidardraft.drafting.positions import DISTANCES, LANE_WORDS, SET_BACK, Position
+from lidardraft.drafting.positions import DISTANCES, LANE_WORDS, SET_BACK, Position, read_position
 from lidardraft.drafting.relation_reader import RelationReader
-from lidardraft.drafting.sentence_chunks import Chunk
+from lidardraft.drafting.sentence_chunks import LISTED, Chunk
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 
 _OTHER_SIDE = ("opposite side", "other side", "far side", "off side")
@@ -20,9 +20,27 @@ class PlaceReader(RelationReader):
     """Gives one position at a time to the objects that are open."""
 
     def _with_known_side(self, chunk: Chunk) -> Chunk:
-        """The position with a side for "the other side": the one where the last objects are not."""
-        if not any(token.endswith(_OTHER_SIDE) for token in chunk.tokens):
-            return chunk
+        """The position with a side for "the other side" and for "the outer side"; without it where that is unknown."""
+        tokens: list[Token] = []
+        for token in chunk.tokens:
+            if token.type in ("OUTER", "INNER"):
+                side = self._side_of_bend(token.type)
+                tokens += [Token.new_borrow_pos(side, str(token), token)] if side else []
+                self._report_tokens([token] if not side else [])
+            elif token.endswith(_OTHER_SIDE):
+                tokens.append(Token.new_borrow_pos(self._other_side(), str(token), token))
+            else:
+                tokens.append(token)
+        return Chunk("position", tokens)
+
+    def _side_of_bend(self, where: str) -> str | None:
+        """The outer or the inner side of the bend that the sentence speaks of."""
+        bends = [token.type for chunk in self.chunks if chunk.name in ("bend", "turn") for token in chunk.tokens]
+        inner = next((type for type in bends if type in ("LEFT", "RIGHT")), None)
+        return {"LEFT": "RIGHT", "RIGHT": "LEFT"}[inner] if inner and where == "OUTER" else inner
+
+    def _other_side(self) -> str:
+        """The side where the last objects are not."""
         sides = [
             side
             for mention in self.notes.mentions
@@ -30,12 +48,7 @@ class PlaceReader(RelationReader):
             for _, side in mention.at.places
             if side
         ]
-        other = "RIGHT" if sides[-1:] == ["left"] else "LEFT"
-        tokens = [
-            Token.new_borrow_pos(other, str(token), token) if token.endswith(_OTHER_SIDE) else token
-            for token in chunk.tokens
-        ]
-        return Chunk("position", tokens)
+        return "RIGHT" if sides[-1:] == ["left"] else "LEFT"
 
     def _without_size(self, chunk: Chunk) -> Chunk:
         """The position without a length that is a size of the object before it, as in "a tall building of 30 m"."""
@@ -69,12 +82,17 @@ class PlaceReader(RelationReader):
 
     def _attach(self, position: Position, chunk: Chunk, listed: bool) -> None:
         """To the open mentions: a further place after "and", a closer description of the same place otherwise."""
-        corners = 4 if any(t.type == "CORNER" and t.startswith(("each", "every")) for t in chunk.tokens) else 1
-        if listed and self._is_respective(position):
-            first, second = self.open
-            first.at, second.at = first.at.narrowed(Position(position.places)), second.at.narrowed(position)
-            self.open[1].spans.append(chunk.span)
+        respective = self._respective(chunk)
+        if respective:
+            self.index += 2 * len(respective) - 2
+            for mention, one in zip(self.open, respective, strict=True):
+                shared = Position(read_position(respective[-1].tokens).places)
+                own = self._fitting(read_position(one.tokens), one, mention)
+                mention.at = mention.at.narrowed(own if own.places != Position().places else own.narrowed(shared))
+                mention.placed, mention.weak = True, False
+                mention.spans.append(one.span)
             return
+        corners = 4 if any(t.type == "CORNER" and t.startswith(("each", "every")) for t in chunk.tokens) else 1
         for mention in list(self.open):
             mention.count = count_times(mention.count, corners)
             at = self._fitting(position, chunk, mention)
@@ -121,11 +139,15 @@ class PlaceReader(RelationReader):
             ):
                 one.at = rest.narrowed(one.at)
 
-    def _is_respective(self, position: Position) -> bool:
-        """Whether a second distance is that of the second object, as in "a car and a truck at 20 m and 50 m"."""
-        alike = len(self.open) == 2 and [one.count for one in self.open] == [1, 1]
-        first = self.open[0].at.distance if alike else None
-        return bool(position.distance and first and position.distance != first and self.open[1].at.distance == first)
+    def _respective(self, first: Chunk) -> list[Chunk]:
+        """As many positions as objects, one for each, as in "a car and a truck at 20 m and 50 m"; none otherwise."""
+        found = [first]
+        while self._following(2 * len(found) - 2).name in LISTED and self._following(2 * len(found) - 1).name == "position":
+            found.append(self._following(2 * len(found) - 1))
+        single = all(one.count == 1 for one in self.open) and all("DISTANCE" in one.types for one in found)
+        words = [*self._between(self._previous(), first), *self._between(found[-1], self._following(2 * len(found) - 2))]
+        fits = len(found) == len(self.open) > 1 and (single or "respectively" in words)
+        return found if fits else []
 
     def _goes_on(self, at: Position, mention: Mention) -> bool:
         """Whether a position after a comma describes the same place more closely, as in "on the left, 20 m away"."""

@@ -9,7 +9,7 @@ from lark import Token
 
 from lidardraft.drafting.chunk_reader import END
 from lidardraft.drafting.mention import Mention
-from lidardraft.drafting.number_words import count_times
+from lidardraft.drafting.number_words import count_of, count_times, metres
 from lidardraft.drafting.place_reader import PlaceReader
 from lidardraft.drafting.positions import Position, read_position
 from lidardraft.drafting.references import meant_by, refers, relation_of
@@ -49,6 +49,8 @@ class PositionReader(PlaceReader):
             if chunk.tokens[-1].type == "BETWEEN":
                 self._skip_second(several)
             self._refer(chunk, relation, several, before)
+        elif [token.type for token in chunk.tokens] in (["SPACING", "BETWEEN"], ["DISTANCE", "BETWEEN"]) and _is_row(following):
+            self._space_out(chunk, following)
         elif chunk.head == "BETWEEN" and following.head in ROAD_OF and self._following(2).is_object:
             named = self._following(2)  # "a hedge between the road and two houses"
             self.index += 3
@@ -71,6 +73,14 @@ class PositionReader(PlaceReader):
             tokens = [token for token in chunk.tokens if token.type not in _OF_NOTHING]
             if tokens:
                 self._place(Chunk("position", tokens), following, before)
+
+    def _space_out(self, chunk: Chunk, row: Chunk) -> None:
+        """A gap between objects is their spacing, as in "a gap of 30 m between the buses"."""
+        self.index += 1
+        mention = self._reference(row, [])
+        mention.at = mention.at.narrowed(Position(spacing=metres(chunk.tokens[0])[0]))
+        mention.spans.append(chunk.span)
+        self.open = [mention]
 
     def _refer_to_pronoun(self, chunk: Chunk, relation: str, pronoun: str, before: str | None) -> None:
         listed = self._open_known()
@@ -199,3 +209,8 @@ class PositionReader(PlaceReader):
             after = after[1:]  # "on the left of the road a car"
         following = next((c for c in after[:3] if c.name not in passed), END)
         return following.is_object or following.is_unknown
+
+
+def _is_row(chunk: Chunk) -> bool:
+    """Whether it names several objects."""
+    return chunk.is_object and count_of(chunk.tokens) != 1

@@ -249,6 +249,17 @@ _BEHIND_THE_SIDEWALK = (
         setback=Setback(0.4, 0.8, 5.0),
         follows_road=True,
     ),
+    # of steel or, from 0.8 m on, of concrete
+    SentenceKind(
+        name="barrier",
+        label="fence",
+        sizes=SizeBetween((10.0, 0.3, 0.7), (30.0, 0.6, 0.9)),
+        counts=_STRIPS,
+        surfaces=("road",),
+        precedence=4,
+        setback=Setback(0.4, 0.8, 5.0),
+        follows_road=True,
+    ),
     SentenceKind(
         name="wall",
         label="wall",

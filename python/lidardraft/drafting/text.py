@@ -82,8 +82,8 @@ def _listed(parts: list[str]) -> str:
 
 def _normalised(sentence: str) -> str:
     """Lower case but for names such as "car A", single blanks, also for what cannot be printed; symbols as words."""
-    text = "".join(part if index % 2 else part.lower() for index, part in enumerate(_NAME.split(sentence)))
-    text = _LIST_ITEM.sub("; ", _UNIT_STOP.sub(r"\1", text))
+    text = "".join(part if index % 2 else part.lower() for index, part in enumerate(_NAME.split(_UNIT_STOP.sub(r"\1", sentence))))
+    text = _LIST_ITEM.sub("; ", text)
     if max(map(len, text.splitlines()), default=0) <= _LONGEST_ITEM:
         text = text.strip().replace("\n", "; ")
     text = "".join(character if character.isprintable() else " " for character in text)
@@ -149,6 +149,10 @@ _SPELLINGS = (
     (re.compile(r"(?<!the )\b(?:rear|back): "), "behind "),
     (re.compile(r"(?<!\bon the )\b(left|right|ahead|behind|front|sides?|back|rear|background|foreground): "), r"\1 "),
     (re.compile(r"\b(?:nobody|no one|no body)\b(?! way)"), "no people"),
+    (
+        re.compile(r"\bnothing (?=(?:is )?(?:ahead|behind|in|on|to|next|parked|coming)\b)(?![^.;,]*\b(?:but|except)\b)"),
+        "no vehicles ",
+    ),
     (re.compile(r"\b(?:on|to|at) (?:its|his|her|their) (left|right)(?: (?:hand )?side)?\b"), r"to the \1 of it"),
     (
         re.compile(r"\b(?:some|a little|a short) (?:way|distance) (?=(?:back |away )?from the (?:road|str))"),
