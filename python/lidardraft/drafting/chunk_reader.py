@@ -42,6 +42,7 @@ class ChunkReader:
         self.open: list[Mention] = []  # what the next position or state belongs to
         self.latest: list[Mention] = []  # what "it" means at the beginning of a clause
         self.host: list[Mention] = []  # what was open before "with"
+        self.carrier: list[Mention] = []  # what is with, or without, what was named last
         self.prefix: Position | None = None  # introduces the objects that follow
         self.prefix_weak = False
         self.prefix_index = -9  # where it was read

@@ -20,7 +20,7 @@ class Mention:
     The kind is None for what is unknown, which takes the words after it and makes nothing. What is `described` by a
     verb shares no position with what is listed after it; `same_as` is the mention whose noun "one" or "two" stand for,
     `of_them` says that it counts them already. There are so many for each of its `host`; what is `abreast` stands side
-    by side.
+    by side. The `name` is that of "car A"; so many of the host are `left_out`.
     """
 
     kind: str | None
@@ -43,6 +43,7 @@ class Mention:
     host: Mention | None = None
     abreast: bool = False
     name: str = ""
+    left_out: int = 0
     spans: list[Span] = field(default_factory=list)
 
     def group(self, references: tuple[int, ...] = (), words: str = "") -> ObjectGroup:

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Iterator
 
 from lidardraft.drafting.mention import Mention
-from lidardraft.drafting.number_words import count_times
+from lidardraft.drafting.number_words import Count, count_times
 from lidardraft.drafting.positions import Position
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 
@@ -17,7 +17,7 @@ def parted(mentions: list[Mention]) -> list[Mention]:
     """The mentions of what is wanted, each of its own objects: none only sums up others or counts them again."""
     for mention in mentions:
         if mention.host is not None:
-            mention.count = count_times(mention.count, mention.host.count)
+            mention.count = hosted_count(mention)
             if mention.relation is None and not mention.placed:
                 mention.relation, mention.references, mention.placed = "near", [mention.host], True
     for mention in mentions:
@@ -37,6 +37,15 @@ def parted(mentions: list[Mention]) -> list[Mention]:
                 whole.count -= part.count if part.of_them and whole not in sums else 0
     wanted = [mention for mention in mentions if mention.count != 0 and mention not in sums]
     return [one for mention in wanted for one in (*_abreast(mention), *_at_each_side(mention))]
+
+
+def hosted_count(mention: Mention) -> Count:
+    """How many there are of what there are so many of for each of its host."""
+    assert mention.host is not None
+    hosts = mention.host.count
+    if isinstance(hosts, int) and hosts > mention.left_out:
+        hosts -= mention.left_out
+    return count_times(mention.count, hosts)
 
 
 def is_one_of(mention: Mention, reference: Mention, wanted: list[Mention]) -> bool:

@@ -40,6 +40,8 @@ def add_qualities(mention: Mention, tokens: list[Token]) -> None:
         token.type == "QUEUEING" or (token.type == "MANY" and {"queue", "line"} & set(token.split()))
         for token in tokens
     )
+    if mention.kind == "person" and any(token == "cycling" for token in tokens):
+        mention.kind = "bicycle"
     mention.ridden = mention.ridden or tokens[-1].rstrip("s").endswith(("ist", "rider"))
     for token in tokens:
         tower = token.type == "BUILDING" and token.startswith(_TOWERS)

@@ -7,7 +7,7 @@ from lidardraft.drafting.number_words import COUNT_TYPES, Count, count_of, numbe
 from lidardraft.drafting.object_qualities import add_qualities
 from lidardraft.drafting.position_reader import PositionReader
 from lidardraft.drafting.positions import Position
-from lidardraft.drafting.references import meant_by
+from lidardraft.drafting.references import is_one_of_several, meant_by
 from lidardraft.drafting.sentence_chunks import LISTED, STATES, Chunk
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 
@@ -18,7 +18,9 @@ class PartReader(PositionReader):
     def _put(self, chunk: Chunk, mention: Mention) -> None:
         """Open a mention: alone, or beside those that a list has opened and no position has closed."""
         listed = self._before(1) in LISTED
-        related = self.open[-1] if self.open and self._before(1) == "AND" and self.open[-1] is self.related else None
+        last = self.notes.mentions[-1] if self.notes.mentions else None
+        related = last if last is not None and self._before(1) == "AND" and last is self.related else None
+        self.carrier = self._carrier(chunk)
         if not listed or any(
             other.placed or other.described or other.kind is None or (other.count == 0 and mention.count != 0)
             for other in self.open
@@ -66,8 +68,11 @@ class PartReader(PositionReader):
         of_them = "OF_THEM" in chunk.types
         begins = of_them or self._before(1) in (*LISTED, "STOP", "WITH")
         several = meant_by("them", self._several())
-        if several and (of_them or _is_definite(chunk)):
+        if several and (of_them or is_one_of_several(chunk)):
             last, of_them = several[0], True
+        if chunk.head == "OF_THEM" and len(chunk.tokens) == 1:
+            self._share(chunk, several)
+            return
         counts = [token for token in chunk.tokens if token.type in (*COUNT_TYPES, "ANOTHER", "FIRST")]
         said = counts[-1].split()[-1]  # "the rest", "the first two"
         count = "some" if said == "rest" else int(number(said)) if said in ("two", "three") else count_of(counts)
@@ -82,9 +87,20 @@ class PartReader(PositionReader):
             self._report(chunk)
         elif self._following().name in ("position", "turn") or self._is_part(chunk):
             self._open_part(chunk, count, last, of_them=of_them)
-        elif of_them and isinstance(last.count, str):  # "bicycles at a fence: 15 of them"
-            last.count = count
+        elif isinstance(last.count, str) and (of_them or self._is_apposition(chunk)):
+            last.count = count  # "bicycles at a fence: 15 of them", "people on the left, about ten"
             last.spans.append(chunk.span)
+        else:
+            self._report(chunk)
+
+    def _share(self, chunk: Chunk, several: list[Mention]) -> None:
+        """What is said of "all of them" is said of those, what is said of half of them of a part."""
+        whole = several[0] if several else None
+        if whole is not None and chunk.tokens[0].startswith("half") and isinstance(whole.count, int):
+            self._open_part(chunk, whole.count // 2, whole, of_them=True)
+        elif self.notes.mentions and chunk.tokens[0].startswith("all"):
+            kind = self.notes.mentions[-1].kind
+            self.open = self.latest = several or [one for one in self.notes.mentions if one.kind == kind]
         else:
             self._report(chunk)
 
@@ -104,13 +120,27 @@ class PartReader(PositionReader):
         add_qualities(part, chunk.tokens)
         self._put(chunk, part)
 
+    def _carrier(self, chunk: Chunk) -> list[Mention]:
+        """What is with, or without, what a phrase names; it is what the verb after that belongs to."""
+        without = chunk.tokens[0].type == "NO" and chunk.tokens[0].startswith("without")
+        return self.open if without else self.host if chunk.is_unknown and self._before(1) == "WITH" else []
+
     def _several(self) -> list[Mention]:
         return [mention for mention in self.notes.mentions if mention.count not in (0, 1)]
 
+    def _is_apposition(self, chunk: Chunk) -> bool:
+        """Whether a number alone between commas tells how many those before it are."""
+        ends = self._following().name in ("", "COMMA", "STOP", "AND")
+        return self._before(1) == "COMMA" and ends and chunk.types <= {"NUMBER", "COUNT_RANGE", "DOZEN"}
+
     def _leave_out(self, chunk: Chunk, count: Count) -> None:
-        """All but so many of those before, as in "each one except the last"."""
+        """All but so many of those before, as in "each one except the last"; there may be some for each of others."""
         self.excepting = False
-        whole = self.excepted[-1]
+        whole = next((one for one in self.notes.mentions if one.host is self.excepted[-1]), self.excepted[-1])
+        if whole.host is not None and isinstance(count, int):
+            whole.left_out, count = count, 0
+            whole.spans.append(chunk.span)
+            return
         if isinstance(count, int) and isinstance(whole.count, int) and whole.count > count:
             whole.count -= count
             whole.spans.append(chunk.span)
@@ -130,11 +160,6 @@ class PartReader(PositionReader):
         """What "one of them", "two of the cars" or "the last house" are part of."""
         if "OF_THEM" in chunk.types:
             return next(reversed(self._several()), None)
-        if [token.type for token in chunk.tokens[:2]] != ["NUMBER", "THE"] and not _is_definite(chunk):
+        if [token.type for token in chunk.tokens[:2]] != ["NUMBER", "THE"] and not is_one_of_several(chunk):
             return None
         return next((one for one in reversed(self._several()) if one.kind == mention.kind), None)
-
-
-def _is_definite(chunk: Chunk) -> bool:
-    """Whether it names one of several, as "the first" or "the others"."""
-    return bool(chunk.types & {"FIRST", "ANOTHER"}) and chunk.tokens[0].startswith("the ")

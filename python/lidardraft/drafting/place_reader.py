@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 
 from lark import Token
 
@@ -82,6 +83,8 @@ class PlaceReader(RelationReader):
 
     def _attach(self, position: Position, chunk: Chunk, listed: bool) -> None:
         """To the open mentions: a further place after "and", a closer description of the same place otherwise."""
+        if position.spacing and any(t.endswith(("the other", "the next", "another")) for t in chunk.tokens):
+            position = self._in_row(position)
         respective = self._respective(chunk)
         if respective:
             self.index += 2 * len(respective) - 2
@@ -95,7 +98,7 @@ class PlaceReader(RelationReader):
         corners = 4 if any(t.type == "CORNER" and t.startswith(("each", "every")) for t in chunk.tokens) else 1
         for mention in list(self.open):
             mention.count = count_times(mention.count, corners)
-            at = self._fitting(position, chunk, mention)
+            at = self._like_sibling(mention, self._fitting(position, chunk, mention))
             if mention.of_them and mention.count == 1 and at.spacing:
                 self._begin_row(mention, at, chunk)
                 continue
@@ -117,6 +120,24 @@ class PlaceReader(RelationReader):
             else:
                 mention.at = mention.at.narrowed(self._without_second_length(at, chunk, mention.at))
             mention.placed, mention.weak = True, False
+
+    def _like_sibling(self, part: Mention, at: Position) -> Position:
+        """The position of a part, on the side of the part before it: "the first is 20 m ahead, the second at 50 m"."""
+        index = self.notes.mentions.index(part)
+        before = self.notes.mentions[index - 1] if part.same_as is not None and index else None
+        alike = before is not None and part.same_as in (before, before.same_as) and before.at.distance
+        only_distance = at.distance and not any(any(place) for place in at.places)
+        return Position(before.at.places).narrowed(at) if alike and only_distance and before else at
+
+    def _in_row(self, position: Position) -> Position:
+        """Where the first of some is that stand "each 10 m behind the other"; the others are placed from it."""
+        if any(one.count != 1 or one.relation is not None for one in self.open) or not position.spacing:
+            return position
+        for before, mention in itertools.pairwise(self.open):
+            mention.relation, mention.references, mention.placed = "behind", [before], True
+            mention.at = mention.at.narrowed(Position(distance=(position.spacing, position.spacing)))
+        self.open = self.open[:1]
+        return dataclasses.replace(position, spacing=None)
 
     def _begin_row(self, first: Mention, at: Position, chunk: Chunk) -> None:
         """Where the first of several is, all of them begin, as in "the first at 10 m, 20 m between them"."""
@@ -142,10 +163,16 @@ class PlaceReader(RelationReader):
     def _respective(self, first: Chunk) -> list[Chunk]:
         """As many positions as objects, one for each, as in "a car and a truck at 20 m and 50 m"; none otherwise."""
         found = [first]
-        while self._following(2 * len(found) - 2).name in LISTED and self._following(2 * len(found) - 1).name == "position":
+        while (
+            self._following(2 * len(found) - 2).name in LISTED
+            and self._following(2 * len(found) - 1).name == "position"
+        ):
             found.append(self._following(2 * len(found) - 1))
         single = all(one.count == 1 for one in self.open) and all("DISTANCE" in one.types for one in found)
-        words = [*self._between(self._previous(), first), *self._between(found[-1], self._following(2 * len(found) - 2))]
+        words = [
+            *self._between(self._previous(), first),
+            *self._between(found[-1], self._following(2 * len(found) - 2)),
+        ]
         fits = len(found) == len(self.open) > 1 and (single or "respectively" in words)
         return found if fits else []
 

@@ -49,7 +49,9 @@ class PositionReader(PlaceReader):
             if chunk.tokens[-1].type == "BETWEEN":
                 self._skip_second(several)
             self._refer(chunk, relation, several, before)
-        elif [token.type for token in chunk.tokens] in (["SPACING", "BETWEEN"], ["DISTANCE", "BETWEEN"]) and _is_row(following):
+        elif [token.type for token in chunk.tokens] in (["SPACING", "BETWEEN"], ["DISTANCE", "BETWEEN"]) and _is_row(
+            following
+        ):
             self._space_out(chunk, following)
         elif chunk.head == "BETWEEN" and following.head in ROAD_OF and self._following(2).is_object:
             named = self._following(2)  # "a hedge between the road and two houses"

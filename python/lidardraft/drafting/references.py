@@ -55,7 +55,7 @@ def refers(position: Chunk, named: Chunk, *, linked: bool) -> bool:
         return True
     if last.type == "FRONT" or (last.type == "ALONG" and not last.startswith("along")):
         return False
-    definite = "THE" in named.types
+    definite = "THE" in named.types or is_one_of_several(named)
     return last.type in ("BEHIND", "NEAR", "ALONG") and (definite or not linked)
 
 
@@ -78,7 +78,7 @@ def known_mention(chunk: Chunk, mentions: list[Mention], subjects: list[Mention]
     kind, name = mention_of(chunk).kind, mention_of(chunk).name
     if name:
         return next((one for one in mentions if (one.kind, one.name) == (kind, name)), None)
-    if not chunk.types & {"THE", "EACH"} or exact_count(chunk.tokens) is not None:
+    if not (chunk.types & {"THE", "EACH"} or is_one_of_several(chunk)) or exact_count(chunk.tokens) is not None:
         return None
     for mention in reversed(mentions):
         if mention.count == 0 or mention.kind is None or any(mention is subject for subject in subjects):
@@ -100,6 +100,11 @@ def meant_by(pronoun: str, mentions: list[Mention]) -> list[Mention]:
 def depends(mention: Mention, other: Mention) -> bool:
     """Whether a mention is another one, or placed from it."""
     return mention is other or any(depends(reference, other) for reference in mention.references)
+
+
+def is_one_of_several(chunk: Chunk) -> bool:
+    """Whether it names one of several, as "the first" or "the others"."""
+    return bool(chunk.types & {"FIRST", "ANOTHER"}) and chunk.tokens[0].startswith("the ")
 
 
 def _traffic(chunk: Chunk) -> int | str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -26,7 +27,18 @@ _NOUNS = (*KIND_OF, *ROAD_OF, "TRAFFIC", "LANE", "COMPOUND")
 _OBJECTS = (*KIND_OF, "TRAFFIC")
 _ARTICLES = ("A", "THE")
 LISTED = ("AND", "OR", "COMMA")
-_RELATING = ("BEHIND", "FRONT", "BESIDE", "NEAR", "BETWEEN", "OPPOSITE", "LEFT_OF", "RIGHT_OF", "DISTANCE_FROM", "RELATED")
+_RELATING = (
+    "BEHIND",
+    "FRONT",
+    "BESIDE",
+    "NEAR",
+    "BETWEEN",
+    "OPPOSITE",
+    "LEFT_OF",
+    "RIGHT_OF",
+    "DISTANCE_FROM",
+    "RELATED",
+)
 LINKS = ("WITH", "STOP", "EXCEPT", "EACH_HAS", *LISTED)
 _FALSE_NOUNS = ("ed", "ing", "ly")  # endings of words that say more of the noun before them
 
@@ -90,17 +102,26 @@ def chunks_of(tree: Tree[Token]) -> list[Chunk]:
 def _one_noun_each(tokens: list[Token]) -> Iterator[list[Token]]:
     """A noun in the singular belongs to the next one, as in "garden fence"; one in the plural stands alone."""
     part: list[Token] = []
+    before = False  # whether a determiner was read
     for token, following in zip(tokens, [*tokens[1:], None], strict=True):
-        part.append(token)
+        cycles = token == "cycles" and bool(part) and part[-1].type == "PERSON"
+        if cycles:  # a verb
+            yield part
+            part = []
+        part.append(Token.new_borrow_pos("DOING", "cycling", token) if cycles else token)
         ends = token.type in _NOUNS and (token.type not in KIND_OF or is_plural(token))
-        if following is None or ends:
+        # "a hat crosses" is an unknown noun with a verb, but "a rusty parked car" a known one
+        verb = following is not None and following.type in STATES and token.type == "UNKNOWN" and bool(before)
+        verb = verb and not any(after.type in _NOUNS for after in tokens)
+        before = before or token.type in (*COUNT_TYPES, *_ARTICLES)
+        if following is None or ends or verb:
             yield part
             part = []
 
 
 def _with_names(chunks: list[Chunk]) -> list[Chunk]:
     """With the names of objects in their phrases, before the noun: "car A", or "van 1" and "van 2"."""
-    pairs = list(zip(chunks, chunks[1:], strict=False))
+    pairs = list(itertools.pairwise(chunks))
     numbers = {(one.head, str(after.tokens[0])) for one, after in pairs if _is_numbered(one, after)}
     found: list[Chunk] = []
     for chunk in chunks:
@@ -135,7 +156,10 @@ def _with_adjectives(chunks: list[Chunk]) -> list[Chunk]:
             found += [Chunk("phrase", [Token("THE", "the"), *chunk.tokens]), Chunk("position", [place])]
         elif overtakes:
             rest = [token for token in chunk.tokens if token not in overtakes]
-            found += [Chunk("phrase", rest), Chunk("position", [Token.new_borrow_pos("OVERTAKING", "overtaking", overtakes[0])])]
+            found += [
+                Chunk("phrase", rest),
+                Chunk("position", [Token.new_borrow_pos("OVERTAKING", "overtaking", overtakes[0])]),
+            ]
         else:
             found.append(chunk)
     return found
@@ -157,8 +181,14 @@ def _is_verb_before_subject(chunks: list[Chunk]) -> bool:
     if len(chunks) < 2 or chunks[-2].name in LINKS:  # "from ahead is coming a bus"
         return chunks[-1].types <= {"ONCOMING", "PARKED", "CROSSING"}
     before = len(chunks) - 2
-    before -= chunks[before].name == "PRONOUN" or chunks[before].is_object
+    before -= chunks[before].name in ("PRONOUN", "EGO") or chunks[before].is_object
     return before >= 0 and chunks[before].name == "position" and (before == 0 or chunks[before - 1].name in LINKS)
+
+
+def _is_verb_after_place(chunk: Chunk, before: list[Chunk]) -> bool:
+    """Whether "behind us is following" says "behind" a second time."""
+    follows = [token.type for token in chunk.tokens] == ["BEHIND"] and chunk.tokens[0].startswith("follow")
+    return follows and len(before) > 1 and before[-1].name == "EGO" and before[-2].head == "BEHIND"
 
 
 def _counts_listed(count: Chunk, link: Chunk, named: Chunk) -> bool:
@@ -173,8 +203,11 @@ def _joined(chunks: list[Chunk]) -> list[Chunk]:
     for index, chunk in enumerate(chunks):
         if chunk.name == "PREPOSITION":
             following = chunks[index + 1] if index + 1 < len(chunks) else None
-            if following is None or following.name != "phrase" or following.head not in (*KIND_OF, *JUNCTIONS):
+            named = following is not None and (following.name == "PRONOUN" or following.head in (*KIND_OF, *JUNCTIONS))
+            if not named:
                 continue
+        if _is_verb_after_place(chunk, found):
+            continue
         if chunk.name == "position" and found and found[-1].name == "position":
             found[-1] = Chunk("position", [*found[-1].tokens, *chunk.tokens])
         elif chunk.is_object and _is_verb_before_subject(found):

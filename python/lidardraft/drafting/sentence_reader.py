@@ -10,12 +10,13 @@ import dataclasses
 import itertools
 
 from lidardraft.drafting.mention import Mention
+from lidardraft.drafting.mention_parts import hosted_count
 from lidardraft.drafting.number_words import COUNT_TYPES, exact_count
 from lidardraft.drafting.object_qualities import add_qualities
 from lidardraft.drafting.part_reader import PartReader
 from lidardraft.drafting.positions import Position
 from lidardraft.drafting.references import known_mention, meant_by, mention_of
-from lidardraft.drafting.sentence_chunks import JUNCTIONS, KIND_OF, LISTED, ROAD_OF, SETTINGS, STATES, Chunk
+from lidardraft.drafting.sentence_chunks import JUNCTIONS, KIND_OF, LINKS, LISTED, ROAD_OF, SETTINGS, STATES, Chunk
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.sentence_notes import SentenceNotes
 
@@ -60,6 +61,10 @@ class SentenceReader(PartReader):
                 self._report(chunk)
         elif chunk.name == "EGO":
             self.has_ego = True
+        elif chunk.name == "PRONOUN" and self._previous().name == "PREPOSITION" and self._open_known():
+            earlier = [mention for mention in self.notes.mentions if mention not in self.open]
+            for mention in meant_by(str(chunk.tokens[0]), earlier) if self._road_named() is None else []:
+                self._near(mention)  # "a bench and a man on it"
         elif chunk.name == "PRONOUN" and not self.open:
             self.open = self.latest
         elif chunk.name in LISTED and any(mention.kind is None for mention in self.open):
@@ -96,7 +101,11 @@ class SentenceReader(PartReader):
         if exact_count(chunk.tokens) == 0 and head in (*ROAD_OF, "LANE"):
             self._report(chunk)
             return
-        if chunk.is_unknown or (chunk.may_be_unknown and self._before(1) != ""):
+        if head == "TRAM" and self.notes.road == "parking-lot" and chunk.tokens[-1].startswith("trolley"):
+            self._unknown(chunk)  # of a shop
+            return
+        carried = self._before(1) == "WITH" and chunk.head == "UNKNOWN" and chunk.types <= {"UNKNOWN"}
+        if chunk.is_unknown or carried or (chunk.may_be_unknown and self._before(1) != ""):
             self._unknown(chunk)
             return
         if head in ROAD_OF or head in SETTINGS:
@@ -118,6 +127,7 @@ class SentenceReader(PartReader):
         """Open what is unknown; where no link parts it from an object, it only says something of that one."""
         self._report(chunk)
         before = self._before(1)
+        self.carrier = self._carrier(chunk)
         if before == "WITH" and self.host and not any(mention.placed for mention in self.host):
             self.open = self.host
         elif before != "" or not self.open or any(mention.placed for mention in self.open):
@@ -127,6 +137,11 @@ class SentenceReader(PartReader):
     def _state(self, chunk: Chunk) -> None:
         """Words without a noun: how the objects before them stand or move, and how large they are."""
         self._end_list(chunk)
+        if self.carrier and self._before() == "":  # "a man with a hat crosses", but "a man with llamas crossing"
+            if self._previous().is_unknown and chunk.tokens[0].endswith("ing"):
+                self._report(chunk)
+                return
+            self.open = self.carrier
         self._report_tokens(token for token in chunk.tokens if token.type == "EACH")
         self._open_all(chunk)
         for mention in self.open:
@@ -186,12 +201,16 @@ class SentenceReader(PartReader):
         hosts = [one.host for one in self.notes.mentions if one.host is not None and one.host.kind == mention.kind]
         if self.notes.text[chunk.span[1] :].lstrip().startswith(("in total", "in all", "altogether")):
             hosts = [one for one in self.notes.mentions if one.kind == mention.kind and one.same_as is None]
+        counted = [one for one in self.notes.mentions if one.host is not None and one.kind == mention.kind]
+        bare = self._following().name in ("", *LINKS) and exact_count(chunk.tokens) is not None
         if "EACH" in chunk.types:
             known = known_mention(chunk, self.notes.mentions, [])
             mention.count = mention.count if exact_count(chunk.tokens) else "some"
             self.each = known or mention
         elif hosts and isinstance(hosts[-1].count, str) and exact_count(chunk.tokens):  # "there are four lamps"
             known, hosts[-1].count = hosts[-1], mention.count
+        elif counted and bare and hosted_count(counted[-1]) == mention.count:  # "each has a tree: four trees"
+            known = counted[-1]
         if self._is_ego(chunk, mention):
             self.has_ego = True
         elif kind.is_ridden and self._is_ridden(chunk, before):

@@ -82,7 +82,9 @@ def _listed(parts: list[str]) -> str:
 
 def _normalised(sentence: str) -> str:
     """Lower case but for names such as "car A", single blanks, also for what cannot be printed; symbols as words."""
-    text = "".join(part if index % 2 else part.lower() for index, part in enumerate(_NAME.split(_UNIT_STOP.sub(r"\1", sentence))))
+    text = "".join(
+        part if index % 2 else part.lower() for index, part in enumerate(_NAME.split(_UNIT_STOP.sub(r"\1", sentence)))
+    )
     text = _LIST_ITEM.sub("; ", text)
     if max(map(len, text.splitlines()), default=0) <= _LONGEST_ITEM:
         text = text.strip().replace("\n", "; ")
@@ -98,6 +100,12 @@ def _each_length(found: re.Match[str]) -> str:
     """Each of some lengths with its unit, as in "at 10, 20 and 30 m"."""
     unit = found[4]
     return " and at ".join(f"{value} {unit}" for value in (found[1], *re.findall(r"\d+", found[2]), found[3]))
+
+
+def _same_unit(found: re.Match[str]) -> str:
+    """A length with the unit of the one before it, as in "the first is 10 m ahead, the second 20"."""
+    units = re.findall(rf"\d ?({UNIT})", found.string[: found.start()])
+    return f"{found[1]} {found[2]} {units[-1]}" if units else found[0]
 
 
 def _unhyphened(text: str) -> str:
@@ -137,6 +145,10 @@ _SPELLINGS = (
         ),
         _each_length,
     ),
+    (
+        re.compile(r"\b(the (?:second|third|fourth|fifth|last)(?: one)?(?: at| is)?) (\d+)(?=[,;]| and\b|\.(?!\d)|$)"),
+        _same_unit,
+    ),
     (re.compile(r"(?<=\d) - (?=\d)"), "-"),
     (re.compile(rf"(\d) ?({UNIT})(?: to | ?- ?)(?=\d[\d.,]* ?\2)"), r"\1 to "),  # "10 m to 20 m"
     (re.compile(rf"\b(between \d[\d.,]*) ?({UNIT}) and (?=\d[\d.,]* ?\2)"), r"\1 and "),
@@ -145,12 +157,15 @@ _SPELLINGS = (
     (re.compile(r"(?<=[a-z]) ?/ ?(?=[a-z\d])(?![hs]\b)"), ", "),  # "cars/trucks", but not "km/h"
     (re.compile(r"\b(there|it|that|here|who)'s\b"), r"\1 is"),
     (re.compile(r"\b(i|we|you|they)'(?:m|re|ve|d|ll)\b"), r"\1"),
+    (re.compile(r"\bcan(?: ?not|'t) (?=see\b)"), "can "),
     (re.compile(r"(?<!in )(?<!the )\bfront: "), "in front "),
     (re.compile(r"(?<!the )\b(?:rear|back): "), "behind "),
     (re.compile(r"(?<!\bon the )\b(left|right|ahead|behind|front|sides?|back|rear|background|foreground): "), r"\1 "),
     (re.compile(r"\b(?:nobody|no one|no body)\b(?! way)"), "no people"),
     (
-        re.compile(r"\bnothing (?=(?:is )?(?:ahead|behind|in|on|to|next|parked|coming)\b)(?![^.;,]*\b(?:but|except)\b)"),
+        re.compile(
+            r"\bnothing (?=(?:is )?(?:ahead|behind|in|on|to|next|parked|coming)\b)(?![^.;,]*\b(?:but|except)\b)"
+        ),
         "no vehicles ",
     ),
     (re.compile(r"\b(?:on|to|at) (?:its|his|her|their) (left|right)(?: (?:hand )?side)?\b"), r"to the \1 of it"),
