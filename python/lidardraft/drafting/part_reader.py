@@ -20,6 +20,8 @@ class PartReader(PositionReader):
         listed = self._before(1) in LISTED
         last = self.notes.mentions[-1] if self.notes.mentions else None
         related = last if last is not None and self._before(1) == "AND" and last is self.related else None
+        if related is not None and not (self.open and self.open[-1] is related):
+            related = related if self.chunks[self.index - 3].span in related.spans else None
         self.carrier = self._carrier(chunk)
         if not listed or any(
             other.placed or other.described or other.kind is None or (other.count == 0 and mention.count != 0)
