@@ -6,6 +6,7 @@ import pytest
 from lidardraft.drafting.occupancy import Occupancy
 from lidardraft.drafting.road_pose import RoadPose
 from lidardraft.drafting.scene_spec import ObjectGroup
+from lidardraft.drafting.text import layout_from_text
 from lidardraft.errors import LayoutError
 from lidardraft.scene.road import Road
 
@@ -50,3 +51,10 @@ def test_objects_have_the_sizes_that_are_asked_for() -> None:
     long = ObjectGroup(kind="car", size=(30.0, None, None))
     with pytest.raises(LayoutError, match=r"car: length is 30 m; a car has 2\.4 to 6\.5 m"):
         scene.place(long.record, long, RoadPose(60.0, -1.75, 0.0))
+
+
+def test_a_wall_of_a_length_that_is_asked_for_follows_a_bend() -> None:
+    layout = layout_from_text("a left bend with a 60 m long wall on the right", seed=1)
+    pieces = [primitive for primitive in layout if primitive.id.startswith("wall")]
+    assert sum(piece.size[0] for piece in pieces) > 50.0
+    assert max(piece.size[0] for piece in pieces) < 5.0

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from lidardraft.drafting.object_shapes import STANDING, ObjectPart, extents, resized
+from lidardraft.drafting.object_shapes import STANDING, ObjectPart, extents, in_segments, resized
 from lidardraft.drafting.relative_poses import Footprint
 from lidardraft.drafting.road_pose import RoadPose
 from lidardraft.drafting.scene_spec import EXTENTS, ObjectGroup, split_place
@@ -51,8 +51,8 @@ class Occupancy:
         in_lot = bool(self.road.paved_areas) and abs(pose.across) > self.road.edge
         parked = group.heading == "parked" or (in_lot and group.heading is None)
         bent = kind.follows_road and self.road.curvature != 0.0 and not group.on_road
-        parts = kind.sample_parts(self.rng, parked=parked, bent=bent)
-        parts = _sized(parts, group)
+        parts = _sized(kind.sample_parts(self.rng, parked=parked), group)
+        parts = in_segments(parts[0]) if bent else parts
         if group.set_back:
             pose = with_near_side_at(group, pose, parts)
         if not self._may_stand(kind, group, parts, pose):

@@ -17,7 +17,6 @@ from lidardraft.drafting.object_shapes import (
     SizeAround,
     SizeBetween,
     Sizes,
-    in_segments,
     sample_box,
     sample_bush,
     sample_cone,
@@ -108,16 +107,16 @@ class SentenceKind:
         """Whether it may be on the road without being asked for there."""
         return self.drives or self.walks or self.set_down
 
-    def sample_parts(self, rng: np.random.Generator, *, parked: bool = False, bent: bool = False) -> list[ObjectPart]:
+    def sample_parts(self, rng: np.random.Generator, *, parked: bool = False) -> list[ObjectPart]:
         """The parts of one object, in a size of its own; a single part has an empty name.
 
-        What `is_ridden` has a rider unless `parked`; what `follows_road` comes in short segments where it is `bent`.
+        What `is_ridden` has a rider unless `parked`.
         """
         assert self.sizes is not None, f"{self.name} stands for other kinds"
         parts = self.shapes(self.sizes, self.label, rng)
         if self.is_ridden and not parked:
             return with_rider(parts[0], rng)
-        return in_segments(parts[0]) if self.follows_road and bent else parts
+        return parts
 
 
 _MACHINE = (0.10, 0.04, 0.08)  # how much sizes vary, as shares of length, width and height
