@@ -183,6 +183,7 @@ _PERSON = SentenceKind(
     surfaces=_ROADS_AND_WALKS,
     walks=True,
 )
+_strip = partial(SentenceKind, counts=_STRIPS, surfaces=("road",), follows_road=True)
 # Length is along the road.
 _BEHIND_THE_SIDEWALK = (
     SentenceKind(
@@ -228,46 +229,34 @@ _BEHIND_THE_SIDEWALK = (
         precedence=2,
         setback=Setback(0.6, 1.0, 4.0),
     ),
-    SentenceKind(
+    _strip(
         name="hedge",
         label="vegetation",
         sizes=SizeBetween((6.0, 0.6, 0.9), (16.0, 1.2, 2.0)),
-        counts=_STRIPS,
         precedence=3,
-        surfaces=("road",),
         setback=Setback(0.9, 1.2, 5.0),
-        follows_road=True,
     ),
-    SentenceKind(
+    _strip(
         name="fence",
         label="fence",
         sizes=SizeBetween((10.0, 0.06, 0.9), (30.0, 0.15, 1.8)),
-        counts=_STRIPS,
         precedence=4,
-        surfaces=("road",),
         setback=Setback(0.4, 0.8, 5.0),
-        follows_road=True,
     ),
     # of steel or, from 0.8 m on, of concrete
-    SentenceKind(
+    _strip(
         name="barrier",
         label="fence",
         sizes=SizeBetween((10.0, 0.3, 0.7), (30.0, 0.6, 0.9)),
-        counts=_STRIPS,
-        surfaces=("road",),
         precedence=4,
         setback=Setback(0.4, 0.8, 5.0),
-        follows_road=True,
     ),
-    SentenceKind(
+    _strip(
         name="wall",
         label="wall",
         sizes=SizeBetween((10.0, 0.2, 1.5), (30.0, 0.4, 3.0)),
-        counts=_STRIPS,
         precedence=5,
-        surfaces=("road",),
         setback=Setback(0.5, 0.9, 5.0),
-        follows_road=True,
     ),
 )
 _STREET_FURNITURE = (
