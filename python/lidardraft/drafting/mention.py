@@ -20,7 +20,8 @@ class Mention:
     The kind is None for what is unknown, which takes the words after it and makes nothing. What is `described` by a
     verb shares no position with what is listed after it; `same_as` is the mention whose noun "one" or "two" stand for,
     `of_them` says that it counts them already. There are so many for each of its `host`; what is `abreast` stands side
-    by side. The `name` is that of "car A"; so many of the host are `left_out`.
+    by side. The `name` is that of "car A"; so many of the host are `left_out`. What is
+    `summed` is all that is listed after its colon.
     """
 
     kind: str | None
@@ -44,6 +45,7 @@ class Mention:
     abreast: bool = False
     name: str = ""
     left_out: int = 0
+    summed: bool = False
     spans: list[Span] = field(default_factory=list)
 
     def group(self, references: tuple[int, ...] = (), words: str = "") -> ObjectGroup:

@@ -108,7 +108,7 @@ def _is_sum(whole: Mention, parts: list[Mention]) -> bool:
     """Whether it only sums up its parts, as in "three cars: one ahead, two behind"."""
     if isinstance(whole.count, str) and len(parts) == len(whole.at.places) > 1:  # "on both sides (10 left, 8 right)"
         return {place for part in parts for place in part.at.places} == set(whole.at.places)
-    if not whole.placed and any(part.at.lane == "each" for part in parts):
+    if whole.summed or (not whole.placed and any(part.at.lane == "each" for part in parts)):
         return True
     if not parts or sum(part.count for part in parts if isinstance(part.count, int)) != whole.count:
         return False

@@ -23,6 +23,7 @@ class PartReader(PositionReader):
         if related is not None and not (self.open and self.open[-1] is related):
             related = related if self.chunks[self.index - 3].span in related.spans else None
         self.carrier = self._carrier(chunk)
+        self._list_traffic(mention)
         if not listed or any(
             other.placed or other.described or other.kind is None or (other.count == 0 and mention.count != 0)
             for other in self.open
@@ -121,6 +122,16 @@ class PartReader(PositionReader):
         )
         add_qualities(part, chunk.tokens)
         self._put(chunk, part)
+
+    def _list_traffic(self, mention: Mention) -> None:
+        """What vehicles are listed after a colon are all of those before it, as in "a traffic jam: 20 cars, a bus"."""
+        whole = self.notes.mentions[-1] if self.notes.mentions else None
+        colon = self._before(1) == "COMMA" and self._previous().tokens[0] == ":"
+        listed = whole if colon else whole.same_as if whole and self._before(1) in LISTED else None
+        if listed is None or listed.kind != "vehicle" or not (colon or listed.summed) or not isinstance(listed.count, str):
+            return
+        if SENTENCE_KINDS[str(mention.kind)].is_vehicle and mention.count != 0:
+            listed.summed, mention.same_as, mention.of_them = True, listed, True
 
     def _carrier(self, chunk: Chunk) -> list[Mention]:
         """What is with, or without, what a phrase names; it is what the verb after that belongs to."""

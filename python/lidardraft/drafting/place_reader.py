@@ -37,7 +37,8 @@ class PlaceReader(RelationReader):
     def _side_of_bend(self, where: str) -> str | None:
         """The outer or the inner side of the bend that the sentence speaks of."""
         bends = [token.type for chunk in self.chunks if chunk.name in ("bend", "turn") for token in chunk.tokens]
-        inner = next((type for type in bends if type in ("LEFT", "RIGHT")), None)
+        said = {"left-bend": "LEFT", "right-bend": "RIGHT"}.get(str(self.notes.road))
+        inner = said or next((type for type in bends if type in ("LEFT", "RIGHT")), None)
         return {"LEFT": "RIGHT", "RIGHT": "LEFT"}[inner] if inner and where == "OUTER" else inner
 
     def _other_side(self) -> str:
@@ -85,6 +86,10 @@ class PlaceReader(RelationReader):
         """To the open mentions: a further place after "and", a closer description of the same place otherwise."""
         if position.spacing and any(t.endswith(("the other", "the next", "another")) for t in chunk.tokens):
             position = self._in_row(position)
+        carried = position.distance is not None and self._is_carried()
+        if carried:  # "a lorry with a sign at 65 m"
+            self.open[0].relation, self.open[0].references, self.open[0].placed = "near", self.host, True
+            self.open = self.host
         respective = self._respective(chunk)
         if respective:
             self.index += 2 * len(respective) - 2
@@ -128,6 +133,13 @@ class PlaceReader(RelationReader):
         alike = before is not None and part.same_as in (before, before.same_as) and before.at.distance
         only_distance = at.distance and not any(any(place) for place in at.places)
         return Position(before.at.places).narrowed(at) if alike and only_distance and before else at
+
+    def _is_carried(self) -> bool:
+        """Whether what was named last is with something that has no place yet, and cannot drive there itself."""
+        known = [one for one in (*self.host, *self.open) if one.kind is not None and not one.placed and one.count != 0]
+        adjoins = self._before(2) == "WITH" and self.chunks[self.index - 3].tokens[0] in ("with", "having")
+        fits = len(known) == 2 and len(self.host) == len(self.open) == 1 and known[1].relation is None
+        return adjoins and fits and not SENTENCE_KINDS[str(known[1].kind)].drives
 
     def _in_row(self, position: Position) -> Position:
         """Where the first of some is that stand "each 10 m behind the other"; the others are placed from it."""

@@ -13,7 +13,7 @@ from lidardraft.drafting.number_words import count_of, count_times, metres
 from lidardraft.drafting.place_reader import PlaceReader
 from lidardraft.drafting.positions import Position, read_position
 from lidardraft.drafting.references import meant_by, refers, relation_of
-from lidardraft.drafting.sentence_chunks import JUNCTIONS, LINKS, LISTED, ROAD_OF, Chunk
+from lidardraft.drafting.sentence_chunks import JUNCTIONS, KIND_OF, LINKS, LISTED, ROAD_OF, Chunk
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 
 _OF_NOTHING = ("RELATED", "BETWEEN", "LEFT_OF", "RIGHT_OF", "FOLLOWED")  # without an object after them
@@ -159,6 +159,12 @@ class PositionReader(PlaceReader):
         self._note_lanes(chunk)
         if by_road and following.head in JUNCTIONS and chunk.tokens[-1].type in ("FRONT", "BEHIND", "NEAR", "BESIDE"):
             position = dataclasses.replace(read_position(chunk.tokens[:-1]), at_junction=True)
+        if chunk.tokens[0].type == "CROSSWALK" and not self.open and self._walks_on(following):
+            self.open = [Mention(None, at=position)]  # "a zebra crossing with two people"
+            return
+        if self._is_side_of_bend(chunk, before):
+            self.notes.road = f"{chunk.head.lower()}-bend"
+            return
         listed = before in LISTED
         sidewalk_only = chunk.types <= {"SIDEWALK", "SIDES", "EACH_SIDE", "ALONG"} and position.sidewalk
         if self.excepting:
@@ -190,6 +196,17 @@ class PositionReader(PlaceReader):
             self._report_tokens(t for t in chunk.tokens if t.type != "SIDEWALK")
         elif position != Position(beside_road=position.beside_road):  # a road alone has no place
             self._report(chunk)
+
+    def _is_side_of_bend(self, chunk: Chunk, before: str | None) -> bool:
+        """Whether a side between commas is that of a bend just before it, as in "a curved road (to the right)"."""
+        adjoins = self.notes.road == "bend" and before == "COMMA" and self._following().name in ("", "COMMA", "STOP")
+        named = self.chunks[self.index - 3 : self.index - 2] if adjoins else []
+        return any(one.name == "bend" or one.head in ROAD_OF for one in named) and chunk.head in ("LEFT", "RIGHT")
+
+    def _walks_on(self, link: Chunk) -> bool:
+        """Whether a crossing is with people, who are on it."""
+        named = self._following(1)
+        return link.name == "WITH" and named.head in KIND_OF and SENTENCE_KINDS[KIND_OF[named.head]].walks
 
     def _leads_to_object(self) -> bool:
         """Whether nothing but places and commas stands before an object, as in "in front of us, at 30 m, a bus"."""

@@ -50,9 +50,11 @@ class SentenceReader(PartReader):
             self.host = self.open if chunk.name == "WITH" and self._before() == "" else []
             self.open, self.prefix, self.denial, self.each = [], None, "", None
             self.manner = self.manner if chunk.name == "WITH" else []
-            if len(self.host) == 1 and self.host[0].kind is None and any(self.host[0].at.places[0]):
+            at = self.host[0].at if len(self.host) == 1 and self.host[0].kind is None else Position()
+            if any(at.places[0]) or at.heading == "across":
                 # "a petrol station on the right with two cars"
-                self.prefix, self.prefix_weak, self.prefix_index = Position(self.host[0].at.places), True, self.index
+                at = at if at.heading == "across" else Position(at.places)
+                self.prefix, self.prefix_weak, self.prefix_index = at, True, self.index
         elif chunk.name == "EACH_HAS":
             several = [mention for mention in self.notes.mentions if mention.count not in (0, 1)]
             self.each = meant_by("them", several)[0] if several else None

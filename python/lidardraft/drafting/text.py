@@ -176,8 +176,8 @@ _SPELLINGS = (
     (re.compile(r'"([^"]{1,30})"(?= signs?\b)'), r"\1"),  # a "no entry" sign
     (re.compile(rf"\ba (?:family|party|team|gang) of ({NUMBER})\b(?: people)?"), r"\1 people"),
     (re.compile(r"\ba dozen or so\b"), "12 or so"),
-    (re.compile(r"(?<=[a-z]{2})(?:: ?| ?= ?| \(?x ?| ?\()(?=\d)"), ", "),  # "cars: 3", "cars x3", "cars (3)"
-    (re.compile(r": "), ", "),
+    (re.compile(r"(?<=[a-z]{2}): ?(?=\d)"), ": "),
+    (re.compile(r"(?<=[a-z]{2})(?: ?= ?| \(?x ?| ?\()(?=\d)"), ", "),  # "cars = 3", "cars x3", "cars (3)"
     (re.compile(r"(?<![\w.,-])(\d{1,9}) ?x (?=[a-z]{2})"), r"\1 "),  # "2x cars"
     (re.compile(r" ?[()]"), ", "),
 )
