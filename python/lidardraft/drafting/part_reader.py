@@ -128,7 +128,9 @@ class PartReader(PositionReader):
         whole = self.notes.mentions[-1] if self.notes.mentions else None
         colon = self._before(1) == "COMMA" and self._previous().tokens[0] == ":"
         listed = whole if colon else whole.same_as if whole and self._before(1) in LISTED else None
-        if listed is None or listed.kind != "vehicle" or not (colon or listed.summed) or not isinstance(listed.count, str):
+        if listed is None or listed.kind != "vehicle" or not isinstance(listed.count, str):
+            return
+        if not (colon or listed.summed):
             return
         if SENTENCE_KINDS[str(mention.kind)].is_vehicle and mention.count != 0:
             listed.summed, mention.same_as, mention.of_them = True, listed, True
