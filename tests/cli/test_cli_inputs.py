@@ -74,7 +74,7 @@ def test_what_is_wrong_with_an_obj_file(refused: Callable[..., str]) -> None:
         (["--class", "a=car"], "--class goes with --obj or --glb or --blender"),
         (["--metres-per-pixel", "1"], "--metres-per-pixel goes with --sketch"),
         (["--scale-bar", "1"], "--scale-bar goes with --sketch"),
-        (["--up", "y"], "--up goes with --obj"),
+        (["--up", "y"], "--up goes with --obj or --glb"),
         (["--scale", "1"], "--scale goes with --obj"),
         (["--depth", "a.npy"], "--depth goes with --image"),
         (["--camera-height", "2"], "--camera-height goes with --image"),

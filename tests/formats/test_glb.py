@@ -1,3 +1,4 @@
+import base64
 import dataclasses
 import json
 import math
@@ -112,8 +113,13 @@ def test_classes_come_from_extras_names_and_materials(tmp_path: Path) -> None:
     ("change", "said"),
     [
         ({"extensionsRequired": ["KHR_draco_mesh_compression"]}, "needs extensions, .*draco.*; none is read"),
-        ({"buffers": [{"uri": "http://x/a.bin", "byteLength": 168}]}, "in another file or in a URI"),
-        ({"buffers": [{"byteLength": 168}, {"byteLength": 5}]}, "in another file or in a URI"),
+        ({"buffers": [{"uri": "http://x/a.bin", "byteLength": 168}]}, "in another file; only its own are read"),
+        ({"buffers": [{"byteLength": 168}, {"byteLength": 5}]}, "in another file; only its own are read"),
+        ({"buffers": [{"uri": "data:;base64,%%%", "byteLength": 5}]}, "a buffer that is no base64"),
+        ({"buffers": [{"uri": "data:text/plain,abc", "byteLength": 3}]}, "in another file"),
+        ({"buffers": [{"byteLength": 168}] + [{"uri": "data:;base64,", "byteLength": 0}] * 1000}, "1001 buffers"),
+        ({"bufferViews": [{"buffer": 1, "byteLength": 9}]}, "buffer 1 is not there; the file has 1"),
+        ({"nodes": [{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {}}}]}, "node 0 has EXT_mesh_gpu_instancing"),
         ({"nodes": [{"name": "car", "mesh": 7}]}, "meshes 7 is not there; the file has 1"),
         ({"nodes": [{"name": "car", "mesh": 0, "children": [0]}]}, "a circle of nodes"),
         ({"nodes": [{"name": "car", "mesh": 0, "translation": [1, 2]}]}, r"translation of a node is \[1, 2\]"),
@@ -165,7 +171,7 @@ def test_one_mesh_in_very_many_nodes(tmp_path: Path) -> None:
 
 def test_scales_that_multiply_without_end(tmp_path: Path) -> None:
     nodes = [{"name": "car", "children": [k + 1], "scale": [1e9] * 3} for k in range(40)] + [{"name": "car", "mesh": 0}]
-    with pytest.raises(LayoutError, match=r"a\.glb: car: a transform or an extent is larger than"):
+    with pytest.raises(LayoutError, match=r"a\.glb: car.car: a transform or an extent is larger than"):
         read(tmp_path, *nodes)
 
 
@@ -184,3 +190,75 @@ def test_the_document_is_json(tmp_path: Path) -> None:
     (tmp_path / "a.glb").write_bytes(data.replace(b'"asset"', b'"asset}'))
     with pytest.raises(FormatError, match=r"a.glb: not JSON"):
         layout_from_glb(tmp_path / "a.glb")
+
+
+def test_copies_of_an_asset_are_things_of_their_own(tmp_path: Path) -> None:
+    """As Blender writes the instances of a collection: the same names below one node for each."""
+    cars = [{"name": f"Car_{k}", "children": [3 + k, 6 + k], "translation": [9 * k, 0, 0]} for k in range(3)]
+    parts = [{"name": name, "mesh": 0} for name in ("Body", "Roof") for _ in range(3)]
+    layout = read(tmp_path, *cars, *parts, scenes=[{"nodes": [0, 1, 2]}])
+    assert [(p.id, p.instance, p.center[0]) for p in layout] == [
+        (f"Car_{k}.{part}", k + 1, 9 * k) for k in range(3) for part in ("Body", "Roof")
+    ]
+
+
+def test_nodes_of_one_name_are_things_of_their_own(tmp_path: Path) -> None:
+    layout = read(tmp_path, {"name": "Car", "mesh": 0}, {"name": "Car", "mesh": 0}, scenes=[{"nodes": [0, 1]}])
+    assert [(p.id, p.instance) for p in layout] == [("Car", 1), ("Car_2", 2)]
+    parts = [{"name": f"Car_1_{part}", "mesh": 0} for part in ("Body", "Wheel")]
+    assert [p.instance for p in read(tmp_path, *parts, scenes=[{"nodes": [0, 1]}])] == [1, 1]
+
+
+def test_properties_of_a_mesh_are_those_of_its_nodes(tmp_path: Path) -> None:
+    meshes = [
+        {"name": "wall", "primitives": [{"attributes": {"POSITION": 0}, "indices": 1}], "extras": {"class": "bus"}}
+    ]
+    assert read(tmp_path, {"mesh": 0}, meshes=meshes).primitives[0].label == "bus"
+    assert read(tmp_path, {"mesh": 0, "extras": {"class": "car"}}, meshes=meshes).primitives[0].label == "car"
+
+
+def test_the_axis_that_points_up(tmp_path: Path) -> None:
+    node = {"name": "wall", "mesh": 0, "translation": [1, 2, 3], "scale": [4, 5, 6]}
+    (up_y,) = read(tmp_path, node)
+    assert (up_y.center, up_y.size) == ((1, -3, 2), (4, 6, 5))
+    (up_z,) = layout_from_glb(tmp_path / "a.glb", up="z")
+    assert (up_z.center, up_z.size) == ((1, 2, 3), (4, 5, 6))
+    with pytest.raises(LayoutError, match="up is 'x'; it must be 'y' or 'z'"):
+        layout_from_glb(tmp_path / "a.glb", up="x")
+
+
+def test_gltf_as_text_with_its_buffers_in_it(tmp_path: Path) -> None:
+    fields, binary = document({"name": "car", "mesh": 0})
+    uri = "data:application/octet-stream;base64," + base64.b64encode(binary).decode()
+    fields["buffers"] = [{"uri": uri, "byteLength": len(binary)}]
+    (tmp_path / "a.gltf").write_text(" " + json.dumps(fields))
+    (tmp_path / "b.glb").write_bytes(glb_bytes(fields, b""))
+    (box,), (same,) = (layout_from_glb(tmp_path / name) for name in ("a.gltf", "b.glb"))
+    assert box == same
+    assert (box.shape, box.size) == ("box", (1, 1, 1))
+
+
+def test_extensions_that_change_no_shape_are_passed_over(tmp_path: Path) -> None:
+    needed = ["KHR_lights_punctual", "KHR_materials_unlit", "KHR_texture_transform"]
+    assert len(read(tmp_path, {"name": "car", "mesh": 0}, extensionsRequired=needed)) == 1
+
+
+def test_the_name_of_a_mesh_says_the_class_where_no_other_does(tmp_path: Path) -> None:
+    """Most meshes are called "Cube": what `classes` says of that is not said of a node whose name says its class."""
+    assert read(tmp_path, {"name": "Wall", "mesh": 0}, classes={"Cube": "car"}).primitives[0].label == "wall"
+    assert read(tmp_path, {"name": "Blob", "mesh": 0}, classes={"Cube": "car"}).primitives[0].label == "car"
+
+
+def test_shapes_stand_upright_along_y_as_along_z(tmp_path: Path) -> None:
+    """Exporters turn the vertices, and write no rotation; or they write one, and leave the vertices as they are."""
+    cylinder = unit_mesh("cylinder")
+    quarter = [math.sqrt(0.5), 0, 0, math.sqrt(0.5)]
+    for turn, rotation in (([0, 2, 1], [0, 0, 0, 1]), ([0, 1, 2], quarter)):
+        fields, _ = document({"name": "pole", "mesh": 0, "rotation": rotation, "translation": [1, 2, 3]})
+        vertices = cylinder.vertices[:, turn].astype("<f4").tobytes()
+        faces = cylinder.faces.astype("<u2").tobytes()
+        fields["accessors"][0]["count"], fields["accessors"][1]["count"] = len(cylinder.vertices), cylinder.faces.size
+        fields["bufferViews"][1]["byteOffset"] = len(vertices)
+        (tmp_path / "a.glb").write_bytes(glb_bytes(fields, vertices + faces))
+        (pole,) = layout_from_glb(tmp_path / "a.glb")
+        assert (pole.shape, pole.center) == ("cylinder", pytest.approx((1, -3, 2)))

@@ -11,7 +11,7 @@ from lidardraft.formats.glb_file import MAX_BYTES, GlbFile, glb_bytes, open_glb,
 def test_the_chunks_come_back() -> None:
     file = parse_glb(glb_bytes({"asset": {"version": "2.0"}}, b"12345"))
     assert file.document == {"asset": {"version": "2.0"}}
-    assert file.binary == b"12345\0\0\0"
+    assert file.buffers == (b"12345\0\0\0",)
     assert parse_glb(glb_bytes({"a": [1]}, b"")).document == {"a": [1]}
 
 
@@ -54,7 +54,7 @@ def test_arrays_with_a_stride() -> None:
         "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 2, "byteOffset": 4}],
         "bufferViews": [{"buffer": 0, "byteStride": 20, "byteLength": 48}],
     }
-    assert GlbFile(document, memoryview(values)).array(0, "VEC3").tolist() == [[1, 2, 3], [6, 7, 8]]
+    assert GlbFile(document, (memoryview(values),)).array(0, "VEC3").tolist() == [[1, 2, 3], [6, 7, 8]]
     document["bufferViews"][0]["byteStride"] = 4
     with pytest.raises(FormatError, match="accessor 0 of 2 values"):
-        GlbFile(document, memoryview(values)).array(0, "VEC3")
+        GlbFile(document, (memoryview(values),)).array(0, "VEC3")

@@ -1,7 +1,16 @@
 import pytest
 
 from lidardraft.errors import LayoutError
-from lidardraft.scene.class_names import OUTRIGHT, check_classes, class_of, id_of, without_number, words_of
+from lidardraft.scene.class_names import (
+    OUTRIGHT,
+    check_classes,
+    class_of,
+    id_of,
+    says_many,
+    whole_of,
+    without_number,
+    words_of,
+)
 from lidardraft.semantics import BY_NAME
 
 
@@ -77,3 +86,14 @@ def test_words_numbers_and_ids() -> None:
     assert id_of("car.001") == "car_001"
     assert id_of("car_1.body") == "car_1.body"
     assert len(words_of("a" * 10**6)) == 1
+
+
+def test_names_of_parts_and_of_many() -> None:
+    for name in ("car_1.body", "car_1_body", "car_1 body", "car_1"):
+        assert whole_of(name) == "car_1"
+    assert whole_of("Car_001") == "Car_001"
+    assert whole_of("roof") == "roof"
+    assert [says_many(name) for name in ("Cars", "Parked cars.001", "Buses", "Car_2", "Bus", "Glass", "x")] == [
+        *(True, True, True),
+        *(False, False, False, False),
+    ]

@@ -24,7 +24,7 @@ _GOES_WITH = {
     "metres_per_pixel": ("sketch",),
     "scale_bar": ("sketch",),
     "classes": ("obj", "glb", "blender"),
-    "up": ("obj",),
+    "up": ("obj", "glb"),
     "scale": ("obj",),
     **dict.fromkeys(("depth", "semantics", "masks", "intrinsics", "hfov", "camera_height", "fill"), ("image",)),
 }
@@ -65,7 +65,7 @@ def add_inputs(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
         help="class of the objects, materials or collections of that name in --obj, --glb or --blender, where their "
         "names say none or another; repeatable",
     )
-    group.add_argument("--up", choices=("y", "z"), help="axis that points up in --obj (default z)")
+    group.add_argument("--up", choices=("y", "z"), help="axis that points up in --obj (default z) or --glb (default y)")
     group.add_argument("--scale", type=number, metavar="M", help="length of a unit of --obj, in metres (default 1)")
     _add_image_options(group)
     add_seed(group)
@@ -276,7 +276,7 @@ def _from_obj(arguments: argparse.Namespace) -> Layout:
 def _from_glb(arguments: argparse.Namespace) -> Layout:
     from lidardraft.formats.glb import layout_from_glb
 
-    return layout_from_glb(arguments.glb, classes=_classes(arguments))
+    return layout_from_glb(arguments.glb, classes=_classes(arguments), up=arguments.up or "y")
 
 
 def _from_blender(arguments: argparse.Namespace) -> Layout:

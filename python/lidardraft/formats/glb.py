@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
@@ -13,44 +14,66 @@ import numpy as np
 from lidardraft.errors import FormatError, LayoutError, check_type
 from lidardraft.files import named
 from lidardraft.formats.glb_file import GlbFile, open_glb
+from lidardraft.formats.piece_ids import PieceIds
 from lidardraft.json_fields import are_numbers, check_object
-from lidardraft.scene.class_names import PROPERTIES, check_classes, class_of, id_of
+from lidardraft.scene.class_names import PROPERTIES, check_classes, class_of
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.scene.placed_mesh import MOST_RECOGNISED, placed_mesh, recognised_shape
 from lidardraft.semantics import BY_NAME
 
 # glTF has y up and looks along +z; Blender's exporters and importers turn it so: x, y, z becomes x, -z, y.
-_LAYOUT_FROM_GLTF = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+_FRAMES = {"y": np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]), "z": np.eye(4)}
 _MOST_NODES, _DEEPEST = 20_000, 64
 _MOST_VERTICES = 2_000_000  # and triangles, of all nodes together: a mesh may be used by many
 _TRIANGLES = 4
-Piece = tuple[dict[str, Any], np.ndarray, list[str], dict[str, Any]]  # node, world_from_node, names, mesh primitive
+_LEAN = 1e-5  # the tangent of the angle by which an axis may lean that points up
+_INSTANCING = "EXT_mesh_gpu_instancing"
 
 
-def layout_from_glb(path: str | os.PathLike[str], *, classes: Mapping[str, str] | None = None) -> Layout:
-    """The layout of a binary glTF file, its y axis up as the format has it, in metres.
+@dataclass(frozen=True)
+class Piece:
+    """A part of one material of the mesh of a node."""
 
-    The class of an object is its property (in `extras`) "class", or else what `classes` says of its name or of those
-    of its material, parents and mesh, or else what these names say by themselves. Meshes that are boxes, ellipsoids,
-    cylinders or planes and stand upright become those shapes, to the rounding of float32; others stay meshes. Raises
-    `FormatError` where the file is broken, compressed or needs another file, `LayoutError` listing the names that say
-    no class.
+    indices: tuple[int, ...]  # of the node, then of its parents
+    names: tuple[str, ...]  # of these, and of the mesh
+    extras: dict[str, Any]
+    matrix: np.ndarray  # world_from_node [4, 4]
+    part: dict[str, Any]
+
+    @property
+    def name(self) -> str:
+        """The name of the node, or the next one that there is."""
+        return next((name for name in self.names if name), "unnamed")
+
+
+def layout_from_glb(path: str | os.PathLike[str], *, classes: Mapping[str, str] | None = None, up: str = "y") -> Layout:
+    """The layout of a glTF file, binary or with its buffers in the text, whose axis `up` points up, in metres; y does
+    as the format has it.
+
+    The class of an object is its property (in `extras`) "class" or that of its mesh, or else what `classes` says of its
+    name or of those of its material, parents and mesh, or else what these names say by themselves. All that is below a
+    node whose name says that class of one thing ("Truck_2", and not "Trucks") is that thing. Meshes that are boxes,
+    ellipsoids, cylinders or planes and stand upright become those shapes, to the rounding of float32; others stay
+    meshes. Raises `FormatError` where the file is broken, compressed or needs another file, `LayoutError` listing the
+    names that say no class.
     """
     check_type("path", path, str, os.PathLike)
     check_classes(classes or {})
+    if up not in _FRAMES:
+        raise LayoutError(f"up is {up!r}; it must be 'y' or 'z'")
     with named(path):
         file = open_glb(path)
-        pieces = list(islice(_pieces(file), _MOST_NODES + 1))
+        pieces = list(islice(_pieces(file, _FRAMES[up]), _MOST_NODES + 1))
         if len(pieces) > _MOST_NODES:
             raise FormatError(f"more than {_MOST_NODES} meshes, or parts of them of one material, in all nodes")
         labels = [_class_of(piece, file, classes or {}) for piece in pieces]
-        nameless = sorted({_name(piece) for piece, label in zip(pieces, labels, strict=True) if not label})
+        nameless = sorted({piece.name for piece, label in zip(pieces, labels, strict=True) if not label})
         if nameless:
             raise LayoutError(
                 f"no class for {', '.join(nameless)}; say which by --class NAME=CLASS (`classes` in Python)"
             )
-        primitives = _primitives(file, pieces, [label or "" for label in labels])
+        primitives = _primitives(file, pieces, [label or "" for label in labels], classes or {})
         if not primitives:
             raise FormatError("the file has no triangles")
         travelled = _extras(_scene(file)).get("lidardraft")
@@ -60,51 +83,46 @@ def layout_from_glb(path: str | os.PathLike[str], *, classes: Mapping[str, str] 
         return Layout(primitives=tuple(primitives), **fields)
 
 
-def _primitives(file: GlbFile, pieces: list[Piece], labels: list[str]) -> list[Primitive]:
-    taken: dict[str, int] = {}
-    instances: dict[str, int] = {}
-    used = {_extras(node).get("instance") for node, *_ in pieces}
-    free = (number for number in range(1, 2**16) if number not in used)
+def _primitives(file: GlbFile, pieces: list[Piece], labels: list[str], classes: Mapping[str, str]) -> list[Primitive]:
+    ids = PieceIds([piece.extras.get("instance") for piece in pieces], classes)
     primitives: list[Primitive] = []
-    meshes: dict[str, tuple[np.ndarray, np.ndarray, str]] = {}
+    meshes: dict[tuple[str, bool], tuple[np.ndarray, np.ndarray, str]] = {}
     spent = 0
     for piece, label in zip(pieces, labels, strict=True):
-        node, matrix, _, part = piece
-        vertices, faces, shape = _shared(file, part, meshes)
+        is_y_up = _is_upright(piece.matrix[:3, 1])  # the axis of the mesh that points up becomes its z
+        matrix = piece.matrix @ _FRAMES["y"].T if is_y_up else piece.matrix
+        vertices, faces, shape = _shared(file, piece.part, is_y_up, meshes)
         spent += max(len(vertices), len(faces))
         if spent > _MOST_VERTICES:
             raise FormatError(f"more than {_MOST_VERTICES} vertices or triangles in all nodes")
-        extras = {name: value for name, value in _extras(node).items() if name in PROPERTIES and name != "class"}
-        whole = extras.setdefault("id", _distinct(id_of(_name(piece)), taken))
+        extras = {name: value for name, value in piece.extras.items() if name in PROPERTIES and name != "class"}
+        whole = extras.setdefault("id", ids.id_of(piece.indices, piece.names, label))
         if label in BY_NAME and BY_NAME[label].is_thing and "instance" not in extras:
-            name = whole.split(".")[0] if isinstance(whole, str) else ""
-            extras["instance"] = instances.get(name) or instances.setdefault(name, next(free))
+            extras["instance"] = ids.instance_of(whole)
         primitive = placed_mesh(matrix, vertices, faces, shape=shape, label=label, **extras)
         if primitive is not None:
             primitives.append(primitive)
     return primitives
 
 
-def _distinct(name: str, taken: dict[str, int]) -> str:
-    taken[name] = taken.get(name, 0) + 1
-    return name if taken[name] == 1 else f"{name}.{taken[name]}"
-
-
-def _pieces(file: GlbFile) -> Iterator[Piece]:
+def _pieces(file: GlbFile, layout_from_gltf: np.ndarray) -> Iterator[Piece]:
     """The parts of one material of all nodes that have a mesh, from the roots of the scene down."""
     no_names: tuple[str, ...] = ()
-    waiting = [(index, _LAYOUT_FROM_GLTF, no_names) for index in reversed(_indices(_scene(file), "nodes"))]
+    no_indices: tuple[int, ...] = ()
+    waiting = [(i, layout_from_gltf, no_names, no_indices) for i in reversed(_indices(_scene(file), "nodes"))]
     count = 0
     while waiting:
-        index, parent, names = waiting.pop()
+        index, parent, names, above = waiting.pop()
         node = file.item("nodes", index)
+        if _INSTANCING in check_object(node.get("extensions", {})):
+            raise FormatError(f"node {index} has {_INSTANCING}; that is not read (export it without GPU instances)")
         count += 1
         if count > _MOST_NODES or len(names) > _DEEPEST:
             raise FormatError(f"more than {_MOST_NODES} nodes, more than {_DEEPEST} deep, or a circle of nodes")
         with np.errstate(over="ignore", invalid="ignore"):  # the primitive says what is not finite
             matrix = parent @ _local(node)
-        below = (_text(node.get("name")), *names)
-        waiting.extend((child, matrix, below) for child in reversed(_indices(node, "children")))
+        below, path = (_text(node.get("name")), *names), (index, *above)
+        waiting.extend((child, matrix, below, path) for child in reversed(_indices(node, "children")))
         if "mesh" in node:
             mesh = file.item("meshes", node["mesh"])
             parts = mesh.get("primitives", [])
@@ -112,7 +130,8 @@ def _pieces(file: GlbFile) -> Iterator[Piece]:
                 raise FormatError(f"mesh {node['mesh']} has no list of primitives")
             for part in map(check_object, parts):
                 if part.get("mode", _TRIANGLES) == _TRIANGLES:  # points and lines have no surface
-                    yield node, matrix, [*below, _text(mesh.get("name"))], part
+                    extras = {**_extras(mesh), **_extras(node)}
+                    yield Piece(path, (*below, _text(mesh.get("name"))), extras, matrix, part)
 
 
 def _scene(file: GlbFile) -> dict[str, Any]:
@@ -153,13 +172,23 @@ def _numbers(value: Any, count: int, name: str) -> np.ndarray:
     return np.array(value, dtype=np.float64)
 
 
+def _is_upright(axis: np.ndarray) -> bool:
+    x, y, z = axis.tolist()
+    return z > 0 and math.hypot(x, y) <= _LEAN * z
+
+
 def _shared(
-    file: GlbFile, part: dict[str, Any], meshes: dict[str, tuple[np.ndarray, np.ndarray, str]]
+    file: GlbFile,
+    part: dict[str, Any],
+    is_y_up: bool,
+    meshes: dict[tuple[str, bool], tuple[np.ndarray, np.ndarray, str]],
 ) -> tuple[np.ndarray, np.ndarray, str]:
     """Vertices, triangles and shape of a mesh primitive, found out once for all nodes that use it."""
-    key = repr((part.get("attributes"), part.get("indices")))
+    key = repr((part.get("attributes"), part.get("indices"))), is_y_up
     if key not in meshes:
         vertices, faces = _triangles(file, part)
+        if is_y_up:
+            vertices = vertices @ _FRAMES["y"][:3, :3].T
         meshes[key] = vertices, faces, recognised_shape(vertices, faces)
     return meshes[key]
 
@@ -187,16 +216,12 @@ def _triangles(file: GlbFile, part: dict[str, Any]) -> tuple[np.ndarray, np.ndar
 
 
 def _class_of(piece: Piece, file: GlbFile, classes: Mapping[str, str]) -> str | None:
-    node, _, names, part = piece
-    given = _extras(node).get("class")
-    if isinstance(given, str):
+    if isinstance(given := piece.extras.get("class"), str):
         return given
-    material = _text(file.item("materials", part["material"]).get("name")) if "material" in part else ""
-    return class_of([names[0], material, *names[1:]], classes)
-
-
-def _name(piece: Piece) -> str:
-    return next((name for name in piece[2] if name), "unnamed")
+    material = _text(file.item("materials", piece.part["material"]).get("name")) if "material" in piece.part else ""
+    own, *parents, mesh = piece.names
+    # The mesh comes last: most are called after what made them, as "Cube" or "Plane".
+    return class_of([own, material, *parents], classes) or class_of([mesh], classes)
 
 
 def _text(value: Any) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import struct
@@ -17,16 +18,19 @@ from lidardraft.json_fields import check_object, is_number, parse_object
 MAX_BYTES = 2**27  # of a file: what is made of it fits into 1 GB beside it
 _MAX_JSON = 2**24  # bytes, that may become ten times as many in memory
 _MAGIC, _VERSION, _JSON, _BINARY = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
+_MOST_BUFFERS = 1000
+# Extensions without which a reader may do that shows no materials and lights.
+_NO_SHAPES = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "KHR_xmp")
 _COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC3": 3}
 
 
 @dataclass(frozen=True, slots=True)
 class GlbFile:
-    """The JSON document of a file and its binary chunk."""
+    """The JSON document of a file and its buffers: its binary chunk, and those that stand in the document."""
 
     document: dict[str, Any]
-    binary: memoryview
+    buffers: tuple[memoryview, ...]
 
     def items(self, name: str) -> list[dict[str, Any]]:
         """The objects of a list of the document, such as "nodes"; none where it has no such list."""
@@ -52,17 +56,19 @@ class GlbFile:
         if "bufferView" not in accessor:
             raise FormatError(f"accessor {index} has no values")
         view = self.item("bufferViews", accessor["bufferView"])
-        if view.get("buffer", 0) != 0:
-            raise FormatError("the values are in another file; only those of the file itself are read")
+        buffer = view.get("buffer", 0)
+        if type(buffer) is not int or not 0 <= buffer < len(self.buffers):
+            raise FormatError(f"buffer {buffer!r:.50} is not there; the file has {len(self.buffers)}")
+        binary = self.buffers[buffer]
         dtype, width = np.dtype(_COMPONENTS[accessor["componentType"]]), _WIDTHS[kind]
         count = _size(accessor.get("count"), "count")
         start = _size(view.get("byteOffset", 0), "byteOffset") + _size(accessor.get("byteOffset", 0), "byteOffset")
         row = dtype.itemsize * width
         stride = _size(view.get("byteStride", row), "byteStride")
         end = start + stride * (count - 1) + row if count else start
-        if stride < row or count == 0 or end > len(self.binary):
-            raise FormatError(f"accessor {index} of {count} values reaches to byte {end}; there are {len(self.binary)}")
-        flat = np.ndarray((count, width), dtype, self.binary, start, (stride, dtype.itemsize))
+        if stride < row or count == 0 or end > len(binary):
+            raise FormatError(f"accessor {index} of {count} values reaches to byte {end}; there are {len(binary)}")
+        flat = np.ndarray((count, width), dtype, binary, start, (stride, dtype.itemsize))
         return flat if width > 1 else flat[:, 0]
 
 
@@ -75,6 +81,8 @@ def open_glb(path: str | os.PathLike[str]) -> GlbFile:
 
 def parse_glb(data: bytes) -> GlbFile:
     """As `open_glb`, of the bytes of a file."""
+    if data.lstrip()[:1] == b"{":  # glTF as text
+        return _file(_document(data), None)
     if len(data) < 20:
         raise FormatError(f"no GLB: {len(data)} bytes")
     magic, version, length, json_length, json_kind = struct.unpack_from("<5I", data)
@@ -86,17 +94,13 @@ def parse_glb(data: bytes) -> GlbFile:
         raise FormatError(
             f"a broken GLB: its header tells of {length} bytes, {json_length} of JSON; it has {len(data)}"
         )
-    if json_length > _MAX_JSON:
-        raise FormatError(f"{json_length} bytes of JSON; up to {_MAX_JSON} are read")
-    document, binary, rest = parse_object(data[20 : 20 + json_length]), memoryview(b""), 20 + json_length
+    document, binary, rest = _document(data[20 : 20 + json_length]), memoryview(b""), 20 + json_length
     if rest + 8 <= length:
         size, kind = struct.unpack_from("<2I", data, rest)
         if kind != _BINARY or rest + 8 + size > length:
             raise FormatError(f"a broken GLB: its second chunk tells of {size} bytes")
         binary = memoryview(data)[rest + 8 : rest + 8 + size]
-    file = GlbFile(document, binary)
-    _check_needs(file)
-    return file
+    return _file(document, binary)
 
 
 def glb_bytes(document: dict[str, Any], binary: bytes) -> bytes:
@@ -108,13 +112,37 @@ def glb_bytes(document: dict[str, Any], binary: bytes) -> bytes:
     return struct.pack("<3I", _MAGIC, _VERSION, 12 + len(chunks)) + chunks
 
 
-def _check_needs(file: GlbFile) -> None:
-    needed = file.document.get("extensionsRequired", [])
-    if not isinstance(needed, list) or needed:
+def _document(text: bytes) -> dict[str, Any]:
+    if len(text) > _MAX_JSON:
+        raise FormatError(f"{len(text)} bytes of JSON; up to {_MAX_JSON} are read")
+    return parse_object(text)
+
+
+def _file(document: dict[str, Any], binary: memoryview | None) -> GlbFile:
+    """The file of a document and its binary chunk, if it has one."""
+    needed = document.get("extensionsRequired", [])
+    if not isinstance(needed, list) or not all(str(name).startswith(_NO_SHAPES) for name in needed):
         raise FormatError(f"the file needs extensions, {needed!r:.80}; none is read (export it without compression)")
-    for index, buffer in enumerate(file.items("buffers")):
-        if index or "uri" in check_object(buffer):
-            raise FormatError("the file keeps values in another file or in a URI; only its own binary chunk is read")
+    buffers = GlbFile(document, ()).items("buffers")
+    if len(buffers) > _MOST_BUFFERS:
+        raise FormatError(f"{len(buffers)} buffers; up to {_MOST_BUFFERS} are read")
+    found = [_buffer(check_object(buffer), binary if index == 0 else None) for index, buffer in enumerate(buffers)]
+    return GlbFile(document, tuple(found or [binary or memoryview(b"")]))
+
+
+def _buffer(buffer: dict[str, Any], binary: memoryview | None) -> memoryview:
+    uri = buffer.get("uri")
+    if uri is None and binary is not None:
+        return binary
+    head, base64_, text = uri.partition(";base64,") if isinstance(uri, str) else ("", "", "")
+    if not (head.startswith("data:") and base64_):
+        raise FormatError(
+            "the file keeps values in another file; only its own are read (export it as glTF Binary, .glb)"
+        )
+    try:
+        return memoryview(base64.b64decode(text, validate=True))
+    except ValueError as error:
+        raise FormatError(f"a buffer that is no base64: {error}") from None
 
 
 def _size(value: Any, name: str) -> int:

@@ -13,7 +13,7 @@ import numpy as np
 from lidardraft.errors import FormatError, LayoutError, check_type
 from lidardraft.files import named, read_bytes, regular_size, written_whole
 from lidardraft.scene import mesh
-from lidardraft.scene.class_names import OUTRIGHT, check_classes, class_of, id_of
+from lidardraft.scene.class_names import OUTRIGHT, check_classes, class_of, id_of, whole_of
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.layout_fields import FURTHEST
 from lidardraft.semantics import BY_NAME
@@ -57,7 +57,7 @@ def layout_from_obj(
         for (name, material, _), label in zip(objects, labels, strict=True):
             assert label is not None
             thing = BY_NAME[label].is_thing
-            number = instances.setdefault(id_of(name).split(".")[0], len(instances) + 1) if thing else 0
+            number = instances.setdefault(whole_of(id_of(name)), len(instances) + 1) if thing else 0
             fields.append({"label": label, "id": _distinct(name or material, ids), "instance": number})
         primitives = _primitives([shape for _, _, shape in objects], scale * _FRAMES[up].T, fields)
         return Layout(primitives=tuple(primitives), provenance={"source": os.path.basename(os.fspath(path))})

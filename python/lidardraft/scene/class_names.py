@@ -53,6 +53,7 @@ _PAIRS = {
 # Words for parts, and the words after which they say nothing new: the wall of a house is a building.
 _PARTS = {"wall": ("building", "house", "garage", "shop", "office", "tower"), "gate": ("house",), "post": ("sign",)}
 _PLURAL = re.compile(r"(?<=[a-z]{2})(?:(?<=ch|sh|ss)es|(?<!s)s)$")
+_NUMBERED_PART = re.compile(r"(.*?\d+)[._ -]+\D", re.DOTALL)
 OUTRIGHT = "class:"  # before the class, in a name that says nothing else
 PROPERTIES = ("class", "id", "instance", "material", "extinction")  # that an object may carry, which come before names
 
@@ -97,6 +98,17 @@ def id_of(name: str) -> str:
     return re.sub(r"\.(?=\d+$)", "_", name)
 
 
+def whole_of(identifier: str) -> str:
+    """What an id is the id of a part of, or itself: "car_1.body" is a part of car_1, and so is "car_1_wheel"."""
+    match = _NUMBERED_PART.match(identifier[:200])
+    return match.group(1) if match else identifier.split(".")[0]
+
+
+def says_many(name: str) -> bool:
+    """Whether a word of the name is the plural of one that says a class: "Parked cars"."""
+    return any(word not in _CLASS_OF_WORD and _singular(word) in _CLASS_OF_WORD for word in words_of(name))
+
+
 def _class_of_words(name: str) -> str | None:
     if (lower := name.lower()) in BY_NAME and lower != "none":
         return lower
@@ -112,4 +124,5 @@ def _class_of_words(name: str) -> str | None:
 
 
 def _singular(word: str) -> str:
-    return word if word in _CLASS_OF_WORD else _PLURAL.sub("", word)
+    forms = (word, word.removesuffix("es"), word.removesuffix("s"))
+    return next((form for form in forms if form in _CLASS_OF_WORD), _PLURAL.sub("", word))
