@@ -2,7 +2,8 @@
 
 Pictures are rendered of layouts of sentences, with exact depth and classes, or with errors as networks make them. With
 FOLDER (by default LIDARDRAFT_DATA) there are KITTI's labelled pictures too, whose depth is that of the LiDAR, and whose
-classes are those of the labelled boxes. Counted are vehicles with `FEWEST` pixels or more that the edge of the picture
+classes are those of the labelled boxes; once as it is, and once off as networks are, which tells how corrections do on
+roads that are not flat. Counted are vehicles with `FEWEST` pixels or more that the edge of the picture
 does not cut; one is recovered by the nearest box of its class within `NEAREST`. A box knows no front from back.
 """
 
@@ -22,7 +23,7 @@ from PIL import Image
 from lidardraft import Box, Layout, layout_from_image, layout_from_text
 from lidardraft.formats.kitti import read_bin
 from lidardraft.semantics import BY_NAME
-from rendered_pictures import RenderedPicture, as_networks_give_it, render
+from rendered_pictures import RenderedPicture, as_networks_give_it, depth_errors, render
 
 SENTENCES = (
     "a street with five parked cars on the left, three cars on the right, two people, houses and trees on both sides",
@@ -35,6 +36,7 @@ VEHICLES = ("car", "truck", "bus", "train")
 FEWEST = 150  # pixels
 WHOLE = 0.7  # of the pixels that an object would have if nothing stood before it; with fewer it is a hidden one
 NEAREST = 2.0  # m
+SPOILED = 6  # times each KITTI frame, which are few
 CLOSE, STRAIGHT = 0.5, 5.0  # m and degrees, what is asked for
 
 
@@ -93,13 +95,16 @@ def rendered(scenes: int, *, networks: bool = False, hidden: bool = False) -> It
         yield compare(truth, made)
 
 
-def kitti(folder: Path) -> Iterator[list[Recovered]]:
-    """The cars of each labelled KITTI frame."""
+def kitti(folder: Path, *, spoiled: int = 0) -> Iterator[list[Recovered]]:
+    """The cars of each labelled KITTI frame, with measured depth, or so many times with depth off as of networks."""
     for path in sorted(folder.glob("kitti/object*/**/label_2/*.txt")):
         frame = KittiFrame.read(path)
-        known = {"depth": frame.depth, "semantics": frame.labels, "intrinsics": frame.projection}
-        made = layout_from_image(frame.pixels, **known, camera_height=None)
-        yield compare(frame.cars, made)
+        known = {"semantics": frame.labels, "intrinsics": frame.projection}
+        if not spoiled:
+            yield compare(frame.cars, layout_from_image(frame.pixels, depth=frame.depth, camera_height=None, **known))
+        for seed in range(spoiled):
+            depth = depth_errors(frame.depth.shape, seed) * frame.depth
+            yield compare(frame.cars, layout_from_image(frame.pixels, depth=depth, **known))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -207,6 +212,7 @@ def main() -> None:
     print(line("rendered, errors as of networks", rendered(given.scenes, networks=True)))
     if given.data is not None:
         print(line("KITTI, depth of the LiDAR, classes of the labels", kitti(Path(given.data))))
+        print(line(f"the same, depth off as of networks, {SPOILED} times", kitti(Path(given.data), spoiled=SPOILED)))
 
 
 if __name__ == "__main__":

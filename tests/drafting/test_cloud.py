@@ -123,6 +123,21 @@ def test_an_object_does_not_grow_to_where_rays_passed(degrees):
     assert overlap(box, placed) > 0.7
 
 
+def test_a_car_of_a_parked_row_that_is_partly_hidden_stands_as_the_row_does():
+    """A van hides all but 1.4 m of the flank of a car parked across the way ahead, beside one that is seen whole."""
+    across = {"size": (4.2, 1.8, 1.5), "yaw": math.pi / 2}
+    row = (
+        primitive("box", (20, 6, 0.75), label="car", id="car_1", instance=1, **across),
+        primitive("box", (23, 0, 0.75), label="car", id="car_2", instance=2, **across),
+        primitive("box", (12, -1.0, 1.5), (4, 2.2, 3), "truck", "truck", instance=3),
+    )
+    image = raycast(Layout(primitives=(*row, STREET.primitives[2])), SENSOR)
+    layout = layout_from_cloud(image.points(), image.label[image.valid])
+    hidden = min(layout.boxes(), key=lambda box: math.dist(box.center[:2], (23, 0)))
+    assert math.dist(hidden.center[:2], (23, 0)) < 0.4
+    assert abs(math.remainder(hidden.yaw - math.pi / 2, math.pi)) < 0.1
+
+
 def test_people_who_stand_close_stay_apart():
     people = [(8.0, 0.45 * k, 0.0) for k in range(5)]
     body = np.array(

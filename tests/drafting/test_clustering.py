@@ -86,7 +86,7 @@ def test_the_length_lies_along_the_yaw():
 
 def test_the_second_choice_is_the_other_way_round_then_small_ones_and_last_what_was_seen():
     seen = FittedBox(center=np.array([10.0, 0.0, 0.7]), size=np.array([0.2, 2.1, 1.4]), yaw=0.0)
-    along, across, small_along, small_across, itself = completions(seen, CAR)
+    along, _, across, _, small_along, small_across, itself = completions(seen, CAR)
     np.testing.assert_allclose(along.size, (4.2, 2.1, 1.4))
     np.testing.assert_allclose(across.size, (4.2, 1.8, 1.4))
     assert abs(across.yaw) == pytest.approx(math.pi / 2)
@@ -111,6 +111,21 @@ def test_a_side_too_long_for_a_width_is_a_part_of_the_length():
     for box in completions(seen, CAR)[:2]:
         np.testing.assert_allclose(box.size, (4.2, 1.8, 1.4))
         assert box.yaw == 0.0
+
+
+def test_a_side_that_something_hides_may_go_on_to_either_hand():
+    # 2.4 m of the side of a car that stands across the way ahead
+    seen = FittedBox(center=np.array([12.0, 1.0, 0.7]), size=np.array([0.2, 2.4, 1.4]), yaw=0.0)
+    left, right = completions(seen, CAR)[:2]
+    np.testing.assert_allclose(left.center[:2], (12.8, 1.9))
+    np.testing.assert_allclose(right.center[:2], (12.8, 0.1))
+
+
+@pytest.mark.parametrize(("heading", "expected"), [(None, 0.0), (3.0, 0.0), (1.4, math.pi / 2), (-1.6, math.pi / 2)])
+def test_of_a_side_that_may_be_a_width_or_a_length_the_neighbour_says_which(heading, expected):
+    seen = FittedBox(center=np.array([12.0, 1.0, 0.7]), size=np.array([0.2, 1.6, 1.4]), yaw=0.0)
+    for box in completions(seen, CAR, heading)[:2]:
+        assert abs(box.yaw) == pytest.approx(expected)
 
 
 def test_a_box_contains_what_is_over_its_footprint():

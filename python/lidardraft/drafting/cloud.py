@@ -20,7 +20,7 @@ from lidardraft.drafting.cloud_rules import (
     REACH,
     Detail,
 )
-from lidardraft.drafting.clustering import FittedBox, cluster, completions, fit_box, fit_post
+from lidardraft.drafting.clustering import FittedBox, cluster, completions, fit_box, fit_post, is_length
 from lidardraft.drafting.height_field import HeightField
 from lidardraft.drafting.refinement import Piece, Rays, refined
 from lidardraft.errors import LayoutError, check_type, one_of
@@ -32,6 +32,7 @@ _TOUCHING = 0.3  # of the usual width of a class: a cluster whose middle is so n
 # The outline of a car is no box's: rays see the road under it and pass over its hood [m], and a fitted box is turned by
 # some degrees; only what passes through this share of its length and width passed through it.
 _CLEARANCE, _ROUNDED, _CORE = 0.3, 0.1, 0.8
+_NEIGHBOUR = 15.0  # m; objects no further apart are likely to be headed the same way
 _FURTHEST = 1000.0  # m; no sensor sees further
 
 
@@ -128,7 +129,8 @@ def _objects(
     if row.size is None or not groups:
         return []
     seen = [fit_box(rays.points[members]) for members in groups]
-    choices = [completions(box, row.size) for box in seen]
+    headings = _headings(seen, row.size)
+    choices = [completions(box, row.size, heading) for box, heading in zip(seen, headings, strict=True)]
     passed = np.array([_passed(boxes, row, ground, rays) for boxes in zip(*choices, strict=True)])
     strays = np.maximum(_STRAY, stray_share * np.array([len(members) for members in groups]))
     # rays that pass through what was seen, as through windows, do not tell one choice from the other
@@ -140,6 +142,19 @@ def _objects(
         # A cluster in or on a larger object, such as a seat behind a window or a far corner, is a part of it.
         if not any(other.contains(box.center[None], margin)[0] for other in found):
             found.append(boxes[choice])
+    return found
+
+
+def _headings(seen: list[FittedBox], size: tuple[float, float, float]) -> list[float | None]:
+    """For each box the heading [rad] of the nearest other one whose length was seen; None where there is none."""
+    sure = [box for box in seen if is_length(max(box.size[:2]), size)]
+    found: list[float | None] = []
+    for box in seen:
+        others = [other for other in sure if other is not box]
+        away = [float(np.linalg.norm(other.center[:2] - box.center[:2])) for other in others]
+        nearest = others[int(np.argmin(away))] if min(away, default=math.inf) < _NEIGHBOUR else None
+        turn = math.pi / 2 if nearest and nearest.size[1] > nearest.size[0] else 0.0
+        found.append(nearest.yaw + turn if nearest else None)
     return found
 
 

@@ -134,32 +134,49 @@ def _distance_to_edge(positions: np.ndarray) -> np.ndarray:
     return np.where((to_high**2).sum(axis=0) < (to_low**2).sum(axis=0), to_high, to_low)
 
 
-def completions(box: FittedBox, size: tuple[float, float, float]) -> list[FittedBox]:
-    """The five boxes that an object may have of which `box` was seen, likeliest first.
+def completions(box: FittedBox, size: tuple[float, float, float], heading: float | None = None) -> list[FittedBox]:
+    """The seven boxes that an object may have of which `box` was seen, likeliest first.
 
-    `size` is the usual (length, width, height) [m] of its class.
+    `size` is the usual (length, width, height) [m] of its class, `heading` [rad] that of an object next to it.
 
-    The longer side seen is the length if it is too long for a width of the class, or else the width, or second the
-    length again. A side of at least 0.7 of the class's was seen whole; a shorter one grows, away from the sensor, to
-    the class's. The third and fourth are these for a small object, whose sides have 0.7 of the class's; the last has
-    the sides that were seen, but none shorter than 0.7 of the class's width.
+    The longer side seen is the length if it is too long for a width of the class. Else the side along `heading` is, or
+    without one the shorter side; or second the other. A side of at least 0.7 of the class's was seen whole; a shorter
+    one grows to the class's, away from the sensor, or that across the line of sight to the other hand, where something
+    may hide it. The next are these for a small object, whose sides have 0.7 of the class's; the last has the sides that
+    were seen, but none shorter than 0.7 of the class's width.
     """
     turned = replace(box, size=box.size[[1, 0, 2]], yaw=box.yaw + math.copysign(math.pi / 2, -box.yaw))
     longer, other = (box, turned) if box.size[0] > box.size[1] else (turned, box)
-    likely = longer if longer.size[0] > LONGER_THAN_WIDE * size[1] else other
+    likely, second = other, longer
+    if is_length(longer.size[0], size):
+        likely = longer
+    elif heading is not None and abs(math.cos(longer.yaw - heading)) > abs(math.cos(other.yaw - heading)):
+        likely, second = longer, other
     usual = np.array(size[:2])
     small = SEEN_WHOLE * usual
-    full = [_grown(one, np.where(one.size[:2] < small, usual, 0.0)) for one in (likely, longer)]
-    return [*full, _grown(likely, small), _grown(longer, small), _grown(longer, small[[1, 1]])]
+    full = [
+        _grown(one, np.where(one.size[:2] < small, usual, 0.0), hand) for one in (likely, second) for hand in (1, -1)
+    ]
+    return [*full, _grown(likely, small), _grown(second, small), _grown(longer, small[[1, 1]])]
 
 
-def _grown(box: FittedBox, least: np.ndarray) -> FittedBox:
-    """The box with sides [2] of at least so many metres, grown away from the sensor."""
+def is_length(side: float, size: tuple[float, float, float]) -> bool:
+    """Whether a side seen [m] is too long to be the width of an object of the usual `size`."""
+    return side > LONGER_THAN_WIDE * size[1]
+
+
+def _grown(box: FittedBox, least: np.ndarray, hand: int = 1) -> FittedBox:
+    """The box with sides [2] of at least so many metres, grown away from the sensor.
+
+    With -1 for `hand` the side across the line of sight grows to the other hand.
+    """
     seen = box.size[:2]
     grown = np.maximum(seen, least)
     cos, sin = math.cos(box.yaw), math.sin(box.yaw)
     axes = np.array([[cos, sin], [-sin, cos]])
-    away = np.where(axes @ box.center[:2] < 0, -1.0, 1.0)
+    along = axes @ box.center[:2]
+    away = np.where(along < 0, -1.0, 1.0)
+    away[np.argmin(np.abs(along))] *= hand
     shift = (away * (grown - seen) / 2) @ axes
     return replace(box, center=box.center + np.array([*shift, 0.0]), size=np.array([*grown, box.size[2]]))
 

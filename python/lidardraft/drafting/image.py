@@ -16,6 +16,7 @@ from PIL import Image
 
 from lidardraft.drafting.cloud import layout_from_cloud
 from lidardraft.drafting.clustering import thin
+from lidardraft.drafting.ground_depth import corrected_depth
 from lidardraft.drafting.height_field import GROUND_IDS
 from lidardraft.drafting.mirrored_surroundings import mirrored_surroundings
 from lidardraft.drafting.pinhole import Pinhole
@@ -112,9 +113,13 @@ def _layout(
     scale = min(1.0, _LONGEST_SIDE / max(height, width))
     camera = camera.resized(max(1, round(width * scale)), max(1, round(height * scale)))
     small = np.asarray(Image.fromarray(pixels).resize((camera.width, camera.height), Image.Resampling.BOX))
-    cloud = _seen(small, depth, semantics, instances, masks, camera)
+    seen, labels, numbers = _seen(small, depth, semantics, instances, masks)
+    cloud = pseudo_cloud(seen, labels, numbers, camera)
     plane = find_road_plane(cloud.points, cloud.labels)
-    stands = plane.height if camera_height is None else float(camera_height)
+    stands = plane.height
+    if camera_height is not None:
+        stands = float(camera_height)
+        cloud = pseudo_cloud(corrected_depth(seen, labels, camera, plane), labels, numbers, camera)
     layout = _levelled_layout(cloud, plane, stands, _coverage(camera, plane), fill)
     provenance = {
         "source": "image",
@@ -211,8 +216,10 @@ def _check_objects(instances: Any, masks: Any, shape: tuple[int, int]) -> None:
         raise LayoutError(f"there are {number} masks; up to {_MOST_MASKS} can be given")
 
 
-def _seen(small: np.ndarray, depth: Any, semantics: Any, instances: Any, masks: Any, camera: Pinhole) -> PseudoCloud:
-    """The pseudo point cloud, from arrays of the whole picture or from networks that look at the small one."""
+def _seen(
+    small: np.ndarray, depth: Any, semantics: Any, instances: Any, masks: Any
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Depth, classes and numbers of objects: arrays of the whole picture, or what networks see in the small one."""
     if not isinstance(semantics, np.ndarray):
         semantics = _semantic_network(semantics)(small)
     if not isinstance(depth, np.ndarray):
@@ -225,7 +232,7 @@ def _seen(small: np.ndarray, depth: Any, semantics: Any, instances: Any, masks: 
         semantics, instances = _mask_network(masks)(small, semantics)
     elif instances is None:
         instances = np.zeros_like(semantics)
-    return pseudo_cloud(depth, semantics, _resized(instances, small), camera)
+    return depth, semantics, _resized(instances, small)
 
 
 def _depth_network(given: PathLike | Network) -> Network:
