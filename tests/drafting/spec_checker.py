@@ -174,7 +174,8 @@ def _broken_set_back(group: ObjectGroup, one: Placed, road: Road) -> list[str]:
         off = road.edge - max(abs(one.low[1]), abs(one.high[1]))
     else:
         near = min(abs(one.foot_low), abs(one.foot_high))
-        off = near - (road.edge if group.from_road else road.verge)
+        paved = [abs(a) for area in road.paved_areas for a in area.across if a * one.across > 0]
+        off = near - max([road.edge if group.from_road else road.verge, *paved])
     return [] if said[0] - 0.1 <= off <= said[1] + 0.1 else [f"{off:.2f} m from the road, not {said}"]
 
 

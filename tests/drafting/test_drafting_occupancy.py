@@ -1,5 +1,7 @@
 """What has room and what is in the way."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -31,7 +33,8 @@ def test_nothing_stands_in_the_way_of_a_roundabout_but_those_who_drive_around() 
     car, person = ObjectGroup(kind="car"), ObjectGroup(kind="person")
     assert scene.place(car.record, car, RoadPose(40.0, 10.0, 0.0)) is None
     assert scene.place(person.record, person, RoadPose(30.0, 4.5, 0.0)) is None
-    assert scene.place(car.record, car, RoadPose(40.0, 16.0, 0.0)) is not None
+    assert scene.place(car.record, car, RoadPose(40.0, 16.0, 0.0)) is None  # the wrong way round
+    assert scene.place(car.record, car, RoadPose(40.0, 16.0, math.pi)) is not None
 
 
 def test_a_place_that_is_excluded_stays_free() -> None:

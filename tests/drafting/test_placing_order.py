@@ -12,8 +12,8 @@ BETWEEN = ObjectGroup(kind="bicycle", relation="between", references=(0,))
 
 def test_references_come_before_what_is_placed_from_them_and_those_before_the_rest() -> None:
     spec = SceneSpec(groups=(CARS, BUS, BEHIND))
-    assert placing_order(spec, set()) == [1, 2, 0]
-    assert placing_order(spec, {0}) == [0, 1, 2]
+    assert placing_order(spec, {}) == [1, 2, 0]
+    assert placing_order(spec, {0: 0}) == [0, 1, 2]
     assert with_references(spec, 2) == {1, 2}
 
 
@@ -23,12 +23,10 @@ def test_what_is_between_two_is_placed_as_a_row() -> None:
     assert row_of(SceneSpec(groups=(CARS, BUS)), 0) is None
 
 
-def test_of_the_urgent_the_nearest_is_first() -> None:
-    far, near = (
-        ObjectGroup(kind=kind, places=("front",), distance=(x, x)) for kind, x in (("truck", 8), ("person", 5))
-    )
-    assert placing_order(SceneSpec(groups=(far, near)), set()) == [0, 1]
-    assert placing_order(SceneSpec(groups=(far, near)), {0, 1}) == [1, 0]
+def test_what_found_no_room_last_is_first() -> None:
+    spec = SceneSpec(groups=(CARS, BUS, ObjectGroup(kind="person")))
+    assert placing_order(spec, {0: 0, 2: 1}) == [2, 0, 1]
+    assert placing_order(spec, {0: 1, 2: 0}) == [0, 2, 1]
 
 
 def test_a_strip_in_a_lane_is_short() -> None:

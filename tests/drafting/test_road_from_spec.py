@@ -19,7 +19,8 @@ def test_kinds_of_road(seed: int) -> None:
     assert road("crossroads", seed=seed).side_roads == (LEFT, RIGHT)
     assert len(road("t-junction", seed=seed).side_roads) == 1
     motorway = road("motorway", seed=seed)
-    assert (motorway.sidewalk, motorway.junction, motorway.parking) == (0.0, None, 3.0)
+    assert (motorway.sidewalk, motorway.junction, motorway.parking, motorway.median) == (0.0, None, 3.0, 4.0)
+    assert road("motorway", ObjectGroup(kind="car", heading="across"), seed=seed).median == 0.0
 
 
 def test_what_is_said_of_the_road_holds() -> None:
@@ -34,6 +35,22 @@ def test_there_is_room_for_what_is_asked_for() -> None:
     assert road("straight", ObjectGroup(kind="car", heading="across")).junction is not None
     assert road("straight", ObjectGroup(kind="car", distance=(90.0, 90.0))).half_length == 105
     assert road("straight", ObjectGroup(kind="bus", count=4)).half_length > 90
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_lanes_that_are_open_leave_room_for_what_stands_at_a_distance_beside_them(seed: int) -> None:
+    tree = ObjectGroup(kind="tree", places=("left",), distance=(10.0, 10.0))
+    narrow = road("straight", tree, seed=seed)
+    assert narrow.edge - narrow.lane(narrow.ego_lane) < 9.0
+
+
+def test_a_parking_lot_ends_before_a_house() -> None:
+    house = ObjectGroup(kind="house", places=("left",), distance=(20.0, 20.0))
+    (right, left) = road("parking-lot", house).paved_areas
+    assert right.across[0] == -24.0
+    assert left.across[1] == 13.0
+    (_, whole) = road("parking-lot", ObjectGroup(kind="tree", places=("left",), distance=(20.0, 20.0))).paved_areas
+    assert whole.across[1] == 24.0
 
 
 def test_further_than_a_sensor_sees() -> None:

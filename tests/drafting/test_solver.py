@@ -293,7 +293,7 @@ def test_a_crowd_that_the_last_arrangement_does_not_hold_is_refused_at_once(monk
     arrangements = 0
     arrange = solver._Solver.arrange
 
-    def counted(self: solver._Solver, urgent: set[int]) -> int | None:
+    def counted(self: solver._Solver, urgent: dict[int, int]) -> int | None:
         nonlocal arrangements
         arrangements += 1
         return arrange(self, urgent)

@@ -23,6 +23,7 @@ _SINGULAR = (
     "moves",
     "travels",
     "goes",
+    "overtakes",
     "rides",
     "walks",
     "stands",

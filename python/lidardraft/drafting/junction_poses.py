@@ -13,6 +13,7 @@ from lidardraft.scene.road import LEFT, RIGHT, RING, Road
 STOP_LINE = 2.0  # m before the crossing road
 _CORNER = (0.6, 3.0)  # m from the kerbs that meet there
 _TURN = (0.3, 0.8)  # shares of the quarter circle of a turn
+_IN_TURN, _TURNED = 0.25, 30.0  # effort up to which who turns is still in the turn, and m behind it that one may be
 
 
 def half_of(road: Road) -> float:
@@ -65,6 +66,9 @@ def in_turn(road: Road, heading: str) -> PoseSampler:
         forward, left = end[0] - start[0], end[1] - start[1]
         x, y = start[0] + forward * math.sin(turn), start[1] + left * (1.0 - math.cos(turn))
         yaw = math.atan2(left * math.sin(turn), forward * math.cos(turn))
+        if effort > _IN_TURN and rng.random() < 0.7:  # the turn is full: just turned
+            further = float(rng.uniform(0.0, _TURNED)) * min(1.0, effort)
+            x, y, yaw = end[0], end[1] + side * further, side * math.pi / 2
         return RoadPose(along + way * x, way * y, turned(rng, yaw if way > 0 else yaw + BACKWARDS))
 
     return sample
@@ -91,5 +95,19 @@ def at_corner(road: Road, sides: tuple[int, ...]) -> PoseSampler:
         end = -1.0 if rng.random() < 0.7 else 1.0
         across = alternate(sides, number) * float(rng.uniform(low, high))
         return RoadPose(along + end * off, across, float(rng.uniform(-math.pi, math.pi)))
+
+    return sample
+
+
+def before_and_after(sample_pose: PoseSampler, junction: float, sides: int) -> PoseSampler:
+    """In turns before the junction, as the poses are that are given, and as far after it; first all `sides` of one."""
+
+    def sample(rng: np.random.Generator, along: float, number: int, effort: float) -> RoadPose:
+        pose = sample_pose(rng, along, number, effort)
+        return (
+            pose
+            if number // sides % 2 == 0
+            else pose._replace(along=2 * junction - pose.along, yaw=pose.yaw + BACKWARDS)
+        )
 
     return sample

@@ -77,7 +77,7 @@ def on_carriageway(road: Road, sides: tuple[int, ...], heading: str = "") -> Pos
     """On foot between the kerbs, on one of the `sides` only on that side of the ego."""
 
     def sample(rng: np.random.Generator, along: float, _number: int, _effort: float) -> RoadPose:
-        low, high = (-(road.edge - 0.5), road.edge - 0.5)
+        low, high = (-(road.edge - 0.5), road.edge - 0.5 if road.median == 0.0 else -road.median / 2 - 0.5)
         if len(sides) == 1:
             ego = road.lane(road.ego_lane)
             low, high = (ego, high) if sides[0] > 0 else (low, max(low + 0.1, ego))

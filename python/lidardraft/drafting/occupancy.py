@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from lidardraft.drafting.object_shapes import STANDING, ObjectPart, extents, in_segments, resized
+from lidardraft.drafting.parking_bays import lot_edge
 from lidardraft.drafting.relative_poses import Footprint
 from lidardraft.drafting.road_pose import RoadPose
 from lidardraft.drafting.scene_spec import EXTENTS, ObjectGroup, split_place
@@ -76,8 +77,8 @@ class Occupancy:
             id = f"{name}.{part.name}" if part.name else name
             self.primitives.append(dataclasses.replace(primitive, id=id, instance=numbers.get(part.label, 0)))
         self._add(map(Solid.from_primitive, self.primitives[-len(parts) :]))
-        length, width, _ = extents(parts)
-        return Footprint.of(name, kind, pose, length, width)
+        length, width, _ = extents([part for part in parts if part.center[2] - part.size[2] / 2 < STANDING])
+        return Footprint.of(name, kind, pose, length, width)  # crowns and lamps hang over what is near
 
     def _may_stand(self, kind: SentenceKind, group: ObjectGroup, parts: list[ObjectPart], pose: RoadPose) -> bool:
         """Whether an object may be there at all, whatever else stands around."""
@@ -86,6 +87,9 @@ class Occupancy:
             return False
         if any(is_at(pose, place, self.road) for place in group.not_places):
             self.in_the_way["a place where it may not be"] += 1
+            return False
+        if "sidewalk" not in kind.surfaces and not kind.on_road and self._reaches_into_lot(parts, pose):
+            self.in_the_way["the parking lot"] += 1
             return False
         x, y, _ = self.road.at(pose.along, pose.across)
         if abs(pose.along) > self.road.half_length or math.hypot(x, y) > MAX_RANGE:
@@ -98,6 +102,13 @@ class Occupancy:
             self.in_the_way["the roundabout"] += 1
             return False
         return True
+
+    def _reaches_into_lot(self, parts: list[ObjectPart], pose: RoadPose) -> bool:
+        if not self.road.paved_areas:
+            return False
+        (start, end), (length, width, _) = self.road.paved_areas[0].along, extents(parts)
+        beside = start - length / 2 < pose.along < end + length / 2
+        return beside and abs(pose.across) - width / 2 < lot_edge(self.road, 1 if pose.across > 0 else -1)
 
     def _is_paved(self, pose: RoadPose) -> bool:
         surface = self.ground.at(*self.road.at(pose.along, pose.across)[:2])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 
 from lidardraft.drafting.occupancy import GAP
 from lidardraft.drafting.scene_spec import EXTENTS, ObjectGroup, SceneSpec, split_place
@@ -13,22 +14,21 @@ _BETWEEN_CROWNS = 0.3  # m
 _BARRIER = 2.0  # m, the length of a fence or wall that stands in a lane, across it
 
 
-def placing_order(spec: SceneSpec, urgent: set[int]) -> list[int]:
+def placing_order(spec: SceneSpec, urgent: Mapping[int, int]) -> list[int]:
     """The numbers of the groups as they are placed: the `urgent`, what has relations, what is bound, the largest.
 
-    Of the urgent at a distance the nearest are first: there is least room before them.
+    The urgent are those that found no room, with when they did so: the last of them first.
     """
     referenced = {reference for group in spec.groups for reference in group.references}
 
     def depth(number: int) -> int:
         return max((1 + depth(reference) for reference in spec.groups[number].references), default=0)
 
-    def rank(number: int) -> tuple[bool, bool, int, bool, float, bool, int]:
+    def rank(number: int) -> tuple[int, bool, int, bool, bool, int]:
         group = spec.groups[number]
         related = number in referenced or bool(group.references)
-        near = group.distance[0] if group.distance is not None and number in urgent else 0.0
-        bound = group.distance is None, near, group.spacing is None, -group.record.precedence
-        return number not in urgent, not related, depth(number), *bound
+        bound = group.distance is None, group.spacing is None, -group.record.precedence
+        return -urgent.get(number, -1), not related, depth(number), *bound
 
     return sorted(range(len(spec.groups)), key=rank)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.drafting.parking_bays import LOT_DEPTH
+from lidardraft.drafting.parking_bays import lot_edge, row_poses
 from lidardraft.drafting.road_pose import BACKWARDS, RoadPose, turned, walking_yaw
 from lidardraft.drafting.sentence_kinds import SentenceKind
 from lidardraft.scene.road import Road
@@ -206,7 +206,7 @@ class RelativePoses:
                 across = reference.side * kerb
             return across, float(rng.uniform(-math.pi, math.pi))
         if not self.kind.drives:
-            clear = self._verge + self.size[1] / 2 + 0.3
+            clear = self._verge(1 if across > 0 else -1) + self.size[1] / 2 + 0.3
             if not self.kind.on_road and abs(across) < clear:
                 aside = abs(reference.pose.across) > self.road.edge and self.relation in ("in-front-of", "behind")
                 across = reference.side * clear if aside else math.copysign(clear, across)
@@ -218,6 +218,10 @@ class RelativePoses:
             ways += [(s * (self.road.edge - self.road.parking / 2), -s) for s in (1, -1)]
         if reference.kind.drives and self.road.paved_areas and not self.lanes:
             ways.append((across, reference.forwards))
+        elif self.road.paved_areas and not self.lanes and self.heading in (None, "parked"):  # in front of a shop
+            bay, yaw = min(row_poses(self.road, reference.side), key=lambda row: abs(row[0] - across))
+            if abs(bay - across) < abs(min(ways, key=lambda way: abs(way[0] - across))[0] - across):
+                return bay, turned(rng, yaw)
         if side:  # beside it, not in its own lane
             ways = [way for way in ways if (way[0] - reference.pose.across) * side > 1.0] or ways
         lane, way = min(ways, key=lambda way: (round(abs(way[0] - across), 2), way))
@@ -226,9 +230,8 @@ class RelativePoses:
             return lane, turned(rng, 0.0 if self.heading == "with" else BACKWARDS)
         return lane, turned(rng, reference.pose.yaw if same_row else 0.0 if way > 0 else BACKWARDS)
 
-    @property
-    def _verge(self) -> float:
-        """Where the land begins that this kind stands on, from the centreline [m]."""
+    def _verge(self, side: int) -> float:
+        """Where the land begins that this kind stands on, on a side, from the centreline [m]."""
         if self.road.paved_areas:
-            return self.road.edge + LOT_DEPTH
+            return lot_edge(self.road, side)
         return self.road.edge if "sidewalk" in self.kind.surfaces else self.road.verge

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from lidardraft.drafting.parking_bays import LOT_DEPTH
+from lidardraft.drafting.parking_bays import LOT_DEPTHS
 from lidardraft.drafting.road_zones import queue_length
 from lidardraft.drafting.scene_spec import ObjectGroup, SceneSpec, split_place
 from lidardraft.errors import LayoutError
 from lidardraft.scene.check import MAX_RANGE
 from lidardraft.scene.road import LEFT, RIGHT, RING, PavedArea, Road
 
-HARD_SHOULDER = 3.0  # m, estimate of ours
+HARD_SHOULDER, MEDIAN = 3.0, 4.0  # m, of motorways: estimate of ours, and the German RAA (2008)
 MAX_DISTANCE = MAX_RANGE - 10.0  # m, that an object can be asked for at
 AISLE_LANE = 3.0  # m; the aisle of a parking lot is 6 m wide (EAR 05)
 _LOT_LENGTH = (60.0, 90.0)  # m, estimate of ours
@@ -45,7 +47,8 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
     lane_width = 3.75 if motorway else AISLE_LANE if lot else float(rng.uniform(3.3, _WIDEST_LANE))
     parking = HARD_SHOULDER if motorway else 0.0 if lot else _parking_width(spec, min(ego_lane, lanes - 1))
     oncoming = 0 if spec.road.one_way else spec.road.oncoming_lanes or lanes
-    edge = (lanes + oncoming) / 2 * lane_width + parking
+    median = MEDIAN if motorway and not (spec.road.one_way or _has_junction(spec)) else 0.0
+    edge = median / 2 + (lanes + oncoming) / 2 * lane_width + parking
     radius = edge + sidewalk + RING + float(rng.uniform(1.0, 5.0)) if kind == "roundabout" else None
     near = (edge if radius is None else radius) + sidewalk + 6.0
     curvature = bend / float(rng.uniform(90.0, 160.0))
@@ -60,8 +63,9 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
         junction=float(rng.uniform(near, near + 12.0 + 8.0 * effort)) if _has_junction(spec) else None,
         side_roads=(int(rng.choice([LEFT, RIGHT])),) if kind == "t-junction" else (LEFT, RIGHT),
         half_length=half_length,
+        median=median,
         roundabout_radius=radius,
-        paved_areas=_parking_lot(lanes * lane_width, farthest, rng) if lot else (),
+        paved_areas=_parking_lot(spec, lanes * lane_width, farthest, rng) if lot else (),
         one_way=spec.road.one_way,
     )
 
@@ -128,13 +132,32 @@ def _has_junction(spec: SceneSpec) -> bool:
     )
 
 
-def _parking_lot(edge: float, farthest: float, rng: np.random.Generator) -> tuple[PavedArea, ...]:
-    """Both sides of the aisle that the ego drives in, as far as something is asked for [m]."""
+def _parking_lot(spec: SceneSpec, edge: float, farthest: float, rng: np.random.Generator) -> tuple[PavedArea, ...]:
+    """Both sides of the aisle that the ego drives in, as far as something is asked for [m].
+
+    What is no furniture of a parking lot, as a house, and asked for at a side, is where the lot ends.
+    """
     length = float(rng.uniform(*_LOT_LENGTH))
     before = length * float(rng.uniform(0.3, 0.5))
     along = (-max(before, farthest + 5.0), max(length - before, farthest + 5.0))
-    far = edge + LOT_DEPTH
-    return tuple(PavedArea(along, across) for across in ((-far, -edge), (edge, far)))
+    areas = []
+    for side, way in (("right", -1), ("left", 1)):
+        room = min(_near_sides(spec, side), default=math.inf) - 1.5 * edge  # from the ego's lane, or further
+        depth = next((depth for depth in LOT_DEPTHS if depth < room), LOT_DEPTHS[-1])
+        low, high = sorted((way * edge, way * (edge + depth)))
+        areas.append(PavedArea(along, (low, high)))
+    return tuple(areas)
+
+
+def _near_sides(spec: SceneSpec, side: str) -> list[float]:
+    """How far from the ego [m] what no parking lot has on it stands at a side."""
+    near = []
+    for group in spec.groups:
+        sizes, sides = group.record.sizes, {split_place(place)[1] for place in group.places or ("",)}
+        fixed = group.distance is not None and group.relation is None and sides & {"", side}
+        if fixed and group.distance and sizes and not group.on_road and "sidewalk" not in group.record.surfaces:
+            near.append(group.distance[0] - sizes.largest[1] / 2)
+    return near
 
 
 def _parking_width(spec: SceneSpec, ego_lane: int) -> float:

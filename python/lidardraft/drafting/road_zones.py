@@ -8,7 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.drafting.junction_poses import STOP_LINE, at_corner, half_of, in_turn, on_crossing_road, on_ring
+from lidardraft.drafting.junction_poses import (
+    STOP_LINE,
+    at_corner,
+    before_and_after,
+    half_of,
+    in_turn,
+    on_crossing_road,
+    on_ring,
+)
 from lidardraft.drafting.lane_poses import (
     in_lane,
     in_lane_on_foot,
@@ -18,7 +26,7 @@ from lidardraft.drafting.lane_poses import (
     on_foot,
     set_down,
 )
-from lidardraft.drafting.parking_bays import LOT_DEPTH, in_aisle, in_bay
+from lidardraft.drafting.parking_bays import in_aisle, in_bay, lot_edge
 from lidardraft.drafting.road_pose import BACKWARDS, PoseSampler, RoadPose, alternate, turned
 from lidardraft.drafting.scene_spec import ObjectGroup, split_place
 from lidardraft.drafting.sentence_kinds import SentenceKind
@@ -84,9 +92,11 @@ def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Z
     if group.on_road:
         return Zone(span, set_down(group, kind, fore, side, sides, road), len(sides))
     lateral = group.distance if not fore else None
+    sample_pose = _roadside(kind, road, sides, lateral)
     if kind.at_junction and road.junction is not None and not fore and lateral is None:
         span = (road.junction - half_of(road) - 5.0, road.junction - half_of(road) - 1.0)
-    return Zone(span, _roadside(kind, road, sides, lateral), len(sides))
+        sample_pose = before_and_after(sample_pose, road.junction, len(sides))
+    return Zone(span, sample_pose, len(sides))
 
 
 def _junction_zone(
@@ -111,14 +121,17 @@ def _junction_zone(
     near = junction - half_of(road) - road.sidewalk
     if kind.drives:
         return Zone((near - 4.0, near - QUEUE_BEFORE), _kerb(road, sides), len(sides))
-    return None if kind.walks else Zone((near - 1.0, near - 15.0), _roadside(kind, road, sides, None), len(sides))
+    if kind.walks:
+        return None
+    sample_pose = before_and_after(_roadside(kind, road, sides, None), junction, len(sides))
+    return Zone((near - 1.0, near - 15.0), sample_pose, len(sides))
 
 
 def _driven(group: ObjectGroup, kind: SentenceKind, fore: str, side: str, sides: tuple[int, ...], road: Road) -> Zone:
     """For what drives: a lane, the kerb, a bay, or the sidewalk."""
     span = _span(group, fore, road, 45.0)
     if road.paved_areas and group.lane is None and group.heading in (None, "parked") and fore != "beside":
-        return Zone(_in_lot(span, road), in_bay(kind, road, sides), len(sides))
+        return Zone(_in_lot(span, road), in_bay(kind, road, sides, exactly=group.distance is not None), len(sides))
     stands = side == "right" and road.ego_lane == 0 and kind.is_vehicle and not group.heading
     if group.lane is None and (group.heading == "parked" or stands):
         sample_pose = _kerb(road, sides) if kind.is_vehicle else _sidewalk(road, sides)
@@ -218,13 +231,13 @@ def _roadside(
 ) -> PoseSampler:
     """Behind the verge, or right at the kerb for what has no setback; `distance` [m] from the ego overrules both."""
     ego, setback = road.lane(road.ego_lane), kind.setback
-    verge = road.edge + LOT_DEPTH if road.paved_areas else road.verge
 
     def sample(rng: np.random.Generator, along: float, number: int, effort: float) -> RoadPose:
         side = alternate(sides, number)
         turn = (0.0 if side > 0 else math.pi) + (
             float(rng.normal(0.0, kind.yaw_deviation)) if kind.yaw_deviation else 0.0
         )
+        verge = lot_edge(road, side) if road.paved_areas else road.verge
         if distance is not None:
             return RoadPose(along, ego + side * float(rng.uniform(*distance)), turn)
         if setback is None:

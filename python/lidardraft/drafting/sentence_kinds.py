@@ -45,6 +45,7 @@ _TRAFFIC = CountRanges(few=(2, 3), some=(2, 4), many=(5, 7))
 _BUILDINGS = CountRanges(few=(2, 3), some=(3, 5), many=(5, 7))
 _STRIPS = CountRanges(few=(1, 2), some=(2, 3), many=(3, 4))
 _PEOPLE = CountRanges(few=(2, 3), some=(2, 4), many=(6, 9))
+_TRAFFIC_LIGHTS = CountRanges(few=(1, 2), some=(2, 2), many=(3, 4))
 _OTHERS = CountRanges(few=(2, 3), some=(4, 6), many=(8, 11))
 
 
@@ -114,9 +115,7 @@ class SentenceKind:
         """
         assert self.sizes is not None, f"{self.name} stands for other kinds"
         parts = self.shapes(self.sizes, self.label, rng)
-        if self.is_ridden and not parked:
-            return with_rider(parts[0], rng)
-        return parts
+        return with_rider(parts[0], rng) if self.is_ridden and not parked else parts
 
 
 _MACHINE = (0.10, 0.04, 0.08)  # how much sizes vary, as shares of length, width and height
@@ -279,6 +278,7 @@ _STREET_FURNITURE = (
         label="traffic-light",
         sizes=SizeBetween((0.35, 0.35, 3.1), (0.35, 0.35, 3.9)),
         shapes=sample_traffic_light,
+        counts=_TRAFFIC_LIGHTS,
         surfaces=_ROADS_AND_WALKS,
         at_junction=True,
     ),

@@ -133,7 +133,17 @@ class SentenceNotes:
         if "TREE_LINED" in self.settings and "tree" not in kinds:
             implied.append(ObjectGroup(kind="tree", count="many", places=_SIDES))
         if "BUSY" in self.settings and not any(_drives(group.kind, group.heading) for group in groups):
-            implied.append(ObjectGroup(kind="vehicle", count="some"))
+            implied.append(ObjectGroup(kind="vehicle", count="many"))
+            if self.road == "roundabout":
+                implied.append(ObjectGroup(kind="vehicle", count="some", at_junction=True))
+            elif self.road in ("crossroads", "t-junction"):
+                implied.append(ObjectGroup(kind="vehicle", count="some", heading="across"))
+        if (
+            "BUSY" in self.settings
+            and self.road in ("crossroads", "t-junction", "roundabout")
+            and "person" not in kinds
+        ):
+            implied.append(ObjectGroup(kind="person", count="some", at_junction=True))
         return implied
 
 

@@ -185,6 +185,10 @@ class SentenceReader(PartReader):
 
     def _object(self, chunk: Chunk) -> None:
         mention = mention_of(chunk)
+        if self._previous().head == "TRAFFIC" and self._between(self._previous(), chunk) == ["of"] and self.open:
+            jam = self.notes.mentions.pop()  # "a traffic jam of 12 cars"
+            mention.at, mention.placed, mention.heading = jam.at, jam.placed, mention.heading or jam.heading
+            mention.spans, self.open = [*jam.spans, *mention.spans], []
         mention.same_as = self._whole(chunk, mention)
         mention.of_them = mention.same_as is not None
         kind = SENTENCE_KINDS[str(mention.kind)]

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from lidardraft.drafting.object_shapes import STANDING, ObjectPart
+from lidardraft.drafting.parking_bays import lot_edge
 from lidardraft.drafting.road_pose import BACKWARDS, PoseSampler, RoadPose, alternate
 from lidardraft.drafting.scene_spec import ObjectGroup
 from lidardraft.drafting.sentence_kinds import SentenceKind
@@ -17,10 +18,10 @@ def set_back(group: ObjectGroup, kind: SentenceKind, road: Road, sides: tuple[in
     """Where the near side stands, at a distance from the kerb or the sidewalk."""
     inwards = _lies_inwards(group)
     near, far = group.from_road or group.from_sidewalk or (0.0, 0.0)
-    base = road.edge if inwards or group.from_road is not None else road.verge
 
     def sample(rng: np.random.Generator, along: float, number: int, _effort: float) -> RoadPose:
         side, off = alternate(sides, number), float(rng.uniform(near, far))
+        base = road.edge if inwards else lot_edge(road, side) + (road.sidewalk if group.from_road is None else 0.0)
         backwards = side > 0 and not (kind.drives and road.one_way)
         return RoadPose(along, side * (base - off if inwards else base + off), BACKWARDS if backwards else 0.0)
 

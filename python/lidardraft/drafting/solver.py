@@ -13,6 +13,7 @@ import numpy as np
 from lidardraft.drafting.crowd import Crowd
 from lidardraft.drafting.lane_poses import each_lane, lanes_of
 from lidardraft.drafting.occupancy import GAP, Occupancy, is_at
+from lidardraft.drafting.parking_bays import sample_full
 from lidardraft.drafting.placing_order import long_strips, placing_order, row_of, with_gaps, with_references, with_sides
 from lidardraft.drafting.relation_text import group_relations
 from lidardraft.drafting.relative_poses import Footprint, RelativePoses
@@ -42,7 +43,7 @@ def layout_from_spec(spec: SceneSpec, seed: int = 0) -> Layout:
     many objects found room, and what is in the way.
     """
     check_seed(seed)
-    urgent: set[int] = set()
+    urgent: dict[int, int] = {}  # the groups that found no room, and in which arrangement
     crowded = False
     most = max((group.fewest or 0 for group in spec.groups), default=0)
     for attempt in range(min(most // _CROWDED, ARRANGEMENTS - 3), ARRANGEMENTS):
@@ -50,7 +51,7 @@ def layout_from_spec(spec: SceneSpec, seed: int = 0) -> Layout:
         failed = solver.arrange(urgent)
         if failed is None:
             return Layout(primitives=tuple(solver.scene.primitives), provenance=solver.provenance(seed))
-        urgent |= with_references(spec, failed)
+        urgent |= dict.fromkeys(with_references(spec, failed), attempt)
         if solver.crowd is not None and not crowded:  # whether those between are worth the time: the last has most room
             crowded, solver = True, _Solver(spec, seed, ARRANGEMENTS - 1)
             if solver.arrange(urgent) is not None:
@@ -78,7 +79,7 @@ class _Solver:
         self.overcrowded = False
         self.refusal = ""
 
-    def arrange(self, urgent: set[int]) -> int | None:
+    def arrange(self, urgent: dict[int, int]) -> int | None:
         """Place all groups; the number of the group that found no room, or None."""
         spec = self.spec
         for number in placing_order(spec, urgent):
@@ -236,6 +237,8 @@ class _Solver:
             low, high = group.count
             return int(self.rng.integers(low, high + 1)) * times
         low, high = getattr(group.record.counts, group.count)
+        if group.count == "many" and group.record.is_vehicle and self.road.paved_areas and not (place or group.lane):
+            return sample_full(self.road, self.rng) if group.heading in (None, "parked") else high
         if group.spacing is not None:
             return max(low, min(_MOST_SPACED, int(100.0 / group.spacing)))
         if group.lane == "each":
