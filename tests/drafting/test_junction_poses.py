@@ -23,6 +23,8 @@ def test_who_crosses_keeps_to_the_right_and_comes_from_the_side_that_is_said() -
         assert (pose.along < 40.0) == (math.sin(pose.yaw) < 0)
     from_left = sampled(on_crossing_road(ROAD, "across", (LEFT,)))
     assert all(pose.across > 0 and math.sin(pose.yaw) < 0 for pose in from_left)
+    wide = Road(lanes=3, junction=40.0)
+    assert all(pose.across < wide.lane(wide.ego_lane) for pose in sampled(on_crossing_road(wide, "across", (RIGHT,))))
     assert all(math.sin(pose.yaw) > 0 for pose in sampled(on_crossing_road(ROAD, "across-left", (1, -1))))
 
 

@@ -56,6 +56,22 @@ def test_what_is_oncoming_is_ahead() -> None:
     assert any(pose.along < 0 for pose in poses("", kind="car", heading="against", lane="opposite"))
 
 
+def test_what_stands_in_the_way_is_ahead() -> None:
+    assert all(pose.along > 0 for pose in poses("", kind="cone", lane="right"))
+    assert any(pose.along < 0 for pose in poses("", kind="person", lane="right"))
+
+
+def test_a_row_is_around_the_ego_and_begins_later_as_far_as_the_road_goes_on() -> None:
+    zone = zone_of(ObjectGroup(kind="tree"), SENTENCE_KINDS["tree"], "", ROAD)
+    assert zone.in_row(40.0, ROAD, 0.0, around=True).span[0] == -20.0
+    assert zone.in_row(40.0, ROAD, 8.0, around=True).span[0] == -12.0
+    assert zone.in_row(150.0, ROAD, 8.0, around=True).span[0] == -70.0
+    ahead = zone_of(ObjectGroup(kind="tree"), SENTENCE_KINDS["tree"], "front", ROAD)
+    assert ahead.in_row(40.0, ROAD, 0.0, around=True) == ahead
+    behind = zone_of(ObjectGroup(kind="tree"), SENTENCE_KINDS["tree"], "behind", ROAD)
+    assert behind.in_row(40.0, ROAD, 8.0, around=True).span[0] == -16.0
+
+
 def test_who_crosses_at_a_roundabout_does_so_before_it() -> None:
     ring = Road(junction=40.0, roundabout_radius=20.0)
     group = ObjectGroup(kind="person", heading="across")

@@ -34,7 +34,7 @@ UNDERSTOOD: list[tuple[str, RoadSpec, list[ObjectGroup]]] = [
     (
         "a busy crossroads with pedestrians crossing",
         RoadSpec(kind="crossroads"),
-        [group("person", heading="across"), group("vehicle")],
+        [group("person", heading="across"), group("vehicle", "many"), group("vehicle", heading="across")],
     ),
     (
         "a quiet residential street with houses, gardens, trees and parked cars on both sides",

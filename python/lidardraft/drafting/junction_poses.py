@@ -35,7 +35,8 @@ def on_crossing_road(road: Road, heading: str, sides: tuple[int, ...]) -> PoseSa
         low = -far if RIGHT in road.side_roads else -road.edge / 2
         high = far if LEFT in road.side_roads else road.edge / 2
         if len(sides) == 1:
-            low, high = (max(low, 1.0), high) if sides[0] > 0 else (low, min(high, -1.0))
+            nearest = min(-1.0, road.lane(road.ego_lane) - 0.5)  # to the right of the ego, wherever that drives
+            low, high = (max(low, 1.0), high) if sides[0] > 0 else (low, max(low, min(high, nearest)))
             direction = -sides[0]
         direction = given or direction
         across = float(rng.uniform(low, high))

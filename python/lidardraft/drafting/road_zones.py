@@ -60,10 +60,16 @@ class Zone:
         low = max(-limit, near - more) if near < 0 < far else near
         return dataclasses.replace(self, span=(low, min(limit, far + more) if far > near else max(-limit, far + more)))
 
-    def begun_later(self, by: float) -> Zone:
-        """With a span that begins `by` later [m]."""
+    def in_row(self, length: float, road: Road, later: float, *, around: bool) -> Zone:
+        """With a span that begins where a row of that `length` [m] does.
+
+        The ego is in the middle of a row that may be `around` it; `later` [m] is as far as the road goes on.
+        """
         near, far = self.span
-        return dataclasses.replace(self, span=(near + math.copysign(by, far - near), far))
+        if around and near < 0 < far:
+            near = -length / 2
+        room = road.half_length - near - length if near < far else later
+        return dataclasses.replace(self, span=(near + math.copysign(min(later, max(0.0, room)), far - near), far))
 
 
 def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Zone:
@@ -71,8 +77,10 @@ def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Z
     fore, side = split_place(place)
     if group.distance is not None and not fore and group.on_road:
         fore = "front"
-    if group.heading == "against" and group.lane is None and not fore and "front" not in group.not_places:
-        fore = "front"  # what has passed the ego comes towards it no more
+    comes = group.heading == "against" and group.lane is None  # what has passed the ego comes no more
+    in_the_way = (group.lane is not None or group.surface == "road") and not (kind.drives or kind.walks)
+    if (comes or in_the_way) and not fore and "front" not in group.not_places:
+        fore = "front"
     if not side:
         side = "right" if "left" in group.not_places else "left" if "right" in group.not_places else ""
     sides = {"left": (1,), "right": (-1,)}.get(side, (1, -1))

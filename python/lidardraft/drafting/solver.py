@@ -136,7 +136,8 @@ class _Solver:
         bound = group.distance is not None or place.startswith("beside")
         zone = zone_of(group, kind, place, self.road).grown(0 if bound else self.attempt, self.road)
         if group.spacing is not None and not bound:
-            zone = zone.begun_later(self.attempt * _LATER)
+            length = group.spacing * ((wanted - 1) // zone.sides)
+            zone = zone.in_row(length, self.road, self.attempt * _LATER, around=not kind.drives)
         for anywhere, pose in self._poses(zone, group, kind, index, wanted):
             footprint = self.scene.place(kind, group, pose)
             if anywhere and self.crowd is not None:
@@ -174,6 +175,8 @@ class _Solver:
         sides = (group.scale or (1.0, 1.0))[:2]
         size = tuple((group.size or (None, None))[axis] or (length, width)[axis] * sides[axis] for axis in (0, 1))
         lanes = lanes_of(group, "", "", self.road) if group.lane is not None else ()
+        if relation == "between" and references[0] is references[-1]:
+            relation = "beside"  # of "the parked cars" there is only one
         poses = RelativePoses(self.road, kind, (size[0], size[1]), group.heading, relation, group.distance, lanes)
         for attempt in range(TRIES):
             pose = poses.sample(references, self.rng, index, attempt / TRIES)
@@ -298,7 +301,7 @@ class _Solver:
                 along = near + step * (number + float(rng.uniform(0.25, 0.75)))
             else:
                 along = near + (far - near) * float(rng.random())
-            effort = float(rng.random()) if wanted >= _CROWDED else attempt / tries
+            effort = float(rng.random()) if wanted >= _CROWDED else max(leeway, attempt / tries)
             anywhere = attempt >= tries // 4 and group.spacing is None
             yield anywhere, zone.sample_pose(rng, along, number, effort * (1 + self.attempt) ** 1.3)
 
