@@ -156,10 +156,8 @@ def _with_adjectives(chunks: list[Chunk]) -> list[Chunk]:
             found += [Chunk("phrase", [Token("THE", "the"), *chunk.tokens]), Chunk("position", [place])]
         elif overtakes:
             rest = [token for token in chunk.tokens if token not in overtakes]
-            found += [
-                Chunk("phrase", rest),
-                Chunk("position", [Token.new_borrow_pos("OVERTAKING", "overtaking", overtakes[0])]),
-            ]
+            verb = Token.new_borrow_pos("OVERTAKING", "overtakes", overtakes[0])  # of this noun alone
+            found += [Chunk("phrase", rest), Chunk("position", [verb])]
         else:
             found.append(chunk)
     return found
@@ -197,14 +195,6 @@ def _counts_listed(count: Chunk, link: Chunk, named: Chunk) -> bool:
     return bare and link.name in ("COMMA", "STOP") and [token.type in COUNT_TYPES for token in count.tokens] == [True]
 
 
-def _is_overtaking(chunks: list[Chunk], noun: Chunk) -> bool:
-    """Whether a clause begins with what overtakes, as "an overtaking lorry" does, and not with what is overtaken."""
-    bare = not noun.types & {*COUNT_TYPES, *_ARTICLES, "ANOTHER", "OF_THEM"}
-    if not (bare and noun.is_object and chunks and [token.type for token in chunks[-1].tokens] == ["OVERTAKING"]):
-        return False
-    return len(chunks) < 2 or chunks[-2].name in LINKS or chunks[-2].types <= {*COUNT_TYPES, *_ARTICLES, "ANOTHER"}
-
-
 def _joined(chunks: list[Chunk]) -> list[Chunk]:
     """Without the prepositions that no object follows, and with positions that then adjoin as one."""
     found: list[Chunk] = []
@@ -218,11 +208,6 @@ def _joined(chunks: list[Chunk]) -> list[Chunk]:
             continue
         if chunk.name == "position" and found and found[-1].name == "position":
             found[-1] = Chunk("position", [*found[-1].tokens, *chunk.tokens])
-        elif _is_overtaking(found, chunk):
-            (participle,) = found.pop().tokens
-            verb = Token.new_borrow_pos(participle.type, "overtakes", participle)  # of this noun alone
-            number = found.pop().tokens if found and found[-1].name == "phrase" else []
-            found += [Chunk("phrase", [*number, *chunk.tokens]), Chunk("position", [verb])]
         elif chunk.is_object and _is_verb_before_subject(found):
             found[-1] = Chunk("phrase", [*found[-1].tokens, *chunk.tokens])
         elif len(found) > 1 and _counts_listed(chunk, found[-1], found[-2]):
