@@ -151,6 +151,15 @@ def test_people_who_stand_close_stay_apart():
         layout_from_cloud(points, labels, stray_share=math.nan)
 
 
+def test_points_that_rays_pass_by_the_hundred_are_no_car():
+    points, labels, _ = street_cloud()
+    specks = np.random.default_rng(0).uniform((7, 7, -1.0), (8, 7.5, -0.2), (20, 3))  # in front of the building
+    layout = layout_from_cloud(
+        np.concatenate([points, specks]), np.concatenate([labels, np.full(20, BY_NAME["car"].id, np.uint8)])
+    )
+    assert sorted(box.label for box in layout.boxes()) == ["car", "car", "person"]
+
+
 def test_the_layout_says_where_it_came_from_and_stays_the_same():
     points, labels, instances = street_cloud()
     layout = layout_from_cloud(points, labels, instances=instances, source="street.bin")

@@ -28,6 +28,7 @@ from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import CLASSES, GROUND, NUM_CLASSES, SemanticClass
 
 _STRAY = 10  # rays; as few that went through a box do not speak against it
+_UNREAL = 2  # times as many rays through a cluster as it has points: it is none, and its points have a wrong class
 _TOUCHING = 0.3  # of the usual width of a class: a cluster whose middle is so near to an object has no room of its own
 # The outline of a car is no box's: rays see the road under it and pass over its hood [m], and a fitted box is turned by
 # some degrees; only what passes through this share of its length and width passed through it.
@@ -72,8 +73,8 @@ def layout_from_cloud(
     if detail not in DETAILS:
         raise LayoutError(f"detail is {detail!r}; it must be {one_of(DETAILS, detail)}")
     points = points.astype(np.float64) + np.array([0.0, 0.0, sensor_height])
-    ground = HeightField(points, labels)
     rays = Rays(points, np.array([0.0, 0.0, sensor_height]))
+    ground = HeightField(rays, labels)
     shapes, pieces = _clustered(rays, labels, instances, ground, DETAILS[detail], stray_share)
     others = [_primitive(*shape, str(index), index) for index, shape in enumerate(shapes)]
     pieces = refined(pieces, rays, [*others, *ground.primitives()], DETAILS[detail])
@@ -125,22 +126,24 @@ def _clustered(
 def _objects(
     row: SemanticClass, groups: list[np.ndarray], ground: HeightField, rays: Rays, stray_share: float
 ) -> list[FittedBox]:
-    """A box around each group, with the sides that were not seen."""
+    """A box around each group, with the sides that were not seen; none where rays say that there is nothing."""
     if row.size is None or not groups:
         return []
     seen = [fit_box(rays.points[members]) for members in groups]
     headings = _headings(seen, row.size)
     choices = [completions(box, row.size, heading) for box, heading in zip(seen, headings, strict=True)]
     passed = np.array([_passed(boxes, row, ground, rays) for boxes in zip(*choices, strict=True)])
-    strays = np.maximum(_STRAY, stray_share * np.array([len(members) for members in groups]))
+    counts = np.array([len(members) for members in groups])
+    strays = np.maximum(_STRAY, stray_share * counts)
     # rays that pass through what was seen, as through windows, do not tell one choice from the other
     best = np.argmin(np.maximum(passed - passed[-1], strays), axis=0)
+    unreal = passed.min(axis=0) > np.maximum(_STRAY, _UNREAL * counts)
     found: list[FittedBox] = []
     is_long = row.size[0] > 2 * row.size[1]  # people stand close to each other
     margin = -_TOUCHING * row.size[1] if is_long else 0.0
-    for box, boxes, choice in zip(seen, choices, best.tolist(), strict=True):
+    for box, boxes, choice, gone in zip(seen, choices, best.tolist(), unreal.tolist(), strict=True):
         # A cluster in or on a larger object, such as a seat behind a window or a far corner, is a part of it.
-        if not any(other.contains(box.center[None], margin)[0] for other in found):
+        if not gone and not any(other.contains(box.center[None], margin)[0] for other in found):
             found.append(boxes[choice])
     return found
 

@@ -6,30 +6,55 @@ import numpy as np
 from sklearn.neighbors import KNeighborsRegressor, NearestNeighbors
 
 from lidardraft.drafting.cloud_rules import GROUND_PLANE_DROP, GROUND_PLANE_SIZE
+from lidardraft.drafting.refinement import Rays
 from lidardraft.scene.layout import Primitive
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
 
 CELL = 1.0  # m
 GROUND_IDS = tuple(BY_NAME[name].id for name in GROUND)
 _BRIDGED = 4.0  # m; as far as this from a cell that was seen, the ground goes on
+_ROUNDS = 2  # of leaving out cells: the next ones may be seen where the first are gone
 
 
 class HeightField:
     """Median height and most frequent class of the ground points in each cell of a grid.
 
-    `points` [N, 3] and `labels` [N] may hold other classes, which are ignored. Without a ground point it is z = 0.
+    The points of `rays` [N] and their `labels` [N] may hold other classes; without a ground point it is z = 0. A cell
+    that hides more points than it shows is left out, and the ground goes on there at the height of the cells around:
+    what stands on it was called ground.
     """
 
-    def __init__(self, points: np.ndarray, labels: np.ndarray) -> None:
+    def __init__(self, rays: Rays, labels: np.ndarray) -> None:
         is_ground = np.isin(labels, GROUND_IDS)
-        self.points, labels = points[is_ground], labels[is_ground]
-        if not len(self.points):
-            self._places, self._heights, self._labels = np.zeros((1, 2)), np.zeros(1), np.full(1, BY_NAME["terrain"].id)
-        else:
-            self._places, self._heights, self._labels = _cells(self.points, labels)
-        neighbours = min(4, len(self._places))
-        self._field = KNeighborsRegressor(neighbours, weights="distance").fit(self._places, self._heights)
-        self._nearest = NearestNeighbors(n_neighbors=1).fit(self._places)
+        self._seen = bool(is_ground.any())
+        if not self._seen:
+            self._fit(np.zeros((1, 2)), np.zeros(1), np.full(1, BY_NAME["terrain"].id))
+            return
+        self._fit(*_cells(rays.points[is_ground], labels[is_ground]))
+        for _ in range(_ROUNDS):
+            kept = self._shows(rays)
+            if kept.all() or not kept.any():
+                break
+            self._fit(self._places[kept], self._heights[kept], self._labels[kept])
+
+    def _fit(self, places: np.ndarray, heights: np.ndarray, labels: np.ndarray) -> None:
+        self._places, self._heights, self._labels = places, heights, labels
+        self._field = KNeighborsRegressor(min(4, len(places)), weights="distance").fit(places, heights)
+        self._nearest = NearestNeighbors(n_neighbors=1).fit(places)
+
+    def _shows(self, rays: Rays) -> np.ndarray:
+        """bool [C]: which cells show as many points as they hide, or more."""
+        hits = rays.cast(self.primitives(), rays.sample)
+        on = hits.primitive > 0  # the plane is the first
+        cell = np.full(len(on), len(self._places))
+        if on.any():
+            cell[on] = self._nearest.kneighbors(rays.ends(hits)[on, :2], return_distance=False)[:, 0]
+        hidden, shown = (
+            np.bincount(cell[which], minlength=len(self._places) + 1)[:-1]
+            for which in (hits.too_near, ~hits.too_near & ~hits.too_far)
+        )
+        shows: np.ndarray = hidden <= shown
+        return shows
 
     def height(self, places: np.ndarray) -> np.ndarray:
         """Height [N] of the ground at x, y [N, 2], also where it was not seen."""
@@ -37,7 +62,7 @@ class HeightField:
 
     def primitives(self) -> list[Primitive]:
         """A mesh for each class, with the class's name as id, and the plane "ground" below all of them."""
-        surfaces = self._surfaces() if len(self.points) else []
+        surfaces = self._surfaces() if self._seen else []
         lowest = min([0.0, *(s.center[2] - s.size[2] / 2 for s in surfaces)])
         center = (0.0, 0.0, lowest - (GROUND_PLANE_DROP if surfaces else 0.0))
         plane = Primitive(

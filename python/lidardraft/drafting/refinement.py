@@ -16,7 +16,7 @@ from lidardraft.scene.raycast import Raycaster
 from lidardraft.semantics import CLASSES
 
 _SAMPLE = 200  # points at most that tell which halves are better
-_MOST_RAYS = 50_000  # cast in a round
+_MOST_RAYS = 50_000  # in a sample
 _LEAST_SHOWN = 2  # returns that a useful piece shows
 
 
@@ -63,12 +63,16 @@ class Piece:
 
 
 class Rays:
-    """Rays from the sensor at `origin` [3] to points [N, 3], and how far off a cast may be to agree with them."""
+    """Rays from the sensor at `origin` [3] to points [N, 3], and how far off a cast may be to agree with them.
+
+    `sample` are the indices of evenly chosen ones, 50,000 at most.
+    """
 
     def __init__(self, points: np.ndarray, origin: np.ndarray) -> None:
         self.points, self.origin = points, origin
         self.ranges = np.linalg.norm(points - origin, axis=1)
         self.tolerance = np.maximum(ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE * self.ranges)
+        self.sample = np.arange(0, len(points), max(1, -(-len(points) // _MOST_RAYS)))
 
     def cast(self, primitives: Sequence[Primitive], chosen: np.ndarray | None = None) -> RayHits:
         """What the rays `chosen` [M], or all of them, meet in a layout."""
@@ -77,17 +81,24 @@ class Rays:
         hits = caster.cast(self.origin, self.points[chosen] - self.origin, threads=1)
         further, tolerance = hits.distance - self.ranges[chosen], self.tolerance[chosen]
         too_far = ~hits.valid | (further > tolerance)
-        return RayHits(chosen, hits.primitive, hits.valid & (further < -tolerance), too_far)
+        return RayHits(chosen, hits.primitive, hits.distance, hits.valid & (further < -tolerance), too_far)
+
+    def ends(self, hits: RayHits) -> np.ndarray:
+        """Where rays that were cast end [M, 3]: at their origin if they meet nothing."""
+        share = hits.distance / np.maximum(self.ranges[hits.chosen], 1e-6)
+        ends: np.ndarray = self.origin + share[:, None] * (self.points[hits.chosen] - self.origin)
+        return ends
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RayHits:
-    """Of M rays: their indices `chosen`, the indices of the primitives that they meet, -1 for none, and which of them
-    end too near, and which too far or nowhere.
+    """Of M rays: their indices `chosen`, the indices of the primitives that they meet, -1 for none, the distances to
+    these [m], and which of them end too near, and which too far or nowhere.
     """
 
     chosen: np.ndarray
     primitive: np.ndarray
+    distance: np.ndarray
     too_near: np.ndarray
     too_far: np.ndarray
 
@@ -104,10 +115,9 @@ def refined(pieces: Sequence[Piece], rays: Rays, others: Sequence[Primitive], de
     are to stand on the ground, and what room that makes is used once more.
     """
     pieces = list(pieces)
-    sample = np.arange(0, len(rays.points), max(1, -(-len(rays.points) // _MOST_RAYS)))
 
     def cast() -> RayHits:
-        return rays.cast([*(piece.primitive(str(index)) for index, piece in enumerate(pieces)), *others], sample)
+        return rays.cast([*(piece.primitive(str(index)) for index, piece in enumerate(pieces)), *others], rays.sample)
 
     whole: set[int] = set()  # first members of the pieces that halving does not mend
     for rounds in ROUNDS:
