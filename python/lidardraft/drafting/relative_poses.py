@@ -165,6 +165,9 @@ class RelativePoses:
         share = 0.5 + float(rng.uniform(-0.25, 0.25)) * effort * (1.6 if self.kind.drives else 1.0)
         along = one.pose.along + share * (other.pose.along - one.pose.along)
         across = one.pose.across + share * (other.pose.across - one.pose.across)
+        if self.road.curvature and not (one.kind.drives and self.kind.drives):  # straight through the bend
+            start, end = (np.array(self.road.at(*each.pose[:2])[:2]) for each in (one, other))
+            along, across = self.road.along_across(*(start + share * (end - start)).tolist())
         return self._pose(along, across, rng, one)
 
     def _gap(self, usual: tuple[float, float], rng: np.random.Generator, effort: float) -> float:

@@ -301,9 +301,9 @@ class _Solver:
                 along = near + step * (number + float(rng.uniform(0.25, 0.75)))
             else:
                 along = near + (far - near) * float(rng.random())
-            effort = float(rng.random()) if wanted >= _CROWDED else max(leeway, attempt / tries)
+            effort = float(rng.random()) if wanted >= _CROWDED else attempt / tries
             anywhere = attempt >= tries // 4 and group.spacing is None
-            yield anywhere, zone.sample_pose(rng, along, number, effort * (1 + self.attempt) ** 1.3)
+            yield anywhere, zone.sample_pose(rng, along, number, max(leeway, effort * (1 + self.attempt) ** 1.3))
 
 
 def _longest(kind: SentenceKind) -> float:
