@@ -57,3 +57,8 @@ def test_numbers(value: object) -> None:
 def test_what_is_no_number(value: object) -> None:
     assert not is_number(value)
     assert not are_numbers([1.0, value], 2)
+
+
+def test_more_fields_than_are_read() -> None:
+    with pytest.raises(FormatError, match="1500001 fields; JSON of up to 1500000 is read"):
+        parse_object("{" + '"a":1,' * 1_500_000 + '"a":1}')

@@ -44,6 +44,8 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 def check_replaceable(target: Path) -> None:
     """Raise `FormatError` where something is there that is no regular file: a rename would take a device's place."""
+    if "\0" in str(target):
+        raise FormatError(f"{target} cannot be written: no file can have that name")
     if target.exists() and not target.is_file():
         raise FormatError(f"{target} cannot be written: it is there, and no regular file")
 
@@ -63,7 +65,7 @@ def regular_size(path: str | os.PathLike[str]) -> int:
     Raises `FormatError` where it is missing, is no regular file (a FIFO or a device may never end) or is larger than
     `MAX_BYTES`.
     """
-    name = os.fspath(path)
+    name = os.fspath(path) or "''"
     try:
         status = os.stat(path)
     except OSError as error:

@@ -12,6 +12,7 @@ import numpy as np
 from lidardraft.errors import FormatError
 
 _MOST_BRACKETS = 3_000_000  # lists and objects of a text, which take a hundred bytes each once they are read
+_MOST_FIELDS = 1_500_000  # of all objects, which take twice as much and twice as long
 
 
 def parse_object(text: str | bytes) -> dict[str, Any]:
@@ -46,10 +47,17 @@ def check_fields(fields: Iterable[str], required: Iterable[str], optional: Itera
 
 
 def check_brackets(text: str | bytes) -> None:
+    """Raises `FormatError` where a text has more lists, objects or fields than are read."""
+    opened, begun, fields = map(text.count, "[{:") if isinstance(text, str) else map(text.count, (b"[", b"{", b":"))
+    check_lists(opened + begun)
+    if fields > _MOST_FIELDS:
+        raise FormatError(f"{fields} fields; JSON of up to {_MOST_FIELDS} is read")
+
+
+def check_lists(number: int) -> None:
     """Raises `FormatError` where a text has more lists and objects than are read."""
-    opened = text.count("[") + text.count("{") if isinstance(text, str) else text.count(b"[") + text.count(b"{")
-    if opened > _MOST_BRACKETS:
-        raise FormatError(f"{opened} lists and objects; JSON of up to {_MOST_BRACKETS} is read")
+    if number > _MOST_BRACKETS:
+        raise FormatError(f"{number} lists and objects; JSON of up to {_MOST_BRACKETS} is read")
 
 
 def is_number(value: Any) -> bool:

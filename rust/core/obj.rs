@@ -30,6 +30,8 @@ pub struct ObjMesh {
 pub fn read_obj(path: &Path) -> Result<Vec<ObjMesh>> {
     let mut text = Vec::new();
     File::open(path)
+        // no more than its size: some files of the system are regular, empty and without an end
+        .and_then(|file| file.metadata().map(|data| file.take(data.len())))
         .and_then(|mut file| file.read_to_end(&mut text))
         .map_err(|error| Error::ObjUnreadable { path: path.into(), reason: error.to_string() })?;
     let materials = material_names(&text);

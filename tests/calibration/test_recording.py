@@ -1,13 +1,15 @@
 """Recordings out of files, and files that are none."""
 
 import struct
+import warnings
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from lidardraft import Layout, Primitive, Sensor, raycast
-from lidardraft.calibration.recording import read_recording, recording_of
+from lidardraft.calibration.recording import read_points, read_recording, recording_of, returns
 from lidardraft.drafting.text import layout_from_text
 from lidardraft.errors import FormatError
 from lidardraft.formats.kitti import write_bin
@@ -152,3 +154,20 @@ def test_files_that_are_none(tmp_path, in_kitti_order):
         np.savez(tmp_path / "a.npz", **arrays)
         with pytest.raises(FormatError, match=f"a.npz: .*{message}"):
             read_recording(tmp_path / "a.npz")
+
+
+def test_fields_and_coordinates_that_cannot_be(tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match="a value of each field for each"):
+        returns(np.ones((9, 3)), {"label": np.array(1)})
+    with pytest.raises(FormatError, match="4194305 points; scans of up to 4194304 are read"):
+        returns(np.zeros((2**22 + 1, 3), np.float32), {})
+    broken = np.frombuffer(np.full(9, 0x7FA00000, "<u4").tobytes(), np.float32).reshape(3, 3)  # nan that signals
+    for far in (np.full((9, 3), 1e308), broken):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            with pytest.raises(FormatError, match="it has no return"):
+                returns(far, {})
+    path = tmp_path / "a.pcd"
+    path.write_text("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 2 1 1\nPOINTS 1\nDATA ascii\n1 2 3 4\n")
+    with pytest.raises(FormatError, match=r"a\.pcd: there is no field x of one value a point"):
+        read_points(path)

@@ -50,3 +50,24 @@ def test_the_ending_says_the_format_before_anything_is_made(refused: Callable[..
     for path in ("layout", "layout.txt", "layout.blend"):
         said = refused("draft", "--text", "a car ahead", "-o", path)
         assert f"{path}: a layout is written as .json, .obj, .glb, .py; the ending says which" in said
+
+
+def test_a_layout_that_cannot_be_simulated_replaces_nothing(refused: Callable[..., str]) -> None:
+    far = Primitive(shape="box", center=(1e9, 1e9, 1e9), size=(1e9, 1e9, 1e9), label="car", id="car_1", instance=1)
+    Layout((far,)).save("far.json")
+    Path("layout.json").write_text("older")
+    said = refused("draft", "--layout", "far.json", "-o", "layout.json")
+    assert "far.json: no preview can be made (--no-preview leaves it out)" in said
+    assert cli.main(["draft", "--layout", "far.json", "-o", "layout.json", "--no-preview"]) == 0
+
+
+def test_a_layout_of_very_many_shapes_has_no_preview(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    many = (Primitive(shape="box", center=(9, k, 1), size=(1, 1, 1), label="building", id=f"b{k}") for k in range(2001))
+    Layout(tuple(many)).save("many.json")
+    assert cli.main(["draft", "--layout", "many.json", "-o", "layout.json"]) == 0
+    assert "layout.preview.png is not made: the layout has more than 2000 shapes" in capsys.readouterr().err
+    assert not list(folder.glob("*.png"))
+
+
+def test_a_name_that_no_file_can_have(refused: Callable[..., str]) -> None:
+    assert "no file can have that name" in refused("draft", "--text", "a car ahead", "-o", "a\0.json")

@@ -395,3 +395,21 @@ def test_a_scan_is_labelled_by_a_segmenter_and_drafted_for_hands(refused: Callab
     labels = weight_file.load("segmenter.safetensors", Segmenter).label_points(points, intensity, 1.73)
     assert Layout.load("layout.json") == layout_from_cloud(points, labels, detail="objects")
     assert "--labels and --segmenter both say the classes" in refused(*scan, "--labels", "scan.label")
+
+
+def test_a_scan_without_a_name_is_no_scan(refused: Callable[..., str]) -> None:
+    assert "a recorded scan is a" in refused("draft", "--points", "", "-o", "layout.json")
+
+
+def test_a_scan_and_labels_that_do_not_fit_are_both_named(refused: Callable[..., str]) -> None:
+    kitti.write_bin("a.bin", np.ones((3, 3), np.float32), np.ones(3, np.float32))
+    Path("b.label").write_bytes(bytes(8))
+    said = refused("draft", "--points", "a.bin", "--labels", "b.label", "-o", "layout.json")
+    assert "a.bin" in said
+    assert "b.label has 8 bytes" in said
+
+
+def test_a_sensor_of_too_many_pixels_is_named(refused: Callable[..., str]) -> None:
+    Sensor(name="wide", elevations=(0.1, 0.0), columns=2**22).save("wide.json")
+    said = refused("draft", "--text", "a car ahead", "--sensor", "wide.json", "-o", "layout.json")
+    assert "wide.json: 2 beams of 4194304 columns" in said

@@ -65,7 +65,7 @@ def test_a_ground_that_is_no_plane_is_said():
 
 
 def test_a_picture_upside_down_is_said():
-    with pytest.raises(LayoutError, match="does the picture stand upright"):
+    with pytest.raises(LayoutError, match="is the depth metric, and the picture upright"):
         find_road_plane(ground() * (1, -1, -1), np.full(2000, ROAD))
 
 

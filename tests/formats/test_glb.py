@@ -151,6 +151,7 @@ def test_what_is_not_read_gets_one_line(tmp_path: Path, change: dict[str, Any], 
         ({"componentType": 5123}, "positions that are not float32"),
         ({"count": 10**9}, "accessor 0 of 1000000000 values reaches to byte"),
         ({"count": -1}, "count is -1; it must be a whole number"),
+        ({"componentType": [5126]}, "accessor 0 is no VEC3 of numbers"),
         ({"byteOffset": 10**9}, "reaches to byte"),
         ({"count": 7}, r"face \d+ is .*; the mesh has 7 vertices"),
     ],
@@ -262,3 +263,9 @@ def test_shapes_stand_upright_along_y_as_along_z(tmp_path: Path) -> None:
         (tmp_path / "a.glb").write_bytes(glb_bytes(fields, vertices + faces))
         (pole,) = layout_from_glb(tmp_path / "a.glb")
         assert (pole.shape, pole.center) == ("cylinder", pytest.approx((1, -3, 2)))
+
+
+@pytest.mark.parametrize("instance", [[1], {}])
+def test_an_instance_that_is_no_number(tmp_path: Path, instance: object) -> None:
+    with pytest.raises(LayoutError, match="instance is"):
+        read(tmp_path, {"name": "car", "mesh": 0, "extras": {"instance": instance}})

@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 from exported_layouts import EVERYTHING, drafted
@@ -145,3 +147,11 @@ def test_numbered_parts_are_one_thing(tmp_path):
         ("Car_1_Glass", 1),
         ("Car_2_Paint", 2),
     ]
+
+
+def test_an_endless_file_of_the_system_is_empty():
+    endless = Path("/proc/self/pagemap")  # a regular file of no size
+    if not endless.exists():
+        pytest.skip("no such file on this system")
+    with pytest.raises(FormatError, match="pagemap has no faces"):
+        layout_from_obj(endless)

@@ -53,10 +53,10 @@ def test_an_array_comes_back(tmp_path: Path, array: np.ndarray, version: tuple[i
         (claims((2, 8), "<f8"), r"depth is float64 \(2, 8\); it must be float32 \(2, 8\)"),
         (claims((2, 8), "|O"), r"depth is object \(2, 8\); it must be float32 \(2, 8\)"),
         (claims((2, 8), "<f4", bytes(63)), r"depth is truncated: it has 63 of 64 bytes"),
-        (npy(DEPTH, (3, 0)), r"depth is in version \(3, 0\) of numpy's format; 1.0 and 2.0 are read"),
-        (b"", r"not a whole .npz file: "),
-        (b"\x93NUMPY\x01\x00\xff\xff{", r"not a whole .npz file: "),
-        (b"\x93NUMPY\x02\x00\xff\xff\xff\xff{", r"not a whole .npz file: "),
+        (npy(DEPTH, (3, 0)), r"depth: it is in version 3.0 of numpy's format; 1.0 and 2.0 are read"),
+        (b"", r"depth: not a whole .npy file"),
+        (b"\x93NUMPY\x01\x00\xff\xff{", r"depth: not a whole .npy file"),
+        (b"\x93NUMPY\x02\x00\xff\xff\xff\xff{", r"depth: not a whole .npy file"),
     ],
     ids=["huge", "type", "objects", "truncated", "version", "empty", "header", "long header"],
 )
@@ -100,3 +100,10 @@ def test_a_range_image_of_wrong_values_is_named(tmp_path: Path) -> None:
     image.save(tmp_path / "a.npz")
     with pytest.raises(SensorError, match=r"a.npz: label holds 200; class ids are 0 to 20"):
         RangeImage.load(tmp_path / "a.npz")
+
+
+def test_what_numpy_does_not_pack_is_not_unpacked(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "a.npz", "w", zipfile.ZIP_LZMA) as archive:
+        archive.writestr("depth.npy", npy(DEPTH))
+    with pytest.raises(FormatError, match="packed in a way"), image_archive.opened(tmp_path / "a.npz") as file:
+        image_archive.read_numbers(file, "depth")

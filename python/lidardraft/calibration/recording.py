@@ -24,6 +24,7 @@ from lidardraft.scene import image_archive
 
 _NEAREST = 0.1  # m: what is nearer is no return (zeros stand for those of organised clouds)
 _MOST_LASERS = 512
+_MOST_POINTS = 2**22  # of a scan; the largest sensors have half a million
 _FIELDS = ("ring", "intensity", "label", "instance", "column")  # of an .npz file
 _ORDERLY = 0.98  # of the steps in a file of KITTI's order are small ones ahead
 _SMALL_STEP = np.deg2rad(5.0)
@@ -83,15 +84,23 @@ def returns(points: np.ndarray, fields: Mapping[str, np.ndarray]) -> tuple[np.nd
 
     Raises `FormatError` where there are none, or where the arrays do not fit or hold what cannot be."""
     points = np.asarray(points)
-    if points.ndim != 2 or points.shape[1] != 3 or any(len(values) != len(points) for values in fields.values()):
+    if (
+        points.ndim != 2
+        or points.shape[1] != 3
+        or any(np.shape(each)[:1] != points.shape[:1] for each in fields.values())
+    ):
         raise FormatError(f"points {points.shape} must be [N, 3], with a value of each field for each")
-    distance = np.linalg.norm(points.astype(np.float64), axis=1)
+    if len(points) > _MOST_POINTS:
+        raise FormatError(f"{len(points)} points; scans of up to {_MOST_POINTS} are read")
+    with np.errstate(over="ignore", invalid="ignore"):  # what is too far for float64 is infinitely far
+        distance = np.linalg.norm(points.astype(np.float64), axis=1)
     there = np.isfinite(distance) & (distance > _NEAREST)
     if not there.any():
         raise FormatError("the scan is empty: it has no return")
     found = {field: np.asarray(values)[there] for field, values in fields.items()}
     if "intensity" in found:
-        intensity = found["intensity"].astype(np.float32)
+        with np.errstate(over="ignore", invalid="ignore"):
+            intensity = found["intensity"].astype(np.float32)
         if not np.isfinite(intensity).all() or intensity.min() < 0 or intensity.max() > 255:
             raise FormatError("an intensity is not finite or not within 0 to 255")
         found["intensity"] = intensity / np.float32(255) if intensity.max() > 1 else intensity
@@ -144,9 +153,9 @@ def _labels_beside(path: Path, count: int) -> dict[str, np.ndarray]:
 
 def _from_pcd(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     columns = read_pcd(path)
-    missing = [axis for axis in "xyz" if axis not in columns]
+    missing = [axis for axis in "xyz" if axis not in columns or columns[axis].ndim != 1]
     if missing:
-        raise FormatError(f"{os.fspath(path)}: there is no field {missing[0]}")
+        raise FormatError(f"{os.fspath(path)}: there is no field {missing[0]} of one value a point")
     if "channel" in columns:
         columns.setdefault("ring", columns["channel"])
     fields = {str(field): columns[field] for field in ("ring", "intensity") if field in columns}

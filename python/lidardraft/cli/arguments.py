@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     Options = argparse.ArgumentParser | argparse._ArgumentGroup  # what options can be added to
 
 DEFAULT_SENSOR = "hdl64e"
+_MOST_PIXELS = 2**22  # of the images of a sensor in a file, eight times those of the largest sensors
 # What --weather calls each number of `Weather`, and the unit that may stand behind the amount.
 _WEATHER = {"rain": ("rain", "mm"), "snow": ("snow", "mm"), "fog": ("visibility", "m"), "wet": ("wetness", "")}
 
@@ -88,7 +89,13 @@ def add_sensor(parser: Options, *, default: str | None = DEFAULT_SENSOR, of: str
 def read_sensor(name: str) -> Sensor:
     """The sensor of a value of --sensor: that of a file, whose errors name it, or a preset; else a `SensorError`."""
     if Path(name).suffix == ".json":
-        return Sensor.load(name)
+        sensor = Sensor.load(name)
+        if math.prod(sensor.shape) > _MOST_PIXELS:
+            beams, columns = sensor.shape
+            raise SensorError(
+                f"{name}: {beams} beams of {columns} columns; images of up to {_MOST_PIXELS} pixels are made"
+            )
+        return sensor
     if name not in PRESETS:
         raise SensorError(f"sensor is {name!r}; it must be a .json file or {one_of(PRESETS, name)}")
     return Sensor.preset(name)

@@ -6,11 +6,17 @@ import argparse
 import warnings
 from pathlib import Path
 
+import numpy as np
+
 from lidardraft.cli.arguments import add_sensor, read_sensor
-from lidardraft.cli.inputs import add_inputs, read_layout
+from lidardraft.cli.command import say
+from lidardraft.cli.inputs import add_inputs, input_of, read_layout
 from lidardraft.cli.layout_file import check_ending, write_layout
+from lidardraft.files import named
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import Sensor
+
+_MOST_SHAPES, _MOST_TRIANGLES = 2_000, 100_000  # of a layout whose preview takes no longer than it does
 
 
 def draft(arguments: argparse.Namespace) -> None:
@@ -19,23 +25,35 @@ def draft(arguments: argparse.Namespace) -> None:
     check_ending(arguments.output)
     sensor = read_sensor(arguments.sensor)
     layout = read_layout(arguments)
+    # before anything is written: what cannot be simulated replaces no layout that is there
+    with named(f"{input_of(arguments)}: no preview can be made (--no-preview leaves it out)"):
+        picture = None if arguments.no_preview else _preview(layout, sensor, arguments.seed)
     write_layout(arguments.output, layout)
     objects = len(layout.boxes())
     print(f"{arguments.output}: shapes: {len(layout)}, objects with a box: {objects}")
-    if not arguments.no_preview:
-        path = Path(arguments.output).with_suffix(".preview.png")
-        _write_preview(path, layout, sensor, arguments.seed)
+    path = Path(arguments.output).with_suffix(".preview.png")
+    if picture is not None:
+        from lidardraft.view import save_png
+
+        save_png(path, picture)
         print(f"{path}: the layout from above, and a simulated scan of it")
+    elif not arguments.no_preview:
+        limits = f"{_MOST_SHAPES} shapes and {_MOST_TRIANGLES} triangles"
+        say("lidardraft", f"{path} is not made: the layout has more than {limits}")
 
 
-def _write_preview(path: Path, layout: Layout, sensor: Sensor, seed: int) -> None:
+def _preview(layout: Layout, sensor: Sensor, seed: int) -> np.ndarray | None:
+    """The picture of a layout, uint8 [H, W, 3]; None of one that takes long."""
+    triangles = sum(len(primitive.mesh.faces) for primitive in layout if primitive.mesh is not None)
+    if len(layout) > _MOST_SHAPES or triangles > _MOST_TRIANGLES:
+        return None
     from lidardraft.simulation.simulate import Simulator
-    from lidardraft.view import render_preview, save_png
+    from lidardraft.view import render_preview
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # a layout without ground may be meant
         scan = Simulator(layout, sensor, seed=seed).scan(seed=seed)
-    save_png(path, render_preview(layout, scan.image, scan.pose))
+        return render_preview(layout, scan.image, scan.pose)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

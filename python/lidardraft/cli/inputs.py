@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import math
 from pathlib import Path
 
 import numpy as np
 
 from lidardraft.cli.arguments import add_seed, assignments, number, read_sensor
 from lidardraft.cli.command import say
+from lidardraft.cli.image_input import add_image_options, layout_of_image
 from lidardraft.cli.language_model import add_language_model, asks_language_model
 from lidardraft.errors import FormatError
 from lidardraft.files import named
@@ -67,27 +67,10 @@ def add_inputs(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     )
     group.add_argument("--up", choices=("y", "z"), help="axis that points up in --obj (default z) or --glb (default y)")
     group.add_argument("--scale", type=number, metavar="M", help="length of a unit of --obj, in metres (default 1)")
-    _add_image_options(group)
+    add_image_options(group)
     add_seed(group)
     add_language_model(parser)
     return group
-
-
-def _add_image_options(group: argparse._ArgumentGroup) -> None:
-    text = "depth of --image: a metric depth network (id or folder), or an .npy file [m], 0 where unknown"
-    group.add_argument("--depth", metavar="MODEL", help=f"{text} (default: Depth Anything V2, outdoor, small)")
-    text = "classes of --image: a segmentation network (id or folder), or an .npy or .png file of Cityscapes train ids"
-    group.add_argument("--semantics", metavar="MODEL", help=f"{text} (default: EoMT on Cityscapes)")
-    text = "objects of --image: an .npz, .npy or .png file of masks, or a network for them such as SAM (id or folder)"
-    group.add_argument("--masks", metavar="FILE", help=f"{text} (default: points that touch)")
-    text = "camera of --image in pixels, or a file that says it: .json, or a calibration of KITTI"
-    group.add_argument("--intrinsics", metavar="FX,FY,CX,CY", help=text)
-    text = "horizontal field of view of --image (default: what the file says of its focal length)"
-    group.add_argument("--hfov", type=number, metavar="DEGREES", help=text)
-    text = "height of the camera over the road, which sets the scale (default 1.65)"
-    group.add_argument("--camera-height", type=number, metavar="M", help=text)
-    text = "let a mirror image of --image stand where it shows nothing"
-    group.add_argument("--fill", action="store_true", default=None, help=text)
 
 
 def read_layout(arguments: argparse.Namespace) -> Layout:
@@ -97,8 +80,17 @@ def read_layout(arguments: argparse.Namespace) -> Layout:
             needed = " or ".join(f"--{each}" for each in inputs)
             option = "class" if name == "classes" else name.replace("_", "-")
             raise FormatError(f"--{option} goes with {needed}")
-    read = next(read for name, read in _READERS.items() if getattr(arguments, name) is not None)
-    return read(arguments)
+    return _READERS[_name_of_input(arguments)](arguments)
+
+
+def input_of(arguments: argparse.Namespace) -> str:
+    """What messages call the input: its file, or --text."""
+    name = _name_of_input(arguments)
+    return "--text" if name == "text" else getattr(arguments, name)
+
+
+def _name_of_input(arguments: argparse.Namespace) -> str:
+    return next(name for name in _READERS if getattr(arguments, name) is not None)
 
 
 def sensor_beside(file: str | Path) -> Sensor | None:
@@ -151,70 +143,21 @@ def _from_text(arguments: argparse.Namespace) -> Layout:
     return layout
 
 
-def _from_image(arguments: argparse.Namespace) -> Layout:
-    from lidardraft.drafting.image import CAMERA_HEIGHT, DEPTH, SEMANTICS, layout_from_image
-    from lidardraft.formats.cityscapes import read_semantics
-    from lidardraft.formats.masks import read_masks
-
-    depth, semantics = arguments.depth or DEPTH, arguments.semantics or SEMANTICS
-    masks = arguments.masks
-    layout = layout_from_image(
-        Path(arguments.image),
-        depth=_depths(depth) if depth.endswith(".npy") else depth,
-        semantics=read_semantics(semantics) if semantics.endswith((".npy", ".png")) else semantics,
-        masks=read_masks(masks) if masks and masks.lower().endswith((".npy", ".npz", ".png")) else masks,
-        intrinsics=_intrinsics(arguments.intrinsics),
-        hfov=None if arguments.hfov is None else math.radians(arguments.hfov),
-        camera_height=CAMERA_HEIGHT if arguments.camera_height is None else arguments.camera_height,
-        fill=bool(arguments.fill),
-    )
-    height, scale = layout.provenance["sensor_height"], layout.provenance["scale"]
-    say("lidardraft", f"{arguments.image}: depth times {scale:.2f}, so that the camera is {height:g} m over the road")
-    return layout
-
-
-def _depths(path: str) -> np.ndarray:
-    """The depths [H, W] of a file, which is named where they are none."""
-    from lidardraft.formats.npy import read_npy
-
-    depth = read_npy(path)
-    if depth.ndim != 2 or not depth.size:
-        raise FormatError(f"{path}: its shape is {list(depth.shape)}; depths are [H, W], as many as --image has pixels")
-    wrong = ~np.isfinite(depth) | (depth < 0)
-    if wrong.any():
-        row, column = np.argwhere(wrong)[0].tolist()
-        raise FormatError(
-            f"{path}: {depth[row, column]} at row {row}, column {column} is no depth [m], which is finite, and 0 where "
-            "unknown"
-        )
-    return depth
-
-
-def _intrinsics(given: str | None) -> object | None:
-    """fx, fy, cx and cy where the text is numbers with commas between them, else the file that it names."""
-    if given is None or "," not in given:
-        return given
-    try:
-        values = [float(part) for part in given.split(",")]
-    except ValueError:
-        values = []
-    if len(values) != 4:
-        raise FormatError(f"--intrinsics is {given!r}; it must be FX,FY,CX,CY in pixels, or a file")
-    return values
-
-
 def _from_points(arguments: argparse.Namespace) -> Layout:
     from lidardraft.calibration.recording import read_points, returns
     from lidardraft.drafting.cloud import layout_from_cloud
 
     if arguments.labels is not None and arguments.segmenter is not None:
         raise FormatError("--labels and --segmenter both say the classes of --points; give one of them")
-    path, height = arguments.points, _sensor_height(arguments, arguments.points)
+    path = arguments.points
     points, fields = read_points(path)
+    height = _sensor_height(arguments, path)
     if arguments.labels is not None:
         from lidardraft.formats.semantickitti import read_label
 
-        fields |= dict(zip(("label", "instance"), read_label(arguments.labels, len(points)), strict=True))
+        with named(path):  # either of the two files may be the wrong one
+            labels = read_label(arguments.labels, len(points))
+        fields |= dict(zip(("label", "instance"), labels, strict=True))
     with named(path):
         points, fields = returns(points, fields)
     if arguments.segmenter is not None:
@@ -238,6 +181,9 @@ def _segmented(
     arguments: argparse.Namespace, points: np.ndarray, intensity: np.ndarray | None, height: float
 ) -> np.ndarray:
     """The classes of --points by the weights of --segmenter."""
+    from lidardraft.networks.weight_header import read_metadata
+
+    read_metadata(arguments.segmenter)  # a broken file is told before torch is loaded
     from lidardraft.networks import weight_file
     from lidardraft.perception.segmenter import Segmenter
 
@@ -297,7 +243,7 @@ def _from_layout(arguments: argparse.Namespace) -> Layout:
 # By the name of the option that gives the input.
 _READERS = {
     "text": _from_text,
-    "image": _from_image,
+    "image": layout_of_image,
     "points": _from_points,
     "sketch": _from_sketch,
     "boxes": _from_boxes,

@@ -35,6 +35,7 @@ _TOUCHING = 0.3  # of the usual width of a class: a cluster whose middle is so n
 _CLEARANCE, _ROUNDED, _CORE = 0.3, 0.1, 0.8
 _NEIGHBOUR = 15.0  # m; objects no further apart are likely to be headed the same way
 _FURTHEST = 1000.0  # m; no sensor sees further
+_NEAR = 0.01  # m, more than rounding makes of a distance
 
 
 def layout_from_cloud(
@@ -139,12 +140,16 @@ def _objects(
     best = np.argmin(np.maximum(passed - passed[-1], strays), axis=0)
     unreal = passed.min(axis=0) > np.maximum(_STRAY, _UNREAL * counts)
     found: list[FittedBox] = []
+    places, reaches = np.empty((len(seen), 2)), np.empty(len(seen))  # of those found, so that only near ones are asked
     is_long = row.size[0] > 2 * row.size[1]  # people stand close to each other
     margin = -_TOUCHING * row.size[1] if is_long else 0.0
     for box, boxes, choice, gone in zip(seen, choices, best.tolist(), unreal.tolist(), strict=True):
         # A cluster in or on a larger object, such as a seat behind a window or a far corner, is a part of it.
-        if not gone and not any(other.contains(box.center[None], margin)[0] for other in found):
-            found.append(boxes[choice])
+        number = len(found)
+        near = np.linalg.norm(places[:number] - box.center[:2], axis=1) <= reaches[:number]
+        if not gone and not any(found[other].contains(box.center[None], margin)[0] for other in np.flatnonzero(near)):
+            found.append(whole := boxes[choice])
+            places[number], reaches[number] = whole.center[:2], np.linalg.norm(whole.size[:2] / 2 - margin) + _NEAR
     return found
 
 

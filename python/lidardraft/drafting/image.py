@@ -36,6 +36,7 @@ SEMANTICS = "tue-mps/cityscapes_semantic_eomt_large_1024"
 CAMERA_HEIGHT = 1.65  # m, of the cameras on KITTI's car (Geiger et al., IJRR 2013)
 _LONGEST_SIDE = 2048  # pixels; finer than `pseudo_cloud.CELL` in a picture of up to 170 degrees
 _FURTHEST = 100.0  # m; depth of pictures is not known further away
+_BEYOND = 1e9  # m; what is further is as far as that, so that the products of depths are numbers
 _VOXEL = 0.1  # m, of which one point is kept
 _MOST_MASKS = 1000  # SAM finds some 100 to 200 in a picture
 _FOOT = 0.1  # m over the road; what is lower is no object, but the road before it under a class that reaches too far
@@ -224,7 +225,7 @@ def _seen(
         semantics = _semantic_network(semantics)(small)
     if not isinstance(depth, np.ndarray):
         depth = _depth_network(depth)(small)
-    semantics, depth = _resized(semantics, small), _resized(depth, small).astype(np.float64)
+    semantics, depth = _resized(semantics, small), np.minimum(_resized(depth, small).astype(np.float64), _BEYOND)
     if isinstance(masks, np.ndarray):
         few = np.array([_resized(mask, small) for mask in (masks if masks.ndim == 3 else masks[None])])
         semantics, instances = number_objects(semantics, few if masks.ndim == 3 else few[0])

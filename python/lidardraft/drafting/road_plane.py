@@ -66,7 +66,9 @@ def _best_of_random_planes(road: np.ndarray) -> tuple[np.ndarray, float]:
     heights = -(normals * corners[:, 0]).sum(axis=1)
     possible = (lengths[:, 0] > 0) & (normals[:, 2] > math.cos(_STEEPEST)) & (heights > 0)
     if not possible.any():
-        raise LayoutError("no plane of the ground is found below the camera; does the picture stand upright?")
+        raise LayoutError(
+            "no plane of the ground is found below the camera; is the depth metric, and the picture upright?"
+        )
     normals, heights = normals[possible], heights[possible]
     near = np.abs(tried @ normals.T + heights) < _NEAR * heights
     best = int(np.argmax(near.sum(axis=0)))

@@ -17,6 +17,7 @@ import numpy as np
 from lidardraft.errors import FormatError, SensorError
 from lidardraft.files import named, read_bytes
 from lidardraft.scene.materials import MATERIALS
+from lidardraft.scene.npy_header import read_npy_header
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME
 
@@ -176,12 +177,8 @@ def _from_ply(data: bytes) -> np.ndarray:
 
 def _from_npy(data: bytes) -> np.ndarray:
     file = io.BytesIO(data)
-    try:
-        if np.lib.format.read_magic(file) != (1, 0):
-            raise ValueError("not in version 1.0 of numpy's format")
-        shape, _, found = np.lib.format.read_array_header_1_0(file)
-    except Exception as error:  # numpy's parser raises whatever it meets
-        raise FormatError(f"neither a .ply nor an .npy file: {str(error).splitlines()[0]}") from None
+    with named("neither a .ply nor an .npy file"):
+        shape, _, found = read_npy_header(file)
     if found != _RECORD or len(shape) != 1:
         raise FormatError(f"the array is {found} {shape}; it must hold N records of {' '.join(_FIELDS)}")
     body = data[file.tell() :]

@@ -37,7 +37,7 @@ def read_semantics(path: str | os.PathLike[str]) -> np.ndarray:
             values = np.asarray(image)
             if image.mode == "L" or _KNOWN[values].all():
                 return _from_ids(values)
-        return _from_colours(np.asarray(image.convert("RGB")))
+        return _from_colours(np.asarray(image if image.mode == "RGB" else image.convert("RGB")))
 
 
 def _from_ids(values: np.ndarray) -> np.ndarray:
@@ -55,12 +55,12 @@ def _from_ids(values: np.ndarray) -> np.ndarray:
 
 
 def _from_colours(pixels: np.ndarray) -> np.ndarray:
-    keys = pixels.astype(np.uint32) @ np.array([65536, 256, 1], dtype=np.uint32)
-    colours, index = np.unique(keys, return_inverse=True)
-    found = np.zeros(len(colours), dtype=np.uint8)
-    for k, key in enumerate(colours.tolist()):
-        colour = (key >> 16, key >> 8 & 255, key & 255)
-        if colour not in _CLASS_OF_COLOUR:
-            raise FormatError(f"{colour} is no colour of a class of Cityscapes")
-        found[k] = _CLASS_OF_COLOUR[colour]
-    return found[index.reshape(keys.shape)]
+    ids = np.full(2**24, _VOID, dtype=np.uint8)  # by the colour as one number
+    for (red, green, blue), id in _CLASS_OF_COLOUR.items():
+        ids[red << 16 | green << 8 | blue] = id
+    found = np.empty(pixels.shape[:2], dtype=np.uint8)
+    for row, colours in enumerate(pixels):  # row by row: numbers of a whole picture are larger than it is
+        found[row] = ids[colours.astype(np.uint32) @ np.array([65536, 256, 1], dtype=np.uint32)]
+        if (unknown := np.flatnonzero(found[row] == _VOID)).size:
+            raise FormatError(f"{tuple(colours[unknown[0]].tolist())} is no colour of a class of Cityscapes")
+    return found

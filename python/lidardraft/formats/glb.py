@@ -25,7 +25,7 @@ from lidardraft.semantics import BY_NAME
 # glTF has y up and looks along +z; Blender's exporters and importers turn it so: x, y, z becomes x, -z, y.
 _FRAMES = {"y": np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]), "z": np.eye(4)}
 _MOST_NODES, _DEEPEST = 20_000, 64
-_MOST_VERTICES = 2_000_000  # and triangles, of all nodes together: a mesh may be used by many
+_MOST_VERTICES = 1_000_000  # and triangles, of all nodes together: a mesh may be used by many
 _TRIANGLES = 4
 _LEAN = 1e-5  # the tangent of the angle by which an axis may lean that points up
 _INSTANCING = "EXT_mesh_gpu_instancing"

@@ -51,7 +51,7 @@ class GlbFile:
         accessor = self.item("accessors", index)
         if "sparse" in accessor:
             raise FormatError(f"accessor {index} is sparse; that is not read")
-        if accessor.get("type") != kind or accessor.get("componentType") not in _COMPONENTS:
+        if accessor.get("type") != kind or accessor.get("componentType") not in list(_COMPONENTS):
             raise FormatError(f"accessor {index} is no {kind} of numbers")
         if "bufferView" not in accessor:
             raise FormatError(f"accessor {index} has no values")

@@ -10,9 +10,9 @@ import numpy as np
 
 from lidardraft.errors import FormatError
 from lidardraft.files import named, read_bytes, regular_size
+from lidardraft.scene.npy_header import read_npy_header
 
 _MAX_BYTES = 2**29
-_READERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
 
 
 def read_npy(path: str | os.PathLike[str]) -> np.ndarray:
@@ -22,14 +22,8 @@ def read_npy(path: str | os.PathLike[str]) -> np.ndarray:
             raise FormatError(f"it has {size} bytes; arrays of up to {_MAX_BYTES} are read")
         data = read_bytes(path)
         file = io.BytesIO(data)
-        try:
-            version = np.lib.format.read_magic(file)
-            if version not in _READERS:
-                raise ValueError(f"version {version}")
-            shape, fortran, dtype = _READERS[version](file)
-        except Exception as error:  # numpy's parser raises whatever it met
-            raise FormatError(f"not a whole .npy file: {str(error).splitlines()[0]}") from None
-        if dtype.kind not in "fiub" or min(shape, default=0) < 0:
+        shape, fortran, dtype = read_npy_header(file)
+        if dtype.kind not in "fiub":
             raise FormatError(f"it holds {dtype} {shape}; it must hold numbers")
         need = math.prod(shape) * dtype.itemsize
         if len(data) - file.tell() != need:

@@ -14,7 +14,7 @@ from PIL import ExifTags, Image, ImageOps, UnidentifiedImageError
 from lidardraft.errors import FormatError
 from lidardraft.files import named, read_bytes, regular_size
 
-MAX_PIXELS = 64_000_000  # more than cameras have that take one picture at a time
+MAX_PIXELS = 52_000_000  # more than cameras have that take one picture at a time
 _MAX_BYTES = 2**28
 _KINDS = ("JPEG", "PNG", "WEBP")
 # What Pillow raises on a file that is truncated, corrupt or of another kind.
@@ -39,7 +39,8 @@ def read_picture(path: str | os.PathLike[str]) -> Picture:
         if image.mode[:1] in "IF":
             raise FormatError(f"{os.fspath(path)} has pixels of mode {image.mode}; a photograph has 8 bits a channel")
         focal_length = _film_focal_length(image)
-        pixels = np.asarray(ImageOps.exif_transpose(image).convert("RGB"))
+        ImageOps.exif_transpose(image, in_place=True)
+        pixels = np.asarray(image if image.mode == "RGB" else image.convert("RGB"))  # a copy has 4 bytes a pixel
     return Picture(pixels, focal_length)
 
 

@@ -7,18 +7,17 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any, ClassVar, Protocol, TypeVar
 
 import torch
-from safetensors import SafetensorError, safe_open
+from safetensors import safe_open
 from safetensors.torch import save as serialise
 from torch import nn
 
 from lidardraft.errors import CheckpointError, FormatError
-from lidardraft.files import regular_size, written_whole
+from lidardraft.files import written_whole
 from lidardraft.json_fields import parse_object
+from lidardraft.networks.weight_header import read_metadata
 
 
 class Config(Protocol):
@@ -58,10 +57,10 @@ def save(network: Network, path: str | os.PathLike[str], card: dict[str, Any], *
 
 def load(path: str | os.PathLike[str], network: type[NetworkT]) -> NetworkT:
     """The network of a weight file, float32 on the CPU, in evaluation mode; raises `CheckpointError`."""
-    name = os.fspath(path)
-    with _opened(path) as (file, metadata):
-        if metadata.get("schema") != network.SCHEMA:
-            raise CheckpointError(f"{name}: schema is {metadata.get('schema')!r}; it must be {network.SCHEMA!r}")
+    name, metadata = os.fspath(path), read_metadata(path)
+    if metadata.get("schema") != network.SCHEMA:
+        raise CheckpointError(f"{name}: schema is {metadata.get('schema')!r}; it must be {network.SCHEMA!r}")
+    with safe_open(path, framework="pt") as file:
         try:
             built = network.from_dict(parse_object(metadata["config"]))
         except (KeyError, TypeError, ValueError, RuntimeError) as error:
@@ -84,24 +83,10 @@ def load(path: str | os.PathLike[str], network: type[NetworkT]) -> NetworkT:
 
 def read_card(path: str | os.PathLike[str]) -> dict[str, Any]:
     """The card of a weight file; raises `CheckpointError`."""
-    with _opened(path) as (_, metadata):
-        if not metadata.get("schema", "").startswith("lidardraft."):
-            raise CheckpointError(f"{os.fspath(path)}: schema is {metadata.get('schema')!r}; it must be of lidardraft")
-        try:
-            return parse_object(metadata.get("card", "{}"))
-        except FormatError as error:
-            raise CheckpointError(f"{os.fspath(path)}: the card is no JSON object: {error}") from None
-
-
-@contextmanager
-def _opened(path: str | os.PathLike[str]) -> Iterator[tuple[Any, dict[str, str]]]:
-    """The tensors and the metadata of a safetensors file."""
+    metadata = read_metadata(path)
+    if not metadata.get("schema", "").startswith("lidardraft."):
+        raise CheckpointError(f"{os.fspath(path)}: schema is {metadata.get('schema')!r}; it must be of lidardraft")
     try:
-        regular_size(path)
-        opened = safe_open(path, framework="pt")
+        return parse_object(metadata.get("card", "{}"))
     except FormatError as error:
-        raise CheckpointError(str(error)) from None
-    except (SafetensorError, OSError) as error:
-        raise CheckpointError(f"{os.fspath(path)} is no whole safetensors file: {error}") from None
-    with opened as file:
-        yield file, file.metadata() or {}
+        raise CheckpointError(f"{os.fspath(path)}: the card is no JSON object: {error}") from None

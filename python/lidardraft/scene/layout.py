@@ -17,7 +17,7 @@ import numpy as np
 
 from lidardraft.errors import FormatError, LayoutError, one_of
 from lidardraft.files import named, read_text, write_text
-from lidardraft.json_fields import check_brackets, check_fields, check_object, is_number, parse_object
+from lidardraft.json_fields import check_brackets, check_fields, check_lists, check_object, is_number, parse_object
 from lidardraft.scene.box import Box, box_around
 from lidardraft.scene.layout_fields import check_id, checked_vector, checked_yaw
 from lidardraft.scene.materials import MATERIAL_BY_NAME
@@ -239,8 +239,10 @@ class Layout:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the JSON of `to_json`; raises `FormatError` where it is more than `load` reads."""
-        text = self.to_json()
+        meshes = [primitive.mesh for primitive in self.primitives if primitive.mesh is not None]
         with named(path):
+            check_lists(sum(len(mesh.vertices) + len(mesh.faces) for mesh in meshes))  # before they become text
+            text = self.to_json()
             check_brackets(text)
         write_text(path, text)
 

@@ -31,6 +31,7 @@ _OS2: dict[str, Any] = {"min_range": 1.0, "max_range": 240.0, "range_sigma": 0.0
 _ORIGINS = ("origin_forwards", "origin_lefts", "origin_heights")
 _QUANTITIES = ("azimuth_start", "azimuth_span", "min_range", "max_range", "mount_height", "range_sigma", "sweep_time")
 _HIGHEST = 1e9  # m, the core's limit of coordinates
+_LONGEST_NAME = 100  # characters, which stand in pictures
 # Elevations closer than this are of the same beam [rad]: tables are rounded, and the beams of every preset are further
 # apart.
 _SAME_BEAM = 1e-3
@@ -70,8 +71,8 @@ class Sensor:
     model: SensorModel | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not self.name:
-            raise SensorError(f"name is {self.name!r}; it must be a non-empty string")
+        if not isinstance(self.name, str) or not 1 <= len(self.name) <= _LONGEST_NAME:
+            raise SensorError(f"name is {self.name!r:.80}; it must be a string of 1 to {_LONGEST_NAME} characters")
         for table in ("elevations", "azimuth_offsets", *_ORIGINS):
             object.__setattr__(self, table, self._checked_table(table))
         for quantity in _QUANTITIES:

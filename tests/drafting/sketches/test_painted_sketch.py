@@ -78,8 +78,10 @@ def test_pictures_that_are_no_sketch(pixels: np.ndarray, said: str) -> None:
 def test_scales_that_cannot_be() -> None:
     with pytest.raises(LayoutError, match="no black bar"):
         read_painting(painted([CAR]), None, 10.0)
-    with pytest.raises(LayoutError, match="is 4000 m wide; up to 2000 m"):
+    with pytest.raises(LayoutError, match="is 4000 m wide; 1 to 2000 m"):
         read_painting(painted([CAR]), 5.0, None)
+    with pytest.raises(LayoutError, match="is 8e-306 m wide; 1 to 2000 m"):
+        read_painting(painted([CAR]), 1e-308, None)
 
 
 def test_more_shapes_than_a_sketch_has() -> None:

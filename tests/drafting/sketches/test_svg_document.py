@@ -105,3 +105,7 @@ def test_other_documents_are_refused() -> None:
         read_page("<html/>")
     with pytest.raises(FormatError, match="viewBox is '0 0 0 5'"):
         page("", 'viewBox="0 0 0 5"')
+
+
+def test_a_polygon_of_one_point_shows_nothing() -> None:
+    assert page('<polygon id="car" points="1 2 3"/>').ignored == ["polygon 'car': empty"]

@@ -20,6 +20,7 @@ from lidardraft.semantics import BY_NAME, CLASSES, GROUND
 
 _MOST_PIXELS = 1_000_000  # of a sketch that is read whole; of a larger one every second pixel, every third, ...
 _SPECK = 8  # pixels; a smaller piece is noise
+_NARROWEST = 1.0  # m, of a sketch
 _LEAST_GROUND = 1.0  # m^2 of road or sidewalk
 _MOST_UNKNOWN = 0.5  # of the pixels may have no class
 _GROUND = [BY_NAME[name].id for name in GROUND]
@@ -45,8 +46,8 @@ def read_painting(pixels: np.ndarray, metres_per_pixel: float | None, scale_bar:
     scale = metres_per_pixel * step if metres_per_pixel else _scale_of_bar(found, scale_bar)
     marks = np.argwhere(found == EGO)
     ego = (marks.mean(axis=0) if len(marks) else (np.array(found.shape) - 1) / 2)[::-1]
-    if scale * max(found.shape) > FURTHEST:
-        raise LayoutError(f"the sketch is {scale * max(found.shape):.0f} m wide; up to {FURTHEST:.0f} m are read")
+    if not _NARROWEST <= (wide := scale * max(found.shape)) <= FURTHEST:
+        raise LayoutError(f"the sketch is {wide:g} m wide; {_NARROWEST:g} to {FURTHEST:.0f} m are read")
     sketch = Sketch(scale / step, bool(len(marks)))
     if ignored:
         sketch.ignored.append(f"{ignored / found.size:.2%} of the pixels: specks, and colours of no class")

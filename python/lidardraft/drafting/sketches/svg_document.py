@@ -136,7 +136,7 @@ class _Reader:
     ) -> None:
         pieces = []
         for points, closed in self._pieces(element):
-            if len(points):
+            if len(points) > 1:
                 pieces.append((points @ matrix[:2, :2].T + matrix[:2, 2], closed))
         if not pieces:
             self._ignore(f"{element.tag}{f' {names[0]!r}' if names else ''}: empty")

@@ -22,6 +22,7 @@ _EGO = ("ego", "sensor")
 _SAME_COLOUR = 12.0  # in RGB: files say colours exactly, programs change them by little
 _MASK_PIXELS = 20_000_000  # of the masks of all areas together
 _MASK_SIDE = (60, 1200)  # pixels of the longer side of one
+_MASK_WORK = 12_000_000  # rows times corners: filling an area asks each corner in each row
 _SCRIBBLED = 0.6  # of its length: an open line of a blob's class whose ends are nearer is its outline
 
 
@@ -126,6 +127,7 @@ def _area(
 ) -> Iterator[Blob | Stroke]:
     """What a filled area is; where its pieces lie in each other the inner one is a hole."""
     points = np.concatenate(pieces)
+    side = min(side, max(_MASK_WORK / len(points), _MASK_SIDE[0]))
     low, extent = points.min(axis=0), float(np.ptp(points, axis=0).max())
     unit = max(extent / side, 1e-9)
     size = tuple((np.ceil(np.ptp(points, axis=0) / unit) + 3).astype(int).tolist())
