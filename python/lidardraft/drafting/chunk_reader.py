@@ -42,6 +42,8 @@ class ChunkReader:
         self.notes = SentenceNotes(text)
         self.open: list[Mention] = []  # what the next position or state belongs to
         self.latest: list[Mention] = []  # what "it" means at the beginning of a clause
+        self.earlier: list[Mention] = []  # the latest of the clause before, where "there" is
+        self.listed: list[Mention] = []  # what an unknown one is listed with
         self.host: list[Mention] = []  # what was open before "with"
         self.carrier: list[Mention] = []  # what is with, or without, what was named last
         self.prefix: Position | None = None  # introduces the objects that follow
@@ -103,10 +105,17 @@ class ChunkReader:
                 mention.at, mention.placed, self.prefix = Position(), False, None
 
     def _open_all(self, chunk: Chunk) -> None:
-        """What "both" or "all" do is said of the whole whose parts were named last."""
-        whole = self.open[-1].same_as if self.open else None
-        if whole is not None and {"both", "all"} & set(self._between(self._previous(), chunk)):
+        """What "both" or "all" do is said of the whole whose parts were named last, what "both" do of the last two."""
+        if not self.open:
+            return
+        if self.open[0].kind is None and {"are", "were"} & set(self._between(self._previous(), chunk)):
+            self.open = self.listed or self.open  # "a car and a caravan are"
+        said = {*self._between(self._previous(), chunk), str(chunk.tokens[0])}
+        whole, last = self.open[-1].same_as, self.notes.mentions[-2:]
+        if whole is not None and {"both", "all"} & said:
             self.open = [whole]
+        elif "both" in said and [one.count for one in last] == [1, 1]:
+            self.open = last
 
     def _between(self, one: Chunk, other: Chunk) -> list[str]:
         """The words between two chunks, which say nothing alone."""

@@ -70,7 +70,11 @@ def _turn_to_strip(mention: Mention) -> None:
         return
     (row,) = mention.references
     if row.count not in (0, 1) and row.relation is None and not row.at.distance and not mention.at.distance:
-        mention.relation, mention.references, mention.at = None, [], row.at.narrowed(mention.at)
+        set_back = row.at.from_road or row.at.from_sidewalk  # which no relation goes with
+        at = dataclasses.replace(row.at, from_road=None, from_sidewalk=None).narrowed(mention.at)
+        mention.relation, mention.references, mention.at = None, [], at
+        if set_back:
+            return
         row.relation, row.references, row.placed = "behind", [mention], True
 
 

@@ -99,7 +99,8 @@ def count_of(tokens: list[Token]) -> Count:
     if vague and not unclear:
         return "many" if "many" in vague else vague[0]
     noun = str(tokens[-1])
-    return _GROUPS.get(noun) or ("some" if is_plural(noun) else 1)
+    several = 2 if any(token.startswith("both") for token in tokens) else "some"
+    return _GROUPS.get(noun) or (several if is_plural(noun) else 1)
 
 
 def is_plural(noun: str) -> bool:

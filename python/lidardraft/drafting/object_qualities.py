@@ -21,13 +21,14 @@ _SCALE_OF = {
 }
 _TOWERS, _TOWER = ("sky", "high", "tower"), (1.0, 1.0, 2.5)
 _AXIS_OF = {"long": 0, "length": 0, "wide": 1, "deep": 1, "thick": 1, "width": 1, "tall": 2, "high": 2, "height": 2}
-SIZES = (*_SCALE_OF, "SIZE", "LENGTH", "HEIGHT")
+SCALES = tuple(_SCALE_OF)
+SIZES = (*SCALES, "SIZE", "LENGTH", "HEIGHT")
 
 
 def heading_of(tokens: list[Token]) -> str | None:
     """How objects stand or move relative to the ego, None where nothing is said of it."""
     for token in tokens:
-        if token.type == "CROSSING" and "from " in token:
+        if token.type == "CROSSING" and token.endswith(("left", "right")):
             return "across-right" if token.endswith("right") else "across-left"
     found = [_HEADING_OF[token.type] for token in tokens if token.type in _HEADING_OF]
     return next((heading for heading in found if heading != "with"), found[0] if found else None)

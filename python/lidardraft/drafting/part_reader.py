@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 from lidardraft.drafting.mention import Mention
 from lidardraft.drafting.number_words import COUNT_TYPES, Count, count_of, number, unclear_counts
-from lidardraft.drafting.object_qualities import add_qualities
+from lidardraft.drafting.object_qualities import SCALES, add_qualities
 from lidardraft.drafting.position_reader import PositionReader
 from lidardraft.drafting.positions import Position
 from lidardraft.drafting.references import is_one_of_several, meant_by
@@ -88,7 +90,15 @@ class PartReader(PositionReader):
             self._leave_out(chunk, count)
         elif last is None or not begins or unclear_counts(counts):
             self._report(chunk)
-        elif self._following().name in ("position", "turn") or self._is_part(chunk):
+        elif "EACH" in chunk.types and self._is_apposition(chunk):
+            for mention in self.open:  # "on both sides, five each"
+                mention.count, mention.at = count, dataclasses.replace(mention.at, shared=False)
+                mention.spans.append(chunk.span)
+        elif (
+            self._following().name in ("position", "turn")
+            or (of_them and self._following().head == "ROAD")
+            or self._is_part(chunk)
+        ):
             self._open_part(chunk, count, last, of_them=of_them)
         elif isinstance(last.count, str) and (of_them or self._is_apposition(chunk)):
             last.count = count  # "bicycles at a fence: 15 of them", "people on the left, about ten"
@@ -120,8 +130,11 @@ class PartReader(PositionReader):
         part = Mention(
             last.kind, one, heading=heading, spans=[chunk.span], same_as=last.same_as or last, of_them=of_them
         )
+        if last.count == 0:
+            part.same_as = None
         add_qualities(part, chunk.tokens)
         self._put(chunk, part)
+        part.described = bool(chunk.types & set(STATES))
 
     def _list_traffic(self, mention: Mention) -> None:
         """What vehicles are listed after a colon are all of those before it, as in "a traffic jam: 20 cars, a bus"."""
@@ -146,12 +159,14 @@ class PartReader(PositionReader):
     def _is_apposition(self, chunk: Chunk) -> bool:
         """Whether a number alone between commas tells how many those before it are."""
         ends = self._following().name in ("", "COMMA", "STOP", "AND")
-        return self._before(1) == "COMMA" and ends and chunk.types <= {"NUMBER", "COUNT_RANGE", "DOZEN"}
+        return self._before(1) == "COMMA" and ends and chunk.types <= {"NUMBER", "COUNT_RANGE", "DOZEN", "EACH"}
 
     def _leave_out(self, chunk: Chunk, count: Count) -> None:
         """All but so many of those before, as in "each one except the last"; there may be some for each of others."""
         self.excepting = False
-        whole = next((one for one in self.notes.mentions if one.host is self.excepted[-1]), self.excepted[-1])
+        hosted = [one for one in self.notes.mentions if one.host is not None]
+        excepted = self.excepted[-1]
+        whole = next((one for one in hosted if excepted in (one, one.host)), excepted)
         if whole.host is not None and isinstance(count, int):
             whole.left_out, count = count, 0
             whole.spans.append(chunk.span)
@@ -165,6 +180,8 @@ class PartReader(PositionReader):
     def _is_part(self, chunk: Chunk) -> bool:
         """Whether a phrase without a noun tells what some of those before do, as "the other one is waiting"."""
         types = {*COUNT_TYPES, "THE", "ANOTHER", "FIRST", "OF_THEM", "QUIET", *STATES}
+        if "ones" in self._between(chunk, self._following()):  # "no vans but two small ones"
+            return bool(self.notes.mentions) and chunk.types <= {"NUMBER", *SCALES}
         several = bool(self._several()) or any(mention.same_as is not None for mention in self.notes.mentions)
         first = chunk.tokens[0]
         more = first.type == "ANOTHER" and first.startswith(("an", "one")) and bool(self.notes.mentions)

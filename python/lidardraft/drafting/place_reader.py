@@ -65,9 +65,11 @@ class PlaceReader(RelationReader):
         self.open[0].spans.append(chunk.span)
         return Chunk("position", chunk.tokens[1:])
 
-    def _note_lanes(self, chunk: Chunk) -> None:
-        """What "in both lanes" or "in each of the three lanes" says of the road."""
+    def _note_road(self, chunk: Chunk) -> None:
+        """What "in each of the three lanes" or "at the corner of the crossroads" says of the road."""
         for token in chunk.tokens:
+            if token.type == "CORNER" and token.endswith(("crossroads", "intersection", "junction")):
+                self.notes.road = self.notes.road or "crossroads"
             words = token.split() if token.type == "EACH_LANE" else []
             said = [int(number(word)) for word in words if word.isdigit() or word in SMALL_NUMBERS]
             self.notes.lanes = self.notes.lanes or (said[0] if said else 2 if {"both", "either"} & set(words) else 0)

@@ -24,7 +24,7 @@ class PositionReader(PlaceReader):
 
     def _position(self, chunk: Chunk) -> None:
         """Give a position to the objects before it, or keep it for those after it."""
-        chunk = self._without_size(self._with_known_side(self._without_abreast(chunk)))
+        chunk = self._without_size(self._with_known_side(self._without_there(self._without_abreast(chunk))))
         if not chunk.tokens:
             return
         self._open_all(chunk)
@@ -87,6 +87,9 @@ class PositionReader(PlaceReader):
     def _refer_to_pronoun(self, chunk: Chunk, relation: str, pronoun: str, before: str | None) -> None:
         listed = self._open_known()
         earlier = [m for m in self.notes.mentions if before != "" or not self.open or m is not self.open[-1]]
+        sibling = self.open[-1].same_as if self.open and before == "" else None
+        if sibling is not None and sibling.references:  # "a car to the left of it and one to its right"
+            earlier = [m for m in earlier if m is not sibling]
         road = self._road_named()
         if not earlier and road is not None and chunk.tokens[-1].type in ("NEAR", "BESIDE"):
             self._place(chunk, road, before)
@@ -147,6 +150,15 @@ class PositionReader(PlaceReader):
             self._report_tokens(found)
         return Chunk("position", [token for token in chunk.tokens if token.type != "ABREAST"])
 
+    def _without_there(self, chunk: Chunk) -> Chunk:
+        """The position without "there", which is where the last of the clause before is, known or not."""
+        found = [token for token in chunk.tokens if token.type == "THERE"]
+        at = self.earlier[-1].at if self.earlier else Position()
+        for mention in self._open_known() if found and at != Position() else []:
+            mention.at, mention.placed = mention.at.narrowed(Position(at.places, at.distance, lane=at.lane)), True
+            mention.spans.append(chunk.span)
+        return Chunk("position", [token for token in chunk.tokens if token.type != "THERE"])
+
     def _road_named(self) -> Chunk | None:
         """The road that "it" means in "a roundabout with houses around it"."""
         before = [chunk for chunk in self.chunks[: self.index] if chunk.name == "phrase" and chunk.head in ROAD_OF]
@@ -156,7 +168,7 @@ class PositionReader(PlaceReader):
         """A position that is relative to the ego, or to a road."""
         by_road = following.name == "phrase" and following.head in ROAD_OF
         position = read_position(chunk.tokens, beside_road=by_road)
-        self._note_lanes(chunk)
+        self._note_road(chunk)
         if by_road and following.head in JUNCTIONS and chunk.tokens[-1].type in ("FRONT", "BEHIND", "NEAR", "BESIDE"):
             position = dataclasses.replace(read_position(chunk.tokens[:-1]), at_junction=True)
         if chunk.tokens[0].type == "CROSSWALK" and not self.open and self._walks_on(following):

@@ -35,13 +35,14 @@ _EXPLICIT = (
     "RELATED",
     "FOLLOWED",
 )
-_CLOSE_BY = ("against", "under", "underneath", "beneath", "past", "beyond")
+_RELATED_OF = dict.fromkeys(("against", "under", "underneath", "beneath", "past", "beyond"), "near")
+_RELATED_OF["outside"] = "in-front-of"
 
 
 def relation_of(token: Token) -> str | None:
     """The relation of SceneSpec that a word for a place means if an object follows it, None if it has none."""
     if token.type == "RELATED":
-        return "near" if token in _CLOSE_BY else None
+        return _RELATED_OF.get(token)
     return _RELATION_OF.get(token.type)
 
 

@@ -133,6 +133,8 @@ class RelationReader(ChunkReader):
         elif before != "" and self._subject_follows(before, references):
             self.relation = (relation, references, at)
         elif self._subjects(references):
+            if before == "":
+                self._end_long_list()
             if any(mention.relation is not None for mention in self._subjects(references)):
                 self._relate_back(chunk, relation, references)
                 return
@@ -155,6 +157,12 @@ class RelationReader(ChunkReader):
             self.open = references
         else:
             self._report(chunk)
+
+    def _end_long_list(self) -> None:
+        """What follows "thirty cars, two vans and a man" is said of the man alone: there is no room for more."""
+        *others, last = self._open_known()
+        if last.count == 1 and any(one.count == "many" or (isinstance(one.count, int) and one.count > 4) for one in others):
+            self.open = [last]
 
     def _previous_names_ego(self, references: list[Mention]) -> bool:
         before = self.chunks[: self.index - 1]

@@ -179,7 +179,10 @@ def _is_verb_before_subject(chunks: list[Chunk]) -> bool:
     if len(chunks) < 2 or chunks[-2].name in LINKS:  # "from ahead is coming a bus"
         return chunks[-1].types <= {"ONCOMING", "PARKED", "CROSSING"}
     before = len(chunks) - 2
-    before -= chunks[before].name in ("PRONOUN", "EGO") or chunks[before].is_object
+    named = [one.name in ("PRONOUN", "EGO") or one.is_object for one in chunks]
+    if before > 1 and named[before - 1] and chunks[before].name == "position":  # "between the vans on the left stands"
+        before -= 1
+    before -= named[before]
     return before >= 0 and chunks[before].name == "position" and (before == 0 or chunks[before - 1].name in LINKS)
 
 
@@ -190,9 +193,10 @@ def _is_verb_after_place(chunk: Chunk, before: list[Chunk]) -> bool:
 
 
 def _counts_listed(count: Chunk, link: Chunk, named: Chunk) -> bool:
-    """Whether a number is that of a bare noun before it, as in "cars: 3"."""
+    """Whether a number is that of a bare noun before it, as in "cars: 3" or "cars: 3 parked"."""
     bare = named.head in (*KIND_OF, "LANE") and not named.types & {*COUNT_TYPES, *_ARTICLES, "ANOTHER", "OF_THEM"}
-    return bare and link.name in ("COMMA", "STOP") and [token.type in COUNT_TYPES for token in count.tokens] == [True]
+    alone = count.tokens[0].type in COUNT_TYPES and all(token.type in STATES for token in count.tokens[1:])
+    return bare and link.name in ("COMMA", "STOP") and count.name == "phrase" and alone
 
 
 def _joined(chunks: list[Chunk]) -> list[Chunk]:

@@ -110,6 +110,8 @@ class SentenceNotes:
         kind = self.road or "straight"
         whole = kind == "motorway" or self.each_way or self.one_way
         number = self.lanes or lanes_filled(self.mentions) or self.usual_lanes
+        if kind == "motorway" and number > 3 and not (self.each_way or self.one_way):
+            number //= 2  # a six-lane motorway has three each way
         lanes = number if whole else (number + 1) // 2
         oncoming = number // 2 if number % 2 and not whole else self.oncoming_lanes if kind != "motorway" else 0
         sidewalk = self.sidewalk if self.sidewalk is not None or "RURAL" not in self.settings else False

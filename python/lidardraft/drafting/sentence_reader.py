@@ -48,6 +48,7 @@ class SentenceReader(PartReader):
     def _link(self, chunk: Chunk) -> None:
         if chunk.name in ("WITH", "STOP"):
             self.host = self.open if chunk.name == "WITH" and self._before() == "" else []
+            self.earlier = self.latest if chunk.name == "STOP" else self.earlier
             self.open, self.prefix, self.denial, self.each = [], None, "", None
             self.manner = self.manner if chunk.name == "WITH" else []
             at = self.host[0].at if len(self.host) == 1 and self.host[0].kind is None else Position()
@@ -112,7 +113,7 @@ class SentenceReader(PartReader):
             return
         if head in ROAD_OF or head in SETTINGS:
             self.notes.settings |= chunk.types & set(SETTINGS)
-        if chunk.types <= {*COUNT_TYPES, "A", "THE", "ANOTHER", "FIRST", "OF_THEM"} or self._is_part(chunk):
+        if chunk.types <= {*COUNT_TYPES, "A", "THE", "ANOTHER", "FIRST", "OF_THEM", "EACH"} or self._is_part(chunk):
             self._ellipsis(chunk)
             return
         self._report_strange(chunk)
@@ -133,6 +134,7 @@ class SentenceReader(PartReader):
         if before == "WITH" and self.host and not any(mention.placed for mention in self.host):
             self.open = self.host
         elif before != "" or not self.open or any(mention.placed for mention in self.open):
+            self.listed = [one for one in self._open_known() if not one.placed] if before == "AND" else []
             self.open = self.latest = [Mention(None, at=self.prefix or Position())]
             self.relation = None
 
@@ -174,8 +176,6 @@ class SentenceReader(PartReader):
 
     def _lanes(self, chunk: Chunk) -> None:
         count = exact_count(chunk.tokens)
-        if count is not None and count > 3 and chunk.tokens[-1] == "lane" and self._following().head == "MOTORWAY":
-            count //= 2  # a six-lane motorway has three each way
         if count is None and self.notes.road is None and not self.open:
             self.notes.road = "straight"  # "a country lane"
             self.notes.settings |= chunk.types & set(SETTINGS)
