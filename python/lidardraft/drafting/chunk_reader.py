@@ -126,7 +126,7 @@ class ChunkReader:
 
     def _report_strange(self, chunk: Chunk) -> None:
         """The words of a phrase that say nothing of its noun."""
-        head, strange = chunk.head, {"UNKNOWN"}
+        head, strange = chunk.head, {"UNKNOWN", "ONES"}
         if head in KIND_OF or head == "UNKNOWN":
             strange |= set(SETTINGS)
         if head not in (*KIND_OF, *STATES, *SIZES):

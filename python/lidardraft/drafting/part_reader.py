@@ -180,8 +180,8 @@ class PartReader(PositionReader):
     def _is_part(self, chunk: Chunk) -> bool:
         """Whether a phrase without a noun tells what some of those before do, as "the other one is waiting"."""
         types = {*COUNT_TYPES, "THE", "ANOTHER", "FIRST", "OF_THEM", "QUIET", *STATES}
-        if "ones" in self._between(chunk, self._following()):  # "no vans but two small ones"
-            return bool(self.notes.mentions) and chunk.types <= {"NUMBER", *SCALES}
+        if chunk.head == "ONES":  # "no vans but two small ones"
+            return bool(self.notes.mentions) and {"NUMBER", "ONES"} <= chunk.types <= {"NUMBER", "ONES", *SCALES}
         several = bool(self._several()) or any(mention.same_as is not None for mention in self.notes.mentions)
         first = chunk.tokens[0]
         more = first.type == "ANOTHER" and first.startswith(("an", "one")) and bool(self.notes.mentions)

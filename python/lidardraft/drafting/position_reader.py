@@ -53,7 +53,7 @@ class PositionReader(PlaceReader):
             following
         ):
             self._space_out(chunk, following)
-        elif chunk.head == "BETWEEN" and following.head in ROAD_OF and self._following(2).is_object:
+        elif chunk.head == "BETWEEN" and following.head in ROAD_OF and self._joins(self._following(1)):
             named = self._following(2)  # "a hedge between the road and two houses"
             self.index += 3
             chunk = Chunk(
@@ -106,6 +106,10 @@ class PositionReader(PlaceReader):
         for mention in listed if pronoun.startswith(("each", "every")) else []:
             mention.count = count_times(mention.count, meant[0].count) if meant else mention.count
         self._refer(chunk, relation, meant, before)
+
+    def _joins(self, link: Chunk) -> bool:
+        """Whether a link is between what was named and another object."""
+        return link.name == "AND" and self._following(2).is_object
 
     def _several_named(self, chunk: Chunk) -> list[Mention]:
         """Those of which the first words of a phrase name some, as "the third one"; a noun may follow them."""

@@ -161,7 +161,8 @@ class RelationReader(ChunkReader):
     def _end_long_list(self) -> None:
         """What follows "thirty cars, two vans and a man" is said of the man alone: there is no room for more."""
         *others, last = self._open_known()
-        if last.count == 1 and any(one.count == "many" or (isinstance(one.count, int) and one.count > 4) for one in others):
+        many = [one for one in others if one.count == "many" or (isinstance(one.count, int) and one.count > 4)]
+        if last.count == 1 and many:
             self.open = [last]
 
     def _previous_names_ego(self, references: list[Mention]) -> bool:

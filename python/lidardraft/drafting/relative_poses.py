@@ -85,7 +85,7 @@ class RelativePoses:
             reach = min(6.0, 1.0 + 2.0 * effort * place * self.size[0])  # several stand in a row
             return self._pose(reference.pose.along + reach * float(rng.uniform(-1.0, 1.0)), across, rng, reference)
         if self.relation in ("left-of", "right-of"):
-            return self._aside(reference, 1 if self.relation == "left-of" else -1, rng, effort)
+            return self._aside(reference, 1 if self.relation == "left-of" else -1, rng, effort, place=place)
         if self.relation == "row":
             return self._in_line(reference, 1 if reference.pose.along >= 0 else -1, rng, effort, 0)
         if self.relation == "behind":
@@ -134,9 +134,10 @@ class RelativePoses:
         self, reference: Footprint, rng: np.random.Generator, effort: float, place: int, usual: tuple[float, float]
     ) -> RoadPose | None:
         """At its side across the road, or along it."""
-        if reference.kind.follows_road and place and not self._needs_road:  # several along a fence
+        if reference.kind.follows_road and place:  # several along a fence, or along the kerb before it
             found = self._aside(reference, 1 if rng.random() < 0.5 else -1, rng, effort, usual)
-            along = reference.pose.along + float(rng.uniform(-1.0, 1.0)) * reference.half_along
+            half = self._width_of_row(reference, effort, place) if self._needs_road else reference.half_along
+            along = reference.pose.along + float(rng.uniform(-1.0, 1.0)) * half
             return found and found._replace(along=along)
         along_it = not (self.kind.drives and reference.kind.drives) and rng.random() < 0.5
         if along_it and not self._needs_road:
@@ -155,9 +156,12 @@ class RelativePoses:
         rng: np.random.Generator,
         effort: float,
         usual: tuple[float, float] = _CLOSE,
+        place: int = 0,
     ) -> RoadPose | None:
         off = reference.half_across + self.size[1] / 2 + max(_ACROSS_LANES, self._gap(usual, rng, effort / 4))
         along = reference.pose.along + float(rng.uniform(-0.4, 0.4)) * reference.half_along
+        if place and self.kind.drives and reference.kind.drives:  # several overtake one after another
+            along -= reference.forwards * place * (self.size[0] + self._gap(_IN_LANE, rng, effort / 4))
         return self._pose(along, reference.pose.across + side * off, rng, reference, side)
 
     def _between(self, one: Footprint, other: Footprint, rng: np.random.Generator, effort: float) -> RoadPose | None:

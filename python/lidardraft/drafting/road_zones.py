@@ -98,7 +98,9 @@ def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Z
     if group.surface == "sidewalk":
         return Zone(span, _sidewalk(road, sides), len(sides))
     if group.on_road:
-        return Zone(span, set_down(group, kind, fore, side, sides, road), len(sides))
+        lanes = lanes_of(group, fore, side, road) if group.lane == "each" else ()
+        rows = len(lanes or sides) if group.lane in (None, "each") else 1
+        return Zone(span, set_down(group, kind, fore, side, sides, road), rows)
     lateral = group.distance if not fore else None
     sample_pose = _roadside(kind, road, sides, lateral)
     if kind.at_junction and road.junction is not None and not fore and lateral is None:
@@ -246,8 +248,9 @@ def _roadside(
             float(rng.normal(0.0, kind.yaw_deviation)) if kind.yaw_deviation else 0.0
         )
         verge = lot_edge(road, side) if road.paved_areas else road.verge
-        if distance is not None:
-            return RoadPose(along, ego + side * float(rng.uniform(*distance)), turn)
+        if distance is not None:  # of its middle; where that leaves no room, of its near side
+            half = kind.sizes.smallest[1] / 2 if kind.sizes is not None and effort > 0.5 else 0.0
+            return RoadPose(along, ego + side * (float(rng.uniform(*distance)) + half), turn)
         if setback is None:
             return RoadPose(along, side * (road.edge + 0.5 if road.sidewalk > 0.9 else verge + 0.6), turn)
         farthest = min(_DEEPEST, setback.usual + (setback.farthest - setback.usual) * effort)

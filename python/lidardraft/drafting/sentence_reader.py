@@ -87,7 +87,7 @@ class SentenceReader(PartReader):
             self._each_way()
 
     def _each_way(self) -> None:
-        """Of lanes, or of what drives in them."""
+        """Of lanes, or of what drives in them; a number alone is one of lanes, as in "four lanes, two each way"."""
         driven = [m for m in self.open if m.kind is not None and SENTENCE_KINDS[m.kind].drives and m.heading is None]
         if self._previous().head == "LANE" or not driven:
             self.notes.each_way = True
@@ -108,12 +108,16 @@ class SentenceReader(PartReader):
             self._unknown(chunk)  # of a shop
             return
         carried = self._before(1) == "WITH" and chunk.head == "UNKNOWN" and chunk.types <= {"UNKNOWN"}
+        if self.notes.lanes and self._following().name == "EACH_WAY" and chunk.types == {"NUMBER"} and not self.open:
+            self.notes.lanes = exact_count(chunk.tokens) or self.notes.lanes
+            return
         if chunk.is_unknown or carried or (chunk.may_be_unknown and self._before(1) != ""):
             self._unknown(chunk)
             return
         if head in ROAD_OF or head in SETTINGS:
             self.notes.settings |= chunk.types & set(SETTINGS)
-        if chunk.types <= {*COUNT_TYPES, "A", "THE", "ANOTHER", "FIRST", "OF_THEM", "EACH"} or self._is_part(chunk):
+        counted = {*COUNT_TYPES, "ANOTHER", "FIRST", "OF_THEM"} & chunk.types
+        if (counted and chunk.types <= counted | {"A", "THE", "EACH"}) or self._is_part(chunk):
             self._ellipsis(chunk)
             return
         self._report_strange(chunk)

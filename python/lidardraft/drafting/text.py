@@ -122,7 +122,7 @@ _PLAIN = {
 }
 _NAME = re.compile(r"(?<=[a-z] )([A-H])(?=[,.;:!?)]|$|'s\b| (?![A-Z]))")  # as in "car A"
 _UNIT_STOP = re.compile(r"(\d ?(?:m|ft|yd|km))\.(?= [a-z])")  # "10 m. ahead", but not "10 m. A bus"
-ORDINALS = ("last", "first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth")  # by number
+_ORDINALS = ("last", "first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth")  # by number
 _LONGEST_ITEM = 40  # characters of a line, in a text that has one for each object
 _EXTENT, _LENGTH = r"\b(height|length|width)", rf"\d[\d.]* ?{UNIT}"
 _LIST_ITEM = re.compile(r"(?:^|\n)\s*(?:[-*\u2022]|\d{1,2}[.)]) (?=\S)")  # of one that has a line for each
@@ -175,8 +175,11 @@ _SPELLINGS = (
         re.compile(r"\b(?:some|a little|a short) (?:way|distance) (?=(?:back |away )?from the (?:road|str))"),
         "5 to 15 m ",
     ),
-    (re.compile(r"\b(\d)(?:st|nd|rd|th)\b"), lambda found: ORDINALS[int(found[1])]),
-    (re.compile(rf"\b(before|behind|of|beside|next to|opposite|under) (?={'|'.join(ORDINALS)}\b)"), r"\1 the "),
+    (
+        re.compile(r"\b(the|before|behind|of|beside|next to|opposite|under) (\d)(?:st|nd|rd|th)\b"),
+        lambda found: f"{found[1]} {_ORDINALS[int(found[2])]}",
+    ),
+    (re.compile(rf"\b(before|behind|of|beside|next to|opposite|under) (?={'|'.join(_ORDINALS)}\b)"), r"\1 the "),
     (re.compile(r'"([^"]{1,30})"(?= signs?\b)'), r"\1"),  # a "no entry" sign
     (re.compile(rf"\ba (?:family|party|team|gang) of ({NUMBER})\b(?: people)?"), r"\1 people"),
     (re.compile(r"\ba dozen or so\b"), "12 or so"),
