@@ -1,3 +1,4 @@
+import itertools
 import math
 import tracemalloc
 
@@ -73,6 +74,34 @@ def test_a_road_that_leaves_another_is_one_more_stroke() -> None:
     assert np.abs(long.points[:, 0] - 200).max() < 3
     assert short.points[:, 0].min() == pytest.approx(213, abs=5)
     assert np.abs(short.points[:, 1] - 250).max() < 3
+
+
+def test_a_thick_stroke_that_ends_at_another_reaches_its_edge() -> None:
+    """The middle line of the two is drawn towards the one that ends, by a third of its width."""
+    mask = painted_lines([(200, 0), (200, 399)], [(200, 150), (399, 150)], width=74)
+    through, side = sorted(centre_lines(mask), key=lambda line: -np.ptp(line.points[:, 0]))
+    assert np.ptp(through.points[:, 0]) > 390
+    ends = side.points[:, 1].min()
+    assert 200 < ends < 200 + 37
+
+
+def test_four_roads_at_a_ring_leave_no_gap() -> None:
+    size, ring = 800, np.indices((800, 800)) - 400
+    away = np.hypot(*ring)
+    mask = (away > 80) & (away < 150) | (np.abs(ring) < 33).any(axis=0) & (away > 80)
+    lines = list(centre_lines(mask))
+    shown = np.zeros((size, size), dtype=bool)
+    for line in lines:
+        for a, b in itertools.pairwise(line.points):
+            shown |= _stroke(a, b, line.width / 2, size)
+    assert np.count_nonzero(mask & ~shown) < 0.05 * np.count_nonzero(mask)
+
+
+def _stroke(a: np.ndarray, b: np.ndarray, half: float, size: int) -> np.ndarray:
+    picture = Image.new("1", (size, size))
+    aside = (b - a)[::-1] * (1, -1) / max(float(np.linalg.norm(b - a)), 1e-9) * half
+    ImageDraw.Draw(picture).polygon([tuple(p[::-1]) for p in (a + aside, b + aside, b - aside, a - aside)], fill=1)
+    return np.asarray(picture)
 
 
 def test_more_than_can_be_read_is_refused() -> None:

@@ -40,3 +40,7 @@ def test_names_come_before_sizes(shape: Blob, kind: str) -> None:
 
 def test_a_word_for_another_class_says_nothing() -> None:
     assert named_kind("wall", ("house wall",)) is None
+
+
+def test_a_long_row_of_cars_is_no_van() -> None:
+    assert [kind_of(blob("car", length, 1.8)).name for length in (4.2, 5.5, 17.0)] == ["car", "van", "car"]

@@ -89,3 +89,9 @@ def test_a_wide_stroke_of_plants_is_a_row_of_trees_unless_it_is_called_a_hedge()
 def test_a_stroke_of_no_length_is_told() -> None:
     with pytest.raises(NotDrawnError, match="no length"):
         of_stroke("fence", [(3, 3), (3, 3)], 0.2)
+
+
+def test_what_is_much_too_large_for_a_pole_or_a_person_is_told() -> None:
+    with pytest.raises(NotDrawnError, match="is no pole"):
+        of_blob("pole", 80.0, 7.0)
+    assert len(of_blob("person", 2.0, 2.0)) == 1

@@ -42,6 +42,14 @@ def test_a_wobbly_line_is_straight_and_a_bend_is_none() -> None:
     assert road.size[2] == 0
 
 
+def test_a_short_arc_stays_bent() -> None:
+    """The quarter of a ring between two of its exits: without its ends it is as straight as a hand draws."""
+    turn = np.linspace(0.0, math.pi / 2, 40)
+    stroke = Stroke("road", (), "", 13.0 * np.stack([np.cos(turn), np.sin(turn)], axis=1), 7.0, False, 0.1)
+    (surface,) = drawn_surfaces(Sketch(0.1, False, strokes=[stroke]))
+    assert len(surface.line) > 2
+
+
 def test_the_road_of_a_bend_is_one_that_simulate_knows() -> None:
     (strip,) = road_strips(Layout(tuple(surfaces(stroke("road", BEND, 7.0)))))
     assert strip.half == pytest.approx(3.5, abs=0.02)

@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy import ndimage
 
 from lidardraft.drafting.sketches.drawn_shapes import Blob, SketchFrame, Stroke
 from lidardraft.drafting.sketches.mask_shapes import shapes_of_mask
@@ -47,3 +48,13 @@ def test_a_single_pixel_is_a_blob() -> None:
     assert isinstance(blob, Blob)
     np.testing.assert_allclose(blob.center, 0.0)
     assert (blob.length, blob.width) == pytest.approx((0.5, 0.5))
+
+
+def test_an_outline_of_an_object_is_filled_and_one_of_a_hedge_is_not() -> None:
+    solid = rectangle(44, 18, 0.3)
+    outline = solid & ~ndimage.binary_erosion(solid, iterations=3)
+    (whole,), (drawn,) = (list(shapes_of_mask(mask, FRAME, "car", (), "")) for mask in (solid, outline))
+    assert isinstance(whole, Blob)
+    assert isinstance(drawn, Blob)
+    assert (drawn.length, drawn.width) == (whole.length, whole.width)
+    assert all(isinstance(shape, Stroke) for shape in shapes_of_mask(outline, FRAME, "vegetation", (), ""))

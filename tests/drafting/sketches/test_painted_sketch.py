@@ -57,9 +57,46 @@ def test_like_colours_are_told_apart_by_the_whole_piece(label: str, other: str) 
 def test_what_has_no_colour_of_a_class_is_told() -> None:
     pixels = painted([CAR]).copy()
     pixels[:40, :200] = (255, 128, 128)
-    (line,) = read_painting(pixels, 0.1, None).ignored
+    colour, line = read_painting(pixels, 0.1, None).ignored
+    assert colour == "colour 255 128 128, 1.2% of the pixels: no class has it"
     assert line.startswith("1.2")
     assert "% of the pixels" in line
+
+
+def test_lettering_frames_and_arrows_are_no_scale_bar() -> None:
+    pixels = painted([CAR], bar=10.0).copy()
+    pixels[100:104, 100:700] = pixels[396:400, 100:700] = 0
+    pixels[100:400, 100:104] = pixels[100:400, 696:700] = 0
+    pixels[600:640, 300:340] = 0
+    assert read_painting(pixels, None, 10.0).metres_per_unit == pytest.approx(0.1, rel=0.02)
+
+
+def test_markings_on_a_road_are_road() -> None:
+    pixels = painted([DrawnLine("road", np.array([(-40.0, 0.0), (40.0, 0.0)]), 7.0)]).copy()
+    for k in range(0, 800, 40):
+        pixels[k : k + 20, 399:402] = 255
+    for k in range(5):
+        pixels[200:230, 368 + 13 * k : 374 + 13 * k] = 255
+    (stroke,) = read_painting(pixels, 0.1, None).strokes
+    assert stroke.width == pytest.approx(7.0, abs=0.3)
+
+
+@pytest.mark.parametrize("paper", [(0, 0, 0), (128, 128, 128), (200, 200, 200), (250, 240, 205)])
+def test_paper_may_be_grey_or_black_and_the_bar_white(paper: tuple[int, int, int]) -> None:
+    shapes = [DrawnLine("road", np.array([(-40.0, 0.0), (40.0, 0.0)]), 7.0), CAR]
+    white = painted(shapes, bar=10.0)
+    pixels = np.where((white == 255).all(axis=2, keepdims=True), paper, white).astype(np.uint8)
+    if paper == (0, 0, 0):
+        pixels[(white == 0).all(axis=2)] = 255
+    found = read_painting(pixels, None, 10.0)
+    assert ([blob.label for blob in found.blobs], [stroke.label for stroke in found.strokes]) == (["car"], ["road"])
+    assert f"colour {' '.join(map(str, paper))}: taken for the paper" in found.ignored
+
+
+def test_squared_paper_is_white() -> None:
+    pixels = painted([CAR]).copy()
+    pixels[::50], pixels[:, ::50] = (205, 225, 240), (205, 225, 240)
+    assert [blob.label for blob in read_painting(pixels, 0.1, None).blobs] == ["car"]
 
 
 @pytest.mark.parametrize(

@@ -68,6 +68,38 @@ def test_lines_and_areas() -> None:
         assert figure.is_line(figure.pieces[0][1]) is line, inner
 
 
+def test_shapes_that_are_used_again_stand_where_they_are_used() -> None:
+    found = page(
+        '<g id="cars"><rect id="car" width="2" height="4"/>'
+        '<use id="second" href="#car" x="10" y="20"/><use href="#car" transform="rotate(90)"/></g>'
+        '<symbol id="tree" viewBox="-1 -1 2 2"><circle r="1"/></symbol><use href="#tree" x="50" width="8" height="8"/>'
+    )
+    assert [figure.tag for figure in found.figures] == ["rect", "rect", "rect", "circle"]
+    assert found.figures[1].all_names == ("car", "second", "cars")
+    np.testing.assert_allclose(found.figures[1].pieces[0][0][0], (10, 20))
+    np.testing.assert_allclose(found.figures[2].pieces[0][0][2], (-4, 2))
+    np.testing.assert_allclose(found.figures[3].pieces[0][0].min(axis=0), (50, 0), atol=0.1)
+    assert "tree" in found.figures[3].all_names
+
+
+def test_what_uses_itself_is_told_and_what_uses_very_much_refused() -> None:
+    assert page('<g id="a"><use href="#a"/></g>').ignored == ["use of 'a': it is in itself"]
+    groups = '<g id="g0"/>' + "".join(f'<g id="g{k + 1}">{f"""<use href="#g{k}"/>""" * 10}</g>' for k in range(9))
+    with pytest.raises(FormatError, match="<use> shows more than"):
+        page(groups)
+
+
+@pytest.mark.parametrize("head", ['width="200" height="100"', 'width="100%" height="100%" viewBox="0 0 200 100"'])
+def test_percentages_are_those_of_the_page(head: str) -> None:
+    (figure,) = page('<rect x="50%" y="10%" width="25%" height="100%"/>', head).figures
+    np.testing.assert_allclose(figure.pieces[0][0][[0, 2]], [(100, 10), (150, 110)])
+
+
+def test_colours_may_be_said_in_a_style_sheet() -> None:
+    (figure,) = page('<style>.st0{fill:#00008e}</style><rect class="st0" width="1" height="1"/>').figures
+    assert figure.style.fill == (0, 0, 142)
+
+
 def test_what_is_not_read_is_told_and_what_shows_nothing_is_not() -> None:
     found = page(
         '<defs><rect width="1" height="1"/></defs><script>alert(1)</script><image href="http://a/b.png"/>'
@@ -79,7 +111,7 @@ def test_what_is_not_read_is_told_and_what_shows_nothing_is_not() -> None:
         "script: not read",
         "image: not read",
         "text 't': not read",
-        "use: not read",
+        "use of 'a': there is no such shape",
         "g 'h': hidden",
         "rect 'e': empty",
     ]

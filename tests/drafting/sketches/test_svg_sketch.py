@@ -103,3 +103,9 @@ def test_scales_that_cannot_be(inner: str, said: str) -> None:
 @pytest.mark.parametrize("name", ["scale 10 m", "scale_10_m", "Scale: 10 metres", "scale-10m"])
 def test_ways_to_name_a_scale(name: str) -> None:
     assert read_svg(f'<svg width="9" height="9"><line id="{name}" x2="20"/></svg>', None).metres_per_unit == 0.5
+
+
+def test_markings_of_a_road_are_told_and_are_no_road() -> None:
+    found = sketch('<g id="roads"><g id="lane markings"><line id="l1" x2="90" stroke="white"/></g></g>')
+    assert not found.strokes
+    assert found.ignored == ["line 'l1': markings are not read"]

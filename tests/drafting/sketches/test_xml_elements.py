@@ -13,6 +13,16 @@ def test_tags_and_attributes_lose_their_prefixes() -> None:
     assert [child.tag for child in b.children] == ["c"]
 
 
+@pytest.mark.parametrize("type", ["a", 'svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "http://www.w3.org/1/svg11.dtd"'])
+def test_the_document_type_that_programs_write_is_passed_over(type: str) -> None:
+    assert read_xml(f"<!DOCTYPE {type}><a/>").tag == "a"
+
+
+def test_a_style_sheet_is_kept_whole() -> None:
+    sheet = ".st0{fill:red}" * 100
+    assert read_xml(f"<a><style>{sheet}</style></a>").children[0].text == sheet
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

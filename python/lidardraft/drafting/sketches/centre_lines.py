@@ -257,15 +257,33 @@ def _trimmed(graph: _Graph, number: int, joined: Joined, depth: np.ndarray) -> n
     points = branch.points[keep]
     for end in (0, 1):
         node = branch.nodes[end]
-        through = [other for other in joined if graph.branches[other[0]].nodes[other[1]] == node]
-        if node is None or not through or (number, end) in joined or not len(points):
+        if node is None or (number, end) in joined or not len(points) or len(graph.ends_at(node)) < 2:
             continue
-        half = float(np.mean([np.median(_at(depth, graph.branches[other].points)) for other, _ in through]))
-        off = points[-end] - graph.middles[node]
-        away = float(np.linalg.norm(off))
-        edge = graph.middles[node] + off / away * min(_OVERLAP * half, away)
+        through = [other for other in joined if graph.branches[other[0]].nodes[other[1]] == node]
+        edge = _edge_of(graph, node, through, points[-end], depth) if through else graph.middles[node]
         points = np.concatenate([points, edge[None]] if end else [edge[None], points])
     return points
+
+
+def _edge_of(
+    graph: _Graph, node: int, through: list[tuple[int, int]], beside: np.ndarray, depth: np.ndarray
+) -> np.ndarray:
+    """Where a line from `beside` [2] meets the stroke that goes on through a node, within its edge.
+
+    The stroke runs between its parts on both sides of the node, whose own middle is drawn towards what meets there.
+    """
+    half = float(np.mean([np.median(_at(depth, graph.branches[number].points)) for number, _ in through]))
+    sides = []
+    for number, end in through:
+        points = graph.branches[number].points[:: -1 if end else 1]
+        away = np.linalg.norm(points - graph.middles[node], axis=1)
+        sides.append(points[np.argmax(away >= min(2.0 * half, away.max()))])
+    ahead = sides[1] - sides[0]
+    share = float((graph.middles[node] - sides[0]) @ ahead) / max(float(ahead @ ahead), 1e-9)
+    middle = sides[0] + share * ahead
+    away = float(np.linalg.norm(beside - middle))
+    edge: np.ndarray = middle + (beside - middle) * min(_OVERLAP * half / max(away, 1e-9), 1.0)
+    return edge
 
 
 def _lengthened(

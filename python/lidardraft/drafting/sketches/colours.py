@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import lru_cache
 
 import numpy as np
 from scipy import ndimage
@@ -17,36 +17,70 @@ _BITS = 5  # of each channel, of the table of colours
 _MIXED = 30.0  # from the line between two colours, in RGB
 _DIFFERENT = 60.0  # colours closer than this have no edge between them that could look like a third
 _REACH = 3  # pixels that an edge is blurred over, to either side
+_DARK = 96  # of 255: on paper darker than this, the scale bar is white
+_LIGHT, _GREY = 180, 30  # of 255: paper is as light, or differs as little from grey
+_MOST_PAPER = 0.4  # of the pixels along the edges have one colour if it is that of the paper
+_MOST_TOLD, _LEAST_TOLD = 8, 0.002  # colours of no class that are told, and the share of the pixels that each has
+_LEAST_PAPER = 0.15  # of all pixels
 _SUPPORTED = 5  # of the eight pixels around, of the same class: no edge
 
 
-@cache
-def _table() -> np.ndarray:
+Colour = tuple[int, int, int]
+WHITE: Colour = (255, 255, 255)
+
+
+def paper_of(pixels: np.ndarray) -> Colour:
+    """The colour of the paper of pixels u8 [H, W, 3]: white, or that of most of its edges if it is light or grey."""
+    edges = np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]])
+    codes = (edges >> (8 - _BITS)).astype(np.int64) @ [1, 2**_BITS, 4**_BITS]
+    values, counts = np.unique(codes, return_counts=True)
+    mine = edges[codes == values[np.argmax(counts)]]
+    colour = np.median(mine, axis=0)
+    if len(mine) < _MOST_PAPER * len(edges) or not (colour.min() >= _LIGHT or np.ptp(colour) <= _GREY):
+        return WHITE
+    if np.mean((np.abs(pixels[::2, ::2] - colour) < 2 ** (8 - _BITS)).all(axis=2)) < _LEAST_PAPER:
+        return WHITE  # a line of squared paper runs along the edge
+    red, green, blue = (int(value) for value in colour)
+    return red, green, blue
+
+
+@lru_cache(maxsize=8)
+def _palette(paper: Colour) -> np.ndarray:
+    """The colours of all classes on some paper f32 [N, 3]."""
+    palette = PALETTE.copy()
+    palette[PAPER] = paper
+    if max(paper) < _DARK:
+        palette[BAR] = WHITE
+    return palette
+
+
+@lru_cache(maxsize=8)
+def _table(paper: Colour) -> np.ndarray:
     """The nearest colour of the palette by the leading bits of red, green and blue, u8 [2^15]."""
     levels = (np.arange(2**_BITS, dtype=np.float32) + 0.5) * 2 ** (8 - _BITS)
     colours = np.stack(np.meshgrid(levels, levels, levels, indexing="ij"), axis=-1).reshape(-1, 3)
-    nearest, classes = nearest_colour(colours)
+    nearest, classes = nearest_colour(colours, _palette(paper))
     table: np.ndarray = np.where(nearest <= FURTHEST_COLOUR, classes, UNKNOWN).astype(np.uint8)
     return table
 
 
-def nearest_colour(colours: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How far [...] from the nearest colour of the palette some colours [..., 3] are, and which that is."""
-    distance = np.linalg.norm(colours[..., None, :].astype(np.float32) - PALETTE, axis=-1)
+def nearest_colour(colours: np.ndarray, palette: np.ndarray = PALETTE) -> tuple[np.ndarray, np.ndarray]:
+    """How far [...] from the nearest colour of a palette some colours [..., 3] are, and which that is."""
+    distance = np.linalg.norm(colours[..., None, :].astype(np.float32) - palette, axis=-1)
     return distance.min(axis=-1), distance.argmin(axis=-1)
 
 
-def classes_of_pixels(pixels: np.ndarray) -> np.ndarray:
-    """u8 [H, W] of pixels u8 [H, W, 3]: class ids, or `PAPER`, `EGO`, `BAR` or `UNKNOWN`.
+def classes_of_pixels(pixels: np.ndarray, paper: Colour = WHITE) -> np.ndarray:
+    """u8 [H, W] of pixels u8 [H, W, 3] on some paper: class ids, or `PAPER`, `EGO`, `BAR` or `UNKNOWN`.
 
     What lies at an edge between two colours and is a mixture of them becomes the one that it is more of.
     """
     short = pixels >> (8 - _BITS)
     codes = (short[..., 0].astype(np.uint16) << 2 * _BITS) | (short[..., 1].astype(np.uint16) << _BITS) | short[..., 2]
-    found = _table()[codes]
+    found = _table(paper)[codes]
     down, right = np.nonzero(_at_edges(found))
     if len(down):
-        found[down, right] = _unmixed(pixels, found, down, right)
+        found[down, right] = _unmixed(pixels, found, down, right, _palette(paper))
     return found
 
 
@@ -62,7 +96,9 @@ def _at_edges(found: np.ndarray) -> np.ndarray:
     return alone
 
 
-def _unmixed(pixels: np.ndarray, found: np.ndarray, down: np.ndarray, right: np.ndarray) -> np.ndarray:
+def _unmixed(
+    pixels: np.ndarray, found: np.ndarray, down: np.ndarray, right: np.ndarray, palette: np.ndarray
+) -> np.ndarray:
     """The classes of some pixels: of those that are a mixture of what is on both sides of them, that of a side."""
     height, width = found.shape
     result, open_ = found[down, right], np.ones(len(down), dtype=bool)
@@ -75,7 +111,7 @@ def _unmixed(pixels: np.ndarray, found: np.ndarray, down: np.ndarray, right: np.
             )
             class_a, class_b = found[a], found[b]
             known = open_ & (class_a != class_b) & (class_a != UNKNOWN) & (class_b != UNKNOWN)
-            first, second = PALETTE[np.where(known, class_a, 0)], PALETTE[np.where(known, class_b, 0)]
+            first, second = palette[np.where(known, class_a, 0)], palette[np.where(known, class_b, 0)]
             way = second - first
             length = np.maximum((way**2).sum(axis=1), 1.0)
             share = ((colours - first) * way).sum(axis=1) / length
@@ -84,6 +120,20 @@ def _unmixed(pixels: np.ndarray, found: np.ndarray, down: np.ndarray, right: np.
             result[mixed] = np.where(share < 0.5, class_a, class_b)[mixed]
             open_ &= ~mixed
     return result
+
+
+def unknown_colours(pixels: np.ndarray, found: np.ndarray) -> list[str]:
+    """A line for each of the commonest colours of pixels u8 [H, W, 3] that have no class."""
+    unknown = pixels[found == UNKNOWN]
+    codes = (unknown >> (8 - _BITS)).astype(np.int64) @ [1, 2**_BITS, 4**_BITS]
+    values, counts = np.unique(codes, return_counts=True)
+    lines = []
+    for index in np.argsort(-counts, kind="stable")[:_MOST_TOLD].tolist():
+        share = counts[index] / found.size
+        if share >= _LEAST_TOLD:
+            colour = " ".join(f"{value:.0f}" for value in np.median(unknown[codes == values[index]], axis=0))
+            lines.append(f"colour {colour}, {share:.1%} of the pixels: no class has it")
+    return lines
 
 
 def without_specks(found: np.ndarray, least: int) -> tuple[np.ndarray, int]:

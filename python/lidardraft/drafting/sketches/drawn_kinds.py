@@ -6,6 +6,7 @@ import math
 
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.drafting.sketches.drawn_shapes import Blob
+from lidardraft.scene.check import SIZE_RANGES
 from lidardraft.scene.class_names import words_of
 
 # Words of names, and the kind that they mean where that is of the shape's class.
@@ -42,7 +43,7 @@ _KIND_OF_CLASS = {
     "other": "bin",
 }
 _BUSH = 2.3  # m across, at most
-_LONGEST_CAR = 4.7  # m; longer ones are vans, between the sizes of both
+_LONGEST_CAR = 4.7  # m; a longer one is a van, between the sizes of both, and a still longer one a row of cars
 
 
 def named_kind(label: str, names: tuple[str, ...]) -> SentenceKind | None:
@@ -62,7 +63,7 @@ def kind_of(blob: Blob) -> SentenceKind:
     across = math.sqrt(blob.length * blob.width)
     if blob.label == "vegetation" and across < _BUSH:
         return SENTENCE_KINDS["bush"]
-    if blob.label == "car" and blob.length > _LONGEST_CAR:
+    if blob.label == "car" and _LONGEST_CAR < blob.length <= SIZE_RANGES["car"][1][0]:
         return SENTENCE_KINDS["van"]
     if blob.label == "building" and not _fits(blob, SENTENCE_KINDS["house"]):
         return SENTENCE_KINDS["building"]

@@ -20,6 +20,7 @@ from lidardraft.scene.check import SIZE_RANGES
 
 _AS_DRAWN = ("building", "vegetation", "wall", "fence")  # classes whose footprints are as large as they are drawn
 _LEAST = 0.6  # of the smallest extent of a class: what is drawn smaller is a mark, and has the usual size
+_LARGEST_MARK = 8.0  # m across, of what stands for a person, a pole or a sign
 _MOST_AREAS = 4.0  # times the largest footprint of a vehicle: no vehicle
 _GAP = 1.0  # m between vehicles that were drawn as one stroke; estimate of ours
 _ROUND = 2 / math.sqrt(3)  # diameters of a disc to a side of the square with the same moments
@@ -55,6 +56,8 @@ def objects_of_blob(blob: Blob, yaw: float, rng: np.random.Generator) -> Iterato
         if kind.name == "bush":
             footprint = (_ROUND * math.sqrt(footprint[0] * footprint[1]),) * 2
         yield _placed(kind.name, _resized(kind, footprint, rng), blob.center, yaw)
+    elif max(blob.length, blob.width) > _LARGEST_MARK:
+        raise NotDrawnError(f"{blob.length:.1f} x {blob.width:.1f} m is no {kind.name}")
     else:
         parts = kind.sample_parts(rng, parked=blob.label != "rider")
         yield _placed(kind.name, parts, blob.center, yaw)

@@ -18,6 +18,7 @@ _NARROWEST = {"road": 2.0, "sidewalk": 0.5}  # m; a thinner stroke is a middle l
 _USUAL = {"road": 7.0, "sidewalk": 2.0}  # m, two lanes of 3.5 m; as in `Road`
 _WIDEST = 60.0  # m
 _STRAIGHT = 0.5, 0.12  # m, and of the width: how far a straight line wobbles in a hand
+_BENT = 0.35  # of the width, that the ends of a straight line may be off it
 _STEP = 2.0  # m between the stations of a bend, as in `Road`
 _BESIDE = 12.0  # m from the edge of a road: what is nearer goes along it, is parked at it or faces it
 _ACROSS = math.radians(50)  # what is turned against a road by more does not go along it
@@ -135,7 +136,8 @@ def _middle_line(stroke: Stroke) -> np.ndarray:
     if stroke.closed or chord is None:
         return line
     middle, ahead, deviation = chord
-    if deviation > max(_STRAIGHT[0], _STRAIGHT[1] * width):
+    ends = np.abs((line[[0, -1]] - middle) @ np.array([-ahead[1], ahead[0]]))
+    if deviation > max(_STRAIGHT[0], _STRAIGHT[1] * width) or ends.max() > _BENT * width:
         return line
     places = (line[[0, -1]] - middle) @ ahead
     straight: np.ndarray = middle + places[:, None] * ahead

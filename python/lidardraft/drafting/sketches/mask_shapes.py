@@ -20,7 +20,9 @@ _NEARLY_SQUARE = 1.3  # times as long as wide: moments no longer tell the direct
 def shapes_of_mask(
     mask: np.ndarray, frame: SketchFrame, label: str, names: tuple[str, ...], where: str
 ) -> Iterator[Blob | Stroke]:
-    """What a mask bool [H, W] shows, whose pixel 0, 0 lies at 0, 0 of the frame."""
+    """What a mask bool [H, W] shows, whose pixel 0, 0 lies at 0, 0 of the frame. Outlines of objects are filled."""
+    if label not in STROKE_CLASSES:
+        mask = ndimage.binary_fill_holes(mask)
     lines = list(centre_lines(mask)) if label in STROKE_CLASSES and _is_slender(mask) else []
     grain = frame.metres_per_unit
     for line in lines:

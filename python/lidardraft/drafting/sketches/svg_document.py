@@ -9,7 +9,7 @@ import numpy as np
 
 from lidardraft.drafting.sketches.svg_geometry import ellipse, length, numbers, transform
 from lidardraft.drafting.sketches.svg_path import MOST_COMMANDS, PathReader
-from lidardraft.drafting.sketches.svg_style import Style, names_of
+from lidardraft.drafting.sketches.svg_style import Style, StyleSheet, names_of
 from lidardraft.drafting.sketches.xml_elements import Element, read_xml
 from lidardraft.errors import FormatError
 from lidardraft.files import named
@@ -22,6 +22,7 @@ _SILENT = (
     *("metadata", "namedview", "title", "desc", "style"),
 )
 _MOST_IGNORED = 200  # lines
+_MOST_USED = 10_000  # elements that are shown by <use>
 Piece = tuple[np.ndarray, bool]  # points [N, 2] (right, down), and whether it is closed
 
 
@@ -81,9 +82,8 @@ def read_page(text: str) -> Page:
         raise FormatError(f"no SVG: its outermost element is {root.tag!r:.60}")
     page = Page()
     page.size, matrix = _page_size(root)
-    reader = _Reader(page)
-    for child in root.children:
-        reader.read(child, matrix, Style().inside(root), ())
+    reader = _Reader(page, root)
+    reader.read_children(root, matrix, Style().inside(root, reader.sheet), ())
     return page
 
 
@@ -103,23 +103,46 @@ def _page_size(root: Element) -> tuple[np.ndarray | None, np.ndarray]:
     return size, np.array([[share, 0, move[0]], [0, share, move[1]], [0, 0, 1]])
 
 
+def _extent(root: Element, size: np.ndarray | None) -> np.ndarray | None:
+    """How large [2] the page is in the units of what is on it, where that is known."""
+    return numbers(root.attributes["viewBox"], "viewBox")[2:] if "viewBox" in root.attributes else size
+
+
 class _Reader:
     """Goes through the elements of a page."""
 
-    def __init__(self, page: Page) -> None:
+    def __init__(self, page: Page, root: Element) -> None:
         self.page = page
         self.commands = 0
+        self.sheet = StyleSheet()
+        self.by_id: dict[str, Element] = {}
+        self.extent = _extent(root, page.size)
+        self.used: list[str] = []  # the ids of the elements that <use> shows now, the outermost first
+        self.count_of_used = 0
+        waiting = [root]
+        while waiting:
+            element = waiting.pop()
+            self.by_id.setdefault(element.attributes.get("id", ""), element)
+            if element.tag == "style":
+                self.sheet.add(element.text)
+            waiting += reversed(element.children)
+        for line in dict.fromkeys(self.sheet.ignored):
+            self._ignore(line)
 
     def read(self, element: Element, matrix: np.ndarray, style: Style, groups: tuple[str, ...]) -> None:
         """Read an element and what is in it, under a matrix [3, 3], in a style, and in groups of these names."""
         names = names_of(element)
         if element.tag in _SILENT:
             return
-        if element.tag not in _SHAPES and element.tag not in _GROUPS:
+        if self.used:
+            self.count_of_used += 1
+            if self.count_of_used > _MOST_USED:
+                raise FormatError(f"<use> shows more than {_MOST_USED} elements; up to so many are read")
+        if element.tag not in (*_SHAPES, *_GROUPS, "use"):
             self._ignore(f"{element.tag}{f' {names[0]!r}' if names else ''}: not read")
             return
         with named(f"{element.tag} {names[0]!r}" if names else element.tag):
-            style = style.inside(element)
+            style = style.inside(element, self.sheet)
             if style.hidden:
                 self._ignore(f"{element.tag}{f' {names[0]!r}' if names else ''}: hidden")
                 return
@@ -127,9 +150,43 @@ class _Reader:
                 matrix = matrix @ transform(element.attributes["transform"])
             if element.tag in _SHAPES:
                 self._add(element, matrix, style, names, groups)
-        if element.tag in _GROUPS:
-            for child in element.children:
-                self.read(child, matrix, style, names + groups)
+        if element.tag == "use":
+            self._use(element, matrix, style, names + groups)
+        elif element.tag in _GROUPS:
+            self.read_children(element, matrix, style, names + groups)
+
+    def read_children(self, element: Element, matrix: np.ndarray, style: Style, groups: tuple[str, ...]) -> None:
+        """Read what is in an element."""
+        for child in element.children:
+            self.read(child, matrix, style, groups)
+
+    def _use(self, element: Element, matrix: np.ndarray, style: Style, groups: tuple[str, ...]) -> None:
+        """Read the element that a <use> shows once more, in its place."""
+        id = element.attributes.get("href", "").strip().removeprefix("#")
+        target = self.by_id.get(id) if id else None
+        if target is None or id in self.used:
+            self._ignore(f"use of {id!r:.60}: {'it is in itself' if target else 'there is no such shape'}")
+            return
+        x, y = (length(element.attributes.get(name, "0"), name, self._whole(name)) for name in ("x", "y"))
+        matrix = matrix @ np.array([[1, 0, x], [0, 1, y], [0, 0, 1]])
+        self.used.append(id)
+        if target.tag == "symbol":
+            sides = {name: element.attributes[name] for name in ("width", "height") if name in element.attributes}
+            _, inner = _page_size(Element("symbol", target.attributes | sides))
+            self.read_children(target, matrix @ inner, style.inside(target, self.sheet), names_of(target) + groups)
+        else:
+            self.read(target, matrix, style, groups)
+        self.used.pop()
+
+    def _whole(self, name: str) -> float | None:
+        """What a length of an attribute is a percentage of."""
+        if self.extent is None:
+            return None
+        if name in ("x", "cx", "rx", "x1", "x2", "width"):
+            return float(self.extent[0])
+        if name in ("y", "cy", "ry", "y1", "y2", "height"):
+            return float(self.extent[1])
+        return math.hypot(*self.extent.tolist()) / math.sqrt(2)
 
     def _add(
         self, element: Element, matrix: np.ndarray, style: Style, names: tuple[str, ...], groups: tuple[str, ...]
@@ -148,7 +205,7 @@ class _Reader:
 
     def _pieces(self, element: Element) -> list[Piece]:
         def of(name: str) -> float:
-            return length(element.attributes.get(name, "0"), name)
+            return length(element.attributes.get(name, "0"), name, self._whole(name))
 
         match element.tag:
             case "rect":

@@ -18,6 +18,7 @@ from lidardraft.scene.class_names import class_of, words_of
 from lidardraft.semantics import CLASSES, NUM_CLASSES
 
 _SCALE = re.compile(r"scale[\s_:=-]*(\d+(?:\.\d+)?)[\s_-]*m(?:et(?:er|re)s?)?(?![a-z])")
+_MARKINGS = ("marking", "markings", "crosswalk", "crosswalks", "zebra")
 _EGO = ("ego", "sensor")
 _SAME_COLOUR = 12.0  # in RGB: files say colours exactly, programs change them by little
 _MASK_PIXELS = 20_000_000  # of the masks of all areas together
@@ -48,7 +49,9 @@ def read_svg(text: str, metres_per_unit: float | None) -> Sketch:
     side = math.sqrt(_MASK_PIXELS / max(len(shown), 1))
     for figure in shown:
         label = _label(figure)
-        if label is None:
+        if label == "road" and any(word in _MARKINGS for name in figure.all_names for word in words_of(name)):
+            sketch.ignored.append(f"{figure.where}: markings are not read")
+        elif label is None:
             sketch.ignored.append(f"{figure.where}: neither a name nor a colour says its class")
         elif label != "terrain":
             sketch.add(_shapes(figure, label, frame, min(max(side, _MASK_SIDE[0]), _MASK_SIDE[1])))

@@ -1,4 +1,4 @@
-"""XML from others, read within limits: no document types, no entities, nothing from outside the text."""
+"""XML from others, read within limits: no entities, nothing from outside the text."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from xml.parsers import expat
 from lidardraft.errors import FormatError
 
 MOST_BYTES, MOST_ELEMENTS, DEEPEST, MOST_ATTRIBUTES = 2**24, 50_000, 100, 200
-_LONGEST_TEXT = 500  # characters that are kept of an element
+_KNOWN_TYPES = ("http://www.w3.org/", "https://www.w3.org/")  # which older programs name; they are not fetched
+_LONGEST_TEXT, _LONGEST_STYLE = 500, 200_000  # characters that are kept of an element, and of a style sheet
 
 
 @dataclass(slots=True, eq=False)
@@ -30,7 +31,7 @@ def read_xml(text: str) -> Element:
     parser.StartElementHandler = reader.start
     parser.EndElementHandler = reader.end
     parser.CharacterDataHandler = reader.data
-    parser.StartDoctypeDeclHandler = reader.refuse
+    parser.StartDoctypeDeclHandler = reader.doctype
     parser.EntityDeclHandler = reader.refuse
     try:
         parser.Parse(text.removeprefix("\ufeff").encode("utf-8", "replace"), True)
@@ -62,11 +63,17 @@ class _Reader:
         self.open.pop()
 
     def data(self, text: str) -> None:
-        if len(self.open[-1].text) < _LONGEST_TEXT:
-            self.open[-1].text += text[:_LONGEST_TEXT]
+        element = self.open[-1]
+        longest = _LONGEST_STYLE if element.tag == "style" else _LONGEST_TEXT
+        if len(element.text) < longest:
+            element.text += text[:longest]
+
+    def doctype(self, _name: str, system: str | None, _public: str | None, has_subset: int) -> None:
+        if has_subset or not (system or _KNOWN_TYPES[0]).startswith(_KNOWN_TYPES):
+            raise FormatError("a document type or an entity that is not SVG's own; neither is read")
 
     def refuse(self, *_: object) -> None:
-        raise FormatError("a document type or an entity; neither is read")
+        raise FormatError("an entity; none is read")
 
 
 def _local(name: str) -> str:
