@@ -136,7 +136,9 @@ class RelativePoses:
         """At its side across the road, or along it."""
         if reference.kind.follows_road and place:  # several along a fence, or along the kerb before it
             found = self._aside(reference, 1 if rng.random() < 0.5 else -1, rng, effort, usual)
-            half = self._width_of_row(reference, effort, place) if self._needs_road else reference.half_along
+            half = reference.half_along
+            if self._needs_road:
+                half = min(half + self.size[0] / 2, self._width_of_row(reference, effort, place))
             along = reference.pose.along + float(rng.uniform(-1.0, 1.0)) * half
             return found and found._replace(along=along)
         along_it = not (self.kind.drives and reference.kind.drives) and rng.random() < 0.5
