@@ -50,6 +50,24 @@ def test_a_short_arc_stays_bent() -> None:
     assert len(surface.line) > 2
 
 
+def test_a_long_road_whose_ends_are_bent_is_straight() -> None:
+    """As where it runs out of a corner of the sheet."""
+    along = np.arange(-50.0, 51.0)
+    off = np.where(np.abs(along) > 45, (np.abs(along) - 45) * 0.8, 0.0)
+    (surface,) = drawn_surfaces(Sketch(0.1, False, strokes=[stroke("road", np.stack([along, off], axis=1), 9.0)]))
+    assert len(surface.line) == 2
+
+
+def test_a_ring_that_smoothing_leaves_nothing_of_is_told() -> None:
+    turn = np.linspace(0.0, math.tau, 12)
+    ring = Stroke(
+        "road", (), "road at pixel 1, 2", 0.3 * np.stack([np.cos(turn), np.sin(turn)], axis=1), 7.0, True, 0.1
+    )
+    sketch = Sketch(0.1, False, strokes=[ring])
+    assert drawn_surfaces(sketch) == []
+    assert sketch.ignored == ["road at pixel 1, 2: it has no length"]
+
+
 def test_the_road_of_a_bend_is_one_that_simulate_knows() -> None:
     (strip,) = road_strips(Layout(tuple(surfaces(stroke("road", BEND, 7.0)))))
     assert strip.half == pytest.approx(3.5, abs=0.02)

@@ -58,3 +58,15 @@ def test_an_outline_of_an_object_is_filled_and_one_of_a_hedge_is_not() -> None:
     assert isinstance(drawn, Blob)
     assert (drawn.length, drawn.width) == (whole.length, whole.width)
     assert all(isinstance(shape, Stroke) for shape in shapes_of_mask(outline, FRAME, "vegetation", (), ""))
+
+
+def test_a_strip_that_leads_to_an_area_is_a_stroke() -> None:
+    mask = np.zeros((400, 400), dtype=bool)
+    mask[50:250, 60:340] = True
+    mask[250:390, 180:220] = True
+    stroke, blob = shapes_of_mask(mask, FRAME, "road", (), "")
+    assert isinstance(stroke, Stroke)
+    assert isinstance(blob, Blob)
+    assert stroke.width == pytest.approx(4.0, abs=0.3)
+    assert (blob.length, blob.width) == pytest.approx((28.0, 20.0), rel=0.02)
+    assert [type(shape) for shape in shapes_of_mask(rectangle(110, 95, 0.4), FRAME, "road", (), "")] == [Blob]

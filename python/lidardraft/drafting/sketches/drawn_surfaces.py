@@ -17,8 +17,10 @@ from lidardraft.scene.road import KERB_HEIGHT, TERRAIN_HEIGHT
 _NARROWEST = {"road": 2.0, "sidewalk": 0.5}  # m; a thinner stroke is a middle line, and the road as wide as usual
 _USUAL = {"road": 7.0, "sidewalk": 2.0}  # m, two lanes of 3.5 m; as in `Road`
 _WIDEST = 60.0  # m
+_SHORTEST = 0.3  # m
 _STRAIGHT = 0.5, 0.12  # m, and of the width: how far a straight line wobbles in a hand
-_BENT = 0.35  # of the width, that the ends of a straight line may be off it
+_BENT = 0.35  # of the width, that the ends of a straight line may be off it, unless it goes on
+_GOES_ON = 3.0  # widths of straight line between the ends
 _STEP = 2.0  # m between the stations of a bend, as in `Road`
 _BESIDE = 12.0  # m from the edge of a road: what is nearer goes along it, is parked at it or faces it
 _ACROSS = math.radians(50)  # what is turned against a road by more does not go along it
@@ -65,11 +67,14 @@ class Nearest:
 
 def drawn_surfaces(sketch: Sketch) -> list[DrawnSurface]:
     """The roads and sidewalks of a sketch; a blob is one that is hardly longer than wide."""
-    surfaces = [
-        DrawnSurface(stroke.label, _middle_line(stroke), _strip_width(stroke))
-        for stroke in sketch.strokes
-        if stroke.label in _USUAL
-    ]
+    surfaces = []
+    for stroke in sketch.strokes:
+        if stroke.label in _USUAL:
+            line = _middle_line(stroke)
+            if np.ptp(line, axis=0).max() < _SHORTEST:
+                sketch.ignored.append(f"{stroke.where}: it has no length")
+            else:
+                surfaces.append(DrawnSurface(stroke.label, line, _strip_width(stroke)))
     for blob in sketch.blobs:
         if blob.label in _USUAL:
             half = blob.length / 2 * np.array([math.cos(blob.yaw), math.sin(blob.yaw)])
@@ -136,8 +141,9 @@ def _middle_line(stroke: Stroke) -> np.ndarray:
     if stroke.closed or chord is None:
         return line
     middle, ahead, deviation = chord
-    ends = np.abs((line[[0, -1]] - middle) @ np.array([-ahead[1], ahead[0]]))
-    if deviation > max(_STRAIGHT[0], _STRAIGHT[1] * width) or ends.max() > _BENT * width:
+    bent = np.abs((line[[0, -1]] - middle) @ np.array([-ahead[1], ahead[0]])).max() > _BENT * width
+    short = np.ptp(inner @ ahead) < _GOES_ON * width if len(inner) else True
+    if deviation > max(_STRAIGHT[0], _STRAIGHT[1] * width) or (bent and short):
         return line
     places = (line[[0, -1]] - middle) @ ahead
     straight: np.ndarray = middle + places[:, None] * ahead

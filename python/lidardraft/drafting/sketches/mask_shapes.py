@@ -11,9 +11,12 @@ from scipy.spatial import ConvexHull
 
 from lidardraft.drafting.sketches.centre_lines import centre_lines
 from lidardraft.drafting.sketches.drawn_shapes import Blob, SketchFrame, Stroke
+from lidardraft.semantics import GROUND
 
 STROKE_CLASSES = ("road", "sidewalk", "wall", "fence", "vegetation")  # which come as strokes, and as blobs too
 _SLENDER = 2.5  # times as long as wide: a stroke
+_NARROW = 0.5  # of the width of an area: a strip that is narrower leads to it
+_ARM = 0.4  # of the square of that: what is smaller is a corner
 _NEARLY_SQUARE = 1.3  # times as long as wide: moments no longer tell the direction well
 
 
@@ -23,7 +26,12 @@ def shapes_of_mask(
     """What a mask bool [H, W] shows, whose pixel 0, 0 lies at 0, 0 of the frame. Outlines of objects are filled."""
     if label not in STROKE_CLASSES:
         mask = ndimage.binary_fill_holes(mask)
-    lines = list(centre_lines(mask)) if label in STROKE_CLASSES and _is_slender(mask) else []
+    slender = label in STROKE_CLASSES and _is_slender(mask)
+    if label in GROUND and not slender:
+        mask, arms = _without_arms(mask)
+        for arm in arms:
+            yield from shapes_of_mask(arm, frame, label, names, where)
+    lines = list(centre_lines(mask)) if slender else []
     grain = frame.metres_per_unit
     for line in lines:
         points = frame.to_layout(line.points[:, ::-1])
@@ -36,6 +44,18 @@ def shapes_of_mask(
 def _is_slender(mask: np.ndarray) -> bool:
     inner = float(ndimage.distance_transform_edt(np.pad(mask, 1)).max())
     return bool(np.count_nonzero(mask) >= _SLENDER * (2 * inner) ** 2)
+
+
+def _without_arms(mask: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
+    """An area bool [H, W] without the narrow strips that lead to it, as to a parking lot, and these strips."""
+    padded = np.pad(mask, 1)
+    depth = ndimage.distance_transform_edt(padded)
+    reach = _NARROW * float(depth.max())
+    core = (ndimage.distance_transform_edt(depth <= reach) < reach)[1:-1, 1:-1] & mask
+    pieces, count = ndimage.label(mask & ~core, np.ones((3, 3)))
+    sizes = np.bincount(pieces.ravel(), minlength=count + 1)
+    arms = [pieces == number for number in range(1, count + 1) if sizes[number] > _ARM * reach**2]
+    return (mask & ~np.any(arms, axis=0) if arms else mask), arms
 
 
 def _rectangle(points: np.ndarray, grain: float) -> tuple[np.ndarray, float, float, float]:
