@@ -168,7 +168,7 @@ def bend() -> str:
         "<title>a bend with a side road, a unit is a metre</title>",
         '<g inkscape:label="ground">',
         path("road", road, width=7, colour="dimgray"),
-        path("side road", [(46.5, 66), (90, 63)], width=6, colour="dimgray"),
+        path("side road", [(43, 66), (90, 63)], width=6, colour="dimgray"),
         path("sidewalk", [(49, 98), (48.7, 84), (48.3, 71)], width=2, colour="silver"),
         "</g>",
         '<g inkscape:label="parked cars">',
