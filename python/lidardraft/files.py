@@ -50,6 +50,16 @@ def check_replaceable(target: Path) -> None:
         raise FormatError(f"{target} cannot be written: it is there, and no regular file")
 
 
+def check_other_file(output: str | os.PathLike[str], given: str | os.PathLike[str]) -> None:
+    """Raise `FormatError` where what is to be written would replace what it is made of."""
+    try:
+        is_same = os.path.samefile(output, given)
+    except (OSError, ValueError):  # one of them is not there
+        return
+    if is_same:
+        raise FormatError(f"{os.fspath(output)} is the input too; write to another file")
+
+
 def write_text(path: str | os.PathLike[str], text: str) -> None:
     """Write a text in UTF-8; raises `FormatError` where it cannot be written or is more than `read_text` reads."""
     content = text.encode("utf-8")

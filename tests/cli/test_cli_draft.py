@@ -1,3 +1,4 @@
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -71,3 +72,10 @@ def test_a_layout_of_very_many_shapes_has_no_preview(folder: Path, capsys: pytes
 
 def test_a_name_that_no_file_can_have(refused: Callable[..., str]) -> None:
     assert "no file can have that name" in refused("draft", "--text", "a car ahead", "-o", "a\0.json")
+
+
+def test_the_input_is_not_replaced(refused: Callable[..., str]) -> None:
+    assert cli.main(["draft", "--text", "a car ahead", "-o", "a.obj", "--no-preview"]) == 0
+    os.link("a.obj", "b.obj")
+    for name in ("a.obj", "b.obj"):
+        assert f"{name} is the input too" in refused("draft", "--obj", "a.obj", "-o", name)

@@ -413,3 +413,27 @@ def test_a_sensor_of_too_many_pixels_is_named(refused: Callable[..., str]) -> No
     Sensor(name="wide", elevations=(0.1, 0.0), columns=2**22).save("wide.json")
     said = refused("draft", "--text", "a car ahead", "--sensor", "wide.json", "-o", "layout.json")
     assert "wide.json: 2 beams of 4194304 columns" in said
+
+
+@pytest.mark.parametrize(
+    ("option", "file", "said"),
+    [
+        ("obj", "a.png", "; .png is read by --image or --sketch"),
+        ("image", "a.obj", "; .obj is read by --obj"),
+        ("layout", "a.glb", "; .glb is read by --glb"),
+        ("points", "a.PY", "; .py is read by --blender"),
+        ("sketch", "a.pcd", "; .pcd is read by --points"),
+    ],
+)
+def test_a_file_of_another_kind_says_which_option_reads_it(
+    option: str, file: str, said: str, refused: Callable[..., str]
+) -> None:
+    Path(file).write_text("a")
+    assert refused("draft", f"--{option}", file, "-o", "layout.json").endswith(f"{said}\n")
+
+
+def test_a_broken_file_of_the_right_kind_says_no_option(refused: Callable[..., str]) -> None:
+    Path("a.obj").write_text("v a")
+    assert "is read by" not in refused("draft", "--obj", "a.obj", "-o", "layout.json")
+    Path("a.json").write_text("{}")
+    assert "is read by" not in refused("draft", "--boxes", "a.json", "-o", "layout.json")

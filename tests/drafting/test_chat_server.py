@@ -186,3 +186,32 @@ def test_urls_that_no_server_has(url: str, said: str) -> None:
 def test_a_model_has_a_name() -> None:
     with pytest.raises(LanguageModelError, match="LIDARDRAFT_LLM_MODEL or --llm-model names it"):
         ChatServer("http://localhost:11434/v1", "")
+
+
+@pytest.mark.parametrize("escaped", [False, True])
+def test_no_half_of_a_key_is_left_where_a_message_cuts_it(
+    server: ReplayServer, monkeypatch: pytest.MonkeyPatch, escaped: bool
+) -> None:
+    monkeypatch.setenv("LIDARDRAFT_LLM_KEY", SECRET)
+    key = "".join(f"\\u{ord(letter):04x}" for letter in SECRET) if escaped else SECRET
+    long = "x" * 290
+    for answer in (
+        Answer(f'{{"error": "{long}{key}"}}'.encode(), 400),
+        Answer(f'{{"choices": [{{"message": {{"refusal": "{long[:280]}{key}"}}}}]}}'.encode()),
+    ):
+        assert SECRET[:6] not in refused(server, answer)
+    if not escaped:
+        assert SECRET[:6] not in refused(server, Answer(f"{long}{SECRET}".encode(), 400))
+        assert SECRET[:6] not in refused(server, Answer(f"0123456789{SECRET}".encode()))
+        assert SECRET[:6] not in refused(server, Answer(b"", 302, (("Location", f"http://{long[:280]}{SECRET}"),)))
+
+
+def test_a_reply_in_parts(server: ReplayServer) -> None:
+    parts = [{"type": "text", "text": "a "}, {"type": "thinking", "text": "no"}, 5, {"type": "text", "text": "bus"}]
+    server.answers = [Answer({"choices": [{"message": {"content": parts}, "finish_reason": "stop"}]})]
+    assert ChatServer(server.url, "small").reply(MESSAGES, {}, TimeLimit(60)).text == "a bus"
+
+
+def test_the_whole_url_of_the_chats_is_a_url_too(server: ReplayServer) -> None:
+    server.answers = [openai("a bus")]
+    assert ChatServer(f"{server.url}/chat/completions/", "small").url == server.url

@@ -57,3 +57,7 @@ def test_fences_that_are_never_closed_are_read_in_one_pass() -> None:
     """A pattern that looks for the end of each would take minutes."""
     reply = "\n".join("`" * n for n in range(2000, 2, -1)) + "\n~~~\n" + "x\n" * 1_000_000
     assert code_of(reply).endswith("x\n")
+
+
+def test_braces_after_the_object_are_words() -> None:
+    assert json_of(f"Here: {OBJECT} and enjoy {{it}}.") == OBJECT

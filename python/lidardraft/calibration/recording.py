@@ -79,6 +79,12 @@ def read_points(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.
     raise FormatError(f"{os.fspath(path)}: a recorded scan is a .bin, .pcd.bin, .pcd or .npz file")
 
 
+def is_points_file(path: str | os.PathLike[str]) -> bool:
+    """Whether an .npz file holds points. Raises `FormatError` where it is no whole one."""
+    with image_archive.opened(path) as archive:
+        return image_archive.holds(archive, "xyz")
+
+
 def returns(points: np.ndarray, fields: Mapping[str, np.ndarray]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """The points f32 [N, 3] that are returns, finite and not at the origin, with their fields; intensities in 0 to 1.
 

@@ -12,7 +12,7 @@ from lidardraft.cli.arguments import add_sensor, read_sensor
 from lidardraft.cli.command import say
 from lidardraft.cli.inputs import add_inputs, input_of, read_layout
 from lidardraft.cli.layout_file import check_ending, write_layout
-from lidardraft.files import named
+from lidardraft.files import check_other_file, named
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import Sensor
 
@@ -23,6 +23,7 @@ def draft(arguments: argparse.Namespace) -> None:
     """Make a layout, a file of boxes and other shapes that can be edited, from a sentence, a labelled scan, a sketch,
     boxes, a 3D model or a Blender script."""
     check_ending(arguments.output)
+    check_other_file(arguments.output, input_of(arguments))
     sensor = read_sensor(arguments.sensor)
     layout = read_layout(arguments)
     # before anything is written: what cannot be simulated replaces no layout that is there

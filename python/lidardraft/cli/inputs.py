@@ -11,7 +11,7 @@ from lidardraft.cli.arguments import add_seed, assignments, number, read_sensor
 from lidardraft.cli.command import say
 from lidardraft.cli.image_input import add_image_options, layout_of_image
 from lidardraft.cli.language_model import add_language_model, asks_language_model
-from lidardraft.errors import FormatError
+from lidardraft.errors import FormatError, LidarDraftError
 from lidardraft.files import named
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import Sensor
@@ -29,6 +29,19 @@ _GOES_WITH = {
     **dict.fromkeys(("depth", "semantics", "masks", "intrinsics", "hfov", "camera_height", "fill"), ("image",)),
 }
 _GOES_WITH |= {f"llm_{name}": ("text",) for name in ("url", "model", "blender", "cache", "timeout")}
+
+# Endings of the files of inputs.
+_PICTURES = (".png", ".jpg", ".jpeg", ".webp")
+_ENDINGS = {
+    "image": _PICTURES,
+    "points": (".bin", ".pcd", ".npz"),
+    "sketch": (".svg", *_PICTURES),
+    "boxes": (".json",),
+    "obj": (".obj",),
+    "glb": (".glb", ".gltf"),
+    "blender": (".py",),
+    "layout": (".json",),
+}
 
 _MOST_NOTES = 10  # on a script that a language model wrote
 
@@ -80,13 +93,24 @@ def read_layout(arguments: argparse.Namespace) -> Layout:
             needed = " or ".join(f"--{each}" for each in inputs)
             option = "class" if name == "classes" else name.replace("_", "-")
             raise FormatError(f"--{option} goes with {needed}")
-    return _READERS[_name_of_input(arguments)](arguments)
+    name = _name_of_input(arguments)
+    try:
+        return _READERS[name](arguments)
+    except LidarDraftError as error:
+        raise type(error)(f"{error}{_other_option(name, getattr(arguments, name))}") from None
 
 
 def input_of(arguments: argparse.Namespace) -> str:
     """What messages call the input: its file, or --text."""
     name = _name_of_input(arguments)
     return "--text" if name == "text" else getattr(arguments, name)
+
+
+def _other_option(name: str, file: str) -> str:
+    """What a message on an input ends in: the options that read files of its ending, where this one does not."""
+    ending = Path(file).suffix.lower()
+    others = [f"--{other}" for other, endings in _ENDINGS.items() if ending in endings]
+    return f"; {ending} is read by {' or '.join(others)}" if others and f"--{name}" not in ["--text", *others] else ""
 
 
 def _name_of_input(arguments: argparse.Namespace) -> str:

@@ -6,6 +6,7 @@ import json
 import os
 import time
 from dataclasses import dataclass
+from email.message import Message
 from http import HTTPStatus
 from typing import Any
 from urllib.parse import urlsplit
@@ -56,7 +57,7 @@ class ChatServer:
             raise LanguageModelError(f"the URL of the language model is {self.url!r}; it must be as {_EXAMPLE}")
         if not self.model or not isinstance(self.model, str):
             raise LanguageModelError(f"which model of {self.url} to ask is not said; {MODEL} or --llm-model names it")
-        object.__setattr__(self, "url", self.url.rstrip("/"))
+        object.__setattr__(self, "url", self.url.rstrip("/").removesuffix("/chat/completions"))
 
     def reply(self, messages: list[dict[str, str]], options: dict[str, Any], limit: TimeLimit) -> ChatReply:
         """The model's reply to a chat; a server that refuses the `options` is asked without them.
@@ -90,7 +91,7 @@ class ChatServer:
         if key := _key():
             headers["Authorization"] = f"Bearer {key}"
         try:
-            return post(f"{self.url}/chat/completions", headers, json.dumps(body).encode(), limit)
+            return _without_key_in(post(f"{self.url}/chat/completions", headers, json.dumps(body).encode(), limit))
         except TimeoutError:
             raise LanguageModelError(f"{self.url}: no whole answer within {limit.seconds:g} s") from None
         except OSError as error:
@@ -111,6 +112,16 @@ def _without_key(text: str) -> str:
     return text.replace(key, "[key]") if len(key) >= _SHORTEST_SECRET else text
 
 
+def _without_key_in(answer: HttpAnswer) -> HttpAnswer:
+    """The answer, of which messages may quote any part: of a key that is cut in two the first half would be left."""
+    key, headers = _key(), Message()
+    if len(key) < _SHORTEST_SECRET:
+        return answer
+    for name, value in answer.headers.items():
+        headers[name] = value.replace(key, "[key]")
+    return HttpAnswer(answer.status, headers, answer.body.replace(key.encode(), b"[key]"))
+
+
 def _reply_of(answer: HttpAnswer) -> ChatReply:
     if answer.status != 200:
         raise LanguageModelError(_refusal(answer))
@@ -127,9 +138,9 @@ def _reply_of(answer: HttpAnswer) -> ChatReply:
     if choice is None or not isinstance(message, dict):
         said = _said(answer.body)
         raise LanguageModelError("an answer without a choice" + (f": {said}" if "error" in body else ""))
-    text, stopped = message.get("content"), choice.get("finish_reason")
+    text, stopped = _text_of(message.get("content")), choice.get("finish_reason")
     if message.get("refusal"):
-        raise LanguageModelError(f"the model refuses: {message['refusal']!s:.{_LONGEST_QUOTE}}")
+        raise LanguageModelError(f"the model refuses: {_without_key(str(message['refusal']))[:_LONGEST_QUOTE]}")
     if stopped == "content_filter":
         raise LanguageModelError("the answer is withheld by a content filter")
     if stopped != "length" and not (isinstance(text, str) and text.strip()):
@@ -137,6 +148,14 @@ def _reply_of(answer: HttpAnswer) -> ChatReply:
     # half characters, as "\ud83d" in JSON can be, have no bytes that could be kept
     whole = str(text or "").encode("utf-8", "replace").decode()
     return ChatReply(_without_key(whole), _without_key(str(body.get("model", ""))[:200]), stopped == "length")
+
+
+def _text_of(content: Any) -> Any:
+    """The content of a message; where it comes in parts, the texts of these, one after the other."""
+    if not isinstance(content, list):
+        return content
+    texts = [part.get("text") for part in content if isinstance(part, dict) and part.get("type") == "text"]
+    return "".join(text for text in texts if isinstance(text, str))
 
 
 def _refusal(answer: HttpAnswer) -> str:
@@ -164,4 +183,4 @@ def _said(body: bytes) -> str:
     for field in ("error", "message", "detail"):
         if isinstance(found, dict) and found.get(field):
             found = found[field]
-    return " ".join(str(found).split())[:_LONGEST_QUOTE]
+    return " ".join(_without_key(str(found)).split())[:_LONGEST_QUOTE]

@@ -156,11 +156,13 @@ def _objects(
 def _headings(seen: list[FittedBox], size: tuple[float, float, float]) -> list[float | None]:
     """For each box the heading [rad] of the nearest other one whose length was seen; None where there is none."""
     sure = [box for box in seen if is_length(max(box.size[:2]), size)]
+    places = np.array([box.center[:2] for box in sure]).reshape(-1, 2)
+    own = {id(box): number for number, box in enumerate(sure)}
     found: list[float | None] = []
     for box in seen:
-        others = [other for other in sure if other is not box]
-        away = [float(np.linalg.norm(other.center[:2] - box.center[:2])) for other in others]
-        nearest = others[int(np.argmin(away))] if min(away, default=math.inf) < _NEIGHBOUR else None
+        away = np.linalg.norm(places - box.center[:2], axis=1)
+        away[own.get(id(box), len(away)) :][:1] = math.inf
+        nearest = sure[int(np.argmin(away))] if away.min(initial=math.inf) < _NEIGHBOUR else None
         turn = math.pi / 2 if nearest and nearest.size[1] > nearest.size[0] else 0.0
         found.append(nearest.yaw + turn if nearest else None)
     return found

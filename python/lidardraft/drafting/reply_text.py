@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import json
+
 _FENCES = ("```", "~~~")
 
 
 def json_of(reply: str) -> str:
-    """The text from the first brace to the last one, or all of it where there are none."""
+    """The JSON object at the first brace; where there is none, the text from there to the last brace, or all of it."""
     text = _answer_of(reply)
     start, end = text.find("{"), text.rfind("}")
-    return text[start : end + 1] if 0 <= start < end else text
+    if not 0 <= start < end:
+        return text
+    try:
+        return text[start : json.JSONDecoder().raw_decode(text, start)[1]]
+    except (ValueError, RecursionError):  # whose reader says what is wrong with it
+        return text[start : end + 1]
 
 
 def code_of(reply: str) -> str:
