@@ -405,6 +405,105 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("sets without", "s = set(range(60000))\nwhile True:\n    s.isdisjoint([])", 3),
     ("functions that are made", "while True:\n    def g(a, b=1, *c, d=2, **e): pass", 2),
     ("classes that are made", "while True:\n    class B: pass", 2),
+    (
+        "json dumps shared",
+        "import json\na=[1]\nfor i in range(7):\n    a=[a]*9\nwhile True:\n    json.dumps(a, indent=8)",
+        6,
+    ),
+    (
+        "deepcopy of itself",
+        "import copy\na=[]\na.append(a)\nwhile True:\n    a=copy.deepcopy(a)\n    a.append(copy.deepcopy(a))",
+        5,
+    ),
+    ("exit with lists of lists", "import sys\na=[1]\nfor i in range(60):\n    a=[a,a]\nsys.exit(a)", 5),
+    (
+        "children get many",
+        "import bpy\nc=bpy.context.scene.collection\nfor i in range(3000):\n"
+        "    c.children.link(bpy.data.collections.new('a'))\nwhile True:\n    c.children.get('zz')",
+        4,
+    ),
+    (
+        "children in many",
+        "import bpy\nc=bpy.context.scene.collection\nfor i in range(3000):\n"
+        "    c.children.link(bpy.data.collections.new('a'))\nwhile True:\n    'zz' in c.children",
+        4,
+    ),
+    (
+        "children unlink",
+        "import bpy\nc=bpy.context.scene.collection\nd=bpy.data.collections.new('a')\n"
+        "for i in range(9000):\n    c.children.link(d)\ne=bpy.data.collections.new('e')\n"
+        "c.children.link(e)\nwhile True:\n    c.children.unlink(e)\n    c.children.link(e)",
+        5,
+    ),
+    (
+        "objects in collections",
+        "import bpy\nm=bpy.data.meshes.new('m')\nfor i in range(2000):\n"
+        "    bpy.context.collection.objects.link(bpy.data.objects.new('a',m))\n"
+        "c=bpy.context.collection.objects\nwhile True:\n    'zz' in c",
+        7,
+    ),
+    (
+        "mesh class property",
+        "import bpy\nbpy.ops.mesh.primitive_cube_add()\nbpy.context.object.data['class']='a'*1900000",
+        2,
+    ),
+    ("text of two million compare", "s='a'*1900000+'b'\nt='a'*1900000+'c'\nwhile True:\n    s==t", 4),
+    ("text of two million order", "s='a'*1900000+'b'\nt='a'*1900000+'c'\nwhile True:\n    s<t", 4),
+    ("text of two million braces", "s='{}'*900000\nwhile True:\n    s.format(1)", 3),
+    (
+        "generator of generators",
+        "def f(n):\n    while True:\n        yield f(n+1)\ng=f(0)\nfor x in g:\n    g=next(x)",
+        6,
+    ),
+    (
+        "generators unfinished",
+        "def f():\n    x=[0]*1000\n    yield x\nl=[]\nwhile True:\n    g=f()\n    next(g)\n    l.append(g)",
+        2,
+    ),
+    (
+        "generator chain",
+        "def f(g):\n    for x in g:\n        yield x\ng=range(10**9)\nfor i in range(140):\n    g=f(g)\n"
+        "for x in g: pass",
+        2,
+    ),
+    (
+        "suppress nest",
+        "from contextlib import suppress\ndef f():\n    with suppress(Exception):\n        f()\n    f()\nf()",
+        4,
+    ),
+    ("sorted long texts", "a='a'*1900000+'b'\nb='a'*1900000+'c'\nsorted([a,b]*100000)", 3),
+    ("max long texts", "a='a'*1900000+'b'\nb='a'*1900000+'c'\nmax([a,b]*100000)", 3),
+    (
+        "sets of long texts",
+        "a={'a'*1900000+str(i) for i in range(3)}\nb={'a'*1900000+str(i) for i in range(3)}\nwhile True:\n    a==b",
+        1,
+    ),
+    ("dict lookup long", "s='a'*1900000\nd={s+'b':1}\nt=s+'b'\nwhile True:\n    d[t]", 5),
+    ("dict get long", "s='a'*1900000\nd={s+'b':1}\nt=s+'b'\nwhile True:\n    d.get(t)", 5),
+    ("endswith long", "s='a'*1900000\nt='a'*1900000\nf=s.endswith\nwhile True:\n    f(t)", 5),
+    ("method kept", "s='a'*1900000\nf=s.upper\nwhile True:\n    f()", 4),
+    ("split kept", "s='a '*900000\nf=s.split\nwhile True:\n    f('zz')", 4),
+    ("count kept", "s='a'*1900000\nf=s.count\nwhile True:\n    f('b')", 4),
+    ("isdigit kept", "s='1'*1900000\nf=s.isdigit\nwhile True:\n    f()", 4),
+    (
+        "object in by name",
+        "import bpy\nbpy.ops.mesh.primitive_cube_add()\ns='a'*1900000\nt='a'*1900000\n"
+        "bpy.context.object.name=s\nwhile True:\n    t in bpy.data.objects",
+        7,
+    ),
+    (
+        "get by long name",
+        "import bpy\nbpy.ops.mesh.primitive_cube_add()\ns='a'*1900000\nt='a'*1900000\n"
+        "bpy.context.object.name=s\nf=bpy.data.objects.get\nwhile True:\n    f(t)",
+        8,
+    ),
+    (
+        "properties long keys",
+        "import bpy\nbpy.ops.mesh.primitive_cube_add()\no=bpy.context.object\ns='a'*1900000\no[s]=1\n"
+        "t='a'*1900000\nwhile True:\n    t in o",
+        8,
+    ),
+    ("map of method", "s='a'*1900000\nx=['b']*240000\nlist(map(s.find, x))", 3),
     # numbers that are none
     ("infinite place", "import bpy\nbpy.ops.mesh.primitive_cube_add(location=(float('inf'), 0, 0))", 2),
     ("place that is no number", "import bpy\nbpy.ops.mesh.primitive_cube_add(location=(float('nan'), 0, 0))", 2),

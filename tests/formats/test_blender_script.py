@@ -7,6 +7,7 @@ from exported_layouts import EVERYTHING, drafted
 from lidardraft.drafting.blender import layout_from_blender
 from lidardraft.formats.blender_script import blender_script, write_blender_script
 from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.semantics import BY_NAME
 
 
 @pytest.mark.parametrize("layout", [EVERYTHING, Layout((EVERYTHING.primitives[0],)), *drafted()])
@@ -23,12 +24,22 @@ def test_names_from_others_stay_text() -> None:
     assert layout_from_blender(script) == layout
 
 
-def test_three_thousand_shapes_are_read_within_the_limits() -> None:
-    boxes = tuple(
-        Primitive(shape="box", center=(k / 7, k / 9, k / 11), size=(1 / 3, 2 / 3, 4 / 3), label="pole", id=f"pole_{k}")
+def test_three_thousand_shapes_of_all_classes_are_read_within_the_limits() -> None:
+    labels, shapes = list(BY_NAME)[1:], ("box", "cylinder", "ellipsoid")
+    primitives = tuple(
+        Primitive(
+            shape=shapes[k % 3],
+            center=(k / 7, k / 9, k / 11),
+            size=(1 / 3, 1 / 3, 4 / 3),
+            yaw=k / 3000,
+            label=labels[k % len(labels)],
+            id=f"shape_{k}",
+            instance=k,
+            extinction=0.5 if k % 60 == 2 else None,
+        )
         for k in range(3000)
     )
-    assert layout_from_blender(blender_script(Layout(boxes))) == Layout(boxes)
+    assert layout_from_blender(blender_script(Layout(primitives))) == Layout(primitives)
 
 
 def test_it_is_written_whole(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
 from lidardraft.drafting.script.values import Builtin, Record, Value, describe, text
 
-_STEPS = 8  # that a block costs
+_STEPS = 3  # that a block costs
 _MOST_PROPERTIES = 200  # of an object or a mesh
 
 
@@ -89,12 +89,16 @@ class Blocks(Record):
         methods: dict[str, Callable[..., Value]] = {
             "new": self.new,
             "remove": lambda block, **_: self.remove(block),
-            "get": lambda key, default=None: self.by_name.get(text(key, "a name"), default),
+            "get": lambda key, default=None: self.by_name.get(self._name(key), default),
             "keys": lambda: list(self.by_name),
             "values": self.elements,
             "items": lambda: list(self.by_name.items()),
         }
         return Builtin(f"{self.kind}.{name}", methods[name]) if name in methods else super().attribute(name)
+
+    def _name(self, key: Value) -> str:
+        self.budget.take_compared(key)
+        return text(key, "a name")
 
     def elements(self) -> list[Value]:
         self.budget.take_cells(len(self.by_name))
@@ -104,6 +108,7 @@ class Blocks(Record):
         return value in self.by_name if isinstance(value, str) else value in self.by_name.values()
 
     def item(self, key: Value) -> Value:
+        self.budget.take_compared(key)
         if isinstance(key, slice):
             return self.elements()[key]
         if isinstance(key, int) and -len(self.by_name) <= key < len(self.by_name):
@@ -129,7 +134,7 @@ class Block(Record):
 
     def attribute(self, name: str) -> Value:
         methods: dict[str, Callable[..., Value]] = {
-            "get": lambda key, default=None: self.properties.get(text(key, "a name"), default),
+            "get": lambda key, default=None: self.properties.get(self.owner._name(key), default),
             "keys": lambda: list(self.properties),
             "update": lambda *_: None,
             "update_tag": lambda *_: None,
@@ -147,6 +152,7 @@ class Block(Record):
             super().set_attribute(name, value)
 
     def item(self, key: Value) -> Value:
+        self.owner.budget.take_compared(key)
         if key not in self.properties if isinstance(key, str) else True:
             raise RaisedError("KeyError", f"{self.kind} {self.name!r:.60} has no property {describe(key)}")
         return self.properties[key]

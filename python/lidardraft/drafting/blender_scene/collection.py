@@ -23,7 +23,9 @@ class Collection(Block):
 
     def members(self) -> list[SceneObject]:
         """The objects that are in the collection itself, in the order in which they came into it."""
-        found = [item for item in self.all_objects.all() if self in item.collections]
+        items = self.all_objects.all()
+        self.owner.budget.take_steps(len(items) // 2)
+        found = [item for item in items if self in item.collections]
         return sorted(found, key=lambda item: item.collections[self])
 
     def attribute(self, name: str) -> Value:
@@ -116,7 +118,7 @@ class LinkedObjects(Record):
         numbers = elements(seq, budget)
         if attr not in ("location", "scale", "rotation_euler") or len(numbers) != 3 * len(items):
             raise RefusalError(f"foreach_set of {describe(attr)} for {len(items)} objects to {len(numbers)} numbers")
-        budget.take_steps(len(items))
+        budget.take_steps(3 * len(items) // 2)
         values = reals(numbers, len(numbers), f"the {attr}")
         for number, item in enumerate(items):
             item.set_attribute(attr, values[3 * number : 3 * number + 3])
@@ -143,20 +145,31 @@ class LinkedCollections(Record):
 
     def __init__(self, collection: Collection) -> None:
         self._children = collection.children
+        self._budget = collection.owner.budget
 
     def _link(self, item: Value) -> None:
         if not isinstance(item, Collection):
             raise RefusalError(f"{describe(item)} is no collection")
+        if item in self.elements():
+            raise RaisedError("RuntimeError", f"the collection {item.name!r:.60} is in this collection already")
         self._children.append(item)
 
+    def _unlink(self, item: Value) -> None:
+        if item not in self.elements():
+            raise RaisedError("RuntimeError", f"{describe(item)} is not in this collection")
+        self._children.remove(item)
+
+    def _get(self, name: Value, default: Value = None) -> Value:
+        return next((child for child in self.elements() if child.name == name), default)
+
     def attribute(self, name: str) -> Value:
-        methods: dict[str, Callable[..., Value]] = {"link": self._link, "unlink": self._children.remove}
-        methods |= {"get": lambda key, default=None: next((c for c in self._children if c.name == key), default)}
-        methods |= {"keys": lambda: [c.name for c in self._children]}
+        methods: dict[str, Callable[..., Value]] = {"link": self._link, "unlink": self._unlink}
+        methods |= {"get": self._get, "keys": lambda: [child.name for child in self.elements()]}
         return Builtin(name, methods[name]) if name in methods else super().attribute(name)
 
     def elements(self) -> list[Value]:
+        self._budget.take_steps(len(self._children) // 2 + 1)
         return list(self._children)
 
     def contains(self, value: Value) -> bool:
-        return any(value in (child, child.name) for child in self._children)
+        return any(value in (child, child.name) for child in self.elements())

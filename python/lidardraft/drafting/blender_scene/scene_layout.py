@@ -22,6 +22,7 @@ from lidardraft.scene.layout import Primitive
 from lidardraft.semantics import BY_NAME
 
 _STEPS = 20  # that a copy costs
+_LONGEST_CLASS = 100
 _MOST_NAMES = 50  # in one message
 _NUMBERED_PART = re.compile(r"(.*?\d+)[._ -]+(\D.*)", re.DOTALL)  # "Car_1_Wheel" is a part of "Car_1"
 
@@ -55,7 +56,7 @@ def primitives_of(scene: Scene, classes: Mapping[str, str]) -> list[Primitive]:
         try:
             primitive = placed_shape(item, mesh, shape, **fields)
         except LayoutError as error:
-            raise RefusalError(str(error), item.line) from None
+            raise RefusalError(f"{error!s:.300}", item.line) from None
         if primitive is None:
             scene.note(f"{item.name:.60} has no surface")
         else:
@@ -106,7 +107,10 @@ def _copies(scene: Scene, item: SceneObject) -> list[SceneObject]:
 def _given_class(item: SceneObject) -> Any:
     """The property `class` of the object, or else of its mesh."""
     of_mesh = item.data.properties.get("class") if isinstance(item.data, Mesh) else None
-    return item.properties.get("class", of_mesh)
+    given = item.properties.get("class", of_mesh)
+    if isinstance(given, str) and len(given) > _LONGEST_CLASS:
+        raise RefusalError(f"{item.name:.60}: {given[:40]!r} and so on is no class", item.line)
+    return given
 
 
 def _class_of(item: SceneObject, classes: Mapping[str, str]) -> str | None:

@@ -11,6 +11,7 @@ from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
 from lidardraft.drafting.script.values import Record, Value, checked, describe, is_number, truth
 
 _LONGEST_SHIFT = 64
+_LONG = 200  # characters of a text that is looked for
 _NUMBERS: dict[type[ast.operator], Callable[[Value, Value], Value]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -102,7 +103,7 @@ def unary(kind: type[ast.unaryop], value: Value) -> Value:
 def compare(kind: type[ast.cmpop], left: Value, right: Value, budget: Budget) -> bool:
     """The result of a comparison."""
     if kind in _ORDERS:
-        return _ordered(_ORDERS[kind], left, right)
+        return _ordered(_ORDERS[kind], left, right, budget)
     if kind is ast.Is or kind is ast.IsNot:
         return (left is right) == (kind is ast.Is)
     if kind is ast.Eq or kind is ast.NotEq:
@@ -110,7 +111,8 @@ def compare(kind: type[ast.cmpop], left: Value, right: Value, budget: Budget) ->
     return contains(right, left, budget) == (kind is ast.In)
 
 
-def _ordered(order: Callable[[Value, Value], bool], left: Value, right: Value) -> bool:
+def _ordered(order: Callable[[Value, Value], bool], left: Value, right: Value, budget: Budget) -> bool:
+    budget.take_compared(left, right)
     if not (is_number(left) and is_number(right)) and not (isinstance(left, str) and isinstance(right, str)):
         flat = isinstance(left, tuple) and isinstance(right, tuple) and all(map(is_number, left + right))
         if not flat:
@@ -127,6 +129,7 @@ def equal(left: Value, right: Value, budget: Budget, level: int = 0) -> bool:
     if isinstance(right, Record):
         return right.equals(left)
     if not isinstance(left, list | tuple | dict):
+        budget.take_compared(left)
         return bool(left == right)
     alike = any(isinstance(left, kind) and isinstance(right, kind) for kind in (list, tuple, dict))
     if not alike or len(left) != len(right):
@@ -135,12 +138,14 @@ def equal(left: Value, right: Value, budget: Budget, level: int = 0) -> bool:
         raise RefusalError("lists within lists, too deep to be compared")
     budget.take_steps(len(left) + 1)
     if isinstance(left, dict):
+        budget.take_compared(*left)
         return all(key in right and equal(left[key], right[key], budget, level + 1) for key in left)
     return all(equal(a, b, budget, level + 1) for a, b in zip(left, right, strict=True))
 
 
 def contains(container: Value, value: Value, budget: Budget) -> bool:
     """Whether `value` is in `container`."""
+    budget.take_compared(value)
     if isinstance(container, str):
         if not isinstance(value, str):
             raise RefusalError(f"{describe(value)} cannot be in a text")
@@ -158,6 +163,8 @@ def contains(container: Value, value: Value, budget: Budget) -> bool:
         raise RefusalError(f"nothing can be in {describe(container)}")
     budget.take_cells(len(container))
     if not isinstance(value, list | tuple | dict | Record):
+        if isinstance(value, str) and len(value) > _LONG:
+            budget.take_compared(*container)
         return value in container
     budget.take_steps(len(container))
     return any(equal(item, value, budget) for item in container)

@@ -191,13 +191,20 @@ def _of_collections(budget: Budget) -> dict[str, Callable[..., Value]]:
     }
 
 
+def _check_order(keys: list[Value], budget: Budget) -> None:
+    """Count what it takes to compare keys; raises `RefusalError` where they have no order."""
+    if not all(is_key(each) and each is not None for each in keys):
+        raise RefusalError("values without an order")
+    parts = [part for each in keys for part in (each if isinstance(each, tuple) else (each,))]
+    budget.take_compared(*parts)
+
+
 def ordered(items: Value, key: Value, reverse: Value, budget: Budget, call: Call) -> list[Value]:
     """What `sorted` gives: of numbers, of texts, or of flat tuples of them."""
     found = elements(items, budget)
     budget.take_steps(len(found) if key is None else 3 * len(found))
     keys = found if key is None else [call(key, [item]) for item in found]
-    if not all(is_key(each) and each is not None for each in keys):
-        raise RefusalError("sorted: values without an order")
+    _check_order(keys, budget)
     places = sorted(range(len(found)), key=keys.__getitem__, reverse=truth(reverse))
     return [found[place] for place in places]
 
@@ -210,8 +217,7 @@ def _of_order(budget: Budget, call: Call) -> dict[str, Callable[..., Value]]:
                 return default["default"]
             budget.take_steps(0 if key is None else 2 * len(found))
             keys = found if key is None else [call(key, [item]) for item in found]
-            if not all(is_key(each) and each is not None for each in keys):
-                raise RefusalError("values without an order")
+            _check_order(keys, budget)
             return found[choose(range(len(found)), key=keys.__getitem__)]
 
         return best

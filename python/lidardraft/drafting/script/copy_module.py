@@ -30,7 +30,7 @@ def copy_module(budget: Budget) -> dict[str, Value]:
         return x.attribute("copy").call([], {})
 
     def deep(x: Value, known: dict[int, Value], level: int) -> Value:
-        budget.take_steps(1)
+        budget.take_steps(2)
         if level > _DEEPEST:
             raise RefusalError(f"deepcopy of {describe(x)}, more than {_DEEPEST} levels deep")
         if id(x) in known or not isinstance(x, list | tuple | dict | Record):

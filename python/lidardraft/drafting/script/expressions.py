@@ -216,6 +216,7 @@ class Expressions:
             self.budget.take_steps(owner.weight)
             return owner.item(key)
         if isinstance(owner, dict):
+            self.budget.take_compared(key)
             if dict_key(key) not in owner:
                 if isinstance(owner, Counter):
                     return 0

@@ -50,6 +50,7 @@ def brace_format(template: str, arguments: list[Value], keywords: dict[str, Valu
     """What `template.format(...)` gives; a field is a number or a name, and nothing of what it stands for."""
     budget.take_steps(_STEPS)
     parts: list[str] = []
+    budget.take_cells(template.count("{"))
     try:
         fields = list(string.Formatter().parse(template))
     except ValueError as error:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+_COMPARED_IN_A_STEP = 10_000  # characters
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:
@@ -72,6 +74,10 @@ class Budget:
         self.cells -= max(count, 0)
         if self.cells < 0:
             raise RefusalError(f"all values together have more than {self.limits.cells} elements")
+
+    def take_compared(self, *values: object) -> None:
+        """Count the characters of the texts among some values that are compared; short ones count for nothing."""
+        self.take_steps(sum([len(value) for value in values if isinstance(value, str)]) // _COMPARED_IN_A_STEP)
 
     def take_text(self, characters: int) -> None:
         """Count the characters of a text, eight to a cell, before it is made."""

@@ -46,9 +46,16 @@ def method(value: Value, name: str, budget: Budget, order: Callable[..., list[Va
 
 
 def _of_text(value: str, name: str, budget: Budget) -> dict[str, Callable[..., Value]]:
-    budget.take_text(len(value))
+    def counted(function: Callable[..., Value], rounds: int = 1) -> Callable[..., Value]:
+        def call(*arguments: Value, **keywords: Value) -> Value:
+            for _ in range(rounds):
+                budget.take_text(len(value))
+            return function(*arguments, **keywords)
+
+        return call
+
     if name in _SIMPLE or name in _SEARCHES:  # no longer than the text itself
-        return {name: getattr(value, name)}
+        return {name: counted(getattr(value, name), 2 if name in _SIMPLE else 1)}
 
     def split(cut: Callable[..., list[str]]) -> Callable[..., list[str]]:
         def call(sep: str | None = None, maxsplit: int = -1) -> list[str]:
@@ -79,7 +86,7 @@ def _of_text(value: str, name: str, budget: Budget) -> dict[str, Callable[..., V
         budget.take_cells(2 * (value.count("\n") + value.count("\r") + 1))
         return value.replace("\r\n", "\n").replace("\r", "\n").removesuffix("\n").split("\n") if value else []
 
-    return {
+    table: dict[str, Callable[..., Value]] = {
         "split": split(str.split),
         "rsplit": split(str.rsplit),
         "splitlines": lines,
@@ -91,6 +98,7 @@ def _of_text(value: str, name: str, budget: Budget) -> dict[str, Callable[..., V
         "center": padded(str.center),
         "format": lambda *arguments, **keywords: brace_format(value, list(arguments), keywords, budget),
     }
+    return {name: counted(table[name])} if name in table else {}
 
 
 def _of_list(value: list[Value], budget: Budget, order: Callable[..., list[Value]]) -> dict[str, Callable[..., Value]]:
@@ -145,6 +153,7 @@ def _of_dict(value: dict[Value, Value], budget: Budget) -> dict[str, Callable[..
     def as_key(key: Value) -> Value:
         if not is_key(key):
             raise RefusalError(f"{describe(key)} cannot be a key")
+        budget.take_compared(key)
         return key
 
     def setdefault(key: Value, default: Value = None) -> Value:

@@ -9,7 +9,7 @@ from pathlib import PurePosixPath
 
 from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
 from lidardraft.drafting.script.silent_modules import output_stream
-from lidardraft.drafting.script.values import Builtin, Namespace, Record, Value, text
+from lidardraft.drafting.script.values import Builtin, Namespace, Record, Value, describe, text
 
 SCRIPT = "/script.py"  # the name that a script sees of its own file
 _PURE = ("basename", "dirname", "splitext", "split", "normpath")
@@ -26,7 +26,11 @@ def os_modules(budget: Budget, note: Note) -> dict[str, dict[str, Value]]:
         return default
 
     def leave(code: Value = None) -> None:
-        raise RaisedError("SystemExit", "the script ends itself here", "" if code is None else f"{code!r:.200}")
+        raise RaisedError(
+            "SystemExit",
+            "the script ends itself here",
+            "" if code is None else f"{code:.200}" if isinstance(code, str) else describe(code),
+        )
 
     environ = Namespace("os.environ", {"get": Builtin("os.environ.get", getenv)})
     os = {"path": Namespace("os.path", _os_path(budget, note)), "environ": environ, "name": "posix", "sep": "/"}

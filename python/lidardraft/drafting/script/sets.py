@@ -25,7 +25,7 @@ class Set(Record):
         methods: dict[str, Callable[..., Value]] = {
             "add": self._add,
             "update": self._update,
-            "discard": lambda member: self._members.pop(dict_key(member), None),
+            "discard": lambda member: self._members.pop(self._key(member), None),
             "remove": self._remove,
             "clear": self._members.clear,
             "copy": lambda: self._with(self._members),
@@ -54,6 +54,7 @@ class Set(Record):
     def equals(self, other: Value) -> bool:
         if isinstance(other, Set):
             self._budget.take_steps(len(self._members) // 4)
+            self._budget.take_compared(*self._members)
         return isinstance(other, Set) and self._members == other._members
 
     def text(self, _as_repr: bool) -> str:
@@ -70,16 +71,20 @@ class Set(Record):
         more = other._without(self._members) if operator is ast.BitXor else []
         return self._with([*self._without(others), *more])
 
+    def _key(self, member: Value) -> Value:
+        self._budget.take_compared(member)
+        return dict_key(member)
+
     def _add(self, member: Value) -> None:
         self._budget.take_cells(3)
-        self._members[dict_key(member)] = None
+        self._members[self._key(member)] = None
 
     def _update(self, *others: Value) -> None:
         for other in others:
             self._members |= self._of(other)
 
     def _remove(self, member: Value) -> None:
-        if dict_key(member) not in self._members:
+        if self._key(member) not in self._members:
             raise RaisedError("KeyError", f"{describe(member)} is not in the set")
         del self._members[member]
 

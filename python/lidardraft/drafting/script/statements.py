@@ -182,6 +182,7 @@ class Statements(Displays):
             owner.set_item(key, value)
         elif isinstance(owner, dict):
             self.budget.take_cells(3)
+            self.budget.take_compared(key)
             owner[dict_key(key)] = value
         elif isinstance(owner, list) and isinstance(key, slice) and key.step in (None, 1):
             items = elements(value, self.budget)
