@@ -69,3 +69,10 @@ def test_numbers_of_all_objects_of_a_collection_are_set_in_the_order_of_their_li
     refuses(script + "c.objects.foreach_set('location', [1, 2, 3])", "foreach_set of 'location' for 2 objects to 3")
     refuses(script + "c.objects.foreach_set('name', [1, 2, 3, 4, 5, 6])", "foreach_set of 'name'")
     refuses(script + "c.objects.foreach_set('scale', [1, 2, 3, 4, 5, 'a'])", "the scale is 'a'")
+
+
+def test_a_collection_is_linked_once_and_unlinked_once() -> None:
+    script = "c, d = bpy.data.collections.new('c'), bpy.context.scene.collection.children\nd.link(c)\n"
+    scene(CUBE + script + "assert 'c' in d and d.get('c') is c and d.keys() == ['c']\nd.unlink(c)\nassert 'c' not in d")
+    refuses(script + "d.link(c)", "the collection 'c' is in this collection already")
+    refuses(script + "d.unlink(c)\nd.unlink(c)", "a collection is not in this collection")

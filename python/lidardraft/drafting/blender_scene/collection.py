@@ -19,7 +19,7 @@ class Collection(Block):
     def __init__(self, owner: Blocks, objects: Objects) -> None:
         super().__init__(owner)
         self.all_objects = objects
-        self.children: list[Collection] = []
+        self.children: dict[Collection, None] = {}
 
     def members(self) -> list[SceneObject]:
         """The objects that are in the collection itself, in the order in which they came into it."""
@@ -150,14 +150,14 @@ class LinkedCollections(Record):
     def _link(self, item: Value) -> None:
         if not isinstance(item, Collection):
             raise RefusalError(f"{describe(item)} is no collection")
-        if item in self.elements():
+        if item in self._children:
             raise RaisedError("RuntimeError", f"the collection {item.name!r:.60} is in this collection already")
-        self._children.append(item)
+        self._children[item] = None
 
     def _unlink(self, item: Value) -> None:
-        if item not in self.elements():
+        if not isinstance(item, Collection) or item not in self._children:
             raise RaisedError("RuntimeError", f"{describe(item)} is not in this collection")
-        self._children.remove(item)
+        del self._children[item]
 
     def _get(self, name: Value, default: Value = None) -> Value:
         return next((child for child in self.elements() if child.name == name), default)
