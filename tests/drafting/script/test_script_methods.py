@@ -47,4 +47,6 @@ def test_wrong_uses_are_named(script: str, said: str) -> None:
 
 def test_a_method_that_is_kept_costs_as_much_each_time() -> None:
     for method, arguments in (("upper", ""), ("count", "'b'"), ("split", "'zz'"), ("isdigit", "")):
-        refuses(f"s = 'a' * 900000\nf = s.{method}\nwhile True:\n    f({arguments})", "all values together have more", 4)
+        refuses(
+            f"s = 'a' * 900000\nf = s.{method}\nwhile True:\n    f({arguments})", "all values together have more", 4
+        )
