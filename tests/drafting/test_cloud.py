@@ -160,6 +160,12 @@ def test_points_that_rays_pass_by_the_hundred_are_no_car():
     assert sorted(box.label for box in layout.boxes()) == ["car", "car", "person"]
 
 
+def test_road_that_is_called_a_car_is_none():
+    points, labels, _ = street_cloud()
+    labels[(np.abs(points[:, :2] - (8, 0)) < 1.5).all(axis=1) & (labels == BY_NAME["road"].id)] = BY_NAME["car"].id
+    assert sorted(box.label for box in layout_from_cloud(points, labels).boxes()) == ["car", "car", "person"]
+
+
 def test_the_layout_says_where_it_came_from_and_stays_the_same():
     points, labels, instances = street_cloud()
     layout = layout_from_cloud(points, labels, instances=instances, source="street.bin")

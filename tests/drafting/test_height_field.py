@@ -59,6 +59,12 @@ def test_without_ground_points_it_is_flat():
     (plane,) = ground.primitives()
     assert plane.center[2] == 0.0
     assert ground.height(np.array([[3.0, 4.0]])) == pytest.approx([0.0])
+    assert not ground.is_known(np.array([[0.0, 0.0]])).any()
+
+
+def test_the_ground_is_known_near_its_points():
+    known = field(*plain()).is_known(np.array([[5.0, 3.0], [11.0, 0.0], [15.0, 0.0]]))
+    np.testing.assert_array_equal(known, [True, True, False])
 
 
 def test_a_wall_that_is_called_road_does_not_lift_the_ground():

@@ -29,6 +29,7 @@ from lidardraft.semantics import CLASSES, GROUND, NUM_CLASSES, SemanticClass
 
 _STRAY = 10  # rays; as few that went through a box do not speak against it
 _UNREAL = 2  # times as many rays through a cluster as it has points: it is none, and its points have a wrong class
+_FLAT = 0.2  # of the usual height of a class: what does not rise so far from the ground is the ground's
 _TOUCHING = 0.3  # of the usual width of a class: a cluster whose middle is so near to an object has no room of its own
 # The outline of a car is no box's: rays see the road under it and pass over its hood [m], and a fitted box is turned by
 # some degrees; only what passes through this share of its length and width passed through it.
@@ -127,7 +128,7 @@ def _clustered(
 def _objects(
     row: SemanticClass, groups: list[np.ndarray], ground: HeightField, rays: Rays, stray_share: float
 ) -> list[FittedBox]:
-    """A box around each group, with the sides that were not seen; none where rays say that there is nothing."""
+    """A box around each group, with the sides that were not seen; none of what is flat or what rays went through."""
     if row.size is None or not groups:
         return []
     seen = [fit_box(rays.points[members]) for members in groups]
@@ -138,7 +139,7 @@ def _objects(
     strays = np.maximum(_STRAY, stray_share * counts)
     # rays that pass through what was seen, as through windows, do not tell one choice from the other
     best = np.argmin(np.maximum(passed - passed[-1], strays), axis=0)
-    unreal = passed.min(axis=0) > np.maximum(_STRAY, _UNREAL * counts)
+    unreal = _is_flat(seen, row.size[2], ground) | (passed.min(axis=0) > np.maximum(_STRAY, _UNREAL * counts))
     found: list[FittedBox] = []
     places, reaches = np.empty((len(seen), 2)), np.empty(len(seen))  # of those found, so that only near ones are asked
     is_long = row.size[0] > 2 * row.size[1]  # people stand close to each other
@@ -166,6 +167,14 @@ def _headings(seen: list[FittedBox], size: tuple[float, float, float]) -> list[f
         turn = math.pi / 2 if nearest and nearest.size[1] > nearest.size[0] else 0.0
         found.append(nearest.yaw + turn if nearest else None)
     return found
+
+
+def _is_flat(boxes: Sequence[FittedBox], height: float, ground: HeightField) -> np.ndarray:
+    """Which boxes [N] of a class of that height hardly rise from ground that was seen."""
+    places = np.array([box.center[:2] for box in boxes])
+    tops = np.array([box.center[2] + box.size[2] / 2 for box in boxes])
+    flat: np.ndarray = tops - ground.height(places) < _FLAT * height
+    return flat & ground.is_known(places)
 
 
 def _passed(boxes: Sequence[FittedBox], row: SemanticClass, ground: HeightField, rays: Rays) -> np.ndarray:

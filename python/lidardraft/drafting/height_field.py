@@ -13,6 +13,7 @@ from lidardraft.semantics import BY_NAME, CLASSES, GROUND
 CELL = 1.0  # m
 GROUND_IDS = tuple(BY_NAME[name].id for name in GROUND)
 _BRIDGED = 4.0  # m; as far as this from a cell that was seen, the ground goes on
+_SEEN = 2.0  # m; so near to a cell that was seen, its height is known
 _ROUNDS = 2  # of leaving out cells: the next ones may be seen where the first are gone
 
 
@@ -59,6 +60,11 @@ class HeightField:
     def height(self, places: np.ndarray) -> np.ndarray:
         """Height [N] of the ground at x, y [N, 2], also where it was not seen."""
         return np.asarray(self._field.predict(places))
+
+    def is_known(self, places: np.ndarray) -> np.ndarray:
+        """bool [N]: whether ground was seen within 2 m of x, y [N, 2]."""
+        known: np.ndarray = self._nearest.kneighbors(places)[0][:, 0] <= _SEEN
+        return known & self._seen
 
     def primitives(self) -> list[Primitive]:
         """A mesh for each class, with the class's name as id, and the plane "ground" below all of them."""
