@@ -141,9 +141,11 @@ def _broken_of(group: ObjectGroup, placed: list[Placed], road: Road) -> list[str
     if group.spacing is not None and len(placed) > 2 and group.relation is None:
         along = sorted({round(one.along, 1) for one in placed})
         steps = np.diff(along)
-        lengths = [one.size[0] for one in placed]
+        lengths = [one.high[0] - one.low[0] for one in placed]
         gaps = steps - np.mean(lengths)  # a spacing shorter than the objects is between their ends
-        if steps.size and min(abs(steps.min() - group.spacing), abs(gaps.min() - group.spacing)) > 0.4:
+        apart = min([abs(step - group.spacing) for step in (*steps, *gaps)], default=0.0)
+        least = min(steps.min(), gaps.min()) if road.junction is None and steps.size else group.spacing
+        if apart > 0.4 or (abs(least - group.spacing) > 0.4 and abs(steps.min() - group.spacing) > 0.4):
             wrong.append(f"spacing {steps}")
     return wrong
 
@@ -245,8 +247,10 @@ def _in_lane(group: ObjectGroup, one: Placed, road: Road) -> bool:
 
 def _related(group: ObjectGroup, one: Placed, references: list[list[Placed]]) -> bool:
     everyone = [reference for of_group in references for reference in of_group]
-    queue = 12.0 * ((_counts(group)[0]) - 1) if group.relation in ("behind", "in-front-of") else 0.0
-    reach = 18.0 + queue + (group.distance or (0.0, 0.0))[1]
+    number = min(_counts(group)[1], 12)  # those of a word too
+    row = (number - 1) * (one.size[0] + 8.0)  # several stand in a row
+    roadside = 0.0 if group.on_road else 25.0  # to the side of a wide road
+    reach = 18.0 + row + roadside + (group.distance or (0.0, 0.0))[1]
     if group.relation == "between":
         aside = 8.0 if group.record.drives == (max(o.size[2] for o in everyone) < 3.2) else 25.0
         return any(_is_between(one, a, b, aside) for a in everyone for b in everyone if a is not b) or len(everyone) < 2
@@ -266,7 +270,7 @@ def _related(group: ObjectGroup, one: Placed, references: list[list[Placed]]) ->
             "near": True,
             "left-of": left > 0,
             "right-of": left < 0,
-            "opposite": one.across * other.across < 0 and abs(ahead) < 6.0,
+            "opposite": one.across * other.across < 0 and abs(ahead) < 6.0 + row,
         }[str(group.relation)]
         drives = abs(cos) > 0.9 and max(other.size[0], 0) > 1.0
         if group.relation in ("behind", "in-front-of") and group.record.is_vehicle and drives and abs(left) < 1.0:

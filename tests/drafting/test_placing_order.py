@@ -2,7 +2,7 @@
 
 import pytest
 
-from lidardraft.drafting.placing_order import long_strips, placing_order, row_of, with_gaps, with_references
+from lidardraft.drafting.placing_order import long_strips, placing_order, row_of, with_gaps, with_references, with_sides
 from lidardraft.drafting.scene_spec import ObjectGroup, SceneSpec
 
 CARS, BUS = ObjectGroup(kind="car", count=3), ObjectGroup(kind="bus", places=("front",))
@@ -21,6 +21,22 @@ def test_what_is_between_two_is_placed_as_a_row() -> None:
     spec = SceneSpec(groups=(ObjectGroup(kind="truck", count=2), BETWEEN))
     assert row_of(spec, 0) == (0, 1, 0)
     assert row_of(SceneSpec(groups=(CARS, BUS)), 0) is None
+
+
+def test_a_side_follows_from_what_is_to_the_left() -> None:
+    sign = ObjectGroup(kind="traffic-sign")
+    for kind, side in (("bench", "left"), ("car", "right")):
+        other = ObjectGroup(kind=kind, relation="left-of", references=(0,))
+        assert with_sides((sign, other))[0].places == (side,)
+
+
+def test_many_strips_are_shorter() -> None:
+    (many,) = long_strips((ObjectGroup(kind="fence", count=10),))
+    assert many.size is not None
+    assert many.size[0] is not None
+    assert 3.0 <= many.size[0] < 9.0
+    few = ObjectGroup(kind="fence", count=2)
+    assert long_strips((few,)) == (few,)
 
 
 def test_what_found_no_room_last_is_first() -> None:

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from lidardraft.drafting.road_zones import RoadPose, zone_of
+from lidardraft.drafting.road_zones import RoadPose, along_row, zone_of
 from lidardraft.drafting.scene_spec import PLACES, ObjectGroup
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 from lidardraft.scene.road import Road
@@ -70,6 +70,14 @@ def test_a_row_is_around_the_ego_and_begins_later_as_far_as_the_road_goes_on() -
     assert ahead.in_row(40.0, ROAD, 0.0, around=True) == ahead
     behind = zone_of(ObjectGroup(kind="tree"), SENTENCE_KINDS["tree"], "behind", ROAD)
     assert behind.in_row(40.0, ROAD, 8.0, around=True).span[0] == -16.0
+
+
+def test_a_row_goes_on_behind_a_crossing_road() -> None:
+    trees = ObjectGroup(kind="tree", spacing=10.0)
+    along = [along_row(trees, ROAD, 10.0, 10.0, number) for number in range(5)]
+    assert along == [10.0, 20.0, 60.0, 70.0, 80.0]
+    cars = ObjectGroup(kind="car", spacing=10.0)
+    assert [along_row(cars, ROAD, 10.0, 10.0, number) for number in range(4)] == [10.0, 20.0, 30.0, 40.0]
 
 
 def test_who_crosses_at_a_roundabout_does_so_before_it() -> None:

@@ -12,6 +12,7 @@ from lidardraft.scene.road import LEFT, RIGHT, RING, Road
 # Estimates of ours.
 STOP_LINE = 2.0  # m before the crossing road
 _CORNER = (0.6, 3.0)  # m from the kerbs that meet there
+_FROM_SIDE = 5.0  # m from the kerb that who comes from a side may be, at least
 _TURN = (0.3, 0.8)  # shares of the quarter circle of a turn
 _IN_TURN, _TURNED = 0.25, 30.0  # effort up to which who turns is still in the turn, and m behind it that one may be
 
@@ -32,6 +33,7 @@ def on_crossing_road(road: Road, heading: str, sides: tuple[int, ...]) -> PoseSa
     def sample(rng: np.random.Generator, along: float, _number: int, effort: float) -> RoadPose:
         direction = 1 if rng.random() < 0.5 else -1
         far = min(8.0 + 30.0 * effort + reach, road.half_length - 8.0)
+        far = max(far, road.edge + _FROM_SIDE) if len(sides) == 1 else far
         low = -far if RIGHT in road.side_roads else -road.edge / 2
         high = far if LEFT in road.side_roads else road.edge / 2
         if len(sides) == 1:

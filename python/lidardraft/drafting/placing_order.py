@@ -11,6 +11,7 @@ from lidardraft.drafting.scene_spec import EXTENTS, ObjectGroup, SceneSpec, spli
 # Estimates of ours.
 _APART = 1.5  # m between what stands in a row at a wall
 _BETWEEN_CROWNS = 0.3  # m
+_LONGEST_ROW, _SHORTEST_STRIP = 90.0, 3.0  # m, of many walls or hedges together, and of one of them
 _BARRIER = 2.0  # m, the length of a fence or wall that stands in a lane, across it
 
 
@@ -55,12 +56,20 @@ def row_of(spec: SceneSpec, number: int) -> tuple[int, int, int] | None:
 
 
 def long_strips(groups: tuple[ObjectGroup, ...]) -> tuple[ObjectGroup, ...]:
-    """The groups, with a wall or hedge whose length is open as long as a row of what stands at it, short in a lane."""
+    """The groups, with the length of walls and hedges whose length is open.
+
+    One is as long as a row of what stands at it, many are shorter than usual, and in a lane they are short.
+    """
     found = []
     for number, group in enumerate(groups):
         sizes, size = group.record.sizes, group.size or (None, None, None)
         if group.record.follows_road and group.on_road and size[0] is None:
             group = dataclasses.replace(group, size=(_BARRIER, *size[1:]))
+        elif group.record.follows_road and size[0] is None and (group.fewest or 0) > 1:
+            length = (_LONGEST_ROW - (group.fewest or 0) * (group.spacing or _APART)) / (group.fewest or 1)
+            if sizes is not None and length < sizes.largest[0] and group.relation is None:
+                length = max(_SHORTEST_STRIP, min(length, (sizes.smallest[0] + sizes.largest[0]) / 2))
+                group = dataclasses.replace(group, size=(length, *size[1:]))
         elif group.record.follows_road and group.count == 1 and size[0] is None and sizes is not None:
             rows = [_row_length(other) for other in groups if other.references == (number,)]
             if max(rows, default=0.0) > sizes.largest[0]:
@@ -70,10 +79,16 @@ def long_strips(groups: tuple[ObjectGroup, ...]) -> tuple[ObjectGroup, ...]:
 
 
 def with_sides(groups: tuple[ObjectGroup, ...]) -> tuple[ObjectGroup, ...]:
-    """The groups, where what is placed nowhere is on the side that something at one side is placed from it."""
+    """The groups, where what is placed nowhere is on the side that something at one side is placed from it.
+
+    What stands beside the road has others that do so to the left of it only on the left side, and vehicles only on the
+    right side.
+    """
     found = list(groups)
     for group in groups:
         sides = {split_place(place)[1] for place in group.places}
+        if group.relation in ("left-of", "right-of") and not group.places:
+            sides = {"left" if (group.relation == "left-of") != group.on_road else "right"}
         for number in group.references:
             reference = found[number]
             free = not (reference.places or reference.not_places or reference.references or reference.lane)

@@ -82,10 +82,10 @@ class RelativePoses:
             lane = self.road.edge - self.road.parking / 2 if self.heading == "parked" else self.road.edge / 2
             beside = lane if self.kind.drives else max(self.road.edge + 2.0, abs(reference.pose.across))
             across = -reference.side * beside
-            reach = min(6.0, 1.0 + 2.0 * effort * place * self.size[0])  # several stand in a row
+            reach = 1.0 + 2.0 * effort * place * self.size[0]  # several stand in a row
             return self._pose(reference.pose.along + reach * float(rng.uniform(-1.0, 1.0)), across, rng, reference)
         if self.relation in ("left-of", "right-of"):
-            return self._aside(reference, 1 if self.relation == "left-of" else -1, rng, effort, place=place)
+            return self._aside(reference, 1 if self.relation == "left-of" else -1, rng, effort, place)
         if self.relation == "row":
             return self._in_line(reference, 1 if reference.pose.along >= 0 else -1, rng, effort, 0)
         if self.relation == "behind":
@@ -126,8 +126,7 @@ class RelativePoses:
         usual = _IN_LANE if self.kind.is_vehicle or reference.kind.is_vehicle else _CLOSE
         least = reference.half_along + self.size[0] / 2
         off = max(least + 0.3, self._asked(rng)) if self.distance else least + self._gap(usual, rng, effort)
-        if self.kind.drives or self.kind.walks:
-            off += place * (self.size[0] + usual[0])
+        off += place * (self.size[0] + usual[0])
         return self._pose(reference.pose.along + way * off, reference.pose.across, rng, reference)
 
     def _beside(
@@ -135,7 +134,7 @@ class RelativePoses:
     ) -> RoadPose | None:
         """At its side across the road, or along it."""
         if reference.kind.follows_road and place:  # several along a fence, or along the kerb before it
-            found = self._aside(reference, 1 if rng.random() < 0.5 else -1, rng, effort, usual)
+            found = self._aside(reference, 1 if rng.random() < 0.5 else -1, rng, effort, place, usual)
             half = reference.half_along
             if self._needs_road:
                 half = min(half + self.size[0] / 2, self._width_of_row(reference, effort, place))
@@ -144,12 +143,13 @@ class RelativePoses:
         along_it = not (self.kind.drives and reference.kind.drives) and rng.random() < 0.5
         if along_it and not self._needs_road:
             off = reference.half_along + self.size[0] / 2 + self._gap(usual, rng, effort)
+            off += min(1.0, 2.0 * effort) * place * self.size[0]
             along = reference.pose.along + (off if rng.random() < 0.5 else -off)
             across = reference.pose.across
             if not reference.kind.drives:  # in line with the face towards the road
                 across -= reference.side * (reference.half_across - self.size[1] / 2)
             return self._pose(along, across, rng, reference)
-        return self._aside(reference, 1 if rng.random() < 0.5 else -1, rng, effort, usual)
+        return self._aside(reference, 1 if rng.random() < 0.5 else -1, rng, effort, place, usual)
 
     def _aside(
         self,
@@ -157,12 +157,15 @@ class RelativePoses:
         side: int,
         rng: np.random.Generator,
         effort: float,
+        place: int,
         usual: tuple[float, float] = _CLOSE,
-        place: int = 0,
     ) -> RoadPose | None:
+        """To one side of it, several in a row along the road as they find no room."""
         off = reference.half_across + self.size[1] / 2 + max(_ACROSS_LANES, self._gap(usual, rng, effort / 4))
-        along = reference.pose.along + float(rng.uniform(-0.4, 0.4)) * reference.half_along
-        if place and self.kind.drives and reference.kind.drives:  # several overtake one after another
+        together = place > 0 and self.kind.drives and reference.kind.drives  # several overtake one after another
+        row = 0.0 if together else 5.0 * effort * place * (self.size[0] + 1.0)
+        along = reference.pose.along + float(rng.uniform(-0.4, 0.4)) * (reference.half_along + row)
+        if together:
             along -= reference.forwards * place * (self.size[0] + self._gap(_IN_LANE, rng, effort / 4))
         return self._pose(along, reference.pose.across + side * off, rng, reference, side)
 
@@ -195,7 +198,9 @@ class RelativePoses:
         moved, apart = abs(found - across), (found - reference.pose.across) * side
         in_between = self.relation == "between" and reference.kind.drives == self.kind.drives
         exactly = self.relation == "near" and self.distance is not None
-        if moved > (_MOVED_EXACTLY if exactly else _MOVED_BETWEEN if in_between else _MOVED) or (side and apart < 0.3):
+        beside = 0.0 if self.kind.on_road or exactly or in_between else abs(found - reference.pose.across)
+        most = _MOVED_EXACTLY if exactly else _MOVED_BETWEEN if in_between else max(_MOVED, beside)
+        if moved > most or (side and apart < 0.3):
             return None
         towards = reference.half_across < abs(reference.pose.across) - abs(found)
         if self.relation == "in-front-of" and not (towards or reference.kind.drives or reference.kind.walks):
@@ -241,6 +246,6 @@ class RelativePoses:
 
     def _verge(self, side: int) -> float:
         """Where the land begins that this kind stands on, on a side, from the centreline [m]."""
-        if self.road.paved_areas:
+        if self.road.paved_areas and "sidewalk" not in self.kind.surfaces:  # lamps and trees stand in the lot too
             return lot_edge(self.road, side)
         return self.road.edge if "sidewalk" in self.kind.surfaces else self.road.verge

@@ -31,11 +31,13 @@ from lidardraft.drafting.road_pose import BACKWARDS, PoseSampler, RoadPose, alte
 from lidardraft.drafting.scene_spec import ObjectGroup, split_place
 from lidardraft.drafting.sentence_kinds import SentenceKind
 from lidardraft.drafting.set_back import set_back
+from lidardraft.scene.check import EGO_SIZE
 from lidardraft.scene.road import Road
 
 # Estimates of ours.
 NEAREST = 8.0  # m to the middle of what is in front or behind, where no distance is asked for
 _DEEPEST = 105.0  # m behind the sidewalk, for hundreds of objects
+_CLEAR = 0.3  # m between a row and a road that crosses it
 QUEUE_BEFORE = 25.0  # m before a junction that things are "at" it
 
 
@@ -141,7 +143,8 @@ def _driven(group: ObjectGroup, kind: SentenceKind, fore: str, side: str, sides:
     """For what drives: a lane, the kerb, a bay, or the sidewalk."""
     span = _span(group, fore, road, 45.0)
     if road.paved_areas and group.lane is None and group.heading in (None, "parked") and fore != "beside":
-        return Zone(_in_lot(span, road), in_bay(kind, road, sides, exactly=group.distance is not None), len(sides))
+        exactly = group.distance is not None or group.spacing is not None
+        return Zone(_in_lot(span, road), in_bay(kind, road, sides, exactly=exactly), len(sides))
     stands = side == "right" and road.ego_lane == 0 and kind.is_vehicle and not group.heading
     if group.lane is None and (group.heading == "parked" or stands):
         sample_pose = _kerb(road, sides) if kind.is_vehicle else _sidewalk(road, sides)
@@ -257,3 +260,25 @@ def _roadside(
         return RoadPose(along, side * (verge + float(rng.uniform(setback.nearest, farthest))), turn)
 
     return sample
+
+
+def along_row(group: ObjectGroup, road: Road, start: float, step: float, number: int) -> float:
+    """Where an object of a row stands [m] that begins at `start`; beside the road it goes on behind a crossing one."""
+    half, place = ((group.size or (None,))[0] or 0.0) / 2, 0
+    while True:
+        along = start + place * step
+        free = group.on_road or not road.in_junction(along, half + _CLEAR)
+        if free and number == 0:
+            return along
+        number -= free
+        place += 1
+
+
+def measured_from(kind: SentenceKind, effort: float) -> float:
+    """How much further an object stands than asked for [m], as `effort` rises from 0 to 1.
+
+    Its middle is at the distance; where that leaves no room its near end is, at last as seen from the ego's bumper.
+    """
+    assert kind.sizes is not None
+    half = kind.sizes.smallest[0] / 2
+    return (0.0, 0.0, half, half + EGO_SIZE[0] / 2)[int(4 * effort)]

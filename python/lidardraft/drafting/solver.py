@@ -19,11 +19,10 @@ from lidardraft.drafting.relation_text import group_relations
 from lidardraft.drafting.relative_poses import Footprint, RelativePoses
 from lidardraft.drafting.road_from_spec import road_from_spec
 from lidardraft.drafting.road_pose import RoadPose
-from lidardraft.drafting.road_zones import Zone, zone_of
+from lidardraft.drafting.road_zones import Zone, along_row, measured_from, zone_of
 from lidardraft.drafting.scene_spec import ObjectGroup, SceneSpec
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.errors import LayoutError
-from lidardraft.scene.check import EGO_SIZE
 from lidardraft.scene.layout import Layout
 
 TRIES = 60  # of places for one object
@@ -285,18 +284,20 @@ class _Solver:
         tries = TRIES * 5 if wanted >= _CROWDED else TRIES
         for attempt in range(tries):
             if group.spacing is not None:
-                along = near + math.copysign(group.spacing, far - near) * (number // zone.sides)
+                along = along_row(
+                    group, self.road, near, math.copysign(group.spacing, far - near), number // zone.sides
+                )
                 if abs(along) > self.road.half_length:
                     self.scene.in_the_way["the end of the road"] += 1
                     return
             elif near == far:
                 along = (
-                    near + math.copysign(_measured_from(kind, max(leeway, attempt / tries)), near)
+                    near + math.copysign(measured_from(kind, max(leeway, attempt / tries)), near)
                     if group.distance
                     else near
                 )
             elif bound and number < self._times(group) and attempt < tries // 4:  # the first of a row
-                along = near + math.copysign(_measured_from(kind, max(leeway, 2 * attempt / tries)), near)
+                along = near + math.copysign(measured_from(kind, max(leeway, 2 * attempt / tries)), near)
             elif attempt < tries // 4:
                 along = near + step * (number + float(rng.uniform(0.25, 0.75)))
             else:
@@ -308,13 +309,3 @@ class _Solver:
 
 def _longest(kind: SentenceKind) -> float:
     return kind.sizes.largest[0] if kind.sizes is not None else math.inf
-
-
-def _measured_from(kind: SentenceKind, effort: float) -> float:
-    """How much further an object stands than asked for [m], as `effort` rises from 0 to 1.
-
-    Its middle is at the distance; where that leaves no room its near end is, at last as seen from the ego's bumper.
-    """
-    assert kind.sizes is not None
-    half = kind.sizes.smallest[0] / 2
-    return (0.0, 0.0, half, half + EGO_SIZE[0] / 2)[int(4 * effort)]
