@@ -16,6 +16,7 @@ from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.sentence_notes import SentenceNotes
 
 END = Chunk("", [])
+_VERBS = ("is", "are", "was", "were", "has", "have")
 _SINGULAR = (
     "is",
     "was",
@@ -45,6 +46,7 @@ class ChunkReader:
         self.earlier: list[Mention] = []  # the latest of the clause before, where "there" is
         self.listed: list[Mention] = []  # what an unknown one is listed with
         self.host: list[Mention] = []  # what was open before "with"
+        self.part: Token | None = None  # "one" of "one of the three cars", until its verb
         self.carrier: list[Mention] = []  # what is with, or without, what was named last
         self.prefix: Position | None = None  # introduces the objects that follow
         self.prefix_weak = False
@@ -104,6 +106,16 @@ class ChunkReader:
             for mention in self.open if self.prefix is not None and not first else []:
                 mention.at, mention.placed, self.prefix = Position(), False, None
 
+    def _queue_up(self, spacing: float | None) -> bool:
+        """Place each of several single objects behind the one before it; the first one alone stays open."""
+        if len(self.open) < 2 or any(one.count != 1 or one.relation is not None for one in self._open_known()):
+            return False
+        for before, mention in itertools.pairwise(self._open_known()):
+            mention.relation, mention.references, mention.placed = "behind", [before], True
+            mention.at = Position(distance=(spacing, spacing) if spacing else None)
+        self.open = self.open[:1]
+        return True
+
     def _open_all(self, chunk: Chunk) -> None:
         """What "both" or "all" do is said of the whole whose parts were named last, what "both" do of the last two."""
         if not self.open:
@@ -120,6 +132,10 @@ class ChunkReader:
     def _between(self, one: Chunk, other: Chunk) -> list[str]:
         """The words between two chunks, which say nothing alone."""
         return self.notes.text[one.span[1] : other.tokens[0].start_pos if other.tokens else None].split()
+
+    def _follows_verb(self, before: Chunk, chunk: Chunk) -> bool:
+        """Whether a verb without a meaning of its own stands between two chunks."""
+        return any(word in _VERBS for word in self._between(before, chunk))
 
     def _latest_known(self) -> bool:
         return bool(self.latest) and all(mention.kind is not None for mention in self.latest)

@@ -73,7 +73,7 @@ class Mention:
         places = tuple(dict.fromkeys(_named(place) for place in at.places if any(place)))
         return ObjectGroup(
             kind=self.kind,
-            count="some" if spacing and self.count == 1 else self.count,
+            count="some" if at.spacing and self.count == 1 else self.count,
             places=places or (("front",) if self.in_queue and kind.drives and not references else ()),
             not_places=tuple(dict.fromkeys(_named(place) for place in self.not_at if any(place))),
             surface="sidewalk" if at.sidewalk and "sidewalk" in kind.surfaces else "road" if in_road else None,

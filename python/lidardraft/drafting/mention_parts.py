@@ -102,6 +102,10 @@ def _note_listed_parts(mentions: list[Mention]) -> None:
 
 def _count_rest(whole: Mention, parts: list[Mention]) -> None:
     """Of "the others" there are as many as the other parts leave."""
+    vague = [part for part in parts if part.count == "some" and not part.of_them]
+    if len(vague) == len(parts) > 1 and isinstance(whole.count, int) and whole.count >= len(parts):
+        for number, part in enumerate(parts):  # "six people, some on the left and some on the right"
+            part.count, part.of_them = (whole.count + number) // len(parts), True
     for rest in parts:
         if rest.of_them and rest.count == "some" and isinstance(whole.count, int):
             left = whole.count - sum(part.count for part in parts if isinstance(part.count, int))
@@ -131,7 +135,8 @@ def _inherit(part: Mention, whole: Mention) -> None:
     if not part.references and whole.references and whole.relation is not None:
         part.relation, part.references = whole.relation, whole.references
     if part.kind == whole.kind:
-        part.size, part.scale = whole.size, whole.scale
+        part.size = part.size if any(part.size) else whole.size
+        part.scale = part.scale if part.scale != [1.0, 1.0, 1.0] else whole.scale
     part.heading = part.heading or whole.heading
 
 

@@ -28,8 +28,8 @@ SIZES = (*SCALES, "SIZE", "LENGTH", "HEIGHT")
 def heading_of(tokens: list[Token]) -> str | None:
     """How objects stand or move relative to the ego, None where nothing is said of it."""
     for token in tokens:
-        if token.type == "CROSSING" and token.endswith(("left", "right")):
-            return "across-right" if token.endswith("right") else "across-left"
+        if token.type == "CROSSING" and {"left", "right"} <= set(token.split()):
+            return "across-right" if token.rindex("right") > token.rindex("left") else "across-left"
     found = [_HEADING_OF[token.type] for token in tokens if token.type in _HEADING_OF]
     return next((heading for heading in found if heading != "with"), found[0] if found else None)
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 
+from lidardraft.drafting.chunk_reader import END
 from lidardraft.drafting.mention import Mention
-from lidardraft.drafting.number_words import COUNT_TYPES, Count, count_of, number, unclear_counts
+from lidardraft.drafting.number_words import COUNT_TYPES, Count, count_of, exact_count, number, unclear_counts
 from lidardraft.drafting.object_qualities import SCALES, add_qualities
 from lidardraft.drafting.position_reader import PositionReader
 from lidardraft.drafting.positions import Position
 from lidardraft.drafting.references import is_one_of_several, meant_by
-from lidardraft.drafting.sentence_chunks import LISTED, STATES, Chunk
+from lidardraft.drafting.sentence_chunks import KIND_OF, LINKS, LISTED, STATES, Chunk
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 
 
@@ -105,6 +106,38 @@ class PartReader(PositionReader):
             last.spans.append(chunk.span)
         else:
             self._report(chunk)
+
+    def _without_part(self, chunk: Chunk) -> Chunk:
+        """The phrase of the whole in "one of the three cars", whose part is opened where its verb comes."""
+        first, rest = chunk.tokens[0], Chunk("phrase", chunk.tokens[1:])
+        if first.type not in ("NUMBER", "FIRST", "ANOTHER") or exact_count(rest.tokens) in (None, 0, 1):
+            return chunk
+        if "of" not in self._between(Chunk("phrase", [first]), rest):
+            return chunk
+        self.part = first
+        return rest
+
+    def _read_part(self, chunk: Chunk) -> Chunk:
+        """The chunk, after the part that it says something of is opened; of a position only what is before its verb."""
+        assert self.part is not None
+        part = Chunk("phrase", [self.part])
+        parts = [Chunk(chunk.name, chunk.tokens[:n]) for n in range(1, len(chunk.tokens))]
+        rests = [Chunk(chunk.name, chunk.tokens[n:]) for n in range(1, len(chunk.tokens))]
+        cut = next((n for n, pair in enumerate(zip(parts, rests, strict=True)) if self._follows_verb(*pair)), None)
+        if chunk.name == "position" and cut is not None and not self._follows_verb(self._previous(), chunk):
+            self.chunks[self.index - 1 : self.index] = [parts[cut], rests[cut]]
+            return parts[cut]
+        if chunk.name in LINKS:
+            self._report(part)
+            self.part = None
+        elif self.open and self._follows_verb(self._previous(), chunk):
+            self.part = None
+            self._open_part(part, count_of(part.tokens) if part.head == "NUMBER" else 1, self.open[-1], of_them=True)
+            if chunk.is_object and chunk.tokens[0].type == "A":  # "is a taxi"
+                self.open[-1].kind = KIND_OF.get(chunk.head, self.open[-1].kind)
+                self.open[-1].spans.append(chunk.span)
+                return END
+        return chunk
 
     def _share(self, chunk: Chunk, several: list[Mention]) -> None:
         """What is said of "all of them" is said of those, what is said of half of them of a part."""

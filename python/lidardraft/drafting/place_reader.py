@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 
 from lark import Token
 
@@ -14,7 +13,7 @@ from lidardraft.drafting.relation_reader import RelationReader
 from lidardraft.drafting.sentence_chunks import LISTED, Chunk
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 
-_OTHER_SIDE = ("opposite side", "other side", "far side", "off side")
+_OTHER_SIDE = ("the other", "opposite side", "other side", "far side", "off side")
 
 
 class PlaceReader(RelationReader):
@@ -28,7 +27,7 @@ class PlaceReader(RelationReader):
                 side = self._side_of_bend(token.type)
                 tokens += [Token.new_borrow_pos(side, str(token), token)] if side else []
                 self._report_tokens([token] if not side else [])
-            elif token.endswith(_OTHER_SIDE):
+            elif token.type == "LEFT" and token.endswith(_OTHER_SIDE):
                 tokens.append(Token.new_borrow_pos(self._other_side(), str(token), token))
             else:
                 tokens.append(token)
@@ -133,24 +132,25 @@ class PlaceReader(RelationReader):
         index = self.notes.mentions.index(part)
         before = self.notes.mentions[index - 1] if part.same_as is not None and index else None
         alike = before is not None and part.same_as in (before, before.same_as) and before.at.distance
-        only_distance = at.distance and not any(any(place) for place in at.places)
+        only_distance = at.distance and not any(any(place) for place in (*at.places, *part.at.places))
         return Position(before.at.places).narrowed(at) if alike and only_distance and before else at
 
     def _is_carried(self) -> bool:
         """Whether what was named last is with something that has no place yet, and cannot drive there itself."""
         known = [one for one in (*self.host, *self.open) if one.kind is not None and not one.placed and one.count != 0]
         adjoins = self._before(2) == "WITH" and self.chunks[self.index - 3].tokens[0] in ("with", "having")
-        fits = len(known) == 2 and len(self.host) == len(self.open) == 1 and known[1].relation is None
+        fits = (
+            len(known) == 2
+            and known[0] is not known[1]
+            and len(self.host) == len(self.open) == 1
+            and known[1].relation is None
+        )
         return adjoins and fits and not SENTENCE_KINDS[str(known[1].kind)].drives
 
     def _in_row(self, position: Position) -> Position:
         """Where the first of some is that stand "each 10 m behind the other"; the others are placed from it."""
-        if any(one.count != 1 or one.relation is not None for one in self.open) or not position.spacing:
+        if not self._queue_up(position.spacing):
             return position
-        for before, mention in itertools.pairwise(self.open):
-            mention.relation, mention.references, mention.placed = "behind", [before], True
-            mention.at = mention.at.narrowed(Position(distance=(position.spacing, position.spacing)))
-        self.open = self.open[:1]
         return dataclasses.replace(position, spacing=None)
 
     def _begin_row(self, first: Mention, at: Position, chunk: Chunk) -> None:

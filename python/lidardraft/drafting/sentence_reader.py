@@ -32,6 +32,8 @@ class SentenceReader(PartReader):
         while self.index < len(self.chunks):
             chunk = self.chunks[self.index]
             self.index += 1
+            if self.part is not None:
+                chunk = self._read_part(chunk)
             if chunk.name == "phrase":
                 self._phrase(chunk)
             elif chunk.name == "position":
@@ -43,6 +45,7 @@ class SentenceReader(PartReader):
                 self.notes.road = f"{side}bend"
             else:
                 self._link(chunk)
+        self._report_tokens([self.part] if self.part is not None else [])
         return self.notes
 
     def _link(self, chunk: Chunk) -> None:
@@ -99,6 +102,7 @@ class SentenceReader(PartReader):
             self.notes.mentions.append(other)
 
     def _phrase(self, chunk: Chunk) -> None:
+        chunk = self._without_part(chunk)
         head = chunk.head
         self.notes.one_way = self.notes.one_way or "ONE_WAY" in chunk.types
         if exact_count(chunk.tokens) == 0 and head in (*ROAD_OF, "LANE"):
@@ -114,11 +118,14 @@ class SentenceReader(PartReader):
         if chunk.is_unknown or carried or (chunk.may_be_unknown and self._before(1) != ""):
             self._unknown(chunk)
             return
-        if head in ROAD_OF or head in SETTINGS:
+        if head in ROAD_OF or (head in SETTINGS and not self._previous().types & {"SIDEWALK"}):
             self.notes.settings |= chunk.types & set(SETTINGS)
         counted = {*COUNT_TYPES, "ANOTHER", "FIRST", "OF_THEM"} & chunk.types
         if (counted and chunk.types <= counted | {"A", "THE", "EACH"}) or self._is_part(chunk):
             self._ellipsis(chunk)
+            return
+        if chunk.types <= {"BUSY", "QUIET"} and self._previous().types & {"SIDEWALK"}:
+            self._report(chunk)  # "the pavement is crowded"
             return
         self._report_strange(chunk)
         if head in KIND_OF or head == "TRAFFIC":
@@ -152,6 +159,8 @@ class SentenceReader(PartReader):
             self.open = self.carrier
         self._report_tokens(token for token in chunk.tokens if token.type == "EACH")
         self._open_all(chunk)
+        if chunk.types == {"QUEUEING"} and chunk.tokens[0].startswith("one ") and self._queue_up(None):
+            return
         for mention in self.open:
             if mention.kind is None or ("NO" in chunk.types and chunk.types & set(STATES)):
                 self._report(chunk)
