@@ -133,7 +133,7 @@ class PartReader(PositionReader):
         elif self.open and self._follows_verb(self._previous(), chunk):
             self.part = None
             self._open_part(part, count_of(part.tokens) if part.head == "NUMBER" else 1, self.open[-1], of_them=True)
-            if chunk.is_object and chunk.tokens[0].type == "A":  # "is a taxi"
+            if chunk.is_object and not chunk.types & {*COUNT_TYPES, "THE", "ANOTHER"}:  # "is a taxi"
                 self.open[-1].kind = KIND_OF.get(chunk.head, self.open[-1].kind)
                 self.open[-1].spans.append(chunk.span)
                 return END

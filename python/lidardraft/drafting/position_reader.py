@@ -60,7 +60,14 @@ class PositionReader(PlaceReader):
                 "position", [*chunk.tokens[:-1], Token.new_borrow_pos("FRONT", "in front of", chunk.tokens[-1])]
             )
             self._refer(chunk, "in-front-of", self._references(chunk, named, linked=linked), before)
-        elif (following.is_object or following.is_unknown) and refers(chunk, following, linked=linked):
+        elif chunk.head == "BETWEEN" and self._between_ego(following):
+            named = self._following(2)  # "between us and the bus"
+            self.index += 3
+            chunk = Chunk("position", [*chunk.tokens[:-1], Token.new_borrow_pos("BEHIND", "behind", chunk.tokens[-1])])
+            self._refer(chunk, "behind", self._references(chunk, named, linked=linked), before)
+        elif (following.is_object or following.is_unknown) and (
+            refers(chunk, following, linked=linked) or (relation is not None and self._leads_to_subject(chunk))
+        ):
             self.index += 1
             if self._is_ego_named(following):
                 self.has_ego = True
@@ -75,6 +82,17 @@ class PositionReader(PlaceReader):
             tokens = [token for token in chunk.tokens if token.type not in _OF_NOTHING]
             if tokens:
                 self._place(Chunk("position", tokens), following, before)
+
+    def _between_ego(self, following: Chunk) -> bool:
+        """Whether "us and" comes next, and a vehicle."""
+        named = self._following(2)
+        drives = named.head in KIND_OF and SENTENCE_KINDS[KIND_OF[named.head]].is_vehicle
+        return following.name == "EGO" and self._following(1).name == "AND" and drives
+
+    def _leads_to_subject(self, chunk: Chunk) -> bool:
+        """Whether a second object follows at once, as in "behind a hedge on the right there are two houses"."""
+        after = self._following(2 if self._following(1).name == "position" else 1)
+        return chunk.head in ("BEHIND", "NEAR") and after.is_object
 
     def _space_out(self, chunk: Chunk, row: Chunk) -> None:
         """A gap between objects is their spacing, as in "a gap of 30 m between the buses"."""
@@ -239,10 +257,8 @@ class PositionReader(PlaceReader):
         if strongly and not self.open and self._leads_to_object():
             return True
         passed = ("EGO", "COMMA", "turn") if strongly else ("EGO", "turn")
-        after = self.chunks[self.index : self.index + 4]
-        if after and after[0].name == "phrase" and after[0].head in ROAD_OF and "THE" in after[0].types:
-            after = after[1:]  # "on the left of the road a car"
-        following = next((c for c in after[:3] if c.name not in passed), END)
+        after = self.chunks[self.index : self.index + 3]
+        following = next((c for c in after if c.name not in passed), END)
         return following.is_object or following.is_unknown
 
 

@@ -40,10 +40,11 @@ class RelationReader(ChunkReader):
             chunks.append(after)
             self.index += 2 + (place is not None)
         elif between and (
-            after.head in ROAD_OF or (after.types and after.types <= _PARTS_OF_ROAD)
+            after.head in ROAD_OF or after.name == "EGO" or (after.types and after.types <= _PARTS_OF_ROAD)
         ):  # "between the trees and the road"
             drives = named.head in KIND_OF and SENTENCE_KINDS[KIND_OF[named.head]].drives
             found, word = ("BESIDE", "beside") if drives else ("FRONT", "in front of")
+            found, word = ("BEHIND", "behind") if after.name == "EGO" else (found, word)
             chunk.tokens[-1] = Token.new_borrow_pos(found, word, chunk.tokens[-1])
             self.index += 2 + (place is not None)
         else:

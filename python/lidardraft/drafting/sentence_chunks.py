@@ -102,7 +102,6 @@ def chunks_of(tree: Tree[Token]) -> list[Chunk]:
 def _one_noun_each(tokens: list[Token]) -> Iterator[list[Token]]:
     """A noun in the singular belongs to the next one, as in "garden fence"; one in the plural stands alone."""
     part: list[Token] = []
-    before = False  # whether a determiner was read
     for token, following in zip(tokens, [*tokens[1:], None], strict=True):
         cycles = token == "cycles" and bool(part) and part[-1].type == "PERSON"
         if cycles:  # a verb
@@ -111,9 +110,8 @@ def _one_noun_each(tokens: list[Token]) -> Iterator[list[Token]]:
         part.append(Token.new_borrow_pos("DOING", "cycling", token) if cycles else token)
         ends = token.type in _NOUNS and (token.type not in KIND_OF or is_plural(token))
         # "a hat crosses" is an unknown noun with a verb, but "a rusty parked car" a known one
-        verb = following is not None and following.type in STATES and token.type == "UNKNOWN" and bool(before)
+        verb = following is not None and following.type in STATES and token.type == "UNKNOWN"
         verb = verb and not any(after.type in _NOUNS for after in tokens)
-        before = before or token.type in (*COUNT_TYPES, *_ARTICLES)
         if following is None or ends or verb:
             yield part
             part = []
@@ -192,6 +190,12 @@ def _is_verb_after_place(chunk: Chunk, before: list[Chunk]) -> bool:
     return follows and len(before) > 1 and before[-1].name == "EGO" and before[-2].head == "BEHIND"
 
 
+def _is_road_of_side(chunk: Chunk, before: list[Chunk]) -> bool:
+    """Whether "the road" only says of what "on both sides" are sides."""
+    sided = bool(before) and before[-1].head in ("LEFT", "RIGHT", "SIDES", "EACH_SIDE")
+    return sided and [token.type for token in chunk.tokens] == ["THE", "ROAD"]
+
+
 def _counts_listed(count: Chunk, link: Chunk, named: Chunk) -> bool:
     """Whether a number is that of a bare noun before it, as in "cars: 3" or "cars: 3 parked"."""
     bare = named.head in (*KIND_OF, "LANE") and not named.types & {*COUNT_TYPES, *_ARTICLES, "ANOTHER", "OF_THEM"}
@@ -208,7 +212,7 @@ def _joined(chunks: list[Chunk]) -> list[Chunk]:
             named = following is not None and (following.name == "PRONOUN" or following.head in (*KIND_OF, *JUNCTIONS))
             if not named:
                 continue
-        if _is_verb_after_place(chunk, found):
+        if _is_verb_after_place(chunk, found) or _is_road_of_side(chunk, found):
             continue
         if chunk.name == "position" and found and found[-1].name == "position":
             found[-1] = Chunk("position", [*found[-1].tokens, *chunk.tokens])
