@@ -193,3 +193,9 @@ def test_a_list_has_an_object_on_each_line() -> None:
         ]
     wrapped = "There are two parked cars on the left side of the road and a\nbus ahead of us"
     assert [one.kind for one in spec_from_text(wrapped, strict=True).groups] == ["car", "bus"]
+
+
+def test_a_note_says_where_weather_is_asked_for() -> None:
+    (note,) = layout_from_text("a motorway in heavy rain").provenance["notes"]
+    assert "--weather rain:" in note
+    assert "notes" not in layout_from_text("a train on the left of a motorway").provenance

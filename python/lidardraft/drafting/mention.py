@@ -21,7 +21,7 @@ class Mention:
     verb shares no position with what is listed after it; `same_as` is the mention whose noun "one" or "two" stand for,
     `of_them` says that it counts them already. There are so many for each of its `host`; what is `abreast` stands side
     by side. The `name` is that of "car A"; so many of the host are `left_out`. What is
-    `summed` is all that is listed after its colon.
+    `summed` is all that is listed after its colon. Where nothing places a mention, it is near what is `with_it`.
     """
 
     kind: str | None
@@ -46,6 +46,7 @@ class Mention:
     name: str = ""
     left_out: int = 0
     summed: bool = False
+    with_it: Mention | None = None
     spans: list[Span] = field(default_factory=list)
 
     def group(self, references: tuple[int, ...] = (), words: str = "") -> ObjectGroup:

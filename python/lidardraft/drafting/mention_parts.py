@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from lidardraft.drafting.mention import Mention
 from lidardraft.drafting.number_words import Count, count_times
 from lidardraft.drafting.positions import Position
+from lidardraft.drafting.references import depends
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 
 _MOST_ABREAST = 5  # so many stand side by side; a word for a number says nothing of them
@@ -21,6 +22,7 @@ def parted(mentions: list[Mention]) -> list[Mention]:
             if mention.relation is None and not mention.placed:
                 mention.relation, mention.references, mention.placed = "near", [mention.host], True
     for mention in mentions:
+        _keep_with(mention)
         _turn_to_strip(mention)
         if mention.relation == "between" and mention.heading == "parked":
             for reference in mention.references:
@@ -61,6 +63,16 @@ def lanes_filled(mentions: list[Mention]) -> int:
             if isinstance(whole, int) and isinstance(each, int) and whole > each and not whole % each:
                 return whole // each
     return 0
+
+
+def _keep_with(mention: Mention) -> None:
+    """What is with something, and placed by nothing else, is near it, as in "a garden with two trees"."""
+    other = mention.with_it
+    if other is None or other.kind in (None, "vehicle") or other.count == 0 or mention.count == 0:
+        return
+    drives = SENTENCE_KINDS[str(mention.kind)].drives and not SENTENCE_KINDS[str(other.kind)].drives
+    if not mention.placed and mention.relation is None and not drives and not depends(other, mention):
+        mention.relation, mention.references, mention.placed = "near", [other], True
 
 
 def _turn_to_strip(mention: Mention) -> None:

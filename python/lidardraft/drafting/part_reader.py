@@ -49,6 +49,8 @@ class PartReader(PositionReader):
         if self.prefix is not None:
             mention.at, mention.placed, mention.weak = self.prefix, True, self.prefix_weak and self.relation is None
         mention.host = self.each if self.each is not mention else None
+        if self._before(1) == "WITH" and self._previous().tokens[0] == "with" and len(self.host) == 1:
+            mention.with_it = self.host[0]
         mention.described = chunk.head == "TRAFFIC"  # it is everywhere, whatever the objects listed after it do
         self.open.append(mention)
         self.latest = self.open
@@ -70,7 +72,7 @@ class PartReader(PositionReader):
 
     def _ellipsis(self, chunk: Chunk) -> None:
         """A number without a noun means more of the same, as in "two cars ahead and one behind", or some of them."""
-        last = self.notes.mentions[-1] if self.notes.mentions else None
+        last = self._last_subject()
         of_them = "OF_THEM" in chunk.types
         begins = of_them or self._before(1) in (*LISTED, "STOP", "WITH")
         several = meant_by("them", self._several())
@@ -106,6 +108,13 @@ class PartReader(PositionReader):
             last.spans.append(chunk.span)
         else:
             self._report(chunk)
+
+    def _last_subject(self) -> Mention | None:
+        """The last mention, or what is placed from it: "one" is another pole in "a pole by the house and one behind"."""
+        last = self.notes.mentions[-1] if self.notes.mentions else None
+        before = self.notes.mentions[-2] if len(self.notes.mentions) > 1 else None
+        named_for = before is not None and before.kind is not None and last in before.references
+        return before if named_for and last is not None and last.count == 1 else last
 
     def _without_part(self, chunk: Chunk) -> Chunk:
         """The phrase of the whole in "one of the three cars", whose part is opened where its verb comes."""

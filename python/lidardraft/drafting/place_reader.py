@@ -92,10 +92,11 @@ class PlaceReader(RelationReader):
             self.open[0].relation, self.open[0].references, self.open[0].placed = "near", self.host, True
             self.open = self.host
         respective = self._respective(chunk)
+        places = [read_position(one.tokens).places for one in respective]
+        shared = Position(next((some for some in places[::-1] if some != Position().places), Position().places))
         if respective:
             self.index += 2 * len(respective) - 2
             for mention, one in zip(self.open, respective, strict=True):
-                shared = Position(read_position(respective[-1].tokens).places)
                 own = self._fitting(read_position(one.tokens), one, mention)
                 mention.at = mention.at.narrowed(own if own.places != Position().places else own.narrowed(shared))
                 mention.placed, mention.weak = True, False
@@ -113,7 +114,7 @@ class PlaceReader(RelationReader):
                 mention.relation, mention.references = None, []
             if not mention.placed or mention.weak:
                 mention.at = at if mention.weak else mention.at.narrowed(at)
-            elif listed and not self._goes_on(at, mention):
+            elif listed and not self._goes_on(at, mention) and not self._is_second_distance(at, mention):
                 if at.only_places and mention.at.only_places:
                     mention.at = mention.at.or_at(at)
                 else:
@@ -194,6 +195,10 @@ class PlaceReader(RelationReader):
         """Whether a position after a comma describes the same place more closely, as in "on the left, 20 m away"."""
         closer = mention.count == 1 or not (at.only_places and mention.at.only_places)
         return self._before(1) == "COMMA" and closer and at.agrees(mention.at)
+
+    def _is_second_distance(self, at: Position, mention: Mention) -> bool:
+        """Whether a comma alone parts a further distance from that of a single object, which it cannot be."""
+        return self._before(1) == "COMMA" and mention.count == 1 and bool(at.distance and mention.at.distance)
 
     def _fitting(self, position: Position, chunk: Chunk, mention: Mention) -> Position:
         """The position without what its kind cannot have, which is reported."""

@@ -58,7 +58,7 @@ class SentenceReader(PartReader):
             if any(at.places[0]) or at.heading == "across":
                 # "a petrol station on the right with two cars"
                 at = at if at.heading == "across" else Position(at.places)
-                self.prefix, self.prefix_weak, self.prefix_index = at, True, self.index
+                self.prefix, self.prefix_weak, self.prefix_index = at, at.heading != "across", self.index
         elif chunk.name == "EACH_HAS":
             several = [mention for mention in self.notes.mentions if mention.count not in (0, 1)]
             self.each = meant_by("them", several)[0] if several else None
@@ -80,6 +80,8 @@ class SentenceReader(PartReader):
         elif chunk.name == "COMMA":
             named = any(one.is_object for one in self.chunks[self.prefix_index : self.index])
             self.prefix_weak, self.denial, self.each = self.prefix_weak or named, "", None
+            if named and any(mention.kind is None for mention in self.host):
+                self.prefix = None  # of what the unknown, or a crossing, is with
         elif chunk.name == "AND" and self.denial != "without":
             self.denial = ""
         elif chunk.name == "EXCEPT":

@@ -20,6 +20,7 @@ from lidardraft.errors import TextError, check_type
 from lidardraft.scene.layout import Layout
 
 MAX_LENGTH = 10_000  # characters
+_WEATHER = re.compile(r"\b(?:rain|fog|snow|drizzl|mist|wet\b|hail|sleet|downpour|storm)")
 
 
 def layout_from_text(sentence: str, seed: int = 0, *, strict: bool = False) -> Layout:
@@ -28,7 +29,8 @@ def layout_from_text(sentence: str, seed: int = 0, *, strict: bool = False) -> L
     `layout.provenance` holds the sentence, the seed and the spec, and
     - "understood": the relations that the sentence was read as, a line each;
     - "not_understood": the words that changed nothing, and "nearest_words": known words that some of them are near to;
-    - "objects": for each object the number of its group in the spec, whose "words" asked for it.
+    - "objects": for each object the number of its group in the spec, whose "words" asked for it;
+    - "notes": where weather is asked for, what it is an option of.
 
     Raises `TextError` where nothing was understood or, with `strict`, anything was not; `LayoutError` where a relation
     cannot hold, naming it and what is in the way.
@@ -42,6 +44,8 @@ def layout_from_text(sentence: str, seed: int = 0, *, strict: bool = False) -> L
         "not_understood": list(spec.not_understood),
         "nearest_words": nearest_words(spec.not_understood, grammar()),
     }
+    if any(_WEATHER.search(part) for part in spec.not_understood):
+        said["notes"] = ["weather is no part of a layout; `simulate` takes it, as in --weather rain:10mm"]
     return dataclasses.replace(layout, provenance=layout.provenance | said)
 
 
