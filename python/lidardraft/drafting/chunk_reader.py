@@ -16,7 +16,7 @@ from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.sentence_notes import SentenceNotes
 
 END = Chunk("", [])
-_VERBS = ("is", "are", "was", "were", "has", "have")
+_VERBS = ("is", "are", "was", "were")
 _SINGULAR = (
     "is",
     "was",

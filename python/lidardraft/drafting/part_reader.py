@@ -110,7 +110,7 @@ class PartReader(PositionReader):
             self._report(chunk)
 
     def _last_subject(self) -> Mention | None:
-        """The last mention, or what is placed from it: "one" is another pole in "a pole by the house and one behind"."""
+        """The last mention, or what is placed from it: in "a pole by the house and one behind" another pole."""
         last = self.notes.mentions[-1] if self.notes.mentions else None
         before = self.notes.mentions[-2] if len(self.notes.mentions) > 1 else None
         named_for = before is not None and before.kind is not None and last in before.references
@@ -138,6 +138,8 @@ class PartReader(PositionReader):
             return parts[cut]
         if chunk.name in LINKS:
             self._report(part)
+            self.part = None
+        elif {"has", "have"} & set(self._between(self._previous(), chunk)):  # all of it is told of what it has
             self.part = None
         elif self.open and self._follows_verb(self._previous(), chunk):
             self.part = None
