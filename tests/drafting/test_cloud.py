@@ -352,3 +352,12 @@ def test_a_real_scan_becomes_a_layout_that_agrees_with_it(read):
     for name, least in {"road": 0.9, "building": 0.8, "car": 0.55, "vegetation": 0.65}.items():
         assert good[scan.label == BY_NAME[name].id].mean() > least, name
     assert len(layout) < 1000
+
+
+def test_arguments_that_no_scan_has() -> None:
+    points, labels = np.ones((3, 3)), np.ones(3, dtype=np.int64)
+    for name, value in (("sensor_height", 10**400), ("stray_share", None), ("stray_share", "1"), ("detail", [])):
+        with pytest.raises(LayoutError, match=f"{name} is"):
+            layout_from_cloud(points, labels, **{name: value})
+    with pytest.raises(LayoutError, match="they must hold numbers"):
+        layout_from_cloud(np.full((3, 3), "a"), labels)

@@ -126,3 +126,9 @@ def test_pixels_that_are_none() -> None:
 def test_a_blank_sheet_shows_nothing() -> None:
     with pytest.raises(LayoutError, match="shows nothing of a class"):
         layout_from_sketch(np.full((60, 60, 3), 255, np.uint8), metres_per_pixel=0.1)
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, "a"])
+def test_seeds_that_are_none(seed: object) -> None:
+    with pytest.raises(LayoutError, match="seed is"):
+        layout_from_sketch(np.zeros((9, 9, 3), np.uint8), metres_per_pixel=1.0, seed=seed)  # type: ignore[arg-type]

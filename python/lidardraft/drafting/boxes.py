@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from lidardraft.errors import LayoutError, check_type
+from lidardraft.json_fields import is_number
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import BY_NAME
@@ -22,7 +22,7 @@ def layout_from_boxes(boxes: Sequence[Box], *, sensor_height: float = 0.0) -> La
     that has no extent or no class, and where there is none.
     """
     check_type("boxes", boxes, Sequence)
-    if not math.isfinite(sensor_height):
+    if not is_number(sensor_height):
         raise LayoutError(f"sensor_height is {sensor_height}; it must be a finite number of metres")
     if not 1 <= len(boxes) <= _MOST_BOXES:
         raise LayoutError(f"there are {len(boxes)} boxes; a layout is made of 1 to {_MOST_BOXES}")

@@ -24,6 +24,7 @@ from lidardraft.drafting.clustering import FittedBox, cluster, completions, fit_
 from lidardraft.drafting.height_field import HeightField
 from lidardraft.drafting.refinement import Piece, Rays, refined
 from lidardraft.errors import LayoutError, check_type, one_of
+from lidardraft.json_fields import is_number
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import CLASSES, GROUND, NUM_CLASSES, SemanticClass
 
@@ -68,11 +69,11 @@ def layout_from_cloud(
     labels = labels(points) if callable(labels) else labels
     instances = np.zeros(len(points), dtype=np.uint32) if instances is None else instances
     _check_labels(labels, instances, len(points))
-    if not math.isfinite(sensor_height):
+    if not is_number(sensor_height):
         raise LayoutError(f"sensor_height is {sensor_height} m; it must be finite")
-    if not 0 <= stray_share <= 1:
+    if not (is_number(stray_share) and 0 <= stray_share <= 1):
         raise LayoutError(f"stray_share is {stray_share}; it must be 0 to 1")
-    if detail not in DETAILS:
+    if not isinstance(detail, str) or detail not in DETAILS:
         raise LayoutError(f"detail is {detail!r}; it must be {one_of(DETAILS, detail)}")
     points = points.astype(np.float64) + np.array([0.0, 0.0, sensor_height])
     rays = Rays(points, np.array([0.0, 0.0, sensor_height]))
@@ -197,6 +198,8 @@ def _check_points(points: np.ndarray) -> None:
     check_type("points", points, np.ndarray)
     if points.ndim != 2 or points.shape[1] != 3 or not len(points):
         raise LayoutError(f"points have shape {points.shape}; they must be [N, 3] with N > 0")
+    if points.dtype.kind not in "fiu":
+        raise LayoutError(f"points hold {points.dtype}; they must hold numbers")
     broken = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(broken):
         raise LayoutError(f"point {broken[0]} is {points[broken[0]].tolist()}; every coordinate must be finite")

@@ -16,6 +16,7 @@ from typing import Any
 from lidardraft.errors import LanguageModelError
 from lidardraft.json_fields import is_number
 
+_LONGEST = 1e6  # s, of a time limit: more than a week, and what threads can wait for
 MAX_BYTES = 2**22  # of an answer; a scene of 5,000 objects has less
 
 
@@ -47,8 +48,10 @@ class TimeLimit:
     _end: float = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        if not (is_number(self.seconds) and self.seconds > 0):
-            raise LanguageModelError(f"the time limit is {self.seconds!r}; it must be a number of seconds over 0")
+        if not (is_number(self.seconds) and 0 < self.seconds <= _LONGEST):
+            limits = f"over 0, up to {_LONGEST:g}"
+            raise LanguageModelError(f"the time limit is {self.seconds!r}; it must be a number of seconds {limits}")
+        object.__setattr__(self, "seconds", float(self.seconds))
         object.__setattr__(self, "_end", time.monotonic() + self.seconds)
 
     @property

@@ -46,7 +46,7 @@ class Pinhole:
         """From K, [3, 3] or the left of KITTI's P [3, 4], or from (fx, fy, cx, cy)."""
         try:
             values = np.asarray(matrix, dtype=np.float64)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             values = np.empty(0)
         if values.shape == (4,):
             fx, fy, cx, cy = values.tolist()

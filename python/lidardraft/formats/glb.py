@@ -60,7 +60,7 @@ def layout_from_glb(path: str | os.PathLike[str], *, classes: Mapping[str, str] 
     """
     check_type("path", path, str, os.PathLike)
     check_classes(classes or {})
-    if up not in _FRAMES:
+    if not isinstance(up, str) or up not in _FRAMES:
         raise LayoutError(f"up is {up!r}; it must be 'y' or 'z'")
     with named(path):
         file = open_glb(path)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import re
 from collections.abc import Iterator, Mapping
@@ -12,6 +11,7 @@ import numpy as np
 
 from lidardraft.errors import FormatError, LayoutError, check_type
 from lidardraft.files import named, read_bytes, regular_size, written_whole
+from lidardraft.json_fields import is_number
 from lidardraft.scene import mesh
 from lidardraft.scene.class_names import OUTRIGHT, check_classes, class_of, id_of, whole_of
 from lidardraft.scene.layout import Layout, Primitive
@@ -35,9 +35,9 @@ def layout_from_obj(
     `FormatError` where the file is broken.
     """
     check_type("path", path, str, os.PathLike)
-    if up not in _FRAMES:
+    if not isinstance(up, str) or up not in _FRAMES:
         raise LayoutError(f"up is {up!r}; it must be 'y' or 'z'")
-    if not (math.isfinite(scale) and scale > 0):
+    if not (is_number(scale) and scale > 0):
         raise LayoutError(f"scale is {scale}; it must be a finite number of metres > 0")
     check_classes(classes or {})
     _check_amount(path)

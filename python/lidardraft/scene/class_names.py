@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 
-from lidardraft.errors import LayoutError, one_of
+from lidardraft.errors import LayoutError, check_type, one_of
 from lidardraft.semantics import BY_NAME
 
 # The words that say each class, besides its name: of two in one name the last one counts ("street lamp").
@@ -60,6 +60,7 @@ PROPERTIES = ("class", "id", "instance", "material", "extinction")  # that an ob
 
 def check_classes(classes: Mapping[str, str]) -> None:
     """Raises `LayoutError` for a name that is given a class that is none."""
+    check_type("classes", classes, Mapping)
     for key, value in classes.items():
         if value not in BY_NAME or value == "none":
             raise LayoutError(f"classes[{key!r}] is {value!r}; it must be {one_of(list(BY_NAME)[1:], value)}")
