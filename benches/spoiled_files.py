@@ -19,7 +19,9 @@ import numpy as np
 from PIL import Image
 
 import lidardraft
+from lidardraft.calibration.recording import read_points, returns
 from lidardraft.errors import LidarDraftError
+from lidardraft.files import named
 from lidardraft.formats.blender_script import write_blender_script
 from lidardraft.formats.boxes import read_boxes, write_boxes
 from lidardraft.formats.carla import read_carla
@@ -27,6 +29,7 @@ from lidardraft.formats.cast import read_cast
 from lidardraft.formats.glb_export import write_glb
 from lidardraft.formats.glb_file import glb_bytes
 from lidardraft.formats.kitti import read_bin, write_bin
+from lidardraft.formats.npy import read_npy
 from lidardraft.formats.obj import write_obj
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.picture import read_picture
@@ -52,6 +55,12 @@ class Reader:
     read: Callable[[Path], object]
     ending: str
     good: bytes
+
+
+def _points(path: Path) -> object:
+    points, fields = read_points(path)
+    with named(path):
+        return returns(points, fields)
 
 
 def _written(write: Callable[[Path], object], ending: str) -> bytes:
@@ -89,6 +98,8 @@ def readers() -> dict[str, Reader]:
         ),
         "pcd": Reader(read_pcd, ".pcd", PCD),
         "npy": Reader(read_carla, ".npy", buffer.getvalue()),
+        "depth": Reader(read_npy, ".npy", _npy(points)),
+        "points": Reader(_points, ".npz", _zip("xyz", _npy(points))),
         "cast": Reader(read_cast, ".npz", _written(image.save, ".npz")),
         "range image": Reader(RangeImage.load, ".npz", _written(image.save, ".npz")),
         "layout": Reader(Layout.load, ".json", LAYOUT.to_json().encode()),
@@ -155,6 +166,21 @@ def _npz(name: str, array: np.ndarray | None, claimed: tuple[int, ...] = (), pic
     return buffer.getvalue()
 
 
+def _npy(array: np.ndarray) -> bytes:
+    buffer = io.BytesIO()
+    np.save(buffer, array)
+    return buffer.getvalue()
+
+
+def _zip(*members: str | bytes, kind: int = zipfile.ZIP_DEFLATED) -> bytes:
+    """An archive of arrays: a name and the bytes of each."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", kind) as archive:
+        for name, data in zip(members[::2], members[1::2], strict=True):
+            archive.writestr(f"{name}.npy", data)
+    return buffer.getvalue()
+
+
 def special_files() -> Iterator[tuple[str, str, bytes]]:
     """Reader, name and bytes of files that are made against one format."""
     entities = "".join(f'<!ENTITY e{k} "{f"&e{k - 1};" * 10}">' for k in range(1, 7))
@@ -215,6 +241,25 @@ def special_files() -> Iterator[tuple[str, str, bytes]]:
     header = io.BytesIO()
     np.lib.format.write_array_header_1_0(header, {"descr": "<f4", "fortran_order": False, "shape": (2**40,)})
     yield "npy", "more than there is", header.getvalue()
+    for name, text in (
+        ("a deep header", "(" * 9000),
+        ("a hundred axes", f"{{'descr': '<f4', 'fortran_order': False, 'shape': {(1,) * 100}}}"),
+        ("an axis that is no number", "{'descr': '<f4', 'fortran_order': False, 'shape': (True,)}"),
+    ):
+        data = b"\x93NUMPY\x01\x00" + struct.pack("<H", len(text)) + text.encode()
+        yield "npy", name, data
+        yield "depth", name, data
+        yield "points", name, _zip("xyz", data)
+    yield "points", "one label for all", _zip("xyz", _npy(np.ones((9, 3))), "label", _npy(np.array(1)))
+    yield "points", "a field of many axes", _zip("xyz", _npy(np.ones((9, 3, 2))))
+    yield "points", "packed slowly", _zip("xyz", _npy(np.ones((9, 3))), kind=zipfile.ZIP_LZMA)
+    yield "sensor", "a long name", SENSOR.to_json().replace("few", "few" * 400_000).encode()
+    yield "layout", "two million fields", b"{" + b'"a":1,' * 2_000_000 + b'"a":1}'
+    yield (
+        "sketch of shapes",
+        "a polygon of one point",
+        SVG.replace(b"<line", b'<polygon id="car" points="1 2 3"/><line'),
+    )
     for name, points in (
         ("a trillion points", b"1000000000000"),
         ("no number of points", b"-2"),
