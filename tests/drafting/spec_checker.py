@@ -197,15 +197,15 @@ def _is_at(one: Placed, place: str, road: Road) -> bool:
 
 
 def _at_distance(one: Placed, group: ObjectGroup, place: str, road: Road) -> bool:
-    """Whether the distance lies between its near end and its middle, or its gap to the bumper is the distance."""
+    """Whether the distance is that of its middle, its near end or side, or its gap to the bumper."""
     if group.distance is None or group.relation is not None:
         return True
     near, far = group.distance
     fore, _ = split_place(place)
     lateral = not fore and not group.on_road
     if lateral:
-        off = abs(one.across - road.lane(road.ego_lane))
-        return near - 0.6 <= off <= far + 0.6
+        off, half = abs(one.across - road.lane(road.ego_lane)), (one.high[1] - one.low[1]) / 2
+        return near - 0.6 <= off - half <= far + 0.6 or near - 0.6 <= off <= far + 0.6
     off, half = abs(one.along), (one.high[0] - one.low[0]) / 2
     if group.count != 1 and near == far:
         return off >= near - 1.0

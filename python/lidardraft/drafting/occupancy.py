@@ -54,7 +54,7 @@ class Occupancy:
         bent = kind.follows_road and self.road.curvature != 0.0 and not group.on_road
         parts = _sized(kind.sample_parts(self.rng, parked=parked), group)
         parts = in_segments(parts[0]) if bent else parts
-        if group.set_back:
+        if group.set_back or group.set_aside:
             pose = with_near_side_at(group, pose, parts)
         if not self._may_stand(kind, group, parts, pose):
             return None

@@ -48,6 +48,8 @@ class PartReader(PositionReader):
             mention.heading, self.turning = self.turning, None
         if self.prefix is not None:
             mention.at, mention.placed, mention.weak = self.prefix, True, self.prefix_weak and self.relation is None
+        elif self._before(1) == "AND" and self._previous().tokens[0] == "then" and last is not None:
+            mention.at, mention.placed, mention.weak = Position(last.at.places), last.placed, True  # further on
         mention.host = self.each if self.each is not mention else None
         if self._before(1) == "WITH" and self._previous().tokens[0] == "with" and len(self.host) == 1:
             mention.with_it = self.host[0]

@@ -107,7 +107,11 @@ def _ego_lane(spec: SceneSpec) -> tuple[int, int]:
     middle = any(group.lane == "middle" for group in spec.groups)
     needed = 3 if middle or (left and right) else 2 if left or right else 1
     usual = any(_on_the_right(group) for group in spec.groups)
-    return int(right or (usual and not left)), needed
+    # of two lanes the left one is that of who overtakes the ego
+    overtaken = needed > (spec.road.lanes or needed) and any(
+        group.lane == "left" and "beside" in group.places for group in spec.groups
+    )
+    return int((right or (usual and not left)) and not overtaken), needed
 
 
 def _beside_the_ego(group: ObjectGroup, side: str, one_way: bool) -> bool:

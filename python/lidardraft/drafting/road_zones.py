@@ -251,9 +251,8 @@ def _roadside(
             float(rng.normal(0.0, kind.yaw_deviation)) if kind.yaw_deviation else 0.0
         )
         verge = lot_edge(road, side) if road.paved_areas else road.verge
-        if distance is not None:  # of its middle; where that leaves no room, of its near side
-            half = kind.sizes.smallest[1] / 2 if kind.sizes is not None and effort > 0.5 else 0.0
-            return RoadPose(along, ego + side * (float(rng.uniform(*distance)) + half), turn)
+        if distance is not None:
+            return RoadPose(along, ego + side * float(rng.uniform(*distance)), turn)
         if setback is None:
             return RoadPose(along, side * (road.edge + 0.5 if road.sidewalk > 0.9 else verge + 0.6), turn)
         farthest = min(_DEEPEST, setback.usual + (setback.farthest - setback.usual) * effort)

@@ -179,6 +179,12 @@ class ObjectGroup:
         return self.from_road is not None or self.from_sidewalk is not None
 
     @property
+    def set_aside(self) -> bool:
+        """Whether it stands beside the road and is asked for at a distance to the left or the right of the ego."""
+        sides = all(place in ("left", "right") for place in self.places)
+        return self.distance is not None and self.relation is None and not self.on_road and sides
+
+    @property
     def crosses(self) -> bool:
         """Whether it drives on a road that crosses the ego's."""
         return self.heading is not None and self.heading.startswith("across") and self.record.drives
