@@ -50,7 +50,7 @@ class PartReader(PositionReader):
             mention.at, mention.placed, mention.weak = self.prefix, True, self.prefix_weak and self.relation is None
         elif self._before(1) == "AND" and self._previous().tokens[0] == "then" and last is not None:
             mention.at, mention.placed, mention.weak = Position(last.at.places), last.placed, True  # further on
-        mention.host = self.each if self.each is not mention else None
+        mention.host = self.each if self.each is not None and self.each.kind != mention.kind else None
         if self._before(1) == "WITH" and self._previous().tokens[0] == "with" and len(self.host) == 1:
             mention.with_it = self.host[0]
         mention.described = chunk.head == "TRAFFIC"  # it is everywhere, whatever the objects listed after it do
