@@ -205,7 +205,7 @@ def _at_distance(one: Placed, group: ObjectGroup, place: str, road: Road) -> boo
     lateral = not fore and not group.on_road
     if lateral:
         off, half = abs(one.across - road.lane(road.ego_lane)), (one.high[1] - one.low[1]) / 2
-        return near - 0.6 <= off - half <= far + 0.6 or near - 0.6 <= off <= far + 0.6
+        return near - 0.6 <= off - half <= far + 0.6 or near - 0.6 <= off <= far + 0.6  # of a tree its trunk
     off, half = abs(one.along), (one.high[0] - one.low[0]) / 2
     if group.count != 1 and near == far:
         return off >= near - 1.0

@@ -112,7 +112,8 @@ def test_distance_and_spacing() -> None:
     ahead = layout_from_spec(one("truck", 1, "behind", distance=(30, 40)), seed=4).boxes()[0]
     assert -40 <= ahead.center[0] <= -30
     house = layout_from_spec(one("house", 1, "left", distance=(25, 25)), seed=4)["house_1"]
-    assert house.center[1] == pytest.approx(25)
+    sin, cos = abs(math.sin(house.yaw)), abs(math.cos(house.yaw))
+    assert house.center[1] - (sin * house.size[0] + cos * house.size[1]) / 2 == pytest.approx(25)
     trees = layout_from_spec(one("tree", 5, "left", spacing=9), seed=0)
     along = sorted(p.center[0] for p in trees if p.label == "trunk")
     np.testing.assert_allclose(np.diff(along), 9)
