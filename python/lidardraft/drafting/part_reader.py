@@ -238,6 +238,8 @@ class PartReader(PositionReader):
         """What "one of them", "two of the cars" or "the last house" are part of."""
         if "OF_THEM" in chunk.types:
             return next(reversed(self._several()), None)
-        if [token.type for token in chunk.tokens[:2]] != ["NUMBER", "THE"] and not is_one_of_several(chunk):
+        first, rest = Chunk("phrase", chunk.tokens[:1]), Chunk("phrase", chunk.tokens[1:])
+        of_the = [token.type for token in chunk.tokens[:2]] == ["NUMBER", "THE"] and "of" in self._between(first, rest)
+        if not of_the and not is_one_of_several(chunk):
             return None
         return next((one for one in reversed(self._several()) if one.kind == mention.kind), None)
