@@ -1,4 +1,7 @@
+import pytest
+
 from lidardraft.formats.piece_ids import PieceIds
+from lidardraft.scene.class_names import class_of
 
 
 def test_pieces_of_one_node_are_parts_and_nodes_of_one_name_are_not() -> None:
@@ -25,3 +28,45 @@ def test_numbers_are_those_of_things_and_none_is_given_twice() -> None:
     ids = PieceIds([1, 3, None, "2"], {})
     numbers = [ids.instance_of(whole) for whole in ("a", "b", "a.roof", "b.2", "Car_1_Wheel", "Car_1_Body", "c", 5)]
     assert numbers == [2, 4, 2, 4, 5, 5, 6, 7]
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("car_A4_red", "car_A4_blue"),
+        ("Lane1_Car_a", "Lane1_Car_b"),
+        ("Tesla car Model 3 left", "Tesla car Model 3 right"),
+    ],
+)
+def test_a_number_inside_a_name_does_not_make_two_one_thing(names: tuple[str, str]) -> None:
+    ids = PieceIds([], {})
+    assert [ids.instance_of(name) for name in names] == [1, 2]
+
+
+def instances_below(group: str, *names: str) -> list[int]:
+    """The instances of nodes below a group, each with the class that its own name or that of the group says."""
+    paths = [((k + 1, 0), (name, group, "mesh")) for k, name in enumerate(names)]
+    label = class_of([group], {}) or ""
+    ids = PieceIds([], {}, paths)
+    return [ids.instance_of(ids.id_of(*path, label)) for path in paths]
+
+
+@pytest.mark.parametrize(
+    ("group", "names"), [("People", ("Anna", "Bob")), ("Vehicle", ("Car.001", "Car.002")), ("Person", ("Man", "Woman"))]
+)
+def test_a_group_of_several_is_not_one_thing(group: str, names: tuple[str, ...]) -> None:
+    assert instances_below(group, *names) == [1, 2]
+
+
+@pytest.mark.parametrize(
+    ("group", "names"),
+    [("Car", ("Car_Body", "Car_Wheel")), ("Truck", ("Cab", "Trailer")), ("Vehicle_1", ("Car.001", "Car.002"))],
+)
+def test_a_group_of_parts_is_one_thing(group: str, names: tuple[str, ...]) -> None:
+    assert instances_below(group, *names) == [1, 1]
+
+
+def test_a_node_in_a_node_of_its_name_is_a_part_of_it() -> None:
+    paths = [((k, 1, 0), (f"Car_{k}", "Car", "Car", "")) for k in (2, 3)]
+    ids = PieceIds([], {}, paths)
+    assert [ids.id_of(*path, "car") for path in paths] == ["Car.Car_2", "Car.Car_3"]

@@ -5,6 +5,7 @@ from lidardraft.scene.class_names import (
     OUTRIGHT,
     check_classes,
     class_of,
+    class_of_last_word,
     id_of,
     says_many,
     whole_of,
@@ -93,7 +94,25 @@ def test_names_of_parts_and_of_many() -> None:
         assert whole_of(name) == "car_1"
     assert whole_of("Car_001") == "Car_001"
     assert whole_of("roof") == "roof"
-    assert [says_many(name) for name in ("Cars", "Parked cars.001", "Buses", "Car_2", "Bus", "Glass", "x")] == [
-        *(True, True, True),
+    assert whole_of("Car.001.Wheel") == "Car.001"
+    assert whole_of("Street1_ParkedCar_2_left door") == "Street1_ParkedCar_2"
+    assert whole_of("Car_1_Trunk") == "Car_1"
+    assert [
+        says_many(name) for name in ("Cars", "Parked cars.001", "Buses", "People", "Car_2", "Bus", "Glass", "x")
+    ] == [
+        *(True, True, True, True),
         *(False, False, False, False),
+    ]
+
+
+@pytest.mark.parametrize(
+    "name", ["car_A4_red", "Lane1_Car_a", "Tesla car Model 3 left", "Cars_1_left", "Car_1_Car_2", "Vehicle_1_van"]
+)
+def test_a_number_that_is_not_that_of_the_object_makes_no_part(name: str) -> None:
+    assert whole_of(name) == name
+
+
+def test_the_last_word_says_what_an_object_is() -> None:
+    assert [class_of_last_word(name) for name in ("Red car_2", "Van", "Car_body", "Cars", "People", "")] == [
+        *("car", "car", None, None, None, None)
     ]

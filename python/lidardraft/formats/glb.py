@@ -84,7 +84,8 @@ def layout_from_glb(path: str | os.PathLike[str], *, classes: Mapping[str, str] 
 
 
 def _primitives(file: GlbFile, pieces: list[Piece], labels: list[str], classes: Mapping[str, str]) -> list[Primitive]:
-    ids = PieceIds([piece.extras.get("instance") for piece in pieces], classes)
+    given = [piece.extras.get("instance") for piece in pieces]
+    ids = PieceIds(given, classes, ((piece.indices, piece.names) for piece in pieces))
     primitives: list[Primitive] = []
     meshes: dict[tuple[str, bool], tuple[np.ndarray, np.ndarray, str]] = {}
     spent = 0

@@ -52,8 +52,9 @@ _PAIRS = {
 }
 # Words for parts, and the words after which they say nothing new: the wall of a house is a building.
 _PARTS = {"wall": ("building", "house", "garage", "shop", "office", "tower"), "gate": ("house",), "post": ("sign",)}
+_MANY = ("people",)  # words of a class that no -s makes many
 _PLURAL = re.compile(r"(?<=[a-z]{2})(?:(?<=ch|sh|ss)es|(?<!s)s)$")
-_NUMBERED_PART = re.compile(r"(.*?\d+)[._ -]+\D", re.DOTALL)
+_NUMBERED = re.compile(r"(?<![A-Za-z])([A-Za-z]+)[\d._ -]*\d(?=[._ -]+\D)")  # a word, its number, and more behind
 OUTRIGHT = "class:"  # before the class, in a name that says nothing else
 PROPERTIES = ("class", "id", "instance", "material", "extinction")  # that an object may carry, which come before names
 
@@ -100,14 +101,32 @@ def id_of(name: str) -> str:
 
 
 def whole_of(identifier: str) -> str:
-    """What an id is the id of a part of, or itself: "car_1.body" is a part of car_1, and so is "car_1_wheel"."""
-    match = _NUMBERED_PART.match(identifier[:200])
-    return match.group(1) if match else identifier.split(".")[0]
+    """What an id is the id of a part of, or itself: "car_1.body" is a part of car_1, and so is "car_1_wheel".
+
+    "Lane1_Car_a" is no part of a lane, as it says another class, and "car_A4_red" none of "car_A4", which is no number
+    of a car.
+    """
+    whole, *part = re.split(r"\.(?=\D)", identifier, maxsplit=1)
+    numbered = [match for match in _NUMBERED.finditer(whole[:200]) if class_of_last_word(match[1])]
+    if numbered:
+        end = numbered[-1].end()
+        label = _class_of_words(whole[:end])
+        if _class_of_words(whole) == label != _class_of_words(whole[end:]):
+            return whole[:end]
+    return whole if part else re.sub(r"\.\d+$", "", whole)
 
 
 def says_many(name: str) -> bool:
-    """Whether a word of the name is the plural of one that says a class: "Parked cars"."""
-    return any(word not in _CLASS_OF_WORD and _singular(word) in _CLASS_OF_WORD for word in words_of(name))
+    """Whether a word of the name says many of a class: "Parked cars", "People"."""
+    return any(
+        word in _MANY or (word not in _CLASS_OF_WORD and _singular(word) in _CLASS_OF_WORD) for word in words_of(name)
+    )
+
+
+def class_of_last_word(name: str) -> str | None:
+    """The class that the last word of a name says of one object: "Red car_2" is a car, "Car_body" may be a part."""
+    *_, last = words_of(name) or [""]
+    return None if last in _MANY else _CLASS_OF_WORD.get(last)
 
 
 def _class_of_words(name: str) -> str | None:
