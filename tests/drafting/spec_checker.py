@@ -90,6 +90,9 @@ def _broken_road(spec: SceneSpec, road: Road) -> list[str]:
         wrong.append(f"{road.lanes} lanes")
     if wanted.oncoming_lanes not in (None, road.oncoming):
         wrong.append(f"{road.oncoming} oncoming lanes")
+    lanes = {"left": road.lanes - 1, "middle": road.lanes // 2, "right": 0}
+    if wanted.ego_lane is not None and road.ego_lane != lanes[wanted.ego_lane]:
+        wrong.append(f"ego in lane {road.ego_lane}")
     if wanted.one_way != road.one_way:
         wrong.append("one-way")
     if wanted.sidewalk is not None and wanted.sidewalk != (road.sidewalk > 0):

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from lidardraft.drafting.road_from_spec import road_from_spec
-from lidardraft.drafting.scene_spec import ObjectGroup, RoadSpec, SceneSpec
+from lidardraft.drafting.scene_spec import EGO_LANES, ObjectGroup, RoadSpec, SceneSpec
 from lidardraft.errors import LayoutError
 from lidardraft.scene.road import LEFT, RIGHT, Road
 
@@ -27,6 +27,18 @@ def test_what_is_said_of_the_road_holds() -> None:
     assert road(lanes=3, sidewalk=False).lanes == 3
     assert road(lanes=3, sidewalk=False).sidewalk == 0
     assert road("motorway", sidewalk=True).sidewalk > 0
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_ego_drives_in_the_lane_that_is_said(seed: int) -> None:
+    three = {name: road(lanes=3, seed=seed, ego_lane=name).ego_lane for name in EGO_LANES}
+    assert three == {"left": 2, "middle": 1, "right": 0}
+    assert road(seed=seed, ego_lane="left").lanes >= 2
+    assert road(seed=seed, ego_lane="middle").lanes >= 3
+    overtaken = ObjectGroup(kind="car", places=("right",), heading="with")
+    assert road("straight", overtaken, seed=seed, ego_lane="left").ego_lane > 0
+    with pytest.raises(LayoutError, match="road: ego_lane is 'slow'"):
+        RoadSpec(ego_lane="slow")
 
 
 def test_there_is_room_for_what_is_asked_for() -> None:

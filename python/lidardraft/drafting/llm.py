@@ -15,7 +15,7 @@ from lidardraft.drafting.relation_text import relations
 from lidardraft.drafting.reply_cache import ReplyCache, cache_folder
 from lidardraft.drafting.reply_text import code_of, json_of
 from lidardraft.drafting.road_from_spec import MAX_DISTANCE
-from lidardraft.drafting.scene_spec import HEADINGS, LANES, PLACES, RELATIONS, ROADS, SceneSpec
+from lidardraft.drafting.scene_spec import EGO_LANES, HEADINGS, LANES, PLACES, RELATIONS, ROADS, SceneSpec
 from lidardraft.drafting.scene_spec_schema import scene_spec_schema
 from lidardraft.drafting.sentence_kinds import COUNTS, SENTENCE_KINDS
 from lidardraft.drafting.solver import check_seed, layout_from_spec
@@ -81,7 +81,7 @@ def layout_from_llm(
 def spec_prompt() -> Prompt:
     """The instructions for a spec; what names a field can have is filled in from the code that reads them."""
     names = {"roads": ROADS, "kinds": SENTENCE_KINDS, "counts": COUNTS, "places": PLACES, "lanes": LANES}
-    names |= {"headings": HEADINGS, "relations": RELATIONS}
+    names |= {"ego_lanes": EGO_LANES, "headings": HEADINGS, "relations": RELATIONS}
     texts = {name: ", ".join(values) for name, values in names.items()}
     return Prompt.from_file("scene_spec", farthest=f"{MAX_DISTANCE:g}", **texts)
 

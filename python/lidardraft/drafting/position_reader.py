@@ -16,6 +16,7 @@ from lidardraft.drafting.references import meant_by, refers, relation_of
 from lidardraft.drafting.sentence_chunks import JUNCTIONS, KIND_OF, LINKS, LISTED, ROAD_OF, Chunk
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 
+_EGO_LANES = {"LEFT_LANE": "left", "MIDDLE_LANE": "middle", "RIGHT_LANE": "right"}
 _OF_NOTHING = ("RELATED", "BETWEEN", "LEFT_OF", "RIGHT_OF", "FOLLOWED")  # without an object after them
 
 
@@ -27,13 +28,12 @@ class PositionReader(PlaceReader):
         chunk = self._without_size(self._with_known_side(self._without_there(self._without_abreast(chunk))))
         if not chunk.tokens:
             return
+        if self._is_lane_of_ego(chunk):
+            self.notes.ego_lane = _EGO_LANES[chunk.head]
+            return
         self._open_all(chunk)
         self._report_second_lengths(chunk)
-        following, before = self._following(), self._before()
-        if self._previous().name == "EGO" and following.name == "EGO":
-            before = self._before(2)  # "if you look to the right you see"
-        if self.manner and self.manner is self._previous().tokens:
-            before = "STOP"
+        following, before = self._following(), self._link_before(chunk)
         if chunk.types & {"SIDEWALK"} and self._previous().head == "BUSY" and not self.open:
             self.notes.settings.discard("BUSY")  # it is the sidewalk that is crowded
             self._report(self._previous())
@@ -101,6 +101,28 @@ class PositionReader(PlaceReader):
         mention.at = mention.at.narrowed(Position(spacing=metres(chunk.tokens[0])[0]))
         mention.spans.append(chunk.span)
         self.open = [mention]
+
+    def _link_before(self, chunk: Chunk) -> str | None:
+        """The name of the link before a place; who looks, and a manner of what follows, are no part of it."""
+        if self.manner and self.manner is self._previous().tokens:
+            return "STOP"
+        before = self._before()
+        if before != "" or self._previous().name != "EGO":
+            return before
+        if self.index > 2 and self.chunks[self.index - 3].name == "position":  # "in front of us in the left lane"
+            return self._before(3)
+        looks = {"see", "have", "look"} & set(self._between(self._previous(), chunk))
+        return self._before(2) if looks or self._following().name == "EGO" else ""
+
+    def _is_lane_of_ego(self, chunk: Chunk) -> bool:
+        """Whether the ego drives there, as in "we are in the left lane", and nothing else does."""
+        verbs = {"MOVING", "DOING", "COMMA"}
+        earlier = itertools.dropwhile(lambda one: one.types <= verbs, reversed(self.chunks[: self.index - 1]))
+        subject, before = [*earlier, END, END][:2]
+        if chunk.types != {chunk.head} or chunk.head not in _EGO_LANES or subject.name != "EGO":
+            return False
+        seen = {"see", "have", "has"} & set(self._between(subject, chunk))
+        return before.name in ("", *LINKS) and not seen and not self._introduces(strongly=False)
 
     def _refer_to_pronoun(self, chunk: Chunk, relation: str, pronoun: str, before: str | None) -> None:
         listed = self._open_known()

@@ -42,6 +42,8 @@ def road_relations(road: RoadSpec) -> list[str]:
         found.append("one-way")
     if road.sidewalk is not None:
         found.append("sidewalks" if road.sidewalk else "no sidewalks")
+    if road.ego_lane is not None:
+        found.append(f"the ego in the {road.ego_lane} lane")
     return found
 
 

@@ -29,10 +29,11 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
     """
     kind = spec.road.kind
     motorway, lot = kind == "motorway", kind == "parking-lot"
-    ego_lane, needed = _ego_lane(spec)
+    usual, needed = _usual_ego_lane(spec)
     lanes = spec.road.lanes or max(
         needed, min(_most_lanes(spec), _sample_lanes(spec, rng, max(needed, 1 + effort // 2)))
     )
+    ego_lane = min({"left": lanes - 1, "middle": lanes // 2, "right": 0}.get(str(spec.road.ego_lane), usual), lanes - 1)
     farthest = max((g.distance[1] for g in spec.groups if g.distance and g.relation is None), default=0.0)
     if farthest > MAX_DISTANCE:
         raise LayoutError(f"distance is {farthest:g} m; objects can be asked for up to {MAX_DISTANCE:g} m away")
@@ -45,7 +46,7 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
     sidewalk = float(rng.uniform(1.8, 3.0)) if wanted or (wanted is None and not (motorway or lot)) else 0.0
     bend = {"left-bend": 1.0, "right-bend": -1.0, "bend": float(rng.choice([-1, 1]))}.get(kind, 0.0)
     lane_width = 3.75 if motorway else AISLE_LANE if lot else float(rng.uniform(3.3, _WIDEST_LANE))
-    parking = HARD_SHOULDER if motorway else 0.0 if lot else _parking_width(spec, min(ego_lane, lanes - 1))
+    parking = HARD_SHOULDER if motorway else 0.0 if lot else _parking_width(spec, ego_lane)
     oncoming = 0 if spec.road.one_way else spec.road.oncoming_lanes or lanes
     median = MEDIAN if motorway and not (spec.road.one_way or _has_junction(spec)) else 0.0
     edge = median / 2 + (lanes + oncoming) / 2 * lane_width + parking
@@ -55,7 +56,7 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
     return Road(
         lanes=lanes,
         oncoming_lanes=spec.road.oncoming_lanes,
-        ego_lane=min(ego_lane, lanes - 1),
+        ego_lane=ego_lane,
         lane_width=lane_width,
         parking=parking,
         sidewalk=sidewalk,
@@ -99,13 +100,13 @@ def _most_lanes(spec: SceneSpec) -> int:
     return max(2 if spec.road.kind == "motorway" else 1, int((min(beside, default=100.0) / _WIDEST_LANE + 0.5) / 2))
 
 
-def _ego_lane(spec: SceneSpec) -> tuple[int, int]:
-    """The number of the ego's lane where there are more, and how many lanes the places of vehicles need."""
+def _usual_ego_lane(spec: SceneSpec) -> tuple[int, int]:
+    """The number of the ego's lane where nothing is said of it, and how many lanes it and what drives there need."""
     left = any(_beside_the_ego(group, "left", spec.road.one_way) for group in spec.groups)
     right = any(_beside_the_ego(group, "right", spec.road.one_way) for group in spec.groups)
     right = right or any(group.relation == "right-of" and group.record.drives for group in spec.groups)
-    middle = any(group.lane == "middle" for group in spec.groups)
-    needed = 3 if middle or (left and right) else 2 if left or right else 1
+    middle = spec.road.ego_lane == "middle" or any(group.lane == "middle" for group in spec.groups)
+    needed = 3 if middle or (left and right) else 2 if left or right or spec.road.ego_lane else 1
     usual = any(_on_the_right(group) for group in spec.groups)
     # of two lanes the left one is that of who overtakes the ego
     overtaken = needed > (spec.road.lanes or needed) and any(

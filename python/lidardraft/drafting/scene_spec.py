@@ -31,6 +31,7 @@ HEADINGS = (
     *("across", "across-left", "across-right", "turning", "turning-left", "turning-right"),
 )
 LANES = ("own", "left", "middle", "right", "opposite", "each")
+EGO_LANES = ("left", "middle", "right")
 RELATIONS = ("behind", "in-front-of", "beside", "left-of", "right-of", "between", "opposite", "near")
 MAX_COUNT = 5000
 MIN_SPACING = 0.1  # m
@@ -48,7 +49,7 @@ class RoadSpec:
     """The road under the ego vehicle; `lanes` (in one direction) and `sidewalk` are None where its kind decides.
 
     `oncoming_lanes` are those of the other direction where they are not as many. With `one_way` all lanes lead in the
-    ego's direction.
+    ego's direction. `ego_lane` is one of EGO_LANES, or None where that is left open.
     """
 
     kind: str = "straight"
@@ -56,9 +57,12 @@ class RoadSpec:
     oncoming_lanes: int | None = None
     sidewalk: bool | None = None
     one_way: bool = False
+    ego_lane: str | None = None
 
     def __post_init__(self) -> None:
         _one_of("road: kind", self.kind, ROADS)
+        if self.ego_lane is not None:
+            _one_of("road: ego_lane", self.ego_lane, EGO_LANES)
         for name in ("lanes", "oncoming_lanes"):
             number = getattr(self, name)
             if number is not None and (type(number) is not int or not 1 <= number <= 6):

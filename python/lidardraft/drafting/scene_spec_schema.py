@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from lidardraft.drafting.scene_spec import HEADINGS, LANES, PLACES, RELATIONS, ROADS, SURFACES
+from lidardraft.drafting.scene_spec import EGO_LANES, HEADINGS, LANES, PLACES, RELATIONS, ROADS, SURFACES
 from lidardraft.drafting.sentence_kinds import COUNTS, SENTENCE_KINDS
 
 Schema = dict[str, Any]
@@ -22,6 +22,7 @@ def scene_spec_schema() -> Schema:
         "oncoming_lanes": _or_null({"type": "integer"}),
         "sidewalk": _or_null({"type": "boolean"}),
         "one_way": {"type": "boolean"},
+        "ego_lane": _or_null(_one_of(EGO_LANES)),
     }
     count = ({"type": "integer"}, _one_of(COUNTS), {"type": "array", "items": {"type": "integer"}})
     group = {

@@ -33,6 +33,7 @@ class SentenceNotes:
     oncoming_lanes: int = 0
     each_way: bool = False
     one_way: bool = False
+    ego_lane: str | None = None
     sidewalk: bool | None = None
     settings: set[str] = field(default_factory=set)
     unclear: list[Span] = field(default_factory=list)
@@ -54,7 +55,7 @@ class SentenceNotes:
     def empty(self) -> bool:
         """Whether nothing at all was understood."""
         said = self.mentions or self.road or self.lanes or self.usual_lanes or self.settings or self.one_way
-        return not said and self.sidewalk is None
+        return not said and self.sidewalk is None and self.ego_lane is None
 
     def spec(self) -> SceneSpec:
         """The spec: what is wanted, less what is denied, with what the setting implies."""
@@ -110,7 +111,7 @@ class SentenceNotes:
         kind = self.road or "straight"
         whole = kind == "motorway" or self.each_way or self.one_way
         number = self.lanes or lanes_filled(self.mentions) or self.usual_lanes
-        if kind == "motorway" and number > 3 and not (self.each_way or self.one_way):
+        if kind == "motorway" and number > 3 and number % 2 == 0 and not (self.each_way or self.one_way):
             number //= 2  # a six-lane motorway has three each way
         lanes = number if whole else (number + 1) // 2
         oncoming = number // 2 if number % 2 and not whole else self.oncoming_lanes if kind != "motorway" else 0
@@ -122,6 +123,7 @@ class SentenceNotes:
             oncoming_lanes=oncoming or None,
             sidewalk=sidewalk,
             one_way=self.one_way,
+            ego_lane=self.ego_lane,
         )
 
     def _implied(self, groups: list[ObjectGroup]) -> list[ObjectGroup]:
