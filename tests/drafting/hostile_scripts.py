@@ -503,6 +503,9 @@ HOSTILE: list[tuple[str, str, int]] = [
         "t='a'*1900000\nwhile True:\n    t in o",
         8,
     ),
+    ("enumerate of enumerate", "g=(x for x in [1])\nfor _ in range(200):\n    g=enumerate(g)\nnext(g)", 4),
+    ("kept zips of a generator", "g=(x for x in [1])\nx=[]\nwhile True:\n    x.append(zip(*[g]*1000))", 4),
+    ("all of a count", "import itertools\nall(itertools.count(1))", 2),
     ("map of method", "s='a'*1900000\nx=['b']*240000\nlist(map(s.find, x))", 3),
     # numbers that are none
     ("infinite place", "import bpy\nbpy.ops.mesh.primitive_cube_add(location=(float('inf'), 0, 0))", 2),

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from collections.abc import Iterator as Going
 from typing import Any
 
 from lidardraft.drafting.script.arithmetic import is_key
 from lidardraft.drafting.script.classes import BoundMethod, Instance, ScriptClass
 from lidardraft.drafting.script.formatting import to_text
 from lidardraft.drafting.script.frame import Function
-from lidardraft.drafting.script.iterators import Endless, Iterator, going, iterator, next_value
+from lidardraft.drafting.script.iterators import Iterator, Lazy, going, iterator, next_value
 from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
 from lidardraft.drafting.script.sets import Set
 from lidardraft.drafting.script.values import (
@@ -133,6 +134,23 @@ def has(value: Value, name: str) -> bool:
     return True
 
 
+def _counted(rows: Going[tuple[Value, ...]], budget: Budget) -> Going[Value]:
+    for row in rows:
+        budget.take_cells(1 + len(row))
+        yield row
+
+
+def _rows(columns: list[Going[Value]], strict: bool) -> Going[tuple[Value, ...]]:
+    try:
+        yield from zip(*columns, strict=strict)
+    except ValueError:
+        raise _not_of_the_same_length() from None
+
+
+def _not_of_the_same_length() -> RaisedError:
+    return RaisedError("ValueError", "zip: the lists are not of the same length")
+
+
 def _of_collections(budget: Budget) -> dict[str, Callable[..., Value]]:
     def as_dict(pairs: Value = (), **keywords: Value) -> dict[Value, Value]:
         if isinstance(pairs, dict):
@@ -150,29 +168,27 @@ def _of_collections(budget: Budget) -> dict[str, Callable[..., Value]]:
     def as_set(items: Value = ()) -> Set:
         return Set(elements(items, budget), budget)
 
-    def numbered(items: Value, start: Value = 0) -> list[Value]:
+    def numbered(items: Value, start: Value = 0) -> Value:
+        if isinstance(items, Lazy):
+            return Lazy(_counted(enumerate(items.rest(), whole(start, "the start")), budget), budget)
         found = elements(items, budget)
         budget.take_cells(3 * len(found))
         return list(enumerate(found, whole(start, "the start")))
 
-    def zipped(*columns: Value, strict: Value = False) -> list[Value]:
+    def parts_of(columns: tuple[Value, ...]) -> list[Going[Value]]:
+        return [iter(column) if isinstance(column, range) else going(column, budget) for column in columns]
+
+    def zipped(*columns: Value, strict: Value = False) -> Value:
         if not columns:
             return []
-        if all(isinstance(column, Endless) for column in columns):  # generators may end
-            columns = tuple(Iterator(elements(column, budget)) for column in columns)
-        if any(isinstance(column, Endless) for column in columns) and truth(strict):
-            raise RefusalError("zip: none of these has an end")
-        lengths = [
-            column.left() if isinstance(column, Iterator) else length(column)
-            for column in columns
-            if not isinstance(column, Endless)
-        ]
-        if truth(strict) and len({*lengths}) > 1:
-            raise RaisedError("ValueError", "zip: the lists are not of the same length")
         budget.take_steps(2 * len(columns))
+        if any(isinstance(column, Lazy) for column in columns):
+            return Lazy(_counted(_rows(parts_of(columns), truth(strict)), budget), budget)
+        lengths = [column.left() if isinstance(column, Iterator) else length(column) for column in columns]
+        if truth(strict) and len({*lengths}) > 1:
+            raise _not_of_the_same_length()
         budget.take_cells(3 * min(lengths))
-        parts = [iter(column) if isinstance(column, range) else going(column, budget) for column in columns]
-        return list(zip(*parts, strict=False))
+        return list(zip(*parts_of(columns), strict=False))
 
     return {
         "len": length,
@@ -186,8 +202,8 @@ def _of_collections(budget: Budget) -> dict[str, Callable[..., Value]]:
         "iter": lambda items: iterator(items, budget),
         "next": lambda items, *default: next_value(items, default),
         "reversed": lambda items: elements(items, budget)[::-1],
-        "any": lambda items: any(map(truth, elements(items, budget))),
-        "all": lambda items: all(map(truth, elements(items, budget))),
+        "any": lambda items: any(map(truth, going(items, budget))),
+        "all": lambda items: all(map(truth, going(items, budget))),
     }
 
 
@@ -229,7 +245,15 @@ def _of_order(budget: Budget, call: Call) -> dict[str, Callable[..., Value]]:
             raise RefusalError("sum: only numbers are added up")
         return checked(sum(found, start))
 
-    def mapped(function: Value, *columns: Value) -> list[Value]:
+    def results(function: Value, rows: Going[tuple[Value, ...]]) -> Going[Value]:
+        for row in rows:
+            budget.take_steps(2)
+            yield call(function, list(row))
+
+    def mapped(function: Value, *columns: Value) -> Value:
+        if any(isinstance(column, Lazy) for column in columns):
+            budget.take_steps(2 * len(columns))
+            return Lazy(results(function, _rows([going(each, budget) for each in columns], strict=False)), budget)
         lists = [elements(column, budget) for column in columns]
         shortest = min(map(len, lists))
         if isinstance(function, Builtin) and function.name in _NUMBERS and len(lists) == 1:
@@ -239,10 +263,16 @@ def _of_order(budget: Budget, call: Call) -> dict[str, Callable[..., Value]]:
         budget.take_steps(2 * shortest)
         return [call(function, [column[k] for column in lists]) for k in range(shortest)]
 
-    def kept(function: Value, items: Value) -> list[Value]:
-        found = elements(items, budget)
-        budget.take_steps(2 * len(found))
-        return [item for item in found if truth(item if function is None else call(function, [item]))]
+    def passing(function: Value, items: Going[Value]) -> Going[Value]:
+        for item in items:
+            budget.take_steps(2)
+            if truth(item if function is None else call(function, [item])):
+                yield item
+
+    def kept(function: Value, items: Value) -> Value:
+        if isinstance(items, Lazy):
+            return Lazy(passing(function, items.rest()), budget)
+        return list(passing(function, iter(elements(items, budget))))
 
     table: dict[str, Any] = {"map": mapped, "filter": kept, "sum": total, "min": extreme(min), "max": extreme(max)}
     table["sorted"] = lambda items, *, key=None, reverse=False: ordered(items, key, reverse, budget, call)

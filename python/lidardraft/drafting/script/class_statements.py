@@ -72,7 +72,7 @@ class ClassStatements(Failures):
 
         def execute(frame: Frame) -> object:
             entered: list[Surroundings] = []
-            levels = self.levels
+            levels = self.budget.levels
             for value_of, name in parts:
                 value = value_of(frame)
                 if not isinstance(value, Surroundings) or name is not None:
@@ -85,7 +85,7 @@ class ClassStatements(Failures):
                 self.budget.take_steps(STEPS_OF_ERROR)
                 if not any(value.catches(error) for value in entered):
                     raise
-                self.levels = levels
+                self.budget.levels = levels
                 return None
             finally:
                 for value in reversed(entered):

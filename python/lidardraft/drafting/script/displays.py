@@ -9,7 +9,7 @@ from lidardraft.drafting.script.arithmetic import dict_key
 from lidardraft.drafting.script.expressions import Evaluate
 from lidardraft.drafting.script.formatting import format_value, to_text
 from lidardraft.drafting.script.frame import STEPS_OF_FUNCTION, Frame, Function
-from lidardraft.drafting.script.iterators import Iterator as OnceThrough
+from lidardraft.drafting.script.iterators import Lazy
 from lidardraft.drafting.script.limits import Limits, RefusalError
 from lidardraft.drafting.script.operators import Operators
 from lidardraft.drafting.script.values import Value, truth
@@ -104,7 +104,7 @@ class Displays(Operators):
 
         return evaluate
 
-    def _list_comprehension(self, node: ast.ListComp | ast.SetComp | ast.GeneratorExp) -> Evaluate:
+    def _list_comprehension(self, node: ast.ListComp | ast.SetComp) -> Evaluate:
         element_of, weight = self.weighed(lambda: self.expression(node.elt))
         rounds = self._rounds(node.generators)
 
@@ -119,8 +119,15 @@ class Displays(Operators):
         return evaluate
 
     def _generator(self, node: ast.GeneratorExp) -> Evaluate:
-        items_of = self._list_comprehension(node)  # all of its values are made at once
-        return lambda frame: OnceThrough(items_of(frame))
+        (element_of, weight), levels = self.depth_of(lambda: self.weighed(lambda: self.expression(node.elt)))
+        rounds, more = self.depth_of(lambda: self._rounds(node.generators))
+
+        def values(inner_frames: Iterator[Frame]) -> Iterator[Value]:
+            for inner in inner_frames:
+                self.budget.take_steps(weight)
+                yield element_of(inner)
+
+        return lambda frame: Lazy(values(rounds(Frame(frame, {}))), self.budget, max(levels, more))
 
     def _named(self, node: ast.NamedExpr) -> Evaluate:
         name, value_of = node.target.id, self.expression(node.value)
@@ -151,7 +158,10 @@ class Displays(Operators):
         return evaluate
 
     def _rounds(self, generators: list[ast.comprehension]) -> Callable[[Frame], Iterator[Frame]]:
-        """The function that gives the frame of a comprehension, once for each of its rounds."""
+        """The function that gives the frame of a comprehension, once for each of its rounds.
+
+        What the first loop goes through is looked up at once, as Python does.
+        """
         first, rest = generators[0], generators[1:]
         if first.is_async:
             raise RefusalError("async is not read in a script", first.target.lineno)
@@ -160,8 +170,8 @@ class Displays(Operators):
         tests, more = self.weighed(lambda: [self.expression(test) for test in first.ifs])
         within = self._rounds(rest) if rest else None
 
-        def rounds(frame: Frame) -> Iterator[Frame]:
-            for item in self.items_of(items_of(frame)):
+        def each(frame: Frame, items: Iterator[Value]) -> Iterator[Frame]:
+            for item in items:
                 self.budget.take_steps(weight + more)
                 assign(frame, item)
                 if all(truth(test(frame)) for test in tests):
@@ -170,4 +180,4 @@ class Displays(Operators):
                     else:
                         yield from within(frame)
 
-        return rounds
+        return lambda frame: each(frame, self.items_of(items_of(frame)))

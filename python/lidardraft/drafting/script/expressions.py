@@ -40,7 +40,6 @@ class Expressions:
         self.nodes = 0  # of the statement that is being made a function of
         self.depth = 0  # of nodes within nodes, in what is being made a function of
         self.deepest = 0
-        self.levels = 0  # of nodes within nodes, in all functions that are being called
         functions = {**builtin_functions(self.budget, self.call), "getattr": Builtin("getattr", self._getattr)}
         self.builtins = Frame(None, {**functions, **builtin_decorators()})
         self.makers: dict[type[ast.expr], Callable[[Any], Evaluate]] = {
@@ -73,16 +72,10 @@ class Expressions:
         self.budget.take_steps(function.weight)
         if not isinstance(function, Function):
             return function.call(arguments, keywords)
-        self.go_within(function.levels)
+        self.budget.go_within(function.levels)
         result = function.body(function.bind(arguments, keywords))
-        self.levels -= function.levels
+        self.budget.levels -= function.levels
         return result
-
-    def go_within(self, levels: int) -> None:
-        """Count the levels of a function that is being called."""
-        self.levels += levels
-        if self.levels > self.limits.levels:
-            raise RefusalError(f"calls within calls, more than {self.limits.levels} levels deep in all")
 
     def ordered(self, items: Value, key: Value, reverse: Value) -> list[Value]:
         """What `sorted` gives."""

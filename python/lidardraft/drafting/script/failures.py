@@ -35,11 +35,11 @@ class Failures(Statements):
                 raise RefusalError("`except` of what is no name is not read", handler.lineno)
 
         def guarded(frame: Frame) -> object:
-            levels = self.levels
+            levels = self.budget.levels
             try:
                 ended = body(frame)
             except RaisedError as error:
-                self.levels = levels
+                self.budget.levels = levels
                 self.budget.take_steps(STEPS_OF_ERROR)
                 for names, name, handle in handlers:
                     if not names or is_caught(error, names):
@@ -54,11 +54,11 @@ class Failures(Statements):
             return orelse(frame) if ended is None else ended
 
         def execute(frame: Frame) -> object:
-            levels = self.levels
+            levels = self.budget.levels
             try:
                 ended = guarded(frame)
             except RaisedError:
-                self.levels = levels
+                self.budget.levels = levels
                 last(frame)
                 raise
             at_last = last(frame)

@@ -7,15 +7,16 @@ from collections.abc import Callable, Generator, Iterator
 
 from lidardraft.drafting.script.class_statements import ClassStatements
 from lidardraft.drafting.script.frame import Frame
-from lidardraft.drafting.script.iterators import Endless
-from lidardraft.drafting.script.limits import Limits, RaisedError, RefusalError
+from lidardraft.drafting.script.iterators import Lazy
+from lidardraft.drafting.script.limits import Limits, RefusalError
 from lidardraft.drafting.script.statements import BREAK, CONTINUE
 from lidardraft.drafting.script.values import Value, truth
 
 Going = Generator[Value, None, object]  # its values, and then what ends the statements around it early, or None
 # A statement of a generator: its line, what carries it out, or what does if it holds a `yield`, and its nodes then.
 _Part = tuple[int, Callable[[Frame], object], Callable[[Frame], Going] | None, int]
-_CELLS, _STEPS = 50, 8  # that a generator takes; that going on with it costs
+_STEPS = 7  # that going on with a generator costs more than with any iterator
+_END = object()
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
 
 
@@ -38,57 +39,10 @@ def yielding_nodes(tree: ast.Module) -> set[ast.AST]:
     return found
 
 
-class YieldedValues(Endless):
-    """The values of a function with `yield`, each of which is made when it is asked for."""
+class YieldedValues(Lazy):
+    """The values of a function with `yield`."""
 
     kind = "a generator"
-
-    def __init__(self, evaluator: Generators, going: Going, levels: int) -> None:
-        super().__init__(self._resumed())
-        self._evaluator = evaluator
-        self._going = going
-        self._levels = levels
-        self._is_running = False
-
-    def _resumed(self) -> Iterator[Value]:
-        evaluator = self._evaluator
-        while True:
-            line = evaluator.line
-            evaluator.budget.take_steps(_STEPS)
-            evaluator.go_within(self._levels)
-            self._is_running = True
-            try:
-                value = next(self._going, self)
-            finally:
-                self._is_running = False
-            evaluator.levels -= self._levels
-            evaluator.line = line
-            if value is self:
-                return
-            yield value
-
-    def rest(self) -> Iterator[Value]:
-        if self._is_running:
-            raise RefusalError("a generator that goes on with itself")
-        return super().rest()
-
-    def elements(self) -> list[Value]:
-        found = []
-        for value in self.rest():
-            self._evaluator.budget.take_cells(1)
-            found.append(value)
-        return found
-
-    def length(self) -> int:
-        raise RefusalError("a generator has no length")
-
-    def next(self, *default: Value) -> Value:
-        """The value that comes next, or `default` where none does."""
-        for value in self.rest():
-            return value
-        if not default:
-            raise RaisedError("StopIteration", "next: there is no value left")
-        return default[0]
 
 
 class Generators(ClassStatements):
@@ -104,10 +58,20 @@ class Generators(ClassStatements):
         run, levels = self.depth_of(lambda: self._part(node.body))
 
         def body(frame: Frame) -> Value:
-            self.budget.take_cells(_CELLS)
-            return YieldedValues(self, run(frame), levels)
+            return YieldedValues(self._resumed(run(frame)), self.budget, levels)
 
         return body
+
+    def _resumed(self, going: Going) -> Iterator[Value]:
+        """The values, between which the statements that ask for them are carried out."""
+        while True:
+            line = self.line
+            self.budget.take_steps(_STEPS)
+            value = next(going, _END)
+            self.line = line
+            if value is _END:
+                return
+            yield value
 
     def _part(self, nodes: list[ast.stmt]) -> Callable[[Frame], Going]:
         """Statements of a generator: those without a `yield` are carried out as anywhere else."""

@@ -1,14 +1,14 @@
-"""`itertools` as a script sees it: what has an end is a list, and counted before it is made."""
+"""`itertools` as a script sees it: of lists, what has an end is a list, and counted before it is made."""
 
 from __future__ import annotations
 
 import ast
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from lidardraft.drafting.script.arithmetic import binary
-from lidardraft.drafting.script.iterators import Endless, going
+from lidardraft.drafting.script.iterators import Endless, Lazy, going
 from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
 from lidardraft.drafting.script.values import Builtin, Value, elements, whole
 
@@ -61,8 +61,10 @@ def _products(budget: Budget) -> dict[str, Callable[..., Value]]:
 
 
 def _chain(budget: Budget) -> Callable[..., Value]:
-    def chain(*lists: Value) -> list[Value]:
-        budget.take_steps(len(lists))
+    def chain(*lists: Value) -> Value:
+        budget.take_steps(2 * len(lists))
+        if any(isinstance(items, Lazy) for items in lists):
+            return Lazy(itertools.chain(*[going(items, budget) for items in lists]), budget)
         parts = [elements(items, budget) for items in lists]
         budget.take_cells(sum(map(len, parts)))
         return [item for part in parts for item in part]
@@ -74,45 +76,45 @@ def _sequences(budget: Budget, call: Call) -> dict[str, Callable[..., Value]]:
     def count(start: Value = 0, step: Value = 1) -> Endless:
         if not all(isinstance(number, int | float) for number in (start, step)):
             raise RefusalError("count: a number is no number")
-        return Endless(itertools.count(start, step))
+        return Endless(itertools.count(start, step), budget)
 
     def cycle(items: Value) -> Endless:
         found = elements(items, budget)
         if not found:
             raise RefusalError("cycle: there is nothing to go through")
-        return Endless(itertools.cycle(found))
+        return Endless(itertools.cycle(found), budget)
 
     def repeat(value: Value, times: Value = None) -> Value:
         if times is None:
-            return Endless(itertools.repeat(value))
+            return Endless(itertools.repeat(value), budget)
         budget.take_cells(max(whole(times, "the times"), 0))
         return [value] * times
 
-    def islice(items: Value, *bounds: Value) -> list[Value]:
+    def islice(items: Value, *bounds: Value) -> Value:
         if not 1 <= len(bounds) <= 3:
             raise RefusalError("islice takes one to three bounds")
         limits = [None if bound is None else whole(bound, "a bound") for bound in bounds]
         if any(limit is not None and limit < 0 for limit in limits):
             raise RaisedError("ValueError", "islice: a bound below 0")
-        end = slice(*limits).stop
-        if isinstance(items, Endless):
-            if end is None:
-                raise RefusalError("islice of a sequence without an end to no end")
-            budget.take_cells(end)
-        return list(itertools.islice(going(items, budget), *limits))
+        part = itertools.islice(going(items, budget), *limits)
+        return Lazy(part, budget) if isinstance(items, Lazy) else list(part)
 
-    def accumulate(items: Value, function: Value = None, *, initial: Value = None) -> list[Value]:
-        found = elements(items, budget)
-        found = found if initial is None else [initial, *found]
-        budget.take_steps(2 * len(found))
-        sums = found[:1]
-        for item in found[1:]:
-            sums.append(
-                binary(ast.Add, sums[-1], item, budget) if function is None else call(function, [sums[-1], item], {})
-            )
-        return sums
+    def sums(items: Iterator[Value], function: Value) -> Iterator[Value]:
+        for total in itertools.islice(items, 1):
+            yield total
+            for item in items:
+                budget.take_steps(2)
+                total = binary(ast.Add, total, item, budget) if function is None else call(function, [total, item], {})
+                yield total
 
-    def pairwise(items: Value) -> list[Value]:
+    def accumulate(items: Value, function: Value = None, *, initial: Value = None) -> Value:
+        found = going(items, budget)
+        found = sums(found if initial is None else itertools.chain([initial], found), function)
+        return Lazy(found, budget) if isinstance(items, Lazy) else list(found)
+
+    def pairwise(items: Value) -> Value:
+        if isinstance(items, Lazy):
+            return Lazy(itertools.pairwise(items.rest()), budget)
         found = elements(items, budget)
         budget.take_cells(3 * len(found))
         return list(itertools.pairwise(found))

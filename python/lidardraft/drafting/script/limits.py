@@ -60,12 +60,19 @@ class Budget:
         self.limits = limits
         self.steps = limits.steps
         self.cells = limits.cells
+        self.levels = 0  # of nodes within nodes, in all functions and iterators that are being carried out
 
     def take_steps(self, count: int) -> None:
         """Count so many evaluated nodes, or what takes as long; a number below 0 is 0."""
         self.steps -= max(count, 0)
         if self.steps < 0:
             raise RefusalError(f"the script takes more than {self.limits.steps} steps; `limits` allows more")
+
+    def go_within(self, levels: int) -> None:
+        """Count the levels of a function that is being called, or of an iterator that goes on."""
+        self.levels += levels
+        if self.levels > self.limits.levels:
+            raise RefusalError(f"calls within calls, more than {self.limits.levels} levels deep in all")
 
     def take_cells(self, count: int) -> None:
         """Count so many elements of a value, before it is made; a number below 0 is 0."""
