@@ -6,6 +6,7 @@ import pytest
 from drawn_sketches import DrawnBox, DrawnLine, Hand, painted
 from lidardraft.drafting.sketches.painted_sketch import read_painting
 from lidardraft.errors import FormatError, LayoutError
+from lidardraft.semantics import BY_NAME
 
 ROAD = DrawnLine("road", np.array([(-40.0, 0.0), (40.0, 0.0)]), 7.0)
 CAR = DrawnBox("car", (8.0, 1.8), 4.2, 1.8, 0.1)
@@ -81,7 +82,7 @@ def test_markings_on_a_road_are_road() -> None:
     assert stroke.width == pytest.approx(7.0, abs=0.3)
 
 
-@pytest.mark.parametrize("paper", [(0, 0, 0), (128, 128, 128), (200, 200, 200), (250, 240, 205)])
+@pytest.mark.parametrize("paper", [(0, 0, 0), (128, 128, 128), (220, 220, 220), (250, 240, 205)])
 def test_paper_may_be_grey_or_black_and_the_bar_white(paper: tuple[int, int, int]) -> None:
     shapes = [DrawnLine("road", np.array([(-40.0, 0.0), (40.0, 0.0)]), 7.0), CAR]
     white = painted(shapes, bar=10.0)
@@ -91,6 +92,18 @@ def test_paper_may_be_grey_or_black_and_the_bar_white(paper: tuple[int, int, int
     found = read_painting(pixels, None, 10.0)
     assert ([blob.label for blob in found.blobs], [stroke.label for stroke in found.strokes]) == (["car"], ["road"])
     assert f"colour {' '.join(map(str, paper))}: taken for the paper" in found.ignored
+
+
+@pytest.mark.parametrize("label", ["building", "other", "pole"])
+def test_the_grey_of_a_class_is_no_paper(label: str) -> None:
+    """City blocks up to the edges of the sheet."""
+    pixels = np.full((600, 600, 3), 255, np.uint8)
+    for rows in (slice(0, 250), slice(350, 600)):
+        for columns in (slice(0, 250), slice(350, 600)):
+            pixels[rows, columns] = BY_NAME[label].colour
+    found = read_painting(pixels, 0.1, None)
+    assert {blob.label for blob in found.blobs} | {stroke.label for stroke in found.strokes} == {label}
+    assert not any("taken for the paper" in line for line in found.ignored)
 
 
 def test_squared_paper_is_white() -> None:

@@ -22,6 +22,7 @@ _LIGHT, _GREY = 180, 30  # of 255: paper is as light, or differs as little from 
 _MOST_PAPER = 0.4  # of the pixels along the edges have one colour if it is that of the paper
 _MOST_TOLD, _LEAST_TOLD = 8, 0.002  # colours of no class that are told, and the share of the pixels that each has
 _LEAST_PAPER = 0.15  # of all pixels
+_SAME = 2 ** (8 - _BITS)  # in each channel: a colour that the table does not tell from another
 _SUPPORTED = 5  # of the eight pixels around, of the same class: no edge
 
 
@@ -30,7 +31,10 @@ WHITE: Colour = (255, 255, 255)
 
 
 def paper_of(pixels: np.ndarray) -> Colour:
-    """The colour of the paper of pixels u8 [H, W, 3]: white, or that of most of its edges if it is light or grey."""
+    """The colour of the paper of pixels u8 [H, W, 3]: white, or that of most of its edges if it is light or grey.
+
+    The colour of a class is none, as city blocks may reach the edges.
+    """
     edges = np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]])
     codes = (edges >> (8 - _BITS)).astype(np.int64) @ [1, 2**_BITS, 4**_BITS]
     values, counts = np.unique(codes, return_counts=True)
@@ -38,7 +42,9 @@ def paper_of(pixels: np.ndarray) -> Colour:
     colour = np.median(mine, axis=0)
     if len(mine) < _MOST_PAPER * len(edges) or not (colour.min() >= _LIGHT or np.ptp(colour) <= _GREY):
         return WHITE
-    if np.mean((np.abs(pixels[::2, ::2] - colour) < 2 ** (8 - _BITS)).all(axis=2)) < _LEAST_PAPER:
+    if (np.abs(PALETTE[1:NUM_CLASSES] - colour) < _SAME).all(axis=1).any():
+        return WHITE
+    if np.mean((np.abs(pixels[::2, ::2] - colour) < _SAME).all(axis=2)) < _LEAST_PAPER:
         return WHITE  # a line of squared paper runs along the edge
     red, green, blue = (int(value) for value in colour)
     return red, green, blue
