@@ -20,6 +20,16 @@ def test_what_is_no_length(text: str) -> None:
         length(text, "x")
 
 
+@pytest.mark.parametrize("text", ["1e308%", "1e9%", "1e400%", "9e6in"])
+def test_lengths_beyond_any_sketch(text: str) -> None:
+    with pytest.raises(FormatError, match=r"cx is .*; it must be a length of up to 1e\+07 pixels"):
+        length(text, "cx", 200.0)
+
+
+def test_percentages_are_of_a_whole() -> None:
+    assert length("40%", "x", 50.0) == 20.0
+
+
 def test_lists_of_numbers() -> None:
     assert numbers("1,2 -3.5-4 5e1", "points").tolist() == [1, 2, -3.5, -4, 50]
     for text in ("1 2 three", "1e300", "1;2", "inf"):

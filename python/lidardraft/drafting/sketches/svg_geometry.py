@@ -32,11 +32,12 @@ _MOST_NUMBERS = 400_000  # of one list
 def length(text: str, name: str, whole: float | None = None) -> float:
     """A length in pixels, such as "12.5", "3mm", or "40%" of a `whole`; raises `FormatError` naming the attribute."""
     match = _LENGTH.fullmatch(text[:100])
-    if match and match[2] == "%" and whole is not None:
-        return float(match[1]) / 100 * whole
-    if not match or match[2].lower() not in PIXELS or not abs(float(match[1])) < LARGEST:
-        raise FormatError(f"{name} is {text!r:.60}; it must be a length in {', '.join(filter(None, PIXELS))} or none")
-    return float(match[1]) * PIXELS[match[2].lower()]
+    if match:
+        unit = whole / 100 if match[2] == "%" and whole is not None else PIXELS.get(match[2].lower())
+        if unit is not None and abs(value := float(match[1]) * unit) < LARGEST:
+            return value
+    units = ", ".join(filter(None, PIXELS))
+    raise FormatError(f"{name} is {text!r:.60}; it must be a length of up to {LARGEST:g} pixels in {units} or none")
 
 
 def numbers(text: str, name: str) -> np.ndarray:
