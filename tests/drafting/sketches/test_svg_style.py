@@ -49,6 +49,16 @@ def test_style_sheets_come_between_attributes_and_the_style_of_an_element() -> N
     assert sheet.ignored == []
 
 
+def test_of_endless_attributes_the_begin_counts() -> None:
+    """A shape with them may be shown thousands of times by <use>."""
+    sheet = StyleSheet()
+    sheet.add(".first{fill:red} .last{stroke:blue}")
+    rect = Element("rect", {"class": "first" + " x" * 400_000 + " last"})
+    assert (Style().inside(rect, sheet).fill, Style().inside(rect, sheet).stroke) == ((255, 0, 0), "")
+    rect = Element("rect", {"style": "fill:red" + ";x" * 400_000 + ";stroke:blue"})
+    assert (Style().inside(rect).fill, Style().inside(rect).stroke) == ((255, 0, 0), "")
+
+
 def test_rules_for_more_than_an_element_are_told() -> None:
     sheet = StyleSheet()
     sheet.add(".car rect{fill:red} @media print{.b{fill:red}} .c{color:red} .d{fill:red !important}")

@@ -10,7 +10,7 @@ from lidardraft.drafting.sketches.xml_elements import Element
 
 Colour = tuple[int, int, int]
 _NAMES = ("label", "data-name", "id", "class")  # Inkscape's label and Illustrator's name are those that authors gave
-_LONGEST_NAME = 200
+_LONGEST_NAME, _LONGEST_ATTRIBUTE = 200, 2000  # characters; a shape may be shown thousands of times
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,7 @@ class Style:
         said = {name: value for name, value in element.attributes.items() if name in _PROPERTIES}
         if sheet is not None:
             said |= sheet.of(element)
-        said |= _declarations(element.attributes.get("style", ""))
+        said |= _declarations(_attribute(element, "style"))
         style = self
         for name, value in said.items():
             value = value.strip()
@@ -65,7 +65,7 @@ class StyleSheet:
     def of(self, element: Element) -> dict[str, str]:
         """What the sheets say of an element: an id comes before a class, and that before a tag."""
         said = dict(self.rules.get(element.tag, {}))
-        for name in element.attributes.get("class", "").split():
+        for name in _attribute(element, "class").split():
             said |= self.rules.get(f".{name}", {})
         return said | self.rules.get(f"#{element.attributes.get('id', '')}", {})
 
@@ -83,6 +83,10 @@ def _declarations(text: str) -> dict[str, str]:
         if name.strip() in _PROPERTIES:
             said[name.strip()] = value.replace("!important", "").strip()
     return said
+
+
+def _attribute(element: Element, name: str) -> str:
+    return element.attributes.get(name, "")[:_LONGEST_ATTRIBUTE]
 
 
 def names_of(element: Element) -> tuple[str, ...]:
