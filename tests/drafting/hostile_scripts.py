@@ -503,6 +503,11 @@ HOSTILE: list[tuple[str, str, int]] = [
         "t='a'*1900000\nwhile True:\n    t in o",
         8,
     ),
+    (
+        "comparison of paths",
+        "from pathlib import Path\np=Path('a/'*120000)\nq=Path('a/'*120000)\nwhile p" + " == q == p" * 9 + ": pass",
+        4,
+    ),
     ("enumerate of enumerate", "g=(x for x in [1])\nfor _ in range(200):\n    g=enumerate(g)\nnext(g)", 4),
     ("kept zips of a generator", "g=(x for x in [1])\nx=[]\nwhile True:\n    x.append(zip(*[g]*1000))", 4),
     ("all of a count", "import itertools\nall(itertools.count(1))", 2),

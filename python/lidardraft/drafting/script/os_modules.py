@@ -13,7 +13,7 @@ from lidardraft.drafting.script.values import Builtin, Namespace, Record, Value,
 
 SCRIPT = "/script.py"  # the name that a script sees of its own file
 _PURE = ("basename", "dirname", "splitext", "split", "normpath")
-_ASKED = ("exists", "isfile", "isdir", "getsize", "getmtime")
+_ASKED = ("exists", "isfile", "isdir")
 _MOST_PARENTS = 16
 Note = Callable[[str], None]
 
@@ -62,7 +62,7 @@ def _os_path(budget: Budget, note: Note) -> dict[str, Value]:
         return lambda _: _no_file(f"os.path.{name}", note)
 
     table: dict[str, Callable[..., Value]] = {name: pure(name) for name in _PURE}
-    table |= {name: asked(name) for name in _ASKED[:3]}
+    table |= {name: asked(name) for name in _ASKED}
     table |= {"join": join, "abspath": abspath, "realpath": abspath, "expanduser": lambda path: _name_of(path)}
     return {"sep": "/", **{name: Builtin(f"os.path.{name}", function) for name, function in table.items()}}
 
@@ -135,7 +135,8 @@ class FilePath(Record):
             "expanduser": lambda: self,
             "as_posix": lambda: str(pure),
         }
-        methods |= {ask: lambda: _no_file("exists", self._note) for ask in ("exists", "is_file", "is_dir")}
+        if name in ("exists", "is_file", "is_dir"):
+            return Builtin(f"Path.{name}", lambda: _no_file(f"Path.{name}", self._note))
         return Builtin(f"Path.{name}", methods[name]) if name in methods else super().attribute(name)
 
     def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
@@ -144,7 +145,10 @@ class FilePath(Record):
         return self._paths.made(self.pure.joinpath(*self._paths.names([other])))
 
     def equals(self, other: Value) -> bool:
-        return isinstance(other, FilePath) and self.pure == other.pure
+        if not isinstance(other, FilePath):
+            return False
+        name, other_name = self._paths.names([self, other])
+        return name == other_name
 
     def text(self, as_repr: bool) -> str:
         return f"PosixPath({str(self.pure)!r})" if as_repr else str(self.pure)
