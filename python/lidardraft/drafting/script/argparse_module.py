@@ -8,6 +8,7 @@ from lidardraft.drafting.script.limits import Budget, RefusalError
 from lidardraft.drafting.script.values import Builtin, Namespace, Record, Value, describe, text, truth
 
 _MOST = 100  # arguments of one parser
+Call = Callable[[Value, list[Value], dict[str, Value]], Value]
 _WITHOUT_A_VALUE = {"store_true": False, "store_false": True, "store": None, "append": None, "count": None}
 
 
@@ -16,8 +17,9 @@ class Parser(Record):
 
     kind = "an ArgumentParser"
 
-    def __init__(self, budget: Budget) -> None:
+    def __init__(self, budget: Budget, call: Call) -> None:
         self._budget = budget
+        self._call = call
         self._defaults: dict[str, Value] = {}
 
     def attribute(self, name: str) -> Value:
@@ -38,19 +40,25 @@ class Parser(Record):
         dest: Value = None,
         required: Value = False,
         nargs: Value = None,
+        type: Value = None,  # the name that Python has for it
         **_: Value,
     ) -> None:
         self._budget.take_steps(5)
         names = [text(flag, "the name of an argument") for flag in flags]
         if len(self._defaults) >= _MOST or not names:
             raise RefusalError(f"a parser of no argument, or of more than {_MOST}")
-        if truth(required) or not (names[0].startswith("-") or nargs in ("?", "*")):
+        is_option = names[0].startswith("-")
+        if truth(required) or not (is_option or nargs in ("?", "*")):
             raise RefusalError(f"the argument {names[0]!r:.60} has no default; there is nobody to give it")
         if action not in _WITHOUT_A_VALUE:
             raise RefusalError(f"the action {describe(action)} of an argument is not read")
         longest = next((name for name in names if name.startswith("--")), names[0])
         key = text(longest.lstrip("-").replace("-", "_") if dest is None else dest, "the name of an argument")
-        self._defaults[key] = _WITHOUT_A_VALUE[action] if default is None else default
+        if default is None:
+            default = [] if nargs == "*" and not is_option else _WITHOUT_A_VALUE[action]
+        elif isinstance(default, str) and type is not None:  # as it would stand in the command
+            default = self._call(type, [default], {})
+        self._defaults[key] = default
 
     def _parsed(self, args: Value = None) -> Namespace:
         self._budget.take_cells(3 * len(self._defaults))
@@ -59,6 +67,6 @@ class Parser(Record):
         return Namespace("the arguments", dict(self._defaults))
 
 
-def argparse_module(budget: Budget) -> dict[str, Value]:
+def argparse_module(budget: Budget, call: Call) -> dict[str, Value]:
     """The parser."""
-    return {"ArgumentParser": Builtin("argparse.ArgumentParser", lambda *_, **__: Parser(budget))}
+    return {"ArgumentParser": Builtin("argparse.ArgumentParser", lambda *_, **__: Parser(budget, call))}

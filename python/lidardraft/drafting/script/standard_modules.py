@@ -48,7 +48,7 @@ def standard_modules(budget: Budget, call: Call, note: Callable[[str], None]) ->
         "abc": {"ABC": BaseMarker("object"), "abstractmethod": Decorator(lambda function: function)},
         "copy": copy_module(budget),
         "json": json_module(budget),
-        "argparse": argparse_module(budget),
+        "argparse": argparse_module(budget, call),
         **os_modules(budget, note),
         **clock_modules(note),
         **silent_modules(),
