@@ -6,9 +6,20 @@ def test_the_clock_stands_still() -> None:
     script = (
         "import datetime as d\nfrom datetime import datetime\nstart = datetime.now()\nx = d.datetime.now() - start\n"
         "assert x.total_seconds() == 0 and x.seconds == 0 and start.year == 1970\n"
-        "assert datetime.now().strftime('%Y') == f'{start}' == '1970-01-01 00:00:00'\nassert str(x) == '0:00:00'"
+        "assert f'{start}' == '1970-01-01 00:00:00' and datetime.now().isoformat() == '1970-01-01T00:00:00'\n"
+        "assert str(x) == '0:00:00'"
     )
     assert list(reads(script).notes) == ["the time is taken as 0"]
+
+
+def test_a_time_is_written_in_the_format_that_is_asked_for() -> None:
+    reads(
+        "from datetime import datetime\nimport time\nassert int(datetime.now().strftime('%Y')) == 1970\n"
+        "assert time.strftime('%y%m%d_%H-%M-%S') == '700101_00-00-00'\nassert time.strftime('100%% x') == '100% x'"
+    )
+    refuses("import time\ntime.strftime('%Y %B')", "'%B' in the format of a time is not read; %Y, ", 2)
+    refuses("import time\ntime.strftime('%')", "'%' in the format of a time is not read", 2)
+    refuses("import time\ntime.strftime('%Y' * 51)", "a format of 102 characters; 100 are the most", 2)
 
 
 def test_nobody_waits() -> None:

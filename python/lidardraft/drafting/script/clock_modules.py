@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Callable
 
+from lidardraft.drafting.script.limits import RefusalError
 from lidardraft.drafting.script.values import Builtin, Namespace, Record, Value, text
 
 _FIRST = "1970-01-01 00:00:00"
+_CODES = (
+    {"%Y": "1970", "%y": "70", "%%": "%"} | dict.fromkeys(("%m", "%d"), "01") | dict.fromkeys(("%H", "%M", "%S"), "00")
+)
+_LONGEST_FORMAT = 100  # characters
 _READINGS = ("time", "perf_counter", "monotonic", "process_time")
 _PARTS = {"year": 1970, "month": 1, "day": 1} | dict.fromkeys(("hour", "minute", "second", "microsecond"), 0)
 Note = Callable[[str], None]
@@ -53,8 +59,15 @@ class Duration(Record):
 
 
 def _formatted(form: Value, *_: Value) -> str:
-    text(form, "the format")
-    return _FIRST
+    if len(text(form, "the format")) > _LONGEST_FORMAT:
+        raise RefusalError(f"a format of {len(form)} characters; {_LONGEST_FORMAT} are the most")
+    return re.sub("%.?", _coded, form)
+
+
+def _coded(code: re.Match[str]) -> str:
+    if code[0] not in _CODES:
+        raise RefusalError(f"{code[0]!r} in the format of a time is not read; {', '.join(_CODES)} are")
+    return _CODES[code[0]]
 
 
 def clock_modules(note: Note) -> dict[str, dict[str, Value]]:
