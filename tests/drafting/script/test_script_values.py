@@ -75,4 +75,12 @@ def test_types_in_brackets_and_unions_of_types() -> None:
         "def f(a: Number, b: Table = None) -> Point:\n    return (a, a)\nassert f(1) == (1, 1)\n"
         "assert isinstance(1.5, int | float) and not isinstance('a', int | float) and list((1, 2)) == [1, 2]"
     )
+    agrees(
+        "class A:\n    pass\nNumber = int | float | None\nMany = None | str | (A | Number)\n"
+        "assert isinstance(None, Number) and isinstance(1, Number) and not isinstance('a', Number)\n"
+        "assert isinstance(A(), Many) and isinstance(2.5, Many) and isinstance(A(), (str, Number, A | None))\n"
+        "assert not isinstance([], Many) and not isinstance(A(), (Number, list))"
+    )
+    refuses("x = int | 5", "BitOr of a function and 5 is not read")
+    refuses("k = int\nwhile True:\n    k = k | int", "a union of 51 types; 50 are the most", 3)
     refuses("x = int + float", "Add of a function and a function is not read")

@@ -14,9 +14,11 @@ from lidardraft.drafting.script.iterators import Iterator, Lazy, going, iterator
 from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
 from lidardraft.drafting.script.sets import Set
 from lidardraft.drafting.script.values import (
+    MOST_TYPES,
     Builtin,
     KindOfRecord,
     Record,
+    Type,
     TypeFunction,
     Value,
     checked,
@@ -29,7 +31,6 @@ from lidardraft.drafting.script.values import (
     whole,
 )
 
-_MOST_KINDS = 50  # that isinstance is asked for
 _LONGEST_NUMBER = 40  # characters of a text that becomes a number
 _TYPES: dict[str, tuple[type, ...]] = {kind.__name__: (kind,) for kind in (bool, int, float, str, list, tuple, dict)}
 _TYPES |= dict.fromkeys(("set", "frozenset"), (Set,))
@@ -101,10 +102,13 @@ def _numbers_of(make: type[int] | type[float], texts: list[Value]) -> list[Value
 
 
 def _isinstance(value: Value, kinds: Value) -> bool:
-    if isinstance(kinds, tuple) and len(kinds) > _MOST_KINDS:
-        raise RefusalError(f"isinstance of {len(kinds)} kinds; {_MOST_KINDS} are the most")
-    for kind in kinds if isinstance(kinds, tuple) else (kinds,):
-        if isinstance(kind, ScriptClass):
+    if isinstance(kinds, tuple) and len(kinds) > MOST_TYPES:
+        raise RefusalError(f"isinstance of {len(kinds)} kinds; {MOST_TYPES} are the most")
+    asked = kinds if isinstance(kinds, tuple) else (kinds,)
+    for kind in [each for one in asked for each in (one.types() if isinstance(one, Type) else (one,))]:
+        if kind is None:
+            found = value is None
+        elif isinstance(kind, ScriptClass):
             found = isinstance(value, Instance) and value.of.derived_from(kind)
         elif isinstance(kind, KindOfRecord):
             found = isinstance(value, kind.of)

@@ -16,7 +16,7 @@ from lidardraft.drafting.script.class_parts import (
 )
 from lidardraft.drafting.script.frame import Frame, Function
 from lidardraft.drafting.script.limits import Budget, RefusalError
-from lidardraft.drafting.script.values import Builtin, Record, Value, describe, text
+from lidardraft.drafting.script.values import Builtin, Record, Type, Value, describe, text
 
 SPECIAL = ("__init__", "__post_init__", "__repr__", "__str__")  # methods that a class may have
 _DEEPEST, _MOST_NAMES = 16, 200  # classes of which one is derived from the other; names of a class
@@ -46,13 +46,11 @@ class ClassFrame(Frame):
             super().set(name, value)
 
 
-class ScriptClass(Record):
+class ScriptClass(Type):
     """A class: its members by their names, and the fields that its instances are made from, if it says them.
 
     Raises `RefusalError` where it is derived from too many others.
     """
-
-    is_key = True
 
     def __init__(self, name: str, base: Value, body: ClassFrame, budget: Budget, call: Call) -> None:
         self.name = name

@@ -14,6 +14,7 @@ from lidardraft.drafting.script.limits import Budget, RaisedError, RefusalError
 Value = Any  # one of the types above; mypy has no way to say it that helps here
 LARGEST = 2**63  # of whole numbers
 _MOVED_IN_A_STEP, _TAKEN_IN_A_STEP = 2000, 50  # elements of a list
+MOST_TYPES = 50  # that isinstance is asked for
 _NUMBER = (int, float)  # asked for so often that a union, which is slower, shows
 
 
@@ -122,25 +123,47 @@ class Builtin(Record):
             raise RaisedError(type(error).__name__, f"{self.name}: {error!s:.200}") from None
 
 
-class TypeFunction(Builtin):
-    """A function that is also a type: `list`, `float`. What is said of types in brackets is passed over."""
+class Type(Record):
+    """What `isinstance` asks for; | joins it with others, and with None."""
 
     is_key = True
+
+    def types(self) -> tuple[Value, ...]:
+        """It, or all that are joined in it."""
+        return (self,)
+
+    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
+        if operator is not ast.BitOr or not (other is None or isinstance(other, Type)):
+            return super().binary(operator, other, reflected=reflected)
+        others = (None,) if other is None else other.types()
+        return UnionOfTypes(others + self.types() if reflected else self.types() + others)
+
+
+class UnionOfTypes(Type):
+    """`int | float | None`. Raises `RefusalError` where it is of too many."""
+
+    kind = "a union of types"
+
+    def __init__(self, types: tuple[Value, ...]) -> None:
+        if len(types) > MOST_TYPES:
+            raise RefusalError(f"a union of {len(types)} types; {MOST_TYPES} are the most")
+        self._types = types
+
+    def types(self) -> tuple[Value, ...]:
+        return self._types
+
+
+class TypeFunction(Type, Builtin):
+    """A function that is also a type: `list`, `float`. What is said of types in brackets is passed over."""
 
     def item(self, _key: Value) -> Value:
         return self
 
-    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
-        if operator is not ast.BitOr:
-            return super().binary(operator, other, reflected=reflected)
-        return (other, self) if reflected else (self, other)  # as `isinstance` takes them
 
-
-class KindOfRecord(Record):
+class KindOfRecord(Type):
     """A class of Blender's that a script may only ask about, with `isinstance`."""
 
     kind = "a class of Blender"
-    is_key = True
 
     def __init__(self, of: type[Record]) -> None:
         self.of = of
