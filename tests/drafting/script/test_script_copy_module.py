@@ -16,11 +16,15 @@ from script_reading import agrees, refuses
         "assert deepcopy(len) is len and deepcopy(5) == 5 and deepcopy(None) is None",
     ],
 )
-def test_it_gives_what_python_gives(script: str) -> None:
+def test_a_copy_shares_what_pythons_does(script: str) -> None:
     agrees(script)
 
 
 def test_what_is_too_much_is_refused() -> None:
     refuses("import copy\na = []\nfor i in range(60):\n    a = [a]\ncopy.deepcopy(a)", "more than 30 levels deep", 5)
     refuses("import copy\na = 1\nfor i in range(25):\n    a = (a, a)\ncopy.deepcopy(a)", "more than 150000 steps", 5)
-    refuses("import copy\na = [0] * 9000\nwhile True:\n    copy.copy(a)", "more than", 4)
+    refuses(
+        "import copy\na = [0] * 9000\nwhile True:\n    copy.copy(a)",
+        "all values together have more than 1000000 elements",
+        4,
+    )

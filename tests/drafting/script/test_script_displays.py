@@ -25,4 +25,4 @@ def test_they_hold_what_pythons_do(script: str) -> None:
 
 def test_what_cannot_be_a_key() -> None:
     refuses("x = 1\ny = {[1]: 2}", "a list cannot be a key", 2)
-    refuses("{**[1]}", "cannot be looped over|is no dict|1 cannot")
+    refuses("{**[1]}", "1 cannot be looped over")

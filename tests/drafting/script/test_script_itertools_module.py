@@ -36,9 +36,9 @@ def test_they_give_what_pythons_do(script: str) -> None:
 @pytest.mark.parametrize(
     ("call", "said"),
     [
-        ("product(range(999), range(999))", "steps|elements"),
+        ("product(range(999), range(999))", "more than 150000 steps"),
         ("permutations(range(17))", "17 at a time; 16 are the most"),
-        ("combinations(range(99), 9)", "steps|elements"),
+        ("combinations(range(99), 9)", "more than 150000 steps"),
         ("repeat(1, 10**9)", "1000000000 elements"),
         ("list(islice(count(), 10**9))", "more than 150000 steps"),
         ("list(islice(count(), None))", "more than 150000 steps"),
