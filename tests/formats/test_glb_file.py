@@ -1,3 +1,5 @@
+import codecs
+import json
 import struct
 from pathlib import Path
 
@@ -58,3 +60,16 @@ def test_arrays_with_a_stride() -> None:
     document["bufferViews"][0]["byteStride"] = 4
     with pytest.raises(FormatError, match="accessor 0 of 2 values"):
         GlbFile(document, (memoryview(values),)).array(0, "VEC3")
+
+
+def test_a_byte_order_mark_before_text() -> None:
+    assert parse_glb(codecs.BOM_UTF8 + b' {"a": [1]}').document == {"a": [1]}
+
+
+def test_of_the_extensions_only_those_that_are_not_read_are_named() -> None:
+    needed = ["KHR_materials_unlit", "KHR_draco_mesh_compression"]
+    with pytest.raises(FormatError, match=r"extensions that are not read, \['KHR_draco_mesh_compression'\] \(export"):
+        parse_glb(json.dumps({"extensionsRequired": needed}).encode())
+    assert parse_glb(json.dumps({"extensionsRequired": needed[:1]}).encode()).document["extensionsRequired"]
+    with pytest.raises(FormatError, match="extensionsRequired is 5; it must be a list"):
+        parse_glb(b'{"extensionsRequired": 5}')

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import codecs
 import json
 import os
 import struct
@@ -81,8 +82,9 @@ def open_glb(path: str | os.PathLike[str]) -> GlbFile:
 
 def parse_glb(data: bytes) -> GlbFile:
     """As `open_glb`, of the bytes of a file."""
-    if data.lstrip()[:1] == b"{":  # glTF as text
-        return _file(_document(data), None)
+    text = data.removeprefix(codecs.BOM_UTF8).lstrip()
+    if text[:1] == b"{":  # glTF as text
+        return _file(_document(text), None)
     if len(data) < 20:
         raise FormatError(f"no GLB: {len(data)} bytes")
     magic, version, length, json_length, json_kind = struct.unpack_from("<5I", data)
@@ -121,8 +123,12 @@ def _document(text: bytes) -> dict[str, Any]:
 def _file(document: dict[str, Any], binary: memoryview | None) -> GlbFile:
     """The file of a document and its binary chunk, if it has one."""
     needed = document.get("extensionsRequired", [])
-    if not isinstance(needed, list) or not all(str(name).startswith(_NO_SHAPES) for name in needed):
-        raise FormatError(f"the file needs extensions, {needed!r:.80}; none is read (export it without compression)")
+    if not isinstance(needed, list):
+        raise FormatError(f"extensionsRequired is {needed!r:.80}; it must be a list")
+    if unread := [name for name in needed if not str(name).startswith(_NO_SHAPES)]:
+        raise FormatError(
+            f"the file needs extensions that are not read, {unread!r:.80} (export it without compression)"
+        )
     buffers = GlbFile(document, ()).items("buffers")
     if len(buffers) > _MOST_BUFFERS:
         raise FormatError(f"{len(buffers)} buffers; up to {_MOST_BUFFERS} are read")
