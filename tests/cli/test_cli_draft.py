@@ -70,6 +70,16 @@ def test_a_layout_of_very_many_shapes_has_no_preview(folder: Path, capsys: pytes
     assert not list(folder.glob("*.png"))
 
 
+def test_no_older_preview_stays_beside_another_layout(capsys: pytest.CaptureFixture[str]) -> None:
+    many = (Primitive(shape="box", center=(9, k, 1), size=(1, 1, 1), label="building", id=f"b{k}") for k in range(2001))
+    Layout(tuple(many)).save("many.json")
+    assert cli.main(["draft", "--text", "a car ahead", "--sensor", "small.json", "-o", "layout.json"]) == 0
+    assert Path("layout.preview.png").exists()
+    assert cli.main(["draft", "--layout", "many.json", "-o", "layout.json"]) == 0
+    assert not Path("layout.preview.png").exists()
+    assert "and the older one is removed" in capsys.readouterr().err
+
+
 def test_a_name_that_no_file_can_have(refused: Callable[..., str]) -> None:
     assert "no file can have that name" in refused("draft", "--text", "a car ahead", "-o", "a\0.json")
 

@@ -40,7 +40,11 @@ def draft(arguments: argparse.Namespace) -> None:
         print(f"{path}: the layout from above, and a simulated scan of it")
     elif not arguments.no_preview:
         limits = f"{_MOST_SHAPES} shapes and {_MOST_TRIANGLES} triangles"
-        say("lidardraft", f"{path} is not made: the layout has more than {limits}")
+        older = ""
+        if path.is_file():  # it shows another layout
+            path.unlink()
+            older = ", and the older one is removed"
+        say("lidardraft", f"{path} is not made: the layout has more than {limits}{older}")
 
 
 def _preview(layout: Layout, sensor: Sensor, seed: int) -> np.ndarray | None:
