@@ -23,7 +23,7 @@ def road() -> tuple[np.ndarray, np.ndarray]:
 
 def test_exact_depth_stays():
     depth, labels = road()
-    np.testing.assert_allclose(corrected_depth(depth, labels, CAMERA, PLANE), depth)
+    np.testing.assert_allclose(corrected_depth(depth, labels, CAMERA, PLANE, HEIGHT), depth)
 
 
 def test_a_patch_that_is_off_is_brought_to_the_plane_and_what_stands_on_it_with_it():
@@ -32,7 +32,7 @@ def test_a_patch_that_is_off_is_brought_to_the_plane_and_what_stands_on_it_with_
     true[foot - 40 : foot, 120:180], labels[foot - 40 : foot, 120:180] = 10.0, CAR
     depth = true * 1.05
     near = (true > 0) & (true < 11)
-    better = corrected_depth(depth, labels, CAMERA, PLANE)
+    better = corrected_depth(depth, labels, CAMERA, PLANE, HEIGHT)
     assert np.abs(better[near] / true[near] - 1).max() < 0.03
     wall = better[foot - 40 : foot, 120:180]
     assert np.ptp(wall) < 0.03 * wall.mean()  # it keeps its shape
@@ -41,17 +41,26 @@ def test_a_patch_that_is_off_is_brought_to_the_plane_and_what_stands_on_it_with_
 @pytest.mark.parametrize("times", [0.8, 1.3])
 def test_what_is_far_off_the_plane_is_a_slope(times):
     depth, labels = road()
-    np.testing.assert_allclose(corrected_depth(times * depth, labels, CAMERA, PLANE), times * depth)
+    np.testing.assert_allclose(corrected_depth(times * depth, labels, CAMERA, PLANE, HEIGHT), times * depth)
 
 
 def test_far_depth_is_moved_less():
     """A rise of 4 cm looks like depth that is 2.4 % too long, and a rise is the likelier the further away it is."""
     true, labels = road()
-    moved = 1 - corrected_depth(1.024 * true, labels, CAMERA, PLANE) / np.where(true > 0, 1.024 * true, 1)
+    moved = 1 - corrected_depth(1.024 * true, labels, CAMERA, PLANE, HEIGHT) / np.where(true > 0, 1.024 * true, 1)
     near, far = (moved[np.abs(true - depth) < 0.1 * depth].mean() for depth in (6.0, 60.0))
     assert near > 4 * far > 0
 
 
 def test_without_a_road_nothing_moves():
     depth, labels = road()
-    np.testing.assert_allclose(corrected_depth(depth, labels * 0 + CAR, CAMERA, PLANE), depth)
+    np.testing.assert_allclose(corrected_depth(depth, labels * 0 + CAR, CAMERA, PLANE, HEIGHT), depth)
+
+
+@pytest.mark.parametrize("unit", [0.3, 2.0, 100.0])
+def test_the_unit_of_depth_makes_no_difference(unit):
+    true, labels = road()
+    depth = 1.024 * true
+    metres = corrected_depth(depth, labels, CAMERA, PLANE, HEIGHT)
+    plane = RoadPlane(level=np.eye(3), height=HEIGHT / unit)
+    np.testing.assert_allclose(corrected_depth(depth / unit, labels, CAMERA, plane, HEIGHT) * unit, metres)

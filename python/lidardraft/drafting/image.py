@@ -120,7 +120,7 @@ def _layout(
     stands = plane.height
     if camera_height is not None:
         stands = float(camera_height)
-        cloud = pseudo_cloud(corrected_depth(seen, labels, camera, plane), labels, numbers, camera)
+        cloud = pseudo_cloud(corrected_depth(seen, labels, camera, plane, stands), labels, numbers, camera)
     layout = _levelled_layout(cloud, plane, stands, _coverage(camera, plane), fill)
     provenance = {
         "source": "image",
