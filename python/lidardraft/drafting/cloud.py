@@ -29,15 +29,15 @@ from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import CLASSES, GROUND, NUM_CLASSES, SemanticClass
 
 _STRAY = 10  # rays; as few that went through a box do not speak against it
-_UNREAL = 2  # times as many rays through a cluster as it has points: it is none, and its points have a wrong class
-_FLAT = 0.2  # of the usual height of a class: what does not rise so far from the ground is the ground's
+_MOST_RAYS_THROUGH = 2  # for each point of a cluster; with more it is no object, and its points have a wrong class
+_LEAST_RISE = 0.2  # of the usual height of a class: what does not rise so far from the ground is the ground's
 _TOUCHING = 0.3  # of the usual width of a class: a cluster whose middle is so near to an object has no room of its own
 # The outline of a car is no box's: rays see the road under it and pass over its hood [m], and a fitted box is turned by
 # some degrees; only what passes through this share of its length and width passed through it.
 _CLEARANCE, _ROUNDED, _CORE = 0.3, 0.1, 0.8
 _NEIGHBOUR = 15.0  # m; objects no further apart are likely to be headed the same way
 _FURTHEST = 1000.0  # m; no sensor sees further
-_NEAR = 0.01  # m, more than rounding makes of a distance
+_ROUNDING = 0.01  # m, more than rounding makes of a distance
 
 
 def layout_from_cloud(
@@ -140,7 +140,9 @@ def _objects(
     strays = np.maximum(_STRAY, stray_share * counts)
     # rays that pass through what was seen, as through windows, do not tell one choice from the other
     best = np.argmin(np.maximum(passed - passed[-1], strays), axis=0)
-    unreal = _is_flat(seen, row.size[2], ground) | (passed.min(axis=0) > np.maximum(_STRAY, _UNREAL * counts))
+    unreal = _is_flat(seen, row.size[2], ground) | (
+        passed.min(axis=0) > np.maximum(_STRAY, _MOST_RAYS_THROUGH * counts)
+    )
     found: list[FittedBox] = []
     places, reaches = np.empty((len(seen), 2)), np.empty(len(seen))  # of those found, so that only near ones are asked
     is_long = row.size[0] > 2 * row.size[1]  # people stand close to each other
@@ -151,20 +153,19 @@ def _objects(
         near = np.linalg.norm(places[:number] - box.center[:2], axis=1) <= reaches[:number]
         if not gone and not any(found[other].contains(box.center[None], margin)[0] for other in np.flatnonzero(near)):
             found.append(whole := boxes[choice])
-            places[number], reaches[number] = whole.center[:2], np.linalg.norm(whole.size[:2] / 2 - margin) + _NEAR
+            places[number], reaches[number] = whole.center[:2], np.linalg.norm(whole.size[:2] / 2 - margin) + _ROUNDING
     return found
 
 
 def _headings(seen: list[FittedBox], size: tuple[float, float, float]) -> list[float | None]:
     """For each box the heading [rad] of the nearest other one whose length was seen; None where there is none."""
-    sure = [box for box in seen if is_length(max(box.size[:2]), size)]
-    places = np.array([box.center[:2] for box in sure]).reshape(-1, 2)
-    own = {id(box): number for number, box in enumerate(sure)}
+    sure = np.flatnonzero([is_length(max(box.size[:2]), size) for box in seen])
+    places = np.array([box.center[:2] for box in seen])
     found: list[float | None] = []
-    for box in seen:
-        away = np.linalg.norm(places - box.center[:2], axis=1)
-        away[own.get(id(box), len(away)) :][:1] = math.inf
-        nearest = sure[int(np.argmin(away))] if away.min(initial=math.inf) < _NEIGHBOUR else None
+    for number, box in enumerate(seen):
+        others = sure[sure != number]
+        away = np.linalg.norm(places[others] - box.center[:2], axis=1)
+        nearest = seen[others[np.argmin(away)]] if away.min(initial=math.inf) < _NEIGHBOUR else None
         turn = math.pi / 2 if nearest and nearest.size[1] > nearest.size[0] else 0.0
         found.append(nearest.yaw + turn if nearest else None)
     return found
@@ -174,7 +175,7 @@ def _is_flat(boxes: Sequence[FittedBox], height: float, ground: HeightField) -> 
     """Which boxes [N] of a class of that height hardly rise from ground that was seen."""
     places = np.array([box.center[:2] for box in boxes])
     tops = np.array([box.center[2] + box.size[2] / 2 for box in boxes])
-    flat: np.ndarray = tops - ground.height(places) < _FLAT * height
+    flat: np.ndarray = tops - ground.height(places) < _LEAST_RISE * height
     return flat & ground.is_known(places)
 
 
