@@ -274,9 +274,10 @@ def along_row(group: ObjectGroup, road: Road, start: float, step: float, number:
 
 
 def measured_from(kind: SentenceKind, effort: float) -> float:
-    """How much further an object stands than asked for [m], as `effort` rises from 0 to 1.
+    """How much further an object stands than asked for [m], as `effort` rises from 0 to just under 1.
 
-    Its middle is at the distance; where that leaves no room its near end is, at last as seen from the ego's bumper.
+    Its middle is at the distance; where that leaves no room its near end is, at last as seen from the ego's bumper. The
+    near end is that of the smallest object of the kind.
     """
     assert kind.sizes is not None
     half = kind.sizes.smallest[0] / 2
