@@ -57,6 +57,7 @@ class Mention:
         lane, spacing = at.lane, at.spacing
         if kind.is_vehicle and heading is None and (at.beside_road or at.both_sides):
             heading = "parked"
+        strip_across = heading == "across" and kind.follows_road  # a fence across the road
         if not (kind.drives or (kind.walks and heading != "parked")):
             heading = None
         if self.in_queue and kind.drives and heading is None and not references:
@@ -69,7 +70,9 @@ class Mention:
             heading = "parked"  # a bicycle at a wall
         if at.on_road and kind.is_vehicle and heading is None:
             lane = lane or "own"
-        said_on_road = at.on_road or (self.on_road and kind.on_road)  # a house "on the road" is beside it
+        said_on_road = (
+            at.on_road or strip_across or (self.on_road and kind.on_road)
+        )  # a house "on the road" is beside it
         in_road = said_on_road and "road" in kind.surfaces and not kind.is_vehicle
         places = tuple(dict.fromkeys(_named(place) for place in at.places if any(place)))
         return ObjectGroup(

@@ -27,6 +27,9 @@ def parted(mentions: list[Mention]) -> list[Mention]:
         if mention.relation == "between" and mention.heading == "parked":
             for reference in mention.references:
                 reference.heading = reference.heading or "parked"
+        if mention.relation == "left-of" and mention.at.heading == "with":  # it overtakes
+            for reference in mention.references:
+                _park_at_right(reference)
     _note_listed_parts(mentions)
     for mention in mentions:
         _count_rest(mention, _parts_of(mention, mentions))
@@ -73,6 +76,13 @@ def _keep_with(mention: Mention) -> None:
     drives = SENTENCE_KINDS[str(mention.kind)].drives and not SENTENCE_KINDS[str(other.kind)].drives
     if not mention.placed and mention.relation is None and not drives and not depends(other, mention):
         mention.relation, mention.references, mention.placed = "near", [other], True
+
+
+def _park_at_right(overtaken: Mention) -> None:
+    """What is parked and overtaken stands at the kerb of the lanes that it is overtaken in."""
+    at = overtaken.at
+    if overtaken.heading == "parked" and not overtaken.references and not any(side for _, side in at.places):
+        overtaken.at, overtaken.placed = at.narrowed(Position(places=(("", "right"),))), True
 
 
 def _turn_to_strip(mention: Mention) -> None:

@@ -14,6 +14,8 @@ from lidardraft.drafting.references import is_one_of_several, meant_by
 from lidardraft.drafting.sentence_chunks import KIND_OF, LINKS, LISTED, STATES, Chunk
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 
+_SHARES = {"SOME": 0.5, "FEW": 0.25, "MANY": 0.75}  # of "them"; estimates of ours
+
 
 class PartReader(PositionReader):
     """Reads one phrase that counts objects at a time."""
@@ -80,12 +82,17 @@ class PartReader(PositionReader):
         several = meant_by("them", self._several())
         if several and (of_them or is_one_of_several(chunk)):
             last, of_them = several[0], True
-        if chunk.head == "OF_THEM" and len(chunk.tokens) == 1:
+        share = self._share_of_them(chunk)
+        if share and several and isinstance(several[0].count, int):
+            self._open_part(chunk, max(1, int(share * several[0].count)), several[0], of_them=True)
+            return
+        if chunk.tokens[0].type == "OF_THEM":
             self._share(chunk, several)
             return
         counts = [token for token in chunk.tokens if token.type in (*COUNT_TYPES, "ANOTHER", "FIRST")]
         said = counts[-1].split()[-1]  # "the rest", "the first two"
         count = "some" if said == "rest" else int(number(said)) if said in ("two", "three") else count_of(counts)
+        of_them = of_them or (chunk.types == {"SOME"} and last is not None and last.of_them)  # "and some on the right"
         following = self._following(self._following().name == "COMMA")
         told = self._following().name == "position" or (following.name == "phrase" and following.types <= set(STATES))
         if self.excepting and self.excepted and told:  # "except one on the left", "except one, which is oncoming"
@@ -153,15 +160,23 @@ class PartReader(PositionReader):
         return chunk
 
     def _share(self, chunk: Chunk, several: list[Mention]) -> None:
-        """What is said of "all of them" is said of those, what is said of half of them of a part."""
-        whole = several[0] if several else None
-        if whole is not None and chunk.tokens[0].startswith("half") and isinstance(whole.count, int):
-            self._open_part(chunk, whole.count // 2, whole, of_them=True)
+        """What is said of "all of them" is said of those, what is said of half of an open number of them of a part."""
+        if several and chunk.tokens[0].startswith("half"):
+            self._open_part(chunk, "some", several[0], of_them=False)
         elif self.notes.mentions and chunk.tokens[0].startswith("all"):
             kind = self.notes.mentions[-1].kind
             self.open = self.latest = several or [one for one in self.notes.mentions if one.kind == kind]
         else:
             self._report(chunk)
+
+    @staticmethod
+    def _share_of_them(chunk: Chunk) -> float:
+        """Which share "half of them", "some of them" or "a few of them" are, 0 for all and for numbers."""
+        if "OF_THEM" not in chunk.types:
+            return 0.0
+        if chunk.tokens[0].startswith("half"):
+            return 0.5
+        return _SHARES.get(chunk.tokens[0].type, 0.0)
 
     def _open_part(self, chunk: Chunk, count: Count, last: Mention, *, of_them: bool) -> None:
         if "FIRST" in chunk.types and last.at.spacing:  # where the first is, the whole row begins
@@ -170,7 +185,7 @@ class PartReader(PositionReader):
                 last.at = last.at.narrowed(Position(places=(("front", ""),)))
             return
         self.open = []
-        one = 1 if count == "some" and not chunk.types & {"SOME", "ANOTHER"} else count
+        one = 1 if count == "some" and not chunk.types & {"SOME", "ANOTHER", "OF_THEM"} else count
         kept = last.heading == "parked" or (last.heading == "against" and "ANOTHER" in chunk.types)
         heading = last.heading if kept else None
         part = Mention(
@@ -220,6 +235,10 @@ class PartReader(PositionReader):
         if isinstance(count, int) and isinstance(whole.count, int) and whole.count > count:
             whole.count -= count
             whole.spans.append(chunk.span)
+            if whole.heading is not None:  # "all parked except two": those are there, but do not park
+                heading = "with" if whole.at.both_sides or whole.at.beside_road else None
+                rest = dataclasses.replace(whole, count=count, heading=heading, spans=[chunk.span])
+                self.notes.mentions.append(rest)
         else:
             self._report(chunk)
 
@@ -231,7 +250,8 @@ class PartReader(PositionReader):
         several = bool(self._several()) or any(mention.same_as is not None for mention in self.notes.mentions)
         first = chunk.tokens[0]
         more = first.type == "ANOTHER" and first.startswith(("an", "one")) and bool(self.notes.mentions)
-        begins = more or (first.type in ("NUMBER", "ANOTHER", "FIRST") and several)
+        counts = first.type in ("NUMBER", "ANOTHER", "FIRST") or self._share_of_them(chunk) > 0.0
+        begins = more or (counts and several)
         return begins and chunk.types <= types and bool(chunk.types & set(STATES))
 
     def _whole(self, chunk: Chunk, mention: Mention) -> Mention | None:

@@ -144,6 +144,8 @@ def read_position(tokens: list[Token], *, beside_road: bool = False) -> Position
                 word = Position(places=(("", "" if sided else "right"),), heading="parked")
             elif token.type == "OVERTAKING" and any(other.type == "RIGHT" for other in tokens):
                 word = dataclasses.replace(word, lane=None)
+            elif token.type == "OVERTAKING" and any(other.type in ("FRONT", "BEHIND") for other in tokens):
+                word = dataclasses.replace(word, places=(("", ""),))  # "overtaking cars behind us"
             elif token.type == "FRONT" and token.startswith("far "):
                 word = dataclasses.replace(word, distance=_RANGE_OF["FAR"])
             elif token.endswith(" end of the road") or token.endswith(" end of the street"):

@@ -26,6 +26,7 @@ STATES = ("PARKED", "MOVING", "DOING", "QUEUEING", "CROSSING", "ONCOMING")
 _NOUNS = (*KIND_OF, *ROAD_OF, "TRAFFIC", "LANE", "COMPOUND")
 _OBJECTS = (*KIND_OF, "TRAFFIC")
 _ARTICLES = ("A", "THE")
+_DETERMINERS = (*_ARTICLES, *COUNT_TYPES, "ANOTHER", "FIRST", "EACH")
 LISTED = ("AND", "OR", "COMMA")
 _RELATING = (
     "BEHIND",
@@ -95,7 +96,8 @@ def chunks_of(tree: Tree[Token]) -> list[Chunk]:
         tokens = [token for token in child.children if isinstance(token, Token)]
         parts = _one_noun_each(tokens) if child.data == "phrase" else iter([tokens])
         chunks += [Chunk(str(child.data), part) for part in parts]
-    said = [chunk for chunk in _with_names(chunks) if not chunk.types <= {*_ARTICLES}]
+    chunks = _with_crosswalks(_with_overtakers(_with_names(chunks)))
+    said = [chunk for chunk in chunks if not chunk.types <= {*_ARTICLES}]
     return _joined(_with_adjectives(said))
 
 
@@ -143,19 +145,48 @@ def _is_numbered(named: Chunk, number: Chunk) -> bool:
     return single and number.name == "phrase" and [token.type for token in number.tokens[:1]] == ["NUMBER"]
 
 
+def _with_overtakers(chunks: list[Chunk]) -> list[Chunk]:
+    """With "overtaking" behind the noun that it is a quality of, as in "four overtaking cars"."""
+    found: list[Chunk] = []
+    for chunk in chunks:
+        count, verb = found[-2:] if len(found) > 1 else (chunk, chunk)
+        counted = count.name == chunk.name == "phrase" and count.tokens[0].type in _DETERMINERS
+        counted = counted and not count.types & set(_NOUNS) and _adjoins(count, verb)
+        if counted and verb.tokens == ["overtaking"] and chunk.tokens[0].type not in _DETERMINERS:
+            overtakes = Token.new_borrow_pos("OVERTAKING", "overtakes", verb.tokens[0])  # of this noun alone
+            found[-2:] = [Chunk("phrase", [*count.tokens, *chunk.tokens]), Chunk("position", [overtakes])]
+        else:
+            found.append(chunk)
+    return found
+
+
+def _with_crosswalks(chunks: list[Chunk]) -> list[Chunk]:
+    """With a crosswalk for "a pedestrian crossing with people", who are on it."""
+    found: list[Chunk] = []
+    for index, chunk in enumerate(chunks):
+        link, walkers = [*chunks[index + 1 :], chunk, chunk][:2]
+        crossing = bool(found) and found[-1].tokens[-1] == "pedestrian" and chunk.tokens == ["crossing"]
+        crossing = crossing and found[-1].types <= {"A", "THE", "PERSON"} and link.tokens == ["with"]
+        if crossing and walkers.head in KIND_OF and SENTENCE_KINDS[KIND_OF[walkers.head]].walks:
+            found[-1] = Chunk("position", [Token.new_borrow_pos("CROSSWALK", str(chunk.tokens[0]), chunk.tokens[0])])
+        else:
+            found.append(chunk)
+    return found
+
+
+def _adjoins(one: Chunk, other: Chunk) -> bool:
+    """Whether no word stands between them."""
+    return (other.tokens[0].start_pos or 0) <= (one.tokens[-1].end_pos or 0) + 1
+
+
 def _with_adjectives(chunks: list[Chunk]) -> list[Chunk]:
     """With places behind the noun that they say more of: "the left hedge" is "the hedge on the left"."""
     found: list[Chunk] = []
     for chunk in chunks:
         place = found[-1].tokens[-1] if found and found[-1].name == "position" else None
-        overtakes = [token for token in chunk.tokens if token.type == "OVERTAKER"]
         if place is not None and chunk.head in KIND_OF and len(chunk.tokens) == 1 and _is_adjective(place, found):
             found[-1:] = [Chunk("position", found[-1].tokens[:-1])] if found[-1].tokens[1:] else []
             found += [Chunk("phrase", [Token("THE", "the"), *chunk.tokens]), Chunk("position", [place])]
-        elif overtakes:
-            rest = [token for token in chunk.tokens if token not in overtakes]
-            verb = Token.new_borrow_pos("OVERTAKING", "overtakes", overtakes[0])  # of this noun alone
-            found += [Chunk("phrase", rest), Chunk("position", [verb])]
         else:
             found.append(chunk)
     return found
@@ -196,6 +227,14 @@ def _is_road_of_side(chunk: Chunk, before: list[Chunk]) -> bool:
     return sided and [token.type for token in chunk.tokens] == ["THE", "ROAD"]
 
 
+def _is_had_by_none(chunk: Chunk, before: list[Chunk]) -> bool:
+    """Whether "have" follows no object that has something, as in "we have a bus ahead" or "on the left have a tree"."""
+    if chunk.name != "EACH_HAS" or chunk.tokens != ["have"]:
+        return False
+    place = bool(before) and before[-1].name == "position" and (len(before) == 1 or before[-2].name in LINKS)
+    return not before or before[-1].name == "EGO" or place
+
+
 def _counts_listed(count: Chunk, link: Chunk, named: Chunk) -> bool:
     """Whether a number is that of a bare noun before it, as in "cars: 3" or "cars: 3 parked"."""
     bare = named.head in (*KIND_OF, "LANE") and not named.types & {*COUNT_TYPES, *_ARTICLES, "ANOTHER", "OF_THEM"}
@@ -213,6 +252,8 @@ def _joined(chunks: list[Chunk]) -> list[Chunk]:
             if not named:
                 continue
         if _is_verb_after_place(chunk, found) or _is_road_of_side(chunk, found):
+            continue
+        if _is_had_by_none(chunk, found):
             continue
         if chunk.name == "position" and found and found[-1].name == "position":
             found[-1] = Chunk("position", [*found[-1].tokens, *chunk.tokens])

@@ -110,8 +110,8 @@ class SentenceReader(PartReader):
         if exact_count(chunk.tokens) == 0 and head in (*ROAD_OF, "LANE"):
             self._report(chunk)
             return
-        if head == "TRAM" and self.notes.road == "parking-lot" and chunk.tokens[-1].startswith("trolley"):
-            self._unknown(chunk)  # of a shop
+        if head == "TRAM" and self.notes.road == "parking-lot":  # which has no rails; its trolleys are of a shop
+            self._unknown(chunk)
             return
         carried = self._before(1) == "WITH" and chunk.head == "UNKNOWN" and chunk.types <= {"UNKNOWN"}
         if self.notes.lanes and self._following().name == "EACH_WAY" and chunk.types == {"NUMBER"} and not self.open:

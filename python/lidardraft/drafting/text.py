@@ -124,7 +124,9 @@ _PLAIN = {
     **{"\u2019": "'", "\u2013": "-", "\u2014": ", ", "\u2026": ". ", "\u00d7": "x", "&": " and ", " + ": " and "},
     **{"w/o ": "without ", "w/ ": "with "},
 }
-_NAME = re.compile(r"(?<=[a-z] )([A-H])(?=[,.;:!?)]|$|'s\b| (?![A-Z]))")  # as in "car A"
+_NAME = re.compile(
+    r"(?<=[a-z] )([A-HJKM-QSU-Z])(?=[,.;:!?)]|$|'s\b| (?![A-Z]))"
+)  # as in "car A"; L and R are sides, T is a junction
 _UNIT_STOP = re.compile(r"(\d ?(?:m|ft|yd|km))\.(?= [a-z])")  # "10 m. ahead", but not "10 m. A bus"
 _ORDINALS = ("last", "first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth")  # by number
 _LONGEST_ITEM = 40  # characters of a line, in a text that has one for each object
