@@ -21,12 +21,13 @@ from script_reading import agrees, refuses
         "assert list(accumulate([1, 2, 3], lambda a, b: a * b)) == [1, 2, 6] and list(pairwise('abc')) == [('a', "
         "'b'), ('b', 'c')]\n"
         "assert list(islice(range(9), 1, 6, 2)) == [1, 3, 5]",
-        "from itertools import accumulate, chain, count, islice, pairwise\nmade = []\n"
+        "from itertools import accumulate, chain, count, cycle, islice, pairwise\nmade = []\n"
         "def f():\n    for k in count():\n        made.append(k)\n        yield k\n"
-        "for part in (islice(f(), 5), chain(f(), [9]), accumulate(f()), pairwise(f())):\n"
+        "for part in (islice(f(), 5), chain(f(), [9]), accumulate(f()), pairwise(f()), cycle(f())):\n"
         "    for x in part:\n        break\n    assert len(made) < 3, made\n    made.clear()\n"
         "assert list(islice(chain([7], f()), 3)) == [7, 0, 1] and list(islice(accumulate(f()), 4)) == [0, 1, 3, 6]\n"
-        "assert list(islice(pairwise(f()), 2)) == [(0, 1), (1, 2)] and list(accumulate([], initial=4)) == [4]",
+        "assert list(islice(pairwise(f()), 2)) == [(0, 1), (1, 2)] and list(accumulate([], initial=4)) == [4]\n"
+        "assert list(islice(cycle(x for x in 'ab'), 5)) == list('ababa')",
     ],
 )
 def test_they_give_what_pythons_do(script: str) -> None:
@@ -49,6 +50,7 @@ def test_they_give_what_pythons_do(script: str) -> None:
         ("all(range(1, 10**10))", "9999999999 elements"),
         ("all(count(1))", "more than 150000 steps"),
         ("cycle([])", "nothing to go through"),
+        ("list(cycle(x for x in [1, 2]))", "more than 150000 steps"),
     ],
 )
 def test_what_is_too_much_is_refused_before_it_is_made(call: str, said: str) -> None:

@@ -72,13 +72,21 @@ def _chain(budget: Budget) -> Callable[..., Value]:
     return chain
 
 
+def _kept(items: Iterator[Value], budget: Budget) -> Iterator[Value]:
+    for item in items:
+        budget.take_cells(1)
+        yield item
+
+
 def _sequences(budget: Budget, call: Call) -> dict[str, Callable[..., Value]]:
     def count(start: Value = 0, step: Value = 1) -> Endless:
         if not all(isinstance(number, int | float) for number in (start, step)):
             raise RefusalError("count: a number is no number")
         return Endless(itertools.count(start, step), budget)
 
-    def cycle(items: Value) -> Endless:
+    def cycle(items: Value) -> Lazy:
+        if isinstance(items, Lazy):
+            return Lazy(itertools.cycle(_kept(items.rest(), budget)), budget)
         found = elements(items, budget)
         if not found:
             raise RefusalError("cycle: there is nothing to go through")
