@@ -133,6 +133,8 @@ def _broken_of(group: ObjectGroup, placed: list[Placed], road: Road) -> list[str
             wrong.append(f"not in the {group.lane} lane")
         wrong += _broken_set_back(group, one, road)
         beside = abs(one.foot) > road.edge
+        if group.surface == "sidewalk" and road.sidewalk > 0.9 and not road.edge < abs(one.foot) < road.verge:
+            wrong.append("not on the sidewalk")
         if group.surface == "road" and beside:
             wrong.append("not on the road")
         if not group.on_road and not beside:

@@ -133,6 +133,11 @@ class ChunkReader:
         """The words between two chunks, which say nothing alone."""
         return self.notes.text[one.span[1] : other.tokens[0].start_pos if other.tokens else None].split()
 
+    def _counts_after_each(self, chunk: Chunk) -> bool:
+        """Whether it is as "every ten trees", which means one of ten, and not as "each of ten trees"."""
+        counted = "EACH" in chunk.types and exact_count(chunk.tokens) not in (None, 1)
+        return counted and "of" not in self.notes.text[slice(*chunk.span)].split()
+
     def _follows_verb(self, before: Chunk, chunk: Chunk) -> bool:
         """Whether a verb without a meaning of its own stands between two chunks."""
         return any(word in _VERBS for word in self._between(before, chunk))

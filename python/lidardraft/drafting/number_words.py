@@ -62,6 +62,7 @@ _AT_LEAST = ("at least", "more than", "over", "beyond", "further than", "farther
 _FURTHER = 40.0  # m, what "at least 20 m" reaches beyond; estimate of ours
 _FEW_OF = {"a few": (3, 5), "several": (3, 6), "a couple of": (2, 2)}  # dozen, hundred, thousand; estimate of ours
 _EACH = {"dozen": 12, "hundred": 100, "thousand": 1000}
+_AT_LEAST_TWO = {"dozens of": (24, 36), "scores of": (40, 60), "hundreds of": (200, 300)}  # estimate of ours
 
 _EXACT = ("NUMBER", "PAIR", "DOZEN")
 _VAGUE = {"FEW": "few", "SOME": "some", "MANY": "many", "DOZENS": "many"}
@@ -95,6 +96,9 @@ def count_of(tokens: list[Token]) -> Count:
     ranges = [token for token in tokens if token.type == "COUNT_RANGE"]
     if ranges and not unclear:
         return count_range(ranges[0])
+    plural = [_AT_LEAST_TWO[token] for token in tokens if token in _AT_LEAST_TWO]
+    if plural and not unclear:
+        return plural[0]
     vague = [_VAGUE[token.type] for token in tokens if token.type in _VAGUE]
     if vague and not unclear:
         return "many" if "many" in vague else vague[0]

@@ -19,6 +19,7 @@ _SCALE_OF = {
     "WIDE": (1.0, 1.3, 1.0),
     "NARROW": (1.0, 0.75, 1.0),
 }
+_JAM = "stuck in"  # a queue in all lanes
 _TOWERS, _TOWER = ("sky", "high", "tower"), (1.0, 1.0, 2.5)
 _AXIS_OF = {"long": 0, "length": 0, "wide": 1, "deep": 1, "thick": 1, "width": 1, "tall": 2, "high": 2, "height": 2}
 SCALES = tuple(_SCALE_OF)
@@ -31,6 +32,7 @@ def heading_of(tokens: list[Token]) -> str | None:
         if token.type == "CROSSING" and {"left", "right"} <= set(token.split()):
             return "across-right" if token.rindex("right") > token.rindex("left") else "across-left"
     found = [_HEADING_OF[token.type] for token in tokens if token.type in _HEADING_OF]
+    found += ["with" for token in tokens if token.type == "QUEUEING" and token.startswith(_JAM)]
     return next((heading for heading in found if heading != "with"), found[0] if found else None)
 
 
@@ -38,7 +40,8 @@ def add_qualities(mention: Mention, tokens: list[Token]) -> None:
     """Note what some words say of a mention."""
     mention.heading = heading_of(tokens) or mention.heading
     mention.in_queue = mention.in_queue or any(
-        token.type == "QUEUEING" or (token.type == "MANY" and {"queue", "line"} & set(token.split()))
+        (token.type == "QUEUEING" and not token.startswith(_JAM))
+        or (token.type == "MANY" and {"queue", "line"} & set(token.split()))
         for token in tokens
     )
     if mention.kind == "person" and any(token == "cycling" for token in tokens):

@@ -78,7 +78,9 @@ class PartReader(PositionReader):
         """A number without a noun means more of the same, as in "two cars ahead and one behind", or some of them."""
         last = self._last_subject()
         of_them = "OF_THEM" in chunk.types
-        begins = of_them or self._before(1) in (*LISTED, "STOP", "WITH")
+        adjoin = all(one.name == "EGO" for one in self.chunks[self.prefix_index : self.index - 1])
+        placed = self.prefix is not None and self.prefix_index > 0 and adjoin  # "behind us two cars, ahead three"
+        begins = of_them or placed or self._before(1) in (*LISTED, "STOP", "WITH")
         several = meant_by("them", self._several())
         if several and (of_them or is_one_of_several(chunk)):
             last, of_them = several[0], True
@@ -108,6 +110,7 @@ class PartReader(PositionReader):
                 mention.spans.append(chunk.span)
         elif (
             self._following().name in ("position", "turn")
+            or placed
             or (of_them and self._following().head == "ROAD")
             or self._is_part(chunk)
         ):

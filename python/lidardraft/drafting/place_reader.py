@@ -52,16 +52,21 @@ class PlaceReader(RelationReader):
         return "RIGHT" if sides[-1:] == ["left"] else "LEFT"
 
     def _without_size(self, chunk: Chunk) -> Chunk:
-        """The position without a length that is a size of the object before it, as in "a tall building of 30 m"."""
+        """The position without a length that is a size of the object before it, as in "a tall building of 30 m".
+
+        A fence of less than is usual for its height is so high, and otherwise so long.
+        """
         named = self._previous()
         if not (named.is_object and chunk.tokens and chunk.tokens[0].type == "DISTANCE"):
             return chunk
-        if self._between(named, chunk) != ["of"] or len(self._open_known()) != 1:
+        if self._between(named, chunk) != ["of"] or not self._open_known():
             return chunk
-        long = SENTENCE_KINDS[str(self.open[0].kind)].follows_road or "LONG" in named.types
-        self.open[0].size[0 if long and not named.types & {"TALL", "LOW"} else 2] = metres(chunk.tokens[0])[1]
-        self.open[0].scale = [1.0, 1.0, 1.0]
-        self.open[0].spans.append(chunk.span)
+        sized, size = self._open_known()[-1], metres(chunk.tokens[0])[1]
+        kind = SENTENCE_KINDS[str(sized.kind)]
+        long = "LONG" in named.types or (kind.follows_road and kind.sizes is not None and size > kind.sizes.largest[2])
+        sized.size[0 if long and not named.types & {"TALL", "LOW"} else 2] = size
+        sized.scale = [1.0, 1.0, 1.0]
+        sized.spans.append(Chunk("position", chunk.tokens[:1]).span)
         return Chunk("position", chunk.tokens[1:])
 
     def _note_road(self, chunk: Chunk) -> None:

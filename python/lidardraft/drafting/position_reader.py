@@ -279,9 +279,23 @@ class PositionReader(PlaceReader):
         if strongly and not self.open and self._leads_to_object():
             return True
         passed = ("EGO", "COMMA", "turn") if strongly else ("EGO", "turn")
-        after = self.chunks[self.index : self.index + 3]
+        after = self.chunks[self.index :][self._words_of_road() :][:3]
         following = next((c for c in after if c.name not in passed), END)
-        return following.is_object or following.is_unknown
+        return following.is_object or following.is_unknown or self._counts_more()
+
+    def _words_of_road(self) -> int:
+        """How many chunks only say of what road a lane is, as in "in the left lane of the road a bus"."""
+        if "of" not in self._between(self.chunks[self.index - 1], self._following()):
+            return 0
+        roads = ("LANE", *ROAD_OF)
+        return len(list(itertools.takewhile(lambda one: one.head in roads, self.chunks[self.index :])))
+
+    def _counts_more(self) -> bool:
+        """Whether a number alone follows, of what was named before, as in "three cars behind us, ahead two"."""
+        ego = self._following().name == "EGO"
+        number, link = self._following(ego), self._following(1 + ego)
+        alone = number.name == "phrase" and number.types == {"NUMBER"}
+        return alone and link.name in ("", *LINKS) and any(one.kind is not None for one in self.notes.mentions)
 
 
 def _is_row(chunk: Chunk) -> bool:

@@ -136,6 +136,8 @@ class RelationReader(ChunkReader):
         elif self._subjects(references):
             if before == "":
                 self._end_long_list()
+            if chunk.tokens[-1].type == "OVERTAKING" and all(one.placed or one.references for one in references):
+                relation = self._overtaking_side(relation)
             if any(mention.relation is not None for mention in self._subjects(references)):
                 self._relate_back(chunk, relation, references)
                 return
@@ -158,6 +160,14 @@ class RelationReader(ChunkReader):
             self.open = references
         else:
             self._report(chunk)
+
+    def _overtaking_side(self, relation: str) -> str:
+        """The side of "passes it on the right", where the place of what is passed is known already."""
+        side = self._following()
+        if [token.type for token in side.tokens] not in (["LEFT"], ["RIGHT"]):
+            return relation
+        self.index += 1
+        return "left-of" if side.head == "LEFT" else "right-of"
 
     def _end_long_list(self) -> None:
         """What follows "thirty cars, two vans and a man" is said of the man alone: there is no room for more."""

@@ -18,6 +18,7 @@ _IN_LANE = (1.5, 5.0)  # along a lane
 _CLOSE = (0.4, 1.2)
 _NEAR = (0.5, 4.0)
 _FURTHER = 8.0  # m more, for want of room
+_MOVED_TO_SIDEWALK = 2.0  # m, of what is near something
 _ACROSS_LANES = 0.6  # m between what stands side by side
 _MOVED, _MOVED_BETWEEN, _MOVED_EXACTLY = 12.0, 3.0, 0.3  # m across the road, at most, to where its kind may be
 
@@ -55,7 +56,8 @@ class Footprint:
 class RelativePoses:
     """Samples poses of an object of `kind` by its `relation` to the `references`; `distance` is a range from them [m].
 
-    `lanes` are the (number, direction) of those that it may be in, all if it is empty.
+    `lanes` are the (number, direction) of those that it may be in, all if it is empty; a `surface` "sidewalk" is where
+    it stands.
 
     The relation "row" continues a row: in line with the reference, on the side away from the ego.
     """
@@ -67,6 +69,7 @@ class RelativePoses:
     relation: str
     distance: tuple[float, float] | None = None
     lanes: Sequence[tuple[int, int]] = ()
+    surface: str | None = None
 
     def sample(
         self, references: Sequence[Footprint], rng: np.random.Generator, number: int, effort: float
@@ -190,6 +193,10 @@ class RelativePoses:
     def _needs_road(self) -> bool:
         return self.kind.is_vehicle
 
+    @property
+    def _on_sidewalk(self) -> bool:
+        return self.surface == "sidewalk" and self.road.sidewalk > 0.9
+
     def _pose(
         self, along: float, across: float, rng: np.random.Generator, reference: Footprint, side: int = 0
     ) -> RoadPose | None:
@@ -200,6 +207,8 @@ class RelativePoses:
         exactly = self.relation == "near" and self.distance is not None
         beside = 0.0 if self.kind.on_road or exactly or in_between else abs(found - reference.pose.across)
         most = _MOVED_EXACTLY if exactly else _MOVED_BETWEEN if in_between else max(_MOVED, beside)
+        if self._on_sidewalk and self.relation in ("near", "beside"):
+            most = _MOVED_TO_SIDEWALK
         if moved > most or (side and apart < 0.3):
             return None
         towards = reference.half_across < abs(reference.pose.across) - abs(found)
@@ -213,6 +222,11 @@ class RelativePoses:
         """The nearest place across the road where its kind may be, and the yaw there."""
         if self.kind.walks and str(self.heading).startswith("across"):
             return across, walking_yaw(str(self.heading), rng)
+        if self._on_sidewalk:
+            low, high = self.road.edge + 0.4, max(self.road.edge + 0.5, self.road.verge - 0.4)
+            across = math.copysign(min(max(abs(across), low), high), across)
+            standing = 0.0 if across > 0 else BACKWARDS
+            return across, float(rng.uniform(-math.pi, math.pi)) if self.kind.walks else standing
         if self.kind.walks or (self.kind.cycles and self.heading == "parked"):
             kerb = self.road.edge + self.size[0] / 2
             on_road = abs(across) < kerb and reference.side * reference.pose.across > self.road.edge

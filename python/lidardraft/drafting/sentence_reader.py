@@ -224,7 +224,9 @@ class SentenceReader(PartReader):
             hosts = [one for one in self.notes.mentions if one.kind == mention.kind and one.same_as is None]
         counted = [one for one in self.notes.mentions if one.host is not None and one.kind == mention.kind]
         bare = self._following().name in ("", *LINKS) and exact_count(chunk.tokens) is not None
-        if "EACH" in chunk.types:
+        if self._counts_after_each(chunk):
+            self._report_tokens(token for token in chunk.tokens if token.type == "EACH")
+        elif "EACH" in chunk.types:
             known = known_mention(chunk, self.notes.mentions, [])
             mention.count = mention.count if exact_count(chunk.tokens) else "some"
             self.each = known or mention

@@ -176,7 +176,9 @@ class _Solver:
         lanes = lanes_of(group, "", "", self.road) if group.lane is not None else ()
         if relation == "between" and references[0] is references[-1]:
             relation = "beside"  # of "the parked cars" there is only one
-        poses = RelativePoses(self.road, kind, (size[0], size[1]), group.heading, relation, group.distance, lanes)
+        poses = RelativePoses(
+            self.road, kind, (size[0], size[1]), group.heading, relation, group.distance, lanes, group.surface
+        )
         for attempt in range(TRIES):
             pose = poses.sample(references, self.rng, index, attempt / TRIES)
             if pose is None or not is_at(pose, place, self.road):
