@@ -14,6 +14,7 @@ from lidardraft.drafting.occupancy import Occupancy
 from lidardraft.drafting.scene_spec import HEADINGS, LANES, PLACES, RELATIONS, ROADS, ObjectGroup, RoadSpec, SceneSpec
 from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.solver import layout_from_spec
+from lidardraft.drafting.text import layout_from_text
 from lidardraft.errors import LayoutError
 from lidardraft.scene.check import check, objects
 from lidardraft.scene.layout import Layout, object_of
@@ -330,3 +331,14 @@ def test_a_relation_keeps_heading_and_lane(seed: int) -> None:
 def test_a_thousand_trees_find_room() -> None:
     layout = layout_from_spec(one("tree", 1000), seed=0)
     assert len(objects(layout)) == 1000
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_near_end_of_what_has_no_room_at_its_middle_is_at_the_distance(seed: int) -> None:
+    (tram,) = [one for one in layout_from_text("a tram 5 m ahead", seed=seed) if one.id == "tram_1"]
+    assert tram.center[0] - tram.size[0] / 2 == pytest.approx(5.0, abs=0.1)
+
+
+def test_cones_that_begin_at_a_place_ahead_are_one_row() -> None:
+    cones = [one for one in layout_from_text("14 cones ahead every 1.5 m") if one.id.startswith("cone")]
+    assert {one.center[1] > 0 for one in cones} == {False}

@@ -124,7 +124,9 @@ class ChunkReader:
             self.open = self.listed or self.open  # "a car and a caravan are"
         said = {*self._between(self._previous(), chunk), str(chunk.tokens[0])}
         whole, last = self.open[-1].same_as, self.notes.mentions[-2:]
-        if whole is not None and {"both", "all"} & said:
+        if whole is not None and chunk.head == "SPACING" and chunk.tokens[-1].startswith("each "):
+            self.open = [whole, *(one for one in self.notes.mentions if one.same_as is whole)]
+        elif whole is not None and {"both", "all"} & said:
             self.open = [whole]
         elif "both" in said and [one.count for one in last] == [1, 1]:
             self.open = last

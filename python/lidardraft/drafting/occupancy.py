@@ -47,8 +47,10 @@ class Occupancy:
         self._numbers: Counter[str] = Counter()
         self._instances = 0
 
-    def place(self, kind: SentenceKind, group: ObjectGroup, pose: RoadPose) -> Footprint | None:
-        """Place one object there if there is room for it."""
+    def place(
+        self, kind: SentenceKind, group: ObjectGroup, pose: RoadPose, *, by_end: bool = False
+    ) -> Footprint | None:
+        """Place one object there, or its near end `by_end`, if there is room for it."""
         in_lot = bool(self.road.paved_areas) and abs(pose.across) > self.road.edge
         parked = group.heading == "parked" or (in_lot and group.heading is None)
         bent = kind.follows_road and self.road.curvature != 0.0 and not group.on_road
@@ -56,6 +58,9 @@ class Occupancy:
         parts = in_segments(parts[0]) if bent else parts
         if group.set_back or group.set_aside:
             pose = with_near_side_at(group, pose, parts)
+        if by_end:
+            half = Footprint.of("", kind, pose, *extents(parts)[:2]).half_along
+            pose = pose._replace(along=pose.along + math.copysign(half, pose.along))
         if not self._may_stand(kind, group, parts, pose):
             return None
         primitives = [self._primitive(kind, part, pose, bent) for part in parts]

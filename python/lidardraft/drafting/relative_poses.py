@@ -17,7 +17,7 @@ from lidardraft.scene.road import Road
 _IN_LANE = (1.5, 5.0)  # along a lane
 _CLOSE = (0.4, 1.2)
 _NEAR = (0.5, 4.0)
-_FURTHER = 8.0  # m more, for want of room
+_FURTHER, _DEEPEST = 8.0, 90.0  # m more, for want of room; behind a row, for hundreds
 _MOVED_TO_SIDEWALK = 2.0  # m, of what is near something
 _ACROSS_LANES = 0.6  # m between what stands side by side
 _MOVED, _MOVED_BETWEEN, _MOVED_EXACTLY = 12.0, 3.0, 0.3  # m across the road, at most, to where its kind may be
@@ -102,7 +102,8 @@ class RelativePoses:
         if reference.kind.drives or reference.kind.walks or self._needs_road:
             way = -1 if reference.kind.drives else 1
             return self._in_line(reference, way * reference.forwards, rng, effort, place)
-        off = reference.half_across + self.size[1] / 2 + self._gap(_CLOSE, rng, effort)
+        deep = min(_DEEPEST, (place - 10) * self.size[1])  # hundreds make a wood
+        off = reference.half_across + self.size[1] / 2 + self._gap(_CLOSE, rng, effort, max(_FURTHER, deep))
         along = reference.pose.along + float(rng.uniform(-0.5, 0.5)) * self._width_of_row(reference, effort, place)
         return self._pose(along, reference.pose.across + reference.side * off, rng, reference)
 
@@ -182,8 +183,10 @@ class RelativePoses:
             along, across = self.road.along_across(*(start + share * (end - start)).tolist())
         return self._pose(along, across, rng, one)
 
-    def _gap(self, usual: tuple[float, float], rng: np.random.Generator, effort: float) -> float:
-        gap = float(rng.uniform(*usual)) + _FURTHER * effort * float(rng.random())
+    def _gap(
+        self, usual: tuple[float, float], rng: np.random.Generator, effort: float, further: float = _FURTHER
+    ) -> float:
+        gap = float(rng.uniform(*usual)) + further * effort * float(rng.random())
         return self._asked(rng) if self.distance else gap
 
     def _asked(self, rng: np.random.Generator) -> float:

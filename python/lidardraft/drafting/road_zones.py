@@ -100,6 +100,9 @@ def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Z
     if group.surface == "sidewalk":
         return Zone(span, _sidewalk(road, sides), len(sides))
     if group.on_road:
+        in_row = group.spacing is not None or group.distance is not None
+        if kind.set_down and fore in ("front", "behind") and not side and in_row:
+            sides = (-1,)  # what begins at a place ahead is one row
         lanes = lanes_of(group, fore, side, road) if group.lane == "each" else ()
         rows = len(lanes or sides) if group.lane in (None, "each") else 1
         return Zone(span, set_down(group, kind, fore, side, sides, road), rows)
@@ -273,12 +276,10 @@ def along_row(group: ObjectGroup, road: Road, start: float, step: float, number:
         place += 1
 
 
-def measured_from(kind: SentenceKind, effort: float) -> float:
-    """How much further an object stands than asked for [m], as `effort` rises from 0 to just under 1.
+def measured_from(effort: float) -> tuple[float, bool]:
+    """How much further an object stands than asked for [m], and whether its near end does, as `effort` rises to 1.
 
     Its middle is at the distance; where that leaves no room its near end is, at last as seen from the ego's bumper. The
     near end is that of the smallest object of the kind.
     """
-    assert kind.sizes is not None
-    half = kind.sizes.smallest[0] / 2
-    return (0.0, 0.0, half, half + EGO_SIZE[0] / 2)[int(4 * effort)]
+    return ((0.0, False), (0.0, False), (0.0, True), (EGO_SIZE[0] / 2, True))[int(4 * effort)]

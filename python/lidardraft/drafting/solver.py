@@ -137,8 +137,8 @@ class _Solver:
         if group.spacing is not None and not bound:
             length = group.spacing * ((wanted - 1) // zone.sides)
             zone = zone.in_row(length, self.road, self.attempt * _LATER, around=not kind.drives)
-        for anywhere, pose in self._poses(zone, group, kind, index, wanted):
-            footprint = self.scene.place(kind, group, pose)
+        for anywhere, by_end, pose in self._poses(zone, group, index, wanted):
+            footprint = self.scene.place(kind, group, pose, by_end=by_end)
             if anywhere and self.crowd is not None:
                 self.crowd.add(found=footprint is not None)
             if footprint is not None:
@@ -269,12 +269,10 @@ class _Solver:
         shares = np.array([one.traffic_share for one in mix])
         return SENTENCE_KINDS[str(self.rng.choice([one.name for one in mix], p=shares / shares.sum()))]
 
-    def _poses(
-        self, zone: Zone, group: ObjectGroup, kind: SentenceKind, number: int, wanted: int
-    ) -> Iterator[tuple[bool, RoadPose]]:
+    def _poses(self, zone: Zone, group: ObjectGroup, number: int, wanted: int) -> Iterator[tuple[bool, bool, RoadPose]]:
         """The poses to try in order: in the object's own slot first, then, unless it is bound to it, anywhere.
 
-        With each goes whether it is anywhere.
+        With each goes whether it is anywhere, and whether it is that of the near end.
         """
         rng = self.rng
         near, far = zone.span
@@ -285,6 +283,7 @@ class _Solver:
         bound = group.distance is not None and group.distance[0] == group.distance[1] == abs(near)
         tries = TRIES * 5 if wanted >= _CROWDED else TRIES
         for attempt in range(tries):
+            by_end = False
             if group.spacing is not None:
                 along = along_row(
                     group, self.road, near, math.copysign(group.spacing, far - near), number // zone.sides
@@ -293,20 +292,22 @@ class _Solver:
                     self.scene.in_the_way["the end of the road"] += 1
                     return
             elif near == far:
-                along = (
-                    near + math.copysign(measured_from(kind, max(leeway, attempt / tries)), near)
-                    if group.distance
-                    else near
-                )
+                further, by_end = measured_from(max(leeway, attempt / tries)) if group.distance else (0.0, False)
+                along = near + math.copysign(further, near)
             elif bound and number < self._times(group) and attempt < tries // 4:  # the first of a row
-                along = near + math.copysign(measured_from(kind, max(leeway, 2 * attempt / tries)), near)
+                further, by_end = measured_from(max(leeway, 4 * attempt / tries))
+                along = near + math.copysign(further, near)
             elif attempt < tries // 4:
                 along = near + step * (number + float(rng.uniform(0.25, 0.75)))
             else:
                 along = near + (far - near) * float(rng.random())
             effort = float(rng.random()) if wanted >= _CROWDED else attempt / tries
             anywhere = attempt >= tries // 4 and group.spacing is None
-            yield anywhere, zone.sample_pose(rng, along, number, max(leeway, effort * (1 + self.attempt) ** 1.3))
+            yield (
+                anywhere,
+                by_end,
+                zone.sample_pose(rng, along, number, max(leeway, effort * (1 + self.attempt) ** 1.3)),
+            )
 
 
 def _longest(kind: SentenceKind) -> float:
