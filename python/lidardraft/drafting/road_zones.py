@@ -277,9 +277,9 @@ def along_row(group: ObjectGroup, road: Road, start: float, step: float, number:
 
 
 def measured_from(effort: float) -> tuple[float, bool]:
-    """How much further an object stands than asked for [m], and whether its near end does, as `effort` rises to 1.
+    """How much further an object stands than asked for [m], and whether its near end does, as `effort` rises to
+    just under 1.
 
-    Its middle is at the distance; where that leaves no room its near end is, at last as seen from the ego's bumper. The
-    near end is that of the smallest object of the kind.
+    Its middle is at the distance; where that leaves no room its near end is, at last as seen from the ego's bumper.
     """
     return ((0.0, False), (0.0, False), (0.0, True), (EGO_SIZE[0] / 2, True))[int(4 * effort)]
