@@ -280,10 +280,10 @@ def test_an_impossible_crowd_is_refused_early(count: int, monkeypatch: pytest.Mo
     tried = 0
     place = Occupancy.place
 
-    def counted(*arguments: Any) -> Any:
+    def counted(*arguments: Any, by_end: bool) -> Any:
         nonlocal tried
         tried += 1
-        return place(*arguments)
+        return place(*arguments, by_end=by_end)
 
     monkeypatch.setattr(Occupancy, "place", counted)
     with pytest.raises(LayoutError, match=rf"person on the left, on the sidewalk: at most \d+ of {count} found room"):
