@@ -42,12 +42,13 @@ class ChunkReader:
         self.chunks, self.index = chunks, 0
         self.notes = SentenceNotes(text)
         self.open: list[Mention] = []  # what the next position or state belongs to
+        self.sentence_starts = [0]  # how many mentions there were where each sentence began
         self.latest: list[Mention] = []  # what "it" means at the beginning of a clause
-        self.earlier: list[Mention] = []  # the latest of the clause before, where "there" is
+        self.earlier: list[Mention] = []  # of the clause before: "a bus stop on the left. A man waits there."
         self.listed: list[Mention] = []  # what an unknown one is listed with
-        self.host: list[Mention] = []  # what was open before "with"
+        self.host: list[Mention] = []  # the house of "a house with a garden"
         self.part: Token | None = None  # "one" of "one of the three cars", until its verb
-        self.carrier: list[Mention] = []  # what is with, or without, what was named last
+        self.subject_before_with: list[Mention] = []  # "a man with a hat crosses": the man, once the hat is read
         self.prefix: Position | None = None  # introduces the objects that follow
         self.prefix_weak = False
         self.prefix_index = -9  # where it was read
@@ -57,8 +58,8 @@ class ChunkReader:
         self.manner: list[Token] = []  # states of all objects that follow
         self.denial = ""  # the word that denies a list of objects
         self.excepting = False
-        self.excepted: list[Mention] = []  # what the next object or place is an exception from
-        self.each: Mention | None = None  # what each of has the objects that follow
+        self.excepted: list[Mention] = []  # the trees of "trees except on the left"
+        self.each: Mention | None = None  # the houses of "each house has a tree"
         self.has_ego = False
         self.restart = -1  # the link that ended what is unknown
 

@@ -17,11 +17,15 @@ _QUEUE_GAP = 2.5  # m between vehicles in a queue; estimate of ours
 class Mention:
     """A group while its modifiers are being read; count 0 denies it, a `weak` position is overruled by the next one.
 
-    The kind is None for what is unknown, which takes the words after it and makes nothing. What is `described` by a
-    verb shares no position with what is listed after it; `same_as` is the mention whose noun "one" or "two" stand for,
-    `of_them` says that it counts them already. There are so many for each of its `host`; what is `abreast` stands side
-    by side. The `name` is that of "car A"; so many of the host are `left_out`. What is
-    `summed` is all that is listed after its colon. Where nothing places a mention, it is near what is `with_it`.
+    The kind is None for what is unknown, which takes the words after it and makes nothing. The other fields by example:
+
+    described: "a man waits": what is listed after the verb does not share its position
+    same_as, of_them: "three cars, two of them red": the two are the `same_as` the three, and counted in them
+    host, left_out: "two trees for each house except one": the houses are the host, one of them is left out
+    abreast: "two vans side by side"
+    name: the A of "car A"
+    summed: "a queue: three cars and a bus": the queue is all that is listed after its colon
+    with_it: "a garden with two trees": the trees are near it where nothing else places them
     """
 
     kind: str | None

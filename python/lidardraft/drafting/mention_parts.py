@@ -45,7 +45,7 @@ def parted(mentions: list[Mention]) -> list[Mention]:
 
 
 def hosted_count(mention: Mention) -> Count:
-    """How many there are of what there are so many of for each of its host."""
+    """How many objects there are where a count is said for each host: "two trees for each house" are 2 x houses."""
     assert mention.host is not None
     hosts = mention.host.count
     if isinstance(hosts, int) and hosts > mention.left_out:

@@ -27,7 +27,7 @@ class PartReader(PositionReader):
         related = last if last is not None and self._before(1) == "AND" and last is self.related else None
         if related is not None and not (self.open and self.open[-1] is related):
             related = related if self.chunks[self.index - 3].span in related.spans else None
-        self.carrier = self._carrier(chunk)
+        self.subject_before_with = self._subject_before_with(chunk)
         self._list_traffic(mention)
         if not listed or any(
             other.placed or other.described or other.kind is None or (other.count == 0 and mention.count != 0)
@@ -166,11 +166,20 @@ class PartReader(PositionReader):
         """What is said of "all of them" is said of those, what is said of half of an open number of them of a part."""
         if several and chunk.tokens[0].startswith("half"):
             self._open_part(chunk, "some", several[0], of_them=False)
+        elif self._listed_before():
+            self.open = self.latest = self._listed_before()
         elif self.notes.mentions and chunk.tokens[0].startswith("all"):
             kind = self.notes.mentions[-1].kind
             self.open = self.latest = several or [one for one in self.notes.mentions if one.kind == kind]
         else:
             self._report(chunk)
+
+    def _listed_before(self) -> list[Mention]:
+        """The objects of different kinds that the last sentence named, where the last of them is a single one."""
+        mentions = self.notes.mentions
+        start = max((start for start in self.sentence_starts if start < len(mentions)), default=0)
+        named = [one for one in mentions[start:] if one.count != 0]
+        return named if len({one.kind for one in named}) > 1 and named[-1].count == 1 else []
 
     @staticmethod
     def _share_of_them(chunk: Chunk) -> float:
@@ -212,7 +221,7 @@ class PartReader(PositionReader):
         if SENTENCE_KINDS[str(mention.kind)].is_vehicle and mention.count != 0:
             listed.summed, mention.same_as, mention.of_them = True, listed, True
 
-    def _carrier(self, chunk: Chunk) -> list[Mention]:
+    def _subject_before_with(self, chunk: Chunk) -> list[Mention]:
         """What is with, or without, what a phrase names; it is what the verb after that belongs to."""
         without = chunk.tokens[0].type == "NO" and chunk.tokens[0].startswith("without")
         return self.open if without else self.host if chunk.is_unknown and self._before(1) == "WITH" else []
@@ -252,7 +261,7 @@ class PartReader(PositionReader):
             return bool(self.notes.mentions) and {"NUMBER", "ONES"} <= chunk.types <= {"NUMBER", "ONES", *SCALES}
         several = bool(self._several()) or any(mention.same_as is not None for mention in self.notes.mentions)
         first = chunk.tokens[0]
-        more = first.type == "ANOTHER" and first.startswith(("an", "one")) and bool(self.notes.mentions)
+        more = first.type == "ANOTHER" and first.startswith(("a ", "an", "one")) and bool(self.notes.mentions)
         counts = first.type in ("NUMBER", "ANOTHER", "FIRST") or self._share_of_them(chunk) > 0.0
         begins = more or (counts and several)
         return begins and chunk.types <= types and bool(chunk.types & set(STATES))

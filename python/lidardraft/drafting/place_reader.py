@@ -24,7 +24,7 @@ class PlaceReader(RelationReader):
         tokens: list[Token] = []
         for token in chunk.tokens:
             if token.type in ("OUTER", "INNER"):
-                side = self._side_of_bend(token.type)
+                side = self._side_of_bend(token)
                 tokens += [Token.new_borrow_pos(side, str(token), token)] if side else []
                 self._report_tokens([token] if not side else [])
             elif token.type == "LEFT" and token.endswith(_OTHER_SIDE):
@@ -33,12 +33,14 @@ class PlaceReader(RelationReader):
                 tokens.append(token)
         return Chunk("position", tokens)
 
-    def _side_of_bend(self, where: str) -> str | None:
-        """The outer or the inner side of the bend that the sentence speaks of."""
-        bends = [token.type for chunk in self.chunks if chunk.name in ("bend", "turn") for token in chunk.tokens]
+    def _side_of_bend(self, where: Token) -> str | None:
+        """The outer or the inner side of the bend of the sentence, which is to the right where no side is said."""
+        bends = [token.type for chunk in self.chunks if chunk.types & {"BEND", "TURN"} for token in chunk.tokens]
         said = {"left-bend": "LEFT", "right-bend": "RIGHT"}.get(str(self.notes.road))
         inner = said or next((type for type in bends if type in ("LEFT", "RIGHT")), None)
-        return {"LEFT": "RIGHT", "RIGHT": "LEFT"}[inner] if inner and where == "OUTER" else inner
+        if inner is None and (self.notes.road == "bend" or where.endswith(("bend", "curve", "turn"))):
+            self.notes.road, inner = "right-bend", "RIGHT"
+        return {"LEFT": "RIGHT", "RIGHT": "LEFT"}[inner] if inner and where.type == "OUTER" else inner
 
     def _other_side(self) -> str:
         """The side where the last objects are not."""

@@ -42,7 +42,8 @@ class SentenceReader(PartReader):
                 self._turn(chunk)
             elif chunk.name == "bend":
                 side = "".join(f"{t.type.lower()}-" for t in chunk.tokens if t.type != "BEND")
-                self.notes.road = f"{side}bend"
+                known = str(self.notes.road).endswith("bend") and not side
+                self.notes.road = self.notes.road if known else f"{side}bend"
             else:
                 self._link(chunk)
         self._report_tokens([self.part] if self.part is not None else [])
@@ -52,11 +53,11 @@ class SentenceReader(PartReader):
         if chunk.name in ("WITH", "STOP"):
             self.host = self.open if chunk.name == "WITH" and self._before() == "" else []
             self.earlier = self.latest if chunk.name == "STOP" else self.earlier
+            self.sentence_starts += [len(self.notes.mentions)] * (chunk.name == "STOP")
             self.open, self.prefix, self.denial, self.each = [], None, "", None
             self.manner = self.manner if chunk.name == "WITH" else []
             at = self.host[0].at if len(self.host) == 1 and self.host[0].kind is None else Position()
-            if any(at.places[0]) or at.heading == "across":
-                # "a petrol station on the right with two cars"
+            if any(at.places[0]) or at.heading == "across":  # "a petrol station on the right with two cars"
                 at = at if at.heading == "across" else Position(at.places)
                 self.prefix, self.prefix_weak, self.prefix_index = at, at.heading != "across", self.index
         elif chunk.name == "EACH_HAS":
@@ -74,6 +75,7 @@ class SentenceReader(PartReader):
         elif chunk.name == "PRONOUN" and not self.open:
             self.open = self.latest
         elif chunk.name in LISTED and any(mention.kind is None for mention in self.open):
+            self.earlier = self.open  # "a bus stop on the right, a man waits there"
             # what is unknown ends here, and so does the list that it is in; "on the left" still holds after "and"
             self.open, self.restart, self.denial = [], self.index - 1, ""
             self.prefix = None if chunk.name == "COMMA" else self.prefix
@@ -143,7 +145,7 @@ class SentenceReader(PartReader):
         """Open what is unknown; where no link parts it from an object, it only says something of that one."""
         self._report(chunk)
         before = self._before(1)
-        self.carrier = self._carrier(chunk)
+        self.subject_before_with = self._subject_before_with(chunk)
         if before == "WITH" and self.host and not any(mention.placed for mention in self.host):
             self.open = self.host
         elif before != "" or not self.open or any(mention.placed for mention in self.open):
@@ -154,11 +156,15 @@ class SentenceReader(PartReader):
     def _state(self, chunk: Chunk) -> None:
         """Words without a noun: how the objects before them stand or move, and how large they are."""
         self._end_list(chunk)
-        if self.carrier and self._before() == "":  # "a man with a hat crosses", but "a man with llamas crossing"
+        if not self.open and chunk.tokens[0].type == "OF_THEM":
+            self._share(chunk, meant_by("them", self._several()))
+        if self.related is not None and self._previous().is_object and self._previous().span in self.related.spans:
+            self.open = [self.related]  # "opposite the church two coaches are parked"
+        if self.subject_before_with and self._before() == "":  # "a man with a hat crosses", not "with llamas crossing"
             if self._previous().is_unknown and chunk.tokens[0].endswith("ing"):
                 self._report(chunk)
                 return
-            self.open = self.carrier
+            self.open = self.subject_before_with
         self._report_tokens(token for token in chunk.tokens if token.type == "EACH")
         self._open_all(chunk)
         if chunk.types == {"QUEUEING"} and chunk.tokens[0].startswith("one ") and self._queue_up(None):

@@ -125,7 +125,7 @@ class _Solver:
         self.placed.setdefault(number, []).extend(placed)
         if len(placed) >= least:
             return True
-        self._refuse(group, place, len(placed), wanted)
+        self._refuse(self.spec.groups[number], place, len(placed), wanted)
         return False
 
     def _place(self, group: ObjectGroup, place: str, index: int, wanted: int) -> Footprint | None:
