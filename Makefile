@@ -53,8 +53,9 @@ report-two-sample: install ## how well a classifier tells streets from recording
 report-inputs: install ## how well sentences, scripts, pictures, clouds and sketches become layouts, and bad files end
 	"$(BIN)/python" benches/report_inputs.py
 
-weights: install ## train weights on streets alone, the first part of the packaged ones' training, in out/
-	$(BIN)/lidardraft-train street -o out/street.safetensors
+weights: install ## train both packaged weights on streets, in out/: hours
+	$(BIN)/lidardraft-train street --recipe small-paper --work out/paper -o out/paper.safetensors
+	$(BIN)/lidardraft-train street --recipe small --init out/paper.safetensors --work out/street -o out/street.safetensors
 
 install: $(STAMP)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
@@ -97,8 +97,9 @@ def _projected(image: RangeImage, grid: Sensor) -> Sweep:
     return Sweep.from_image(RangeImage.project(image.points(), grid, **seen))
 
 
-def scans_of(case: Case, seed: int, pipeline: Pipeline | None) -> dict[str, RangeImage]:
-    """The scans that a layout becomes, by what makes them; each seed has a unit of the sensor."""
+def scans_of(case: Case, seed: int, generators: Mapping[str, Pipeline]) -> dict[str, RangeImage]:
+    """The scans that a layout becomes, by what makes them; each seed has a unit of the sensor. `generators` make whole
+    scans."""
     sensor, pose = case.sensor, case.pose
     model = replace(SensorModel.from_sensor(sensor), unit=seed)
 
@@ -109,16 +110,17 @@ def scans_of(case: Case, seed: int, pipeline: Pipeline | None) -> dict[str, Rang
     poses = sensor.poses_in_motion(pose, case.speed * pose[:3, 0])
     scans = {"cast": raycast(case.layout, sensor, poses=poses), "+ sensor model": simulated(False)}
     scans["simulated"] = simulated(True)
-    if pipeline is not None:
-        made = pipeline.generate(scans["cast"], scans["simulated"], seed=seed)
-        scans["generated"] = label_by_agreement(made, [scans["simulated"], scans["cast"]], case.layout, pose)
+    known = scans["simulated"], scans["cast"]
+    for name, generator in generators.items():
+        made = generator.generate(scans["cast"], scans["simulated"], seed=seed)
+        scans[name] = label_by_agreement(made, known, case.layout, poses)
     return scans
 
 
-def sweeps_of(cases: CaseSet, pipeline: Pipeline | None) -> Iterator[dict[str, Sweep]]:
+def sweeps_of(cases: CaseSet, generators: Mapping[str, Pipeline] | None = None) -> Iterator[dict[str, Sweep]]:
     """The "recorded" scan of each case and its `scans_of`, without what the recording car hides."""
     for number, case in enumerate(cases.cases):
-        made = {name: cases.render(image) for name, image in scans_of(case, number, pipeline).items()}
+        made = {name: cases.render(image) for name, image in scans_of(case, number, generators or {}).items()}
         yield {name: _shown(sweep, cases.shown) for name, sweep in {"recorded": case.recorded, **made}.items()}
 
 

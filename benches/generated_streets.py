@@ -1,179 +1,93 @@
-"""Generated scans of unseen streets beside simulated and detailed ones, by every sensor: a part of report_generate."""
+"""Generated scans of unseen streets, and how far they are from each other over seeds: a part of report_generate."""
 
 from __future__ import annotations
 
 import itertools
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from goals import Goal, ratio
-from lidardraft import Pipeline, RangeImage, Sensor, Simulator
-from lidardraft.evaluation import score, unseen_streets
-from lidardraft.metrics.bev import bev_jsd, bev_mmd
-from lidardraft.metrics.sweep import Sweep
-from lidardraft.scene.labelling import agrees, label_by_agreement
-from lidardraft.scene.sensor import PRESETS
-from lidardraft.streets import StreetPair
+from lidardraft import Pipeline, RangeImage, Sensor, simulate
+from lidardraft.evaluation import Scores, evaluate, half_opened, unseen_streets, untrained_weights
+from lidardraft.metrics.bev import bev_histogram
+from lidardraft.metrics.lifelike import pooled_divergence
 from markdown_table import Row, table
-from scan_scores import scores
 
-SENSOR = PRESETS["hdl64e"]
-KINDS = ("simulated", "generated")
-OTHERS = 3_000_000  # the seed of streets that no other part has
-PART = 4  # one street by another sensor for so many by the first
-STARTS = (None, 1.5, 0.5, 0.2)
-CALLS = (1, 2, 4, 8, 20)
-SEEDS, LAYOUTS, SAMPLED = 4, 5, 24  # at most
+SEEDS, STREETS = 8, 3
 
 
-def _table_of_beams(name: str, degrees: Sequence[float] | np.ndarray, **fields: float | int) -> Sensor:
-    elevations = tuple(np.deg2rad(np.sort(np.asarray(degrees, dtype=float))[::-1]).tolist())
-    return Sensor(name=name, elevations=elevations, **fields)  # type: ignore[arg-type]
+def compare_on_streets(pipeline: Pipeline, sensor: Sensor, number: int) -> Iterator[str | Goal]:
+    """The table of `lidardraft evaluate`, then the goals."""
+    rows = {scores.name: numbers(scores) for scores in evaluate(pipeline, unseen_streets(number, sensor=sensor))}
+    half = ", half of each open" * pipeline.denoiser.config.completes
+    yield f"### Streets, {sensor.name}, {number} scans{half}\n\n{table(rows)}\n"
+    yield from completing_goals(rows) if pipeline.denoiser.config.completes else whole_scan_goals(rows)
 
 
-# Tables unlike those that sensors are sampled with: three blocks; beams that close up downwards; a sector of uneven
-# ones.
-UNSEEN_SENSORS = (
-    _table_of_beams(
-        "40 in three blocks",
-        [15, 11, 8, 5, 3, *np.arange(2, -6.1, -1 / 3), *range(-7, -15, -1), -19, -25],
-        columns=1800,
-        mount_height=1.9,
-    ),
-    _table_of_beams("80, closer downwards", 10 - 35 * np.linspace(0, 1, 80) ** 0.7, columns=1024, mount_height=2.6),
-    _table_of_beams(
-        "24 uneven, 120 degrees",
-        np.linspace(8, -20, 24) + 0.35 * np.sin(np.arange(24) * 2.3),
-        columns=400,
-        azimuth_start=math.radians(60),
-        azimuth_span=math.radians(120),
-    ),
-)
+def numbers(scores: Scores) -> Row:
+    """The scores that are one number."""
+    return {name: value for name, value in vars(scores).items() if isinstance(value, float)}
 
 
-def compare_on_streets(pipeline: Pipeline, number: int, only: str) -> Iterator[str | Goal]:
-    """The table of the first sensor, one row for each sensor, then the goals."""
-    rows: dict[str, Row] = {}
-    for sensor in (SENSOR, *(one for one in PRESETS.values() if one is not SENSOR), *UNSEEN_SENSORS):
-        if only not in f"streets, {sensor.name}":
-            continue
-        pairs = unseen_streets(number if sensor is SENSOR else max(2, number // PART), sensor=sensor)
-        generated = [generate(pipeline, pair) for pair in pairs]
-        found = scores_by_kind(pairs, generated)
-        if sensor is SENSOR:
-            found["scans of other streets"] = _floor(pairs)
-            yield f"### Streets, {sensor.name}, {len(pairs)} scans\n\n{table(found)}\n"
-            yield _over_the_floor(found)
-        rows[f"{sensor.name} ({len(pairs)})"] = _by_sensor(found)
-    if rows:
-        yield f"### Streets by each sensor: detailed, simulated, generated\n\n{table(rows)}\n"
-        yield from _goals(rows)
+def completing_goals(rows: Mapping[str, Row]) -> Iterator[Goal]:
+    """What completed halves must reach: nearer to streets than a lawn is, and what was given stays."""
+    made, bare = rows["generated"], rows["bare"]
+    distances = {name: ratio(made[name], bare[name]) for name in ("range", "height", "bev", "classes")}
+    yield Goal("JSD of the open halves, generated / bare", distances, most=0.5)
+    kept = {"objects": made["objects"] - rows["simulated"]["objects"]}
+    yield Goal("the given halves, generated minus simulated", kept, least=-0.01)
 
 
-def generate(pipeline: Pipeline, pair: StreetPair) -> RangeImage:
-    """The generated scan of a pair's layout, labelled."""
-    assert pair.simulated is not None
-    made = pipeline.generate(pair.condition_image, pair.simulated, seed=pair.index)
-    return label_by_agreement(made, [pair.simulated, pair.condition_image], pair.layout, pair.pose)
+def whole_scan_goals(rows: Mapping[str, Row]) -> Iterator[Goal]:
+    """What whole scans must reach: their own layouts are in them, others are not, and they look like streets."""
+    made = rows["generated"]
+    yield Goal("objects that stand as in their own layout", {"objects": made["objects"]}, least=0.5)
+    yield Goal("... as in the layout of another street", {"other": made["other"]}, most=0.1)
+    yield Goal("JSD to the streets' own scans", {"bev": made["bev"]}, most=0.14)
 
 
-def scores_by_kind(pairs: Sequence[StreetPair], generated: Sequence[RangeImage]) -> dict[str, Row]:
-    """`scan_scores.scores` against the detailed scans, and adherence to the condition images: "kept", "kept on
-    objects", and the share that is dropped."""
-    images = {
-        "detailed": [pair.scan for pair in pairs],
-        "simulated": [pair.simulated for pair in pairs if pair.simulated is not None],
-        "generated": generated,
+def with_untrained(pipeline: Pipeline) -> dict[str, Pipeline]:
+    """The pipeline, and one of the same network with random weights."""
+    untrained = Pipeline(untrained_weights(pipeline.denoiser), steps=pipeline.steps, langevin=pipeline.langevin)
+    return {"generated": pipeline, "untrained": untrained}
+
+
+def compare_seeds(pipeline: Pipeline, sensor: Sensor, number: int) -> Iterator[str | Goal]:
+    """How far the open halves of one street are from each other over seeds, beside those of as many streets.
+
+    The same half is open everywhere, or halves would differ by where they lie.
+    """
+    pairs = unseen_streets(SEEDS, sensor=sensor)
+    (is_open,) = half_opened(pairs[:1])
+    chosen = pairs[: min(number, STREETS)]
+
+    def mean_spread(scans: Sequence[Sequence[RangeImage]]) -> Row:
+        return {"BEV": float(np.mean([spread([scan.keep(is_open) for scan in some]) for some in scans]))}
+
+    rows = {
+        "other streets": mean_spread([[pair.scan for pair in pairs]]),
+        "simulated": mean_spread(
+            [
+                [simulate(p.layout, sensor, pose=p.pose, speed=p.speed, seed=seed).image for seed in range(SEEDS)]
+                for p in chosen
+            ]
+        ),
     }
-    sweeps = {kind: [Sweep.by_azimuth(image) for image in some] for kind, some in images.items()}
-    casts = [Sweep.by_azimuth(pair.condition_image) for pair in pairs]
-    found = [
-        {"recorded": recorded, "cast": cast, "simulated": simulated, "generated": made}
-        for recorded, cast, simulated, made in zip(sweeps["detailed"], casts, *(sweeps[k] for k in KINDS), strict=True)
-    ]
-    rows = scores(found, KINDS, firings=True)
-    rows = {"detailed": rows.pop("recorded")} | rows
-    for kind, some in images.items():
-        kept = score(kind, list(pairs), some)
-        rows[kind] = {"kept": kept.overall, "kept on objects": kept.objects, "dropped": kept.drop} | rows[kind]
-    return rows
-
-
-def _floor(pairs: Sequence[StreetPair]) -> Row:
-    """How far the scans of as many other streets are from those of `pairs`."""
-    others = unseen_streets(len(pairs), sensor=SENSOR, seed=OTHERS)
-    clouds = [[pair.scan.points() for pair in some] for some in (pairs, others)]
-    return {"BEV": bev_jsd(*clouds), "BEV MMD": bev_mmd(*clouds)}
-
-
-def _over_the_floor(found: dict[str, Row]) -> Goal:
-    floor = found["scans of other streets"]
-    values = {f"{name}, {kind}": ratio(found[kind][name], floor[name]) for name in floor for kind in KINDS}
-    return Goal("BEV JSD and MMD to the streets' own scans / of other streets", values, most=1.5)
-
-
-_BY_SENSOR = ("kept on objects", "dropped", "holes in 1,000", "lone %")
-
-
-def _by_sensor(found: dict[str, Row]) -> Row:
-    kinds = ("detailed", *KINDS)
-    return {f"{name}, {kind}": found[kind][name] for name in _BY_SENSOR for kind in kinds}
-
-
-def _goals(rows: dict[str, Row]) -> Iterator[Goal]:
-    for name, least, most in zip(_BY_SENSOR, (0.95, 0.8, 0.7, 0.7), (1.05, 1.25, 1.3, 1.3), strict=True):
-        values = {sensor: ratio(row[f"{name}, generated"], row[f"{name}, detailed"]) for sensor, row in rows.items()}
-        yield Goal(f"{name}, generated / detailed", values, least, most)
-
-
-def compare_sampling(pipeline: Pipeline, number: int) -> Iterator[str | Goal]:
-    """Other starts, and more calls."""
-    pairs = unseen_streets(min(number, SAMPLED), sensor=SENSOR)
-    rows: dict[str, Row] = {}
-
-    def row(start: float | None, calls: int) -> Row:
-        name = f"start {'noise' if start is None else f'{start:g}'}, {calls} calls"
-        if name not in rows:
-            other = Pipeline(pipeline.denoiser, steps=calls, start=start)
-            found = scores_by_kind(pairs, [generate(other, pair) for pair in pairs])
-            rows.update({kind: found[kind] for kind in ("detailed", "simulated")})
-            rows[name] = found["generated"]
-        return rows[name]
-
-    few, many = row(pipeline.start, pipeline.steps), row(pipeline.start, max(CALLS))
-    for start, calls in itertools.product(STARTS, CALLS):
-        row(start, calls)
-    yield f"### Starts and calls, {SENSOR.name}, {len(pairs)} streets\n\n{table(rows)}\n"
-    values = {name: ratio(few[name], many[name]) for name in few}
-    yield Goal(f"{pipeline.steps} calls / {max(CALLS)} calls", values, least=0.95, most=1.05)
-
-
-def compare_spread(pipeline: Pipeline, number: int) -> Iterator[str | Goal]:
-    """How far scans of one layout are from each other, over seeds: the share of firings with a return in either of two
-    that do not agree."""
-    pairs = unseen_streets(min(number, LAYOUTS), sensor=SENSOR)
-    spreads: dict[str, list[float]] = {"simulated": [], "generated": [], "generated from one simulated scan": []}
-    for pair in pairs:
-        simulated = [
-            Simulator(pair.layout, SENSOR, seed=seed).scan(pair.pose, speed=pair.speed, seed=seed).image
-            for seed in range(SEEDS)
-        ]
-        for name, starts in (("generated", simulated), ("generated from one simulated scan", simulated[:1] * SEEDS)):
-            made = [pipeline.generate(pair.condition_image, one, seed=k) for k, one in enumerate(starts)]
-            spreads[name].append(spread(made))
-        spreads["simulated"].append(spread(simulated))
-    rows = {name: {"spread": float(np.mean(values))} for name, values in spreads.items()}
-    yield f"### Spread over {SEEDS} seeds, {len(pairs)} layouts\n\n{table(rows)}\n"
-    value = ratio(rows["generated"]["spread"], rows["simulated"]["spread"])
-    yield Goal("spread over seeds, generated / detailed scans of one layout", {SENSOR.name: value}, 0.8, 1.2)
+    for name, generator in with_untrained(pipeline).items():
+        rows[name] = mean_spread(
+            [
+                [generator.generate(p.condition_image, p.simulated, is_open, seed=seed) for seed in range(SEEDS)]
+                for p in chosen
+            ]
+        )
+    yield f"### BEV distance between {SEEDS} seeds, {len(chosen)} streets, the open half\n\n{table(rows)}\n"
+    value = {"BEV": ratio(rows["generated"]["BEV"], rows["other streets"]["BEV"])}
+    yield Goal(f"{SEEDS} seeds of one street / {SEEDS} streets", value, least=0.8)
 
 
 def spread(images: Sequence[RangeImage]) -> float:
-    """The mean over all pairs of scans of what does not agree."""
-    apart = []
-    for first, second in itertools.combinations(images, 2):
-        either = np.count_nonzero(first.valid | second.valid)
-        apart.append(1 - np.count_nonzero(agrees(first, second)) / max(either, 1))
-    return float(np.mean(apart))
+    """The mean Jensen-Shannon distance between the top views of two scans."""
+    histograms = [bev_histogram(image.points()) for image in images]
+    pairs = itertools.combinations(histograms, 2)
+    return float(np.mean([pooled_divergence([first], [second]) for first, second in pairs]))

@@ -1,211 +1,183 @@
-"""Arms of the generator: networks, trained alike and for the same processor time, scored on unseen streets.
+"""Arms of the generator: networks that learn for the same processor time, scored on unseen streets.
 
     lidardraft streets -n 800 --poses 2 --seed 7 -o FOLDER
-    python benches/generator_arms.py --pairs FOLDER [--seconds 100] [-n 10] [--only NAME]
+    python benches/generator_arms.py --pairs FOLDER [--seconds 300] [-n 10] [--only NAME]
 
-All see the same pairs in the same order, four at a step, and are sampled by the same solver, without `postprocess`. The
-seconds are those that the processor spends on gradient steps, in one thread; what a step costs decides how many there
-are. A base that is frozen under a ControlNet takes the first half of them.
+All learn from the same pairs in the same order, every second beam and column of them, and make whole scans from noise,
+with the classes and depths of the layout's cast as the condition. The seconds are those that the processor spends on
+gradient steps, in one thread; what a step costs decides how many there are. Objects: share of the returns on objects
+that agree with the layout; other: with that of another street; heeded: `evaluation.loss_by_other_layouts`; range, BEV:
+Jensen-Shannon distances to the streets' own scans.
 """
 
 from __future__ import annotations
 
 import argparse
-import dataclasses
+import math
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import Protocol
+from typing import Any
+from unittest import mock
 
-import numpy as np
 import torch
 from torch import Tensor, nn
-from torch.optim.swa_utils import AveragedModel
 from torch.utils.flop_counter import FlopCounterMode
 
-from generated_streets import scores_by_kind
-from generator_losses import Loss, apart, in_metres, squared, without_air
 from lidardraft import RangeImage, Sensor
 from lidardraft.cli.arguments import positive, whole_number
-from lidardraft.diffusion.codec import (
-    CONDITION_CHANNELS,
-    STATE_CHANNELS,
-    decode_scan,
-    encode_condition,
-    encode_rays,
-    encode_scan,
-)
-from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.diffusion.denoiser_config import DenoiserConfig
-from lidardraft.diffusion.noise import add_noise, training_levels
-from lidardraft.diffusion.sampler import sample
-from lidardraft.evaluation import unseen_streets
+from lidardraft.diffusion import denoiser as denoiser_module
+from lidardraft.diffusion.codec import CONDITION_CHANNELS, STATE_CHANNELS, decode_scan, encode_condition, encode_rays
+from lidardraft.diffusion.denoiser import SIGMA_DATA, SIGMA_TURN, Denoiser
+from lidardraft.diffusion.noise import karras_levels
+from lidardraft.diffusion.sampler import sample_multistep
+from lidardraft.diffusion.sampling_defaults import STEPS
+from lidardraft.evaluation import loss_by_other_layouts, score, unseen_streets, untrained_weights
 from lidardraft.networks.precision import reduced_precision
 from lidardraft.streets import StreetPair
+from lidardraft.training import denoising, recipes
+from lidardraft.training.learner import Learner
 from lidardraft.training.loop import prefetched
-from lidardraft.training.pairs import Pair, PairFolder
+from lidardraft.training.pairs import PairFolder
+from lidardraft.training.processes import ALONE
 from markdown_table import Row, table
 
-BATCH, RATE, WARMUP, DECAY, EMA = 4, 2e-3, 40, 0.4, 0.99
-STARTS = ((None, 20), (0.5, 4))  # noise level and calls
-COLUMNS = ("agreeing", "objects", "dropped", "range", "BEV", "holes in 1,000", "lone %")
+THINNING = 2  # of beams and columns
+BASE, *_, CONTROL = recipes.small_paper().stages
+OURS = replace(CONTROL.denoiser, controlnet=False)
+CONFIG = replace(BASE, denoiser=OURS, thinnings=(THINNING,), warmup=30)
+ADAM_RATE = 2e-3
 CPU = torch.device("cpu")
 Clock = Callable[[], float]
-
-
-class Network(Protocol):
-    """What an arm trains: `Denoiser.denoise`, and a module's parameters."""
-
-    cell: tuple[int, int]
-
-    def denoise(
-        self, x: Tensor, sigma: Tensor, rays: Tensor, condition: Tensor | None, *, wraps: bool, decide: bool
-    ) -> Tensor: ...
-
-
-def draw_levels(count: int, generator: torch.Generator) -> Tensor:
-    """Noise levels [count] to train on, those of the pilots: log-normal."""
-    return training_levels(count, generator, mean=-1.5, std=1.6)
+Stage = Callable[[Any], nn.Module]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Arm:
-    """One row: the network, what it learns by, and whether half of its time goes to a base that is then frozen."""
+    """One row: its networks, each made of the one before, with equal parts of the time; what takes the place of Muon
+    and of its learning rate; of the noise level at which the network turns to tell the noise; and of the levels that it
+    learns from."""
 
-    make: Callable[[], nn.Module]
-    loss: Loss = squared
-    levels: Callable[[int, torch.Generator], Tensor] = draw_levels
-    frozen: DenoiserConfig | None = None  # with the ControlNet on the base that `make` makes
-
-
-SMALL = DenoiserConfig(cell=(2, 4), widths=(48, 64, 96), strides=(1, 2, 2), dilations=(1, 1, 1))
-
-
-def denoiser_arm(loss: Loss = squared, **changes: object) -> Arm:
-    """`SMALL` with some fields changed."""
-    config = dataclasses.replace(SMALL, **changes)  # type: ignore[arg-type]
-    return Arm(make=lambda: Denoiser.from_config(config), loss=loss)
-
-
-def frozen_arm(*, copy_gate: bool) -> Arm:
-    """A ControlNet on a base that has learned without a condition."""
-    config = dataclasses.replace(SMALL, controlnet=True, copy_gate=copy_gate)
-    base = dataclasses.replace(SMALL, condition=(), copy_gate=copy_gate)
-    return Arm(make=lambda: Denoiser.from_config(base), frozen=config)
+    stages: tuple[Stage, ...] = (lambda _: Denoiser.from_config(OURS),)
+    optimiser: Callable[[list[Tensor]], torch.optim.Optimizer] | None = None
+    learning_rate: float = CONFIG.learning_rate
+    sigma_turn: float = SIGMA_TURN
+    levels: Callable[[Tensor], Tensor] = torch.Tensor.clone
 
 
 ARMS = {
-    "concatenated": denoiser_arm(),
-    "concatenated, no copy gate": denoiser_arm(copy_gate=False),
-    "ControlNet, trained jointly": denoiser_arm(controlnet=True),
-    "ControlNet, trained jointly, no copy gate": denoiser_arm(controlnet=True, copy_gate=False),
-    "ControlNet on a frozen base": frozen_arm(copy_gate=True),
-    "ControlNet on a frozen base, no copy gate": frozen_arm(copy_gate=False),
-    "loss: validity apart": denoiser_arm(apart),
-    "loss: depth of the ground in metres": denoiser_arm(in_metres),
-    "loss: nothing in the air": denoiser_arm(without_air),
+    "ours": Arm(),
+    "AdamW in place of Muon": Arm(
+        optimiser=partial(torch.optim.AdamW, betas=(0.9, 0.99), weight_decay=CONFIG.weight_decay),
+        learning_rate=ADAM_RATE,
+    ),
+    "sigma turn 0.5 (Karras)": Arm(sigma_turn=SIGMA_DATA),
+    "ControlNet on a frozen base": Arm(
+        stages=(
+            lambda _: Denoiser.from_config(replace(OURS, condition=())),
+            lambda base: base.with_controlnet(replace(OURS, controlnet=True)),
+        )
+    ),
 }
 
 
-def learned(arm: Arm, pairs: PairFolder, seconds: float, clock: Clock = time.thread_time) -> tuple[Denoiser, int]:
+def learned(arm: Arm, pairs: PairFolder, seconds: float, clock: Clock = time.thread_time) -> tuple[nn.Module, int]:
     """The network of an arm after so many seconds of processor time, as the average of its weights; its steps."""
     torch.manual_seed(0)
-    network = arm.make()
-    if arm.frozen is None:
-        return _learned(network, arm, pairs, seconds, clock, with_condition=True)
-    base, first = _learned(network, arm, pairs, seconds / 2, clock, with_condition=False)
-    network, steps = _learned(base.with_controlnet(arm.frozen), arm, pairs, seconds / 2, clock, with_condition=True)
-    return network, first + steps
+    network, steps = None, 0
+    for stage in arm.stages:
+        network, more = _learned(stage(network), arm, pairs, seconds / len(arm.stages), clock)
+        steps += more
+    assert network is not None
+    return network, steps
 
 
-def _learned(
-    network: nn.Module, arm: Arm, pairs: PairFolder, seconds: float, clock: Clock, *, with_condition: bool
-) -> tuple[Denoiser, int]:
-    weights = [weight for weight in network.parameters() if weight.requires_grad]
-    optimiser = torch.optim.AdamW(weights, RATE, betas=(0.9, 0.99))
-    average = AveragedModel(network, avg_fn=_young_average)
-    rays, spent, step = torch.from_numpy(encode_rays(pairs.sensor)), 0.0, 0
-    with closing(prefetched(partial(_batch, pairs), 0)) as batches:
+def _learned(network: Any, arm: Arm, pairs: PairFolder, seconds: float, clock: Clock) -> tuple[nn.Module, int]:
+    config = replace(CONFIG, learning_rate=arm.learning_rate)
+    learner, spent, step = Learner(network, config), 0.0, 0
+    if arm.optimiser is not None:
+        learner.optimiser = arm.optimiser(learner.weights)  # type: ignore[assignment]
+    unconditional = isinstance(network, Denoiser) and not network.config.condition
+    with closing(prefetched(partial(denoising._batch, config, pairs, ALONE), 0)) as batches:
         while spent < seconds:
-            clean, condition = next(batches)
-            generator = torch.Generator().manual_seed(step)
-            sigma, noise = arm.levels(len(clean), generator), torch.randn(clean.shape, generator=generator)
-            given, wraps = condition if with_condition else None, pairs.sensor.wraps
+            clean, sigma, noise, rays, condition, wraps, _ = next(batches)
             began = clock()
-            for group in optimiser.param_groups:
-                group["lr"] = RATE * min(1.0, (step + 1) / WARMUP, (1 - spent / seconds) / DECAY)
+            if spent:  # the learning rate falls to 0 where the time will be over
+                learner.config = replace(config, steps=math.ceil(step * seconds / spent))
             with reduced_precision(CPU):
-                denoised = network.denoise(
-                    add_noise(clean, sigma, noise), sigma, rays, given, wraps=wraps, decide=False
-                )
-            optimiser.zero_grad(set_to_none=True)
-            arm.loss(denoised, clean, sigma, condition).mean().backward()
-            nn.utils.clip_grad_norm_(weights, 1.0)
-            optimiser.step()
-            average.update_parameters(network)
+                given = None if unconditional else condition
+                losses = network.loss(clean, arm.levels(sigma), noise, rays, given, wraps=bool(wraps))
+            learner.step(step, losses.mean())
             spent, step = spent + clock() - began, step + 1
-    return average.module.eval(), step
-
-
-def _young_average(average: Tensor, weight: Tensor, count: Tensor | int) -> Tensor:
-    return average.lerp(weight, 1 - min(EMA, (1 + int(count)) / (10 + int(count))))
-
-
-def _batch(pairs: PairFolder, step: int) -> tuple[Tensor, Tensor]:
-    """Clean states and conditions of a step, mirrored half the time."""
-    drawn: list[Pair] = pairs.pairs(step, BATCH)
-    clean = torch.from_numpy(np.stack([encode_scan(pair.scan) for pair in drawn]))
-    condition = torch.from_numpy(np.stack([encode_condition(pair.condition_image, pair.simulated) for pair in drawn]))
-    if np.random.default_rng(step).random() < 0.5:
-        return clean.flip(-1), condition.flip(-1)
-    return clean, condition
+    return learner.averaged.eval(), step
 
 
 @torch.inference_mode()
-def sampled(network: Network, pair: StreetPair, start: float | None, calls: int) -> RangeImage:
-    """A scan of a pair's layout, from its simulated scan under noise of the level `start`, or from noise alone."""
+def sampled(network: Any, pair: StreetPair) -> RangeImage:
+    """A scan of a pair's layout, from noise."""
     assert pair.simulated is not None
-    sensor = pair.scan.sensor
+    sensor, sigmas = pair.scan.sensor, karras_levels(STEPS)
     condition = torch.from_numpy(encode_condition(pair.condition_image, pair.simulated))[None]
-    # of a denoiser it asks for what a `Network` has
-    states = sample(network, sensor, seeds=[pair.index], condition=condition, steps=calls, start=start)  # type: ignore[arg-type]
-    *_, state = states
+    rays = torch.from_numpy(encode_rays(sensor))
+    noise = torch.randn(1, STATE_CHANNELS, *sensor.shape, generator=torch.Generator().manual_seed(pair.index))
+
+    def denoise(x: Tensor, sigma: Tensor) -> Tensor:
+        with reduced_precision(CPU):
+            return network.denoise(x, sigma, rays, condition, wraps=sensor.wraps)
+
+    *_, state = sample_multistep(denoise, sigmas[0] * noise, sigmas)
     return decode_scan(state[0].numpy(), sensor)
 
 
-def gflop(network: Network, sensor: Sensor) -> float:
-    """Billions of multiplications and additions of one call."""
+def gflop(network: Any, sensor: Sensor) -> float:
+    """Billions of multiplications and additions of one call for a whole scan, with what a ControlNet reads."""
     x, one = torch.zeros(1, STATE_CHANNELS, *sensor.shape), torch.ones(1)
     condition = torch.zeros(1, CONDITION_CHANNELS, *sensor.shape)
     with FlopCounterMode(display=False) as counter, torch.inference_mode():
-        network.denoise(x, one, torch.from_numpy(encode_rays(sensor)), condition, wraps=True, decide=True)
+        network.denoise(x, one, torch.from_numpy(encode_rays(sensor)), condition, wraps=True)
     return counter.get_total_flops() / 1e9
 
 
 def rows_of(arms: Mapping[str, Arm], pairs: PairFolder, seconds: float, num: int) -> Iterator[tuple[str, Row]]:
-    """The rows of all arms, and before them that of the simulated scans."""
-    unseen = unseen_streets(num, sensor=pairs.sensor)
-    simulated = None
+    """The rows of all arms, then those of our network untrained and of the condition images passed through."""
+    unseen = [_thinned(pair) for pair in unseen_streets(num, sensor=pairs.sensor)]
     for name, arm in arms.items():
-        network, steps = learned(arm, pairs, seconds)
-        size = sum(weight.numel() for weight in network.parameters())  # type: ignore[attr-defined]
-        cost = {"million weights": size / 1e6, "GFLOP a call": gflop(network, pairs.sensor), "steps": float(steps)}
-        for start, calls in STARTS:
-            found = scores_by_kind(unseen, [sampled(network, pair, start, calls) for pair in unseen])
-            if simulated is None:
-                simulated = found["simulated"]
-                yield "simulated scan", {column: simulated[column] for column in COLUMNS}
-            label = f"{name}; {'noise' if start is None else f'{start:g}'}, {calls} calls"
-            yield label, cost | {column: found["generated"][column] for column in COLUMNS}
+        with mock.patch.object(denoiser_module, "SIGMA_TURN", arm.sigma_turn):
+            yield name, _row(*learned(arm, pairs, seconds), pairs.sensor, unseen)
+    yield "ours, untrained", _row(untrained_weights(Denoiser.from_config(OURS)), 0, pairs.sensor, unseen)
+    yield "condition image", _scores(unseen, [pair.condition_image for pair in unseen])
+
+
+def _thinned(pair: StreetPair) -> StreetPair:
+    """A pair with the beams and columns that are learned from."""
+    assert pair.simulated is not None
+    images = {"scan": pair.scan, "condition_image": pair.condition_image, "simulated": pair.simulated}
+    return replace(pair, **{name: denoising.thinned(image, THINNING) for name, image in images.items()})
+
+
+def _row(network: nn.Module, steps: int, sensor: Sensor, unseen: list[StreetPair]) -> Row:
+    size = sum(weight.numel() for weight in network.parameters())
+    row = {"million weights": size / 1e6, "GFLOP a call": gflop(network, sensor), "steps": float(steps)}
+    row |= _scores(unseen, [sampled(network, pair) for pair in unseen])
+    if isinstance(network, Denoiser):
+        images = [pair.condition_image for pair in unseen]
+        row["heeded"] = loss_by_other_layouts(network, [pair.scan for pair in unseen], images)
+    return row
+
+
+def _scores(unseen: list[StreetPair], scans: list[RangeImage]) -> Row:
+    found = score("", unseen, scans)
+    shares = {"objects": found.objects, "other": found.other, "heeded": math.nan}
+    return shares | {"range": found.range, "BEV": found.bev, "lone %": 100 * found.lone}
 
 
 def compare(arms: Mapping[str, Arm], description: str | None) -> None:
     """Parse, train, print a row as soon as it is there, and the table at the end."""
     parser = argparse.ArgumentParser(description=(description or "").split("\n")[0])
     parser.add_argument("--pairs", required=True, metavar="FOLDER", help="as `lidardraft streets -o FOLDER` makes them")
-    parser.add_argument("--seconds", type=positive, default=100.0, help="processor time of each arm (default 100)")
+    parser.add_argument("--seconds", type=positive, default=300.0, help="processor time of each arm (default 300)")
     parser.add_argument("-n", "--num", type=whole_number(2), default=10, help="unseen streets (default 10)")
     parser.add_argument("--only", default="", metavar="NAME", help="arms whose names hold this")
     given = parser.parse_args()
@@ -214,7 +186,7 @@ def compare(arms: Mapping[str, Arm], description: str | None) -> None:
     rows: dict[str, Row] = {}
     for name, row in rows_of(chosen, PairFolder(given.pairs), given.seconds, given.num):
         rows[name] = row
-        print(name, {column: round(float(value), 4) for column, value in row.items()}, flush=True)
+        print(name, {column: round(value, 4) for column, value in row.items()}, flush=True)
     print(table(rows))
 
 

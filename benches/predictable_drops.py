@@ -32,7 +32,7 @@ Hits = tuple[np.ndarray, np.ndarray, np.ndarray]  # features [N, 9]; whether rec
 def hits(cases: CaseSet) -> Hits:
     """All hits of the casts of a set."""
     parts = []
-    for sweeps in sweeps_of(cases, None):
+    for sweeps in sweeps_of(cases):
         hit = sweeps["cast"].valid
         parts.append((features(sweeps["cast"])[hit], *(~sweeps[name].valid[hit] for name in ("recorded", "simulated"))))
     return tuple(np.concatenate(part) for part in zip(*parts, strict=True))  # type: ignore[return-value]

@@ -1,13 +1,13 @@
-"""What generated scans are worth beside simulated ones: `make report-generate`.
+"""What generated scans are worth: `make report-generate`.
 
-    python benches/report_generate.py [-n 50] [--weights NAME] [--steps 4] [--start 0.5] [--only NAME] [--data FOLDER]
+    python benches/report_generate.py [-n 50] [--weights NAME] [--sensor NAME] [--only PART] [--data FOLDER]
 
-The layouts are those of labelled recordings in FOLDER (by default LIDARDRAFT_DATA), at most `-n` a sensor, and of `-n`
-unseen streets (by each further sensor a quarter of that). Scans by the weights are held against the recordings and the
-streets' detailed scans, simulated ones of the same layouts beside them; then other starts and numbers of calls, the
-spread over seeds, and the time of one scan. Last comes what was to be reached. The definitions: `scan_scores.py`,
-`metrics/`. `--only` takes the parts whose names hold NAME: a set of recordings, "streets, SENSOR", "calls", "spread" or
-"speed".
+"streets" are scored as by `lidardraft evaluate`, which explains the columns: weights that complete are given half of
+each of `-n` unseen streets, all others make whole scans. "seeds" compares what the same weights make of one half-open
+street with different streets. "recordings" holds whole scans of the layouts of labelled recordings in FOLDER (by
+default LIDARDRAFT_DATA), at most `-n` a sensor, against these (`report_simulate.py` explains the rows). "speed" is the
+time and memory of a scan. In each table of scores stand what is passed through and the same network untrained. Last
+comes what was to be reached. `--only` takes the parts whose names hold PART.
 """
 
 from __future__ import annotations
@@ -15,14 +15,19 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
-from generated_recordings import compare_with_recordings
+import numpy as np
+
+from cases import recorded_sets
 from generated_speed import measure_speed
-from generated_streets import compare_on_streets, compare_sampling, compare_spread
+from generated_streets import compare_on_streets, compare_seeds, with_untrained
 from goals import Goal, goal_table
 from lidardraft import Pipeline
-from lidardraft.cli.arguments import add_weights, whole_number
+from lidardraft.cli.arguments import add_sensor, add_weights, read_sensor, whole_number
+from markdown_table import table
+from report_simulate import report
 
 
 def main() -> None:
@@ -30,25 +35,40 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("-n", "--num", type=whole_number(2), default=50, help="streets, and recordings at most")
     add_weights(parser)
-    parser.add_argument("--only", default="", metavar="NAME", help="parts whose names hold this")
+    add_sensor(parser, of=" of the streets")
+    parser.add_argument("--only", default="", metavar="PART", help="parts whose names hold this")
     parser.add_argument("--data", type=Path, default=os.environ.get("LIDARDRAFT_DATA"), metavar="FOLDER")
     given = parser.parse_args()
-    pipeline = Pipeline.from_pretrained(given.weights, device=given.device, steps=given.steps, start=given.start)
+    pipeline = Pipeline.from_pretrained(given.weights, device=given.device, steps=given.steps)
     goals = list(printed(parts(pipeline, given)))
-    print(f"### Goals\n\n{goal_table([goal for goal in goals if goal.values])}")
+    if goals:
+        print(f"### Goals\n\n{goal_table(goals)}")
 
 
 def parts(pipeline: Pipeline, given: argparse.Namespace) -> Iterator[str | Goal]:
     """All that was asked for: texts, and goals."""
-    if given.data is not None:
-        yield from compare_with_recordings(given.data, pipeline, given.num, given.only)
-    yield from compare_on_streets(pipeline, given.num, given.only)
-    if given.only in "calls":
-        yield from compare_sampling(pipeline, given.num)
-    if given.only in "spread":
-        yield from compare_spread(pipeline, given.num)
+    sensor = read_sensor(given.sensor)
+    if given.only in "streets":
+        yield from compare_on_streets(pipeline, sensor, given.num)
+    if given.only in "seeds" and pipeline.denoiser.config.completes:
+        yield from compare_seeds(pipeline, sensor, given.num)
+    if given.only in "recordings" and given.data is not None:
+        yield from compare_with_recordings(pipeline, given.data, given.num)
     if given.only in "speed":
-        yield from measure_speed(given.weights, given.steps, given.start)
+        yield from measure_speed(given.weights)
+
+
+def compare_with_recordings(pipeline: Pipeline, folder: Path, number: int) -> Iterator[str]:
+    """A table of each set of recordings, of `number` scans at most."""
+    if pipeline.denoiser.config.completes:
+        yield "The layouts of recordings leave nothing open: these weights add nothing to the simulated scans.\n"
+        return
+    for name, make in recorded_sets(folder):
+        cases = make()
+        chosen = np.unique(np.linspace(0, len(cases.cases) - 1, number).astype(int)) if cases.cases else []
+        if len(chosen):
+            rows = report(replace(cases, cases=[cases.cases[k] for k in chosen]), with_untrained(pipeline))
+            yield f"### {name}, {len(chosen)} scans\n\n{table(rows)}\n"
 
 
 def printed(found: Iterable[str | Goal]) -> Iterator[Goal]:

@@ -1,12 +1,12 @@
 """What becomes of a layout, held against the scan that the layout was made from: `make report-simulate`.
 
-    python benches/report_simulate.py [--streets 50] [--generated 0] [--data FOLDER] [--only NAME]
+    python benches/report_simulate.py [--streets 50] [--data FOLDER] [--only NAME]
 
 Each labelled recording in FOLDER (by default LIDARDRAFT_DATA) is clustered to a layout, and each street has its coarse
-one. From there come four scans: the bare cast; the cast with the sensor model, `simulate(detail=False)`; `simulate` in
-detail; and, with `--generated N`, which takes the first N scans of each set alone, that of the packaged weights. A row
-is a share of pixels (more is better) or a distance between the sets (less is better). "Near" is within 0.5 m or 5 % of
-the recorded range. "IoU": of the pixels where either returns from a class, those where both do, and near.
+one. From there come three scans: the bare cast; the cast with the sensor model, `simulate(detail=False)`; and that of
+`simulate` in detail. A row is a share of pixels (more is better) or a distance between the sets (less is better).
+"Near" is within 0.5 m or 5 % of the recorded range. "IoU": of the pixels where either returns from a class, those where
+both do, and near.
 """
 
 from __future__ import annotations
@@ -14,8 +14,7 @@ from __future__ import annotations
 import argparse
 import os
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 
@@ -74,9 +73,9 @@ def shares(recorded: Sweep, made: Sweep, cast: Sweep, firings: bool) -> Iterator
         yield "drop recall", lost, dropped
 
 
-def report(cases: CaseSet, pipeline: Pipeline | None = None) -> Table:
-    """The table of a set; "generated" is left out without a pipeline."""
-    return table_of(sweeps_of(cases, pipeline), cases.firings)
+def report(cases: CaseSet, generators: Mapping[str, Pipeline] | None = None) -> Table:
+    """The table of a set, with a column for each of the `generators`."""
+    return table_of(sweeps_of(cases, generators), cases.firings)
 
 
 def table_of(found: Iterable[dict[str, Sweep]], firings: bool) -> Table:
@@ -151,20 +150,17 @@ def main() -> None:
     """Print all tables."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--streets", type=int, default=50, metavar="N", help="how many streets (default 50)")
-    parser.add_argument("--generated", type=int, default=0, metavar="N", help="the first N scans alone, generated too")
     parser.add_argument("--data", type=Path, default=os.environ.get("LIDARDRAFT_DATA"), metavar="FOLDER")
     parser.add_argument("--only", default="", metavar="NAME", help="sets whose names hold this")
     given = parser.parse_args()
-    pipeline = Pipeline.from_pretrained() if given.generated else None
     sets = list(recorded_sets(given.data)) if given.data is not None else []
     tables = {}
     for name, make in [*sets, ("streets, HDL-64E", partial(street_set, given.streets))]:
         if given.only not in name:
             continue
         cases = make()
-        cases = replace(cases, cases=cases.cases[: given.generated or None])
         if cases.cases:
-            tables[name] = report(cases, pipeline)
+            tables[name] = report(cases)
             print(f"### {name}, {len(cases.cases)} scans\n\n{markdown(tables[name])}\n", flush=True)
     print(summary(tables))
 

@@ -1,13 +1,14 @@
 """A rival trained alike: R2DM (Nakashima and Kurazume, ICRA 2024), with the condition beside its input.
 
-    python benches/rival_r2dm.py --pairs FOLDER [--seconds 100] [-n 10]
+    python benches/rival_r2dm.py --pairs FOLDER [--seconds 300] [-n 10]
 
 Pairs, seconds and scores are those of `generator_arms.py`, whose first row stands beside it. Written from the paper's
 description: an Efficient U-Net with blocks before resampling, circular in width alone; Fourier features of each ray's
 angles; group norm scaled and shifted by an embedding of the log signal-to-noise ratio; attention at the coarsest
-level; v-prediction on a cosine schedule, weighted by min-SNR. Ours are the state of three channels, which pixels count,
-and the solver, so that calls are alike. R2DM is 64 wide: here 28.5 million weights and 186 GFLOP a call (counted in its
-own code, 31.1 and 229). 16 wide, or 48 on pixels folded as ours are, it has 12.5 and 16.3 GFLOP a call.
+level; v-prediction on a cosine schedule, weighted by min-SNR. Ours are the state, which is not within -1 and 1 and so
+is not clipped, which pixels count, the optimiser and the solver, so that calls are alike. R2DM is 64 wide: here 28.5
+million weights and 185 GFLOP a call (counted in its own code, 31.1 and 229). 16 wide, or 48 on pixels folded as ours
+are, it has 12.4 and 15.8 GFLOP a call.
 """
 
 from __future__ import annotations
@@ -18,9 +19,10 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from generator_arms import ARMS, Arm, compare
-from generator_losses import squared_error
-from lidardraft.diffusion.codec import CONDITION_CHANNELS, STATE_CHANNELS
+from generator_arms import ARMS, CONFIG, OURS, Arm, compare
+from lidardraft.diffusion.codec import STATE_CHANNELS
+from lidardraft.diffusion.denoiser import what_counts
+from lidardraft.diffusion.noise import add_noise
 from lidardraft.networks.convolution import RangeImageConv, fold, pad_columns, unfold
 from lidardraft.networks.residual import modulated
 
@@ -90,7 +92,7 @@ class R2DM(nn.Module):
     def __init__(self, width: int, cell: tuple[int, int] = (1, 1)) -> None:
         super().__init__()
         self.width, self.cell, embedding = width, cell, 4 * width
-        inputs, pixels = STATE_CHANNELS + CONDITION_CHANNELS + 4 * FREQUENCIES, cell[0] * cell[1]
+        inputs, pixels = STATE_CHANNELS + len(OURS.condition_channels) + 4 * FREQUENCIES, cell[0] * cell[1]
         self.embed = nn.Sequential(nn.Linear(width, embedding), nn.SiLU(), nn.Linear(embedding, embedding), nn.SiLU())
         self.stem = RangeImageConv(inputs * pixels, width)
         widths = [width * multiple for multiple in MULTIPLES]
@@ -108,7 +110,7 @@ class R2DM(nn.Module):
         return nn.ModuleList(Block(inputs if i == 0 else outputs, outputs, embedding) for i in range(BLOCKS))
 
     def forward(self, x: Tensor, log_snr: Tensor, wraps: bool) -> Tensor:
-        """v [B, 3, H, W] of all inputs [B, channels, H, W] at log_snr [B]."""
+        """v [B, 8, H, W] of all inputs [B, channels, H, W] at log_snr [B]."""
         frequencies = torch.exp(torch.linspace(0, -math.log(10_000), self.width // 2, device=x.device))
         phase = 1000 * log_snr[:, None] / LARGEST_LOG_SNR * frequencies
         embedding = self.embed(torch.cat([phase.sin(), phase.cos()], dim=1))
@@ -128,23 +130,29 @@ class R2DM(nn.Module):
             h = h if level == 0 else doubled(h, wraps)
         return unfold(self.head(functional.silu(self.norm(h)), wraps), self.cell).float()
 
-    def denoise(
-        self, x: Tensor, sigma: Tensor, rays: Tensor, condition: Tensor | None, *, wraps: bool, decide: bool
-    ) -> Tensor:
-        """What `Denoiser.denoise` gives; a result is clipped, as R2DM's is."""
-        assert condition is not None
+    def denoise(self, x: Tensor, sigma: Tensor, rays: Tensor, condition: Tensor, *, wraps: bool) -> Tensor:
+        """What `Denoiser.denoise` gives."""
         # x = clean + sigma noise is the variance-preserving state over alpha, whose sigma / alpha is ours.
         noise = sigma.reshape(-1, 1, 1, 1)
         alpha = (1 + noise**2).rsqrt()
         state = alpha * x
         angles = coordinates(rays).to(x).expand(len(x), -1, -1, -1)
-        v = self(torch.cat([state, angles, condition], dim=1), -2 * sigma.log(), wraps)
-        clean = alpha * state - alpha * noise * v
-        return clean.clamp(-1, 1) if decide else clean
+        v = self(torch.cat([state, angles, condition[:, OURS.condition_channels]], dim=1), -2 * sigma.log(), wraps)
+        return alpha * state - alpha * noise * v
+
+    def loss(
+        self, clean: Tensor, sigma: Tensor, noise: Tensor, rays: Tensor, condition: Tensor, *, wraps: bool
+    ) -> Tensor:
+        """That of each sample [B], by min-SNR (Hang et al., ICCV 2023): the error of the clean state counts as much as
+        its signal-to-noise ratio, 5 at most."""
+        denoised = self.denoise(add_noise(clean, sigma, noise), sigma, rays, condition, wraps=wraps)
+        counts = what_counts(clean)
+        error = ((denoised - clean) ** 2 * counts).sum(dim=(1, 2, 3)) / counts.sum(dim=(1, 2, 3))
+        return (sigma**-2).clamp(max=GAMMA) * error
 
 
 def coordinates(rays: Tensor) -> Tensor:
-    """Fourier features [32, H, W] of the elevation and azimuth of each ray, for rays [4, H, W] (`encode_rays`)."""
+    """Fourier features [32, H, W] of the elevation and azimuth of each ray, for rays [5, H, W] (`encode_rays`)."""
     height, width = rays.shape[-2:]
     elevation = rays[0] * math.radians(30)
     azimuth = (torch.pi * (1 - 2 * (torch.arange(width) + 0.5) / width)).expand(height, width)
@@ -153,29 +161,22 @@ def coordinates(rays: Tensor) -> Tensor:
     return torch.stack([wave(phase) for phase in phases for wave in (torch.sin, torch.cos)])
 
 
-def cosine_levels(count: int, generator: torch.Generator) -> Tensor:
-    """sigma / alpha [count] of the cosine schedule at equally likely times, stratified."""
-    time = (torch.randperm(count, generator=generator) + torch.rand(count, generator=generator)) / count
-    log_snr = -2 * torch.tan(torch.pi * time / 2).log()
-    return torch.exp(-log_snr.clamp(-LARGEST_LOG_SNR, LARGEST_LOG_SNR) / 2)
-
-
-def min_snr(denoised: Tensor, clean: Tensor, sigma: Tensor, condition: Tensor) -> Tensor:
-    """Hang et al., ICCV 2023, for the error of the clean state: its signal-to-noise ratio, 5 at most."""
-    del condition
-    return (sigma**-2).clamp(max=GAMMA) * squared_error(denoised, clean)
+def cosine_levels(sigma: Tensor) -> Tensor:
+    """sigma / alpha [B] of the cosine schedule at the times that are as rare as our noise levels are."""
+    time = torch.special.ndtr((sigma.log() - CONFIG.sigma_mean) / CONFIG.sigma_std)
+    largest = math.exp(LARGEST_LOG_SNR / 2)
+    return torch.tan(torch.pi * time / 2).clamp(1 / largest, largest)
 
 
 def r2dm_arm(width: int, cell: tuple[int, int] = (1, 1)) -> Arm:
     """R2DM of a width, by its own loss and levels."""
-    return Arm(make=lambda: R2DM(width, cell), loss=min_snr, levels=cosine_levels)
+    return Arm(stages=(lambda _: R2DM(width, cell),), levels=cosine_levels)
 
 
 RIVALS = {
-    "ours": ARMS["concatenated"],
+    "ours": ARMS["ours"],
     "R2DM, 16 wide": r2dm_arm(16),
     "R2DM, 48 wide, folded": r2dm_arm(48, (2, 4)),
-    "ours, no copy gate": ARMS["concatenated, no copy gate"],
 }
 
 if __name__ == "__main__":

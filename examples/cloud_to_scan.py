@@ -26,7 +26,7 @@ def main() -> None:
     label, instance = semantickitti.read_label(arguments.labels, len(points))
     layout = lidardraft.layout_from_cloud(points, label, instances=instance, sensor_height=sensor.mount_height)
     real = lidardraft.RangeImage.project(points, sensor, label=label, instance=instance, intensity=intensity)
-    scan = lidardraft.Pipeline.from_pretrained("street")(layout, sensor=sensor, seed=arguments.seed)
+    scan = lidardraft.simulate(layout, sensor, seed=arguments.seed)
 
     folder: Path = arguments.output
     folder.mkdir(parents=True, exist_ok=True)
@@ -36,18 +36,18 @@ def main() -> None:
         for name, image in (
             ("real scan", real),
             ("condition image", scan.condition_image),
-            ("generated scan", scan.image),
+            ("simulated scan", scan.image),
         )
     ]
     images = [
         view.caption(view.render_image(image), name)
-        for name, image in (("real scan", real), ("generated scan", scan.image))
+        for name, image in (("real scan", real), ("simulated scan", scan.image))
     ]
     view.save_png(
         folder / "comparison.png", view.stack([view.stack(views, across=True), view.stack(images, across=True)])
     )
     print(f"{len(points)} points became {len(layout)} shapes, {len(layout.boxes())} of them objects with a box")
-    for name, image in (("real scan", real), ("generated scan", scan.image)):
+    for name, image in (("real scan", real), ("simulated scan", scan.image)):
         print(
             f"{name}: {adherence(image, scan.condition_image).objects:.0%} of its returns on objects keep to the layout"
         )

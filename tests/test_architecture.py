@@ -36,7 +36,7 @@ ALLOWED = {
     "view": BASE | {"scene", "formats"},
     "scan": BASE | {"scene", "formats", "view"},
     "pipeline": BASE | {"scene", "drafting", "networks", "diffusion", "simulation", "scan"},
-    "evaluation": BASE | {"scene", "streets", "networks", "diffusion", "metrics", "pipeline"},
+    "evaluation": BASE | {"scene", "streets", "networks", "diffusion", "metrics", "simulation", "pipeline"},
     "cli": BASE
     | {"scene", "formats", "drafting", "streets", "networks", "diffusion", "metrics", "view", "pipeline", "evaluation"}
     | {"scan", "simulation", "training", "calibration", "perception"},

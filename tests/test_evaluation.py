@@ -8,8 +8,15 @@ import pytest
 import torch
 
 from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.evaluation import evaluate, loss_by_other_layouts, score, unseen_streets
-from lidardraft.pipeline import Pipeline
+from lidardraft.evaluation import (
+    evaluate,
+    half_opened,
+    loss_by_other_layouts,
+    score,
+    unseen_streets,
+    untrained_weights,
+)
+from lidardraft.pipeline import Pipeline, merged
 from lidardraft.scene.sensor import Sensor
 from lidardraft.streets import StreetPair
 from lidardraft.training import recipes
@@ -23,52 +30,123 @@ def pairs() -> list[StreetPair]:
 
 
 @pytest.fixture
-def denoiser() -> Denoiser:
+def papers() -> Denoiser:
     torch.manual_seed(0)
-    return Denoiser.from_config(recipes.tiny().stages[0].denoiser)
+    base, control = recipes.tiny_paper().stages
+    return Denoiser.from_config(base.denoiser).with_controlnet(control.denoiser)
 
 
-def test_scans_are_scored_between_the_detailed_ones_and_random_weights(
-    pairs: list[StreetPair], denoiser: Denoiser
+@pytest.fixture
+def completing() -> Denoiser:
+    torch.manual_seed(0)
+    return Denoiser.from_config(recipes.tiny().stages[-1].denoiser)
+
+
+def test_scans_are_scored_between_those_of_other_streets_and_random_weights(
+    pairs: list[StreetPair], papers: Denoiser
 ) -> None:
-    detailed, condition, simulated, generated, random = evaluate(Pipeline(denoiser, steps=2), pairs)
-    assert [scores.name for scores in (detailed, condition, simulated, generated, random)] == [
-        *("detailed scan", "condition image", "simulated", "generated", "untrained")
-    ]
-    assert detailed.jsd == 0
-    assert 0.3 < detailed.objects < 1
+    rows = list(evaluate(Pipeline(papers, steps=2), pairs))
+    others, condition, simulated, generated, random = rows
+    assert [row.name for row in rows] == ["other streets", "condition image", "simulated", "generated", "untrained"]
     assert (condition.objects, condition.overall, condition.drop) == (1, 1, 0)
+    assert condition.holes < 0.02
+    assert set(condition.by_class.values()) == {1.0}
+    assert condition.intensity == {}  # a cast has none
     assert 0.3 < simulated.objects < 1
+    assert simulated.objects > simulated.other + 0.1
+    assert simulated.objects > others.objects + 0.1
+    assert simulated.own == 0
+    assert min(others.own, generated.own) > 0.9
+    assert 0 < simulated.intensity["road"] < 0.3
     assert 0 <= random.overall <= 1
     assert generated != random
-    assert condition.holes < 0.02
+
+
+def test_the_detailed_scans_are_at_no_distance_from_themselves(pairs: list[StreetPair]) -> None:
+    detailed = score("detailed", pairs, [pair.scan for pair in pairs])
+    assert (detailed.range, detailed.height, detailed.bev, detailed.classes) == (0, 0, 0, 0)
+    assert set(detailed.intensity.values()) == {0.0}
+    assert 0.3 < detailed.objects < 1
     assert 0 < detailed.holes < 0.2
     assert 0 < detailed.lone < 0.2
-    assert set(condition.by_class.values()) == {1.0}
-    assert set(detailed.intensity.values()) == {0.0}
-    assert condition.intensity == {}  # a cast has none
-    for scores in (simulated, generated):
-        assert 0 < scores.intensity["road"] < 0.3
     bright = [dataclasses.replace(pair.scan, intensity=np.sqrt(pair.scan.intensity)) for pair in pairs]
     assert score("brighter", pairs, bright).intensity["road"] > 0.6
+    near = [dataclasses.replace(pair.scan, depth=pair.scan.depth / 2) for pair in pairs]
+    changed = score("nearer", pairs, near)
+    assert min(changed.range, changed.height, changed.bev) > 0.1
+    assert changed.classes == 0
 
 
-def test_the_untrained_network_is_sampled_as_the_trained_one(pairs: list[StreetPair], denoiser: Denoiser) -> None:
-    fast, langevin = (list(evaluate(Pipeline(denoiser, steps=2, langevin=n), pairs[:1]))[-1] for n in (None, 1))
+def test_weights_that_complete_are_given_half_of_each_street(pairs: list[StreetPair], completing: Denoiser) -> None:
+    rows = list(evaluate(Pipeline(completing, steps=2), pairs))
+    others, bare, simulated, generated, random = rows
+    assert [row.name for row in rows] == ["other streets", "bare", "simulated", "generated", "untrained"]
+    for row in (bare, generated, random):  # all have the given half of the simulated scan
+        assert (row.objects, row.overall, row.drop) == (simulated.objects, simulated.overall, simulated.drop)
+    assert others.objects < simulated.objects
+    assert simulated.own == 0
+    assert bare.own > 0.5
+    for distance in ("range", "height", "bev", "classes"):
+        assert getattr(simulated, distance) < getattr(bare, distance)
+    assert (generated.bev, generated.classes) != (random.bev, random.classes)
+
+
+def test_half_of_each_street_is_open_one_after_the_other_all_around(pairs: list[StreetPair]) -> None:
+    first, second = half_opened(pairs)
+    assert first.mean() == second.mean() == 0.5
+    assert (first == ~second).all()
+    assert (first == first[:1]).all()
+    hidden = dataclasses.replace(SENSOR, blocked=(((-0.5, 0.5),),) * 16)
+    scan = dataclasses.replace(pairs[0].scan, sensor=hidden)
+    (opened,) = half_opened([dataclasses.replace(pairs[0], scan=scan)])
+    assert not opened[hidden.blocked_pixels].any()
+
+
+def test_adherence_is_of_the_given_half_and_likeness_of_the_open_one(pairs: list[StreetPair]) -> None:
+    opened = half_opened(pairs)
+    scans, lost = [pair.scan for pair in pairs], [dataclasses.replace(p.scan, depth=0.5 * p.scan.depth) for p in pairs]
+    own = score("own", pairs, scans, opened)
+    made = score("made", pairs, [merged(s, n, o) for s, n, o in zip(scans, lost, opened, strict=True)], opened)
+    given = score("given", pairs, [merged(n, s, o) for s, n, o in zip(scans, lost, opened, strict=True)], opened)
+    assert (made.objects, made.overall, made.drop) == (own.objects, own.overall, own.drop)
+    assert min(made.range, made.height, made.bev) > 0.1
+    assert (given.range, given.height, given.bev, given.holes, given.lone) == (0, 0, 0, own.holes, own.lone)
+    assert given.overall < own.overall - 0.3
+
+
+def test_the_untrained_network_is_sampled_as_the_trained_one(pairs: list[StreetPair], papers: Denoiser) -> None:
+    fast, langevin = (list(evaluate(Pipeline(papers, steps=2, langevin=n), pairs[:1]))[-1] for n in (None, 1))
     assert fast.name == langevin.name == "untrained"
     assert fast != langevin
 
 
-def test_scans_are_generated_where_the_weights_are(pairs: list[StreetPair], denoiser: Denoiser) -> None:
-    scores = evaluate(Pipeline(denoiser.to("meta"), steps=1), pairs)
-    assert [next(scores).name for _ in range(3)] == ["detailed scan", "condition image", "simulated"]
+def test_untrained_weights_are_random_wherever_training_starts_from_zero(papers: Denoiser) -> None:
+    torch.manual_seed(5)
+    expected = torch.rand(3)
+    torch.manual_seed(5)
+    one, again = untrained_weights(papers), untrained_weights(papers)
+    assert torch.equal(torch.rand(3), expected)  # and no random number of others is taken
+    assert one.config == papers.config
+    assert one.controlnet is not None
+    assert all(torch.equal(a, b) for a, b in zip(one.parameters(), again.parameters(), strict=True))
+    assert one.network.head.weight.any()
+    assert all(conv.weight.any() for _, conv in one.controlnet.zero_convs())
+
+
+def test_scans_are_generated_where_the_weights_are(pairs: list[StreetPair], papers: Denoiser) -> None:
+    scores = evaluate(Pipeline(papers.to("meta"), steps=1), pairs)
+    assert [next(scores).name for _ in range(3)] == ["other streets", "condition image", "simulated"]
     with pytest.raises(RuntimeError, match=r"unsupported|meta tensor"):  # nothing is computed on that device
         next(scores)
 
 
-def test_a_network_that_heeds_its_layout_does_worse_by_another(pairs: list[StreetPair], denoiser: Denoiser) -> None:
+def test_a_network_that_does_not_heed_its_layout_does_as_well_by_another(
+    pairs: list[StreetPair], papers: Denoiser
+) -> None:
     scans, images = [pair.scan for pair in pairs], [pair.condition_image for pair in pairs]
-    assert loss_by_other_layouts(denoiser, scans, images) > 1.05  # of an open copy gate
-    base, control = recipes.tiny_paper().stages
-    fresh = Denoiser.from_config(base.denoiser).with_controlnet(control.denoiser)
-    assert loss_by_other_layouts(fresh, scans, images) == 1.0  # its zero convolutions are zero
+    assert loss_by_other_layouts(papers, scans, images) == 1.0  # its zero convolutions are zero
+    torch.nn.init.normal_(papers.network.head.weight, std=0.05)
+    assert papers.controlnet is not None
+    for _, conv in papers.controlnet.zero_convs():
+        torch.nn.init.normal_(conv.weight, std=0.05)
+    assert loss_by_other_layouts(papers, scans, images) != 1.0

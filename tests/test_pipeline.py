@@ -1,3 +1,5 @@
+"""The pipeline, with small networks that have not learned."""
+
 import dataclasses
 import warnings
 
@@ -5,18 +7,54 @@ import numpy as np
 import pytest
 import torch
 
-from lidardraft import Pipeline, Sensor, layout_from_text, raycast, simulate
+from lidardraft import Layout, Pipeline, RangeImage, Sensor, layout_from_text, raycast, simulate
 from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.diffusion.sampling_defaults import START
+from lidardraft.diffusion.denoiser_config import DenoiserConfig
+from lidardraft.pipeline import merged
+from lidardraft.scene.open_pixels import open_pixels
 from lidardraft.scene.sensor_limits import SensorLimits
 from lidardraft.training import recipes
 
 SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=128)
+IMAGES = ("depth", "label", "instance", "intensity")
+BASE, CONTROLLED = (stage.denoiser for stage in recipes.tiny_paper().stages)
+
+
+def of(config: DenoiserConfig, *, steps: int = 2) -> Pipeline:
+    """With random weights, none of which is zero."""
+    torch.manual_seed(0)
+    denoiser = Denoiser.from_config(config)
+    with torch.no_grad():
+        for weight in denoiser.parameters():
+            weight += 0.05 * torch.randn_like(weight)
+    return Pipeline(denoiser, steps=steps)
 
 
 @pytest.fixture(scope="module")
 def pipeline() -> Pipeline:
-    return Pipeline(Pipeline.from_pretrained("street").denoiser, steps=2)
+    """Of weights that complete."""
+    return of(recipes.tiny().stages[-1].denoiser)
+
+
+@pytest.fixture(scope="module")
+def layout() -> Layout:
+    return layout_from_text("a car ahead, houses on both sides", seed=0)
+
+
+def closed(layout: Layout) -> Layout:
+    return Layout(tuple(dataclasses.replace(primitive, open=False) for primitive in layout))
+
+
+def is_open(layout: Layout, speed: float = 0.0) -> np.ndarray:
+    poses = simulate(layout, SMALL, speed=speed).poses()
+    return open_pixels(layout, raycast(layout, SMALL, poses=poses, primitive=True), SMALL.pose())
+
+
+def test_the_packaged_weights_complete_and_are_known_by_their_sensors() -> None:
+    street = Pipeline.from_pretrained("street")
+    assert street.denoiser.config.completes
+    assert street.trained is not None
+    assert street.trained.difference(Sensor.preset("hdl64e")) is None
 
 
 def test_a_sensor_that_the_weights_know_is_no_warning(pipeline: Pipeline) -> None:
@@ -40,22 +78,58 @@ def test_another_sensor_is_warned_of_once(pipeline: Pipeline) -> None:
     ]
 
 
-def test_the_same_seed_gives_the_same_scan(pipeline: Pipeline) -> None:
-    first, again, other = (pipeline("a car ahead", sensor=SMALL, seed=seed).image for seed in (1, 1, 2))
-    np.testing.assert_array_equal(first.depth, again.depth)
-    assert not np.array_equal(first.depth, other.depth)
+def test_the_same_seed_gives_the_same_scan_and_another_one_another_world(pipeline: Pipeline, layout: Layout) -> None:
+    first, again, other = (pipeline(layout, sensor=SMALL, seed=seed).image for seed in (1, 1, 2))
+    for name in IMAGES:
+        np.testing.assert_array_equal(getattr(first, name), getattr(again, name))
+    open_ = is_open(layout)
+    assert (first.depth != other.depth)[open_].mean() > 0.5
     assert (first.label > 0)[first.valid].mean() > 0.9
 
 
-def test_a_moving_sensor_generates_what_it_sees_on_its_way(pipeline: Pipeline) -> None:
-    layout = layout_from_text("a car ahead, houses on both sides", seed=0)
+def test_what_a_layout_leaves_open_is_made_and_the_rest_is_the_simulated_scan(
+    pipeline: Pipeline, layout: Layout
+) -> None:
+    made, simulated = pipeline(layout, sensor=SMALL, seed=3).image, simulate(layout, SMALL, seed=3).image
+    open_ = is_open(layout)
+    assert 0.2 < open_.mean() < 0.9
+    for name in IMAGES:
+        np.testing.assert_array_equal(getattr(made, name)[~open_], getattr(simulated, name)[~open_])
+    assert (made.depth != simulated.depth)[open_].mean() > 0.5
+    assert not made.instance[open_].any()
+
+
+def test_a_layout_that_leaves_nothing_open_is_the_simulated_scan_with_a_warning(
+    pipeline: Pipeline, layout: Layout
+) -> None:
+    steps: list[int] = []
+    with pytest.warns(UserWarning, match="the layout leaves nothing open: the scan is the simulated one"):
+        scan = pipeline(closed(layout), sensor=SMALL, seed=3, speed=5.0, on_step=lambda: steps.append(1))
+    expected = simulate(closed(layout), SMALL, seed=3, speed=5.0)
+    for name in IMAGES:
+        np.testing.assert_array_equal(getattr(scan.image, name), getattr(expected.image, name))
+    assert scan.speed == 5.0
+    assert not steps
+
+
+@pytest.mark.parametrize("config", [BASE, CONTROLLED], ids=["base", "controlled"])
+def test_weights_that_do_not_complete_make_the_whole_scan_of_any_layout(config: DenoiserConfig, layout: Layout) -> None:
+    made = of(config)
+    simulated = simulate(closed(layout), SMALL).image
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        image = made(closed(layout), sensor=SMALL).image
+    assert (image.depth == simulated.depth)[image.valid].mean() < 0.05
+
+
+def test_a_moving_sensor_generates_what_it_sees_on_its_way(pipeline: Pipeline, layout: Layout) -> None:
     moving = pipeline(layout, sensor=SMALL, speed=30.0)
     assert moving.speed == 30.0
+    given = ~is_open(layout, 30.0)
     depths = {speed: simulate(layout, SMALL, speed=speed).image.depth for speed in (0.0, 30.0)}
-    same = {speed: (np.abs(moving.image.depth - depth) < 1e-3)[depth > 0].mean() for speed, depth in depths.items()}
-    assert same[30.0] > 0.95
+    same = {speed: (moving.image.depth == depth)[given & (depth > 0)].mean() for speed, depth in depths.items()}
+    assert same[30.0] == 1
     assert same[0.0] < 0.9  # the rest is road, whose range is the same from anywhere
-    assert (moving.image.label > 0)[moving.image.valid].mean() > 0.9
 
 
 def test_every_step_is_told(pipeline: Pipeline) -> None:
@@ -64,28 +138,46 @@ def test_every_step_is_told(pipeline: Pipeline) -> None:
     assert steps == [0, 1, 2]
 
 
-def test_weights_that_do_not_see_the_simulated_scan_start_from_noise() -> None:
-    (generator,), (_, control) = recipes.tiny().stages, recipes.tiny_paper().stages
-    assert Pipeline(Denoiser.from_config(generator.denoiser)).start == START
-    assert Pipeline(Denoiser.from_config(control.denoiser)).start is None
+def test_without_open_pixels_weights_that_complete_make_all_of_it_and_are_given_nothing(pipeline: Pipeline) -> None:
+    scans = []
+    for sentence in ("a car ahead", "a busy crossroads"):
+        scan = simulate(layout_from_text(sentence, seed=0), SMALL).image
+        scans.append(pipeline.generate(scan, scan, seed=4))
+        assert (scans[-1].depth == scan.depth)[scan.valid].mean() < 0.05
+    np.testing.assert_array_equal(scans[0].depth, scans[1].depth)
 
 
-def test_weights_that_do_not_see_the_simulated_scan_get_nothing_of_it() -> None:
-    torch.manual_seed(0)
-    pipeline = Pipeline(Denoiser.from_config(recipes.tiny_paper().stages[-1].denoiser), steps=2)
-    layout = layout_from_text("a car ahead", seed=0)
+def test_weights_that_do_not_see_the_simulated_scan_get_nothing_of_it(layout: Layout) -> None:
+    pipeline = of(CONTROLLED)
     condition_image = raycast(layout, SMALL)
     one, other = (pipeline.generate(condition_image, simulate(layout, SMALL, seed=seed).image) for seed in (0, 1))
     np.testing.assert_array_equal(one.depth, other.depth)
     np.testing.assert_array_equal(one.intensity, other.intensity)
+    heeded = pipeline.generate(raycast(closed(layout_from_text("a bus behind", seed=0)), SMALL), one)
+    assert not np.array_equal(one.depth, heeded.depth)
 
 
 def test_the_papers_sampler_takes_as_many_steps_and_gives_another_scan() -> None:
-    torch.manual_seed(0)
-    denoiser = Denoiser.from_config(recipes.tiny_paper().stages[-1].denoiser)
+    denoiser = of(CONTROLLED).denoiser
     scans, steps = [], list[int]()
     for langevin in (None, 2):
         made = Pipeline(denoiser, steps=3, langevin=langevin)
         scans.append(made("a car ahead", sensor=SMALL, on_step=lambda: steps.append(1)).image)
     assert len(steps) == 6
     assert not np.array_equal(scans[0].depth, scans[1].depth)
+
+
+def test_a_merged_scan_is_one_where_it_is_open_and_the_other_elsewhere() -> None:
+    def plain(depth: float, label: int) -> RangeImage:
+        return RangeImage(
+            sensor=SMALL,
+            depth=np.full(SMALL.shape, depth, np.float32),
+            label=np.full(SMALL.shape, label, np.uint8),
+            instance=np.full(SMALL.shape, label, np.uint32),
+            intensity=np.full(SMALL.shape, depth / 10, np.float32),
+        )
+
+    open_ = np.arange(16 * 128).reshape(16, 128) % 3 == 0
+    image = merged(plain(4, 2), plain(7, 5), open_)
+    for name, given, made in (("depth", 4, 7), ("label", 2, 5), ("instance", 2, 5), ("intensity", 0.4, 0.7)):
+        np.testing.assert_array_equal(getattr(image, name), np.where(open_, np.float32(made), np.float32(given)))

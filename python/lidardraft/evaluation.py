@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -12,40 +12,52 @@ import torch
 
 from lidardraft.diffusion.codec import encode_condition, encode_rays, encode_scan
 from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.diffusion.sampling_defaults import STEPS_FROM_NOISE
+from lidardraft.diffusion.sampling_defaults import STEPS
 from lidardraft.metrics.adherence import Adherence, adherence
-from lidardraft.metrics.bev import bev_jsd
-from lidardraft.metrics.lifelike import CLASS_SETS, pooled_divergence
-from lidardraft.metrics.profiles import intensity_histogram
+from lidardraft.metrics.bev import bev_histogram
+from lidardraft.metrics.lifelike import CLASS_SETS, class_counts, pooled_divergence
+from lidardraft.metrics.profiles import height_histogram, intensity_histogram, range_histogram
 from lidardraft.metrics.returns import lone_returns, near_holes
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.networks.precision import reduced_precision
-from lidardraft.pipeline import Pipeline
-from lidardraft.scene.labelling import label_by_agreement
+from lidardraft.pipeline import Pipeline, merged
+from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME
+from lidardraft.simulation.simulate import simulate
 from lidardraft.streets import StreetConfig, StreetPair, streets
 
 _Item = TypeVar("_Item")
 _FEWEST = 100  # returns of a class whose intensities are compared
 _HEEDED_LEVELS = (0.1, 0.3, 1.0, 3.0)  # of noise: at lower ones the scan itself says all
+_OTHER_STREETS = 3_000_000  # a seed; neither learned from nor scored on
+_LAWN = Layout((Primitive(shape="plane", center=(0, 0, 0), size=(400, 400, 0), label="terrain", id="lawn", open=True),))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scores:
-    """Those of one kind of scan of the same streets: adherence to the condition images (means over the streets), the
-    Jensen-Shannon distance of the top views from those of the detailed scans, and the shares of holes on near surfaces
-    and of lone returns (`metrics/returns.py`); `intensity`, the Jensen-Shannon distance of the intensities of each
-    class from those of the detailed scans, of classes that both have."""
+    """Those of one kind of scan of the same streets.
+
+    Adherence to the condition images (means over the streets), `other` that of the objects to the image of the next
+    street; Jensen-Shannon distances of ranges, heights, top views and classes from those of the detailed scans; the
+    shares of holes on near surfaces and of lone returns (`metrics/returns.py`); `own`, of returns that are not the
+    simulated scan's; and `intensity`, the distance of the intensities of each class, of classes that both have. Where
+    halves of the streets are open, adherence is that of the given halves, and all else is of the open ones.
+    """
 
     name: str
     objects: float
+    other: float
     overall: float
     drop: float
-    jsd: float
+    range: float
+    height: float
+    bev: float
+    classes: float
     holes: float
     lone: float
+    own: float
     by_class: dict[str, float]
     intensity: dict[str, float]
 
@@ -61,23 +73,44 @@ def unseen_streets(
 def evaluate(
     pipeline: Pipeline, pairs: list[StreetPair], *, on_scan: Callable[[], object] | None = None
 ) -> Iterator[Scores]:
-    """The detailed scans, the condition images, the simulated scans of the same layouts, the pipeline's scans, and
-    those of the same network untrained; `on_scan` is called after each generated scan."""
-    untrained = Pipeline(
-        _random_weights(pipeline.denoiser), steps=pipeline.steps, start=pipeline.start, langevin=pipeline.langevin
-    )
-    yield score("detailed scan", pairs, (pair.scan for pair in pairs))
-    yield score("condition image", pairs, (pair.condition_image for pair in pairs))
-    yield score("simulated", pairs, (_simulated(pair) for pair in pairs))
+    """What scans of other streets would get, the condition images and the simulated scans of the same layouts passed
+    through, the pipeline's scans, and those of the same network untrained; `on_scan` is called after each generated
+    scan. Weights that complete are given a half of each street, and in place of the condition image stands the given
+    half beside a lawn."""
+    opened = half_opened(pairs) if pipeline.denoiser.config.completes else None
+    others = (pair.scan for pair in unseen_streets(len(pairs), sensor=pairs[0].scan.sensor, seed=_OTHER_STREETS))
+    yield score("other streets", pairs, others, opened)
+    if opened is None:
+        yield score("condition image", pairs, (pair.condition_image for pair in pairs))
+    else:
+        yield score(
+            "bare", pairs, (merged(_simulated(p), _lawn(p), o) for p, o in zip(pairs, opened, strict=True)), opened
+        )
+    yield score("simulated", pairs, (_simulated(pair) for pair in pairs), opened)
+    untrained = Pipeline(untrained_weights(pipeline.denoiser), steps=pipeline.steps, langevin=pipeline.langevin)
     for name, generator in (("generated", pipeline), ("untrained", untrained)):
-        yield score(name, pairs, _counted((_generated(generator, pair) for pair in pairs), on_scan))
+        made = (
+            generator.generate(pair.condition_image, _simulated(pair), is_open, seed=pair.index)
+            for pair, is_open in zip(pairs, opened or itertools.repeat(None), strict=opened is not None)
+        )
+        yield score(name, pairs, _counted(made, on_scan), opened)
+
+
+def half_opened(pairs: Sequence[StreetPair]) -> list[np.ndarray]:
+    """Half of the columns of each street, all around one after the other street, bool [H, W] each."""
+    found = []
+    for number, pair in enumerate(pairs):
+        rows, columns = pair.scan.sensor.shape
+        place = (np.arange(columns) + columns * number / len(pairs)) % columns
+        found.append(np.broadcast_to(place < columns / 2, (rows, columns)) & ~pair.scan.sensor.blocked_pixels)
+    return found
 
 
 def sample_scans(
     denoiser: Denoiser,
     condition_images: list[RangeImage],
     *,
-    steps: int = STEPS_FROM_NOISE,
+    steps: int = STEPS,
     on_scan: Callable[[], object] | None = None,
 ) -> list[RangeImage]:
     """What a denoiser that does not see simulated scans makes of each condition image, from noise."""
@@ -89,7 +122,7 @@ def sample_scans(
 @torch.inference_mode()
 def loss_by_other_layouts(denoiser: Denoiser, scans: list[RangeImage], condition_images: list[RangeImage]) -> float:
     """The loss of scans, each by the condition image of the next one, over that by their own: 1 is a denoiser that does
-    not heed what it is given. It shows long before scans do. Of a denoiser without gates: theirs can be below 0."""
+    not heed what it is given. It shows long before scans do."""
     device = next(denoiser.parameters()).device
     losses = dict.fromkeys((0, 1), 0.0)
     for seed, scan in enumerate(scans):
@@ -111,10 +144,9 @@ def _simulated(pair: StreetPair) -> RangeImage:
     return pair.simulated
 
 
-def _generated(pipeline: Pipeline, pair: StreetPair) -> RangeImage:
-    """What the pipeline makes of a pair, with labels."""
-    image = pipeline.generate(pair.condition_image, _simulated(pair), seed=pair.index)
-    return label_by_agreement(image, (_simulated(pair), pair.condition_image), pair.layout, pair.poses())
+def _lawn(pair: StreetPair) -> RangeImage:
+    """What a sensor at the place of a pair reports of a lawn without end."""
+    return simulate(_LAWN, pair.scan.sensor, pose=pair.pose, speed=pair.speed, seed=pair.index).image
 
 
 def _counted(items: Iterable[_Item], on_item: Callable[[], object] | None) -> Iterator[_Item]:
@@ -125,8 +157,8 @@ def _counted(items: Iterable[_Item], on_item: Callable[[], object] | None) -> It
         yield item
 
 
-def _random_weights(denoiser: Denoiser) -> Denoiser:
-    """A network of the same shape without any training; what starts at zero is random as well."""
+def untrained_weights(denoiser: Denoiser) -> Denoiser:
+    """A network of the same form without any training; what starts at zero is random as well."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(0)
         network = Denoiser.from_config(denoiser.config)
@@ -136,22 +168,48 @@ def _random_weights(denoiser: Denoiser) -> Denoiser:
     return network.to(next(denoiser.parameters()).device)
 
 
-def score(name: str, pairs: list[StreetPair], scans: Iterable[RangeImage]) -> Scores:
-    """The scores of one scan for each pair."""
+def score(
+    name: str, pairs: Sequence[StreetPair], scans: Iterable[RangeImage], opened: Sequence[np.ndarray] | None = None
+) -> Scores:
+    """The scores of one scan for each pair, with the `opened` pixels of each, bool [H, W]."""
     images = list(scans)
-    sweeps = [Sweep.by_azimuth(image) for image in images]
-    scores = [adherence(image, pair.condition_image) for image, pair in zip(images, pairs, strict=True)]
+    detailed, judged, given = [pair.scan for pair in pairs], images, [pair.condition_image for pair in pairs]
+    if opened is not None:
+        detailed, judged = (
+            [image.keep(o) for image, o in zip(some, opened, strict=True)] for some in (detailed, images)
+        )
+        given = [image.keep(~is_open) for image, is_open in zip(given, opened, strict=True)]
+    others = [*given[1:], *given[:1]]
+    truth, sweeps = ([Sweep.by_azimuth(image) for image in some] for some in (detailed, judged))
+    scores = [adherence(image, own) for image, own in zip(images, given, strict=True)]
+
+    def distance(of: Callable[[Sweep], np.ndarray]) -> float:
+        return pooled_divergence([of(sweep) for sweep in truth], [of(sweep) for sweep in sweeps])
+
+    changed = [
+        (image.valid & ~_same(image, _simulated(pair)), image.valid) for image, pair in zip(judged, pairs, strict=True)
+    ]
     return Scores(
         name=name,
         objects=_mean([score.objects for score in scores]),
+        other=_mean([adherence(image, other).objects for image, other in zip(images, others, strict=True)]),
         overall=_mean([score.overall for score in scores]),
         drop=_mean([score.drop for score in scores]),
-        jsd=bev_jsd((pair.scan.points() for pair in pairs), (image.points() for image in images)),
+        range=distance(range_histogram),
+        height=distance(lambda sweep: height_histogram(sweep, -pairs[0].scan.sensor.mount_height)),
+        bev=distance(lambda sweep: bev_histogram(sweep.points[sweep.valid])),
+        classes=distance(class_counts),
         holes=_share([near_holes(sweep) for sweep in sweeps]),
         lone=_share([lone_returns(sweep) for sweep in sweeps]),
+        own=_share([np.array([part.sum(), whole.sum()]) for part, whole in changed]),
         by_class=_by_class(scores),
-        intensity=_intensity([Sweep.from_image(pair.scan) for pair in pairs], sweeps),
+        intensity=_intensity(truth, sweeps),
     )
+
+
+def _same(image: RangeImage, other: RangeImage) -> np.ndarray:
+    """Where both have a return at the same range, to the millimetre, bool [H, W]."""
+    return other.valid & (np.abs(image.depth - other.depth) < 1e-3)
 
 
 def _intensity(detailed: list[Sweep], sweeps: list[Sweep]) -> dict[str, float]:

@@ -13,31 +13,31 @@ import torch
 
 from lidardraft.diffusion.codec import decode_scan, encode_condition
 from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.diffusion.postprocess import postprocess
 from lidardraft.diffusion.sampler import sample
-from lidardraft.diffusion.sampling_defaults import START, STEPS
+from lidardraft.diffusion.sampling_defaults import STEPS
 from lidardraft.drafting.text import layout_from_text
 from lidardraft.errors import CheckpointError, check_type, one_of
 from lidardraft.networks import weight_file
 from lidardraft.scan import Scan
 from lidardraft.scene.labelling import label_by_agreement
 from lidardraft.scene.layout import Layout
+from lidardraft.scene.open_pixels import open_pixels
 from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_limits import SensorLimits
 from lidardraft.simulation.simulate import simulate
 
 WEIGHTS = Path(__file__).parent / "weights"
-_POSTPROCESS_STREAM = 7  # random numbers of the postprocessing, apart from the sampler's
 
 
 class Pipeline:
     """A denoiser, ready to turn sentences and layouts into scans, of an hdl64e where no sensor is given.
 
-    A scan is sampled in `steps` calls of the network, from the simulated scan of the layout under noise of the level
-    `start`; None is from pure noise, which takes more, and so do weights that do not see the simulated scan. `langevin`
-    is the number of updates a step of the paper's sampler, None the fast one (`sampler.sample`). `trained` says which
-    sensors it was trained on, where that is known: a scan of another one is a `UserWarning`.
+    Weights that complete (`DenoiserConfig.completes`) leave the simulated scan of a layout as it is, and make what the
+    layout leaves open; all others make the whole scan from noise. A scan is sampled in `steps` calls of the network.
+    `langevin` is the number of updates a step of the paper's sampler, None the fast one (`sampler.sample`). `trained`
+    says which sensors it was trained on, where that is known: a scan of another one is a `UserWarning`.
     """
 
     def __init__(
@@ -45,14 +45,12 @@ class Pipeline:
         denoiser: Denoiser,
         *,
         steps: int = STEPS,
-        start: float | None = START,
         langevin: int | None = None,
         trained: SensorLimits | None = None,
     ) -> None:
         check_type("denoiser", denoiser, Denoiser)
         self.denoiser = denoiser.eval()
         self.steps = steps
-        self.start = start if "simulated" in denoiser.config.condition else None
         self.langevin = langevin
         self.trained = trained
 
@@ -63,7 +61,6 @@ class Pipeline:
         *,
         device: str = "cpu",
         steps: int = STEPS,
-        start: float | None = START,
         langevin: int | None = None,
     ) -> Pipeline:
         """The packaged weights of that name, or the weight file at that path; raises `CheckpointError`."""
@@ -79,7 +76,7 @@ class Pipeline:
         except (RuntimeError, AssertionError) as error:  # torch's, for a device it does not have
             raise CheckpointError(f"device is {device!r}: {str(error).splitlines()[0]}") from None
         limits = trained and SensorLimits.from_dict(trained)
-        return cls(denoiser, steps=steps, start=start, langevin=langevin, trained=limits)
+        return cls(denoiser, steps=steps, langevin=langevin, trained=limits)
 
     def __call__(
         self,
@@ -93,52 +90,61 @@ class Pipeline:
         """The scan of a sentence or a layout, by a sensor that moves ahead with `speed` [m/s] while it sweeps.
 
         Same arguments, same scan; another seed gives another one (of a sentence, with another layout too). `on_step` is
-        called after each sampling step.
+        called after each sampling step. A layout that leaves nothing open to weights that complete is a `UserWarning`.
         """
         check_type("source", source, str, Layout)
         sensor = sensor or Sensor.preset("hdl64e")
         layout = layout_from_text(source, seed=seed) if isinstance(source, str) else source
         simulated = simulate(layout, sensor, seed=seed, speed=speed)
-        condition_image = simulated.condition_image
-        generated = self.generate(condition_image, simulated.image, seed=seed, on_step=on_step)
-        image = label_by_agreement(generated, (simulated.image, condition_image), layout, simulated.poses())
+        poses = simulated.poses()
+        condition_image = raycast(layout, sensor, poses=poses, primitive=True)
+        is_open = open_pixels(layout, condition_image, simulated.pose)
+        if self.denoiser.config.completes and not is_open.any():
+            warnings.warn("the layout leaves nothing open: the scan is the simulated one", stacklevel=2)
+            return simulated
+        image = self.generate(condition_image, simulated.image, is_open, seed=seed, on_step=on_step)
+        if not self.denoiser.config.completes:
+            image = label_by_agreement(image, (simulated.image, condition_image), layout, poses)
         return dataclasses.replace(simulated, image=image)
 
+    @torch.inference_mode()
     def generate(
         self,
         condition_image: RangeImage,
         simulated: RangeImage,
+        is_open: np.ndarray | None = None,
         *,
         seed: int = 0,
         on_step: Callable[[], object] | None = None,
     ) -> RangeImage:
-        """The scan of the cast of a layout and its simulated scan, without labels. Weights that do not see the
-        simulated scan give what they sample, as it is; others what `postprocess` makes of that."""
-        sensor = condition_image.sensor
+        """The scan of the cast of a layout and its simulated scan, with the classes that the network gives it.
+
+        Of weights that complete it is the simulated scan but where `is_open`, bool [H, W]: None is everywhere.
+        """
+        sensor, config = condition_image.sensor, self.denoiser.config
         difference = self.trained and self.trained.difference(sensor)
         if difference:
             warnings.warn(f"these weights were trained on {difference}; its scans may be poor", stacklevel=2)
-        image = decode_scan(self._sample(condition_image, simulated, seed, on_step), sensor)
-        if "simulated" not in self.denoiser.config.condition:
-            return image
-        return postprocess(image, condition_image, simulated, np.random.default_rng([seed, _POSTPROCESS_STREAM]))
-
-    @torch.inference_mode()
-    def _sample(
-        self, condition_image: RangeImage, simulated: RangeImage, seed: int, on_step: Callable[[], object] | None
-    ) -> np.ndarray:
-        """A state f32 [3, H, W]."""
-        seen = self.denoiser.config.condition
+        condition = None
+        if config.condition:
+            if not config.completes:
+                is_open = None
+            elif is_open is None:
+                is_open = np.ones(sensor.shape, dtype=bool)
+            condition = torch.from_numpy(encode_condition(condition_image, simulated, is_open))[None]
         states = sample(
-            self.denoiser,
-            condition_image.sensor,
-            seeds=[seed],
-            condition=torch.from_numpy(encode_condition(condition_image, simulated))[None] if seen else None,
-            steps=self.steps,
-            start=self.start,
-            langevin=self.langevin,
+            self.denoiser, sensor, seeds=[seed], condition=condition, steps=self.steps, langevin=self.langevin
         )
         for state in states:  # noqa: B007 (the last one is the result)
             if on_step is not None:
                 on_step()
-        return state[0].cpu().numpy()
+        made = decode_scan(state[0].cpu().numpy(), sensor)
+        return merged(simulated, made, is_open) if config.completes and is_open is not None else made
+
+
+def merged(given: RangeImage, made: RangeImage, is_open: np.ndarray) -> RangeImage:
+    """`made` where `is_open`, bool [H, W], and `given` elsewhere."""
+    names = ("depth", "label", "instance", "intensity")
+    return RangeImage(
+        sensor=given.sensor, **{name: np.where(is_open, getattr(made, name), getattr(given, name)) for name in names}
+    )

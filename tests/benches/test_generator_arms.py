@@ -3,85 +3,122 @@
 import itertools
 import math
 import sys
-from pathlib import Path
+from dataclasses import replace
 
 import pytest
 import torch
+from torch import nn
 
 import generator_arms
 import rival_r2dm
-from generator_arms import ARMS, SMALL, learned, rows_of
+from generator_arms import ARMS, CONFIG, OURS, Arm, learned, rows_of
+from lidardraft.diffusion import denoiser as denoiser_module
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.evaluation import unseen_streets
 from lidardraft.scene.sensor import Sensor
+from lidardraft.training import denoising
 from lidardraft.training.pairs import Pair, PairFolder, write_pairs
+from lidardraft.training.processes import ALONE
 
-SENSOR = Sensor(name="small", elevations=tuple(math.radians(2 - 1.7 * row) for row in range(16)), columns=128)
+SENSOR = Sensor(name="small", elevations=tuple(math.radians(2 - 0.8 * row) for row in range(32)), columns=256)
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def pairs(tmp_path_factory: pytest.TempPathFactory) -> PairFolder:
     path = tmp_path_factory.mktemp("pairs")
-    pairs = unseen_streets(2, sensor=SENSOR, seed=5)
-    assert list(write_pairs(path, [(Pair(p.scan, p.condition_image, p.simulated), {}) for p in pairs])) == [2]
-    return path
+    found = unseen_streets(2, sensor=SENSOR, seed=5)
+    assert list(write_pairs(path, [(Pair(p.scan, p.condition_image, p.simulated), {}) for p in found])) == [2]
+    return PairFolder(path)
 
 
-def test_a_frozen_base_has_learned_before_and_stays(folder: Path) -> None:
+@pytest.fixture(autouse=True)
+def narrow(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Networks an eighth as wide, so that steps are quick."""
+    monkeypatch.setattr(generator_arms, "OURS", replace(OURS, widths=(8, 16, 16, 16)))
+
+
+def loss(network: nn.Module, pairs: PairFolder) -> float:
+    """The mean loss of a batch that no arm begins with."""
+    clean, sigma, noise, rays, condition, *_ = denoising._batch(CONFIG, pairs, ALONE, 999)
+    with torch.inference_mode():
+        return network.loss(clean, sigma, noise, rays, condition, wraps=True).mean().item()
+
+
+@pytest.mark.parametrize("arm", [ARMS["ours"], ARMS["AdamW in place of Muon"], rival_r2dm.r2dm_arm(16, (2, 4))])
+def test_steps_are_those_of_the_time_and_the_loss_falls(arm: Arm, pairs: PairFolder) -> None:
+    network, steps = learned(arm, pairs, 25, itertools.count().__next__)
+    assert steps == 25
+    torch.manual_seed(0)
+    assert loss(network, pairs) < 0.98 * loss(arm.stages[0](None).eval(), pairs)
+
+
+def test_an_arm_has_its_own_optimiser_levels_and_rate_which_is_gone_as_the_time_is_over(
+    pairs: PairFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rates, levels = [], []
+
+    def step(learner: generator_arms.Learner, number: int, _: torch.Tensor) -> None:
+        assert isinstance(learner.optimiser, torch.optim.AdamW)
+        rates.append(learner.config.rate(number))
+
+    def doubled(sigma: torch.Tensor) -> torch.Tensor:
+        levels.append(2 * sigma)
+        return levels[-1]
+
+    def given(_: Denoiser, clean: torch.Tensor, sigma: torch.Tensor, *__: object, **___: object) -> torch.Tensor:
+        assert sigma is levels[-1]
+        return clean.sum(dim=(1, 2, 3))
+
+    monkeypatch.setattr(generator_arms.Learner, "step", step)
+    monkeypatch.setattr(Denoiser, "loss", given)
+    learned(replace(ARMS["AdamW in place of Muon"], levels=doubled), pairs, 60, itertools.count().__next__)
+    assert len(levels) == len(rates) == 60
+    assert rates[0] == pytest.approx(generator_arms.ADAM_RATE / CONFIG.warmup)
+    assert max(rates) == generator_arms.ADAM_RATE
+    assert rates[-1] == pytest.approx(generator_arms.ADAM_RATE / (CONFIG.decay * 60))
+
+
+def test_a_frozen_base_has_learned_before_and_stays(pairs: PairFolder) -> None:
     arm = ARMS["ControlNet on a frozen base"]
-    network, steps = learned(arm, PairFolder(folder), 8, itertools.count().__next__)
+    network, steps = learned(arm, pairs, 8, itertools.count().__next__)
     assert isinstance(network, Denoiser)
     assert network.controlnet is not None
-    assert network.config.controlnet
     assert steps == 8
     torch.manual_seed(0)
-    fresh = arm.make()
-    assert not torch.equal(fresh.network.head.weight, network.network.head.weight)
+    base, _ = generator_arms._learned(arm.stages[0](None), arm, pairs, 4, itertools.count().__next__)
+    assert torch.equal(base.network.head.weight, network.network.head.weight)
+    assert base.network.head.weight.any()  # which begins at zero
     assert all(not weight.requires_grad for weight in network.network.parameters())
     assert all(conv.weight.any() for _, conv in network.controlnet.zero_convs())
 
 
-def test_steps_are_those_of_the_time_and_the_loss_falls(folder: Path) -> None:
-    pairs = PairFolder(folder)
-    clean, condition = generator_arms._batch(pairs, 0)
-    arm, sigma = ARMS["concatenated"], torch.full((4,), 0.3)
-    noisy = clean + 0.3 * torch.randn(clean.shape, generator=torch.Generator().manual_seed(1))
-    rays = torch.from_numpy(generator_arms.encode_rays(SENSOR))
+def test_the_noise_level_at_which_it_turns_is_that_of_the_arm(
+    pairs: PairFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen = []
 
-    def loss(network: Denoiser) -> float:
-        with torch.inference_mode():
-            denoised = network.denoise(noisy, sigma, rays, condition, wraps=True)
-            return arm.loss(denoised, clean, sigma, condition).mean().item()
+    def row(*_: object) -> dict[str, float]:
+        seen.append(denoiser_module.SIGMA_TURN)
+        return {}
 
-    torch.manual_seed(0)
-    network, steps = learned(arm, pairs, 12, itertools.count().__next__)
-    assert steps == 12
-    assert loss(network) < 0.9 * loss(arm.make().eval())
-
-
-def test_every_arm_but_one_changes_something_of_the_first() -> None:
-    first = ARMS["concatenated"]
-    assert first.make().config == SMALL
-    for name, arm in ARMS.items():
-        config = arm.frozen or arm.make().config
-        assert (config != SMALL or arm.loss is not first.loss) == (arm is not first), name
-        assert ("no copy gate" in name) == (not config.copy_gate)
-        assert ("ControlNet" in name) == config.controlnet
-
-
-def test_rows_stand_beside_that_of_the_simulated_scans(folder: Path) -> None:
-    rows = dict(rows_of({"ours": ARMS["concatenated"]}, PairFolder(folder), 0.1, 2))
-    assert list(rows) == ["simulated scan", "ours; noise, 20 calls", "ours; 0.5, 4 calls"]
-    assert set(generator_arms.COLUMNS) <= set(rows["ours; noise, 20 calls"])
-    assert rows["ours; noise, 20 calls"]["million weights"] == pytest.approx(0.935, abs=0.001)
+    monkeypatch.setattr(generator_arms, "_row", row)
+    list(rows_of({name: ARMS[name] for name in ("sigma turn 0.5 (Karras)", "ours")}, pairs, 1e-9, 1))
+    assert seen == [0.5, 0.1, 0.1]
 
 
 def test_the_command_prints_the_table(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    pairs: PairFolder, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    argv = ["rival_r2dm.py", "--pairs", str(folder), "--seconds", "0.05", "-n", "2", "--only", "16 wide"]
+    argv = ["rival_r2dm.py", "--pairs", str(pairs.path), "--seconds", "0.05", "-n", "2", "--only", "16 wide"]
     monkeypatch.setattr(sys, "argv", argv)
+    monkeypatch.setattr(generator_arms, "STEPS", 2)
     generator_arms.compare(rival_r2dm.RIVALS, rival_r2dm.__doc__)
     shown = capsys.readouterr().out
-    assert "| R2DM, 16 wide; noise, 20 calls |" in shown
-    assert "ours" not in shown
+    header, _, rival, untrained, image = shown.splitlines()[-5:]
+    columns = ("million weights", "GFLOP a call", "steps", "objects", "other", "heeded", "range", "BEV", "lone %")
+    assert header == f"| | {' | '.join(columns)} |"
+    assert rival.startswith("| R2DM, 16 wide | 1.79 | ")
+    assert rival.split(" | ")[6] == "-"  # it has no loss like ours
+    assert untrained.startswith("| ours, untrained | ")
+    assert float(untrained.split(" | ")[6]) > 0
+    assert image.split(" | ")[4] == "1"  # it agrees with itself

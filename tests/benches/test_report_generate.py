@@ -1,34 +1,51 @@
-"""The report of generated scans, with a network that has not learned."""
+"""The report of generated scans, with networks that have not learned."""
 
+import dataclasses
 import math
-from dataclasses import replace
+from pathlib import Path
 
-import numpy as np
 import pytest
 import torch
 
 import report_generate
-from cases import street_set, sweeps_of
-from generated_recordings import FEWEST, goals, told_apart
-from generated_streets import KINDS, SENSOR, UNSEEN_SENSORS, generate, scores_by_kind, spread
+from cases import street_set
+from generated_speed import in_process
+from generated_streets import compare_seeds, completing_goals, spread, whole_scan_goals
 from goals import Goal, goal_table
 from lidardraft import Pipeline
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.evaluation import unseen_streets
-from lidardraft.metrics.sweep import Sweep
 from lidardraft.networks import weight_file
 from lidardraft.scene.sensor import Sensor
-from lidardraft.semantics import BY_NAME
 from lidardraft.training import recipes
-from scan_scores import scores
 
 SMALL = Sensor(name="small", elevations=tuple(math.radians(2 - 1.7 * row) for row in range(16)), columns=128)
 
 
 @pytest.fixture(scope="module")
-def pipeline() -> Pipeline:
+def completing() -> Pipeline:
     torch.manual_seed(0)
-    return Pipeline(Denoiser.from_config(recipes.tiny().stages[0].denoiser), steps=1)
+    return Pipeline(Denoiser.from_config(recipes.tiny().stages[-1].denoiser), steps=1)
+
+
+@pytest.fixture(scope="module")
+def whole() -> Pipeline:
+    torch.manual_seed(0)
+    config = dataclasses.replace(recipes.tiny().stages[-1].denoiser, condition=("depth", "class"))
+    return Pipeline(Denoiser.from_config(config), steps=1)
+
+
+def printed(
+    pipeline: Pipeline, part: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> str:
+    """What the command prints of one part."""
+    weight_file.save(pipeline.denoiser, folder / "weights.safetensors", {})
+    (folder / "small.json").write_text(SMALL.to_json())
+    options = ["-n", "2", "--weights", str(folder / "weights.safetensors"), "--steps", "1", "--data", str(folder)]
+    argv = ["report_generate.py", *options, "--only", part, "--sensor", str(folder / "small.json")]
+    monkeypatch.setattr("sys.argv", argv)
+    report_generate.main()
+    return capsys.readouterr().out
 
 
 def test_goals_are_met_within_their_bounds() -> None:
@@ -39,73 +56,85 @@ def test_goals_are_met_within_their_bounds() -> None:
     assert not Goal("unknown", {"a": math.nan}, least=0.0, most=1.0).met
 
 
-def test_scans_of_streets_are_scored_by_kind(pipeline: Pipeline) -> None:
-    pairs = unseen_streets(2, sensor=SMALL)
-    rows = scores_by_kind(pairs, [pair.scan for pair in pairs])
-    assert list(rows) == ["detailed", "simulated", "generated", "generated / simulated"]
-    exact = rows["generated"]  # which are the detailed scans themselves
-    assert exact["agreeing"] == exact["objects"] == exact["drop F1"] == 1.0
-    assert exact["BEV"] == exact["drop runs"] == exact["range"] == 0.0
-    same = ("kept", "kept on objects", "dropped", "holes in 1,000", "lone %")
-    assert [exact[name] for name in same] == [rows["detailed"][name] for name in same]
-    assert rows["simulated"]["agreeing"] < 1.0
-    made = scores_by_kind(pairs, [generate(pipeline, pair) for pair in pairs])["generated"]
-    assert 0.0 < made["agreeing"] < 1.0
+def test_completed_halves_are_held_against_a_lawn_and_the_given_ones_against_simulated_scans() -> None:
+    lawn = {"range": 0.4, "height": 0.2, "bev": 0.6, "classes": 0.8, "objects": 0.9}
+    rows = {"bare": lawn, "simulated": lawn, "generated": {name: value / 2 for name, value in lawn.items()}}
+    nearer, kept = completing_goals(rows)
+    assert set(nearer.values.values()) == {0.5}
+    assert nearer.met
+    assert kept.values == {"objects": -0.45}
+    assert not kept.met
+    nearer, kept = completing_goals(rows | {"generated": lawn})
+    assert not nearer.met
+    assert kept.met
 
 
-def test_a_class_that_one_kind_lacks_does_not_count_for_any() -> None:
-    scans = [Sweep.by_azimuth(pair.scan) for pair in unseen_streets(2, sensor=SMALL)]
-    road = BY_NAME["road"].id
-    simulated = [replace(sweep, intensity=sweep.intensity / 2) for sweep in scans]
-    generated = [replace(sweep, label=np.where(sweep.label == road, 0, sweep.label)) for sweep in simulated]
-    rows = scores(
-        [
-            {"recorded": recorded, "cast": recorded, "simulated": first, "generated": second}
-            for recorded, first, second in zip(scans, simulated, generated, strict=True)
-        ],
-        KINDS,
-        firings=True,
-    )
-    assert 0.0 < rows["simulated"]["intensity by class"] == rows["generated"]["intensity by class"]
+def test_whole_scans_are_to_keep_to_their_own_layouts_alone() -> None:
+    good = {"objects": 0.5, "other": 0.1, "bev": 0.14}
+    assert all(goal.met for goal in whole_scan_goals({"generated": good}))
+    for name, bad in (("objects", 0.4), ("other", 0.2), ("bev", 0.2)):
+        missed = [goal for goal in whole_scan_goals({"generated": good | {name: bad}}) if not goal.met]
+        assert [set(goal.values) for goal in missed] == [{name}]
 
 
-def test_recordings_are_told_from_what_is_made(pipeline: Pipeline) -> None:
-    cases = street_set(FEWEST, SMALL)
-    found = list(sweeps_of(cases, pipeline))
-    rows = {"streets": scores(found, KINDS, firings=True)}
-    rows["streets"]["+ sensor model"] = rows["streets"]["simulated"]
-    told = {f"streets, {kind}": auc for kind, auc in told_apart(found).items()}
-    assert all(0.0 <= value <= 1.0 for auc in told.values() for value in auc.values())
-    named = {goal.name: goal for goal in goals(rows, told)}
-    assert {name.split(", ")[0] for name in named["two-sample AUC by family, generated minus simulated"].values} == {
-        "streets"
-    }
-    assert named["JSD of drop runs to recordings, generated / simulated"].values.keys() == {"streets"}
-    assert not told_apart(found[: FEWEST - 1])
-
-
-def test_spread_is_the_share_that_does_not_agree() -> None:
+def test_spread_is_the_distance_of_top_views() -> None:
     first, second = (pair.scan for pair in unseen_streets(2, sensor=SMALL))
     assert spread([first, first]) == 0.0
-    assert 0.1 < spread([first, second]) <= 1.0
-    assert spread([first, first, second]) == pytest.approx(2 / 3 * spread([first, second]))
+    apart = spread([first, second])
+    assert 0.1 < apart < math.sqrt(math.log(2))
+    assert spread([first, first, second]) == pytest.approx(2 / 3 * apart)
 
 
-def test_unseen_sensors_are_ones_that_the_network_can_serve() -> None:
-    cell = recipes.small().stages[0].denoiser.cell
-    for sensor in (SENSOR, *UNSEEN_SENSORS):
-        assert np.all(np.remainder(sensor.shape, cell) == 0), sensor.name
-
-
-def test_parts_are_chosen_by_name(
-    pipeline: Pipeline, tmp_path: object, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_seeds_of_one_street_are_held_against_as_many_streets(
+    completing: Pipeline, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    path = f"{tmp_path}/weights.safetensors"
-    weight_file.save(pipeline.denoiser, path, {})
-    options = ["-n", "2", "--weights", path, "--steps", "1", "--only", UNSEEN_SENSORS[2].name]
-    monkeypatch.setattr("sys.argv", ["report_generate.py", *options])
-    report_generate.main()
-    printed = capsys.readouterr().out
-    assert "| 24 uneven, 120 degrees (2) |" in printed
-    assert "| dropped, generated / detailed | 0.8 to 1.25 | 24 uneven, 120 degrees (2) " in printed
-    assert "Told from" not in printed
+    text, goal = compare_seeds(completing, SMALL, 2)
+    cells = [line.split(" | ") for line in text.splitlines() if line.startswith("| ")][1:]
+    found = {name.strip("| "): float(value.strip("| ")) for name, value in cells}
+    assert list(found) == ["other streets", "simulated", "generated", "untrained"]
+    assert found["generated"] > 0
+    assert 0 < found["simulated"] < 0.8 * found["other streets"]  # one layout, eight units of the sensor
+    assert goal.values["BEV"] == pytest.approx(found["generated"] / found["other streets"], rel=0.01)
+    monkeypatch.setattr(Pipeline, "generate", lambda _, __, simulated, *___, **____: simulated)
+    _, goal = compare_seeds(completing, SMALL, 2)
+    assert goal.values == {"BEV": 0.0}  # eight times the same scan
+
+
+@pytest.mark.parametrize(("kind", "passed_through"), [("completing", "bare"), ("whole", "condition image")])
+def test_streets_are_scored_beside_what_is_passed_through(
+    kind: str,
+    passed_through: str,
+    request: pytest.FixtureRequest,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    out = printed(request.getfixturevalue(kind), "streets", tmp_path, monkeypatch, capsys)
+    names = [line.split(" | ")[0].strip("| ") for line in out.splitlines() if line.startswith("| ")]
+    assert names[1:6] == ["other streets", passed_through, "simulated", "generated", "untrained"]
+    assert ("half of each open" in out) == (kind == "completing") == ("generated / bare | <= 0.5" in out)
+    assert ("own layout | >= 0.5" in out) == (kind == "whole")
+    assert "recordings" not in out
+
+
+def test_whole_scans_alone_are_held_against_recordings(
+    completing: Pipeline,
+    whole: Pipeline,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(report_generate, "recorded_sets", lambda _: [("small", lambda: street_set(3, SMALL))])
+    said = "The layouts of recordings leave nothing open: these weights add nothing to the simulated scans.\n\n"
+    assert printed(completing, "recordings", tmp_path, monkeypatch, capsys) == said
+    out = printed(whole, "recordings", tmp_path, monkeypatch, capsys)
+    assert "### small, 2 scans" in out
+    assert "| cast | + sensor model | simulated | generated | untrained |" in out
+    assert "| range (JSD) |" in out
+
+
+def test_a_process_measures_itself(completing: Pipeline, tmp_path: Path) -> None:
+    weight_file.save(completing.denoiser, tmp_path / "weights.safetensors", {})
+    row = in_process(str(tmp_path / "weights.safetensors"), 1, "float32")
+    assert 0 < row["least, s"] <= row["median, s"] < 20
+    assert 0.1 < row["peak memory, GB"] < 4

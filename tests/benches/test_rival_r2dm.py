@@ -5,10 +5,11 @@ import math
 import pytest
 import torch
 
-from generator_arms import gflop
-from lidardraft.diffusion.codec import CONDITION_CHANNELS, encode_rays
+from generator_arms import CONFIG, OURS, gflop
+from lidardraft.diffusion.codec import CONDITION_CHANNELS, STATE_CHANNELS, encode_rays
+from lidardraft.diffusion.noise import training_levels
 from lidardraft.scene.sensor import Sensor
-from rival_r2dm import R2DM, coordinates, cosine_levels, doubled, halved, min_snr
+from rival_r2dm import R2DM, coordinates, cosine_levels, doubled, halved
 
 SMALL = Sensor(name="small", elevations=tuple(math.radians(2 - 1.7 * row) for row in range(16)), columns=128)
 RAYS = torch.from_numpy(encode_rays(SMALL))
@@ -21,7 +22,7 @@ def test_a_turn_of_all_that_it_sees_turns_what_it_says(cell: tuple[int, int]) ->
     network = R2DM(16, cell).eval()
     for weight in network.parameters():
         torch.nn.init.normal_(weight, std=0.1)
-    seen, turn = torch.randn(1, 3 + CONDITION_CHANNELS + 32, 16, 128), 8 * cell[1]
+    seen, turn = torch.randn(1, STATE_CHANNELS + len(OURS.condition_channels) + 32, 16, 128), 8 * cell[1]
     level = torch.tensor([1.0])
     with torch.inference_mode():
         said = network(seen, level, True)
@@ -49,30 +50,37 @@ def test_coordinates_close_to_a_ring() -> None:
 
 
 def test_the_right_v_is_the_clean_state() -> None:
-    clean, noise, sigma = 0.3 * torch.randn(1, 3, 16, 128).clamp(-3, 3), torch.randn(1, 3, 16, 128), torch.tensor([0.7])
+    clean, noise = torch.randn(2, 1, STATE_CHANNELS, 16, 128)
+    sigma = torch.tensor([0.7])
     alpha = (1 + sigma**2).rsqrt()
 
     class Knowing(R2DM):
         def forward(self, x: torch.Tensor, log_snr: torch.Tensor, wraps: bool) -> torch.Tensor:
             assert wraps
-            assert torch.allclose(x[:, :3], alpha * (clean + sigma * noise))
+            assert torch.allclose(x[:, :STATE_CHANNELS], alpha * (clean + sigma * noise))
             assert torch.allclose(log_snr, torch.log(alpha**2 / (alpha * sigma) ** 2))
             return alpha * noise - alpha * sigma * clean
 
-    found = Knowing(16).denoise(clean + sigma * noise, sigma, RAYS, CONDITION, wraps=True, decide=True)
-    assert torch.allclose(found, clean.clamp(-1, 1), atol=1e-5)
+    found = Knowing(16).denoise(clean + sigma * noise, sigma, RAYS, CONDITION, wraps=True)
+    assert torch.allclose(found, clean, atol=1e-5)
 
 
 def test_levels_are_those_of_the_cosine_schedule() -> None:
-    levels = cosine_levels(1000, torch.Generator().manual_seed(0))
+    ours = training_levels(1000, torch.Generator().manual_seed(0), mean=CONFIG.sigma_mean, std=CONFIG.sigma_std)
+    levels = cosine_levels(ours)
     assert levels.median() == pytest.approx(1.0, rel=0.01)
     assert torch.allclose(levels.sort().values[249], torch.tensor(math.tan(math.pi / 8)), rtol=0.01)
     assert levels.max() <= math.exp(7.5) * 1.001
 
 
 def test_low_noise_counts_five_times_at_most() -> None:
-    clean = torch.ones(3, 3, 2, 2)
-    losses = min_snr(clean + 1, clean, torch.tensor([0.1, 1.0, 2.0]), CONDITION)
+    class Wrong(R2DM):
+        def denoise(self, *_: object, **__: object) -> torch.Tensor:
+            return clean + 1
+
+    clean = torch.ones(3, STATE_CHANNELS, 16, 128)
+    sigma = torch.tensor([0.1, 1.0, 2.0])
+    losses = Wrong(16).loss(clean, sigma, torch.zeros_like(clean), RAYS, CONDITION, wraps=True)
     assert torch.allclose(losses, torch.tensor([5.0, 1.0, 0.25]))
 
 

@@ -51,10 +51,13 @@ def test_generate_again_gives_the_same_scan() -> None:
     assert Path("a/000000.bin").read_bytes() != Path("c/000000.bin").read_bytes()
 
 
-def test_generate_from_a_labelled_scan() -> None:
+def test_generate_from_a_labelled_scan(capsys: pytest.CaptureFixture[str]) -> None:
     cli.main(["generate", "--text", "a car ahead and houses on both sides", "-o", "out", *QUICK])
     source = ["--points", "out/000000.bin", "--labels", "out/000000.label"]
+    capsys.readouterr()
     assert cli.main(["generate", *source, "-o", "again", *QUICK]) == 0
+    # a recorded scan says all there is
+    assert capsys.readouterr().err == "lidardraft: the layout leaves nothing open: the scan is the simulated one\n"
     layout = Layout.load("again/000000.layout.json")
     assert "road" in {primitive.label for primitive in layout}
     assert len(kitti.read_bin("again/000000.bin")[0]) > 200

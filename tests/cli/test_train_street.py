@@ -36,7 +36,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     ("wrong", "message"),
     [
         (["--device", "nonsense"], "device is 'nonsense'"),
-        (["--sensor", "odd.json"], "small is (16, 66); this recipe needs multiples of (2, 4)"),
+        (["--sensor", "odd.json"], "small is (16, 66); this recipe needs multiples of (4, 8)"),
         (["--data", "streets=much"], "--data is 'streets=much'; behind = there must be a number"),
         (["--data", "nowhere"], "nowhere"),
         (["--init", "nothing"], "weights are 'nothing'"),
@@ -84,7 +84,7 @@ def test_what_ships_is_scored_on_the_device_that_was_asked_for(
     assert [stage["step"] for stage in card["stages"]] == [2]
     assert SensorLimits.from_dict(card["sensors"]) == SensorLimits.from_sensor(Sensor.preset("hdl32e"))
     names = [scores["name"] for scores in card["scores"]]
-    assert names == ["detailed scan", "condition image", "simulated", "generated", "untrained"]
+    assert names == ["other streets", "bare", "simulated", "generated", "untrained"]
     assert train.main([*ARGV, *SHORT, "--seed", "5"]) == 2  # the run is of another seed
     assert "use another folder" in capsys.readouterr().err
     generate = ["generate", "--text", "a car ahead", "--sensor", "small.json", "--steps", "2"]
@@ -98,7 +98,17 @@ def test_the_papers_stages_follow_one_another(capsys: pytest.CaptureFixture[str]
     assert denoiser.controlnet is not None
     base = weight_file.load("work/stage-1/weights.safetensors", Denoiser)
     assert base.controlnet is None
+    assert weight_file.read_card("paper.safetensors")["scores"][1]["name"] == "condition image"
     capsys.readouterr()
+    # the last stage alone, on the base of the weights to begin with, or a network that completes
+    go_on = ["--init", "paper.safetensors", "--sensor", "small.json", *SHORT]
+    for recipe in ("tiny-paper", "tiny"):
+        argv = ["street", "--recipe", recipe, "--work", f"more-{recipe}", "-o", f"more-{recipe}.safetensors"]
+        assert train.main([*argv, *go_on]) == 0
+        assert [path.name for path in Path(f"more-{recipe}").iterdir() if path.is_dir()] == ["stage-1"]
+    assert weight_file.load("more-tiny.safetensors", Denoiser).config.completes
+    assert train.main(["street", "--work", "wide", "-o", "wide.safetensors", *go_on]) == 2
+    assert "the weights to begin with are of a DenoiserConfig" in capsys.readouterr().err
 
 
 def test_training_goes_on_with_given_weights_and_own_pairs(capsys: pytest.CaptureFixture[str]) -> None:
@@ -117,7 +127,8 @@ def test_training_goes_on_with_given_weights_and_own_pairs(capsys: pytest.Captur
         "one.safetensors",
     ]
     assert train.main([*argv, *SHORT, "--sensor", "small.json"]) == 0
-    argv = ["street", "--init", "one.safetensors", "--data", "pairs", "--work", "two", "-o", "two.safetensors"]
+    given = ["--init", "one.safetensors", "--data", "pairs", "--work", "two", "-o", "two.safetensors"]
+    argv = ["street", "--recipe", "tiny", *given]
     assert train.main([*argv, *SHORT]) == 0
     capsys.readouterr()
     other = [argument.replace("one.safetensors", "two.safetensors") for argument in argv]

@@ -6,11 +6,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lidardraft.diffusion.codec import (
+    CLASS,
     CONDITION_CHANNELS,
     CONDITION_PARTS,
     DEPTH,
     INTENSITY,
     MAX_DEPTH,
+    RAY_CHANNELS,
+    STATE_CHANNELS,
     VALIDITY,
     decode_scan,
     encode_condition,
@@ -18,13 +21,16 @@ from lidardraft.diffusion.codec import (
     encode_scan,
 )
 from lidardraft.errors import SensorError
+from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
+from lidardraft.semantics import BY_NAME, NUM_CLASSES
 
 SENSOR = Sensor(name="small", elevations=(0.1, 0.0, -0.1, -0.2), columns=8)
 
 
-def image(depth: np.ndarray, label: int = 13, intensity: np.ndarray | None = None) -> RangeImage:
+def image(depth: np.ndarray, label: int | np.ndarray = 13, intensity: np.ndarray | None = None) -> RangeImage:
     return RangeImage(
         sensor=SENSOR,
         depth=depth.astype(np.float32),
@@ -34,31 +40,56 @@ def image(depth: np.ndarray, label: int = 13, intensity: np.ndarray | None = Non
     )
 
 
+FAR = encode_scan(image(np.full(SENSOR.shape, MAX_DEPTH)))[DEPTH]  # what a row without returns has
+
+
 @given(st.integers(0, 2**32 - 1))
 @settings(max_examples=30, deadline=None)
 def test_a_scan_survives_the_state(seed: int) -> None:
     rng = np.random.default_rng(seed)
     valid = rng.random(SENSOR.shape) < 0.7
     depth = np.where(valid, rng.uniform(0.6, 119.9, SENSOR.shape), 0)
-    scan = image(depth, intensity=np.where(valid, rng.random(SENSOR.shape), 0))
+    label, intensity = rng.integers(1, NUM_CLASSES, SENSOR.shape), np.where(valid, rng.random(SENSOR.shape), 0)
+    scan = image(depth, label, intensity)
     state = encode_scan(scan)
     assert state.dtype == np.float32
-    assert np.abs(state).max() <= 1 + 1e-6
     decoded = decode_scan(state, SENSOR)
     np.testing.assert_array_equal(decoded.valid, scan.valid)
     np.testing.assert_allclose(decoded.depth, scan.depth, rtol=1e-4)
     assert decoded.intensity is not None
     assert scan.intensity is not None
     np.testing.assert_allclose(decoded.intensity, scan.intensity, atol=1e-6)
-    assert not decoded.label.any()
+    np.testing.assert_array_equal(decoded.label, scan.label)
+    assert not decoded.instance.any()
 
 
-def test_depth_is_logarithmic_and_reaches_both_ends() -> None:
-    depth = np.full(SENSOR.shape, MAX_DEPTH)
-    depth[0] = 10.0
+@pytest.mark.parametrize("height", [1.5, 3.0])
+def test_flat_ground_is_zero_for_any_sensor_and_the_rays_say_how_far_it_is(height: float) -> None:
+    elevations = (-0.2, -0.3, -0.5) if height > 2 else (-0.1, -0.25)
+    sensor = Sensor(name="down", elevations=elevations, columns=8, mount_height=height)
+    ground = Layout((Primitive(shape="plane", center=(0, 0, 0), size=(99, 99, 0), label="road", id="road"),))
+    scan = raycast(ground, sensor)
+    assert scan.valid.all()
+    np.testing.assert_allclose(encode_scan(scan)[DEPTH], 0.0, atol=1e-5)
+    np.testing.assert_allclose(encode_rays(sensor)[3], np.log2(scan.depth + 1) - 3, atol=1e-5)
+
+
+def test_a_beam_that_sees_no_ground_nearby_is_compared_with_twenty_metres() -> None:
+    depth = np.full(SENSOR.shape, 20.0)
+    depth[1] = 41.0
     state = encode_scan(image(depth))
-    np.testing.assert_allclose(state[DEPTH, 1:], 1.0, atol=1e-6)
-    np.testing.assert_allclose(state[DEPTH, 0], 2 * np.log2(11) / np.log2(121) - 1, atol=1e-6)
+    np.testing.assert_allclose(state[DEPTH, 0], 0.0, atol=1e-6)
+    np.testing.assert_allclose(state[DEPTH, 1], 1 / 1.2, atol=1e-6)  # twice as far, and one octave is 1 / 1.2
+
+
+def test_a_class_is_the_bits_of_its_id_and_bits_of_no_class_are_other() -> None:
+    state = encode_scan(image(np.full(SENSOR.shape, 5.0), label=0b10011))
+    np.testing.assert_array_equal(state[CLASS, 0, 0], [0.5, 0.5, -0.5, -0.5, 0.5])
+    state[CLASS, 0] = 0.1  # the bits of 31
+    decoded = decode_scan(state, SENSOR)
+    assert (decoded.label[0] == BY_NAME["other"].id).all()
+    assert (decoded.label[1:] == 0b10011).all()
+    assert 2 ** (CLASS.stop - CLASS.start) >= NUM_CLASSES
 
 
 def test_dropped_pixels_take_the_depth_to_their_left_around_the_ring() -> None:
@@ -68,7 +99,7 @@ def test_dropped_pixels_take_the_depth_to_their_left_around_the_ring() -> None:
     state = encode_scan(image(depth))
     expected = encode_scan(image(np.broadcast_to([9, 9, 5, 5, 5, 7, 7, 9], SENSOR.shape)))[DEPTH, 0]
     np.testing.assert_array_equal(state[DEPTH, 0], expected)
-    np.testing.assert_array_equal(state[DEPTH, 1], 1.0)
+    np.testing.assert_array_equal(state[DEPTH, 1], FAR[1])
     np.testing.assert_array_equal(state[VALIDITY, 0], [-1, -1, 1, -1, -1, 1, -1, 1])
 
 
@@ -80,7 +111,7 @@ def test_dropped_pixels_of_a_sector_do_not_look_around_the_ring() -> None:
     state = encode_scan(dataclasses.replace(image(depth), sensor=sector))
     expected = encode_scan(image(np.broadcast_to([5, 5, 5, 5, 5, 7, 7, 9], SENSOR.shape)))[DEPTH, 0]
     np.testing.assert_array_equal(state[DEPTH, 0], expected)
-    np.testing.assert_array_equal(state[DEPTH, 1], 1.0)
+    np.testing.assert_array_equal(state[DEPTH, 1], FAR[1])
 
 
 def test_rolling_the_scan_rolls_the_state() -> None:
@@ -90,63 +121,85 @@ def test_rolling_the_scan_rolls_the_state() -> None:
     np.testing.assert_array_equal(rolled, np.roll(encode_scan(image(depth)), 3, axis=2))
 
 
-def test_a_scan_without_intensities_has_intensity_zero() -> None:
-    assert (encode_scan(image(np.ones(SENSOR.shape)))[INTENSITY] == -1).all()
+def test_a_scan_without_intensities_has_the_mean_one() -> None:
+    without = encode_scan(image(np.ones(SENSOR.shape)))[INTENSITY]
+    assert not without.any()
+    dark, bright = (encode_scan(image(np.ones(SENSOR.shape), intensity=np.full(SENSOR.shape, i))) for i in (0, 1))
+    assert (dark[INTENSITY] < -1).all()
+    assert (bright[INTENSITY] > 1).all()
 
 
 def test_a_depth_out_of_the_sensors_range_is_no_return() -> None:
     near = Sensor(name="near", elevations=SENSOR.elevations, columns=8, max_range=30.0)
-    state = np.zeros((3, 4, 8), dtype=np.float32)
+    state = np.zeros((STATE_CHANNELS, 4, 8), dtype=np.float32)
     state[VALIDITY] = 1
-    state[DEPTH, 0] = 1.7  # beyond the end of the scale: clipped to 120 m
-    state[DEPTH, 1] = -1.0  # 0 m
+    state[DEPTH, 0] = 9.0  # beyond the end of the scale: clipped to 120 m
+    state[DEPTH, 1] = -9.0  # 0 m
     decoded = decode_scan(state, near)
     assert not decoded.valid[:2].any()
     assert decoded.valid[2:].all()
     assert decoded.intensity is not None
     assert not decoded.intensity[:2].any()
+    assert decoded.intensity[2:].all()
 
 
 def test_a_state_of_another_sensor_is_refused() -> None:
-    with pytest.raises(SensorError, match=r"state is \(3, 5, 8\); small needs \(3, 4, 8\)"):
-        decode_scan(np.zeros((3, 5, 8), dtype=np.float32), SENSOR)
+    with pytest.raises(SensorError, match=r"state is \(8, 5, 8\); small needs \(8, 4, 8\)"):
+        decode_scan(np.zeros((8, 5, 8), dtype=np.float32), SENSOR)
 
 
 def test_what_the_vehicle_hides_is_no_return() -> None:
     hidden = dataclasses.replace(SENSOR, blocked=(((-0.5, 0.5),), (), (), ()))
-    state = np.zeros((3, 4, 8), dtype=np.float32)
+    state = np.zeros((STATE_CHANNELS, 4, 8), dtype=np.float32)
     state[VALIDITY] = 1
     np.testing.assert_array_equal(decode_scan(state, hidden).valid, ~hidden.blocked_pixels)
     assert hidden.blocked_pixels.any()
 
 
-def test_the_condition_says_class_depth_hit_and_the_simulated_scan() -> None:
+def test_the_condition_is_the_state_of_the_cast_and_that_of_the_simulated_scan() -> None:
     depth = np.full(SENSOR.shape, 10.0)
     depth[2, 5] = 0
-    simulated = image(np.full(SENSOR.shape, 12.0), intensity=np.full(SENSOR.shape, 0.4))
-    condition = encode_condition(image(depth), simulated)
+    cast, simulated = image(depth), image(depth + 2, 7, intensity=np.full(SENSOR.shape, 0.4))
+    condition = encode_condition(cast, simulated)
+    assert condition.dtype == np.float32
     assert condition.shape == (CONDITION_CHANNELS, 4, 8)
-    kind, (far, hit) = condition[CONDITION_PARTS["class"]], condition[CONDITION_PARTS["depth"]]
-    np.testing.assert_array_equal(kind.sum(axis=0), 1)
-    assert kind[13, 0, 0] == 1
-    assert kind[0, 2, 5] == 1
-    assert hit[0, 0] == 1
-    assert hit[2, 5] == -1
-    assert far[2, 5] == 1
-    np.testing.assert_array_equal(far[0], encode_scan(image(depth))[DEPTH, 0])
-    np.testing.assert_array_equal(condition[CONDITION_PARTS["simulated"]], encode_scan(simulated))
+    np.testing.assert_array_equal(condition[CONDITION_PARTS["depth"]], encode_scan(cast)[[DEPTH, VALIDITY]])
+    np.testing.assert_array_equal(condition[CONDITION_PARTS["class"]], encode_scan(cast)[CLASS])
+    state = encode_scan(simulated)
+    state[CLASS] = encode_scan(cast)[CLASS]  # which pairs on disk keep, as they do not those of the simulated scan
+    np.testing.assert_array_equal(condition[CONDITION_PARTS["simulated"]], state)
+    assert not condition[CONDITION_PARTS["open"]].any()
+
+
+def test_what_stands_in_open_pixels_does_not_show_in_the_condition() -> None:
+    is_open = np.zeros(SENSOR.shape, dtype=bool)
+    is_open[:, 2:5] = True
+    conditions = []
+    for hidden in (7.0, 30.0):
+        depth = np.full(SENSOR.shape, 12.0)
+        depth[:, 5] = 0  # given without a return, beside what is open
+        depth[is_open] = hidden
+        label = np.where(is_open, int(hidden) % NUM_CLASSES, 13)
+        layout, simulated = image(depth, label), image(depth, label, depth / 100)
+        conditions.append(encode_condition(layout, simulated, is_open))
+    np.testing.assert_array_equal(*conditions)
+    condition, closed = conditions[0], encode_condition(layout, simulated)
+    np.testing.assert_array_equal(condition[CONDITION_PARTS["open"]][0], is_open)
+    assert not condition[:-1, is_open].any()
+    given = ~is_open & (depth > 0)
+    np.testing.assert_array_equal(condition[:, given], closed[:, given])
 
 
 @pytest.mark.parametrize("name", ["hdl64e", "hdl32e", "vlp16", "os1-128"])
 def test_every_sensors_rays_are_of_order_one(name: str) -> None:
     rays = encode_rays(Sensor.preset(name))
-    assert rays.shape == (4, *Sensor.preset(name).shape)
+    assert rays.shape == (RAY_CHANNELS, *Sensor.preset(name).shape)
     assert np.abs(rays).max() < 3
 
 
 def test_rays_say_what_the_vehicle_hides() -> None:
     hidden = dataclasses.replace(SENSOR, blocked=(((-0.5, 0.5),), (), (), ()))
-    np.testing.assert_array_equal(encode_rays(hidden)[3], hidden.blocked_pixels)
+    np.testing.assert_array_equal(encode_rays(hidden)[4], hidden.blocked_pixels)
 
 
 def test_one_beam_has_a_spacing() -> None:

@@ -5,7 +5,16 @@ import dataclasses
 import pytest
 import torch
 
-from lidardraft.diffusion.codec import CONDITION_CHANNELS, CONDITION_PARTS, DEPTH, INTENSITY, VALIDITY
+from lidardraft.diffusion.codec import (
+    CLASS,
+    CONDITION_CHANNELS,
+    CONDITION_PARTS,
+    DEPTH,
+    INTENSITY,
+    RAY_CHANNELS,
+    STATE_CHANNELS,
+    VALIDITY,
+)
 from lidardraft.diffusion.denoiser import SIGMA_DATA, Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.errors import CheckpointError
@@ -17,15 +26,17 @@ TINY = DenoiserConfig(
     dilations=(1, 1, 1, 2),
     refine_units=1,
     pools=1,
-    condition=(),
 )
-CONDITIONED = dataclasses.replace(TINY, condition=("class", "depth", "simulated"))
-CONTROLLED = dataclasses.replace(CONDITIONED, controlnet=True)
-CONFIGS = pytest.mark.parametrize("config", [TINY, CONDITIONED, CONTROLLED], ids=["free", "conditioned", "controlled"])
+CONDITIONED = dataclasses.replace(TINY, condition=("depth", "class", "simulated"))
+CONTROLLED = dataclasses.replace(TINY, condition=("depth", "class"), controlnet=True)
+COMPLETING = dataclasses.replace(TINY, condition=("simulated", "open"))
+CONFIGS = pytest.mark.parametrize(
+    "config", [TINY, CONDITIONED, CONTROLLED, COMPLETING], ids=["free", "conditioned", "controlled", "completing"]
+)
 
 
 def rays(width: int = 64) -> torch.Tensor:
-    return torch.linspace(0.1, -0.8, 16)[:, None].expand(4, -1, width)
+    return torch.linspace(0.1, -0.8, 16)[:, None].expand(RAY_CHANNELS, -1, width)
 
 
 BEAMS = rays()
@@ -44,12 +55,14 @@ def shaken(denoiser: Denoiser) -> Denoiser:
     return denoiser.eval()
 
 
+def a_state(batch: int = 2, width: int = 64) -> torch.Tensor:
+    return torch.randn(batch, STATE_CHANNELS, 16, width)
+
+
 def a_condition(batch: int = 2, width: int = 64) -> torch.Tensor:
-    condition = torch.zeros(batch, CONDITION_CHANNELS, 16, width)
-    condition[:, 1] = 1
-    for part in ("depth", "simulated"):
-        condition[:, CONDITION_PARTS[part]] = 1
-        condition[:, CONDITION_PARTS[part].start] = torch.rand(batch, 16, width)
+    """With everything open."""
+    condition = torch.randn(batch, CONDITION_CHANNELS, 16, width)
+    condition[:, CONDITION_PARTS["open"]] = 1
     return condition
 
 
@@ -57,7 +70,7 @@ def a_condition(batch: int = 2, width: int = 64) -> torch.Tensor:
 @torch.no_grad()
 def test_rolling_the_state_by_whole_cells_rolls_the_denoised(config: DenoiserConfig) -> None:
     denoiser = shaken(Denoiser.from_config(config))
-    x, sigma = torch.randn(2, 3, 16, 64), torch.tensor([0.1, 2.0])
+    x, sigma = a_state(), torch.tensor([0.1, 2.0])
     condition = a_condition() if config.condition else None
     rolled = None if condition is None else condition.roll(16, dims=-1)
     y = denoiser.denoise(x, sigma, BEAMS, condition, wraps=True)
@@ -78,7 +91,7 @@ def test_only_a_ring_knows_the_other_end(config: DenoiserConfig) -> None:
     for module in denoiser.modules():
         if isinstance(module, torch.nn.GroupNorm):
             module.forward = lambda x: x  # type: ignore[method-assign]
-    x, sigma = torch.randn(1, 3, 16, 512), torch.tensor([0.5])
+    x, sigma = a_state(1, 512), torch.tensor([0.5])
     changed = x.clone()
     changed[..., -8:] += 1
     condition = a_condition(1, 512) if config.condition else None
@@ -97,7 +110,7 @@ def test_only_a_ring_knows_the_other_end(config: DenoiserConfig) -> None:
 @torch.no_grad()
 def test_the_network_knows_its_rays() -> None:
     denoiser = shaken(Denoiser.from_config(TINY))
-    x, sigma = torch.randn(1, 3, 16, 64), torch.tensor([0.5])
+    x, sigma = a_state(1), torch.tensor([0.5])
     assert not torch.allclose(
         denoiser.denoise(x, sigma, BEAMS, wraps=True), denoiser.denoise(x, sigma, BEAMS.flip(-2), wraps=True), atol=1e-3
     )
@@ -107,7 +120,7 @@ def test_the_network_knows_its_rays() -> None:
 @torch.no_grad()
 def test_a_sample_does_not_depend_on_its_batch(config: DenoiserConfig) -> None:
     denoiser = shaken(Denoiser.from_config(config))
-    x, sigma = torch.randn(3, 3, 16, 64), torch.tensor([0.1, 1.0, 9.0])
+    x, sigma = a_state(3), torch.tensor([0.1, 1.0, 9.0])
     condition = a_condition(3) if config.condition else None
     together = denoiser.denoise(x, sigma, BEAMS, condition, wraps=True)
     one = None if condition is None else condition[1:2]
@@ -115,11 +128,11 @@ def test_a_sample_does_not_depend_on_its_batch(config: DenoiserConfig) -> None:
     torch.testing.assert_close(together[1:2], alone, atol=1e-4, rtol=1e-3)
 
 
-@pytest.mark.parametrize("part", ["class", "depth", "simulated"])
+@pytest.mark.parametrize("part", ["depth", "class", "simulated"])
 @torch.no_grad()
 def test_a_network_sees_the_parts_of_the_condition_that_it_names(part: str) -> None:
     denoiser = shaken(Denoiser.from_config(dataclasses.replace(CONDITIONED, condition=(part,))))
-    x, sigma, condition = torch.randn(1, 3, 16, 64), torch.tensor([0.5]), a_condition(1)
+    x, sigma, condition = a_state(1), torch.tensor([0.5]), a_condition(1)
     y = denoiser.denoise(x, sigma, BEAMS, condition, wraps=True)
     for other, channels in CONDITION_PARTS.items():
         changed = condition.clone()
@@ -128,7 +141,7 @@ def test_a_network_sees_the_parts_of_the_condition_that_it_names(part: str) -> N
 
 
 def test_a_condition_needs_a_place_and_a_place_a_condition() -> None:
-    x, sigma = torch.zeros(2, 3, 16, 64), torch.ones(2)
+    x, sigma = a_state(), torch.ones(2)
     with pytest.raises(CheckpointError, match="a condition was given, but these weights have no place for one"):
         Denoiser.from_config(TINY).denoise(x, sigma, BEAMS, a_condition(), wraps=True)
     with pytest.raises(CheckpointError, match="these weights need a condition"):
@@ -138,9 +151,7 @@ def test_a_condition_needs_a_place_and_a_place_a_condition() -> None:
 @torch.no_grad()
 def test_an_untrained_network_is_the_best_guess_for_white_data_and_loses_one() -> None:
     denoiser = Denoiser.from_config(TINY).eval()
-    with torch.no_grad():
-        denoiser.network.head.bias.zero_()
-    clean = SIGMA_DATA * torch.randn(4, 3, 16, 64)
+    clean = SIGMA_DATA * a_state(4)
     clean[:, VALIDITY] = clean[:, VALIDITY].abs() + 1e-3  # every pixel has a return
     noise, sigma = torch.randn_like(clean), torch.tensor([0.02, 0.2, 1.0, 10.0])
     torch.testing.assert_close(denoiser.loss(clean, sigma, noise, BEAMS, wraps=True), torch.ones(4), atol=0.1, rtol=0)
@@ -149,36 +160,83 @@ def test_an_untrained_network_is_the_best_guess_for_white_data_and_loses_one() -
 @torch.no_grad()
 def test_dropped_pixels_do_not_count() -> None:
     denoiser = Denoiser.from_config(TINY).eval()
-    clean = torch.zeros(1, 3, 16, 64)
+    clean = torch.zeros(1, STATE_CHANNELS, 16, 64)
     clean[:, VALIDITY] = 1
     clean[:, VALIDITY, :, 20:30] = -1
-    noise, sigma = torch.randn(1, 3, 16, 64), torch.tensor([0.5])
-    # A network that is silent (its head starts at zero, but for the bias) answers for each pixel alone.
-    with torch.no_grad():
-        denoiser.network.head.bias.zero_()
+    noise, sigma = a_state(1), torch.tensor([0.05])
+    # A network that is silent, as its head starts at zero, answers for each pixel alone.
     loss = denoiser.loss(clean, sigma, noise, BEAMS, wraps=True)
     ignored = noise.clone()
-    ignored[:, [DEPTH, INTENSITY], :, 20:30] += 5
+    ignored[:, [DEPTH, INTENSITY, *range(CLASS.start, CLASS.stop)], :, 20:30] += 5
     torch.testing.assert_close(denoiser.loss(clean, sigma, ignored, BEAMS, wraps=True), loss)
     counted = noise.clone()
-    counted[:, VALIDITY, :, 20:30] += 5
+    counted[:, VALIDITY, :, 20:30] += 10
     assert denoiser.loss(clean, sigma, counted, BEAMS, wraps=True) > loss + 0.1
 
 
 def test_the_loss_of_a_crop_without_any_return_is_finite() -> None:
-    clean = -torch.ones(1, 3, 16, 64)
+    clean = -torch.ones(1, STATE_CHANNELS, 16, 64)
     loss = Denoiser.from_config(TINY).loss(clean, torch.ones(1), torch.randn_like(clean), BEAMS, wraps=True)
     assert loss.isfinite().all()
 
 
 def test_widths_that_no_group_divides_are_fine() -> None:
     config = dataclasses.replace(CONTROLLED, widths=(6, 10, 7, 9))
-    y = Denoiser.from_config(config).denoise(
-        torch.zeros(1, 3, 16, 64), torch.ones(1), BEAMS, a_condition(1), wraps=True
-    )
-    assert y.shape == (1, 3, 16, 64)
+    y = Denoiser.from_config(config).denoise(a_state(1), torch.ones(1), BEAMS, a_condition(1), wraps=True)
+    assert y.shape == (1, STATE_CHANNELS, 16, 64)
 
 
 def test_odd_numbers_of_cells_are_fine() -> None:
-    y = Denoiser.from_config(TINY).denoise(torch.zeros(1, 3, 16, 60), torch.ones(1), rays(60), wraps=True)
-    assert y.shape == (1, 3, 16, 60)
+    y = Denoiser.from_config(TINY).denoise(a_state(1, 60), torch.ones(1), rays(60), wraps=True)
+    assert y.shape == (1, STATE_CHANNELS, 16, 60)
+
+
+@pytest.mark.parametrize("config", [CONDITIONED, COMPLETING, CONTROLLED], ids=["conditioned", "completing", "control"])
+@torch.no_grad()
+def test_what_is_built_on_a_base_begins_as_that_base(config: DenoiserConfig) -> None:
+    base = shaken(Denoiser.from_config(TINY))
+    x, sigma = a_state(), torch.tensor([0.1, 2.0])
+    before = base.denoise(x, sigma, BEAMS, wraps=True)
+    build = base.with_controlnet if config.controlnet else base.with_condition
+    built = build(config).eval()
+    assert built.config == config
+    torch.testing.assert_close(built.denoise(x, sigma, BEAMS, a_condition(), wraps=True), before, atol=1e-5, rtol=1e-5)
+    assert all(weight.requires_grad != config.controlnet for weight in built.network.parameters())
+    heeded = shaken(built).denoise(x, sigma, BEAMS, a_condition(), wraps=True)
+    assert not torch.allclose(heeded, shaken(built).denoise(x, sigma, BEAMS, a_condition().flip(-1), wraps=True))
+    assert (built.base().config == TINY) == config.controlnet
+
+
+def half_open() -> tuple[torch.Tensor, torch.Tensor]:
+    """A condition whose right half is open, and that half, bool [16, 64]."""
+    condition, is_open = a_condition(), torch.zeros(16, 64, dtype=torch.bool)
+    is_open[:, 32:] = True
+    condition[:, CONDITION_PARTS["open"]] = is_open.float()
+    return condition, is_open
+
+
+@torch.no_grad()
+def test_a_completing_network_leaves_what_is_given_exactly_as_simulated() -> None:
+    denoiser = shaken(Denoiser.from_config(COMPLETING))
+    condition, is_open = half_open()
+    y = denoiser.denoise(a_state(), torch.tensor([0.1, 2.0]), BEAMS, condition, wraps=True)
+    simulated = condition[:, CONDITION_PARTS["simulated"]]
+    assert torch.equal(y[..., ~is_open], simulated[..., ~is_open])
+    assert (y[..., is_open] != simulated[..., is_open]).float().mean() > 0.99
+
+
+@torch.no_grad()
+def test_the_loss_of_a_completing_network_is_that_of_the_open_pixels() -> None:
+    denoiser = shaken(Denoiser.from_config(COMPLETING))
+    condition, is_open = half_open()
+    clean, sigma, noise = a_state(), torch.tensor([0.1, 2.0]), a_state()
+    loss = denoiser.loss(clean, sigma, noise, BEAMS, condition, wraps=True)
+    given, made = clean.clone(), clean.clone()
+    given[..., ~is_open] += 1
+    made[..., is_open] += 1
+    # what is given is the simulated scan, whatever the scan has there
+    assert torch.equal(denoiser.loss(given, sigma, noise, BEAMS, condition, wraps=True), loss)
+    assert (denoiser.loss(made, sigma, noise, BEAMS, condition, wraps=True) != loss).all()
+    everything = a_condition()
+    everything[:, CONDITION_PARTS["open"]] = 0
+    assert not denoiser.loss(clean, sigma, noise, BEAMS, everything, wraps=True).any()  # nothing is open

@@ -5,30 +5,36 @@ from typing import Any
 
 import pytest
 
+from lidardraft.diffusion.codec import RAY_CHANNELS
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.errors import LidarDraftError
 from lidardraft.training import recipes
 
-TINY = DenoiserConfig(cell=(2, 4), widths=(8, 8, 16, 16), strides=(1, 2, 2, 1), dilations=(1, 1, 1, 2), condition=())
-CONDITIONED = dataclasses.replace(TINY, condition=("class", "depth", "simulated"))
-CONTROLLED = dataclasses.replace(CONDITIONED, controlnet=True)
+TINY = DenoiserConfig(cell=(2, 4), widths=(8, 8, 16, 16), strides=(1, 2, 2, 1), dilations=(1, 1, 1, 2))
+CONDITIONED = dataclasses.replace(TINY, condition=("depth", "class", "simulated"))
+CONTROLLED = dataclasses.replace(TINY, condition=("depth", "class"), controlnet=True)
 
 
-def test_what_is_not_said_is_as_in_the_weights_that_ship() -> None:
+def test_what_is_not_said_is_as_in_the_base_of_the_weights_that_ship() -> None:
     given = {"cell", "widths", "strides", "dilations"}
-    shipped = recipes.small().stages[-1].denoiser
+    base = recipes.small().stages[0].denoiser
     for field in dataclasses.fields(DenoiserConfig):
-        assert field.name in given or getattr(shipped, field.name) == field.default
+        assert field.name in given or getattr(base, field.name) == field.default
 
 
-def test_the_simulated_scan_stands_beside_the_state_and_the_cast_in_the_context() -> None:
-    assert (TINY.inputs, TINY.context) == (6, 4) == (CONTROLLED.inputs, CONTROLLED.context)
-    assert (CONDITIONED.inputs, CONDITIONED.context) == (6 + 3, 4 + len(CONDITIONED.in_context))
-    assert len(CONDITIONED.in_context) + len(CONDITIONED.beside_state) == len(CONTROLLED.condition_channels)
+def test_a_condition_stands_beside_the_rays_unless_a_controlnet_sees_it() -> None:
+    assert TINY.context == CONTROLLED.context == RAY_CHANNELS
+    assert CONDITIONED.context == RAY_CHANNELS + len(CONDITIONED.condition_channels)
+    assert len(CONDITIONED.condition_channels) == 2 + 5 + 8
+
+
+def test_weights_that_see_what_is_open_complete() -> None:
+    assert dataclasses.replace(TINY, condition=("simulated", "open")).completes
+    assert not CONDITIONED.completes
 
 
 def test_the_config_survives_json() -> None:
-    for config in (TINY, CONDITIONED, dataclasses.replace(CONTROLLED, copy_gate=False, cell=(1, 1))):
+    for config in (TINY, CONDITIONED, dataclasses.replace(CONTROLLED, cell=(1, 1))):
         assert DenoiserConfig.from_dict(config.to_dict()) == config
     with pytest.raises(TypeError):
         DenoiserConfig.from_dict({**TINY.to_dict(), "depth": 3})
@@ -43,11 +49,16 @@ def test_the_config_survives_json() -> None:
         ({"strides": (1, 2)}, r"strides \(1, 2\) and dilations \(1, 1, 1, 2\) must match"),
         ({"blocks": 0}, "blocks is 0; it must be 1 to 64"),
         (
-            {"condition": ("depth", "class")},
-            r"condition is \('depth', 'class'\); it must be some of class, depth, simul",
+            {"condition": ("class", "depth")},
+            r"condition is \('class', 'depth'\); it must be some of depth, class, simul",
         ),
-        ({"condition": ("smell",)}, r"condition is \('smell',\); it must be some of class, depth, simulated, in this"),
-        ({"controlnet": True}, "a ControlNet needs a condition"),
+        (
+            {"condition": ("smell",)},
+            r"condition is \('smell',\); it must be some of depth, class, simulated, open, in ",
+        ),
+        ({"controlnet": True}, r"condition is \(\); a ControlNet sees depth, class or both"),
+        ({"condition": ("simulated",), "controlnet": True}, "a ControlNet sees depth, class or both"),
+        ({"condition": ("open",)}, "completed in the simulated scan; the condition must have it"),
         ({"pools": 2.5}, "pools is 2.5; it must be 0 to 64"),
     ],
 )

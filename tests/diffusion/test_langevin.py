@@ -1,6 +1,7 @@
 """Annealed Langevin dynamics against denoisers that are known exactly."""
 
 import itertools
+from typing import Any
 
 import pytest
 import torch
@@ -110,9 +111,8 @@ def test_a_level_takes_its_updates_and_the_last_one_call_more() -> None:
 @torch.no_grad()
 def test_sample_k_does_not_depend_on_the_batch() -> None:
     torch.manual_seed(0)
-    config = DenoiserConfig(
-        cell=(2, 4), widths=(8, 8), strides=(1, 2), dilations=(1, 1), controlnet=True, copy_gate=False
-    )
+    shape: dict[str, Any] = {"cell": (2, 4), "widths": (8, 8), "strides": (1, 2), "dilations": (1, 1)}
+    config = DenoiserConfig(**shape, condition=("depth", "class"), controlnet=True)
     denoiser = Denoiser.from_config(config).eval()
     for weight in denoiser.parameters():
         weight += 0.05 * torch.randn_like(weight)

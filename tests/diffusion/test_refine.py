@@ -19,6 +19,11 @@ def test_max_pooling_by_rows_and_columns_is_the_square_one(wraps: bool) -> None:
 
 
 def test_a_refine_block_fuses_a_coarser_stage_of_any_size() -> None:
-    block = RefineBlock(4, 6, 5, units=1, pools=1)
+    block = RefineBlock(4, 6, 5, units=1, pools=1, groups=2)
     assert block(torch.zeros(1, 4, 8, 15), torch.zeros(1, 6, 4, 8), True).shape == (1, 5, 8, 15)
-    assert RefineBlock(4, None, 5, units=2, pools=2)(torch.zeros(1, 4, 8, 15), None, True).shape == (1, 5, 8, 15)
+    assert RefineBlock(4, None, 5, units=2, pools=2, groups=2)(torch.zeros(1, 4, 8, 15), None, True).shape == (
+        1,
+        5,
+        8,
+        15,
+    )

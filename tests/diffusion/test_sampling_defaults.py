@@ -4,7 +4,7 @@ import inspect
 import pytest
 
 from lidardraft.cli.arguments import add_weights
-from lidardraft.diffusion.sampling_defaults import START, STEPS
+from lidardraft.diffusion.sampling_defaults import STEPS
 from lidardraft.pipeline import Pipeline
 
 
@@ -12,7 +12,5 @@ from lidardraft.pipeline import Pipeline
 def test_python_and_the_command_line_sample_alike(function: object) -> None:
     parser = argparse.ArgumentParser()
     add_weights(parser)
-    said = parser.parse_args([])
-    parameters = inspect.signature(function).parameters
-    assert (said.steps, said.start) == (STEPS, START)
-    assert (parameters["steps"].default, parameters["start"].default) == (STEPS, START)
+    assert parser.parse_args([]).steps == STEPS
+    assert inspect.signature(function).parameters["steps"].default == STEPS

@@ -20,6 +20,7 @@ def test_boxes_stand_where_they_were_on_a_road_under_all_of_them() -> None:
     assert layout["house"].instance == 0
     assert layout["ground"].label == "road"
     assert layout["ground"].size[0] > 140
+    assert [primitive.id for primitive in layout if primitive.open] == ["ground"]
     assert check(layout) == []
 
 

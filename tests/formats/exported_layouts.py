@@ -10,6 +10,7 @@ CONE = Primitive(
 EVERYTHING = Layout(
     primitives=(
         Primitive(shape="plane", center=(0, 0, 0), size=(100, 8, 0), label="road", id="road"),
+        Primitive(shape="plane", center=(0, 0, -0.1), size=(99, 99, 0), label="terrain", id="lawn", open=True),
         Primitive(
             shape="box",
             center=(12, 0.1, 0.75),

@@ -12,7 +12,9 @@ from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter, SegmenterConfig
 from lidardraft.perception.spherical_grid import SphericalGrid
 
-CONFIG = DenoiserConfig(cell=(2, 4), widths=(8, 8), strides=(1, 2), dilations=(1, 1), controlnet=True)
+CONFIG = DenoiserConfig(
+    cell=(2, 4), widths=(8, 8), strides=(1, 2), dilations=(1, 1), condition=("depth", "class"), controlnet=True
+)
 
 
 @pytest.fixture
@@ -63,7 +65,7 @@ def test_what_is_not_ours_is_refused(tmp_path: Path) -> None:
         weight_file.load(tmp_path, Denoiser)
     foreign = tmp_path / "foreign.safetensors"
     save_file({"weight": torch.zeros(3)}, foreign)
-    with pytest.raises(CheckpointError, match=r"schema is None; it must be 'lidardraft.denoiser/1'"):
+    with pytest.raises(CheckpointError, match=r"schema is None; it must be 'lidardraft.denoiser/2'"):
         weight_file.load(foreign, Denoiser)
     with pytest.raises(CheckpointError, match="schema is None"):
         weight_file.read_card(foreign)
@@ -90,10 +92,10 @@ def test_tensors_that_do_not_fit_are_refused(path: Path) -> None:
         weight_file.load(rewritten(path, {key: t for key, t in tensors.items() if key != name}), Denoiser)
     with pytest.raises(CheckpointError, match="tensor 'spare' is unknown"):
         weight_file.load(rewritten(path, {**tensors, "spare": torch.zeros(1)}), Denoiser)
-    with pytest.raises(CheckpointError, match=rf"tensor '{name}' is \[3\]; it must be \[24\]"):
+    with pytest.raises(CheckpointError, match=rf"tensor '{name}' is \[3\]; it must be \[64\]"):
         weight_file.load(rewritten(path, {**tensors, name: torch.zeros(3)}), Denoiser)
     with pytest.raises(CheckpointError, match=f"tensor '{name}' holds values that are not finite"):
-        weight_file.load(rewritten(path, {**tensors, name: torch.full((24,), torch.nan)}), Denoiser)
+        weight_file.load(rewritten(path, {**tensors, name: torch.full((64,), torch.nan)}), Denoiser)
 
 
 @pytest.mark.parametrize(
@@ -112,7 +114,7 @@ def test_each_network_reads_its_own_weights(path: Path, tmp_path: Path) -> None:
     assert again.config == segmenter.config
     assert all(torch.equal(again.state_dict()[name], weight) for name, weight in segmenter.state_dict().items())
     assert weight_file.read_card(tmp_path / "segmenter.safetensors") == {"score": 1}
-    with pytest.raises(CheckpointError, match=r"'lidardraft.segmenter/1'; it must be 'lidardraft.denoiser/1'"):
+    with pytest.raises(CheckpointError, match=r"'lidardraft.segmenter/1'; it must be 'lidardraft.denoiser/2'"):
         weight_file.load(tmp_path / "segmenter.safetensors", Denoiser)
-    with pytest.raises(CheckpointError, match=r"'lidardraft.denoiser/1'; it must be 'lidardraft.segmenter/1'"):
+    with pytest.raises(CheckpointError, match=r"'lidardraft.denoiser/2'; it must be 'lidardraft.segmenter/1'"):
         weight_file.load(path, Segmenter)

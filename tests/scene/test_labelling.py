@@ -63,6 +63,20 @@ def test_a_return_of_a_moving_sensor_is_where_its_column_was() -> None:
     assert (still.label[crown] == 0).all()
 
 
+def test_what_is_known_of_no_shape_keeps_the_class_that_the_scan_has() -> None:
+    condition_image = raycast(LAYOUT, SENSOR)
+    car = condition_image.label == BY_NAME["car"].id
+    pole = np.full_like(condition_image.label, BY_NAME["pole"].id) * condition_image.valid
+    depth, instance = np.where(car, np.float32(40), condition_image.depth), np.full(SENSOR.shape, 3, np.uint32)
+    scan = dataclasses.replace(condition_image, depth=depth, label=pole, instance=instance)
+    labelled = label_by_agreement(scan, [condition_image], LAYOUT, POSE)
+    assert car.any()
+    assert (labelled.label[car] == BY_NAME["pole"].id).all()
+    assert (labelled.instance[car] == 3).all()
+    rest = ~car & labelled.valid
+    np.testing.assert_array_equal(labelled.label[rest], condition_image.label[rest])
+
+
 def test_a_return_where_the_condition_image_has_nothing_stays_without_class() -> None:
     condition_image = raycast(LAYOUT, SENSOR)
     car = condition_image.label == BY_NAME["car"].id

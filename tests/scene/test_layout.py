@@ -24,6 +24,7 @@ primitives = st.builds(
     yaw=numbers,
     instance=st.integers(0, 65535),
     material=st.none() | st.just("glass"),
+    open=st.booleans(),
 )
 
 
@@ -59,6 +60,12 @@ def test_the_json_names_the_class_and_has_one_primitive_a_line():
         "instance": 1,
     }
     assert len(text.splitlines()) == 3
+
+
+def test_the_json_says_of_open_shapes_alone_that_they_are():
+    text = Layout(primitives=(dataclasses.replace(CAR, open=True),)).to_json()
+    assert json.loads(text)["primitives"][0] == {**CAR.to_dict(), "open": True}
+    assert "open" not in CAR.to_dict()
 
 
 def test_the_class_table_is_its_own_index():
@@ -116,6 +123,7 @@ def test_boxes_come_in_the_order_of_instances():
         ({"yaw": "north"}, r"car_1: yaw is 'north'; it must be a finite number of radians"),
         ({"instance": 65536}, r"car_1: instance is 65536; it must be 0 to 65535"),
         ({"instance": -1}, r"car_1: instance is -1; it must be 0 to 65535"),
+        ({"open": 1}, r"car_1: open is 1; it must be true or false"),
         ({"id": ""}, r"id is ''; it must be a non-empty string"),
         ({"id": "car_\ud800"}, r"id is 'car_.ud800'; it must be a non-empty string of whole"),
     ],
@@ -221,6 +229,7 @@ def row(**changes):
             document(primitives=row(shape="mesh", vertices=[[0, 0, 10**400]], faces=[[0, 1, 2]])),
             r"car_1: a mesh needs vertices",
         ),
+        (document(primitives=row(open="yes")), r"car_1: open is 'yes'; it must be true or false"),
         (document(coverage=[0]), r"layout: coverage is \[0\]; it must be 2 finite numbers"),
     ],
 )

@@ -109,6 +109,7 @@ def test_junctions() -> None:
     assert not Road().in_junction(0.0)
     ids = [p.id for p in road.surfaces()]
     assert ids == ["terrain", "road", "sidewalk_1", "sidewalk_2", "sidewalk_3", "road_left"]
+    assert [p.id for p in road.surfaces() if p.open] == ["terrain"]
     arm = road.surfaces()[-1]
     assert arm.center[1] - arm.size[0] / 2 == pytest.approx(road.edge - road.lane(0))
 

@@ -7,7 +7,7 @@ from lidardraft.training import recipes
 from lidardraft.training.ablation import ARMS
 
 RECIPE = recipes.small_paper()
-BASE, CONTROL = RECIPE.stages
+*_, BASE, CONTROL = RECIPE.stages
 
 
 def test_the_papers_own_row_is_its_recipe() -> None:
@@ -34,7 +34,7 @@ def test_budgets_are_equal() -> None:
     stage = ARMS["condition concatenated"].stage(RECIPE)
     assert stage.steps == BASE.steps + CONTROL.steps
     assert not stage.denoiser.controlnet
-    assert stage.denoiser.condition == ("class", "depth")
+    assert stage.denoiser.condition == ("depth", "class")
 
 
 def test_without_tuning_the_zero_convolutions_learn_alone_to_the_end() -> None:

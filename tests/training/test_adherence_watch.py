@@ -10,6 +10,7 @@ import pytest
 import torch
 from safetensors.torch import load_file
 
+from lidardraft.diffusion.codec import CONDITION_PARTS
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.errors import TrainingError
 from lidardraft.networks import weight_file
@@ -51,7 +52,7 @@ def test_a_network_that_heeds_its_condition_is_not(watch: AdherenceWatch, fresh:
     obeying = copy.deepcopy(fresh)
 
     def denoise(_x: object, _sigma: object, _rays: object, condition: torch.Tensor, **_: object) -> torch.Tensor:
-        return condition[:, -3:]  # the simulated scan
+        return condition[:, CONDITION_PARTS["simulated"]]
 
     obeying.denoise = denoise  # type: ignore[method-assign, assignment]
     measured = watch.measure(obeying)

@@ -5,17 +5,25 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from box_pairs import SENSOR, noted
+from box_pairs import SENSOR, make_pair, noted
 from safetensors.torch import load_file
 
-from lidardraft.diffusion.codec import CONDITION_CHANNELS, CONDITION_PARTS, encode_scan
+from lidardraft.diffusion.codec import (
+    CONDITION_CHANNELS,
+    CONDITION_PARTS,
+    DEPTH,
+    RAY_CHANNELS,
+    STATE_CHANNELS,
+    encode_scan,
+)
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.errors import TrainingError
 from lidardraft.networks import weight_file
+from lidardraft.scene.blocked import Blocked
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.training import denoising, recipes
-from lidardraft.training.denoising import train_denoiser
+from lidardraft.training.denoising import thinned, train_denoiser
 from lidardraft.training.mixed_source import MixedSource
 from lidardraft.training.pairs import Pair, PairFolder, write_pairs
 from lidardraft.training.processes import ALONE, Processes
@@ -64,10 +72,12 @@ def test_the_control_learns_and_the_base_stays(pairs: PairFolder, base: Path, tm
 
 def test_the_control_uses_the_condition(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
     list(
-        train_denoiser(dataclasses.replace(CONTROL, steps=20), pairs, tmp_path, begin=weight_file.load(base, Denoiser))
+        train_denoiser(
+            dataclasses.replace(CONTROL, learning_rate=0.1), pairs, tmp_path, begin=weight_file.load(base, Denoiser)
+        )
     )
     denoiser = weight_file.load(tmp_path / "weights.safetensors", Denoiser)
-    x, sigma, rays = torch.randn(1, 3, 16, 128), torch.ones(1), torch.zeros(4, 16, 128)
+    x, sigma, rays = torch.randn(1, STATE_CHANNELS, 16, 128), torch.ones(1), torch.zeros(RAY_CHANNELS, 16, 128)
     condition = torch.rand(1, CONDITION_CHANNELS, 16, 128)
     with torch.no_grad():
         denoised, mirrored, free = (
@@ -89,12 +99,11 @@ def test_at_first_only_the_zero_convolutions_learn(pairs: PairFolder, base: Path
         torch.manual_seed(config.seed)
         fresh = begin.with_controlnet(config.denoiser).state_dict()
     changed = {name for name in fresh if not torch.equal(fresh[name], after[name])}
-    convs = ["enter", *(f"leave.{stage}" for stage in range(4))]
-    assert changed == {f"controlnet.{conv}.{part}" for conv in convs for part in ("weight", "bias")}
+    assert changed == {f"controlnet.leave.{stage}.{part}" for stage in range(4) for part in ("weight", "bias")}
     # and then all of them
     list(train_denoiser(dataclasses.replace(config, steps=6), pairs, tmp_path, begin=weight_file.load(base, Denoiser)))
     later = load_file(tmp_path / "weights.safetensors")
-    assert not torch.equal(later["controlnet.embed.weight"], after["controlnet.embed.weight"])
+    assert not torch.equal(later["controlnet.gain.0.bias"], after["controlnet.gain.0.bias"])
     assert not torch.equal(later["controlnet.encoder.stem.weight"], after["controlnet.encoder.stem.weight"])
 
 
@@ -131,7 +140,7 @@ def test_a_control_does_not_go_on_with_another_base(pairs: PairFolder, base: Pat
 def test_zero_convolutions_that_stay_zero_are_reported(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
     # A learning rate of 0 is the simplest way to a ControlNet that adds nothing.
     silent = dataclasses.replace(CONTROL, steps=20, batch=1, learning_rate=0.0)
-    with pytest.raises(TrainingError, match="zero convolution 'enter' is still zero after 20 steps"):
+    with pytest.raises(TrainingError, match=r"zero convolution 'leave\.0' is still zero after 20 steps"):
         list(train_denoiser(silent, pairs, tmp_path, begin=weight_file.load(base, Denoiser)))
 
 
@@ -159,7 +168,7 @@ def test_a_config_that_cannot_be_trained_is_refused(
 def test_a_sensor_that_is_no_whole_cells_is_refused(tmp_path: Path) -> None:
     odd = Sensor(name="odd", elevations=SENSOR.elevations, columns=66)
     list(write_pairs(tmp_path / "pairs", [noted(0, odd)]))
-    with pytest.raises(TrainingError, match=r"odd is \(16, 66\); this recipe needs multiples of \(2, 4\)"):
+    with pytest.raises(TrainingError, match=r"odd is \(16, 66\); this recipe needs multiples of \(4, 8\)"):
         next(train_denoiser(BASE, PairFolder(tmp_path / "pairs"), tmp_path / "run"))
     assert not (tmp_path / "run").exists()
 
@@ -168,7 +177,7 @@ def test_in_a_mixture_too(pairs: PairFolder, tmp_path: Path) -> None:
     odd = Sensor(name="odd", elevations=SENSOR.elevations, columns=66)
     list(write_pairs(tmp_path / "pairs", [noted(0, odd)]))
     mixed = MixedSource((pairs, PairFolder(tmp_path / "pairs")), (1.0, 1.0))
-    with pytest.raises(TrainingError, match=r"odd is \(16, 66\); this recipe needs multiples of \(2, 4\)"):
+    with pytest.raises(TrainingError, match=r"odd is \(16, 66\); this recipe needs multiples of \(4, 8\)"):
         next(train_denoiser(BASE, mixed, tmp_path / "run"))
 
 
@@ -218,7 +227,8 @@ def test_a_full_turn_is_learned_as_a_ring(span: float, tmp_path: Path) -> None:
 
 
 def test_half_of_the_batches_are_mirrored(pairs: PairFolder) -> None:
-    one = dataclasses.replace(GENERATOR, batch=1)
+    simulated_seen = dataclasses.replace(BASE.denoiser, condition=("simulated",))
+    one = dataclasses.replace(BASE, batch=1, denoiser=simulated_seen, thinnings=(1,))
     mirrored = []
     for step in range(12):
         clean, _, _, rays, condition, *_ = denoising._batch(one, pairs, ALONE, step)
@@ -232,13 +242,68 @@ def test_half_of_the_batches_are_mirrored(pairs: PairFolder) -> None:
         # what belongs together is turned together
         both = (clean[0, 2] > 0) & (simulated[0, 2] > 0)
         assert (clean[0, 0] - simulated[0, 0])[both].abs().median() < 0.01
-        assert rays.shape == (4, 16, 128)
+        assert rays.shape == (RAY_CHANNELS, 16, 128)
     assert 0 < sum(mirrored) < 12
 
 
+@pytest.mark.parametrize("blocked", [(), (((-0.5, 0.5),),) * 16])
+def test_a_thinned_scan_is_that_of_a_sensor_with_every_second_beam_and_column(blocked: Blocked) -> None:
+    sensor = dataclasses.replace(SENSOR, blocked=blocked, azimuth_offsets=tuple(np.linspace(0, 0.1, 16).tolist()))
+    hidden = sensor.blocked_pixels
+    scan = make_pair(0, sensor).scan
+    few = thinned(scan, 2)
+    assert few.sensor.shape == few.depth.shape == (8, 64)
+    assert few.sensor.elevations == sensor.elevations[::2]
+    assert few.sensor.azimuth_offsets == sensor.azimuth_offsets[::2]
+    for name in ("depth", "label", "instance", "intensity"):
+        np.testing.assert_array_equal(getattr(few, name), getattr(scan, name)[::2, ::2])
+    assert (few.sensor.blocked_pixels == hidden[::2, ::2]).mean() > 0.98  # half a column off
+    assert few.sensor.blocked_pixels.any() == bool(blocked)
+    # the same ground, in other numbers of beams and columns
+    np.testing.assert_array_equal(encode_scan(few)[DEPTH][few.valid], encode_scan(scan)[DEPTH, ::2, ::2][few.valid])
+
+
+def test_a_thinned_step_learns_from_more_scans_of_fewer_pixels(pairs: PairFolder) -> None:
+    shapes = set()
+    for step in range(8):
+        clean, sigma, noise, rays, condition, *_ = denoising._batch(GENERATOR, pairs, ALONE, step)
+        assert clean.shape == noise.shape
+        assert len(sigma) == len(clean) == len(condition)
+        assert rays.shape[1:] == condition.shape[2:] == clean.shape[2:]
+        shapes.add(tuple(clean.shape))
+    assert shapes == {(4, STATE_CHANNELS, 16, 128), (16, STATE_CHANNELS, 8, 64)}
+
+
+def test_what_a_step_leaves_open_differs_from_scan_to_scan_and_is_the_same_again(pairs: PairFolder) -> None:
+    config = dataclasses.replace(GENERATOR, batch=8, thinnings=(1,))
+    first, again = (denoising._batch(config, pairs, ALONE, 0)[4] for _ in range(2))
+    assert torch.equal(first, again)
+    assert len({float(one.mean()) for one in first[:, CONDITION_PARTS["open"]]}) > 3
+    seen = dataclasses.replace(config, denoiser=dataclasses.replace(config.denoiser, condition=("simulated",)))
+    assert not denoising._batch(seen, pairs, ALONE, 0)[4][:, CONDITION_PARTS["open"]].any()
+
+
+def test_what_the_vehicle_hides_is_not_left_open(tmp_path: Path) -> None:
+    hidden = dataclasses.replace(SENSOR, blocked=(((-1.5, 1.5),),) * 16)
+    list(write_pairs(tmp_path, [noted(seed, hidden) for seed in range(4)]))
+    config = dataclasses.replace(GENERATOR, batch=16, thinnings=(1,))
+    condition = denoising._batch(config, PairFolder(tmp_path), ALONE, 0)[4]
+    is_open = condition[:, CONDITION_PARTS["open"]].bool().numpy()[:, 0]
+    assert is_open.any()
+    assert not is_open[:, hidden.blocked_pixels].any()
+
+
+def test_weights_that_see_a_condition_go_on_from_a_base(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
+    begin = weight_file.load(base, Denoiser)
+    fresh, *_ = train_denoiser(dataclasses.replace(GENERATOR, steps=1), pairs, tmp_path / "fresh")
+    further, *_ = train_denoiser(dataclasses.replace(GENERATOR, steps=1), pairs, tmp_path / "further", begin=begin)
+    assert further.loss < fresh.loss
+    assert weight_file.load(tmp_path / "further" / "weights.safetensors", Denoiser).config.completes
+
+
 def test_a_base_of_another_shape_is_refused(pairs: PairFolder, tmp_path: Path) -> None:
-    other = Denoiser.from_config(dataclasses.replace(BASE.denoiser, refine_units=1))
-    with pytest.raises(TrainingError, match=r"are of a DenoiserConfig\(.*refine_units=1.*needs a .*refine_units=2"):
+    other = Denoiser.from_config(dataclasses.replace(BASE.denoiser, refine_units=2))
+    with pytest.raises(TrainingError, match=r"are of a DenoiserConfig\(.*refine_units=2.*needs a .*refine_units=1"):
         next(train_denoiser(CONTROL, pairs, tmp_path, begin=other))
     with pytest.raises(TrainingError, match="a ControlNet needs a base"):
         next(train_denoiser(CONTROL, pairs, tmp_path))

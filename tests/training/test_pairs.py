@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from box_pairs import SENSOR, make_pair, noted
 
-from lidardraft.diffusion.codec import encode_scan
+from lidardraft.diffusion.codec import MAX_DEPTH, decode_scan, encode_scan
 from lidardraft.errors import FormatError, TrainingError
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import CLASSES
@@ -132,7 +132,8 @@ def test_a_depth_that_does_not_fit_is_the_furthest_that_does(tmp_path: Path) -> 
     depth[0, 0] = 200.0
     list(write_pairs(tmp_path, [(pair._replace(scan=dataclasses.replace(pair.scan, depth=depth)), {})]))
     assert PairFolder(tmp_path)[0].scan.depth[0, 0] == pytest.approx(131.07)
-    assert encode_scan(PairFolder(tmp_path)[0].scan)[0, 0, 0] == 1
+    state = encode_scan(PairFolder(tmp_path)[0].scan)
+    assert decode_scan(state, far).depth[0, 0] == pytest.approx(MAX_DEPTH)
 
 
 def test_pairs_of_another_class_table_are_refused(tmp_path: Path) -> None:

@@ -29,7 +29,7 @@ STILL = Augmentation(
 TINY = SegmentationConfig(
     segmenter=SegmenterConfig(grid=SphericalGrid(rows=16, columns=128), widths=(8, 16)),
     steps=6,
-    learning_rate=5e-3,
+    learning_rate=0.05,
     warmup=2,
     ema=0.5,
     report_every=2,

@@ -32,9 +32,10 @@ def ablation(arguments: argparse.Namespace) -> None:
     from lidardraft.training.street_source import StreetSource
 
     sensor, num = read_sensor(arguments.sensor), arguments.num
+    *_, base, control = recipes.small_paper().stages
     base, control = (
         dataclasses.replace(stage, steps=steps, seed=arguments.seed)
-        for stage, steps in zip(recipes.small_paper().stages, (arguments.base_steps, arguments.steps), strict=True)
+        for stage, steps in ((base, arguments.base_steps), (control, arguments.steps))
     )
     # what is short has time to learn all of the ControlNet as well
     control = dataclasses.replace(control, zero_conv_steps=min(control.zero_conv_steps, control.steps // 10))
@@ -92,7 +93,7 @@ def _row(name: str, pairs: list[StreetPair], scans: list[RangeImage], heeded: fl
 
     scores = score(name, pairs, scans)
     mmd = bev_mmd((pair.scan.points() for pair in pairs), (scan.points() for scan in scans))
-    shown = f"{scores.objects:9.3f}{scores.drop:9.3f}{scores.jsd:9.3f}{1e4 * mmd:10.3f}{heeded:9.3f}"
+    shown = f"{scores.objects:9.3f}{scores.drop:9.3f}{scores.bev:9.3f}{1e4 * mmd:10.3f}{heeded:9.3f}"
     print(f"{name:28}{shown}", flush=True)
 
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lidardraft.diffusion.sampling_defaults import START, STEPS, STEPS_FROM_NOISE
+from lidardraft.diffusion.sampling_defaults import STEPS
 from lidardraft.errors import FormatError, SensorError, one_of
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.scene.weather import Weather
@@ -118,34 +118,16 @@ def add_training_device(parser: Options) -> None:
     parser.add_argument("--device", default="cpu", help="where torch trains: cpu, cuda, ... (default cpu)")
 
 
-def noise_level(text: str) -> float | None:
-    """The type of --start: a positive number, or None for `noise`."""
-    if text == "noise":
-        return None
-    try:
-        level = float(text)
-    except ValueError:
-        level = math.nan
-    if not 0 < level < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is no positive number, nor noise")
-    return level
-
-
 def add_weights(parser: Options) -> None:
-    """What runs the diffusion model: --weights, --steps, --start, --device."""
+    """What runs the diffusion model: --weights, --steps, --device."""
     parser.add_argument(
         "--weights",
         default="street",
         metavar="NAME",
         help="weights of the diffusion model: packaged ones by name, or a .safetensors file (default street)",
     )
-    text = f"steps of denoising, a call of the network each (default {STEPS}; from noise {STEPS_FROM_NOISE} are better)"
+    text = f"steps of denoising, a call of the network each (default {STEPS})"
     parser.add_argument("--steps", type=whole_number(1), default=STEPS, metavar="N", help=text)
-    text = (
-        "noise level from which the simulated scan of the layout is changed: a higher one changes more and keeps less "
-        f"to the layout; or noise, to start from noise alone (default {START})"
-    )
-    parser.add_argument("--start", type=noise_level, default=START, metavar="LEVEL", help=text)
     parser.add_argument("--device", default="cpu", help="where torch runs the model: cpu, cuda, ... (default cpu)")
 
 

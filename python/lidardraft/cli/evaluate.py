@@ -16,6 +16,20 @@ if TYPE_CHECKING:
     from lidardraft.streets import StreetPair
 
 _SEED = 1_000_000  # of streets that no training used
+# Fields of `Scores`, and what they are called.
+_COLUMNS = {
+    "objects": "objects",
+    "other": "other",
+    "overall": "all",
+    "drop": "drop",
+    "range": "range",
+    "height": "height",
+    "bev": "BEV",
+    "classes": "classes",
+    "holes": "holes",
+    "lone": "lone",
+    "own": "own",
+}
 
 
 def evaluate(arguments: argparse.Namespace) -> None:
@@ -24,15 +38,13 @@ def evaluate(arguments: argparse.Namespace) -> None:
     from lidardraft.pipeline import Pipeline
 
     sensor, num = read_sensor(arguments.sensor), arguments.num
-    pipeline = Pipeline.from_pretrained(
-        arguments.weights, device=arguments.device, steps=arguments.steps, start=arguments.start
-    )
+    pipeline = Pipeline.from_pretrained(arguments.weights, device=arguments.device, steps=arguments.steps)
     pairs = unseen_streets(num, sensor, arguments.seed)
-    print(f"{num} street{'s' * (num > 1)}, {sensor.name}, {arguments.steps} steps")
-    print(f"{'':16}{'objects':>9}{'all':>9}{'drop':>9}{'BEV JSD':>9}{'holes':>9}{'lone':>9}", flush=True)
+    half = ", half of each open" * pipeline.denoiser.config.completes
+    print(f"{num} street{'s' * (num > 1)}, {sensor.name}{half}, {arguments.steps} steps")
+    print(f"{'':16}{''.join(f'{name:>9}' for name in _COLUMNS.values())}", flush=True)
     for row in scores(pipeline, pairs):
-        numbers = (row.objects, row.overall, row.drop, row.jsd, row.holes, row.lone)
-        print(f"{row.name:16}{''.join(f'{number:9.3f}' for number in numbers)}")
+        print(f"{row.name:16}{''.join(f'{getattr(row, field):9.3f}' for field in _COLUMNS)}")
         print(f"    all, by class: {_by_class(row.by_class)}")
         if row.intensity:
             print(f"    intensity (JSD), by class: {_by_class(row.intensity)}")
@@ -68,14 +80,15 @@ def scores(pipeline: Pipeline, pairs: list[StreetPair]) -> Iterator[Scores]:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of the command."""
     parser.epilog = (
-        "objects, all: share of the returns on objects, or on anything, within 0.5 m or 5 % of the layout. drop: share "
-        "of the rays that hit the layout and return nothing. BEV JSD: how far the top views are from those of the "
-        "detailed scans; 0 is equal. holes: of the places between two returns of a surface within 20 m, the share that "
-        "returns nothing. lone: share of the returns that have no neighbour within 0.5 m and 3 %. intensity (JSD): how "
-        "far the intensities of a class are from those of the detailed scans. These are by the sensor model, as the "
-        "simulated ones are: so it says how much the generator changes, not whether it comes nearer to recordings. "
-        "untrained: the same network with random weights; where it has a copy gate it keeps the simulated depths, so "
-        "that training shows in what differs from this row."
+        "objects, all: share of the returns on objects, or on anything, within 0.5 m or 5 % of the layout; other: of "
+        "those on objects, with the layout of another street. drop: share of the rays that hit the layout and return "
+        "nothing. range, height, BEV, classes: Jensen-Shannon distances of ranges, heights, top views and classes from "
+        "those of the detailed scans; 0 is equal. holes: of the places between two returns of a surface within 20 m, "
+        "the share that returns nothing. lone: share of the returns that have no neighbour within 0.5 m and 3 %. own: "
+        "share of the returns that are not the simulated scan's. intensity (JSD): how far the intensities of a class "
+        "are from those of the detailed scans. Weights that complete are given half of each street: objects, other, "
+        "all and drop are then of the given halves, and the rest is of the open ones; bare is a lawn there. untrained: "
+        "the same network with random weights: what these and the rows before them reach too, training has not earned."
     )
     add_sensor(parser)
     add_weights(parser)

@@ -29,7 +29,6 @@ def generate(arguments: argparse.Namespace) -> None:
         arguments.weights,
         device=arguments.device,
         steps=arguments.steps,
-        start=arguments.start,
         langevin=arguments.langevin,
     )
     write_scans(arguments, _generated(pipeline, arguments, sensor, layout))
@@ -47,9 +46,12 @@ def _generated(pipeline: Pipeline, arguments: argparse.Namespace, sensor: Sensor
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of the command."""
     parser.epilog = (
-        "`generate` imitates the scans that its weights were trained on: seconds a scan, with labels from the layout "
-        "where the scan keeps to it. `simulate` works out what the sensor measures: milliseconds a scan, any sensor "
-        "and weather, exact labels. Weather and clutter are `simulate`'s alone: no weights have seen them."
+        "The weights `street` keep the simulated scan of what the layout gives, and make up what it leaves open: what "
+        "stands around a sentence's road, a sketch or boxes, and what a picture does not show; another world for each "
+        "seed. A recorded scan, a 3D model or a Blender script leaves nothing open: there `generate` adds nothing to "
+        "`simulate`, and says so. The weights `paper` make the whole scan from noise, guided by the layout, as the "
+        "paper does. Classes of what is made up are the network's. Weather and clutter are `simulate`'s alone: no "
+        "weights have seen them."
     )
     add_inputs(parser)
     add_speed(parser.add_argument_group("world"))
@@ -57,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_weights(model)
     text = (
         "sample by annealed Langevin dynamics as the paper does, with N updates a step (LiDARGen: --steps 232 "
-        "--langevin 5 --start noise): slow (default: the fast solver)"
+        "--langevin 5): slow (default: the fast solver)"
     )
     model.add_argument("--langevin", type=whole_number(1), metavar="N", help=text)
     add_scan_output(parser)

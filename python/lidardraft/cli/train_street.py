@@ -21,7 +21,6 @@ from lidardraft.cli.arguments import (
     whole_number,
 )
 from lidardraft.cli.training_progress import show
-from lidardraft.diffusion.sampling_defaults import STEPS, STEPS_FROM_NOISE
 from lidardraft.errors import TrainingError
 from lidardraft.scene.sensor import Sensor
 
@@ -67,8 +66,7 @@ def street(arguments: argparse.Namespace) -> None:
     assert begin is not None
     half = Path(arguments.work) / "half.safetensors"
     weight_file.save(begin, half, {}, half=True)
-    steps = STEPS if "simulated" in begin.config.condition else STEPS_FROM_NOISE
-    pipeline = Pipeline.from_pretrained(half, device=arguments.device, steps=steps)
+    pipeline = Pipeline.from_pretrained(half, device=arguments.device)
     sensor = source.sensor or Sensor.preset(DEFAULT_SENSOR)
     unseen = evaluate.unseen_streets(arguments.evaluate, sensor)
     card = {
@@ -83,14 +81,14 @@ def street(arguments: argparse.Namespace) -> None:
 
 
 def _stages(arguments: argparse.Namespace, begin: Denoiser | None) -> list[DenoisingConfig]:
-    """Those of the recipe; its last one alone, for their network, where weights to begin with are given."""
+    """Those of the recipe; its last one alone where weights to begin with are given."""
     from lidardraft.training import recipes
 
     recipe = getattr(recipes, arguments.recipe.replace("-", "_"))()
     stages = [dataclasses.replace(config, seed=arguments.seed) for config in recipe.stages]
     if begin is not None:
         rate = _FURTHER_RATE * stages[-1].learning_rate
-        stages = [dataclasses.replace(stages[-1], denoiser=begin.config, learning_rate=rate, warmup=20)]
+        stages = [dataclasses.replace(stages[-1], learning_rate=rate, warmup=20)]
     given = {name: getattr(arguments, name) for name in ("steps", "batch", "learning_rate")}
     given = {name: value for name, value in given.items() if value is not None}
     return [dataclasses.replace(config, **given) for config in stages]

@@ -1,34 +1,47 @@
-"""ControlNet: the condition enters here (Zhang et al., ICCV 2023; Sec. "Layout-guided Generation" of the paper)."""
+"""ControlNet: the layout enters here (Zhang et al., ICCV 2023; Sec. "Layout-guided Generation" of the paper)."""
 
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Iterator
 
 from torch import Tensor, nn
-from torch.nn import functional
 
-from lidardraft.diffusion.score_network import Encoder
-from lidardraft.networks.convolution import RangeImageConv, fold, zero_conv
+from lidardraft.diffusion.score_network import EMBEDDING, Encoder
+from lidardraft.networks.convolution import zero_conv
+
+_LEVEL = math.log(0.05) / 4  # what the copy is told of the noise in a cast, which has none
 
 
 class ControlNet(nn.Module):
-    """A copy of the encoder that also sees the condition and adds to the decoder's inputs through zero convolutions."""
+    """A copy of the encoder that sees the layout's cast in the place of the noisy scan, and adds to the decoder's
+    inputs through zero convolutions.
 
-    def __init__(self, encoder: Encoder, channels: int) -> None:
+    A cast is a range image as a scan is, in the same numbers, so what the copy says of it is in the words that the
+    decoder knows from the first step on. It does not depend on the noise; how much of it counts at which level does.
+    """
+
+    def __init__(self, encoder: Encoder) -> None:
         super().__init__()
-        width, pixels = encoder.widths[0], encoder.cell[0] * encoder.cell[1]
-        self.embed = nn.Conv2d(channels * pixels, width, 1)
-        self.hint = RangeImageConv(width, width)
-        self.enter = zero_conv(width, width)
         self.encoder = copy.deepcopy(encoder)
         self.leave = nn.ModuleList(zero_conv(width, width) for width in encoder.widths)
+        self.gain = nn.ModuleList(nn.Linear(EMBEDDING, width) for width in encoder.widths)
+        for gain in self.gain:
+            nn.init.zeros_(gain.weight)  # type: ignore[arg-type]
+            nn.init.ones_(gain.bias)  # type: ignore[arg-type]
 
-    def forward(self, x: Tensor, level: Tensor, context: Tensor, wraps: bool, condition: Tensor) -> list[Tensor]:
-        """What to add to the decoder's inputs, for what the encoder sees and the condition [B, channels, H, W]."""
-        hint = functional.silu(self.hint(functional.silu(self.embed(fold(condition, self.encoder.cell))), wraps))
-        outputs = self.encoder(x, level, context, wraps, self.enter(hint))
-        return [leave(h) for leave, h in zip(self.leave, outputs, strict=True)]
+    def read(self, cast: Tensor, context: Tensor, wraps: bool) -> list[Tensor]:
+        """What the copy says of the state of a cast [B, 8, H, W], whatever the noise: each stage's output."""
+        return self.encoder(cast, cast.new_full((len(cast),), _LEVEL), context, wraps)
+
+    def forward(self, outputs: list[Tensor], level: Tensor) -> list[Tensor]:
+        """What to add to the decoder's inputs at the noise `level` [B], for what `read` gives."""
+        embedding = self.encoder.embedding(level)
+        return [
+            leave(h) * gain(embedding)[:, :, None, None]
+            for leave, gain, h in zip(self.leave, self.gain, outputs, strict=True)
+        ]
 
     def learn(self, *, everything: bool) -> None:
         """Let all layers learn, or the zero convolutions alone, as at first in the paper."""
@@ -38,6 +51,5 @@ class ControlNet(nn.Module):
 
     def zero_convs(self) -> Iterator[tuple[str, nn.Conv2d]]:
         """Every layer that starts at zero, by name."""
-        yield "enter", self.enter
         for stage, leave in enumerate(self.leave):
             yield f"leave.{stage}", leave  # type: ignore[misc]

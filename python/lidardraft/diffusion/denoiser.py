@@ -1,48 +1,44 @@
-"""The denoiser D(x, sigma, condition): score network and ControlNet under EDM preconditioning, and its loss."""
+"""The denoiser D(x, sigma, condition): score network and ControlNet under preconditioning, and its loss."""
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 
-from lidardraft.diffusion.codec import CONDITION_PARTS, DEPTH, INTENSITY, STATE_CHANNELS, VALIDITY
+from lidardraft.diffusion.codec import CLASS, CONDITION_PARTS, DEPTH, STATE_CHANNELS, VALIDITY
 from lidardraft.diffusion.controlnet import ControlNet
-from lidardraft.diffusion.copy_gate import CopyGate, Mixture
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.noise import add_noise
 from lidardraft.diffusion.score_network import ScoreNetwork
 from lidardraft.errors import CheckpointError
-from lidardraft.networks.convolution import pad_columns
 from lidardraft.networks.weight_file import Network
 
 SIGMA_DATA = 0.5  # standard deviation of a state
-# Of the state's log depth: 2 % of the range, 12 % at most. Of its intensity, from -1 to 1: speckle, and another paint.
-_GATED_DEPTH = {"tolerance": 0.01, "offset": 0.05}
-_GATED_INTENSITY = {"tolerance": 0.08, "offset": 0.5}
-_LIKELIHOOD_WEIGHT = 0.1  # of a gate's negative log likelihood, beside the squared error
+# The noise level over which the network says what the scan is, and below which what the noise is. Karras et al. have
+# SIGMA_DATA here; at a fifth of it the decoder renders scans at nearly all levels, and can be told what to render.
+SIGMA_TURN = 0.1
+_DEPTH_WEIGHT, _CLASS_WEIGHT = 2.0, 0.2  # in the loss; what is measured counts 1
 
 
 class Denoiser(Network):
     """D(x, sigma): the clean state expected behind x = clean + sigma * noise, with or without a condition."""
 
-    SCHEMA = "lidardraft.denoiser/1"
+    SCHEMA = "lidardraft.denoiser/2"
 
-    def __init__(
-        self, config: DenoiserConfig, network: ScoreNetwork, controlnet: ControlNet | None, gates: nn.ModuleDict
-    ) -> None:
+    def __init__(self, config: DenoiserConfig, network: ScoreNetwork, controlnet: ControlNet | None) -> None:
         super().__init__()
         self.config: DenoiserConfig = config
         self.network = network
         self.controlnet = controlnet
-        self.gates = gates
 
     @classmethod
     def from_config(cls, config: DenoiserConfig) -> Denoiser:
         """The only builder: fresh weights, from torch's global seed."""
         network = ScoreNetwork(config)
-        return cls(config, network, *_controls(config, network))
+        return cls(config, network, _controlnet(config, network))
 
     @classmethod
     def from_dict(cls, fields: dict[str, Any]) -> Denoiser:
@@ -54,11 +50,39 @@ class Denoiser(Network):
         """The (rows, columns) that images must be multiples of."""
         return self.config.cell
 
+    def base(self) -> Denoiser:
+        """The same network without its ControlNet, if it has one."""
+        if self.controlnet is None:
+            return self
+        return Denoiser(dataclasses.replace(self.config, condition=(), controlnet=False), self.network, None)
+
     def with_controlnet(self, config: DenoiserConfig) -> Denoiser:
         """The same network, frozen, with a fresh ControlNet of `config` that starts as a copy of its encoder."""
-        denoiser = Denoiser(config, self.network, *_controls(config, self.network)).requires_grad_(True)
-        self.network.requires_grad_(False)
+        return Denoiser(config, self.network, _controlnet(config, self.network)).freeze_base()
+
+    def freeze_base(self) -> Denoiser:
+        """Itself, where all learns but for what is under a ControlNet."""
+        self.requires_grad_(True)
+        self.network.requires_grad_(self.controlnet is None)
+        return self
+
+    def with_condition(self, config: DenoiserConfig) -> Denoiser:
+        """A network of `config`, which sees a condition beside the state, that begins as one that ignores it."""
+        denoiser = Denoiser.from_config(config)
+        weights = self.state_dict()
+        stem = denoiser.network.encoder.stem.weight.detach().zero_()
+        stem[:, : self.network.encoder.stem.in_channels] = weights.pop("network.encoder.stem.weight")
+        denoiser.load_state_dict(weights, strict=False)
         return denoiser
+
+    def read(self, condition: Tensor, rays: Tensor, *, wraps: bool) -> list[Tensor] | None:
+        """What a ControlNet says of a condition [B, 17, H, W] whatever the noise, once for all calls of a sample; None
+        without a ControlNet."""
+        if self.controlnet is None:
+            return None
+        cast = torch.zeros_like(condition[:, :STATE_CHANNELS])
+        cast[:, self.config.condition_channels] = condition[:, self.config.condition_channels] / SIGMA_DATA
+        return self.controlnet.read(cast, rays.expand(len(cast), -1, -1, -1), wraps)
 
     def denoise(
         self,
@@ -68,55 +92,34 @@ class Denoiser(Network):
         condition: Tensor | None = None,
         *,
         wraps: bool,
-        decide: bool = False,
+        reading: list[Tensor] | None = None,
     ) -> Tensor:
-        """D(x, sigma) for x f32 [B, 3, H, W], sigma [B], rays f32 [4, H, W] (`encode_rays`).
+        """D(x, sigma) for x f32 [B, 8, H, W], sigma [B], rays f32 [5, H, W] (`encode_rays`).
 
         `wraps` says whether the last column is the first one's neighbour (`Sensor.wraps`). `condition` is f32
-        [B, K + 5, H, W] (`encode_condition`); without it the ControlNet is not called. With `decide` what may be one of
-        several values is the likeliest of them in place of their mean (`CopyGate`). Preconditioned as in Karras et al.,
-        NeurIPS 2022, Table 1. Raises `CheckpointError` on a condition that these weights have no place for, and without
-        one that they need.
+        [B, 17, H, W] (`encode_condition`), `reading` what `read` gives of it, where that is known; without a
+        condition the ControlNet is not called. Weights that see what is open leave the simulated scan as it is
+        everywhere else. Raises `CheckpointError` on a condition that these weights have no place for, and without one
+        that they need.
         """
-        denoised, mixtures = self._denoised(x, sigma, rays, condition, wraps=wraps)
-        channels = list(denoised.chunk(STATE_CHANNELS, dim=1))
-        for channel, mixture in mixtures.items():
-            channels[channel] = mixture.likeliest() if decide else mixture.mean()
-        return torch.cat(channels, dim=1)
-
-    def _denoised(
-        self, x: Tensor, sigma: Tensor, rays: Tensor, condition: Tensor | None, *, wraps: bool
-    ) -> tuple[Tensor, dict[int, Mixture]]:
-        """What the network makes of the state, and of each channel that has a gate what that says."""
-        level = sigma.log() / 4
-        sigma = sigma.reshape(-1, 1, 1, 1)
-        variance = sigma**2 + SIGMA_DATA**2
-        # Low noise is a small part of the state; it shows in what sets a pixel off from its neighbours, in sigmas.
-        padded = pad_columns(x, 1, wraps)
-        detail = torch.tanh((x - (padded[..., :-2] + padded[..., 2:]) / 2) / (2 * sigma))
-        seen, told = [x / variance.sqrt(), detail], [rays.expand(len(x), -1, -1, -1)]
+        level, sigma = sigma.log() / 4, sigma.reshape(-1, 1, 1, 1)
+        inputs = x / (sigma**2 + SIGMA_DATA**2).sqrt()
+        context = rays.expand(len(x), -1, -1, -1)
         if condition is not None and not self.config.condition:
             raise CheckpointError("a condition was given, but these weights have no place for one")
         if condition is None and self.config.condition and self.controlnet is None:
             raise CheckpointError("these weights need a condition")
-        if condition is not None and self.controlnet is None:
-            seen.append(condition[:, self.config.beside_state])
-            told.append(condition[:, self.config.in_context])
-        inputs, context, control = torch.cat(seen, dim=1), torch.cat(told, dim=1), None
+        control = None
         if condition is not None and self.controlnet is not None:
-            control = self.controlnet(inputs, level, context, wraps, condition[:, self.config.condition_channels])
-        features = self.network.features(inputs, level, context, wraps, control)
-        output = self.network.output(features, inputs, wraps).float()
-        denoised = SIGMA_DATA**2 / variance * x + sigma * SIGMA_DATA / variance.sqrt() * output
-        if condition is None or not self.gates:
-            return denoised, {}
-        mixtures = {}
-        for name, channel, parts in (("depth", DEPTH, self.config.gated), ("intensity", INTENSITY, ("simulated",))):
-            if name in self.gates:
-                given = condition[:, [CONDITION_PARTS[part].start + channel for part in parts]]
-                one = slice(channel, channel + 1)
-                mixtures[channel] = self.gates[name](denoised[:, one], x[:, one], sigma, features, given, wraps=wraps)
-        return denoised, mixtures
+            control = self.controlnet(reading or self.read(condition, rays, wraps=wraps), level)
+        elif condition is not None:
+            context = torch.cat([context, condition[:, self.config.condition_channels]], dim=1)
+        output = self.network(inputs, level, context, wraps, control).float()
+        skip = SIGMA_TURN**2 / (sigma**2 + SIGMA_TURN**2)
+        denoised = skip * x + spread(sigma) * output
+        if condition is None or not self.config.completes:
+            return denoised
+        return torch.where(is_open(condition), denoised, condition[:, CONDITION_PARTS["simulated"]])
 
     def loss(
         self,
@@ -128,47 +131,45 @@ class Denoiser(Network):
         *,
         wraps: bool,
     ) -> Tensor:
-        """The loss of each sample [B]: EDM's weight times the squared error of D, over the pixels that count.
+        """The loss of each sample [B]: the squared error of D over its `spread`, over the pixels that count.
 
         With D - x = sigma^2 S this is the paper's sigma^2 |S - target|^2, normalised to be about 1 at every noise level
-        for an untrained network. Depth and intensity count only where the scan has a return. Where they have gates, a
-        small part of the loss is the negative log likelihood of the scan (`Mixture`), below 0 where they are sure.
+        for an untrained network. Range, intensity and class count only where the scan has a return; of weights that see
+        what is open, nothing counts elsewhere.
         """
-        denoised, mixtures = self._denoised(add_noise(clean, sigma, noise), sigma, rays, condition, wraps=wraps)
-        returns, counts = has_return(clean), what_counts(clean)
-        channels = list(denoised.chunk(STATE_CHANNELS, dim=1))
-        likelihood_loss = torch.zeros_like(sigma)
-        for channel, mixture in mixtures.items():
-            channels[channel] = mixture.mean()
-            unlikely = mixture.negative_log_likelihood(clean[:, channel : channel + 1]) * returns
-            likelihood_loss = likelihood_loss + unlikely.sum(dim=(1, 2, 3)) / returns.sum(dim=(1, 2, 3)).clamp(min=1)
-        error = ((torch.cat(channels, dim=1) - clean) ** 2 * counts).sum(dim=(1, 2, 3)) / counts.sum(dim=(1, 2, 3))
-        return edm_weight(sigma) * error + _LIKELIHOOD_WEIGHT * likelihood_loss
+        counts = what_counts(clean)
+        if condition is not None and self.config.completes:
+            clean = torch.where(is_open(condition), clean, condition[:, CONDITION_PARTS["simulated"]])
+            counts = counts * is_open(condition)
+        denoised = self.denoise(add_noise(clean, sigma, noise), sigma, rays, condition, wraps=wraps)
+        error = ((denoised - clean) ** 2 * counts).sum(dim=(1, 2, 3)) / counts.sum(dim=(1, 2, 3)).clamp(min=1)
+        return error / spread(sigma) ** 2
 
 
-def edm_weight(sigma: Tensor) -> Tensor:
-    """What makes all noise levels [B] count alike (Karras et al., NeurIPS 2022, Table 1)."""
-    return (sigma**2 + SIGMA_DATA**2) / (sigma * SIGMA_DATA) ** 2
+def spread(sigma: Tensor) -> Tensor:
+    """How far clean states are spread around SIGMA_TURN's share of the noisy one, at each noise level."""
+    skip = SIGMA_TURN**2 / (sigma**2 + SIGMA_TURN**2)
+    return (((1 - skip) * SIGMA_DATA) ** 2 + (skip * sigma) ** 2).sqrt()
 
 
 def has_return(clean: Tensor) -> Tensor:
-    """Where a clean state [B, 3, H, W] has a return, bool [B, 1, H, W]."""
+    """Where a clean state [B, 8, H, W] has a return, bool [B, 1, H, W]."""
     return clean[:, VALIDITY : VALIDITY + 1] > 0
 
 
+def is_open(condition: Tensor) -> Tensor:
+    """Where a condition [B, 17, H, W] leaves open what there is, bool [B, 1, H, W]."""
+    return condition[:, CONDITION_PARTS["open"]] > 0
+
+
 def what_counts(clean: Tensor) -> Tensor:
-    """What of a clean state is to be learned, bool [B, 3, H, W]: depth and intensity of returns, and all validity."""
-    counts = has_return(clean).expand_as(clean).clone()
-    counts[:, VALIDITY] = True
+    """How much of a clean state is to be learned, f32 [B, 8, H, W]: all validity, and the rest of returns."""
+    counts = has_return(clean).expand_as(clean).float()
+    counts[:, DEPTH] *= _DEPTH_WEIGHT
+    counts[:, CLASS] *= _CLASS_WEIGHT
+    counts[:, VALIDITY] = 1.0
     return counts
 
 
-def _controls(config: DenoiserConfig, network: ScoreNetwork) -> tuple[ControlNet | None, nn.ModuleDict]:
-    """What a score network has beside it for its condition: a ControlNet, and the gates of the channels it gives."""
-    controlnet = ControlNet(network.encoder, len(config.condition_channels)) if config.controlnet else None
-    gates, width = nn.ModuleDict(), config.widths[0]
-    if config.gated:
-        gates["depth"] = CopyGate(width, config.cell, values=len(config.gated), **_GATED_DEPTH)
-    if "simulated" in config.gated:
-        gates["intensity"] = CopyGate(width, config.cell, values=1, **_GATED_INTENSITY)
-    return controlnet, gates
+def _controlnet(config: DenoiserConfig, network: ScoreNetwork) -> ControlNet | None:
+    return ControlNet(network.encoder) if config.controlnet else None

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from lidardraft.diffusion.codec import CONDITION_PARTS, RAY_CHANNELS, STATE_CHANNELS
+from lidardraft.diffusion.codec import CONDITION_PARTS, RAY_CHANNELS
 from lidardraft.errors import LidarDraftError
 
 
@@ -19,8 +19,8 @@ class DenoiserConfig:
     one value a stage; `blocks` residual blocks make a stage; `refine_units` and `pools` are those of a refine block;
     `groups` of channels are normalised apart: of 16 channels or a multiple each, or the gradient in bfloat16 is slow.
     `condition` names the parts of the condition that the network sees (`CONDITION_PARTS`; none: it makes scans of
-    nothing), with the state, or with `controlnet` through a ControlNet as in the paper. `copy_gate` says whether
-    depths and intensities among them are gated in (the paper: no). The defaults are those of the weights that ship.
+    nothing), beside the state, or with `controlnet` through a ControlNet as in the paper. With "open" among them it
+    completes simulated scans: it makes what is open, and leaves the rest. The defaults are those of the paper's base.
     """
 
     cell: tuple[int, int]
@@ -28,12 +28,11 @@ class DenoiserConfig:
     strides: tuple[int, ...]
     dilations: tuple[int, ...]
     blocks: int = 1
-    refine_units: int = 0
+    refine_units: int = 1
     pools: int = 0
     groups: int = 4
-    condition: tuple[str, ...] = tuple(CONDITION_PARTS)
+    condition: tuple[str, ...] = ()
     controlnet: bool = False
-    copy_gate: bool = True
 
     def __post_init__(self) -> None:
         for name in ("cell", "widths", "strides", "dilations"):
@@ -52,39 +51,25 @@ class DenoiserConfig:
         if self.condition != tuple(part for part in CONDITION_PARTS if part in self.condition):
             known = ", ".join(CONDITION_PARTS)
             raise LidarDraftError(f"condition is {self.condition}; it must be some of {known}, in this order")
-        if self.controlnet and not self.condition:
-            raise LidarDraftError("a ControlNet needs a condition")
-
-    @property
-    def inputs(self) -> int:
-        """How many channels the network sees of a state: the state, its detail, and those of `beside_state`."""
-        return 2 * STATE_CHANNELS + len(self.beside_state)
+        if self.controlnet and not (self.condition and set(self.condition) <= {"depth", "class"}):
+            raise LidarDraftError(f"condition is {self.condition}; a ControlNet sees depth, class or both")
+        if self.completes and "simulated" not in self.condition:
+            raise LidarDraftError("what is open is completed in the simulated scan; the condition must have it")
 
     @property
     def context(self) -> int:
-        """How many channels the network's context has: the rays, and those of `in_context`."""
-        return RAY_CHANNELS + len(self.in_context)
+        """How many channels the network sees beside the state: the rays, and the condition but for a ControlNet's."""
+        return RAY_CHANNELS + (0 if self.controlnet else len(self.condition_channels))
 
     @property
     def condition_channels(self) -> list[int]:
         """The channels of the condition that the network sees."""
-        parts = [CONDITION_PARTS[part] for part in self.condition]
-        return [channel for part in parts for channel in range(part.start, part.stop)]
+        return [channel for part in self.condition for channel in CONDITION_PARTS[part]]
 
     @property
-    def beside_state(self) -> list[int]:
-        """The channels of the condition that stand beside the state: those of the simulated scan, a state itself."""
-        return [c for c in self.condition_channels if c >= CONDITION_PARTS["simulated"].start and not self.controlnet]
-
-    @property
-    def in_context(self) -> list[int]:
-        """The channels of the condition in the network's context: all others."""
-        return [c for c in self.condition_channels if c < CONDITION_PARTS["simulated"].start and not self.controlnet]
-
-    @property
-    def gated(self) -> tuple[str, ...]:
-        """The parts of the condition whose depth is gated in."""
-        return tuple(part for part in self.condition if self.copy_gate and part != "class")
+    def completes(self) -> bool:
+        """Whether the network makes what is open, and leaves the rest of the simulated scan as it is."""
+        return "open" in self.condition
 
     def to_dict(self) -> dict[str, Any]:
         """The fields as JSON types."""

@@ -1,4 +1,8 @@
-"""RefineNet's blocks, which bring the stages of an encoder back together (Lin et al., CVPR 2017)."""
+"""RefineNet's blocks, which bring the stages of an encoder back together (Lin et al., CVPR 2017).
+
+What enters a SiLU is normalised, as in NCSNv2: without it the sums of the deep stages drift to where its slope is zero,
+and nothing reaches them any more.
+"""
 
 from __future__ import annotations
 
@@ -6,20 +10,22 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from lidardraft.networks.convolution import RangeImageConv, pad_columns
-from lidardraft.networks.residual import Chain
+from lidardraft.networks.residual import Chain, group_norm
 
 
 class ResidualUnit(nn.Module):
-    """RefineNet's residual convolution unit: SiLU and convolution, twice, on a shortcut."""
+    """RefineNet's residual convolution unit: norm, then SiLU and convolution, twice, on a shortcut."""
 
-    def __init__(self, width: int) -> None:
+    def __init__(self, width: int, groups: int) -> None:
         super().__init__()
+        self.norm = group_norm(width, groups)
         self.conv_in = RangeImageConv(width, width)
         self.conv_out = RangeImageConv(width, width)
 
     def forward(self, x: Tensor, wraps: bool) -> Tensor:
         """[B, width, H, W] to the same shape."""
-        return x + self.conv_out(functional.silu(self.conv_in(functional.silu(x), wraps)), wraps)
+        h = self.conv_in(functional.silu(self.norm(x)), wraps)
+        return x + self.conv_out(functional.silu(h), wraps)
 
 
 class ChainedPooling(nn.Module):
@@ -47,17 +53,18 @@ class RefineBlock(nn.Module):
     The path from below has just left a residual unit, so only the skip passes through new ones.
     """
 
-    def __init__(self, skip: int, below: int | None, width: int, *, units: int, pools: int) -> None:
+    def __init__(self, skip: int, below: int | None, width: int, *, units: int, pools: int, groups: int) -> None:
         super().__init__()
-        self.adapt = Chain(*(ResidualUnit(skip) for _ in range(units)))
+        self.adapt = Chain(*(ResidualUnit(skip, groups) for _ in range(units)))
         self.fuse_skip = RangeImageConv(skip, width)
         self.fuse_below = None if below is None else RangeImageConv(below, width)
+        self.norm = group_norm(width, groups)
         self.pool = ChainedPooling(width, pools)
-        self.output = ResidualUnit(width)
+        self.output = ResidualUnit(width, groups)
 
     def forward(self, skip: Tensor, below: Tensor | None, wraps: bool) -> Tensor:
         """skip [B, skip, H, W], below [B, below, h, w] of a coarser stage -> [B, width, H, W]."""
         h = self.fuse_skip(self.adapt(skip, wraps), wraps)
         if self.fuse_below is not None and below is not None:
             h = h + functional.interpolate(self.fuse_below(below, wraps), size=h.shape[-2:], mode="nearest")
-        return self.output(self.pool(h, wraps), wraps)
+        return self.output(self.pool(self.norm(h), wraps), wraps)

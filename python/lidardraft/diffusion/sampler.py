@@ -12,12 +12,12 @@ from collections.abc import Callable, Iterator, Sequence
 import torch
 from torch import Tensor
 
-from lidardraft.diffusion.codec import CONDITION_PARTS, STATE_CHANNELS, encode_rays
+from lidardraft.diffusion.codec import STATE_CHANNELS, encode_rays
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.langevin import sample_langevin
 from lidardraft.diffusion.noise import geometric_levels, karras_levels
 from lidardraft.diffusion.sampling_defaults import STEPS
-from lidardraft.errors import LidarDraftError, SensorError
+from lidardraft.errors import SensorError
 from lidardraft.networks.precision import reduced_precision
 from lidardraft.scene.sensor import Sensor
 
@@ -31,16 +31,14 @@ def sample(
     seeds: Sequence[int],
     condition: Tensor | None = None,
     steps: int = STEPS,
-    start: float | None = None,
     langevin: int | None = None,
 ) -> Iterator[Tensor]:
-    """The states [B, 3, H, W] after each step of `sample_multistep`, one sample a seed; the last one is the result.
+    """The states [B, 8, H, W] after each step of `sample_multistep`, one sample a seed; the last one is the result.
 
-    `condition` [B, K + 5, H, W], or one for all [1, K + 5, H, W]; without it the samples are unconditional. They begin
-    as the simulated scan of the condition under noise of the level `start`, or without it as pure noise. With
-    `langevin` a step is a level of `sample_langevin` with so many updates, as in the paper: LiDARGen takes 232 of 5.
-    Works on the device of the weights. Raises `SensorError` where the image cannot be cut into the network's cells,
-    `LidarDraftError` on a start that is not positive, or without a condition.
+    `condition` [B, 17, H, W], or one for all [1, 17, H, W]; without it the samples are unconditional. They
+    begin as pure noise. With `langevin` a step is a level of `sample_langevin` with so many updates, as in the paper:
+    LiDARGen takes 232 of 5. Works on the device of the weights. Raises `SensorError` where the image cannot be cut into
+    the network's cells.
     """
     rows, columns = denoiser.cell
     if sensor.shape[0] % rows or sensor.shape[1] % columns:
@@ -48,7 +46,7 @@ def sample(
     device = next(denoiser.parameters()).device
     rays = torch.from_numpy(encode_rays(sensor)).to(device)
     levels = karras_levels if langevin is None else geometric_levels
-    sigmas = levels(steps) if start is None else levels(steps, sigma_max=start)
+    sigmas = levels(steps)
     streams = [torch.Generator().manual_seed(seed) for seed in seeds]
 
     def noise() -> Tensor:
@@ -58,14 +56,13 @@ def sample(
     x = sigmas[0] * noise()
     if condition is not None:
         condition = condition.to(device).expand(len(seeds), -1, -1, -1)
-    if start is not None:
-        if condition is None:
-            raise LidarDraftError("a scan without a condition starts from noise")
-        x = x + condition[:, CONDITION_PARTS["simulated"]]
+
+    with reduced_precision(device):
+        reading = None if condition is None else denoiser.read(condition, rays, wraps=sensor.wraps)
 
     def denoise(x: Tensor, sigma: Tensor) -> Tensor:
         with reduced_precision(device):
-            return denoiser.denoise(x, sigma, rays, condition, wraps=sensor.wraps, decide=True)
+            return denoiser.denoise(x, sigma, rays, condition, wraps=sensor.wraps, reading=reading)
 
     if langevin is not None:
         return sample_langevin(denoise, x, sigmas, noise, updates=langevin)

@@ -11,7 +11,7 @@ from torch.nn import functional
 from lidardraft.diffusion.codec import STATE_CHANNELS
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.refine import RefineBlock
-from lidardraft.networks.convolution import RangeImageConv, fold, unfold
+from lidardraft.networks.convolution import fold, unfold, zero_conv
 from lidardraft.networks.residual import ResidualBlock, group_norm, modulated
 
 EMBEDDING = 64
@@ -34,19 +34,14 @@ class NoiseEmbedding(nn.Module):
 
 
 class Encoder(nn.Module):
-    """The stem, which folds cells of pixels into channels, and the residual stages.
-
-    The state meets its `context` here: the stem sees 3 x 3 cells of the one and a single cell of the other, which has
-    more channels.
-    """
+    """The stem, which folds cells of pixels into channels, and the residual stages."""
 
     def __init__(self, config: DenoiserConfig) -> None:
         super().__init__()
         self.cell, self.widths = config.cell, config.widths
         self.embedding = NoiseEmbedding(EMBEDDING)
         inputs = self.widths[0]
-        self.stem = RangeImageConv(config.inputs * self.cell[0] * self.cell[1], inputs)
-        self.context = nn.Conv2d(config.context, inputs, self.cell, stride=self.cell, bias=False)
+        self.stem = nn.Conv2d((STATE_CHANNELS + config.context) * self.cell[0] * self.cell[1], inputs, 1)
         self.stages = nn.ModuleList()
         for width, stride, dilation in zip(self.widths, config.strides, config.dilations, strict=True):
             stage = nn.ModuleList()
@@ -64,7 +59,7 @@ class Encoder(nn.Module):
         embedding = self.embedding(level)
         # In bfloat16 the state would lose all noise below about 0.01: the stem sees it in float32, whatever follows.
         with torch.autocast(x.device.type, enabled=False):
-            h = self.stem(fold(x, self.cell), wraps) + self.context(context)
+            h = self.stem(fold(torch.cat([x, context], dim=1), self.cell))
         if hint is not None:
             h = h + hint
         outputs = []
@@ -84,27 +79,27 @@ class ScoreNetwork(nn.Module):
         self.refine = nn.ModuleList()
         below = None
         for width in reversed(config.widths):
-            self.refine.append(RefineBlock(width, below, width, units=config.refine_units, pools=config.pools))
+            self.refine.append(
+                RefineBlock(width, below, width, units=config.refine_units, pools=config.pools, groups=config.groups)
+            )
             below = width
         width, pixels = config.widths[0], config.cell[0] * config.cell[1]
         self.norm = group_norm(width, config.groups)
         self.modulation = nn.Linear(EMBEDDING, 2 * width)
-        self.head = RangeImageConv(width + config.inputs * pixels, STATE_CHANNELS * pixels)
-        nn.init.zeros_(self.head.weight)
+        self.head = zero_conv(width + STATE_CHANNELS * pixels, STATE_CHANNELS * pixels)
 
-    def features(
+    def forward(
         self, x: Tensor, level: Tensor, context: Tensor, wraps: bool, control: Sequence[Tensor] | None = None
     ) -> Tensor:
-        """The decoder's last features [B, widths[0], H / h, W / w]; `control` is added to its skips, stage by stage."""
+        """The output [B, 8, H, W] for x [B, 8, H, W] at the noise `level` [B] and its context [B, channels, H, W];
+        `control` is added to the decoder's skips, stage by stage."""
         skips = self.encoder(x, level, context, wraps)
         if control is not None:
             skips = [skip + residual for skip, residual in zip(skips, control, strict=True)]
         h = None
         for refine, skip in zip(self.refine, reversed(skips), strict=True):
             h = refine(skip, h, wraps)
-        return functional.silu(modulated(self.norm(h), self.modulation(self.encoder.embedding(level))))
-
-    def output(self, features: Tensor, x: Tensor, wraps: bool) -> Tensor:
-        """The output [B, 3, H, W] from the last features and, for the finest detail, the input again."""
+        features = functional.silu(modulated(self.norm(h), self.modulation(self.encoder.embedding(level))))
         cell = self.encoder.cell
-        return unfold(self.head(torch.cat([features, fold(x, cell).to(features)], dim=1), wraps), cell)
+        # For the finest detail, the head sees the input again.
+        return unfold(self.head(torch.cat([features, fold(x, cell).to(features)], dim=1)), cell)

@@ -63,4 +63,6 @@ def _ground(boxes: Sequence[Box]) -> Primitive:
     while any(box.id == id for box in boxes):
         id += "_"
     reach = max(abs(value) for box in boxes for value in box.center[:2]) + _MARGIN
-    return Primitive(shape="plane", center=(0.0, 0.0, 0.0), size=(2 * reach, 2 * reach, 0.0), label="road", id=id)
+    return Primitive(
+        shape="plane", center=(0.0, 0.0, 0.0), size=(2 * reach, 2 * reach, 0.0), label="road", id=id, open=True
+    )

@@ -150,6 +150,7 @@ def _terrain(sketch: Sketch) -> Primitive:
         size=(2 * reach, 2 * reach, 0.0),
         label="terrain",
         id="terrain",
+        open=True,
     )
 
 

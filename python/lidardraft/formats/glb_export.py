@@ -92,7 +92,7 @@ def write_glb(path: str | os.PathLike[str], layout: Layout) -> None:
 
 def _node(primitive: Primitive, mesh: int) -> dict[str, Any]:
     extras: dict[str, Any] = {"class": primitive.label, "id": primitive.id, "instance": primitive.instance}
-    extras |= {name: value for name in ("material", "extinction") if (value := getattr(primitive, name)) is not None}
+    extras |= {name: value for name in ("material", "extinction", "open") if (value := getattr(primitive, name))}
     half = primitive.yaw / 2
     return {
         "name": primitive.id,

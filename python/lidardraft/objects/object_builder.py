@@ -60,6 +60,7 @@ class ObjectBuilder:
                 material=material,
                 mesh=mesh,
                 extinction=extinction,
+                open=False,
             )
         )
 

@@ -27,14 +27,14 @@ def agrees(scan: RangeImage, other: RangeImage) -> np.ndarray:
 
 def label_by_agreement(scan: RangeImage, known: Sequence[RangeImage], layout: Layout, pose: np.ndarray) -> RangeImage:
     """`scan` with label and instance: those of the first of the `known` images whose range agrees, else those of the
-    smallest shape of the layout whose box, grown by 0.3 m, holds the point, else none. `pose` is world_from_sensor
+    smallest shape of the layout whose box, grown by 0.3 m, holds the point, else its own. `pose` is world_from_sensor
     [4, 4] of all images, or that of each column [W, 4, 4].
 
     The box of an ellipsoid or a cylinder stands for it: its corners are close to it. A mesh is not known to fill the
     box around it, so it labels only where the ranges agree.
     """
     near = np.zeros(scan.sensor.shape, dtype=bool)
-    label, instance = np.zeros(near.shape, dtype=np.uint8), np.zeros(near.shape, dtype=np.uint32)
+    label, instance = scan.label.copy(), scan.instance.copy()
     for image in known:
         new = agrees(scan, image) & ~near
         label[new], instance[new] = image.label[new], image.instance[new]

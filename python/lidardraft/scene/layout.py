@@ -42,6 +42,9 @@ class Primitive:
     `extinction` [1/m] makes it a medium, as a crown is: a ray travels 1 / extinction in it on average before it
     returns, or leaves it on the other side (Beer and Lambert's law); a large one is nearly solid, None is solid. A
     plane, or a mesh that is not closed, has no inside and cannot be a medium.
+
+    `open` says that the shape only stands for what nobody has said, such as the lawn around a sentence's road: a
+    completed scan may have anything there (`scene.open_pixels`).
     """
 
     shape: str
@@ -54,6 +57,7 @@ class Primitive:
     material: str | None = None
     mesh: TriangleMesh | None = None
     extinction: float | None = None
+    open: bool = False
 
     def __post_init__(self) -> None:
         check_id(self.id)
@@ -70,6 +74,8 @@ class Primitive:
         if self.material is not None and self.material not in tuple(MATERIAL_BY_NAME):
             known = one_of(MATERIAL_BY_NAME, self.material)
             raise LayoutError(f"{self.id}: material is {self.material!r}; it must be {known}")
+        if type(self.open) is not bool:
+            raise LayoutError(f"{self.id}: open is {self.open!r}; it must be true or false")
         self._check_size()
         self._check_extinction()
 
@@ -133,7 +139,7 @@ class Primitive:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """The primitive as JSON types; `material`, `extinction`, `vertices` and `faces` only where it has them."""
+        """The primitive as JSON types; what has a default only where it differs."""
         fields: dict[str, Any] = {
             "shape": self.shape,
             "center": list(self.center),
@@ -147,6 +153,8 @@ class Primitive:
             fields["material"] = self.material
         if self.extinction is not None:
             fields["extinction"] = self.extinction
+        if self.open:
+            fields["open"] = True
         if self.mesh is not None:
             fields["vertices"], fields["faces"] = self.mesh.vertices.tolist(), self.mesh.faces.tolist()
         return fields
@@ -157,7 +165,7 @@ class Primitive:
         fields = dict(fields)
         with named(str(fields.get("id", "a primitive"))):
             required = ("shape", "center", "size", "label", "id")
-            check_fields(fields, required, ("yaw", "instance", "material", "extinction", "vertices", "faces"))
+            check_fields(fields, required, ("yaw", "instance", "material", "extinction", "open", "vertices", "faces"))
             vertices, faces = fields.pop("vertices", None), fields.pop("faces", None)
             if vertices is not None or faces is not None:
                 fields["mesh"] = TriangleMesh(vertices, faces)

@@ -174,7 +174,9 @@ class Road:
         """Terrain, road, sidewalks and crossing road as primitives with the ids "terrain", "road", "sidewalk_1" ..."""
         size = (2 * _EXTENT, 2 * _EXTENT, 0.0)
         surfaces = [
-            Primitive(shape="plane", center=(0.0, 0.0, TERRAIN_HEIGHT), size=size, label="terrain", id="terrain"),
+            Primitive(
+                shape="plane", center=(0.0, 0.0, TERRAIN_HEIGHT), size=size, label="terrain", id="terrain", open=True
+            ),
             *self._carriageways(),
         ]
         if self.sidewalk > 0:

@@ -87,6 +87,7 @@ def stretched(
                 material=part.material or _MATERIAL_OF[part.label],
                 mesh=part.mesh,
                 extinction=part.extinction,
+                open=False,
             )
         )
     return made
@@ -114,6 +115,7 @@ def part_of(
         material=material,
         mesh=None,
         extinction=None,
+        open=False,
     )
 
 

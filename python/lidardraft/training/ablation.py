@@ -17,7 +17,7 @@ class Arm:
     place of its cast.
     """
 
-    condition: tuple[str, ...] = ("class", "depth")
+    condition: tuple[str, ...] = ("depth", "class")
     controlnet: bool = True
     tuned: bool = True
     from_above: bool = False
@@ -28,7 +28,7 @@ class Arm:
         With a ControlNet it stands on the recipe's base; without one it learns from fresh weights, for as many steps as
         both stages have.
         """
-        base, control = recipe.stages
+        *_, base, control = recipe.stages
         denoiser = replace(control.denoiser, condition=self.condition, controlnet=self.controlnet)
         if not self.controlnet:
             return replace(base, denoiser=denoiser, steps=base.steps + control.steps)

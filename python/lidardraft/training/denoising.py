@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import math
 import os
 from collections.abc import Generator, Iterable, Iterator
 from dataclasses import dataclass
-from functools import partial
-from typing import Protocol
+from functools import lru_cache, partial
+from typing import Any, Protocol
 
 import numpy as np
 import torch
 from torch import Tensor
 
-from lidardraft.diffusion.codec import encode_condition, encode_rays, encode_scan
+from lidardraft.diffusion.codec import HIDDEN, encode_condition, encode_rays, encode_scan
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.noise import training_levels
@@ -25,6 +26,7 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.training.adherence_watch import AdherenceWatch
 from lidardraft.training.learner import LearningConfig
 from lidardraft.training.loop import Batch, Data, Measures, Report, device_for_training, prefetched, train
+from lidardraft.training.openings import sample_opening
 from lidardraft.training.pairs import Pair, scans_of_step
 from lidardraft.training.processes import Processes
 
@@ -55,16 +57,18 @@ class DenoisingConfig(LearningConfig):
 
     A batch holds `batch` whole scans of 64 x 1024, fewer of larger ones, mirrored half the time. The first
     `zero_conv_steps` change the ControlNet's zero convolutions alone. Every `watch_every` steps (0: never) two fixed
-    unseen streets are sampled, and a network that does not heed its condition is told (`AdherenceWatch`). ln sigma is
-    normal with `sigma_mean` and `sigma_std`: estimates of ours near the -1.2 and 1.2 of Karras et al. (NeurIPS 2022,
-    Table 1), somewhat wider. The other fields are those of `LearningConfig`.
+    unseen streets are sampled, and a network that does not heed its condition is told (`AdherenceWatch`). A step
+    learns from every beam and column, or from every n-th, where n is drawn from `thinnings`: n^2 times as many scans at
+    the same cost. ln sigma is normal with `sigma_mean` and `sigma_std`: estimates of ours near the -1.2 and 1.2 of
+    Karras et al. (NeurIPS 2022, Table 1), somewhat higher and wider. The other fields are those of `LearningConfig`.
     """
 
     denoiser: DenoiserConfig
     zero_conv_steps: int = 0
     watch_every: int = 0
-    sigma_mean: float = -1.0
-    sigma_std: float = 1.4
+    thinnings: tuple[int, ...] = (1,)
+    sigma_mean: float = -0.5
+    sigma_std: float = 1.6
 
     @property
     def watches(self) -> bool:
@@ -74,7 +78,7 @@ class DenoisingConfig(LearningConfig):
     def check(self, sensors: Iterable[Sensor]) -> None:
         """Raise `TrainingError` where scans of one of these sensors cannot be trained on so."""
         self.check_counts()
-        cell = self.denoiser.cell
+        cell = tuple(max(self.thinnings) * side for side in self.denoiser.cell)
         for sensor in sensors:
             if any(size % whole for size, whole in zip(sensor.shape, cell, strict=True)):
                 raise TrainingError(f"{sensor.name} is {sensor.shape}; this recipe needs multiples of {cell}")
@@ -89,8 +93,8 @@ def train_denoiser(
     device: str = "cpu",
     max_minutes: float = float("inf"),
 ) -> Iterator[Report]:
-    """Train a denoiser on pairs, from fresh weights or those of `begin`; or, where it has a ControlNet, that alone, on
-    `begin` as its frozen base.
+    """Train a denoiser on pairs, from fresh weights, those of `begin` or of the base of `begin`; or, where it has a
+    ControlNet, that alone, on a frozen base.
 
     What the folder `run` receives, and how a run goes on, is said at `training.loop.train`; the loss is also reported
     by bands of noise. Raises `TrainingError` as that does, and where the pairs or the device do not fit.
@@ -128,18 +132,21 @@ def train_denoiser(
 
 def _beginning(config: DenoisingConfig, begin: Denoiser | None) -> Denoiser:
     """The denoiser before its first step."""
-    needed, has_controlnet = config.denoiser, config.denoiser.controlnet
-    if has_controlnet:
-        needed = dataclasses.replace(needed, condition=(), controlnet=False)
-    if begin is not None and begin.config != needed:
-        raise TrainingError(f"the weights to begin with are of a {begin.config}; this recipe needs a {needed}")
+    needed = config.denoiser
+    base = dataclasses.replace(needed, condition=(), controlnet=False)
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(config.seed)
-        if not has_controlnet:
-            return begin or Denoiser.from_config(needed)
         if begin is None:
-            raise TrainingError("a ControlNet needs a base, which learned without a condition")
-        return begin.with_controlnet(config.denoiser)
+            if needed.controlnet:
+                raise TrainingError("a ControlNet needs a base, which learned without a condition")
+            return Denoiser.from_config(needed)
+        if begin.config != needed:
+            begin = begin.base()
+        if begin.config == needed:
+            return begin.freeze_base()
+        if begin.config != base:
+            raise TrainingError(f"the weights to begin with are of a {begin.config}; this recipe needs a {needed}")
+        return begin.with_controlnet(needed) if needed.controlnet else begin.with_condition(needed)
 
 
 def _by_band(sigma: Tensor, losses: Tensor) -> Measures:
@@ -162,16 +169,21 @@ def _batch(config: DenoisingConfig, source: PairSource, processes: Processes, st
     skipped as they hold what is not finite, of this process in a step."""
     random = np.random.default_rng((config.seed, step))
     generator = torch.Generator().manual_seed(int(random.integers(2**62)))
-    pairs = source.pairs(step, config.batch, processes)
+    every = int(random.choice(config.thinnings))
+    pairs = source.pairs(step, config.batch * every**2, processes)
+    scans = scans_of_step(config.batch * every**2, pairs[0].scan.sensor)
+    if every > 1:
+        pairs = [Pair(*(thinned(image, every) for image in pair)) for pair in pairs]
     sensor = pairs[0].scan.sensor
-    scans = scans_of_step(config.batch, sensor)
     share = list(processes.share(scans))
     rays = torch.from_numpy(encode_rays(sensor))
     # The mirror image of staggered beams is another sensor. A state is not mirrored, as it is filled from the left.
     if random.random() < 0.5 and not any(sensor.azimuth_offsets):
         pairs, rays = [Pair(*map(_mirrored, pair)) for pair in pairs], rays.flip(-1)
     clean = torch.from_numpy(np.stack([encode_scan(pair.scan) for pair in pairs]))
-    condition = torch.from_numpy(np.stack([encode_condition(pair.condition_image, pair.simulated) for pair in pairs]))
+    hidden = rays[HIDDEN].bool().numpy()
+    conditions = [_condition(config, pair, hidden, (step, number)) for number, pair in zip(share, pairs, strict=True)]
+    condition = torch.from_numpy(np.stack(conditions))
     sigma = training_levels(scans, generator, mean=config.sigma_mean, std=config.sigma_std)
     noise = torch.randn((scans, *clean.shape[1:]), generator=generator)
     kept = clean.isfinite().flatten(1).all(1) & condition.isfinite().flatten(1).all(1)
@@ -180,6 +192,29 @@ def _batch(config: DenoisingConfig, source: PairSource, processes: Processes, st
     skipped = (~kept).float().mean()
     wraps = torch.tensor(sensor.wraps)
     return clean[kept], sigma[share][kept], noise[share][kept], rays, condition[kept], wraps, skipped
+
+
+def _condition(config: DenoisingConfig, pair: Pair, hidden: np.ndarray, scan: tuple[int, int]) -> np.ndarray:
+    """Of a step's scan of that number, whichever process learns from it."""
+    if not config.denoiser.condition:
+        return np.zeros(0, dtype=np.float32)
+    opening = None
+    if config.denoiser.completes:
+        opening = sample_opening(pair.condition_image, np.random.default_rng((config.seed, *scan))) & ~hidden
+    return encode_condition(pair.condition_image, pair.simulated, opening)
+
+
+def thinned(image: RangeImage, every: int) -> RangeImage:
+    """Every `every`-th beam and column of an image, as a sensor with these alone would have it."""
+    images = {name: getattr(image, name) for name in ("depth", "label", "instance", "intensity")}
+    kept = {name: x[::every, ::every].copy() for name, x in images.items() if x is not None}
+    return RangeImage.unchecked(_thinned_sensor(image.sensor, every), **kept)
+
+
+@lru_cache(maxsize=64)
+def _thinned_sensor(sensor: Sensor, every: int) -> Sensor:
+    tables: dict[str, Any] = {name: value[::every] for name, value in vars(sensor).items() if isinstance(value, tuple)}
+    return dataclasses.replace(sensor, **tables, columns=math.ceil(sensor.columns / every), model=None)
 
 
 def _mirrored(image: RangeImage) -> RangeImage:

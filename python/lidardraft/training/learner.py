@@ -17,6 +17,7 @@ from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 from lidardraft.errors import TrainingError
 from lidardraft.files import regular_size, written_whole
 from lidardraft.networks.weight_file import Network
+from lidardraft.training.muon import Muon
 from lidardraft.training.processes import ALONE, Processes
 
 
@@ -33,8 +34,8 @@ class LearningConfig:
     learning_rate: float
     warmup: int = 100
     decay: float = 0.3
-    weight_decay: float = 0.01
-    max_gradient: float = 1.0
+    weight_decay: float = 0.1
+    max_gradient: float = 0.1
     ema: float = 0.998
     seed: int = 0
     save_every: int = 200
@@ -94,9 +95,7 @@ class Learner:
         self.config, self.network = config, network
         self.weights = [p for p in network.parameters() if p.requires_grad]
         self.average = AveragedModel(network, multi_avg_fn=self._update_average)
-        self.optimiser = torch.optim.AdamW(
-            self.weights, lr=config.learning_rate, betas=(0.9, 0.99), weight_decay=config.weight_decay
-        )
+        self.optimiser = Muon(self.weights, lr=config.learning_rate, weight_decay=config.weight_decay)
 
     def step(self, step: int, loss: Tensor, processes: Processes = ALONE) -> float:
         """One gradient step on the sum of all processes' losses; the norm of the gradient. Raises `TrainingError`, and

@@ -101,7 +101,7 @@ def train(
             last = step + 1 == config.steps or processes.total(minutes > max_minutes, device) > 0
             report = None
             if last or (step + 1) % config.report_every == 0:
-                report, window = window.report(step + 1, config.batch, minutes, processes, device), _Window()
+                report, window = window.report(step + 1, minutes, processes, device), _Window()
                 if processes.rank == 0:
                     with (run / "log.jsonl").open("a") as log:
                         log.write(json.dumps(dataclasses.asdict(report)) + "\n")
@@ -156,12 +156,14 @@ class _Window:
             total, count = self.sums.get(name, (0.0, 0))
             self.sums[name] = total + values.sum().item(), count + values.numel()
 
-    def report(self, step: int, batch: int, minutes: float, processes: Processes, device: torch.device) -> Report:
+    def report(self, step: int, minutes: float, processes: Processes, device: torch.device) -> Report:
         """Means over all processes, which must all ask for them."""
         means: dict[str, float | None] = {}
+        samples = 0.0
         for name, (own_total, own_count) in self.sums.items():
             total, count = processes.total(own_total, device), processes.total(own_count, device)
             means[name] = total / count if count else None
+            samples = count if name == "loss" else samples
         loss = means.pop("loss")
         assert loss is not None
         return Report(
@@ -169,7 +171,7 @@ class _Window:
             loss=loss,
             gradient=float(np.mean(self.gradients)),
             measures=means,
-            samples_per_second=len(self.gradients) * batch / (time.monotonic() - self.began),
+            samples_per_second=samples / (time.monotonic() - self.began),
             minutes=minutes,
         )
 

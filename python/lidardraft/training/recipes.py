@@ -16,84 +16,64 @@ class Recipe:
     stages: tuple[DenoisingConfig, ...]
 
 
+def small_paper() -> Recipe:
+    """The paper's form for two CPU cores, on folded pixels: a base on every second beam and column, then on all, and
+    its ControlNet."""
+    return _with_controlnet(_small_base(), steps=8_000, zero_conv_steps=200)
+
+
 def small() -> Recipe:
-    """What ships, for two CPU cores."""
-    denoiser = DenoiserConfig(cell=(2, 4), widths=(64, 128, 192, 256), strides=(1, 2, 2, 2), dilations=(1, 1, 1, 1))
-    stage = DenoisingConfig(
-        denoiser=denoiser,
-        steps=20_000,
-        batch=4,
-        learning_rate=1.5e-3,
-        ema=0.999,
-        sigma_mean=-1.2,
-        sigma_std=1.6,
-        decay=0.4,
-    )
-    return Recipe(stages=(stage,))
+    """What ships, for two CPU cores: the base of `small_paper`, and then a network that completes simulated scans."""
+    *base, last = _small_base()
+    denoiser = replace(last.denoiser, condition=("simulated", "open"))
+    return Recipe(stages=(*base, last, replace(last, denoiser=denoiser, steps=8_000)))
 
 
 def paper() -> Recipe:
-    """The paper's form: widths 128, 128, 256, 256, two blocks, no folding, no copy gate; LiDARGen's strides; for a GPU.
+    """The paper's form: widths 128, 128, 256, 256, two blocks, no folding; LiDARGen's strides; for a GPU.
 
     The ControlNet sees classes and depths of the layout's cast. 100,000 steps without and 5,000 with the condition are
     the paper's; batch and learning rate it does not state, nor how long the zero convolutions learn alone.
     """
-    return _two_stages(128, (1, 1), base_steps=100_000, steps=5_000, zero_conv_steps=500, batch=24, learning_rate=1e-4)
-
-
-def small_paper() -> Recipe:
-    """The paper's form for two CPU cores: a quarter of its width, on folded pixels."""
-    return _two_stages(32, (2, 4), base_steps=8_000, steps=2_000, zero_conv_steps=200, batch=4, learning_rate=1e-3)
-
-
-def tiny() -> Recipe:
-    """`small`, an eighth as wide, for tests and a look at the loop: seconds."""
-    (stage,) = small().stages
-    denoiser = replace(stage.denoiser, widths=(8, 8, 16, 16))
-    return Recipe(stages=(replace(stage, denoiser=denoiser, steps=20, learning_rate=3e-3, warmup=5, ema=0.9),))
-
-
-def tiny_paper() -> Recipe:
-    """`small_paper`, a quarter as wide, for tests."""
-    base, control = _two_stages(
-        8, (2, 4), base_steps=20, steps=20, zero_conv_steps=5, batch=4, learning_rate=3e-3
-    ).stages
-    return Recipe(stages=(replace(base, warmup=5, ema=0.9), replace(control, warmup=5, watch_every=0)))
-
-
-def _two_stages(
-    width: int,
-    cell: tuple[int, int],
-    *,
-    base_steps: int,
-    steps: int,
-    zero_conv_steps: int,
-    batch: int,
-    learning_rate: float,
-) -> Recipe:
-    """The paper's network in so many channels on cells of pixels: a base, which learns scans without a condition, and
-    then its ControlNet."""
     denoiser = DenoiserConfig(
-        cell=cell,
-        widths=(width, width, 2 * width, 2 * width),
+        cell=(1, 1),
+        widths=(128, 128, 256, 256),
         strides=(1, 2, 1, 1),
         dilations=(1, 1, 2, 4),
         blocks=2,
         refine_units=2,
         pools=2,
         groups=8,
-        condition=("class", "depth"),
-        controlnet=True,
-        copy_gate=False,
     )
-    control = DenoisingConfig(
-        denoiser=denoiser,
-        steps=steps,
-        batch=batch,
-        learning_rate=learning_rate,
-        zero_conv_steps=zero_conv_steps,
-        watch_every=250,
-    )
-    alone = replace(denoiser, condition=(), controlnet=False)
-    base = replace(control, denoiser=alone, steps=base_steps, ema=0.999, zero_conv_steps=0, watch_every=0)
-    return Recipe(stages=(base, control))
+    base = DenoisingConfig(denoiser=denoiser, steps=100_000, batch=24, learning_rate=0.01, ema=0.999)
+    return _with_controlnet((base,), steps=5_000, zero_conv_steps=500)
+
+
+def tiny() -> Recipe:
+    """`small`, an eighth as wide, for tests and a look at the loop: seconds."""
+    return Recipe(stages=tuple(_tiny(stage) for stage in small().stages[-1:]))
+
+
+def tiny_paper() -> Recipe:
+    """`small_paper`, an eighth as wide, for tests."""
+    *_, base, control = small_paper().stages
+    return Recipe(stages=(_tiny(base), replace(_tiny(control), zero_conv_steps=5)))
+
+
+def _small_base() -> tuple[DenoisingConfig, ...]:
+    denoiser = DenoiserConfig(cell=(2, 4), widths=(64, 96, 128, 128), strides=(1, 2, 2, 1), dilations=(1, 1, 1, 2))
+    coarse = DenoisingConfig(denoiser=denoiser, steps=20_000, batch=2, learning_rate=0.01, ema=0.999, thinnings=(2,))
+    return coarse, replace(coarse, steps=10_000, thinnings=(1, 2))
+
+
+def _with_controlnet(base: tuple[DenoisingConfig, ...], *, steps: int, zero_conv_steps: int) -> Recipe:
+    """A base, which learns scans without a condition, and then its ControlNet."""
+    last = base[-1]
+    denoiser = replace(last.denoiser, condition=("depth", "class"), controlnet=True)
+    control = replace(last, denoiser=denoiser, steps=steps, zero_conv_steps=zero_conv_steps, watch_every=250)
+    return Recipe(stages=(*base, control))
+
+
+def _tiny(stage: DenoisingConfig) -> DenoisingConfig:
+    denoiser = replace(stage.denoiser, widths=(8, 8, 16, 16))
+    return replace(stage, denoiser=denoiser, steps=20, batch=4, warmup=5, ema=0.9, watch_every=0)

@@ -38,7 +38,7 @@ def sample_sensor(rng: np.random.Generator) -> Sensor:
     span = 2 * math.pi
     if rng.random() < _SECTOR_SHARE:
         span = math.radians(rng.uniform(90, 200))
-        columns = round(columns * span / (2 * math.pi) / 4) * 4
+        columns = round(columns * span / (2 * math.pi) / 8) * 8
     sensor = Sensor(
         name="sampled",
         elevations=elevations,

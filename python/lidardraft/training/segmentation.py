@@ -32,7 +32,7 @@ class SegmentationConfig(LearningConfig):
     augmentation: Augmentation = field(default_factory=Augmentation)
     steps: int = 2_000
     batch: int = 2
-    learning_rate: float = 2e-3
+    learning_rate: float = 0.02
     decay: float = 0.5
     weight_decay: float = 0.02
     ema: float = 0.99
@@ -71,7 +71,8 @@ def train_segmenter(
         with torch.autocast(on.type, dtype=torch.bfloat16, enabled=on.type == "cuda"):
             logits = segmenter(x)
         right = (logits.argmax(1) + 1 == target)[target > 0]
-        return segmentation_loss(logits.float(), target, weights), {"accuracy": right.float()}
+        losses = segmentation_loss(logits.float(), target, weights).expand(len(x))
+        return losses, {"accuracy": right.float()}
 
     yield from train(config, segmenter, batches, loss, pairs, run, device=on, max_minutes=max_minutes)
 

@@ -52,7 +52,9 @@ def primitives_of(scene: Scene, classes: Mapping[str, str]) -> list[Primitive]:
         fields: dict[str, Any] = {"label": label, "id": item.properties.get("id") or _distinct(whole, part, ids)}
         is_thing = label in BY_NAME and BY_NAME[label].is_thing
         fields["instance"] = numbers.of(item, whole) if is_thing else item.properties.get("instance", 0)
-        fields |= {name: item.properties[name] for name in ("material", "extinction") if name in item.properties}
+        fields |= {
+            name: item.properties[name] for name in ("material", "extinction", "open") if name in item.properties
+        }
         try:
             primitive = placed_shape(item, mesh, shape, **fields)
         except LayoutError as error:

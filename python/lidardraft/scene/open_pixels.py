@@ -1,0 +1,32 @@
+"""What a layout leaves open: the pixels of a scan in which nobody has said what there is."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from lidardraft.errors import LayoutError
+from lidardraft.scene.layout import Layout
+from lidardraft.scene.range_image import RangeImage
+
+
+def open_pixels(layout: Layout, condition_image: RangeImage, pose: np.ndarray) -> np.ndarray:
+    """Where a layout leaves open what a sensor at world_from_sensor `pose` [4, 4] sees, bool [H, W].
+
+    A pixel is open where the ray of `condition_image`, the cast with the image `primitive`, hits a shape that is `open`
+    or, in a layout that has one, no shape at all; and outside the layout's coverage. What the vehicle hides is not.
+    """
+    if condition_image.primitive is None:
+        raise LayoutError("the condition image has no primitives; cast it with primitive=True")
+    of_shape = np.array([primitive.open for primitive in layout], dtype=bool)
+    # -1, the last, is a ray that hits nothing
+    found: np.ndarray = np.append(of_shape, of_shape.any())[condition_image.primitive]
+    sensor = condition_image.sensor
+    if layout.coverage is not None:
+        start, end = layout.coverage
+        azimuths = sensor.azimuth_start - (np.arange(sensor.columns) + 0.5) * sensor.azimuth_span / sensor.columns
+        offsets = np.array(sensor.azimuth_offsets or [0.0] * len(sensor.elevations))
+        seen_from = math.atan2(pose[1, 0], pose[0, 0]) - start
+        found = found | ((azimuths + offsets[:, None] + seen_from) % (2 * math.pi) > end - start)
+    return found & ~sensor.blocked_pixels
