@@ -71,6 +71,7 @@ def test_what_was_drawn_is_found_again(seed: int) -> None:
     layout = layout_from_sketch(painted(shapes, hand=Hand(seed, 0.06)), metres_per_pixel=0.1)
     standing = [primitive for primitive in layout if primitive.label not in ("terrain", "road")]
     assert len(standing) == len(shapes)
+    assert [primitive.id for primitive in layout if primitive.open] == ["terrain"]  # what nothing is painted on
     for shape in shapes:
         near = min(standing, key=lambda one: math.dist(one.center[:2], shape.center))
         assert near.label == shape.label
