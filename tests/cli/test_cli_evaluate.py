@@ -23,5 +23,5 @@ def test_scores_of_unseen_streets(capsys: pytest.CaptureFixture[str]) -> None:
     assert len(re.findall(r"^ {4}all, by class: .*road \d\.\d\d", captured.out, re.MULTILINE)) == 5
     assert len(re.findall(r"^ {4}intensity \(JSD\), by class: .*road \d\.\d\d", captured.out, re.MULTILINE)) >= 2
     assert captured.err == (
-        "lidardraft: these weights were trained on columns of 512 to 2048, and small has 128; its scans may be poor\n"
+        "lidardraft: these weights were trained on beams of 64, and small has 16; its scans may be poor\n"
     )

@@ -28,7 +28,7 @@ def test_generate_from_text(capsys: pytest.CaptureFixture[str]) -> None:
     assert captured.out.startswith("out: 2 scans, 000000.bin to 000001.bin")
     # the weights were trained on another sensor: said once, in one line
     assert captured.err == (
-        "lidardraft: these weights were trained on columns of 512 to 2048, and small has 128; its scans may be poor\n"
+        "lidardraft: these weights were trained on beams of 64, and small has 16; its scans may be poor\n"
     )
     points, intensity = kitti.read_bin("out/000000.bin")
     label, _ = semantickitti.read_label("out/000000.label", len(points))

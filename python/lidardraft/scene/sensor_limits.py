@@ -38,8 +38,8 @@ class SensorLimits:
         for name, values in _measured(sensor).items():
             low, high = getattr(self, name)
             if min(values) < low - 1e-3 or max(values) > high + 1e-3:
-                has = " to ".join(f"{value:.4g}" for value in dict.fromkeys(values))
-                return f"{name.replace('_', ' ')} of {low:.4g} to {high:.4g}, and {sensor.name} has {has}"
+                trained, has = (" to ".join(f"{v:.4g}" for v in dict.fromkeys(of)) for of in ((low, high), values))
+                return f"{name.replace('_', ' ')} of {trained}, and {sensor.name} has {has}"
         return None
 
 
