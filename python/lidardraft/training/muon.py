@@ -18,8 +18,7 @@ _ADAM_BETAS, _ADAM_EPSILON = (0.9, 0.99), 1e-8
 
 class Muon(torch.optim.Optimizer):
     """Weights that are matrices (convolutions: outputs by all else) move along their orthogonalised momentum, by the
-    learning rate `lr`; all other weights by Adam, with a tenth of it. On networks on range images a step is worth two
-    of AdamW's."""
+    learning rate `lr`; all other weights by Adam, with a tenth of it."""
 
     def __init__(self, weights: Iterable[Tensor], *, lr: float, weight_decay: float) -> None:
         super().__init__(weights, {"lr": lr, "weight_decay": weight_decay})
