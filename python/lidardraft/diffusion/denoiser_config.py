@@ -20,7 +20,7 @@ class DenoiserConfig:
     `groups` of channels are normalised apart: of 16 channels or a multiple each, or the gradient in bfloat16 is slow.
     `condition` names the parts of the condition that the network sees (`CONDITION_PARTS`; none: it makes scans of
     nothing), beside the state, or with `controlnet` through a ControlNet as in the paper. With "open" among them it
-    completes simulated scans: it makes what is open, and leaves the rest. The defaults are those of `recipes.small_paper`.
+    completes simulated scans: it makes what is open, and leaves the rest. Defaults are of `recipes.small_paper`.
     """
 
     cell: tuple[int, int]
