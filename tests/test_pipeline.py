@@ -74,7 +74,7 @@ def test_another_sensor_is_warned_of_once(pipeline: Pipeline) -> None:
         for seed in range(2):
             known("a car ahead", sensor=high, seed=seed)
     assert [str(warning.message) for warning in found] == [
-        "these weights were trained on mount height of 1.73 to 1.73, and small has 2.5; its scans may be poor"
+        "these weights were trained on mount height of 1.73, and small has 2.5; its scans may be poor"
     ]
 
 

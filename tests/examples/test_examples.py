@@ -49,5 +49,5 @@ def test_demo(tmp_path: Path) -> None:
 def test_cloud_to_scan(tmp_path: Path) -> None:
     scan = Path(DATA, "kitti/odometry_00")
     argv = [str(scan / "velodyne/000000.bin"), str(scan / "labels/000000.label"), "-o", str(tmp_path)]
-    assert "generated scan" in run("cloud_to_scan.py", *argv)
+    assert "simulated scan" in run("cloud_to_scan.py", *argv)
     assert (tmp_path / "comparison.png").stat().st_size > 10_000
