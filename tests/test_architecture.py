@@ -5,6 +5,7 @@ import graphlib
 import re
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -54,7 +55,7 @@ STREETS = {
 }
 TORCH_ROOMS = {"networks", "diffusion", "perception", "training", "pipeline", "evaluation"}
 FORBIDDEN_NAMES = {"utils", "util", "helpers", "helper", "misc", "common", "tools", "base"}
-LONGEST_FILE, LONGEST_FUNCTION = 320, 60
+LONGEST_FILE, LONGEST_FUNCTION = 600, 60  # of a file that is one thing
 
 
 def room_of(path: Path) -> str:
@@ -133,6 +134,44 @@ def test_public_names_are_documented(path: Path) -> None:
     for node in tree.body:
         if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_"):
             assert ast.get_docstring(node), f"{node.name} has no docstring"
+
+
+def python_uses() -> dict[str, set[str]]:
+    """The modules of the package that each of its modules imports, wherever in it."""
+    names = {path: ".".join(("lidardraft", *path.relative_to(PACKAGE).with_suffix("").parts)) for path in FILES}
+    modules = {path: name.removesuffix(".__init__") for path, name in names.items()}
+    known = set(modules.values()) - {"lidardraft"}  # whose version and debug flag are asked for
+    return {
+        module: {full if full in known else full.rpartition(".")[0] for full in imported(path)} & known - {module}
+        for path, module in modules.items()
+    }
+
+
+@pytest.mark.xfail(reason="box, layout and mesh of scene, and its sensor, model and presets, still do")
+def test_modules_of_the_package_do_not_go_in_circles() -> None:
+    uses = python_uses()
+    assert "lidardraft.scene.sensor" in uses["lidardraft.scene.range_image"]
+    try:
+        graphlib.TopologicalSorter(uses).prepare()
+    except graphlib.CycleError as error:
+        pytest.fail("modules use each other: " + " <- ".join(error.args[1]))
+
+
+# The reader of sentences and the evaluator of scripts, until they are redrawn.
+INCLUDES = {"ChunkReader", "PartReader", "PlaceReader", "PositionReader", "RelationReader"} | {
+    *("ClassStatements", "Displays", "Expressions", "Failures", "Generators", "Statements")
+}
+
+
+def test_no_class_is_an_include() -> None:
+    """A class with one subclass and no other user is a piece of it: inheritance is for substitution."""
+    trees = [ast.parse(path.read_text()) for path in FILES]
+    classes = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+    own = {node.name for node in classes}
+    bases = [base.id for node in classes for base in node.bases if isinstance(base, ast.Name) and base.id in own]
+    uses = Counter(node.id for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Name))
+    includes = {name for name in bases if bases.count(name) == 1 and uses[name] == 1}
+    assert includes == INCLUDES, f"these are pieces of their only subclass: {sorted(includes ^ INCLUDES)}"
 
 
 def test_rust_files_are_short_and_unsafe_stays_in_its_folder() -> None:
