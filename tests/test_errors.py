@@ -6,7 +6,7 @@ import pytest
 
 import lidardraft
 from lidardraft import Layout, Primitive, Sensor
-from lidardraft.errors import FormatError, LayoutError, SensorError, one_of
+from lidardraft.errors import FormatError, LayoutError, SensorError, did_you_mean, one_of
 
 SENSOR = Sensor(name="small", elevations=(0.0, -0.1), columns=8)
 
@@ -22,6 +22,7 @@ SENSOR = Sensor(name="small", elevations=(0.0, -0.1), columns=8)
 )
 def test_the_name_that_was_meant_is_suggested(value: object, said: str) -> None:
     assert one_of(("car", "bus", "traffic-sign"), value) == said
+    assert did_you_mean(["House_1"], "huose_1") == "; did you mean 'House_1'?"
 
 
 def test_sensors_and_classes_are_suggested() -> None:

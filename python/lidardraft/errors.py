@@ -11,10 +11,17 @@ def one_of(names: Iterable[str], value: object) -> str:
 
 def did_you_mean(names: Iterable[str], value: object) -> str:
     """The end of a message on a `value` that is none of `names`: the one that was probably meant, or nothing."""
+    nearest = nearest_name(names, value)
+    return "" if nearest is None else f"; did you mean {nearest!r}?"
+
+
+def nearest_name(names: Iterable[str], value: object, likeness: float = 0.6) -> str | None:
+    """The one of `names` that a misspelled `value` most probably means; None where none is as like as `likeness`."""
     import difflib  # only what has gone wrong waits for it
 
-    similar = difflib.get_close_matches(str(value).lower(), list(names), n=1)
-    return "".join(f"; did you mean {name!r}?" for name in similar)
+    known = {name.lower(): name for name in names}
+    similar = difflib.get_close_matches(str(value).lower(), known, n=1, cutoff=likeness)
+    return known[similar[0]] if similar else None
 
 
 def check_type(name: str, value: object, *types: type) -> None:

@@ -103,8 +103,8 @@ def test_replace() -> None:
 
 
 @pytest.mark.parametrize("edit", [remove, move, replace])
-def test_unknown_ids_name_what_is_close(edit: object) -> None:
-    with pytest.raises(LayoutError, match=r"no primitive has the id 'car_11'; close: car_1"):
+def test_unknown_ids_name_what_was_probably_meant(edit: object) -> None:
+    with pytest.raises(LayoutError, match=r"no primitive has the id 'car_11'; did you mean 'car_1'\?"):
         edit(LAYOUT, "car_11")  # type: ignore[operator]
     with pytest.raises(LayoutError, match=r"no primitive has the id 'zebra'; it has car_1, car_2, tree_3, tree_30"):
         edit(LAYOUT, "zebra")  # type: ignore[operator]

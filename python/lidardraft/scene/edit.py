@@ -8,11 +8,10 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from typing import Any
 
-from lidardraft.errors import LayoutError
+from lidardraft.errors import LayoutError, did_you_mean
 from lidardraft.scene.layout import Layout, Primitive, object_of
 from lidardraft.semantics import BY_NAME
 
@@ -90,11 +89,9 @@ def _existing(layout: Layout, pattern: str) -> tuple[Primitive, ...]:
     matching = select(layout, pattern)
     if not matching:
         names = list(dict.fromkeys(object_of(primitive) for primitive in layout))
-        near = get_close_matches(pattern, [*names, *(p.id for p in layout)])
-        shown = f"close: {', '.join(dict.fromkeys(near))}" if near else f"it has {', '.join(names[:8]) or 'none'}"
-        raise LayoutError(
-            f"no primitive has the id {pattern!r}; {shown}{', ...' if not near and len(names) > 8 else ''}"
-        )
+        near = did_you_mean([*names, *(p.id for p in layout)], pattern)
+        known = near or f"; it has {', '.join(names[:8]) or 'none'}{', ...' if len(names) > 8 else ''}"
+        raise LayoutError(f"no primitive has the id {pattern!r}{known}")
     return matching
 
 
