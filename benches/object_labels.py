@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lidardraft.drafting.clustering import FittedBox
+from lidardraft.drafting.cloud.clustering import FittedBox
 from lidardraft.formats.kitti import read_bin
 from lidardraft.scene.layout import Layout
 from lidardraft.semantics import BY_NAME

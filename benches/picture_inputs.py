@@ -15,7 +15,7 @@ import numpy as np
 from PIL import Image
 
 import lidardraft
-from lidardraft.drafting.pinhole import Pinhole
+from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.drafting.scene_spec import SceneSpec
 from lidardraft.drafting.solver import layout_from_spec
 from lidardraft.scene.layout import Layout

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import ndimage
 
-from lidardraft.drafting.pinhole import Pinhole
+from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.view import PALETTE

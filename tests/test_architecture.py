@@ -252,14 +252,3 @@ def test_every_public_name_is_there() -> None:
         assert getattr(lidardraft, name) is not None
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = lidardraft.nothing
-
-
-@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
-def test_every_module_has_a_test_file_of_its_name(path: Path) -> None:
-    if path.stem.startswith("__"):
-        return
-    folder, stem = ROOT / "tests" / path.parent.relative_to(PACKAGE), path.stem
-    names = {test.stem.removeprefix("test_") for test in folder.glob("test_*.py")}
-    # of two modules of one name, a test has the room before it, as in `objects_mesh`; a long one has a word behind it
-    rooms = ("", *(f"{part}_" for part in (*path.parent.relative_to(PACKAGE).parts, "street")))
-    assert [name for name in names if name.startswith(f"{stem}_") or name in {f"{room}{stem}" for room in rooms}]

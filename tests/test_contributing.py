@@ -53,7 +53,7 @@ def test_every_test_that_a_recipe_names_exists() -> None:
 
 
 def test_every_input_is_public_and_a_command_takes_it() -> None:
-    names = [name for path in (PACKAGE / "drafting").glob("*.py") for name in functions(path)]
+    names = [name for path in (PACKAGE / "drafting").rglob("*.py") for name in functions(path)]
     inputs = [name for name in names if name.startswith("layout_from_")]
     inputs.remove("layout_from_spec")  # what the inputs of words end in
     assert len(inputs) >= 2

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lidardraft import Layout, Primitive
-from lidardraft.drafting.pinhole import Pinhole
+from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.semantics import BY_NAME
 from rendered_pictures import SKY, as_networks_give_it, render
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lidardraft import layout_from_cloud, layout_from_text, raycast
-from lidardraft.drafting.clustering import FittedBox
+from lidardraft.drafting.cloud.clustering import FittedBox
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.semantics import BY_NAME

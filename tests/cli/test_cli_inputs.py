@@ -13,8 +13,8 @@ from PIL import Image
 
 from lidardraft import Box, Layout, Primitive, Sensor
 from lidardraft.cli import main as cli
-from lidardraft.drafting.cloud import layout_from_cloud
-from lidardraft.drafting.pinhole import Pinhole
+from lidardraft.drafting.cloud.layout import layout_from_cloud
+from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
 from lidardraft.networks import weight_file

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lidardraft.drafting.cloud import layout_from_cloud
+from lidardraft.drafting.cloud.layout import layout_from_cloud
 from lidardraft.errors import LayoutError
 from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.semantickitti import read_label

@@ -1,7 +1,7 @@
 import subprocess
 import sys
 
-from lidardraft.drafting import cloud_rules as rules
+from lidardraft.drafting.cloud import rules
 from lidardraft.semantics import BY_NAME
 
 

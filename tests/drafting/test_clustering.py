@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sklearn.cluster import DBSCAN
 
-from lidardraft.drafting.clustering import (
+from lidardraft.drafting.cloud.clustering import (
     FittedBox,
     _neighbours,
     cluster,

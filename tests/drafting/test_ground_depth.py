@@ -3,9 +3,8 @@ import math
 import numpy as np
 import pytest
 
-from lidardraft.drafting.ground_depth import corrected_depth
-from lidardraft.drafting.pinhole import Pinhole
-from lidardraft.drafting.road_plane import RoadPlane
+from lidardraft.drafting.picture.camera import Pinhole
+from lidardraft.drafting.picture.road import RoadPlane, corrected_depth
 from lidardraft.semantics import BY_NAME
 
 ROAD, CAR = BY_NAME["road"].id, BY_NAME["car"].id

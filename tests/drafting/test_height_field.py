@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from lidardraft.drafting.height_field import HeightField
-from lidardraft.drafting.refinement import Rays
+from lidardraft.drafting.cloud.ground import HeightField
+from lidardraft.drafting.cloud.rays import Rays
 from lidardraft.scene.mesh import primitive_mesh
 from lidardraft.semantics import BY_NAME
 

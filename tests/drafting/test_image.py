@@ -10,7 +10,7 @@ from PIL import ExifTags, Image
 
 import rendered_pictures
 from lidardraft import Layout, Primitive, layout_from_image
-from lidardraft.drafting.pinhole import Pinhole
+from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.errors import CheckpointError, FormatError, LayoutError
 from lidardraft.scene.check import check
 from lidardraft.semantics import BY_NAME

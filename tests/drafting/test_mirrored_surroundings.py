@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from lidardraft.drafting.mirrored_surroundings import mirrored_surroundings
+from lidardraft.drafting.picture.surroundings import mirrored_surroundings
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.semantics import BY_NAME

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from lidardraft.drafting.pinhole import Pinhole
+from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.errors import LayoutError
 
 K = np.array([[700.0, 0, 400], [0, 710.0, 300], [0, 0, 1]])

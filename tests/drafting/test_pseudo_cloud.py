@@ -2,8 +2,8 @@ import math
 
 import numpy as np
 
-from lidardraft.drafting.pinhole import Pinhole
-from lidardraft.drafting.pseudo_cloud import CELL, pseudo_cloud
+from lidardraft.drafting.picture.camera import Pinhole
+from lidardraft.drafting.picture.points import CELL, pseudo_cloud
 from lidardraft.semantics import BY_NAME
 
 ROAD, CAR, POLE, BUILDING = (BY_NAME[name].id for name in ("road", "car", "pole", "building"))

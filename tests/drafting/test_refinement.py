@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
-from lidardraft.drafting.cloud_rules import DETAILS, Detail
-from lidardraft.drafting.refinement import Piece, Rays, refined
+from lidardraft.drafting.cloud.rays import Rays
+from lidardraft.drafting.cloud.refinement import Piece, refined
+from lidardraft.drafting.cloud.rules import DETAILS, Detail
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.semantics import BY_NAME

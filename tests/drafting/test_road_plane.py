@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from lidardraft.drafting.road_plane import find_road_plane
+from lidardraft.drafting.picture.road import find_road_plane
 from lidardraft.errors import LayoutError
 from lidardraft.semantics import BY_NAME
 

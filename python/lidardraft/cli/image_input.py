@@ -37,7 +37,7 @@ def add_image_options(group: argparse._ArgumentGroup) -> None:
 
 def layout_of_image(arguments: argparse.Namespace) -> Layout:
     """The layout of --image; what scale it got is said on stderr."""
-    from lidardraft.drafting.image import CAMERA_HEIGHT, DEPTH, SEMANTICS, layout_from_image
+    from lidardraft.drafting.picture.layout import CAMERA_HEIGHT, DEPTH, SEMANTICS, layout_from_image
     from lidardraft.formats.cityscapes import read_semantics
     from lidardraft.formats.masks import read_masks
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.drafting.cloud import layout_from_cloud
+from lidardraft.drafting.cloud.layout import layout_from_cloud
 from lidardraft.errors import FormatError
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast

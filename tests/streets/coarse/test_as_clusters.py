@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scanned import EGO, NAMES, SCAN, SENSOR, VISIBLE, made
 
-from lidardraft.drafting.cloud import layout_from_cloud
+from lidardraft.drafting.cloud.layout import layout_from_cloud
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.streets.coarse.as_clusters import ClusterStyle
 

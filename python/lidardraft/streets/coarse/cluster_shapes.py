@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.drafting.cloud_rules import (
+from lidardraft.drafting.cloud.rules import (
     ELLIPSE_SCALE,
     HANGING_CLASSES,
     HANGING_HEIGHT,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lidardraft.drafting.cloud_rules import GROUND_PLANE_DROP, GROUND_PLANE_SIZE
+from lidardraft.drafting.cloud.rules import GROUND_PLANE_DROP, GROUND_PLANE_SIZE
 from lidardraft.scene.layout import SHAPES, Layout, Primitive
 from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.scene.raycast import Raycaster

@@ -14,14 +14,13 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from lidardraft.drafting.cloud import layout_from_cloud
-from lidardraft.drafting.clustering import thin
-from lidardraft.drafting.ground_depth import corrected_depth
-from lidardraft.drafting.height_field import GROUND_IDS
-from lidardraft.drafting.mirrored_surroundings import mirrored_surroundings
-from lidardraft.drafting.pinhole import Pinhole
-from lidardraft.drafting.pseudo_cloud import PseudoCloud, pseudo_cloud
-from lidardraft.drafting.road_plane import RoadPlane, find_road_plane
+from lidardraft.drafting.cloud.clustering import thin
+from lidardraft.drafting.cloud.ground import GROUND_IDS
+from lidardraft.drafting.cloud.layout import layout_from_cloud
+from lidardraft.drafting.picture.camera import Pinhole
+from lidardraft.drafting.picture.points import PseudoCloud, pseudo_cloud
+from lidardraft.drafting.picture.road import RoadPlane, corrected_depth, find_road_plane
+from lidardraft.drafting.picture.surroundings import mirrored_surroundings
 from lidardraft.errors import LayoutError, check_type
 from lidardraft.files import named
 from lidardraft.formats.intrinsics import read_intrinsics

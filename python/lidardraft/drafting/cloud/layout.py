@@ -9,7 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from lidardraft.drafting.cloud_rules import (
+from lidardraft.drafting.cloud.clustering import FittedBox, cluster, completions, fit_box, fit_post, is_length
+from lidardraft.drafting.cloud.ground import HeightField
+from lidardraft.drafting.cloud.rays import Rays
+from lidardraft.drafting.cloud.refinement import Piece, refined
+from lidardraft.drafting.cloud.rules import (
     DETAILS,
     HANGING_CLASSES,
     HANGING_HEIGHT,
@@ -20,9 +24,6 @@ from lidardraft.drafting.cloud_rules import (
     REACH,
     Detail,
 )
-from lidardraft.drafting.clustering import FittedBox, cluster, completions, fit_box, fit_post, is_length
-from lidardraft.drafting.height_field import HeightField
-from lidardraft.drafting.refinement import Piece, Rays, refined
 from lidardraft.errors import LayoutError, check_type, one_of
 from lidardraft.json_fields import is_number
 from lidardraft.scene.layout import Layout, Primitive

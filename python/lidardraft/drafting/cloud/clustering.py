@@ -14,7 +14,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from lidardraft.drafting.cloud_rules import (
+from lidardraft.drafting.cloud.rules import (
     ELLIPSE_SCALE,
     LONGER_THAN_WIDE,
     MIN_CROWN,

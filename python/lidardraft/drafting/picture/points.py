@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.drafting.height_field import GROUND_IDS
-from lidardraft.drafting.pinhole import Pinhole
+from lidardraft.drafting.cloud.ground import GROUND_IDS
+from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.semantics import CLASSES
 
 # Angles and shares without a source are estimates of ours.

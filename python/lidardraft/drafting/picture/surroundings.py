@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.sparse.csgraph import connected_components
 
-from lidardraft.drafting.cloud import layout_from_cloud
-from lidardraft.drafting.height_field import GROUND_IDS
+from lidardraft.drafting.cloud.ground import GROUND_IDS
+from lidardraft.drafting.cloud.layout import layout_from_cloud
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.semantics import GROUND

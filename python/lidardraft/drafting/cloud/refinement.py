@@ -8,15 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lidardraft.drafting.cloud_rules import BEAM_GAP, LONGEST_CROWN, ROUNDS, Detail
-from lidardraft.drafting.clustering import FittedBox, fit_box, fit_crown
-from lidardraft.scene.labelling import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE
-from lidardraft.scene.layout import Layout, Primitive
-from lidardraft.scene.raycast import Raycaster
+from lidardraft.drafting.cloud.clustering import FittedBox, fit_box, fit_crown
+from lidardraft.drafting.cloud.rays import RayHits, Rays
+from lidardraft.drafting.cloud.rules import BEAM_GAP, LONGEST_CROWN, ROUNDS, Detail
+from lidardraft.scene.layout import Primitive
 from lidardraft.semantics import CLASSES
 
 _SAMPLE = 200  # points at most that tell which halves are better
-_MOST_RAYS = 50_000  # in a sample
 _LEAST_SHOWN = 2  # returns that a useful piece shows
 
 
@@ -60,52 +58,6 @@ class Piece:
         center, size = tuple(self.box.center.tolist()), tuple(self.box.size.tolist())
         label = CLASSES[self.label].name
         return Primitive(shape=self.shape, center=center, size=size, yaw=self.box.yaw, label=label, id=id)
-
-
-class Rays:
-    """Rays from the sensor at `origin` [3] to points [N, 3], and how far off a cast may be to agree with them.
-
-    `sample` are the indices of evenly chosen ones, 50,000 at most.
-    """
-
-    def __init__(self, points: np.ndarray, origin: np.ndarray) -> None:
-        self.points, self.origin = points, origin
-        self.ranges = np.linalg.norm(points - origin, axis=1)
-        self.tolerance = np.maximum(ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE * self.ranges)
-        self.sample = np.arange(0, len(points), max(1, -(-len(points) // _MOST_RAYS)))
-
-    def cast(self, primitives: Sequence[Primitive], chosen: np.ndarray | None = None) -> RayHits:
-        """What the rays `chosen` [M], or all of them, meet in a layout."""
-        chosen = np.arange(len(self.points)) if chosen is None else chosen
-        caster = Raycaster(Layout(primitives=tuple(primitives)))
-        hits = caster.cast(self.origin, self.points[chosen] - self.origin, threads=1)
-        further, tolerance = hits.distance - self.ranges[chosen], self.tolerance[chosen]
-        too_far = ~hits.valid | (further > tolerance)
-        return RayHits(chosen, hits.primitive, hits.distance, hits.valid & (further < -tolerance), too_far)
-
-    def ends(self, hits: RayHits) -> np.ndarray:
-        """Where rays that were cast end [M, 3]: at their origin if they meet nothing."""
-        share = hits.distance / np.maximum(self.ranges[hits.chosen], 1e-6)
-        ends: np.ndarray = self.origin + share[:, None] * (self.points[hits.chosen] - self.origin)
-        return ends
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class RayHits:
-    """Of M rays: their indices `chosen`, the indices of the primitives that they meet, -1 for none, the distances to
-    these [m], and which of them end too near, and which too far or nowhere.
-    """
-
-    chosen: np.ndarray
-    primitive: np.ndarray
-    distance: np.ndarray
-    too_near: np.ndarray
-    too_far: np.ndarray
-
-    def per_piece(self, chosen: np.ndarray, count: int) -> np.ndarray:
-        """How many rays of `chosen` bool [M] meet each of the first `count` primitives [count]."""
-        mine = chosen & (self.primitive >= 0) & (self.primitive < count)
-        return np.bincount(self.primitive[mine], minlength=count)
 
 
 def refined(pieces: Sequence[Piece], rays: Rays, others: Sequence[Primitive], detail: Detail) -> list[Piece]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from sklearn.neighbors import KNeighborsRegressor, NearestNeighbors
 
-from lidardraft.drafting.cloud_rules import GROUND_PLANE_DROP, GROUND_PLANE_SIZE
-from lidardraft.drafting.refinement import Rays
+from lidardraft.drafting.cloud.rays import Rays
+from lidardraft.drafting.cloud.rules import GROUND_PLANE_DROP, GROUND_PLANE_SIZE
 from lidardraft.scene.layout import Primitive
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
 
