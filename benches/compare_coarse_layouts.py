@@ -7,7 +7,7 @@ comes in pieces, and for the solver: in metres); how far the middle is off along
 yaw [deg]; how often it is "turned", length and width taken for each other; the share of the scan's pixels of the class
 that the cast layout "agrees" with. A cell is the median and the half width of the middle 68 %, of the drafting code
 and of its quick imitation. "clusters" is `layout_from_cloud`, with instance numbers or without; "solver"
-is `drafting.solver.layout_from_spec` on specs with the kinds that the street has; "quick" stands in for them in
+is `layout_from_spec` on specs with the kinds that the street has; "quick" stands in for them in
 `lidardraft.streets`; "possible" is the share of its shapes in sizes that the real code drew too. Below each table
 stands what differs by more than `tallies.py` tolerates.
 """
@@ -22,9 +22,9 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft.drafting.cloud.layout import layout_from_cloud
-from lidardraft.drafting.road_from_spec import road_from_spec
-from lidardraft.drafting.scene_spec import ObjectGroup, SceneSpec
-from lidardraft.drafting.solver import layout_from_spec
+from lidardraft.drafting.solver.layout import layout_from_spec
+from lidardraft.drafting.solver.road_from_spec import road_from_spec
+from lidardraft.drafting.solver.scene_spec import ObjectGroup, SceneSpec
 from lidardraft.errors import LayoutError
 from lidardraft.objects.cars import BODIES
 from lidardraft.scene.labelling import agrees

@@ -16,8 +16,8 @@ from PIL import Image
 
 import lidardraft
 from lidardraft.drafting.picture.camera import Pinhole
-from lidardraft.drafting.scene_spec import SceneSpec
-from lidardraft.drafting.solver import layout_from_spec
+from lidardraft.drafting.solver.layout import layout_from_spec
+from lidardraft.drafting.solver.scene_spec import SceneSpec
 from lidardraft.scene.layout import Layout
 from lidardraft.view import caption, render_from_above, render_layout, render_scan, save_png, stack
 from rendered_pictures import render

@@ -20,7 +20,7 @@ import numpy as np
 
 import lidardraft
 from drawn_sketches import DrawnBox, DrawnLine, Hand, painted
-from lidardraft.drafting.scene_spec import SceneSpec
+from lidardraft.drafting.solver.scene_spec import SceneSpec
 from lidardraft.errors import LayoutError, LidarDraftError, TextError
 from lidardraft.scene.check import check
 from lidardraft.semantics import BY_NAME
@@ -36,8 +36,8 @@ def report_sentences() -> None:
     """Sentences that are understood as expected, with layouts in which every relation holds, for each seed."""
     from test_sentences import read_sentences
 
-    from lidardraft.drafting.relation_text import relations
-    from lidardraft.drafting.text import spec_from_text
+    from lidardraft.drafting.solver.relation_text import relations
+    from lidardraft.drafting.text.layout import spec_from_text
 
     sentences, passed = read_sentences(), 0
     for sentence in sentences:
@@ -60,10 +60,10 @@ def _holds(text: str, spec: SceneSpec, refusal: str, seed: int) -> bool:
 
 def report_solver() -> None:
     """Random specs whose layouts an independent checker finds right."""
-    from spec_checker import broken
-    from test_solver import random_spec
+    from test_layout_from_spec import random_spec
 
-    from lidardraft.drafting.solver import layout_from_spec
+    from lidardraft.drafting.solver.layout import layout_from_spec
+    from spec_checker import broken
 
     held = refused = 0
     for number in range(SPECS):
@@ -185,7 +185,8 @@ PARTS: dict[str, Callable[[], None]] = {
 
 def main() -> None:
     """Print all parts, or those whose names are given."""
-    sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "drafting"))
+    tests = Path(__file__).parents[1] / "tests"
+    sys.path[:0] = map(str, (tests, tests / "drafting", tests / "drafting" / "text", tests / "drafting" / "solver"))
     for name, report in PARTS.items():
         if len(sys.argv) < 2 or name in sys.argv[1:]:
             print(f"{name}:", flush=True)

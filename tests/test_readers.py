@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from lidardraft.drafting.blender import layout_from_blender
-from lidardraft.drafting.scene_spec import SceneSpec
 from lidardraft.drafting.sketch import layout_from_sketch
+from lidardraft.drafting.solver.scene_spec import SceneSpec
 from lidardraft.errors import LidarDraftError
 from lidardraft.formats.blender_script import write_blender_script
 from lidardraft.formats.boxes import read_boxes, write_boxes

@@ -31,10 +31,10 @@ _LAZY = {
     "layout_from_cloud": "lidardraft.drafting.cloud.layout",
     "layout_from_glb": "lidardraft.formats.glb",
     "layout_from_image": "lidardraft.drafting.picture.layout",
-    "layout_from_llm": "lidardraft.drafting.llm",
+    "layout_from_llm": "lidardraft.drafting.language_model.layout",
     "layout_from_obj": "lidardraft.formats.obj",
     "layout_from_sketch": "lidardraft.drafting.sketch",
-    "layout_from_text": "lidardraft.drafting.text",
+    "layout_from_text": "lidardraft.drafting.text.layout",
     "with_vehicle": "lidardraft.scene.vehicle_shadow",
 }
 

@@ -10,7 +10,7 @@ import pytest
 
 from lidardraft import Layout, Primitive, Sensor, raycast
 from lidardraft.calibration.recording import read_points, read_recording, recording_of, returns
-from lidardraft.drafting.text import layout_from_text
+from lidardraft.drafting.text.layout import layout_from_text
 from lidardraft.errors import FormatError
 from lidardraft.formats.kitti import write_bin
 from lidardraft.formats.semantickitti import write_label

@@ -11,7 +11,7 @@ from built_objects import SIZES, build, is_closed, placed, vertices
 
 import lidardraft.objects
 from lidardraft import CLASSES
-from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
+from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.errors import LayoutError
 from lidardraft.objects.buildings import BALCONY, EAVES
 from lidardraft.objects.cars import BODIES

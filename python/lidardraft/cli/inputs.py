@@ -137,7 +137,7 @@ def _classes(arguments: argparse.Namespace) -> dict[str, str]:
 def layout_of_text(arguments: argparse.Namespace, seed: int) -> Layout:
     """The layout of --text for a seed; by the language model where one is named."""
     if asks_language_model(arguments):
-        from lidardraft.drafting.llm import layout_from_llm
+        from lidardraft.drafting.language_model.layout import layout_from_llm
 
         return layout_from_llm(
             arguments.text,
@@ -148,7 +148,7 @@ def layout_of_text(arguments: argparse.Namespace, seed: int) -> Layout:
             cache=arguments.llm_cache,
             timeout=120.0 if arguments.llm_timeout is None else arguments.llm_timeout,
         )
-    from lidardraft.drafting.text import layout_from_text
+    from lidardraft.drafting.text.layout import layout_from_text
 
     return layout_from_text(arguments.text, seed=seed)
 

@@ -7,7 +7,7 @@ import os
 
 from lidardraft.cli.arguments import number
 
-_URL = "LIDARDRAFT_LLM_URL"  # as in drafting/chat_server.py, whose HTTP a sentence without a model need not wait for
+_URL = "LIDARDRAFT_LLM_URL"  # as in chat_server.py, which loads HTTP
 
 
 def add_language_model(parser: argparse.ArgumentParser) -> None:

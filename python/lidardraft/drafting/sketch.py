@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 
-from lidardraft.drafting.object_shapes import ObjectPart
 from lidardraft.drafting.sketches.drawn_objects import NotDrawnError, Placed, objects_of_blob, objects_of_stroke
 from lidardraft.drafting.sketches.drawn_shapes import Sketch
 from lidardraft.drafting.sketches.drawn_surfaces import (
@@ -24,6 +23,7 @@ from lidardraft.drafting.sketches.drawn_surfaces import (
 )
 from lidardraft.drafting.sketches.painted_sketch import read_painting
 from lidardraft.drafting.sketches.svg_sketch import read_svg
+from lidardraft.drafting.solver.object_shapes import ObjectPart
 from lidardraft.errors import FormatError, LayoutError, check_type
 from lidardraft.files import named, read_text
 from lidardraft.formats.picture import opened_picture

@@ -1,6 +1,6 @@
 """The table of kinds: how each kind of object is built and what that needs, in one row.
 
-Other tables name kinds for what is theirs alone: `drafting/sentence_kinds.py` what sentences can ask for,
+Other tables name kinds for what is theirs alone: `drafting/solver/sentence_kinds.py` what sentences can ask for,
 `streets/placement/sizes.py` the sizes that streets have, `scene/check.py` what extents a class can have at all.
 """
 
@@ -60,7 +60,7 @@ class Kind:
     is let down; `math.inf` if only the ground under its middle matters. `is_small` objects are easily left out of a
     picture, and those `on_pole` are left out of coarse layouts without poles.
 
-    `word` is what the plan of a sentence calls it, a name in `lidardraft.drafting.sentence_kinds`, None where no
+    `word` is what the plan of a sentence calls it, a name in `lidardraft.drafting.solver.sentence_kinds`, None where no
     sentence speaks of it; `alignment` is how the solver of sentences places it.
 
     `extents` are the smallest and the largest (length, width, height) [m] that `build` is right for, about those that

@@ -98,6 +98,6 @@ def simulate(
 
 
 def _from_text(sentence: str, seed: int) -> Layout:
-    from lidardraft.drafting.text import layout_from_text  # what has a layout need not wait for the grammar
+    from lidardraft.drafting.text.layout import layout_from_text  # what has a layout need not wait for the grammar
 
     return layout_from_text(sentence, seed=seed)

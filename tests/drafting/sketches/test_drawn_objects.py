@@ -3,9 +3,9 @@ import math
 import numpy as np
 import pytest
 
-from lidardraft.drafting.object_shapes import extents
 from lidardraft.drafting.sketches.drawn_objects import NotDrawnError, Placed, objects_of_blob, objects_of_stroke
 from lidardraft.drafting.sketches.drawn_shapes import Blob, Stroke
+from lidardraft.drafting.solver.object_shapes import extents
 
 
 def of_blob(label: str, length: float, width: float, yaw: float = 0.0, *names: str) -> list[Placed]:

@@ -1,6 +1,6 @@
 """The words that sentences have."""
 
-from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
+from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.objects.kinds import KINDS
 from lidardraft.streets.coarse.families import ALWAYS_NAMED, FAMILIES, FAMILY_OF
 

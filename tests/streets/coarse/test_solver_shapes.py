@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS
+from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.objects.kinds import KINDS, kind_of
 from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.road import Road

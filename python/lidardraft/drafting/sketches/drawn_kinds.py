@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.drafting.sketches.drawn_shapes import Blob
+from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.scene.check import SIZE_RANGES
 from lidardraft.scene.class_names import words_of
 

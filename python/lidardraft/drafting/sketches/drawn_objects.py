@@ -11,11 +11,18 @@ from itertools import pairwise
 
 import numpy as np
 
-from lidardraft.drafting.object_shapes import CROWN_BASE, TRUNK_DIAMETER, ObjectPart, extents, resized, tree_parts
-from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.drafting.sketches.drawn_kinds import kind_of, named_kind
 from lidardraft.drafting.sketches.drawn_shapes import Blob, Stroke
 from lidardraft.drafting.sketches.drawn_surfaces import smoothed
+from lidardraft.drafting.solver.object_shapes import (
+    CROWN_BASE,
+    TRUNK_DIAMETER,
+    ObjectPart,
+    extents,
+    resized,
+    tree_parts,
+)
+from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.scene.check import SIZE_RANGES
 
 _AS_DRAWN = ("building", "vegetation", "wall", "fence")  # classes whose footprints are as large as they are drawn

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from lidardraft.drafting.lane_poses import LANE_OFFSET
-from lidardraft.drafting.object_shapes import (
+from lidardraft.drafting.solver.lane_poses import LANE_OFFSET
+from lidardraft.drafting.solver.object_shapes import (
     CROWN_BASE,
     TRUNK_DIAMETER,
     TRUNK_IN_CROWN,
@@ -19,9 +19,9 @@ from lidardraft.drafting.object_shapes import (
     traffic_light_parts,
     traffic_sign_parts,
 )
-from lidardraft.drafting.occupancy import GAP
-from lidardraft.drafting.road_pose import YAW_DEVIATION
-from lidardraft.drafting.sentence_kinds import SENTENCE_KINDS, SentenceKind
+from lidardraft.drafting.solver.occupancy import GAP
+from lidardraft.drafting.solver.road_pose import YAW_DEVIATION
+from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.objects.coarse_shapes import CoarseShape, box_of
 from lidardraft.objects.kinds import Alignment, Kind, kind_of
 from lidardraft.objects.placed_object import PlacedObject
@@ -99,7 +99,7 @@ def _nearest(extent: float, low: float, high: float) -> float:
 
 
 def _shapes(placed: PlacedObject, kind: Kind) -> list[CoarseShape]:
-    """The parts that `drafting.object_shapes` makes for the word of a kind, at the size of the object."""
+    """The parts that `drafting.solver.object_shapes` makes for the word of a kind, at the size of the object."""
     length, width, height = placed.size
     if kind.word == "tree":
         trunk = min(max(_TRUNK_SHARE * height, TRUNK_DIAMETER[0]), TRUNK_DIAMETER[1])

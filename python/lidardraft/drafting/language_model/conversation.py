@@ -1,0 +1,135 @@
+"""A request to a language model and what comes of it: replies that cannot be used go back with the reason."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from string import Template
+from typing import Any, Generic, TypeVar
+
+from lidardraft.drafting.language_model.chat_server import ChatReply, ChatServer
+from lidardraft.drafting.language_model.http_answer import TimeLimit
+from lidardraft.drafting.language_model.reply_cache import ReplyCache
+from lidardraft.errors import LanguageModelError, LidarDraftError
+from lidardraft.files import read_text
+
+T = TypeVar("T")
+MAX_ATTEMPTS = 3  # the first one and two retries
+_PROMPTS = Path(__file__).with_name("prompts")
+_LONGEST_ECHO = 20_000  # characters of a refused reply that the model is shown again
+
+
+@dataclass(frozen=True, slots=True)
+class Prompt:
+    """Instructions for a model: their `name`, that of a file in `prompts/`, and their `text`."""
+
+    name: str
+    text: str
+
+    @classmethod
+    def from_file(cls, name: str, **values: str) -> Prompt:
+        """The packaged prompt of that name with its $names replaced by `values`."""
+        return cls(name, Template(read_text(_PROMPTS / f"{name}.md")).substitute(values))
+
+    @property
+    def version(self) -> str:
+        """Its name and the beginning of the hash of its text, which changes with each letter."""
+        return f"{self.name}-{_sha256(self.text)[:12]}"
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What a server is asked for: a prompt, the text of the user, and options such as `response_format`."""
+
+    server: ChatServer
+    prompt: Prompt
+    text: str
+    options: dict[str, Any]
+
+    @property
+    def messages(self) -> list[dict[str, str]]:
+        """The beginning of the chat."""
+        return [{"role": "system", "content": self.prompt.text}, {"role": "user", "content": self.text}]
+
+    @property
+    def sha256(self) -> str:
+        """Of all that the reply depends on: server, model, prompt, text and options."""
+        fields = {"url": self.server.url, "model": self.server.model, "messages": self.messages, **self.options}
+        return _sha256(json.dumps(fields, sort_keys=True))
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """A reply, and why it could not be used; None for the one that could."""
+
+    reply: ChatReply
+    error: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Conversation(Generic[T]):
+    """What a request came to: the result of its last attempt."""
+
+    request: Request
+    attempts: tuple[Attempt, ...]
+    result: T
+
+    def provenance(self) -> dict[str, Any]:
+        """Where the result came from, as JSON types; nothing of it tells the server or the key."""
+        replies = [attempt.reply for attempt in self.attempts]
+        return {
+            "model": self.request.server.model,
+            "answered_by": replies[-1].model,
+            "prompt": self.request.prompt.version,
+            "request_sha256": self.request.sha256,
+            "attempts": [{"reply_sha256": _sha256(a.reply.text), "error": a.error} for a in self.attempts],
+            "reply": replies[-1].text,
+        }
+
+
+def converse(request: Request, read: Callable[[str], T], cache: ReplyCache, limit: TimeLimit) -> Conversation[T]:
+    """The conversation in which `read` could use the last reply: the one in the cache, or a new one, which is kept.
+
+    `read` raises a `LidarDraftError` for what it cannot use. Raises `LanguageModelError` where the server gives no
+    reply, and when `MAX_ATTEMPTS` replies were of no use.
+    """
+    attempts, result = [], None
+    for reply in cache.find(request.sha256):
+        attempt, result = _use(reply, read)
+        attempts.append(attempt)
+    if result is not None:
+        return Conversation(request, tuple(attempts), result)
+    cache.make_folder()
+    attempts, messages = [], request.messages
+    while len(attempts) < MAX_ATTEMPTS:
+        attempt, result = _use(request.server.reply(messages, request.options, limit), read)
+        attempts.append(attempt)
+        if result is not None:
+            cache.keep(request.sha256, [each.reply for each in attempts])
+            return Conversation(request, tuple(attempts), result)
+        messages = messages + _retry(attempt)
+    model = request.server.model
+    raise LanguageModelError(f"{model}: none of {MAX_ATTEMPTS} replies can be used; the last one: {attempts[-1].error}")
+
+
+def _use(reply: ChatReply, read: Callable[[str], T]) -> tuple[Attempt, T | None]:
+    try:
+        result = read(reply.text)
+    except LidarDraftError as error:
+        cut = f"it is cut off after {len(reply.text)} characters, write a shorter one; " if reply.is_cut else ""
+        return Attempt(reply, f"{cut}{error}"), None
+    return Attempt(reply, None), result
+
+
+def _retry(attempt: Attempt) -> list[dict[str, str]]:
+    """What a chat goes on with after a reply that cannot be used."""
+    told = Prompt.from_file("retry", error=str(attempt.error)).text
+    shown = attempt.reply.text[:_LONGEST_ECHO] or "(nothing)"
+    return [{"role": "assistant", "content": shown}, {"role": "user", "content": told}]
+
+
+def _sha256(text: str) -> str:
+    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()

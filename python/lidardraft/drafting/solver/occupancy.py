@@ -1,0 +1,212 @@
+"""What stands on and beside a road so far, and where there is still room."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from lidardraft.drafting.solver.object_shapes import STANDING, ObjectPart, extents, in_segments, resized
+from lidardraft.drafting.solver.parking_bays import lot_edge
+from lidardraft.drafting.solver.relative_poses import Footprint
+from lidardraft.drafting.solver.road_pose import RoadPose
+from lidardraft.drafting.solver.scene_spec import EXTENTS, ObjectGroup, split_place
+from lidardraft.drafting.solver.sentence_kinds import SentenceKind
+from lidardraft.drafting.solver.set_back import with_near_side_at
+from lidardraft.errors import LayoutError
+from lidardraft.scene.check import EGO, MAX_RANGE, SIZE_RANGES, LayoutGround, Solid, penetration
+from lidardraft.scene.layout import Primitive
+from lidardraft.scene.road import RING, Road
+from lidardraft.semantics import BY_NAME
+
+# Estimates of ours.
+GAP = 0.25  # m between any two objects
+FOLLOWING_GAP = 2.0  # m before and behind whatever drives, where nothing is said of its distance
+_CELL = 8.0  # m, of the grid that solids are found by
+
+
+class Occupancy:
+    """The primitives of a layout while it is made, and the solids that have to stay apart.
+
+    `in_the_way` counts what objects found no room for, by name, since it was cleared.
+    """
+
+    def __init__(self, road: Road, rng: np.random.Generator) -> None:
+        self.road, self.rng = road, rng
+        self.primitives = road.surfaces()
+        self.ground = LayoutGround(self.primitives)
+        self.in_the_way: Counter[str] = Counter()
+        self._solids: defaultdict[tuple[int, int], list[Solid]] = defaultdict(list)
+        self._add([Solid.from_primitive(EGO)])
+        self._side_roads = [
+            Solid.from_primitive(_raised(p)) for p in self.primitives if p.id in ("road_left", "road_right")
+        ]
+        self._numbers: Counter[str] = Counter()
+        self._instances = 0
+
+    def place(
+        self, kind: SentenceKind, group: ObjectGroup, pose: RoadPose, *, by_end: bool = False
+    ) -> Footprint | None:
+        """Place one object there, or its near end `by_end`, if there is room for it."""
+        in_lot = bool(self.road.paved_areas) and abs(pose.across) > self.road.edge
+        parked = group.heading == "parked" or (in_lot and group.heading is None)
+        bent = kind.follows_road and self.road.curvature != 0.0 and not group.on_road
+        parts = _sized(kind.sample_parts(self.rng, parked=parked), group)
+        parts = in_segments(parts[0]) if bent else parts
+        if group.set_back or group.set_aside:
+            pose = with_near_side_at(group, pose, parts)
+        if by_end:
+            half = Footprint.of("", kind, pose, *extents(parts)[:2]).half_along
+            pose = pose._replace(along=pose.along + math.copysign(half, pose.along))
+        if not self._may_stand(kind, group, parts, pose):
+            return None
+        primitives = [self._primitive(kind, part, pose, bent) for part in parts]
+        moving = kind.drives and not parked
+        close = group.distance or group.spacing or group.relation
+        ahead = FOLLOWING_GAP if moving and not close else GAP
+        wide = [Solid.from_primitive(_widened(p, ahead, GAP)) for p in primitives]
+        obstacle = next(self._obstacles(wide, side_roads=not (moving or kind.walks)), None)
+        if obstacle is not None:
+            self.in_the_way[obstacle] += 1
+            return None
+        self._numbers[kind.name] += 1
+        name = f"{kind.name}_{self._numbers[kind.name]}"
+        numbers: dict[str, int] = {}  # a rider and what is ridden are two instances of one name
+        for part, primitive in zip(parts, primitives, strict=True):
+            if BY_NAME[part.label].is_thing and part.label not in numbers:
+                self._instances += 1
+                numbers[part.label] = self._instances
+            id = f"{name}.{part.name}" if part.name else name
+            self.primitives.append(dataclasses.replace(primitive, id=id, instance=numbers.get(part.label, 0)))
+        self._add(map(Solid.from_primitive, self.primitives[-len(parts) :]))
+        length, width, _ = extents([part for part in parts if part.center[2] - part.size[2] / 2 < STANDING])
+        return Footprint.of(name, kind, pose, length, width)  # crowns and lamps hang over what is near
+
+    def _may_stand(self, kind: SentenceKind, group: ObjectGroup, parts: list[ObjectPart], pose: RoadPose) -> bool:
+        """Whether an object may be there at all, whatever else stands around."""
+        if not group.on_road and any(_reaches(part, pose.across, self.road) for part in parts):
+            self.in_the_way["the road"] += 1
+            return False
+        if any(is_at(pose, place, self.road) for place in group.not_places):
+            self.in_the_way["a place where it may not be"] += 1
+            return False
+        if "sidewalk" not in kind.surfaces and not kind.on_road and self._reaches_into_lot(parts, pose):
+            self.in_the_way["the parking lot"] += 1
+            return False
+        x, y, _ = self.road.at(pose.along, pose.across)
+        if abs(pose.along) > self.road.half_length or math.hypot(x, y) > MAX_RANGE:
+            self.in_the_way["the end of the road"] += 1
+            return False
+        if kind.is_vehicle and abs(pose.across) > self.road.edge and not self._is_paved(pose):
+            self.in_the_way["the kerb"] += 1
+            return False
+        if self.road.roundabout_radius is not None and self._is_in_roundabout(kind, parts, pose):
+            self.in_the_way["the roundabout"] += 1
+            return False
+        return True
+
+    def _reaches_into_lot(self, parts: list[ObjectPart], pose: RoadPose) -> bool:
+        if not self.road.paved_areas:
+            return False
+        (start, end), (length, width, _) = self.road.paved_areas[0].along, extents(parts)
+        beside = start - length / 2 < pose.along < end + length / 2
+        return beside and abs(pose.across) - width / 2 < lot_edge(self.road, 1 if pose.across > 0 else -1)
+
+    def _is_paved(self, pose: RoadPose) -> bool:
+        surface = self.ground.at(*self.road.at(pose.along, pose.across)[:2])
+        return surface is not None and surface[1] == "road"
+
+    def _is_in_roundabout(self, kind: SentenceKind, parts: list[ObjectPart], pose: RoadPose) -> bool:
+        """Whether it would be in the way of who drives around, or on the island."""
+        assert self.road.junction is not None
+        assert self.road.roundabout_radius is not None
+        radius = math.hypot(pose.along - self.road.junction, pose.across)
+        around = math.atan2(pose.across, pose.along - self.road.junction) + math.pi / 2
+        on_ring = abs(radius - self.road.island - RING / 2) < 0.01 and math.cos(pose.yaw - around) > 0.9
+        if kind.drives and on_ring:
+            return False
+        length, width, _ = extents(parts)
+        reach = length / 2 if kind.drives else math.hypot(length, width) / 2
+        return radius < self.road.roundabout_radius + reach
+
+    def _add(self, solids: Iterable[Solid]) -> None:
+        for solid in solids:
+            for cell in _cells(solid):
+                self._solids[cell].append(solid)
+
+    def _obstacles(self, solids: list[Solid], *, side_roads: bool) -> Iterator[str]:
+        """What some solids run into, by name."""
+        for solid in solids:
+            near = {id(other): other for cell in _cells(solid) for other in self._solids.get(cell, ())}
+            for other in (*near.values(), *(self._side_roads if side_roads else ())):
+                if penetration(solid, other) > 0:
+                    yield _NAMES.get(other.primitive.id, other.primitive.id.partition(".")[0])
+
+    def _primitive(self, kind: SentenceKind, part: ObjectPart, pose: RoadPose, bent: bool) -> Primitive:
+        along, across, yaw = pose
+        length, width, height = part.size
+        dx, dy, dz = part.center
+        if bent:  # each segment follows the bend, as long as the arc is there
+            along, dx, length = along + dx, 0.0, length * (1.0 - self.road.curvature * across)
+        x, y, heading = self.road.at(along, across)
+        z = self.ground.height(x, y)
+        yaw += heading
+        cos, sin = math.cos(yaw), math.sin(yaw)
+        center = (x + cos * dx - sin * dy, y + sin * dx + cos * dy, z + dz)
+        size = (length, width, height)
+        return Primitive(shape=part.shape, center=center, size=size, yaw=yaw, label=part.label, id=kind.name)
+
+
+_NAMES = {"ego": "the ego vehicle", "road_left": "the crossing road", "road_right": "the crossing road"}
+
+
+def _sized(parts: list[ObjectPart], group: ObjectGroup) -> list[ObjectPart]:
+    """The parts in the size that the group asks for, as far as its class can have it."""
+    if group.scale is None and group.size is None:
+        return parts
+    asked, times, has = group.size or (None, None, None), group.scale or (1.0, 1.0, 1.0), extents(parts)
+    label = group.record.label
+    low, high = SIZE_RANGES.get(label, ((0.0, 0.0, 0.0), (EXTENTS[1],) * 3))
+    wanted = [
+        min(max(length * factor, least), most * (1 - 1e-6)) if said is None else said
+        for said, factor, length, least, most in zip(asked, times, has, low, high, strict=True)
+    ]
+    for name, said, least, most in zip(("length", "width", "height"), asked, low, high, strict=True):
+        if said is not None and not least <= said <= most:
+            raise LayoutError(f"{group.kind}: {name} is {said:g} m; a {label} has {least:g} to {most:g} m")
+    x, y, z = (to / of for to, of in zip(wanted, has, strict=True))
+    return resized(parts, (x, y, z))
+
+
+def _reaches(part: ObjectPart, across: float, road: Road) -> bool:
+    """Whether a part that stands beside the road would stand on it; what hangs over it, as a crown does, may."""
+    low = part.center[2] - part.size[2] / 2 < STANDING
+    return low and abs(across) - part.size[1] / 2 < road.edge
+
+
+def is_at(pose: RoadPose, place: str, road: Road) -> bool:
+    """Whether a pose is at one of PLACES, as the ego sees them; anywhere is at ""."""
+    aside = pose.across - road.lane(road.ego_lane)
+    fore, side = split_place(place)
+    along = {"front": pose.along > 0, "behind": pose.along < 0, "beside": abs(pose.along) <= 4.0, "": True}[fore]
+    return along and {"left": aside > 0, "right": aside < 0, "": True}[side]
+
+
+def _cells(solid: Solid) -> Iterator[tuple[int, int]]:
+    x, y, _ = solid.primitive.center
+    low_x, high_x = (math.floor((x + sign * solid.radius) / _CELL) for sign in (-1, 1))
+    low_y, high_y = (math.floor((y + sign * solid.radius) / _CELL) for sign in (-1, 1))
+    return ((i, j) for i in range(low_x, high_x + 1) for j in range(low_y, high_y + 1))
+
+
+def _widened(primitive: Primitive, ahead: float, aside: float) -> Primitive:
+    length, width, height = primitive.size
+    return dataclasses.replace(primitive, size=(length + 2 * ahead, width + 2 * aside, height))
+
+
+def _raised(surface: Primitive) -> Primitive:
+    """An obstacle over a surface that has to stay free."""
+    return dataclasses.replace(surface, shape="box", size=(*surface.size[:2], 20.0), label="other")

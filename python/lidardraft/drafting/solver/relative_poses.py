@@ -1,0 +1,268 @@
+"""Poses from other objects: behind, in front of, beside, between, opposite or near what stands already."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lidardraft.drafting.solver.parking_bays import lot_edge, row_poses
+from lidardraft.drafting.solver.road_pose import BACKWARDS, RoadPose, turned, walking_yaw
+from lidardraft.drafting.solver.sentence_kinds import SentenceKind
+from lidardraft.scene.road import Road
+
+# Estimates of ours: gaps between two objects [m], smallest and largest, where no distance is asked for.
+_IN_LANE = (1.5, 5.0)  # along a lane
+_CLOSE = (0.4, 1.2)
+_NEAR = (0.5, 4.0)
+_FURTHER, _DEEPEST = 8.0, 90.0  # m more, for want of room; behind a row, for hundreds
+_MOVED_TO_SIDEWALK = 2.0  # m, of what is near something
+_ACROSS_LANES = 0.6  # m between what stands side by side
+_MOVED, _MOVED_BETWEEN, _MOVED_EXACTLY = 12.0, 3.0, 0.3  # m across the road, at most, to where its kind may be
+
+
+@dataclass(frozen=True, slots=True)
+class Footprint:
+    """Where an object stands in the road's frame, and how far it reaches from its middle along and across [m]."""
+
+    name: str
+    kind: SentenceKind
+    pose: RoadPose
+    half_along: float
+    half_across: float
+
+    @classmethod
+    def of(cls, name: str, kind: SentenceKind, pose: RoadPose, length: float, width: float) -> Footprint:
+        """The footprint of an object of such a length and width [m]."""
+        cos, sin = abs(math.cos(pose.yaw)), abs(math.sin(pose.yaw))
+        return cls(name, kind, pose, (cos * length + sin * width) / 2, (sin * length + cos * width) / 2)
+
+    @property
+    def forwards(self) -> int:
+        """1 if its front is in the direction of the ego's, as far as it has one, or away from the ego; else -1."""
+        if self.kind.drives:
+            return 1 if math.cos(self.pose.yaw) > 0 else -1
+        return 1 if self.pose.along >= 0 else -1
+
+    @property
+    def side(self) -> int:
+        """1 on the left of the road, -1 on the right."""
+        return 1 if self.pose.across > 0 else -1
+
+
+@dataclass(frozen=True, slots=True)
+class RelativePoses:
+    """Samples poses of an object of `kind` by its `relation` to the `references`; `distance` is a range from them [m].
+
+    `lanes` are the (number, direction) of those that it may be in, all if it is empty; a `surface` "sidewalk" is where
+    it stands.
+
+    The relation "row" continues a row: in line with the reference, on the side away from the ego.
+    """
+
+    road: Road
+    kind: SentenceKind
+    size: tuple[float, float]
+    heading: str | None
+    relation: str
+    distance: tuple[float, float] | None = None
+    lanes: Sequence[tuple[int, int]] = ()
+    surface: str | None = None
+
+    def sample(
+        self, references: Sequence[Footprint], rng: np.random.Generator, number: int, effort: float
+    ) -> RoadPose | None:
+        """A pose, or None where one of its kind cannot be; `effort` rises from 0 to 1 while nothing fits."""
+        turn = number + max(
+            0, int((2 * effort - 1) * len(references))
+        )  # from others too, where the first leaves no room
+        reference, place = references[turn % len(references)], number // len(references)
+        if self.relation == "between":
+            return self._between(references[0], references[1], rng, effort)
+        if self.relation == "opposite":
+            lane = self.road.edge - self.road.parking / 2 if self.heading == "parked" else self.road.edge / 2
+            beside = lane if self.kind.drives else max(self.road.edge + 2.0, abs(reference.pose.across))
+            across = -reference.side * beside
+            reach = 1.0 + 2.0 * effort * place * self.size[0]  # several stand in a row
+            return self._pose(reference.pose.along + reach * float(rng.uniform(-1.0, 1.0)), across, rng, reference)
+        if self.relation in ("left-of", "right-of"):
+            return self._aside(reference, 1 if self.relation == "left-of" else -1, rng, effort, place)
+        if self.relation == "row":
+            return self._in_line(reference, 1 if reference.pose.along >= 0 else -1, rng, effort, 0)
+        if self.relation == "behind":
+            return self._behind(reference, rng, effort, place)
+        if self.relation == "in-front-of":
+            return self._in_front(reference, rng, effort, place)
+        return self._beside(reference, rng, effort, place, _NEAR if self.relation == "near" else _CLOSE)
+
+    def _behind(self, reference: Footprint, rng: np.random.Generator, effort: float, place: int) -> RoadPose | None:
+        """At its back: of what drives the rear, of what stands beside the road the side away from it."""
+        if reference.kind.drives or reference.kind.walks or self._needs_road:
+            way = -1 if reference.kind.drives else 1
+            return self._in_line(reference, way * reference.forwards, rng, effort, place)
+        deep = min(_DEEPEST, (place - 10) * self.size[1])  # hundreds make a wood
+        off = reference.half_across + self.size[1] / 2 + self._gap(_CLOSE, rng, effort, max(_FURTHER, deep))
+        along = reference.pose.along + float(rng.uniform(-0.5, 0.5)) * self._width_of_row(reference, effort, place)
+        return self._pose(along, reference.pose.across + reference.side * off, rng, reference)
+
+    def _in_front(self, reference: Footprint, rng: np.random.Generator, effort: float, place: int) -> RoadPose | None:
+        """At its front: of what drives the nose, of what stands beside the road the side towards it."""
+        if reference.kind.drives or reference.kind.walks:
+            way = 1 if reference.kind.drives else -1
+            return self._in_line(reference, way * reference.forwards, rng, effort, place)
+        off = reference.half_across + self.size[1] / 2 + self._gap(_CLOSE, rng, effort)
+        along = reference.pose.along + float(rng.uniform(-0.6, 0.6)) * self._width_of_row(reference, effort, place)
+        return self._pose(along, reference.pose.across - reference.side * off, rng, reference)
+
+    def _width_of_row(self, reference: Footprint, effort: float, place: int) -> float:
+        """How far along the road those behind one object, or in front of it, reach [m]; more, as they find no room."""
+        if reference.kind.follows_road and place:  # first along all of it
+            free = max(reference.half_along, 2.0 * reference.half_along - self.size[0])
+            return free + 2.0 * max(0.0, 2.0 * effort - 1.0) * place * self.size[0]
+        return reference.half_along + 2.0 * effort * place * self.size[0]
+
+    def _in_line(
+        self, reference: Footprint, way: int, rng: np.random.Generator, effort: float, place: int
+    ) -> RoadPose | None:
+        """In its row, `place` objects of this size after the first."""
+        usual = _IN_LANE if self.kind.is_vehicle or reference.kind.is_vehicle else _CLOSE
+        least = reference.half_along + self.size[0] / 2
+        off = max(least + 0.3, self._asked(rng)) if self.distance else least + self._gap(usual, rng, effort)
+        off += place * (self.size[0] + usual[0])
+        return self._pose(reference.pose.along + way * off, reference.pose.across, rng, reference)
+
+    def _beside(
+        self, reference: Footprint, rng: np.random.Generator, effort: float, place: int, usual: tuple[float, float]
+    ) -> RoadPose | None:
+        """At its side across the road, or along it."""
+        if reference.kind.follows_road and place:  # several along a fence, or along the kerb before it
+            found = self._aside(reference, 1 if rng.random() < 0.5 else -1, rng, effort, place, usual)
+            half = reference.half_along
+            if self._needs_road:
+                half = min(half + self.size[0] / 2, self._width_of_row(reference, effort, place))
+            along = reference.pose.along + float(rng.uniform(-1.0, 1.0)) * half
+            return found and found._replace(along=along)
+        along_it = not (self.kind.drives and reference.kind.drives) and rng.random() < 0.5
+        if along_it and not self._needs_road:
+            off = reference.half_along + self.size[0] / 2 + self._gap(usual, rng, effort)
+            off += min(1.0, 2.0 * effort) * place * self.size[0]
+            along = reference.pose.along + (off if rng.random() < 0.5 else -off)
+            across = reference.pose.across
+            if not reference.kind.drives:  # in line with the face towards the road
+                across -= reference.side * (reference.half_across - self.size[1] / 2)
+            return self._pose(along, across, rng, reference)
+        return self._aside(reference, 1 if rng.random() < 0.5 else -1, rng, effort, place, usual)
+
+    def _aside(
+        self,
+        reference: Footprint,
+        side: int,
+        rng: np.random.Generator,
+        effort: float,
+        place: int,
+        usual: tuple[float, float] = _CLOSE,
+    ) -> RoadPose | None:
+        """To one side of it, several in a row along the road as they find no room."""
+        off = reference.half_across + self.size[1] / 2 + max(_ACROSS_LANES, self._gap(usual, rng, effort / 4))
+        together = place > 0 and self.kind.drives and reference.kind.drives  # several overtake one after another
+        row = 0.0 if together else 5.0 * effort * place * (self.size[0] + 1.0)
+        along = reference.pose.along + float(rng.uniform(-0.4, 0.4)) * (reference.half_along + row)
+        if together:
+            along -= reference.forwards * place * (self.size[0] + self._gap(_IN_LANE, rng, effort / 4))
+        return self._pose(along, reference.pose.across + side * off, rng, reference, side)
+
+    def _between(self, one: Footprint, other: Footprint, rng: np.random.Generator, effort: float) -> RoadPose | None:
+        """On the way from one to the other, where it leaves room."""
+        share = 0.5 + float(rng.uniform(-0.25, 0.25)) * effort * (1.6 if self.kind.drives else 1.0)
+        along = one.pose.along + share * (other.pose.along - one.pose.along)
+        across = one.pose.across + share * (other.pose.across - one.pose.across)
+        if self.road.curvature and not (one.kind.drives and self.kind.drives):  # straight through the bend
+            start, end = (np.array(self.road.at(*each.pose[:2])[:2]) for each in (one, other))
+            along, across = self.road.along_across(*(start + share * (end - start)).tolist())
+        return self._pose(along, across, rng, one)
+
+    def _gap(
+        self, usual: tuple[float, float], rng: np.random.Generator, effort: float, further: float = _FURTHER
+    ) -> float:
+        gap = float(rng.uniform(*usual)) + further * effort * float(rng.random())
+        return self._asked(rng) if self.distance else gap
+
+    def _asked(self, rng: np.random.Generator) -> float:
+        return float(rng.uniform(*self.distance)) if self.distance else 0.0
+
+    @property
+    def _needs_road(self) -> bool:
+        return self.kind.is_vehicle
+
+    @property
+    def _on_sidewalk(self) -> bool:
+        return self.surface == "sidewalk" and self.road.sidewalk > 0.9
+
+    def _pose(
+        self, along: float, across: float, rng: np.random.Generator, reference: Footprint, side: int = 0
+    ) -> RoadPose | None:
+        """The pose there, moved to where its kind may be: a lane or the kerb, or beside the road."""
+        found, yaw = self._ground_at(across, rng, reference, side)
+        moved, apart = abs(found - across), (found - reference.pose.across) * side
+        in_between = self.relation == "between" and reference.kind.drives == self.kind.drives
+        exactly = self.relation == "near" and self.distance is not None
+        beside = 0.0 if self.kind.on_road or exactly or in_between else abs(found - reference.pose.across)
+        most = _MOVED_EXACTLY if exactly else _MOVED_BETWEEN if in_between else max(_MOVED, beside)
+        if self._on_sidewalk and self.relation in ("near", "beside"):
+            most = _MOVED_TO_SIDEWALK
+        if moved > most or (side and apart < 0.3):
+            return None
+        towards = reference.half_across < abs(reference.pose.across) - abs(found)
+        if self.relation == "in-front-of" and not (towards or reference.kind.drives or reference.kind.walks):
+            return None
+        return RoadPose(along, found, yaw)
+
+    def _ground_at(
+        self, across: float, rng: np.random.Generator, reference: Footprint, side: int
+    ) -> tuple[float, float]:
+        """The nearest place across the road where its kind may be, and the yaw there."""
+        if self.kind.walks and str(self.heading).startswith("across"):
+            return across, walking_yaw(str(self.heading), rng)
+        if self._on_sidewalk:
+            low, high = self.road.edge + 0.4, max(self.road.edge + 0.5, self.road.verge - 0.4)
+            across = math.copysign(min(max(abs(across), low), high), across)
+            standing = 0.0 if across > 0 else BACKWARDS
+            return across, float(rng.uniform(-math.pi, math.pi)) if self.kind.walks else standing
+        if self.kind.walks or (self.kind.cycles and self.heading == "parked"):
+            kerb = self.road.edge + self.size[0] / 2
+            on_road = abs(across) < kerb and reference.side * reference.pose.across > self.road.edge
+            if on_road and not self.kind.walks:  # a bicycle at a wall stands on its side of the kerb
+                across = reference.side * kerb
+            return across, float(rng.uniform(-math.pi, math.pi))
+        if not self.kind.drives:
+            clear = self._verge(1 if across > 0 else -1) + self.size[1] / 2 + 0.3
+            if not self.kind.on_road and abs(across) < clear:
+                aside = abs(reference.pose.across) > self.road.edge and self.relation in ("in-front-of", "behind")
+                across = reference.side * clear if aside else math.copysign(clear, across)
+            return across, 0.0 if across > 0 else BACKWARDS
+        lanes = self.lanes or [(n, 1) for n in range(self.road.lanes)] + [(n, -1) for n in range(self.road.oncoming)]
+        ways = [(self.road.lane(n, way), way) for n, way in lanes]
+        at_kerb = abs(across) > self.road.edge - self.road.parking
+        if self.road.parking and not self.lanes and (self.heading == "parked" or at_kerb):
+            ways += [(s * (self.road.edge - self.road.parking / 2), -s) for s in (1, -1)]
+        if reference.kind.drives and self.road.paved_areas and not self.lanes:
+            ways.append((across, reference.forwards))
+        elif self.road.paved_areas and not self.lanes and self.heading in (None, "parked"):  # in front of a shop
+            bay, yaw = min(row_poses(self.road, reference.side), key=lambda row: abs(row[0] - across))
+            if abs(bay - across) < abs(min(ways, key=lambda way: abs(way[0] - across))[0] - across):
+                return bay, turned(rng, yaw)
+        if side:  # beside it, not in its own lane
+            ways = [way for way in ways if (way[0] - reference.pose.across) * side > 1.0] or ways
+        lane, way = min(ways, key=lambda way: (round(abs(way[0] - across), 2), way))
+        same_row = abs(lane - reference.pose.across) < 1.0 and reference.kind.drives
+        if self.heading in ("with", "against"):
+            return lane, turned(rng, 0.0 if self.heading == "with" else BACKWARDS)
+        return lane, turned(rng, reference.pose.yaw if same_row else 0.0 if way > 0 else BACKWARDS)
+
+    def _verge(self, side: int) -> float:
+        """Where the land begins that this kind stands on, on a side, from the centreline [m]."""
+        if self.road.paved_areas and "sidewalk" not in self.kind.surfaces:  # lamps and trees stand in the lot too
+            return lot_edge(self.road, side)
+        return self.road.edge if "sidewalk" in self.kind.surfaces else self.road.verge

@@ -1,0 +1,172 @@
+"""The road that a spec asks for, with room for everything that the spec puts on it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from lidardraft.drafting.solver.parking_bays import LOT_DEPTHS
+from lidardraft.drafting.solver.road_zones import queue_length
+from lidardraft.drafting.solver.scene_spec import ObjectGroup, SceneSpec, split_place
+from lidardraft.errors import LayoutError
+from lidardraft.scene.check import MAX_RANGE
+from lidardraft.scene.road import LEFT, RIGHT, RING, PavedArea, Road
+
+HARD_SHOULDER, MEDIAN = 3.0, 4.0  # m, of motorways: estimate of ours, and the German RAA (2008)
+MAX_DISTANCE = MAX_RANGE - 10.0  # m, that an object can be asked for at
+AISLE_LANE = 3.0  # m; the aisle of a parking lot is 6 m wide (EAR 05)
+_LOT_LENGTH = (60.0, 90.0)  # m, estimate of ours
+_MAX_LANES = 6
+_WIDEST_LANE = 3.7  # m, of the usual ones
+
+
+def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -> Road:
+    """A road in the ego's frame, with what the spec leaves open sampled.
+
+    Each `effort` more makes what is open larger, for what found no room before. Raises `LayoutError` on a distance that
+    is further than a sensor sees.
+    """
+    kind = spec.road.kind
+    motorway, lot = kind == "motorway", kind == "parking-lot"
+    usual, needed = _usual_ego_lane(spec)
+    lanes = spec.road.lanes or max(
+        needed, min(_most_lanes(spec), _sample_lanes(spec, rng, max(needed, 1 + effort // 2)))
+    )
+    ego_lane = min({"left": lanes - 1, "middle": lanes // 2, "right": 0}.get(str(spec.road.ego_lane), usual), lanes - 1)
+    farthest = max((g.distance[1] for g in spec.groups if g.distance and g.relation is None), default=0.0)
+    if farthest > MAX_DISTANCE:
+        raise LayoutError(f"distance is {farthest:g} m; objects can be asked for up to {MAX_DISTANCE:g} m away")
+    queue = max((queue_length(group) for group in spec.groups if group.record.is_vehicle), default=0.0)
+    row = max((_row_end(group) for group in spec.groups), default=0.0)
+    half_length = max(80.0, farthest + 15.0, row + 5.0, min(MAX_DISTANCE, max(queue, 30.0 * effort) + 10.0))
+    if motorway:  # nothing else of it may differ from one seed to the next
+        half_length += float(rng.spawn(1)[0].uniform(0.0, 8.0))
+    wanted = spec.road.sidewalk
+    sidewalk = float(rng.uniform(1.8, 3.0)) if wanted or (wanted is None and not (motorway or lot)) else 0.0
+    bend = {"left-bend": 1.0, "right-bend": -1.0, "bend": float(rng.choice([-1, 1]))}.get(kind, 0.0)
+    lane_width = 3.75 if motorway else AISLE_LANE if lot else float(rng.uniform(3.3, _WIDEST_LANE))
+    parking = HARD_SHOULDER if motorway else 0.0 if lot else _parking_width(spec, ego_lane)
+    oncoming = 0 if spec.road.one_way else spec.road.oncoming_lanes or lanes
+    median = MEDIAN if motorway and not (spec.road.one_way or _has_junction(spec)) else 0.0
+    edge = median / 2 + (lanes + oncoming) / 2 * lane_width + parking
+    radius = edge + sidewalk + RING + float(rng.uniform(1.0, 5.0)) if kind == "roundabout" else None
+    near = (edge if radius is None else radius) + sidewalk + 6.0
+    curvature = bend / float(rng.uniform(90.0, 160.0))
+    return Road(
+        lanes=lanes,
+        oncoming_lanes=spec.road.oncoming_lanes,
+        ego_lane=ego_lane,
+        lane_width=lane_width,
+        parking=parking,
+        sidewalk=sidewalk,
+        curvature=curvature,
+        junction=float(rng.uniform(near, near + 12.0 + 8.0 * effort)) if _has_junction(spec) else None,
+        side_roads=(int(rng.choice([LEFT, RIGHT])),) if kind == "t-junction" else (LEFT, RIGHT),
+        half_length=half_length,
+        median=median,
+        roundabout_radius=radius,
+        paved_areas=_parking_lot(spec, lanes * lane_width, farthest, rng) if lot else (),
+        one_way=spec.road.one_way,
+    )
+
+
+def _row_end(group: ObjectGroup) -> float:
+    """How far away the last of a row stands that begins at a distance [m]; 0 for what is no such row."""
+    if group.spacing is None or group.distance is None or group.fewest is None:
+        return 0.0
+    return min(MAX_RANGE, group.distance[0] + group.spacing * (group.fewest - 1))
+
+
+def _sample_lanes(spec: SceneSpec, rng: np.random.Generator, needed: int) -> int:
+    if spec.road.kind == "parking-lot":
+        return needed
+    if spec.road.kind == "motorway":
+        return max(needed, int(rng.choice([2, 3])))
+    return min(_MAX_LANES, max(needed, int(rng.choice([1, 2], p=[0.75, 0.25]))))
+
+
+def _most_lanes(spec: SceneSpec) -> int:
+    """In each direction, where what stands beside the road at a distance from the ego is to find room there."""
+    beside = [
+        group.distance[0]
+        for group in spec.groups
+        if group.distance is not None
+        and group.relation is None
+        and not group.on_road
+        and any(split_place(place) in (("", ""), ("", "left")) for place in group.places or ("",))
+    ]
+    # the ego is in the rightmost of them
+    return max(2 if spec.road.kind == "motorway" else 1, int((min(beside, default=100.0) / _WIDEST_LANE + 0.5) / 2))
+
+
+def _usual_ego_lane(spec: SceneSpec) -> tuple[int, int]:
+    """The number of the ego's lane where nothing is said of it, and how many lanes it and what drives there need."""
+    left = any(_beside_the_ego(group, "left", spec.road.one_way) for group in spec.groups)
+    right = any(_beside_the_ego(group, "right", spec.road.one_way) for group in spec.groups)
+    right = right or any(group.relation == "right-of" and group.record.drives for group in spec.groups)
+    middle = spec.road.ego_lane == "middle" or any(group.lane == "middle" for group in spec.groups)
+    needed = 3 if middle or (left and right) else 2 if left or right or spec.road.ego_lane else 1
+    usual = any(_on_the_right(group) for group in spec.groups)
+    # of two lanes the left one is that of who overtakes the ego
+    overtaken = needed > (spec.road.lanes or needed) and any(
+        group.lane == "left" and "beside" in group.places for group in spec.groups
+    )
+    return int((right or (usual and not left)) and not overtaken), needed
+
+
+def _beside_the_ego(group: ObjectGroup, side: str, one_way: bool) -> bool:
+    """Whether a group needs a lane of the ego's direction on that side of the ego's."""
+    if not group.record.is_vehicle or group.heading == "parked" or group.crosses or group.turns:
+        return False
+    at_side = any(split_place(place)[1] == side for place in group.places)
+    if side == "left":
+        return group.lane == "left" or (at_side and (group.heading == "with" or one_way))
+    return group.lane == "right" or (at_side and group.heading in ("with", "against"))
+
+
+def _on_the_right(group: ObjectGroup) -> bool:
+    right = any(split_place(place)[1] == "right" for place in group.places)
+    return right and group.record.drives and group.heading in (None, "with")
+
+
+def _has_junction(spec: SceneSpec) -> bool:
+    kinds = ("crossroads", "t-junction", "roundabout")
+    return spec.road.kind in kinds or any(
+        group.crosses or group.turns or group.at_junction for group in spec.groups if spec.road.kind != "parking-lot"
+    )
+
+
+def _parking_lot(spec: SceneSpec, edge: float, farthest: float, rng: np.random.Generator) -> tuple[PavedArea, ...]:
+    """Both sides of the aisle that the ego drives in, as far as something is asked for [m].
+
+    What is no furniture of a parking lot, as a house, and asked for at a side, is where the lot ends.
+    """
+    length = float(rng.uniform(*_LOT_LENGTH))
+    before = length * float(rng.uniform(0.3, 0.5))
+    along = (-max(before, farthest + 5.0), max(length - before, farthest + 5.0))
+    areas = []
+    for side, way in (("right", -1), ("left", 1)):
+        room = min(_near_sides(spec, side), default=math.inf) - 1.5 * edge  # from the ego's lane, or further
+        depth = next((depth for depth in LOT_DEPTHS if depth < room), LOT_DEPTHS[-1])
+        low, high = sorted((way * edge, way * (edge + depth)))
+        areas.append(PavedArea(along, (low, high)))
+    return tuple(areas)
+
+
+def _near_sides(spec: SceneSpec, side: str) -> list[float]:
+    """How far from the ego [m] what no parking lot has on it stands at a side."""
+    near = []
+    for group in spec.groups:
+        sizes, sides = group.record.sizes, {split_place(place)[1] for place in group.places or ("",)}
+        fixed = group.distance is not None and group.relation is None and sides & {"", side}
+        if fixed and group.distance and sizes and not group.on_road and "sidewalk" not in group.record.surfaces:
+            near.append(group.distance[0] - sizes.largest[1] / 2)
+    return near
+
+
+def _parking_width(spec: SceneSpec, ego_lane: int) -> float:
+    parked = [
+        group.record for group in spec.groups if group.heading == "parked" or (ego_lane == 0 and _on_the_right(group))
+    ]
+    return max((kind.parking_width for kind in parked if kind.is_vehicle), default=0.0)

@@ -1,0 +1,292 @@
+"""What a scene is to hold: the road, groups of objects with a count and a place, and what was not understood."""
+
+from __future__ import annotations
+
+import dataclasses
+import graphlib
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS, SentenceKind
+from lidardraft.errors import LayoutError, LidarDraftError, one_of
+from lidardraft.files import named
+from lidardraft.json_fields import check_fields, check_object, parse_object
+
+ROADS = (
+    *("straight", "bend", "left-bend", "right-bend", "crossroads", "t-junction", "roundabout"),
+    *("motorway", "parking-lot"),
+)
+PLACES = tuple(
+    "-".join(filter(None, (fore, side)))
+    for fore in ("", "front", "behind", "beside")
+    for side in ("", "left", "right")
+    if fore or side
+)
+SURFACES = ("road", "sidewalk")
+HEADINGS = (
+    *("with", "against", "parked"),
+    *("across", "across-left", "across-right", "turning", "turning-left", "turning-right"),
+)
+LANES = ("own", "left", "middle", "right", "opposite", "each")
+EGO_LANES = ("left", "middle", "right")
+RELATIONS = ("behind", "in-front-of", "beside", "left-of", "right-of", "between", "opposite", "near")
+MAX_COUNT = 5000
+MIN_SPACING = 0.1  # m
+EXTENTS = (0.05, 100.0)  # m, that an object can be asked for with
+
+
+def split_place(place: str) -> tuple[str, str]:
+    """What one of PLACES says of before and behind, and of the side; "" where it says nothing."""
+    fore, _, side = place.partition("-")
+    return ("", fore) if fore in ("left", "right") else (fore, side)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RoadSpec:
+    """The road under the ego vehicle; `lanes` (in one direction) and `sidewalk` are None where its kind decides.
+
+    `oncoming_lanes` are those of the other direction where they are not as many. With `one_way` all lanes lead in the
+    ego's direction. `ego_lane` is one of EGO_LANES, or None where that is left open.
+    """
+
+    kind: str = "straight"
+    lanes: int | None = None
+    oncoming_lanes: int | None = None
+    sidewalk: bool | None = None
+    one_way: bool = False
+    ego_lane: str | None = None
+
+    def __post_init__(self) -> None:
+        _one_of("road: kind", self.kind, ROADS)
+        if self.ego_lane is not None:
+            _one_of("road: ego_lane", self.ego_lane, EGO_LANES)
+        for name in ("lanes", "oncoming_lanes"):
+            number = getattr(self, name)
+            if number is not None and (type(number) is not int or not 1 <= number <= 6):
+                raise LayoutError(f"road: {name} is {number!r}; a road has 1 to 6 in each direction")
+        if self.oncoming_lanes is not None and (self.lanes is None or self.one_way or self.kind == "motorway"):
+            raise LayoutError(
+                f"road: oncoming_lanes is {self.oncoming_lanes}; only a two-way road with a number of lanes has them"
+            )
+        if self.sidewalk not in (None, True, False):
+            raise LayoutError(f"road: sidewalk is {self.sidewalk!r}; it must be true, false or null")
+        if type(self.one_way) is not bool:
+            raise LayoutError(f"road: one_way is {self.one_way!r}; it must be true or false")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ObjectGroup:
+    """Objects of one kind.
+
+    `count` is a number, a range of them (from, to) or one of COUNTS, meant for each of `places`; no places is anywhere
+    on or beside the road, but at none of `not_places`. `surface` asks for one other than the usual of the kind, `lane`
+    for one of LANES: "left" is the leftmost in the ego's direction, and with "each" every lane that `heading` allows
+    has so many objects. `at_junction` is where another road meets the ego's; `heading` is relative to the ego's.
+    `distance` is a range from the ego [m]: across the road for what stands beside it at a place that is neither in
+    front nor behind, else along the road. `spacing` is the distance between neighbours [m]. `from_road` is a range from
+    the kerb to the near side [m], beyond the kerb, but before it for what drives and on the surface "road";
+    `from_sidewalk` is one from the far edge of the sidewalk. `size` is length, width and height [m], None where nothing
+    is said, and `scale` what the usual size is multiplied by.
+
+    `relation` says where the objects are from those of other groups, `references`, by their numbers in the spec;
+    then `distance` is measured from there. `words` are those of the sentence that asked for the group.
+    """
+
+    kind: str
+    count: int | str | tuple[int, int] = 1
+    places: tuple[str, ...] = ()
+    not_places: tuple[str, ...] = ()
+    surface: str | None = None
+    lane: str | None = None
+    at_junction: bool = False
+    heading: str | None = None
+    distance: tuple[float, float] | None = None
+    spacing: float | None = None
+    from_road: tuple[float, float] | None = None
+    from_sidewalk: tuple[float, float] | None = None
+    size: tuple[float | None, float | None, float | None] | None = None
+    scale: tuple[float, float, float] | None = None
+    relation: str | None = None
+    references: tuple[int, ...] = ()
+    words: str = field(default="", compare=False)
+
+    def __post_init__(self) -> None:
+        for name in ("places", "not_places", "references"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+        _one_of("group: kind", self.kind, tuple(SENTENCE_KINDS))
+        self._check_count()
+        for place in (*self.places, *self.not_places):
+            _one_of(f"{self.kind}: place", place, PLACES)
+        for name, choices in (("lane", LANES), ("heading", HEADINGS), ("relation", RELATIONS)):
+            if getattr(self, name) is not None:
+                _one_of(f"{self.kind}: {name}", getattr(self, name), choices)
+        if self.surface is not None:
+            _one_of(f"{self.kind}: surface", self.surface, SENTENCE_KINDS[self.kind].surfaces)
+        if type(self.at_junction) is not bool or type(self.words) is not str:
+            raise LayoutError(
+                f"{self.kind}: at_junction is {self.at_junction!r}, words {self.words!r}; true or false, and text"
+            )
+        if (self.relation is None) != (not self.references):
+            raise LayoutError(f"{self.kind}: relation is {self.relation!r} to {self.references}; one needs the other")
+        if self.set_back and (self.relation is not None or None not in (self.from_road, self.from_sidewalk)):
+            raise LayoutError(f"{self.kind}: from_road, from_sidewalk and relation exclude each other")
+        self._check_lengths()
+
+    def _check_count(self) -> None:
+        limit = f"it must be 1 to {MAX_COUNT}, or one of {', '.join(COUNTS)}"
+        if isinstance(self.count, str):
+            _one_of(f"{self.kind}: count", self.count, COUNTS)
+            return
+        numbers = self.count if isinstance(self.count, tuple | list) else (self.count, self.count)
+        low, high = numbers
+        if type(low) is not int or type(high) is not int or not 1 <= low <= high <= MAX_COUNT:
+            said = low if low == high else f"{low} to {high}"
+            raise LayoutError(f"{self.kind}: count is {said!r}; {limit}")
+        object.__setattr__(self, "count", low if low == high else (low, high))
+
+    def _check_lengths(self) -> None:
+        for name in ("distance", "from_road", "from_sidewalk"):
+            if getattr(self, name) is None:
+                continue
+            near, far = getattr(self, name)
+            if not 0.0 <= near <= far < math.inf:
+                raise LayoutError(f"{self.kind}: {name} is {near} to {far} m; it must be 0 <= from <= to")
+            object.__setattr__(self, name, (float(near), float(far)))
+        if self.spacing is not None:
+            if not MIN_SPACING <= self.spacing < math.inf:
+                raise LayoutError(f"{self.kind}: spacing is {self.spacing!r} m; it must be {MIN_SPACING} m or more")
+            object.__setattr__(self, "spacing", float(self.spacing))
+        for name, (low, high) in (("size", EXTENTS), ("scale", (0.1, 10.0))):
+            value = getattr(self, name)
+            if value is None:
+                continue
+            if len(value) != 3 or not all(v is None or low <= v <= high for v in value):
+                raise LayoutError(f"{self.kind}: {name} is {list(value)}; three numbers of {low:g} to {high:g}")
+            object.__setattr__(self, name, tuple(None if v is None else float(v) for v in value))
+
+    @property
+    def record(self) -> SentenceKind:
+        """What is known of its kind."""
+        return SENTENCE_KINDS[self.kind]
+
+    @property
+    def on_road(self) -> bool:
+        """Whether it may be on the road."""
+        return self.record.on_road or self.surface == "road" or self.lane is not None
+
+    @property
+    def set_back(self) -> bool:
+        """Whether it is asked for at a distance from the road or the sidewalk."""
+        return self.from_road is not None or self.from_sidewalk is not None
+
+    @property
+    def set_aside(self) -> bool:
+        """Whether it stands beside the road and is asked for at a distance to the left or the right of the ego."""
+        sides = all(place in ("left", "right") for place in self.places)
+        return self.distance is not None and self.relation is None and not self.on_road and sides
+
+    @property
+    def crosses(self) -> bool:
+        """Whether it drives on a road that crosses the ego's."""
+        return self.heading is not None and self.heading.startswith("across") and self.record.drives
+
+    @property
+    def walks_across(self) -> bool:
+        """Whether it crosses the ego's road on foot."""
+        return self.heading is not None and self.heading.startswith("across") and self.record.walks
+
+    @property
+    def turns(self) -> bool:
+        """Whether it drives from one road into another."""
+        return self.heading is not None and self.heading.startswith("turning") and self.record.drives
+
+    @property
+    def fewest(self) -> int | None:
+        """The fewest objects that meet a count in numbers, None for a word."""
+        return None if isinstance(self.count, str) else self.count if isinstance(self.count, int) else self.count[0]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SceneSpec:
+    """What a scene holds, in relations and counts; `layout_from_spec` turns it into metres.
+
+    `absent` are kinds that nothing in the scene may be; `not_understood` the parts of the source that say nothing here.
+    """
+
+    road: RoadSpec = field(default_factory=RoadSpec)
+    groups: tuple[ObjectGroup, ...] = ()
+    absent: tuple[str, ...] = ()
+    not_understood: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("groups", "absent", "not_understood"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+        for kind in self.absent:
+            _one_of("absent: kind", kind, tuple(SENTENCE_KINDS))
+        for part in self.not_understood:
+            if type(part) is not str:
+                raise LayoutError(f"not_understood holds {part!r}; it must be text")
+        for number, group in enumerate(self.groups):
+            for reference in group.references:
+                if type(reference) is not int or not 0 <= reference < len(self.groups) or reference == number:
+                    raise LayoutError(f"{group.kind}: reference is {reference!r}; it must be another of the groups")
+        self._check_circles()
+
+    def _check_circles(self) -> None:
+        """A group that is placed from another cannot be what that one is placed from."""
+        sorter = graphlib.TopologicalSorter({n: group.references for n, group in enumerate(self.groups)})
+        try:
+            sorter.prepare()
+        except graphlib.CycleError as error:
+            kinds = ", ".join(self.groups[number].kind for number in error.args[1][1:])
+            raise LayoutError(f"references go in a circle: {kinds}") from None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The spec as JSON types; fields that say nothing are left out."""
+        fields: dict[str, Any] = _plain(dataclasses.asdict(self))
+        return fields
+
+    @classmethod
+    def from_dict(cls, fields: Mapping[str, Any]) -> SceneSpec:
+        """The inverse of `to_dict`; raises `FormatError` for an unknown field, `LayoutError` for a wrong one."""
+        check_fields(fields, (), cls.__dataclass_fields__)
+        road, groups = check_object(fields.get("road", {})), fields.get("groups", ())
+        check_fields(road, (), RoadSpec.__dataclass_fields__)
+        try:
+            for group in groups:
+                check_fields(check_object(group), ("kind",), ObjectGroup.__dataclass_fields__)
+            return cls(
+                **{**fields, "road": RoadSpec(**road), "groups": tuple(ObjectGroup(**group) for group in groups)}
+            )
+        except LidarDraftError:
+            raise
+        except (TypeError, ValueError, OverflowError) as error:
+            raise LayoutError(f"a value is of the wrong type: {error}") from None
+
+    def to_json(self) -> str:
+        """The spec as JSON text; `from_json` gives an equal spec."""
+        return json.dumps(self.to_dict(), allow_nan=False)
+
+    @classmethod
+    def from_json(cls, text: str) -> SceneSpec:
+        """Raises `FormatError` where the text is no spec, `LayoutError` where what it says cannot be."""
+        with named("spec"):
+            return cls.from_dict(parse_object(text))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items() if not _says_nothing(key, item)}
+    return [_plain(item) for item in value] if isinstance(value, tuple | list) else value
+
+
+def _says_nothing(key: str, item: Any) -> bool:
+    return item is None or item == () or (key in ("one_way", "at_junction", "words") and not item)
+
+
+def _one_of(name: str, value: object, choices: tuple[str, ...]) -> None:
+    if value not in choices:
+        raise LayoutError(f"{name} is {value!r}; it must be {one_of(choices, value)}")

@@ -1,0 +1,276 @@
+"""A text becomes a layout through a language model: as relations, or as a Blender script."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import lidardraft
+from lidardraft import Layout
+from lidardraft.drafting.language_model.layout import (
+    _layout_of_script,
+    _spec_of,
+    blender_prompt,
+    layout_from_llm,
+    spec_prompt,
+)
+from lidardraft.drafting.language_model.reply_text import code_of
+from lidardraft.drafting.solver.scene_spec import HEADINGS, LANES, PLACES, RELATIONS, ROADS, ObjectGroup, SceneSpec
+from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS
+from lidardraft.errors import LanguageModelError, LayoutError, TextError
+from lidardraft.scene.check import check
+from lidardraft.semantics import CLASSES
+from replay_server import DIALECTS, Answer, ReplayServer, openai
+from spec_checker import broken
+
+TEXT = "Ein Bus steckt hinter zwei Lieferwagen fest, es regnet"
+SPEC: dict[str, Any] = {
+    "road": {"kind": "straight", "lanes": None, "sidewalk": None, "one_way": False},
+    "groups": [
+        {"words": "zwei Lieferwagen", "kind": "van", "count": 2, "places": ["front"], "heading": "with"},
+        {"words": "Ein Bus steckt hinter", "kind": "bus", "relation": "behind", "references": [0]},
+    ],
+    "absent": [],
+    "not_understood": ["es regnet"],
+}
+SCRIPT = (
+    "import bpy\nbpy.ops.mesh.primitive_cube_add(size=4, location=({x}, 0, 2))\nbpy.context.object.name = 'bus_1'\n"
+)
+SECRET = "sk-0123456789abcdef"
+
+
+def draft(server: ReplayServer, text: str = TEXT, seed: int = 0, **options: Any) -> Layout:
+    return layout_from_llm(text, seed=seed, url=server.url, model="small", **options)
+
+
+def replied(spec: dict[str, Any]) -> Answer:
+    return openai(json.dumps(spec))
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+def test_a_text_in_any_language_becomes_a_layout(server: ReplayServer, dialect: str) -> None:
+    server.answers = [DIALECTS[dialect](json.dumps(SPEC))]
+    layout = draft(server)
+    spec = SceneSpec.from_dict(layout.provenance["spec"])
+    assert spec == SceneSpec.from_dict(SPEC)
+    assert broken(spec, layout) == []
+    assert check(layout) == []
+    told = layout.provenance
+    assert (told["source"], told["sentence"], told["seed"]) == ("llm", TEXT, 0)
+    assert told["understood"] == ["road: straight", "van: 2, in front, in the ego's direction", "bus: 1, behind van"]
+    assert told["not_understood"] == ["es regnet"]
+    assert told["objects"] == {"van_1": 0, "van_2": 0, "bus_1": 1}
+    assert [group["words"] for group in told["spec"]["groups"]] == ["zwei Lieferwagen", "Ein Bus steckt hinter"]
+
+
+def test_the_reply_in_the_docs_is_read_as_they_say(server: ReplayServer) -> None:
+    page = (Path(__file__).parents[3] / "docs" / "language-models.md").read_text()
+    text, reply = page.split('For the text "')[1].split('"')[0], page.split("```json")[1].split("```")[0]
+    server.answers = [openai(reply)]
+    told = draft(server, text).provenance
+    lines = [line for line in page.splitlines() if line.startswith("layout.provenance[")]
+    said = {line.split('"')[1]: line.split("  # ")[1] for line in lines}
+    for name in ("understood", "not_understood", "objects"):
+        assert json.dumps(told[name]) == said[name]
+    assert ", ".join(told["llm"]) == said["llm"]
+
+
+def test_what_is_asked_and_what_is_told_of_it(server: ReplayServer) -> None:
+    server.answers = [openai("No."), replied(SPEC)]
+    told = draft(server).provenance["llm"]
+    asked = server.requests[0].body
+    assert asked["response_format"]["json_schema"]["strict"] is True
+    assert asked["messages"][0] == {"role": "system", "content": spec_prompt().text}
+    assert asked["messages"][1] == {"role": "user", "content": TEXT}
+    assert told["model"] == "small"
+    assert told["answered_by"] == "gpt-4.1-2025-04-14"
+    assert told["prompt"] == spec_prompt().version
+    assert len(told["request_sha256"]) == 64
+    assert [attempt["error"] for attempt in told["attempts"]] == [
+        "spec: not JSON: Expecting value: line 1 column 1 (char 0); it begins with 'No.'",
+        None,
+    ]
+    assert json.loads(told["reply"]) == SPEC
+
+
+def test_the_same_request_gives_the_same_bytes_without_a_server(server: ReplayServer, tmp_path: Path) -> None:
+    server.answers = [openai("{}"), replied(SPEC)]
+    first, folder = draft(server, cache=tmp_path / "kept"), tmp_path / "kept"
+    server.__exit__()
+    assert draft(server, cache=folder).to_json() == first.to_json()
+    others = [draft(server, seed=seed, cache=folder) for seed in range(1, 5)]
+    assert len({layout.to_json() for layout in [first, *others]}) == 5
+    assert {json.dumps(layout.provenance["spec"]) for layout in others} == {json.dumps(first.provenance["spec"])}
+    with pytest.raises(LanguageModelError, match="Connection refused"):
+        draft(server, "another text", cache=folder)
+
+
+@pytest.mark.parametrize("blender", [False, True])
+def test_the_key_is_in_no_file_and_the_url_neither(
+    server: ReplayServer, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, blender: bool
+) -> None:
+    monkeypatch.setenv("LIDARDRAFT_LLM_KEY", SECRET)
+    monkeypatch.setenv("LIDARDRAFT_LLM_URL", server.url)
+    monkeypatch.setenv("LIDARDRAFT_LLM_MODEL", "small")
+    good = f"# {SECRET}\n" + SCRIPT.format(x=20) if blender else json.dumps(SPEC)
+    server.answers = [openai(f"Your key is {SECRET}."), openai(good)]
+    layout = lidardraft.layout_from_llm(TEXT, blender=blender, cache=tmp_path)
+    layout.save(tmp_path / "layout.json")
+    assert server.requests[0].headers["authorization"] == f"Bearer {SECRET}"
+    files = [path.read_text() for path in tmp_path.rglob("*.json")]
+    assert len(files) == 2
+    assert not [text for text in files if SECRET in text]
+    assert server.host not in layout.to_json()
+
+
+def changed(**fields: Any) -> dict[str, Any]:
+    return {**SPEC, "groups": [{**SPEC["groups"][0], **fields}, *SPEC["groups"][1:]]}
+
+
+@pytest.mark.parametrize(
+    ("spec", "said"),
+    [
+        ({}, "'groups' is missing"),
+        ({"road": {}}, "'groups' is missing"),
+        ({**SPEC, "weather": "rain"}, "unknown field 'weather'"),
+        ({**SPEC, "road": {"kind": "street"}}, "road: kind is 'street'; it must be one of straight"),
+        ({**SPEC, "road": None}, "None is no JSON object"),
+        ({**SPEC, "groups": None}, "wrong type"),
+        ({**SPEC, "groups": ["a van"]}, "'a van' is no JSON object"),
+        ({**SPEC, "groups": [{"kind": "car"}] * 51}, "the spec has 51 groups; it may have 50"),
+        ({**SPEC, "absent": ["rain"]}, "absent: kind is 'rain'"),
+        ({**SPEC, "not_understood": [5]}, "not_understood holds 5; it must be text"),
+        ({**SPEC, "not_understood": ["Schnee"]}, "'Schnee' is no part of the text, as 'Schnee' is not in it"),
+        (changed(words="zwei rote Lieferwagen"), "is no part of the text, as 'rote' is not in it"),
+        (changed(words=None), "words None; true or false, and text"),
+        (changed(at_junction="no"), "at_junction is 'no'"),
+        (changed(kind="Van"), "did you mean 'van'?"),
+        (changed(count=0), "count is 0; it must be 1 to 5000"),
+        (changed(count=2.0), "count is 2.0"),
+        (changed(places="front"), "place is 'f'"),
+        (changed(distance=[30, 10]), "distance is 30 to 10 m"),
+        (changed(distance=[30]), "wrong type"),
+        (changed(distance=[float("nan"), 10]), "distance is nan to 10 m"),
+        (changed(distance=[500, 600]), "distance is 600 m; objects can be asked for up to"),
+        (changed(relation="behind", references=[1]), "references go in a circle: "),
+        (changed(relation="behind", references=[7]), "reference is 7; it must be another of the groups"),
+        (changed(size=[30, None, None]), "van: length is 30 m; a car has 2.4 to 6.5 m"),
+        (changed(count=40, distance=[0, 10]), "of 40 found room; in the way: "),
+    ],
+)
+def test_what_is_wrong_with_a_reply_goes_back_to_the_model(
+    server: ReplayServer, spec: dict[str, Any], said: str
+) -> None:
+    server.answers = [replied(spec), replied(SPEC)]
+    layout = draft(server)
+    first, second = layout.provenance["llm"]["attempts"]
+    assert said in first["error"]
+    assert second["error"] is None
+    assert said in server.requests[1].body["messages"][3]["content"]
+
+
+def test_what_the_model_cannot_mend_is_one_line(server: ReplayServer) -> None:
+    server.answers = [replied(changed(count=40, distance=[0, 10]))] * 3
+    with pytest.raises(LanguageModelError, match=r"small: none of 3 replies can be used; the last one: van .* of 40"):
+        draft(server)
+
+
+def test_a_text_of_which_nothing_was_understood(server: ReplayServer) -> None:
+    server.answers = [replied({"road": {"kind": "straight"}, "groups": [], "not_understood": ["es regnet"]})]
+    with pytest.raises(TextError, match=r"nothing of 'Ein Bus .* was understood by small"):
+        draft(server)
+    server.answers = [replied({"road": {"kind": "straight"}, "groups": []})]
+    assert draft(server, "an empty road").boxes() == []
+
+
+@pytest.mark.parametrize(("text", "length"), [("", 0), (" \n", 2), ("x" * 10_001, 10_001)])
+def test_texts_that_are_not_sent(server: ReplayServer, text: str, length: int) -> None:
+    with pytest.raises(TextError, match=f"the text has {length} characters; it must have 1 to 10000"):
+        draft(server, text)
+    assert server.requests == []
+
+
+def test_what_else_is_refused_before_anything_is_sent(server: ReplayServer) -> None:
+    for seed in (-1, 0.5, True):
+        with pytest.raises(LayoutError, match="it must be an integer >= 0"):
+            draft(server, seed=seed)  # type: ignore[arg-type]
+    with pytest.raises(LanguageModelError, match="the time limit is -1"):
+        draft(server, timeout=-1)
+    with pytest.raises(LanguageModelError, match="no language model is named"):
+        layout_from_llm(TEXT, model="small")
+    with pytest.raises(LanguageModelError, match="--llm-model names it"):
+        layout_from_llm(TEXT, url=server.url)
+    assert server.requests == []
+
+
+def test_a_script_becomes_a_layout(server: ReplayServer) -> None:
+    script = SCRIPT.format(x=20)
+    server.answers = [
+        openai("```python\nimport os\nos.mkdir(1)\n```"),
+        openai("```python\nimport bpy\nbpy.ops.mesh.primitive_cube_add()\n```"),
+        openai(f"Here it is:\n```python\n{script}```\n"),
+    ]
+    layout = draft(server, seed=3, blender=True)
+    assert [box.label for box in layout.boxes()] == ["bus"]
+    told = layout.provenance
+    assert (told["source"], told["sentence"], told["seed"]) == ("llm", TEXT, 3)
+    assert told["findings"] == ["bus_1 has length 4.00 m; a bus has 5.5 to 25 m"] + [
+        f"bus_1 has {name} 4.00 m; a bus has {limits}" for name, limits in (("width", "1.9 to 2.8 m"),)
+    ]
+    assert told["llm"]["prompt"] == blender_prompt().version
+    assert code_of(told["llm"]["reply"]) == script
+    first, second, third = [attempt["error"] for attempt in told["llm"]["attempts"]]
+    assert "line 2: os.mkdir is not read" in first
+    assert "no class for Cube" in second
+    assert third is None
+    assert {tuple(sorted(request.body)) for request in server.requests} == {("messages", "model", "seed")}
+    assert server.requests[0].body["seed"] == 3
+
+
+def test_another_seed_is_another_script(server: ReplayServer) -> None:
+    server.answers = [openai(SCRIPT.format(x=20)), Answer({"error": "unknown field seed"}, 400)]
+    server.answers += [openai(SCRIPT.format(x=30))]
+    assert draft(server, blender=True) == draft(server, blender=True)
+    assert draft(server, seed=1, blender=True).boxes()[0].center[0] == 30
+    assert draft(server, seed=1, blender=True).boxes()[0].center[0] == 30
+    assert len(server.requests) == 3
+
+
+def test_a_reply_is_never_taken_for_the_path_of_a_file(server: ReplayServer, tmp_path: Path) -> None:
+    (tmp_path / "scene.py").write_text(SCRIPT.format(x=20))
+    server.answers = [openai(str(tmp_path / "scene.py"))] * 3
+    with pytest.raises(LanguageModelError, match="none of 3 replies can be used"):
+        draft(server, blender=True)
+
+
+def examples(prompt: str) -> list[tuple[str, str]]:
+    """The texts in a prompt and the replies to them."""
+    return [tuple(part.split("\n", 1)) for part in prompt.split("\nText: ")[1:]]  # type: ignore[misc]
+
+
+def test_the_examples_in_the_prompts_can_be_used() -> None:
+    specs = examples(spec_prompt().text)
+    assert len(specs) == 2
+    for text, reply in specs:
+        assert _spec_of(reply, text).groups
+        for group in json.loads(reply)["groups"]:
+            assert group.keys() == ObjectGroup.__dataclass_fields__.keys()
+    ((_, script),) = examples(blender_prompt().text)
+    layout = _layout_of_script(script)
+    assert check(layout) == []
+    assert layout.provenance["notes"] == []
+    assert sorted({primitive.label for primitive in layout}) == sorted(
+        ["road", "sidewalk", "terrain", "car", "trunk", "vegetation"]
+    )
+
+
+def test_the_prompts_name_all_that_can_be_said_and_are_short() -> None:
+    """A server with a context of 4,096 tokens has room for a prompt and a reply; a token is some four characters."""
+    text = spec_prompt().text
+    for names in (ROADS, SENTENCE_KINDS, COUNTS, PLACES, LANES, HEADINGS, RELATIONS):
+        assert ", ".join(names) in text
+    assert ", ".join(each.name for each in CLASSES[1:]) in blender_prompt().text
+    for prompt in (spec_prompt(), blender_prompt()):
+        assert "$" not in prompt.text
+        assert len(prompt.text) < 6000

@@ -1,0 +1,83 @@
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lidardraft.drafting.solver.scene_spec import HEADINGS, MAX_COUNT, PLACES, ROADS, ObjectGroup, RoadSpec, SceneSpec
+from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS
+from lidardraft.errors import LidarDraftError
+
+kinds_and_surfaces = st.sampled_from(sorted(SENTENCE_KINDS)).map(lambda kind: (kind, None)) | st.sampled_from(
+    [("person", "road"), ("person", "sidewalk"), ("bicycle", "sidewalk"), ("car", "road"), ("bench", "sidewalk")]
+)
+groups = st.builds(
+    lambda on, **fields: ObjectGroup(kind=on[0], surface=on[1], **fields),
+    on=kinds_and_surfaces,
+    count=st.integers(1, MAX_COUNT) | st.sampled_from(COUNTS),
+    places=st.lists(st.sampled_from(PLACES), max_size=3, unique=True).map(tuple),
+    heading=st.none() | st.sampled_from(HEADINGS),
+    distance=st.none() | st.tuples(st.floats(0, 50), st.floats(50, 100)),
+    spacing=st.none() | st.floats(0.1, 50),
+)
+roads = st.builds(
+    RoadSpec,
+    kind=st.sampled_from(ROADS),
+    lanes=st.none() | st.integers(1, 6),
+    sidewalk=st.none() | st.booleans(),
+)
+
+
+@settings(deadline=None)
+@given(roads, st.lists(groups, max_size=4), st.lists(st.sampled_from(sorted(SENTENCE_KINDS)), max_size=2))
+def test_json_round_trip(road: RoadSpec, wanted: list[ObjectGroup], absent: list[str]) -> None:
+    spec = SceneSpec(road=road, groups=tuple(wanted), absent=tuple(absent), not_understood=("bus stop",))
+    assert SceneSpec.from_json(spec.to_json()) == spec
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", "spec: not JSON"),
+        ("[]", "spec: [] is no JSON object"),
+        ('{"groups": [5]}', "spec: 5 is no JSON object"),
+        ('{"groups": [{}]}', "spec: 'kind' is missing"),
+        ('{"groups": [{"kind": "car", "distance": 9}]}', "spec: a value is of the wrong type: "),
+        ('{"groups": [{"kind": "car", "distance": [1, 1' + "0" * 400 + "]}]}", "spec: a value is of the wrong type: "),
+        ('{"groups": ' + "[" * 100_000, "spec: not JSON that can be read: it is nested too deeply"),
+        ('{"road": {"lanes": 1' + "0" * 5000 + "}}", "spec: not JSON: "),
+        ('{"sky": 1}', "spec: unknown field 'sky'"),
+        ('{"groups": [{"kind": "dragon"}]}', "group: kind is 'dragon'; it must be one of vehicle, car"),
+        (
+            '{"groups": [{"kind": "car", "count": 0}]}',
+            "car: count is 0; it must be 1 to 5000, or one of few, some, many",
+        ),
+        ('{"groups": [{"kind": "car", "count": true}]}', "car: count is True"),
+        ('{"groups": [{"kind": "car", "count": "lots"}]}', "car: count is 'lots'; it must be one of few, some, many"),
+        ('{"groups": [{"kind": "car", "places": ["up"]}]}', "car: place is 'up'; it must be one of left"),
+        ('{"groups": [{"kind": "car", "heading": "up"}]}', "car: heading is 'up'; it must be one of with"),
+        ('{"groups": [{"kind": "car", "surface": "roof"}]}', "car: surface is 'roof'; it must be one of road"),
+        ('{"groups": [{"kind": "car", "surface": "sidewalk"}]}', "car: surface is 'sidewalk'; it must be one of road"),
+        ('{"groups": [{"kind": "house", "surface": "road"}]}', "house: surface is 'road'; it must be one of none"),
+        (
+            '{"groups": [{"kind": "wall", "surface": "sidewalk"}]}',
+            "wall: surface is 'sidewalk'; it must",
+        ),
+        ('{"groups": [{"kind": "car", "distance": [9, 3]}]}', "car: distance is 9 to 3 m; it must be 0 <= from <= to"),
+        ('{"groups": [{"kind": "car", "distance": [NaN, 3]}]}', "car: distance is nan to 3 m"),
+        ('{"groups": [{"kind": "car", "spacing": 0}]}', "car: spacing is 0 m; it must be 0.1 m or more"),
+        ('{"groups": [{"kind": "car", "count": ' + "9" * 1_000_000 + "}]}", "spec: not JSON"),
+        ('{"groups": [{"kind": "car", "spacing": ' + "9" * 4000 + "}]}", "spec: "),
+        ('{"groups": [{"kind": "car", "distance": [1, ' + "9" * 4000 + "]}]}", "spec: "),
+        ('{"groups": ' + "[" * 100_000, "spec: not JSON"),
+        ('{"road": {"kind": "river"}}', "road: kind is 'river'; it must be one of straight"),
+        ('{"road": {"lanes": 7}}', "road: lanes is 7; a road has 1 to 6 in each direction"),
+        ('{"road": {"sidewalk": "wide"}}', "road: sidewalk is 'wide'; it must be true, false or null"),
+        ('{"groups": [{"kind": "car", "at_junction": "no"}]}', "car: at_junction is 'no'"),
+        ('{"groups": [{"kind": "car", "words": 5}]}', "words 5; true or false, and text"),
+        ('{"not_understood": [null]}', "not_understood holds None; it must be text"),
+        ('{"absent": ["sky"]}', "absent: kind is 'sky'; it must be one of vehicle"),
+    ],
+)
+def test_wrong_specs_name_what_is_wrong(text: str, message: str) -> None:
+    with pytest.raises(LidarDraftError) as caught:
+        SceneSpec.from_json(text)
+    assert message in str(caught.value)
