@@ -26,8 +26,7 @@ from lidardraft.formats.blender_script import write_blender_script
 from lidardraft.formats.boxes import read_boxes, write_boxes
 from lidardraft.formats.carla import read_carla
 from lidardraft.formats.cast import read_cast
-from lidardraft.formats.glb_export import write_glb
-from lidardraft.formats.glb_file import glb_bytes
+from lidardraft.formats.glb import glb_bytes, write_glb
 from lidardraft.formats.kitti import read_bin, write_bin
 from lidardraft.formats.npy import read_npy
 from lidardraft.formats.obj import write_obj

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from lidardraft.drafting.blender import layout_from_blender
+from lidardraft.drafting.models import layout_from_glb, layout_from_obj
 from lidardraft.drafting.sketch import layout_from_sketch
 from lidardraft.drafting.solver.scene_spec import SceneSpec
 from lidardraft.errors import LidarDraftError
@@ -20,14 +21,12 @@ from lidardraft.formats.boxes import read_boxes, write_boxes
 from lidardraft.formats.carla import read_carla
 from lidardraft.formats.cast import read_cast
 from lidardraft.formats.cityscapes import read_semantics
-from lidardraft.formats.glb import layout_from_glb
-from lidardraft.formats.glb_export import write_glb
+from lidardraft.formats.glb import write_glb
 from lidardraft.formats.intrinsics import read_intrinsics
 from lidardraft.formats.kitti import read_bin, write_bin
 from lidardraft.formats.masks import read_masks
 from lidardraft.formats.npy import read_npy
 from lidardraft.formats.nuscenes import read_pcd_bin
-from lidardraft.formats.obj import layout_from_obj
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.picture import read_picture
 from lidardraft.formats.semantickitti import read_label, write_label

@@ -167,8 +167,8 @@ def test_blender_itself_runs_what_is_exported(tmp_path: Path, sentence: str) -> 
 @pytest.mark.skipif(not BLENDER, reason="LIDARDRAFT_BLENDER names no Python that has bpy")
 def test_blender_itself_reads_and_writes_our_glb(tmp_path: Path) -> None:
     """A layout that goes through Blender as GLB keeps its shapes, classes, ids and places."""
-    from lidardraft.formats.glb import layout_from_glb
-    from lidardraft.formats.glb_export import write_glb
+    from lidardraft.drafting.models import layout_from_glb
+    from lidardraft.formats.glb import write_glb
 
     layout = layout_from_text("two parked cars on the left, trees along both sides, houses", seed=2)
     write_glb(tmp_path / "a.glb", layout)

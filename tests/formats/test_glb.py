@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 from exported_layouts import EVERYTHING, drafted
 
+from lidardraft.drafting.models import layout_from_glb
 from lidardraft.errors import FormatError, LayoutError
-from lidardraft.formats.glb import layout_from_glb
-from lidardraft.formats.glb_export import write_glb
-from lidardraft.formats.glb_file import glb_bytes
+from lidardraft.formats.glb import glb_bytes, write_glb
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.mesh import primitive_mesh, unit_mesh
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from exported_layouts import EVERYTHING
 
-from lidardraft.formats.glb_export import glb_of, write_glb
+from lidardraft.formats.glb import glb_of, write_glb
 from lidardraft.scene.layout import Layout, Primitive
 
 

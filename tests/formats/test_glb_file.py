@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lidardraft.errors import FormatError
-from lidardraft.formats.glb_file import MAX_BYTES, GlbFile, glb_bytes, open_glb, parse_glb
+from lidardraft.formats.glb import MAX_BYTES, GlbFile, glb_bytes, open_glb, parse_glb
 
 
 def test_the_chunks_come_back() -> None:

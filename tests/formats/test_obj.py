@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from exported_layouts import EVERYTHING, drafted
 
+from lidardraft.drafting.models import layout_from_obj
 from lidardraft.errors import FormatError, LayoutError
-from lidardraft.formats.obj import layout_from_obj, write_obj
+from lidardraft.formats.obj import write_obj
 from lidardraft.scene.layout import object_of
 from lidardraft.scene.mesh import primitive_mesh
 

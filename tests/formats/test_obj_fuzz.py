@@ -7,8 +7,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from lidardraft.drafting import models
 from lidardraft.errors import LidarDraftError
-from lidardraft.formats import obj
 from lidardraft.scene import mesh
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
@@ -89,11 +89,11 @@ def survives(path, data: bytes) -> None:
     if error is None:
         assert all(len(shape.faces) and np.isfinite(shape.vertices).all() for _, _, shape in objects)
         labels = {name: "other" for entry in objects for name in entry[:2]}
-        layout, error = attempt(obj.layout_from_obj, path, classes=labels)
+        layout, error = attempt(models.layout_from_obj, path, classes=labels)
         image, error = (None, error) if error else attempt(raycast, layout, SENSOR)
         assert error or np.isfinite(image.depth).all()
     else:
-        assert type(attempt(obj.layout_from_obj, path)[1]) is type(error)
+        assert type(attempt(models.layout_from_obj, path)[1]) is type(error)
     assert error is None or len(str(error).splitlines()) == 1
 
 
@@ -136,6 +136,6 @@ def test_valid_files_with_errors_in_them(path, document, edits):
 def test_vertices_too_far_away_for_arithmetic(path, vertices):
     survives(path, f"o car\n{vertices}\nf 1 2 3\n".encode())
     with pytest.raises(LidarDraftError, match=r"car: the mesh reaches from|vertex|center"):
-        raycast(obj.layout_from_obj(path), SENSOR)
+        raycast(models.layout_from_obj(path), SENSOR)
     with pytest.raises(LidarDraftError, match="finite"):
-        obj.layout_from_obj(path, scale=1e308)
+        models.layout_from_obj(path, scale=1e308)

@@ -1,6 +1,6 @@
 import pytest
 
-from lidardraft.formats.piece_ids import PieceIds
+from lidardraft.drafting.models import PieceIds
 from lidardraft.scene.class_names import class_of
 
 

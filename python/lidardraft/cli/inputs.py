@@ -237,14 +237,14 @@ def _from_boxes(arguments: argparse.Namespace) -> Layout:
 
 
 def _from_obj(arguments: argparse.Namespace) -> Layout:
-    from lidardraft.formats.obj import layout_from_obj
+    from lidardraft.drafting.models import layout_from_obj
 
     scale = 1.0 if arguments.scale is None else arguments.scale
     return layout_from_obj(arguments.obj, classes=_classes(arguments), up=arguments.up or "z", scale=scale)
 
 
 def _from_glb(arguments: argparse.Namespace) -> Layout:
-    from lidardraft.formats.glb import layout_from_glb
+    from lidardraft.drafting.models import layout_from_glb
 
     return layout_from_glb(arguments.glb, classes=_classes(arguments), up=arguments.up or "y")
 

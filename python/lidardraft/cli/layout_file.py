@@ -25,7 +25,7 @@ def write_layout(path: str, layout: Layout) -> None:
 
 def _writer(ending: str) -> Callable[[str, Layout], None]:
     from lidardraft.formats.blender_script import write_blender_script
-    from lidardraft.formats.glb_export import write_glb
+    from lidardraft.formats.glb import write_glb
     from lidardraft.formats.obj import write_obj
 
     writers: dict[str, Callable[[str, Layout], None]] = {

@@ -1,34 +1,40 @@
-"""Binary glTF in: the nodes of a modelled scene become the primitives of a layout."""
+"""Binary glTF, both ways: the pieces that its nodes place, and a layout as nodes with the colours of their classes."""
 
 from __future__ import annotations
 
+import base64
+import codecs
+import json
 import math
 import os
-from collections.abc import Iterator, Mapping
+import struct
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import islice
 from typing import Any
 
 import numpy as np
 
-from lidardraft.errors import FormatError, LayoutError, check_type
-from lidardraft.files import named
-from lidardraft.formats.glb_file import GlbFile, open_glb
-from lidardraft.formats.piece_ids import PieceIds
-from lidardraft.json_fields import are_numbers, check_object
-from lidardraft.scene.class_names import PROPERTIES, check_classes, class_of
+from lidardraft.errors import FormatError
+from lidardraft.files import read_bytes, regular_size, written_whole
+from lidardraft.json_fields import are_numbers, check_object, is_number, parse_object
 from lidardraft.scene.layout import Layout, Primitive
-from lidardraft.scene.mesh import TriangleMesh
-from lidardraft.scene.placed_mesh import MOST_RECOGNISED, placed_mesh, recognised_shape
+from lidardraft.scene.mesh import TriangleMesh, unit_mesh
 from lidardraft.semantics import BY_NAME
 
-# glTF has y up and looks along +z; Blender's exporters and importers turn it so: x, y, z becomes x, -z, y.
-_FRAMES = {"y": np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]), "z": np.eye(4)}
+MAX_BYTES = 2**27  # of a file: what is made of it fits into 1 GB beside it
+_MAX_JSON = 2**24  # bytes, that may become ten times as many in memory
+_MAGIC, _VERSION, _JSON, _BINARY = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
+_MOST_BUFFERS = 1000
 _MOST_NODES, _DEEPEST = 20_000, 64
-_MOST_VERTICES = 1_000_000  # and triangles, of all nodes together: a mesh may be used by many
+MOST_VERTICES = 1_000_000  # and triangles
 _TRIANGLES = 4
-_LEAN = 1e-5  # the tangent of the angle by which an axis may lean that points up
 _INSTANCING = "EXT_mesh_gpu_instancing"
+# Extensions without which a reader may do that shows no materials and lights.
+_NO_SHAPES = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "KHR_xmp")
+_COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+_WIDTHS = {"SCALAR": 1, "VEC3": 3}
+_FLOAT32, _UINT32, _VERTEX_BUFFER, _INDEX_BUFFER = 5126, 5125, 34962, 34963
+_GLTF_FROM_LAYOUT = [-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)]  # x y z w: z up becomes y up
 
 
 @dataclass(frozen=True)
@@ -37,6 +43,7 @@ class Piece:
 
     indices: tuple[int, ...]  # of the node, then of its parents
     names: tuple[str, ...]  # of these, and of the mesh
+    material: str
     extras: dict[str, Any]
     matrix: np.ndarray  # world_from_node [4, 4]
     part: dict[str, Any]
@@ -47,98 +54,280 @@ class Piece:
         return next((name for name in self.names if name), "unnamed")
 
 
-def layout_from_glb(path: str | os.PathLike[str], *, classes: Mapping[str, str] | None = None, up: str = "y") -> Layout:
-    """The layout of a glTF file, binary or with its buffers in the text, whose axis `up` points up, in metres; y does
-    as the format has it.
+@dataclass(frozen=True, slots=True)
+class GlbFile:
+    """The JSON document of a file and its buffers: its binary chunk, and those that stand in the document."""
 
-    The class of an object is its property (in `extras`) "class" or that of its mesh, or else what `classes` says of its
-    name or of those of its material, parents and mesh, or else what these names say by themselves. All that is below a
-    node whose name says that class of one thing ("Truck_2", and not "Trucks") is that thing. Meshes that are boxes,
-    ellipsoids, cylinders or planes and stand upright become those shapes, to the rounding of float32; others stay
-    meshes. Raises `FormatError` where the file is broken, compressed or needs another file, `LayoutError` listing the
-    names that say no class.
-    """
-    check_type("path", path, str, os.PathLike)
-    check_classes(classes or {})
-    if not isinstance(up, str) or up not in _FRAMES:
-        raise LayoutError(f"up is {up!r}; it must be 'y' or 'z'")
-    with named(path):
-        file = open_glb(path)
-        pieces = list(islice(_pieces(file, _FRAMES[up]), _MOST_NODES + 1))
-        if len(pieces) > _MOST_NODES:
-            raise FormatError(f"more than {_MOST_NODES} meshes, or parts of them of one material, in all nodes")
-        labels = [_class_of(piece, file, classes or {}) for piece in pieces]
-        nameless = sorted({piece.name for piece, label in zip(pieces, labels, strict=True) if not label})
-        if nameless:
-            raise LayoutError(
-                f"no class for {', '.join(nameless)}; say which by --class NAME=CLASS (`classes` in Python)"
-            )
-        primitives = _primitives(file, pieces, [label or "" for label in labels], classes or {})
-        if not primitives:
-            raise FormatError("the file has no triangles")
-        travelled = _extras(_scene(file)).get("lidardraft")
-        fields: dict[str, Any] = {"provenance": {"source": os.path.basename(os.fspath(path))}, "coverage": None}
-        if isinstance(travelled, dict) and travelled.keys() == fields.keys():
-            fields = travelled
-        return Layout(primitives=tuple(primitives), **fields)
+    document: dict[str, Any]
+    buffers: tuple[memoryview, ...]
 
+    def items(self, name: str) -> list[dict[str, Any]]:
+        """The objects of a list of the document, such as "nodes"; none where it has no such list."""
+        found = self.document.get(name, [])
+        if not isinstance(found, list):
+            raise FormatError(f"{name} is {found!r:.50}; it must be a list")
+        return found
 
-def _primitives(file: GlbFile, pieces: list[Piece], labels: list[str], classes: Mapping[str, str]) -> list[Primitive]:
-    given = [piece.extras.get("instance") for piece in pieces]
-    ids = PieceIds(given, classes, ((piece.indices, piece.names) for piece in pieces))
-    primitives: list[Primitive] = []
-    meshes: dict[tuple[str, bool], tuple[np.ndarray, np.ndarray, str]] = {}
-    spent = 0
-    for piece, label in zip(pieces, labels, strict=True):
-        is_y_up = _is_upright(piece.matrix[:3, 1])  # the axis of the mesh that points up becomes its z
-        matrix = piece.matrix @ _FRAMES["y"].T if is_y_up else piece.matrix
-        vertices, faces, shape = _shared(file, piece.part, is_y_up, meshes)
-        spent += max(len(vertices), len(faces))
-        if spent > _MOST_VERTICES:
-            raise FormatError(f"more than {_MOST_VERTICES} vertices or triangles in all nodes")
-        extras = {name: value for name, value in piece.extras.items() if name in PROPERTIES and name != "class"}
-        whole = extras.setdefault("id", ids.id_of(piece.indices, piece.names, label))
-        if label in BY_NAME and BY_NAME[label].is_thing and "instance" not in extras:
-            extras["instance"] = ids.instance_of(whole)
-        primitive = placed_mesh(matrix, vertices, faces, shape=shape, label=label, **extras)
-        if primitive is not None:
-            primitives.append(primitive)
-    return primitives
+    def item(self, name: str, index: Any) -> dict[str, Any]:
+        """The object with an index in a list of the document."""
+        found = self.items(name)
+        if type(index) is not int or not 0 <= index < len(found):
+            raise FormatError(f"{name} {index!r:.50} is not there; the file has {len(found)}")
+        return check_object(found[index])
 
+    def array(self, index: Any, kind: str) -> np.ndarray:
+        """The values of an accessor of a `kind`, [N, 3] for VEC3 and [N] for SCALAR; read-only."""
+        accessor = self.item("accessors", index)
+        if "sparse" in accessor:
+            raise FormatError(f"accessor {index} is sparse; that is not read")
+        if accessor.get("type") != kind or accessor.get("componentType") not in list(_COMPONENTS):
+            raise FormatError(f"accessor {index} is no {kind} of numbers")
+        if "bufferView" not in accessor:
+            raise FormatError(f"accessor {index} has no values")
+        view = self.item("bufferViews", accessor["bufferView"])
+        buffer = view.get("buffer", 0)
+        if type(buffer) is not int or not 0 <= buffer < len(self.buffers):
+            raise FormatError(f"buffer {buffer!r:.50} is not there; the file has {len(self.buffers)}")
+        binary = self.buffers[buffer]
+        dtype, width = np.dtype(_COMPONENTS[accessor["componentType"]]), _WIDTHS[kind]
+        count = _size(accessor.get("count"), "count")
+        start = _size(view.get("byteOffset", 0), "byteOffset") + _size(accessor.get("byteOffset", 0), "byteOffset")
+        row = dtype.itemsize * width
+        stride = _size(view.get("byteStride", row), "byteStride")
+        end = start + stride * (count - 1) + row if count else start
+        if stride < row or count == 0 or end > len(binary):
+            raise FormatError(f"accessor {index} of {count} values reaches to byte {end}; there are {len(binary)}")
+        flat = np.ndarray((count, width), dtype, binary, start, (stride, dtype.itemsize))
+        return flat if width > 1 else flat[:, 0]
 
-def _pieces(file: GlbFile, layout_from_gltf: np.ndarray) -> Iterator[Piece]:
-    """The parts of one material of all nodes that have a mesh, from the roots of the scene down."""
-    no_names: tuple[str, ...] = ()
-    no_indices: tuple[int, ...] = ()
-    waiting = [(i, layout_from_gltf, no_names, no_indices) for i in reversed(_indices(_scene(file), "nodes"))]
-    count = 0
-    while waiting:
-        index, parent, names, above = waiting.pop()
-        node = file.item("nodes", index)
-        if _INSTANCING in check_object(node.get("extensions", {})):
-            raise FormatError(f"node {index} has {_INSTANCING}; that is not read (export it without GPU instances)")
-        count += 1
-        if count > _MOST_NODES or len(names) > _DEEPEST:
-            raise FormatError(f"more than {_MOST_NODES} nodes, more than {_DEEPEST} deep, or a circle of nodes")
-        with np.errstate(over="ignore", invalid="ignore"):  # the primitive says what is not finite
-            matrix = parent @ _local(node)
-        below, path = (_text(node.get("name")), *names), (index, *above)
-        waiting.extend((child, matrix, below, path) for child in reversed(_indices(node, "children")))
-        if "mesh" in node:
-            mesh = file.item("meshes", node["mesh"])
+    @property
+    def scene(self) -> dict[str, Any]:
+        """The scene that is shown; of a file without scenes, one of all nodes."""
+        if not self.items("scenes"):
+            return {"nodes": list(range(len(self.items("nodes"))))}
+        return self.item("scenes", self.document.get("scene", 0))
+
+    def pieces(self, world: np.ndarray) -> Iterator[Piece]:
+        """The parts of one material of all nodes that have a mesh, from the roots of the scene down; `world` [4, 4] is
+        the frame of the scene."""
+        no_names: tuple[str, ...] = ()
+        no_indices: tuple[int, ...] = ()
+        waiting = [(i, world, no_names, no_indices) for i in reversed(_indices(self.scene, "nodes"))]
+        nodes = pieces = 0
+        while waiting:
+            index, parent, names, above = waiting.pop()
+            node = self.item("nodes", index)
+            if _INSTANCING in check_object(node.get("extensions", {})):
+                raise FormatError(f"node {index} has {_INSTANCING}; that is not read (export it without GPU instances)")
+            if (nodes := nodes + 1) > _MOST_NODES or len(names) > _DEEPEST:
+                raise FormatError(f"more than {_MOST_NODES} nodes, more than {_DEEPEST} deep, or a circle of nodes")
+            with np.errstate(over="ignore", invalid="ignore"):  # the primitive says what is not finite
+                matrix = parent @ _local(node)
+            below, path = (_text(node, "name"), *names), (index, *above)
+            waiting.extend((child, matrix, below, path) for child in reversed(_indices(node, "children")))
+            if "mesh" not in node:
+                continue
+            mesh = self.item("meshes", node["mesh"])
             parts = mesh.get("primitives", [])
             if not isinstance(parts, list):
                 raise FormatError(f"mesh {node['mesh']} has no list of primitives")
             for part in map(check_object, parts):
-                if part.get("mode", _TRIANGLES) == _TRIANGLES:  # points and lines have no surface
-                    extras = {**_extras(mesh), **_extras(node)}
-                    yield Piece(path, (*below, _text(mesh.get("name"))), extras, matrix, part)
+                if part.get("mode", _TRIANGLES) != _TRIANGLES:  # points and lines have no surface
+                    continue
+                if (pieces := pieces + 1) > _MOST_NODES:
+                    raise FormatError(f"more than {_MOST_NODES} meshes, or parts of them of one material, in all nodes")
+                material = _text(self.item("materials", part["material"]), "name") if "material" in part else ""
+                extras = {**extras_of(mesh), **extras_of(node)}
+                yield Piece(path, (*below, _text(mesh, "name")), material, extras, matrix, part)
+
+    def triangles(self, piece: Piece) -> TriangleMesh:
+        """The triangles of a piece in the frame of its node."""
+        attributes = check_object(piece.part.get("attributes", {}))
+        positions = self.array(attributes.get("POSITION"), "VEC3")
+        if positions.dtype != np.float32:
+            raise FormatError("positions that are not float32 are not read")
+        indices = self.array(piece.part["indices"], "SCALAR") if "indices" in piece.part else np.arange(len(positions))
+        most = max(len(positions), len(indices) // 3)
+        if indices.dtype.kind not in "iu" or len(indices) < 3 or most > MOST_VERTICES:
+            raise FormatError(f"{len(positions)} positions and {len(indices)} indices make no triangles that are read")
+        faces = indices[: len(indices) // 3 * 3].astype(np.int64).reshape(-1, 3)
+        return TriangleMesh(positions, faces)  # names a vertex that is not finite and a face that has no vertex
 
 
-def _scene(file: GlbFile) -> dict[str, Any]:
-    if not file.items("scenes"):
-        return {"nodes": list(range(len(file.items("nodes"))))}
-    return file.item("scenes", file.document.get("scene", 0))
+def open_glb(path: str | os.PathLike[str]) -> GlbFile:
+    """The chunks of a file. Raises `FormatError` for anything but a whole binary glTF 2 that needs no other file."""
+    if (size := regular_size(path)) > MAX_BYTES:
+        raise FormatError(f"{os.fspath(path)} has {size} bytes; GLB files of up to {MAX_BYTES} are read")
+    return parse_glb(read_bytes(path))
+
+
+def parse_glb(data: bytes) -> GlbFile:
+    """As `open_glb`, of the bytes of a file."""
+    text = data.removeprefix(codecs.BOM_UTF8).lstrip()
+    if text[:1] == b"{":  # glTF as text
+        return _file(_document(text), None)
+    if len(data) < 20:
+        raise FormatError(f"no GLB: {len(data)} bytes")
+    magic, version, length, json_length, json_kind = struct.unpack_from("<5I", data)
+    if magic != _MAGIC:
+        raise FormatError("no GLB: it does not begin with glTF")
+    if version != _VERSION:
+        raise FormatError(f"glTF {version}; version {_VERSION} is read")
+    if json_kind != _JSON or length > len(data) or 20 + json_length > length:
+        raise FormatError(
+            f"a broken GLB: its header tells of {length} bytes, {json_length} of JSON; it has {len(data)}"
+        )
+    document, binary, rest = _document(data[20 : 20 + json_length]), memoryview(b""), 20 + json_length
+    if rest + 8 <= length:
+        size, kind = struct.unpack_from("<2I", data, rest)
+        if kind != _BINARY or rest + 8 + size > length:
+            raise FormatError(f"a broken GLB: its second chunk tells of {size} bytes")
+        binary = memoryview(data)[rest + 8 : rest + 8 + size]
+    return _file(document, binary)
+
+
+def glb_bytes(document: dict[str, Any], binary: bytes) -> bytes:
+    """The file of a JSON document and a binary chunk."""
+    text = json.dumps(document, allow_nan=False, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    binary += bytes(-len(binary) % 4)
+    chunks = struct.pack("<2I", len(text), _JSON) + text + struct.pack("<2I", len(binary), _BINARY) + binary
+    return struct.pack("<3I", _MAGIC, _VERSION, 12 + len(chunks)) + chunks
+
+
+def extras_of(owner: dict[str, Any]) -> dict[str, Any]:
+    """The properties of its own that an object of the document has."""
+    found = owner.get("extras")
+    return found if isinstance(found, dict) else {}
+
+
+class _Document:
+    """The lists of a document as they grow, and its binary chunk."""
+
+    def __init__(self) -> None:
+        self.lists: dict[str, list[dict[str, Any]]] = {
+            name: [] for name in ("meshes", "materials", "accessors", "bufferViews")
+        }
+        self.binary = bytearray()
+        self._places: dict[Any, int] = {}
+
+    def add(self, name: str, item: dict[str, Any]) -> int:
+        self.lists[name].append(item)
+        return len(self.lists[name]) - 1
+
+    def mesh(self, primitive: Primitive) -> int:
+        """The index of the mesh of a primitive's shape and class; those of solid shapes are shared."""
+        key = (primitive.shape if primitive.mesh is None else primitive.id, primitive.label)
+        if key not in self._places:
+            mesh = primitive.mesh if primitive.mesh is not None else unit_mesh(primitive.shape)
+            part = {"attributes": {"POSITION": self._positions(mesh)}, "indices": self._indices(mesh)}
+            part["material"] = self._material(primitive.label)
+            self._places[key] = self.add("meshes", {"name": "_".join(key), "primitives": [part]})
+        return self._places[key]
+
+    def _material(self, label: str) -> int:
+        if label not in self._places:
+            red, green, blue = (part / 255 for part in BY_NAME[label].colour)
+            look = {"baseColorFactor": [red, green, blue, 1.0], "metallicFactor": 0.0}
+            self._places[label] = self.add("materials", {"name": label, "pbrMetallicRoughness": look})
+        return self._places[label]
+
+    def _positions(self, mesh: TriangleMesh) -> int:
+        values = mesh.vertices.astype("<f4")
+        bounds = {"min": values.min(axis=0).tolist(), "max": values.max(axis=0).tolist()}
+        return self._accessor(values, _VERTEX_BUFFER, {"componentType": _FLOAT32, "type": "VEC3", **bounds})
+
+    def _indices(self, mesh: TriangleMesh) -> int:
+        values = mesh.faces.astype("<u4").reshape(-1)
+        return self._accessor(values, _INDEX_BUFFER, {"componentType": _UINT32, "type": "SCALAR"})
+
+    def _accessor(self, values: np.ndarray, target: int, fields: dict[str, Any]) -> int:
+        view = {"buffer": 0, "byteOffset": len(self.binary), "byteLength": values.nbytes, "target": target}
+        self.binary += values.tobytes()
+        return self.add("accessors", {"bufferView": self.add("bufferViews", view), "count": len(values), **fields})
+
+
+def glb_of(layout: Layout) -> bytes:
+    """The bytes of the file. Vertices are rounded to float32; places, sizes and angles are not."""
+    document = _Document()
+    nodes = [_node(primitive, document.mesh(primitive)) for primitive in layout]
+    root = {"name": "layout", "rotation": _GLTF_FROM_LAYOUT, "children": list(range(1, len(nodes) + 1))}
+    if not nodes:
+        del root["children"]
+    travelling = {"lidardraft": {"provenance": layout.provenance, "coverage": layout.coverage}}
+    fields: dict[str, Any] = {
+        "asset": {"version": "2.0", "generator": "lidardraft"},
+        "scene": 0,
+        "scenes": [{"nodes": [0], "extras": travelling}],
+        "nodes": [root, *nodes],
+        **{name: items for name, items in document.lists.items() if items},
+    }
+    if document.binary:
+        fields["buffers"] = [{"byteLength": len(document.binary)}]
+    return glb_bytes(fields, bytes(document.binary))
+
+
+def write_glb(path: str | os.PathLike[str], layout: Layout) -> None:
+    """Write the file of `glb_of`; `layout_from_glb` reads the same shapes, meshes to float32's rounding."""
+    with written_whole(path) as temporary:
+        temporary.write_bytes(glb_of(layout))
+
+
+def _node(primitive: Primitive, mesh: int) -> dict[str, Any]:
+    extras: dict[str, Any] = {"class": primitive.label, "id": primitive.id, "instance": primitive.instance}
+    extras |= {name: value for name in ("material", "extinction", "open") if (value := getattr(primitive, name))}
+    half = primitive.yaw / 2
+    return {
+        "name": primitive.id,
+        "mesh": mesh,
+        "translation": list(primitive.center),
+        "rotation": [0.0, 0.0, math.sin(half), math.cos(half)],
+        "scale": [extent or 1.0 for extent in primitive.size],
+        "extras": extras,
+    }
+
+
+def _document(text: bytes) -> dict[str, Any]:
+    if len(text) > _MAX_JSON:
+        raise FormatError(f"{len(text)} bytes of JSON; up to {_MAX_JSON} are read")
+    return parse_object(text)
+
+
+def _file(document: dict[str, Any], binary: memoryview | None) -> GlbFile:
+    """The file of a document and its binary chunk, if it has one."""
+    needed = document.get("extensionsRequired", [])
+    if not isinstance(needed, list):
+        raise FormatError(f"extensionsRequired is {needed!r:.80}; it must be a list")
+    if unread := [name for name in needed if not str(name).startswith(_NO_SHAPES)]:
+        raise FormatError(
+            f"the file needs extensions that are not read, {unread!r:.80} (export it without compression)"
+        )
+    buffers = GlbFile(document, ()).items("buffers")
+    if len(buffers) > _MOST_BUFFERS:
+        raise FormatError(f"{len(buffers)} buffers; up to {_MOST_BUFFERS} are read")
+    found = [_buffer(check_object(buffer), binary if index == 0 else None) for index, buffer in enumerate(buffers)]
+    return GlbFile(document, tuple(found or [binary or memoryview(b"")]))
+
+
+def _buffer(buffer: dict[str, Any], binary: memoryview | None) -> memoryview:
+    uri = buffer.get("uri")
+    if uri is None and binary is not None:
+        return binary
+    head, base64_, text = uri.partition(";base64,") if isinstance(uri, str) else ("", "", "")
+    if not (head.startswith("data:") and base64_):
+        raise FormatError(
+            "the file keeps values in another file; only its own are read (export it as glTF Binary, .glb)"
+        )
+    try:
+        return memoryview(base64.b64decode(text, validate=True))
+    except ValueError as error:
+        raise FormatError(f"a buffer that is no base64: {error}") from None
+
+
+def _size(value: Any, name: str) -> int:
+    if not is_number(value) or value != int(value) or not 0 <= value < 2**32:
+        raise FormatError(f"{name} is {value!r:.50}; it must be a whole number of 0 or more")
+    return int(value)
 
 
 def _indices(owner: dict[str, Any], name: str) -> list[Any]:
@@ -173,62 +362,6 @@ def _numbers(value: Any, count: int, name: str) -> np.ndarray:
     return np.array(value, dtype=np.float64)
 
 
-def _is_upright(axis: np.ndarray) -> bool:
-    x, y, z = axis.tolist()
-    return z > 0 and math.hypot(x, y) <= _LEAN * z
-
-
-def _shared(
-    file: GlbFile,
-    part: dict[str, Any],
-    is_y_up: bool,
-    meshes: dict[tuple[str, bool], tuple[np.ndarray, np.ndarray, str]],
-) -> tuple[np.ndarray, np.ndarray, str]:
-    """Vertices, triangles and shape of a mesh primitive, found out once for all nodes that use it."""
-    key = repr((part.get("attributes"), part.get("indices"))), is_y_up
-    if key not in meshes:
-        vertices, faces = _triangles(file, part)
-        if is_y_up:
-            vertices = vertices @ _FRAMES["y"][:3, :3].T
-        meshes[key] = vertices, faces, recognised_shape(vertices, faces)
-    return meshes[key]
-
-
-def _triangles(file: GlbFile, part: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices float64 [V, 3], each once, and triangles [F, 3] of a mesh primitive, checked."""
-    attributes = check_object(part.get("attributes", {}))
-    positions = file.array(attributes.get("POSITION"), "VEC3")
-    if positions.dtype != np.float32:
-        raise FormatError("positions that are not float32 are not read")
-    indices = file.array(part["indices"], "SCALAR") if "indices" in part else np.arange(len(positions))
-    if indices.dtype.kind not in "iu" or len(indices) < 3 or max(len(positions), len(indices) // 3) > _MOST_VERTICES:
-        raise FormatError(f"{len(positions)} positions and {len(indices)} indices make no triangles that are read")
-    faces = indices[: len(indices) // 3 * 3].astype(np.int64).reshape(-1, 3)
-    mesh = TriangleMesh(positions, faces)  # names a vertex that is not finite and a face that has no vertex
-    if len(positions) > MOST_RECOGNISED:
-        return mesh.vertices, mesh.faces
-    # Exporters part the faces at sharp edges; vertices at one place are one vertex again.
-    order = np.lexsort(mesh.vertices.T[::-1])
-    ordered = mesh.vertices[order]
-    new = np.concatenate([[True], (ordered[1:] != ordered[:-1]).any(axis=1)])
-    place = np.empty(len(order), dtype=np.int64)
-    place[order] = np.cumsum(new) - 1
-    return ordered[new], place[mesh.faces]
-
-
-def _class_of(piece: Piece, file: GlbFile, classes: Mapping[str, str]) -> str | None:
-    if isinstance(given := piece.extras.get("class"), str):
-        return given
-    material = _text(file.item("materials", piece.part["material"]).get("name")) if "material" in piece.part else ""
-    own, *parents, mesh = piece.names
-    # The mesh comes last: most are called after what made them, as "Cube" or "Plane".
-    return class_of([own, material, *parents], classes) or class_of([mesh], classes)
-
-
-def _text(value: Any) -> str:
+def _text(owner: dict[str, Any], name: str) -> str:
+    value = owner.get(name)
     return value if isinstance(value, str) else ""
-
-
-def _extras(owner: dict[str, Any]) -> dict[str, Any]:
-    found = owner.get("extras")
-    return found if isinstance(found, dict) else {}

@@ -1,0 +1,268 @@
+"""A 3D model, as a file of glTF or Wavefront OBJ, becomes a layout: the names in it say the classes."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from lidardraft.errors import FormatError, LayoutError, check_type
+from lidardraft.files import named
+from lidardraft.formats.glb import MOST_VERTICES, GlbFile, Piece, extras_of, open_glb
+from lidardraft.formats.obj import obj_meshes
+from lidardraft.json_fields import is_number
+from lidardraft.scene.class_names import (
+    PROPERTIES,
+    check_classes,
+    class_of,
+    class_of_last_word,
+    id_of,
+    says_many,
+    whole_of,
+)
+from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.layout_fields import FURTHEST
+from lidardraft.scene.mesh import TriangleMesh
+from lidardraft.scene.placed_mesh import MOST_RECOGNISED, placed_mesh, recognised_shape
+from lidardraft.semantics import BY_NAME
+
+# layout_from_model by the axis that points up. With y up as glTF has it, and as Blender's exporters and importers turn
+# its frame, x, y, z becomes x, -z, y.
+_FRAMES = {"y": np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]), "z": np.eye(4)}
+_LEAN = 1e-5  # the tangent of the angle by which an axis may lean that points up
+
+
+def layout_from_glb(path: str | os.PathLike[str], *, classes: Mapping[str, str] | None = None, up: str = "y") -> Layout:
+    """The layout of a glTF file, binary or with its buffers in the text, in metres; its axis `up`, y by the format's
+    own rule, points up.
+
+    The class of an object is its property (in `extras`) "class" or that of its mesh, or else what `classes` says of its
+    name or of those of its material, parents and mesh, or else what these names say by themselves. All that is below a
+    node whose name says that class of one thing ("Truck_2", and not "Trucks") is that thing. Meshes that are boxes,
+    ellipsoids, cylinders or planes and stand upright become those shapes, to the rounding of float32; others stay
+    meshes. Raises `FormatError` where the file is broken, compressed or needs another file, `LayoutError` listing the
+    names that say no class.
+    """
+    classes = _checked(path, classes, up)
+    with named(path):
+        file = open_glb(path)
+        pieces = list(file.pieces(_FRAMES[up]))
+        labels = _labels((piece.name, _class_of(piece, classes)) for piece in pieces)
+        primitives = list(_glb_primitives(file, pieces, labels, classes))
+        if not primitives:
+            raise FormatError("the file has no triangles")
+        travelled = extras_of(file.scene).get("lidardraft")
+        fields: dict[str, Any] = {"provenance": {"source": os.path.basename(os.fspath(path))}, "coverage": None}
+        if isinstance(travelled, dict) and travelled.keys() == fields.keys():
+            fields = travelled
+        return Layout(primitives=tuple(primitives), **fields)
+
+
+def layout_from_obj(
+    path: str | os.PathLike[str], *, classes: Mapping[str, str] | None = None, up: str = "z", scale: float = 1.0
+) -> Layout:
+    """The layout of an OBJ file whose axis `up` points up and whose unit is `scale` metres.
+
+    The class of an object is what `classes` says of its name or of its material's, or else what these names say:
+    "car", "Car.001" and "ParkedCar_left" are cars. Things are numbered; an object's materials are parts of one thing,
+    and so are "car_1.body" and "car_1.roof". Raises `LayoutError` listing the names that say no class, and
+    `FormatError` where the file is broken.
+    """
+    classes = _checked(path, classes, up)
+    if not (is_number(scale) and scale > 0):
+        raise LayoutError(f"scale is {scale}; it must be a finite number of metres > 0")
+    objects = obj_meshes(path)
+    with named(path):
+        labels = _labels(
+            (f"{name} ({material or 'no material'})", class_of((name, material), classes))
+            for name, material, _ in objects
+        )
+        ids, numbers = PieceIds([], classes), dict[str, int]()
+        fields: list[dict[str, Any]] = []
+        for (name, material, _), label in zip(objects, labels, strict=True):
+            number = numbers.setdefault(name or material, len(numbers))
+            id = ids.id_of((number,), (name or material,), label)
+            instance = ids.instance_of(id) if BY_NAME[label].is_thing else 0
+            fields.append({"label": label, "id": id, "instance": instance})
+        primitives = _obj_primitives([shape for _, _, shape in objects], scale * _FRAMES[up][:3, :3].T, fields)
+        return Layout(primitives=tuple(primitives), provenance={"source": os.path.basename(os.fspath(path))})
+
+
+def _checked(path: object, classes: Mapping[str, str] | None, up: object) -> Mapping[str, str]:
+    check_type("path", path, str, os.PathLike)
+    check_classes(classes or {})
+    if not isinstance(up, str) or up not in _FRAMES:
+        raise LayoutError(f"up is {up!r}; it must be 'y' or 'z'")
+    return classes or {}
+
+
+def _labels(found: Iterable[tuple[str, str | None]]) -> list[str]:
+    """The class of each piece, of its name and class; raises `LayoutError` listing the names that say none."""
+    rows = list(found)
+    if nameless := sorted({name for name, label in rows if not label}):
+        raise LayoutError(f"no class for {', '.join(nameless)}; say which by --class NAME=CLASS (`classes` in Python)")
+    return [label for _, label in rows if label]
+
+
+def _class_of(piece: Piece, classes: Mapping[str, str]) -> str | None:
+    if isinstance(given := piece.extras.get("class"), str):
+        return given
+    own, *parents, mesh = piece.names
+    # The mesh comes last: most are called after what made them, as "Cube" or "Plane".
+    return class_of([own, piece.material, *parents], classes) or class_of([mesh], classes)
+
+
+def _glb_primitives(
+    file: GlbFile, pieces: list[Piece], labels: list[str], classes: Mapping[str, str]
+) -> Iterator[Primitive]:
+    given = [piece.extras.get("instance") for piece in pieces]
+    ids = PieceIds(given, classes, ((piece.indices, piece.names) for piece in pieces))
+    shapes: dict[tuple[str, bool], tuple[np.ndarray, np.ndarray, str]] = {}  # a mesh may be that of many nodes
+    spent = 0
+    for piece, label in zip(pieces, labels, strict=True):
+        is_y_up = _is_upright(piece.matrix[:3, 1])  # the axis of the mesh that points up becomes its z
+        matrix = piece.matrix @ _FRAMES["y"].T if is_y_up else piece.matrix
+        key = repr((piece.part.get("attributes"), piece.part.get("indices"))), is_y_up
+        if key not in shapes:
+            shapes[key] = _shape(file.triangles(piece), is_y_up)
+        vertices, faces, shape = shapes[key]
+        spent += max(len(vertices), len(faces))
+        if spent > MOST_VERTICES:
+            raise FormatError(f"more than {MOST_VERTICES} vertices or triangles in all nodes")
+        extras = {name: value for name, value in piece.extras.items() if name in PROPERTIES and name != "class"}
+        whole = extras.setdefault("id", ids.id_of(piece.indices, piece.names, label))
+        if label in BY_NAME and BY_NAME[label].is_thing and "instance" not in extras:
+            extras["instance"] = ids.instance_of(whole)
+        primitive = placed_mesh(matrix, vertices, faces, shape=shape, label=label, **extras)
+        if primitive is not None:
+            yield primitive
+
+
+def _is_upright(axis: np.ndarray) -> bool:
+    x, y, z = axis.tolist()
+    return z > 0 and math.hypot(x, y) <= _LEAN * z
+
+
+def _shape(mesh: TriangleMesh, is_y_up: bool) -> tuple[np.ndarray, np.ndarray, str]:
+    """Vertices [V, 3] with z up, triangles [F, 3] and the shape that they are."""
+    vertices, faces = mesh.vertices, mesh.faces
+    if len(vertices) <= MOST_RECOGNISED:
+        # Exporters part the faces at sharp edges; vertices at one place are one vertex again.
+        vertices, place = np.unique(vertices, axis=0, return_inverse=True)
+        faces = place.reshape(-1)[faces]
+    if is_y_up:
+        vertices = vertices @ _FRAMES["y"][:3, :3].T
+    return vertices, faces, recognised_shape(vertices, faces)
+
+
+def _obj_primitives(
+    meshes: list[TriangleMesh], transform: np.ndarray, fields: list[dict[str, Any]]
+) -> Iterator[Primitive]:
+    """What `Primitive.from_mesh` makes of each mesh under a linear map [3, 3]; of small ones many times as fast."""
+    if not meshes:
+        return
+    ends = np.cumsum([len(one.vertices) for one in meshes])
+    starts = np.concatenate([[0], ends[:-1]])
+    with np.errstate(over="ignore", invalid="ignore"):
+        vertices = np.concatenate([one.vertices for one in meshes]) @ transform
+    if not (np.abs(vertices) <= FURTHEST).all():  # which of them, and why, is said there
+        for start, end, one, more in zip(starts, ends, meshes, fields, strict=True):
+            yield Primitive.from_mesh(vertices[start:end], one.faces, **more)
+        return
+    low, high = np.minimum.reduceat(vertices, starts), np.maximum.reduceat(vertices, starts)
+    centers, sizes = (low + high) / 2, high - low
+    each = np.repeat(np.arange(len(meshes)), ends - starts)
+    unit = np.clip((vertices - centers[each]) / np.where(sizes > 0, sizes, 1.0)[each], -0.5, 0.5)
+    places = zip(starts.tolist(), ends.tolist(), centers.tolist(), sizes.tolist(), strict=True)
+    for (start, end, center, size), one, more in zip(places, meshes, fields, strict=True):
+        shape = TriangleMesh.unchecked(unit[start:end], one.faces)
+        yield Primitive(shape="mesh", center=tuple(center), size=tuple(size), mesh=shape, **more)
+
+
+class PieceIds:
+    """Ids of pieces of nodes, each of them once, and numbers of things: those that are `given` are taken already.
+
+    `paths` are the indices and names of all pieces, as `id_of` takes them.
+    """
+
+    def __init__(
+        self,
+        given: list[Any],
+        classes: Mapping[str, str],
+        paths: Iterable[tuple[tuple[int, ...], tuple[str, ...]]] = (),
+    ) -> None:
+        self._classes = classes
+        self._given = {number for number in given if type(number) is int}
+        self._wholes: dict[int, str] = {}  # ids of nodes
+        self._used: set[str] = set()  # of these, those that a piece has
+        self._taken: set[str] = set()
+        self._numbers: dict[tuple[str, str], int] = {}  # the last ones behind names, and what stands before them
+        self._instances: dict[str, int] = {}
+        self._of_one_thing: dict[str, str | None] = {}  # the class that names say of one thing
+        self._next = 1
+        self._groups = self._groups_of(paths)
+
+    def id_of(self, indices: tuple[int, ...], names: tuple[str, ...], label: str) -> str:
+        """The id of one more piece of a node, of which the indices and names come first, then those of its parents.
+
+        What is below a node that is one thing of the class is a part of it: "Truck_2.Cab".
+        """
+        above = (k for k in range(1, len(indices)) if indices[k] not in self._groups)
+        place = max((k for k in above if self._thing_of(names[k]) == label), default=0)
+        whole = self._whole_of(indices[place], names[place:])
+        if place and names[0]:
+            return self._distinct(f"{whole}.{id_of(names[0]).replace('.', '_')}", "_")
+        if whole not in self._used:  # the node itself, and not a part of it
+            self._used.add(whole)
+            return whole
+        return self._distinct(whole, ".")
+
+    def _whole_of(self, index: int, names: tuple[str, ...]) -> str:
+        """The id of a node; one that there is already is that of another node."""
+        if index not in self._wholes:
+            name = next((name for name in names if name), "unnamed")
+            self._wholes[index] = self._distinct(id_of(name), "_")
+        return self._wholes[index]
+
+    def instance_of(self, whole: Any) -> int:
+        """The number of the thing that an id is of, or of a part of."""
+        key = whole_of(whole) if isinstance(whole, str) else ""
+        if key not in self._instances:
+            while self._next in self._given:
+                self._next += 1
+            self._instances[key] = self._next
+            self._next += 1
+        return self._instances[key]
+
+    def _groups_of(self, paths: Iterable[tuple[tuple[int, ...], tuple[str, ...]]]) -> set[int]:
+        """The nodes below which two or more have a name that says one thing of the same class, as they have themselves:
+        "Vehicle" above "Car.001" and "Car.002". One with a number, such as "Truck_2", is one thing for all that.
+        """
+        first: dict[int, int] = {}
+        groups: set[int] = set()
+        for indices, names in paths:
+            nearest: dict[str, int] = {}  # to the root, of the nodes of a class that were passed on the way there
+            for index, name in zip(indices, names, strict=False):  # the last name is that of the mesh
+                label = self._thing_of(name)
+                below = nearest.get(label) if label else None
+                if below is not None and not name[-1:].isdigit() and first.setdefault(index, below) != below:
+                    groups.add(index)
+                if said := self._classes.get(name) or class_of_last_word(name):
+                    nearest[said] = index
+        return groups
+
+    def _thing_of(self, name: str) -> str | None:
+        if name not in self._of_one_thing:
+            self._of_one_thing[name] = None if says_many(name) else class_of([name], self._classes)
+        return self._of_one_thing[name]
+
+    def _distinct(self, name: str, before_number: str) -> str:
+        found = name
+        while found in self._taken:
+            number = self._numbers[name, before_number] = self._numbers.get((name, before_number), 1) + 1
+            found = f"{name}{before_number}{number}"
+        self._taken.add(found)
+        return found
