@@ -260,7 +260,7 @@ def main(folder: Path) -> None:
     """Print all of it."""
     report_walls(folder)
     report_leaves(folder)
-    sweeps = [read_pcd(path) for path in sorted(folder.glob("pjlab_pandar64/*.pcd"))]
+    sweeps = [read_pcd(path).columns for path in sorted(folder.glob("pjlab_pandar64/*.pcd"))]
     report_holes("Pandar64", [holes(*images(sweep)) for sweep in sweeps if "ring" in sweep], MODEL)
     scans = [
         np.load(io.BytesIO(lzma.decompress(path.read_bytes()))) for path in sorted(folder.glob("ika_vlp32c/*.npy.xz"))

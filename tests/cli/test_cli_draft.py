@@ -24,7 +24,7 @@ def test_a_sentence_becomes_a_layout(capsys: pytest.CaptureFixture[str]) -> None
 
 def test_the_preview_shows_the_layout_and_a_scan_of_the_asked_sensor() -> None:
     assert cli.main(["draft", "--text", "a car ahead", "--sensor", "small.json", "-o", "layout.py"]) == 0
-    picture = np.asarray(Image.open("layout.preview.png"))
+    picture = np.asarray(Image.open("layout.py.preview.png"))
     assert picture.shape[1] > picture.shape[0]
     layout = layout_from_text("a car ahead", seed=0)
     above = render_from_above(layout)
@@ -89,3 +89,11 @@ def test_the_input_is_not_replaced(refused: Callable[..., str]) -> None:
     os.link("a.obj", "b.obj")
     for name in ("a.obj", "b.obj"):
         assert f"{name} is the input too" in refused("draft", "--obj", "a.obj", "-o", name)
+
+
+def test_layouts_of_one_name_keep_their_previews(folder: Path) -> None:
+    for ending in ("json", "glb", "py"):
+        assert cli.main(["draft", "--text", "a car ahead", "--sensor", "small.json", "-o", f"x.{ending}"]) == 0
+    assert {path.name for path in folder.glob("x*.png")} == {
+        *("x.preview.png", "x.glb.preview.png", "x.py.preview.png")
+    }

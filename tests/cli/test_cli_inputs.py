@@ -409,6 +409,12 @@ def test_a_scan_and_labels_that_do_not_fit_are_both_named(refused: Callable[...,
     assert "b.label has 8 bytes" in said
 
 
+def test_points_that_cannot_be_are_not_put_down_to_their_labels(refused: Callable[..., str]) -> None:
+    kitti.write_bin("a.bin", np.array([[5000, 0, 0], [1, 2, 3]], np.float32), np.ones(2, np.float32))
+    Path("b.label").write_bytes(np.array([10, 10], "<u4").tobytes())
+    assert "a.bin" in refused("draft", "--points", "a.bin", "--labels", "b.label", "-o", "layout.json")
+
+
 def test_a_sensor_of_too_many_pixels_is_named(refused: Callable[..., str]) -> None:
     Sensor(name="wide", elevations=(0.1, 0.0), columns=2**22).save("wide.json")
     said = refused("draft", "--text", "a car ahead", "--sensor", "wide.json", "-o", "layout.json")
@@ -437,3 +443,18 @@ def test_a_broken_file_of_the_right_kind_says_no_option(refused: Callable[..., s
     assert "is read by" not in refused("draft", "--obj", "a.obj", "-o", "layout.json")
     Path("a.json").write_text("{}")
     assert "is read by" not in refused("draft", "--boxes", "a.json", "-o", "layout.json")
+
+
+def test_a_scan_that_makes_no_shape_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    kitti.write_bin("a.bin", np.array([[9, 1, 1], [30, 2, 1]], np.float32), np.ones(2, np.float32))
+    Path("a.label").write_bytes(np.array([10, 10], "<u4").tobytes())
+    assert cli.main(["draft", "--points", "a.bin", "--sensor", "small.json", "-o", "layout.json"]) == 0
+    assert "the 2 points show no ground and no object" in capsys.readouterr().err
+
+
+def test_depth_may_be_left_as_it_is(photo: list[str], refused: Callable[..., str]) -> None:
+    words = ["draft", *photo, "--hfov", "80", "--no-preview", "-o", "layout.json", "--metric-depth"]
+    assert cli.main(words) == 0
+    found = Layout.load("layout.json").provenance
+    assert (found["scale"], found["sensor_height"]) == (1.0, pytest.approx(1.1 * 1.65, abs=0.02))
+    assert "both set the scale" in refused(*words, "--camera-height", "2")

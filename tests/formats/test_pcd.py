@@ -55,7 +55,7 @@ def text() -> bytes:
 def test_all_forms_hold_the_same_columns(data: bytes, tmp_path) -> None:
     path = tmp_path / "scan.pcd"
     path.write_bytes(data)
-    fields = read_pcd(path)
+    fields = read_pcd(path).columns
     assert list(fields) == ["x", "ring", "normal"]
     assert fields["x"].dtype == np.float32
     assert fields["ring"].dtype == np.uint16

@@ -53,7 +53,7 @@ def test_round_trip_of_all_classes_but_the_two_that_are_lost(tmp_path):
 
 def test_a_file_of_another_length(tmp_path):
     write_label(tmp_path / "a.label", np.zeros(3, dtype=np.uint8), np.zeros(3, dtype=np.uint32))
-    with pytest.raises(FormatError, match=r"a.label has 12 bytes; 4 points need 16, four a label"):
+    with pytest.raises(FormatError, match=r"a.label has 12 bytes, 3 labels; the scan has 4 points"):
         read_label(tmp_path / "a.label", 4)
 
 

@@ -116,3 +116,20 @@ def test_unknown_id_in_large_and_empty_layouts() -> None:
         remove(many, "zebra")
     with pytest.raises(LayoutError, match="it has none"):
         remove(Layout(), "car_1")
+
+
+@pytest.mark.parametrize(
+    ("by", "turn", "said"),
+    [
+        ((1, 2), 0.0, r"by is \(1, 2\); it must be three finite numbers"),
+        ((1, 2, 3, 4), 0.0, "by is"),
+        (5, 0.0, "by is 5"),
+        ((1, 2, float("nan")), 0.0, "by is"),
+        ((0, 0, 0), None, "turn is None; it must be a finite number of radians"),
+        ((0, 0, 0), float("inf"), "turn is inf"),
+    ],
+)
+def test_moves_that_are_none(by, turn, said):
+    car = Primitive(shape="box", center=(9, 0, 1), size=(4, 2, 1.5), label="car", id="car_1", instance=1)
+    with pytest.raises(LayoutError, match=said):
+        move(Layout((car,)), "car_1", by, turn=turn)

@@ -27,7 +27,7 @@ def test_the_core_has_a_limit_of_coordinates():
         checked_vector("a", "center", (0, 0, -1.01 * FURTHEST))
 
 
-@pytest.mark.parametrize("id", ["", None, 3, "\ud800"])
-def test_a_name_has_whole_characters(id):
-    with pytest.raises(LayoutError, match="it must be a non-empty string of whole characters"):
+@pytest.mark.parametrize("id", ["", None, 3, "\ud800", "car\x1b[2J", "car\n", "a\x9b31m", "a\u202eb", "a\u2028b"])
+def test_a_name_has_printable_characters(id):
+    with pytest.raises(LayoutError, match="it must be a non-empty string of printable characters"):
         check_id(id)

@@ -105,7 +105,7 @@ def test_a_sensor_of_ones_own_is_a_json_file(tmp_path):
         ('{"name": "a", "columns": 4' + "0" * 5000 + "}", r"mine.json: not JSON: "),
         (
             '{"name": ["a"], "columns": 4, "elevations": [0]}',
-            r"mine.json: name is \['a'\]; it must be a string of 1 to 100 characters",
+            r"mine.json: name is \['a'\]; it must be a string of 1 to 100 printable characters",
         ),
     ],
 )

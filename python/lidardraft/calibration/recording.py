@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import named, read_bytes
+from lidardraft.files import named
 from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.nuscenes import read_pcd_bin
 from lidardraft.formats.pcd import read_pcd
@@ -153,12 +153,13 @@ def _labels_beside(path: Path, count: int) -> dict[str, np.ndarray]:
     """SemanticKITTI's labels: NAME.label beside the scan, or in the folder labels/ beside the scan's."""
     for file in (path.with_suffix(".label"), path.parent.parent / "labels" / f"{path.stem}.label"):
         if file.exists():
-            return dict(zip(("label", "instance"), read_label(file, count), strict=True))
+            return dict(zip(("label", "instance"), read_label(file, count, of=path), strict=True))
     return {}
 
 
 def _from_pcd(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    columns = read_pcd(path)
+    file = read_pcd(path)
+    columns = file.columns
     missing = [axis for axis in "xyz" if axis not in columns or columns[axis].ndim != 1]
     if missing:
         raise FormatError(f"{os.fspath(path)}: there is no field {missing[0]} of one value a point")
@@ -166,22 +167,9 @@ def _from_pcd(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.nd
         columns.setdefault("ring", columns["channel"])
     fields = {str(field): columns[field] for field in ("ring", "intensity") if field in columns}
     points = np.stack([columns[axis] for axis in "xyz"], axis=1)
-    width, height = _rows_of_header(path)
-    if "ring" not in fields and height > 1 and width * height == len(points):
-        fields |= {"ring": np.arange(len(points)) // width, "column": np.arange(len(points)) % width}
+    if "ring" not in fields and file.height > 1 and file.width * file.height == len(points):
+        fields |= {"ring": np.arange(len(points)) // file.width, "column": np.arange(len(points)) % file.width}
     return points, fields
-
-
-def _rows_of_header(path: str | os.PathLike[str]) -> tuple[int, int]:
-    """WIDTH and HEIGHT of a PCD file that has been read; 0 where it does not say."""
-    found = {"WIDTH": 0, "HEIGHT": 0}
-    for line in read_bytes(path)[:100_000].splitlines():
-        words = line.decode("latin-1").split()
-        if words and words[0] == "DATA":
-            break
-        if len(words) == 2 and words[0] in found and words[1].isdecimal():
-            found[words[0]] = int(words[1])
-    return found["WIDTH"], found["HEIGHT"]
 
 
 def _from_npz(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:

@@ -32,7 +32,7 @@ def draft(arguments: argparse.Namespace) -> None:
     write_layout(arguments.output, layout)
     objects = len(layout.boxes())
     print(f"{arguments.output}: shapes: {len(layout)}, objects with a box: {objects}")
-    path = Path(arguments.output).with_suffix(".preview.png")
+    path = Path(arguments.output.removesuffix(".json") + ".preview.png")  # of x.glb, another than that of x.json
     if picture is not None:
         from lidardraft.view import save_png
 

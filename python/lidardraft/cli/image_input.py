@@ -31,6 +31,8 @@ def add_image_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--hfov", type=number, metavar="DEGREES", help=text)
     text = "height of the camera over the road, which sets the scale (default 1.65)"
     group.add_argument("--camera-height", type=number, metavar="M", help=text)
+    text = "take depth of --image as metres: it sets the scale, and the height of the camera"
+    group.add_argument("--metric-depth", action="store_true", default=None, help=text)
     text = "let a mirror image of --image stand where it shows nothing"
     group.add_argument("--fill", action="store_true", default=None, help=text)
 
@@ -41,6 +43,9 @@ def layout_of_image(arguments: argparse.Namespace) -> Layout:
     from lidardraft.formats.cityscapes import read_semantics
     from lidardraft.formats.masks import read_masks
 
+    if arguments.metric_depth and arguments.camera_height is not None:
+        raise FormatError("--metric-depth and --camera-height both set the scale of --image; give one of them")
+    height = CAMERA_HEIGHT if arguments.camera_height is None else arguments.camera_height
     depth, semantics = arguments.depth or DEPTH, arguments.semantics or SEMANTICS
     masks = arguments.masks
     with _naming_options(arguments, "depth", "semantics", "masks", "intrinsics"):
@@ -51,7 +56,7 @@ def layout_of_image(arguments: argparse.Namespace) -> Layout:
             masks=read_masks(masks) if masks and masks.lower().endswith((".npy", ".npz", ".png")) else masks,
             intrinsics=_intrinsics(arguments.intrinsics),
             hfov=None if arguments.hfov is None else math.radians(arguments.hfov),
-            camera_height=CAMERA_HEIGHT if arguments.camera_height is None else arguments.camera_height,
+            camera_height=None if arguments.metric_depth else height,
             fill=bool(arguments.fill),
         )
     height, scale = layout.provenance["sensor_height"], layout.provenance["scale"]

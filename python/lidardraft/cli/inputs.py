@@ -26,7 +26,9 @@ _GOES_WITH = {
     "classes": ("obj", "glb", "blender"),
     "up": ("obj", "glb"),
     "scale": ("obj",),
-    **dict.fromkeys(("depth", "semantics", "masks", "intrinsics", "hfov", "camera_height", "fill"), ("image",)),
+    **dict.fromkeys(
+        ("depth", "semantics", "masks", "intrinsics", "hfov", "camera_height", "metric_depth", "fill"), ("image",)
+    ),
 }
 _GOES_WITH |= {f"llm_{name}": ("text",) for name in ("url", "model", "blender", "cache", "timeout")}
 
@@ -179,8 +181,7 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
     if arguments.labels is not None:
         from lidardraft.formats.semantickitti import read_label
 
-        with named(path):  # either of the two files may be the wrong one
-            labels = read_label(arguments.labels, len(points))
+        labels = read_label(arguments.labels, len(points), of=path)
         fields |= dict(zip(("label", "instance"), labels, strict=True))
     with named(path):
         points, fields = returns(points, fields)
@@ -191,14 +192,18 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
             f"{path}: --points needs --labels or --segmenter, as there is no {Path(path).with_suffix('.label')}: a "
             "layout is made of classes"
         )
-    with named(arguments.segmenter or arguments.labels or path):
-        return layout_from_cloud(
+    classes = arguments.segmenter or arguments.labels
+    with named(f"{path} with {classes}" if classes else path):  # either of the two files may be the wrong one
+        layout = layout_from_cloud(
             points,
             fields["label"],
             instances=fields.get("instance"),
             sensor_height=height,
             detail=arguments.detail or "fine",
         )
+    if len(layout) == 1:
+        say("lidardraft", f"{path}: the layout is a bare plane: the {len(points)} points show no ground and no object")
+    return layout
 
 
 def _segmented(

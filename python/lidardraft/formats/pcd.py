@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import struct
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -26,17 +27,33 @@ _MOST_UNPACKED, _MOST_RUNS = 2**27, 2_000_000  # bytes that packed points may be
 _PADDING = "_"
 
 
-def read_pcd(path: str | os.PathLike[str]) -> dict[str, np.ndarray]:
-    """The columns of a file by name, each [N], or [N, count] where a field has several values.
+@dataclass(frozen=True, slots=True, eq=False)
+class PointFile:
+    """Columns by name, each [N], or [N, count] where a field has several values; `width` and `height` of an organised
+    cloud, 0 where the header does not say."""
 
-    Raises `FormatError` on a missing or truncated file and on a header that is no PCD header.
-    """
-    return pcd_columns(os.fspath(path), read_bytes(path))
+    columns: dict[str, np.ndarray]
+    width: int
+    height: int
+
+
+def read_pcd(path: str | os.PathLike[str]) -> PointFile:
+    """What a file holds; raises `FormatError` where it is missing, truncated or has no PCD header."""
+    name, data = os.fspath(path), read_bytes(path)
+    header, body = _header(name, data)
+    width, height = (
+        int(words[0]) if len(words) == 1 and words[0].isdecimal() and len(words[0]) < 10 else 0
+        for words in (header.get("WIDTH", []), header.get("HEIGHT", []))
+    )
+    return PointFile(_columns(name, header, body), width, height)
 
 
 def pcd_columns(name: str, data: bytes) -> dict[str, np.ndarray]:
-    """As `read_pcd`, of the bytes of a file; `name` is for the messages."""
-    header, body = _header(name, data)
+    """The columns in the bytes of a file; `name` is for the messages."""
+    return _columns(name, *_header(name, data))
+
+
+def _columns(name: str, header: dict[str, list[str]], body: bytes) -> dict[str, np.ndarray]:
     record, points, form = _record(name, header), _number(name, "POINTS", header["POINTS"]), " ".join(header["DATA"])
     if form == "ascii":
         columns = _ascii(name, body, record, points)

@@ -65,14 +65,18 @@ RAW_FROM_CLASS: dict[str, int] = {
 _INSTANCE_LIMIT = 2**16 - 1
 
 
-def read_label(path: str | os.PathLike[str], count: int) -> tuple[np.ndarray, np.ndarray]:
+def read_label(
+    path: str | os.PathLike[str], count: int, *, of: str | os.PathLike[str] = "the scan"
+) -> tuple[np.ndarray, np.ndarray]:
     """Class ids u8 [count] of `semantics.CLASSES` and instances u32 [count], counted by SemanticKITTI for each class.
 
-    Raises `FormatError` where the file is not of `count` labels or has a class that SemanticKITTI does not have.
+    `of` is what messages call the scan, which may be the wrong one of the two. Raises `FormatError` where the file
+    is not of `count` labels or has a class that SemanticKITTI does not have.
     """
     name, data = os.fspath(path), read_bytes(path)
     if len(data) != 4 * count:
-        raise FormatError(f"{name} has {len(data)} bytes; {count} points need {4 * count}, four a label")
+        said = f"{len(data) / 4:g} labels; {os.fspath(of)} has {count} points"
+        raise FormatError(f"{name} has {len(data)} bytes, {said} (four bytes a label)")
     words = np.frombuffer(data, dtype="<u4")
     raw = words & 0xFFFF
     table = np.full(2**16, NUM_CLASSES, dtype=np.uint8)

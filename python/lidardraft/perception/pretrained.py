@@ -10,6 +10,8 @@ import torch
 
 from lidardraft.errors import CheckpointError
 
+_FILES = "--depth FILE, --semantics FILE and --masks FILE need no network"
+
 
 def auto_class(name: str) -> Any:
     """A class of transformers such as "AutoModelForDepthEstimation"; raises `CheckpointError` where it is missing."""
@@ -31,7 +33,7 @@ def load_pretrained(kind: str, class_name: str, name: str | os.PathLike[str], **
         return loader.from_pretrained(source, **options)
     except Exception as error:  # whatever the library and those below it raise on files of others
         said = next((line for line in str(error).splitlines() if line.strip()), type(error).__name__)
-        raise CheckpointError(f"{kind} {source!r} cannot be loaded: {said.strip()}") from None
+        raise CheckpointError(f"{kind} {source!r} cannot be loaded: {said.strip()}; {_FILES}") from None
 
 
 def load_network(kind: str, class_name: str, name: str | os.PathLike[str], device: str) -> torch.nn.Module:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 
-from lidardraft.errors import LayoutError, check_type, one_of
+from lidardraft.errors import LayoutError, check_type, one_of, printable
 from lidardraft.semantics import BY_NAME
 
 # The words that say each class, besides its name: of two in one name the last one counts ("street lamp").
@@ -96,8 +96,9 @@ def without_number(name: str) -> str:
 
 
 def id_of(name: str) -> str:
-    """The id of an object of that name: a dot before a number is no sign of a part, as "Car.001" is another car."""
-    return re.sub(r"\.(?=\d+$)", "_", name)
+    """The id of an object of that name: a dot before a number is no sign of a part, as "Car.001" is another car, and
+    control characters are spelled out."""
+    return re.sub(r"\.(?=\d+$)", "_", printable(name))
 
 
 def whole_of(identifier: str) -> str:

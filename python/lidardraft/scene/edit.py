@@ -11,13 +11,15 @@ import math
 from fnmatch import fnmatchcase
 from typing import Any
 
-from lidardraft.errors import LayoutError, did_you_mean
+from lidardraft.errors import LayoutError, check_type, did_you_mean
+from lidardraft.json_fields import are_numbers, is_number
 from lidardraft.scene.layout import Layout, Primitive, object_of
 from lidardraft.semantics import BY_NAME
 
 
 def select(layout: Layout, pattern: str = "*", *, label: str | None = None) -> tuple[Primitive, ...]:
     """The primitives that match, in the layout's order; none if none does."""
+    check_type("pattern", pattern, str)
     return tuple(p for p in layout if _matches(p, pattern) and label in (None, p.label))
 
 
@@ -27,6 +29,8 @@ def add(layout: Layout, *primitives: Primitive) -> Layout:
     What can be counted, such as a car, and has instance 0 gets a free number, one for all parts of an object. Raises
     `LayoutError` where an id is taken, or the instance is another object's.
     """
+    for primitive in primitives:
+        check_type("a primitive", primitive, Primitive)
     owners = {primitive.instance: object_of(primitive) for primitive in layout}
     free = itertools.filterfalse((owners | {p.instance: "" for p in primitives}).__contains__, itertools.count(1))
     numbers = {object_of(primitive): primitive.instance for primitive in layout if primitive.instance}
@@ -59,6 +63,10 @@ def move(
 
     An object moves whole, also when only a part of it matches. Raises `LayoutError` where none does.
     """
+    if not are_numbers(by, 3):
+        raise LayoutError(f"by is {by!r}; it must be three finite numbers of metres, along x, y and z")
+    if not is_number(turn):
+        raise LayoutError(f"turn is {turn!r}; it must be a finite number of radians")
     names = dict.fromkeys(object_of(primitive) for primitive in _existing(layout, pattern))
     moved: dict[str, Primitive] = {}
     for name in names:

@@ -11,10 +11,9 @@ FURTHEST = 1e9  # m, the limit of coordinates and extents: that of the core, whi
 
 
 def check_id(id: object) -> None:
-    """Raise `LayoutError` on what is no name."""
-    whole = isinstance(id, str) and (id.isascii() or not any("\ud800" <= letter <= "\udfff" for letter in id))
-    if not whole or not id:  # JSON can spell halves of characters, which no file and no hash takes
-        raise LayoutError(f"id is {id!r}; it must be a non-empty string of whole characters")
+    """Raise `LayoutError` on what is no name, or one that steers the terminal it is printed on."""
+    if not (isinstance(id, str) and id and id.isprintable()):
+        raise LayoutError(f"id is {id!r}; it must be a non-empty string of printable characters")
 
 
 def checked_vector(id: str, name: str, values: Any, length: int = 3, limit: float = FURTHEST) -> Any:

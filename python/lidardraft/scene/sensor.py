@@ -71,8 +71,9 @@ class Sensor:
     model: SensorModel | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not 1 <= len(self.name) <= _LONGEST_NAME:
-            raise SensorError(f"name is {self.name!r:.80}; it must be a string of 1 to {_LONGEST_NAME} characters")
+        if not (isinstance(self.name, str) and 1 <= len(self.name) <= _LONGEST_NAME and self.name.isprintable()):
+            limit = f"1 to {_LONGEST_NAME} printable characters"
+            raise SensorError(f"name is {self.name!r:.80}; it must be a string of {limit}")
         for table in ("elevations", "azimuth_offsets", *_ORIGINS):
             object.__setattr__(self, table, self._checked_table(table))
         for quantity in _QUANTITIES:
