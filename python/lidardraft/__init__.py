@@ -5,7 +5,7 @@ import warnings
 from typing import Any
 
 from lidardraft._core import DEBUG as _DEBUG
-from lidardraft.errors import LidarDraftError
+from lidardraft.errors import LidarDraftError, extra
 from lidardraft.scene.batch import RangeImageBatch
 from lidardraft.scene.box import Box
 from lidardraft.scene.hits import Hits
@@ -73,7 +73,8 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name in _LAZY:
-        return getattr(importlib.import_module(_LAZY[name]), name)
+        with extra("generate"):
+            return getattr(importlib.import_module(_LAZY[name]), name)
     raise AttributeError(f"module 'lidardraft' has no attribute {name!r}")
 
 

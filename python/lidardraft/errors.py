@@ -1,6 +1,7 @@
 """The errors that bad input gets. Each message names the thing, the value and the limit."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
 
 def one_of(names: Iterable[str], value: object) -> str:
@@ -80,3 +81,18 @@ class CheckpointError(LidarDraftError):
 
 class TrainingError(LidarDraftError):
     """A training run that cannot start or go on."""
+
+
+class MissingExtraError(LidarDraftError, ImportError):
+    """A library that an extra of lidardraft brings is not installed; the message names the extra."""
+
+
+@contextmanager
+def extra(name: str) -> Iterator[None]:
+    """Raise `MissingExtraError` where the block imports a library that only the extra of that name brings."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        if error.name not in ("torch", "transformers"):
+            raise
+        raise MissingExtraError(f"{error.name} is not installed; run: pip install 'lidardraft[{name}]'") from None

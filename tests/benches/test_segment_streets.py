@@ -9,8 +9,7 @@ import torch
 import segment_streets
 from lidardraft.metrics.iou import confusion_matrix
 from lidardraft.networks import weight_file
-from lidardraft.perception.segmenter import Segmenter, SegmenterConfig
-from lidardraft.perception.spherical_grid import SphericalGrid
+from lidardraft.perception.segmenter import Segmenter, SegmenterConfig, SphericalGrid
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor

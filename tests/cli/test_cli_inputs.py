@@ -18,8 +18,7 @@ from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
 from lidardraft.networks import weight_file
-from lidardraft.perception.segmenter import Segmenter, SegmenterConfig
-from lidardraft.perception.spherical_grid import SphericalGrid
+from lidardraft.perception.segmenter import Segmenter, SegmenterConfig, SphericalGrid
 from lidardraft.semantics import BY_NAME
 from rendered_pictures import render
 

@@ -9,8 +9,7 @@ from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.errors import CheckpointError
 from lidardraft.networks import weight_file
-from lidardraft.perception.segmenter import Segmenter, SegmenterConfig
-from lidardraft.perception.spherical_grid import SphericalGrid
+from lidardraft.perception.segmenter import Segmenter, SegmenterConfig, SphericalGrid
 
 CONFIG = DenoiserConfig(
     cell=(2, 4), widths=(8, 8), strides=(1, 2), dilations=(1, 1), condition=("depth", "class"), controlnet=True

@@ -10,8 +10,7 @@ from safetensors.torch import load_file
 
 from lidardraft.errors import TrainingError
 from lidardraft.networks import weight_file
-from lidardraft.perception.segmenter import Segmenter, SegmenterConfig
-from lidardraft.perception.spherical_grid import SphericalGrid
+from lidardraft.perception.segmenter import Segmenter, SegmenterConfig, SphericalGrid
 from lidardraft.semantics import BY_NAME, NUM_CLASSES
 from lidardraft.training.augmentation import Augmentation
 from lidardraft.training.pairs import PairFolder

@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any, NoReturn
 
-from lidardraft.errors import LidarDraftError, did_you_mean, one_of, printable
+from lidardraft.errors import LidarDraftError, did_you_mean, extra, one_of, printable
 
 Command = Callable[[argparse.Namespace], None]
 
@@ -69,15 +69,18 @@ def commands_of(parser: Parser) -> Callable[[str, Command], Parser]:
     return command
 
 
-def run(parser: Parser, argv: Sequence[str] | None) -> int:
-    """Run the command that the arguments name, and give its exit status."""
+def run(parser: Parser, argv: Sequence[str] | None, *, needs: str = "generate") -> int:
+    """Run the command that the arguments name, and give its exit status.
+
+    `needs` names the extra with the libraries that commands import only when they need them.
+    """
     words = sys.argv[1:] if argv is None else argv
     if not words:
         parser.print_help(sys.stderr)
         return 2
     arguments = parser.parse_args(words)
     try:
-        with _clean_end(), warnings.catch_warnings():
+        with _clean_end(), extra(needs), warnings.catch_warnings():
             warnings.simplefilter("default", UserWarning)
             warnings.showwarning = lambda message, *_, **__: say(parser.prog, message)
             arguments.command(arguments)

@@ -12,7 +12,7 @@ from lidardraft.cli.command import Parser, commands_of, run
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line."""
-    return run(_parser(), argv)
+    return run(_parser(), argv, needs="train")
 
 
 def _parser() -> Parser:

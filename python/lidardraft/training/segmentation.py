@@ -13,8 +13,7 @@ from torch import Tensor
 from torch.nn import functional
 
 from lidardraft.errors import TrainingError
-from lidardraft.perception.segmenter import Segmenter, SegmenterConfig
-from lidardraft.perception.spherical_grid import features
+from lidardraft.perception.segmenter import Segmenter, SegmenterConfig, features
 from lidardraft.semantics import NUM_CLASSES
 from lidardraft.training.augmentation import Augmentation, augmented
 from lidardraft.training.learner import LearningConfig

@@ -238,7 +238,7 @@ def _seen(
 def _depth_network(given: PathLike | Network) -> Network:
     if callable(given):
         return given
-    from lidardraft.perception.depth_network import DepthNetwork
+    from lidardraft.perception.picture_networks import DepthNetwork
 
     return DepthNetwork.from_pretrained(given)
 
@@ -246,7 +246,7 @@ def _depth_network(given: PathLike | Network) -> Network:
 def _semantic_network(given: PathLike | Network) -> Network:
     if callable(given):
         return given
-    from lidardraft.perception.semantic_network import SemanticNetwork
+    from lidardraft.perception.picture_networks import SemanticNetwork
 
     return SemanticNetwork.from_pretrained(given)
 
@@ -254,9 +254,9 @@ def _semantic_network(given: PathLike | Network) -> Network:
 def _mask_network(given: PathLike | MaskNetwork) -> MaskNetwork:
     if callable(given):
         return given
-    from lidardraft.perception import mask_network
+    from lidardraft.perception import picture_networks  # its MaskNetwork takes classes too
 
-    return mask_network.MaskNetwork.from_pretrained(given)
+    return picture_networks.MaskNetwork.from_pretrained(given)
 
 
 def _resized(array: np.ndarray, like: np.ndarray) -> np.ndarray:
