@@ -31,9 +31,7 @@ from lidardraft.scene.labelling import agrees
 from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.semantics import CLASSES, GROUND
-from lidardraft.streets.coarse.as_boxes import BoxStyle, as_boxes
-from lidardraft.streets.coarse.as_clusters import ClusterStyle, as_clusters
-from lidardraft.streets.coarse.as_text import TextStyle, as_text
+from lidardraft.streets.coarse.coarse_layout import BoxStyle, ClusterStyle, TextStyle, as_boxes, as_clusters, as_text
 from lidardraft.streets.pairs import scan_street
 from lidardraft.streets.placement.district import PARKING_STRIP
 from lidardraft.streets.street import Street, StreetConfig, make_street

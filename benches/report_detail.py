@@ -26,11 +26,7 @@ from lidardraft.scene.layout import object_of
 from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.semantics import CLASSES, GROUND, NUM_CLASSES
-from lidardraft.streets.coarse.as_boxes import BoxStyle
-from lidardraft.streets.coarse.as_clusters import ClusterStyle
-from lidardraft.streets.coarse.as_picture import PictureStyle
-from lidardraft.streets.coarse.as_text import TextStyle
-from lidardraft.streets.coarse.coarse_layout import coarse_layout
+from lidardraft.streets.coarse.coarse_layout import BoxStyle, ClusterStyle, PictureStyle, TextStyle, coarse_layout
 from lidardraft.streets.pairs import scan_street
 from lidardraft.streets.street import StreetConfig, make_street
 from recordings import pandar64

@@ -8,7 +8,7 @@ import pytest
 
 from lidardraft import Layout, Primitive, RangeImage, Raycaster, Sensor
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.depth_incidence import incidence_from_depth
+from lidardraft.simulation.observe_cast import incidence_from_depth
 
 ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(200, 200, 0), label="road", id="road")
 SCENE = Layout((

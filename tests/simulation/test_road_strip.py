@@ -7,7 +7,7 @@ import pytest
 
 from lidardraft import Layout, Primitive
 from lidardraft.scene.road import Road
-from lidardraft.simulation.road_strip import RoadStrip, road_strips
+from lidardraft.simulation.surroundings import RoadStrip, road_strips
 
 
 def strips(*primitives: Primitive) -> list[RoadStrip]:

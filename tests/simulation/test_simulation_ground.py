@@ -7,7 +7,7 @@ from lidardraft import Layout, Primitive, detail, layout_from_text
 from lidardraft.scene.mesh import primitive_mesh
 from lidardraft.scene.road import KERB_HEIGHT, PavedArea, Road
 from lidardraft.simulation.ground import _lanes
-from lidardraft.simulation.road_strip import road_strips
+from lidardraft.simulation.surroundings import road_strips
 
 
 def of(road: Road) -> dict[str, Primitive]:

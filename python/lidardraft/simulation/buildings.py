@@ -66,8 +66,7 @@ def _facing(box: UprightBox, towards: tuple[float, float]) -> UprightBox:
 
 def _front(coarse: CoarseObject, box: UprightBox, surroundings: Surroundings) -> list[Primitive]:
     """A wall with recessed windows towards the ego vehicle, all of it within the box."""
-    if box.size[1] > box.size[0]:
-        box = box.turned(1)
+    box = box.lengthwise()
     if math.sin(box.yaw) * box.x - math.cos(box.yaw) * box.y > 0.0:
         box = box.turned(2)
     length, depth, height = box.size

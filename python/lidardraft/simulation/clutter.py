@@ -14,7 +14,7 @@ from lidardraft.scene.check import LayoutGround, Solid, penetration
 from lidardraft.scene.layout import Layout, Primitive, object_of
 from lidardraft.semantics import GROUND
 from lidardraft.simulation.coarse_object import generator_of
-from lidardraft.simulation.road_strip import RoadStrip
+from lidardraft.simulation.surroundings import RoadStrip
 
 _APART = 4.0  # m of road that each piece has for itself, on each side
 _GAP = 0.3  # m to all that was given

@@ -50,6 +50,10 @@ class UprightBox(NamedTuple):
         size = (width, length, height) if quarters % 2 else self.size
         return self._replace(yaw=self.yaw + quarters * math.pi / 2, size=size)
 
+    def lengthwise(self, times: float = 1.0) -> UprightBox:
+        """The same box, its x axis along its longer side where that is more than `times` as long as the other."""
+        return self.turned(1) if self.size[1] > times * self.size[0] else self
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoarseObject:

@@ -8,17 +8,13 @@ from collections.abc import Callable
 from lidardraft.errors import LayoutError, check_type
 from lidardraft.scene.layout import Layout, Primitive, object_of
 from lidardraft.semantics import GROUND
-from lidardraft.simulation.barriers import fence, wall
 from lidardraft.simulation.buildings import building
 from lidardraft.simulation.clutter import clutter_around
 from lidardraft.simulation.coarse_object import CoarseObject, coarse_objects
-from lidardraft.simulation.furniture import other
 from lidardraft.simulation.ground import ground_parts
-from lidardraft.simulation.people import machine, person, rider
-from lidardraft.simulation.plants import plant
-from lidardraft.simulation.poles import pole
+from lidardraft.simulation.roadside import fence, other, plant, pole, wall
 from lidardraft.simulation.surroundings import Surroundings
-from lidardraft.simulation.vehicles import bus, car, train, truck
+from lidardraft.simulation.traffic import bus, car, machine, person, rider, train, truck
 
 # What an object becomes, by the first of these classes that it has.
 RULES: dict[str, Callable[[CoarseObject, Surroundings], list[Primitive]]] = {

@@ -14,7 +14,7 @@ import numpy as np
 
 from lidardraft.objects.mesh import quads
 from lidardraft.scene.layout import Layout, Primitive
-from lidardraft.simulation.road_strip import RoadStrip, strip_rows
+from lidardraft.simulation.surroundings import RoadStrip, strip_rows
 
 _COAT = 0.005  # m that paint lies over the road
 _LINE = 0.12  # m wide

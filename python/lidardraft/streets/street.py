@@ -11,7 +11,7 @@ from lidardraft.errors import LayoutError
 from lidardraft.objects.kinds import kind_of
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import PRESETS, Sensor
-from lidardraft.streets.coarse.as_boxes import BoxStyle, as_boxes
+from lidardraft.streets.coarse.coarse_layout import BoxStyle, as_boxes
 from lidardraft.streets.coarse.coarse_street import CoarseStreet
 from lidardraft.streets.placement.lanes import Lane
 from lidardraft.streets.placement.occupancy import Occupancy

@@ -14,7 +14,7 @@ from lidardraft.drafting.sketches.drawn_surfaces import (
 )
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.road import KERB_HEIGHT
-from lidardraft.simulation.road_strip import road_strips
+from lidardraft.simulation.surroundings import road_strips
 
 
 def stroke(label: str, line: object, width: float, *, closed: bool = False) -> Stroke:

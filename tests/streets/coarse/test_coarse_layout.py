@@ -1,16 +1,26 @@
 """Styles at random, and the layout in each."""
 
+import math
+
 import numpy as np
 import pytest
-from scanned import EGO, STREET, VISIBLE, made
+from scanned import EGO, NAMES, OBJECTS, SCAN, SENSOR, STREET, VISIBLE, ids, in_street, labels, made
 
+from lidardraft.drafting.cloud.layout import layout_from_cloud
+from lidardraft.errors import LayoutError
 from lidardraft.objects.coarse_shapes import MOST_LOBES
-from lidardraft.streets.coarse.as_boxes import BoxStyle
-from lidardraft.streets.coarse.as_clusters import ClusterStyle
-from lidardraft.streets.coarse.as_picture import PictureStyle
-from lidardraft.streets.coarse.as_text import TextStyle
-from lidardraft.streets.coarse.coarse_layout import Style, coarse_layout, sample_style
-from lidardraft.streets.coarse.families import FAMILIES
+from lidardraft.objects.kinds import kind_of
+from lidardraft.scene.shape_table import ShapeTable
+from lidardraft.streets.coarse.coarse_layout import (
+    BoxStyle,
+    ClusterStyle,
+    PictureStyle,
+    Style,
+    TextStyle,
+    coarse_layout,
+    sample_style,
+)
+from lidardraft.streets.coarse.coarse_street import FAMILIES
 
 STYLES = [sample_style(np.random.default_rng(seed)) for seed in range(200)]
 
@@ -53,3 +63,130 @@ def test_only_clusters_and_pictures_depend_on_the_seed():
         ]
         same = tables[0].ids == tables[1].ids and (tables[0].centers == tables[1].centers).all()
         assert same != depends, style
+
+
+def test_objects_are_the_nearest_that_the_solver_could_have_placed():
+    table = in_street(made(TextStyle()))
+    row = {id: number for number, id in enumerate(table.ids)}
+    coarse = [placed for placed in OBJECTS if placed.id in row]
+    assert len(coarse) > 0.9 * len(OBJECTS)
+    for placed in coarse:
+        off = np.hypot(*(table.centers[row[placed.id], :2] - (placed.x, placed.y)))
+        assert off < 0.6, placed
+        assert abs(math.sin(table.yaws[row[placed.id]] - placed.yaw)) < 0.1 or placed.kind in ("bin", "sign", "bench")
+        assert (table.sizes[row[placed.id]] <= 1.25 * np.maximum(placed.size, 0.3)).all() or placed.kind == "person"
+    assert (table.centers[:, 2] >= -0.05).all()
+
+
+def test_what_a_sentence_does_not_name_is_left_out():
+    everything = ids(made(TextStyle()))
+    assert "sidewalk" in labels(made(TextStyle()))
+    assert "sidewalk" not in labels(made(TextStyle(sidewalks=False)))
+    assert everything - ids(made(TextStyle(poles=False))) >= {
+        t.id for t in OBJECTS if t.kind in ("lamp", "sign", "pole")
+    }
+    assert "vegetation" not in labels(made(TextStyle(named=("buildings",))))
+    assert "building" in labels(made(TextStyle(named=("buildings",))))
+    assert "building" not in labels(made(TextStyle(named=())))
+    assert "car" in labels(made(TextStyle(named=())))
+
+
+def test_unknown_families_are_refused():
+    with pytest.raises(LayoutError, match=r"named holds 'ghosts'; it must be of people, buildings"):
+        TextStyle(named=("ghosts",))
+    with pytest.raises(LayoutError, match=r"reach is 0\.5; it must be 1 to 1000"):
+        TextStyle(reach=0.5)
+
+
+def share_of_cars(table: ShapeTable) -> float:
+    """How many of the returns from cars the cast layout has within 0.5 m."""
+    coarse = table.scan(SENSOR, SENSOR.poses_in_motion(VISIBLE.pose, (EGO.speed, 0.0, 0.0)))
+    both = SCAN.valid & coarse.valid & (SCAN.label == NAMES.index("car"))
+    return float((np.abs(coarse.depth - SCAN.depth)[both] < 0.5).mean())
+
+
+def test_clusters_are_of_the_classes_of_real_clusters_and_where_they_were_seen():
+    table = made(ClusterStyle())
+    numbers = set(SCAN.instance[SCAN.valid].tolist()) - {0}
+    assert set(table.instances.tolist()) - {0} <= numbers
+    # the layout of what was seen agrees with it nearly as far as that of real clusters, as one street's few cars tell
+    points, found = SCAN.points() @ VISIBLE.pose[:3, :3].T, SCAN.valid
+    height = float(VISIBLE.pose[2, 3])
+    labels, numbers = SCAN.label[found], SCAN.instance[found]
+    real = ShapeTable.from_primitives(layout_from_cloud(points, labels, instances=numbers, sensor_height=height))
+    # clustering keeps small, far clusters too
+    assert {NAMES[k] for k in table.labels} <= {NAMES[k] for k in real.labels}
+    agreed = np.mean([share_of_cars(made(ClusterStyle(), seed)) for seed in range(5)])
+    assert agreed == pytest.approx(share_of_cars(real), abs=0.15)
+    assert agreed > 0.55
+
+
+def test_points_without_numbers_merge_neighbours_and_lose_what_is_small():
+    count, counted = {}, [NAMES.index("car"), NAMES.index("person")]
+    for numbered in (True, False):
+        tables = [made(ClusterStyle(numbered=numbered), seed) for seed in range(5)]
+        count[numbered] = np.mean([np.isin(t.labels, counted).sum() for t in tables])
+    assert 0.4 * count[True] < count[False] < 0.95 * count[True]
+
+
+def test_a_picture_shows_what_is_ahead_and_seen():
+    table = made(PictureStyle(reach=40.0, view=1.5))
+    objects = table.select(~np.isin(table.labels, [NAMES.index(name) for name in ("road", "sidewalk", "terrain")]))
+    assert len(objects)
+    middle = {placed.id: (placed.x, placed.y) for placed in OBJECTS}
+    for id in {id.partition(".")[0] for id in objects.ids}:
+        ahead = np.array(middle[id]) - VISIBLE.place[:2]
+        assert np.hypot(*ahead) <= 40.0
+        assert abs(math.remainder(math.atan2(ahead[1], ahead[0]) - VISIBLE.place[2], math.tau)) <= 0.75 + 1e-6
+        assert VISIBLE.returns[[placed.id for placed in OBJECTS].index(id)].sum() >= 5
+
+
+def test_a_picture_misjudges_a_little():
+    exact, wrong = (made(PictureStyle(error=error, turn=error)) for error in (0.0, 0.02))
+    assert exact.ids == wrong.ids
+    off = np.hypot(*(exact.centers - wrong.centers)[:, :2].T)
+    share = off / np.maximum(np.hypot(*exact.centers[:, :2].T), 5.0)
+    assert 0.003 < np.median(share) < 0.03
+    assert 0.003 < np.median(np.abs(exact.yaws - wrong.yaws)) < 0.04
+
+
+def test_small_objects_sidewalks_and_poles_may_be_left_out():
+    small = {placed.id for placed in OBJECTS if kind_of(placed.kind).is_small} & ids(made(PictureStyle()))
+    assert small
+    assert not small & ids(made(PictureStyle(omit=1.0)))
+    assert "sidewalk" in labels(made(PictureStyle(relief=True)))
+    assert "sidewalk" not in labels(made(PictureStyle(relief=True, sidewalks=False)))
+    poles = {placed.id for placed in OBJECTS if placed.kind in ("lamp", "sign", "pole")}
+    assert poles & ids(made(PictureStyle()))
+    assert not poles & ids(made(PictureStyle(poles=False)))
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"omit": 1.5}, "omit is 1.5; it must be 0 to 1"),
+        ({"lobes": 4}, "lobes is 4; it must be 1 to 3"),
+        ({"error": float("nan")}, "error is nan"),
+        ({"reach": 0.5}, "reach is 0.5; it must be 1 to 1000"),
+        ({"view": 7.0}, "view is 7.0; it must be 0.1 to 6.28319"),
+    ],
+)
+def test_values_out_of_their_limits(fields: dict, message: str):
+    with pytest.raises(LayoutError, match=message):
+        PictureStyle(**fields)
+
+
+def test_a_picture_covers_its_view():
+    assert PictureStyle().coverage is None
+    assert PictureStyle(view=1.5).coverage == (-0.75, 0.75)
+
+
+def test_annotations_have_every_thing_at_its_place():
+    table = in_street(made(BoxStyle()))
+    row = {id: number for number, id in enumerate(table.ids)}
+    for placed in OBJECTS:
+        assert table.centers[row[placed.id], :2] == pytest.approx((placed.x, placed.y), abs=0.1)
+        if placed.instance and placed.kind not in ("cyclist", "motorcyclist"):
+            assert table.sizes[row[placed.id]] == pytest.approx(placed.size)
+            assert table.yaws[row[placed.id]] == pytest.approx(placed.yaw)
+            assert table.instances[row[placed.id]] == placed.instance

@@ -1,11 +1,16 @@
 """What the coarse layouts of a street have in common."""
 
 import numpy as np
-from scanned import EGO, OBJECTS, STREET
+from scanned import EGO, NAMES, OBJECTS, SCAN, STREET, VISIBLE
 
-from lidardraft.scene.layout import SHAPES
-from lidardraft.semantics import BY_NAME
-from lidardraft.streets.coarse.coarse_street import ShapeColumns, place_of
+from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
+from lidardraft.objects.kinds import KINDS
+from lidardraft.scene.layout import SHAPES, object_of
+from lidardraft.scene.raycast import Raycaster
+from lidardraft.semantics import BY_NAME, NUM_CLASSES
+from lidardraft.streets.coarse.coarse_layout import BoxStyle, as_boxes
+from lidardraft.streets.coarse.coarse_street import ALWAYS_NAMED, FAMILIES, FAMILY_OF, ShapeColumns, place_of
+from lidardraft.streets.coarse.visible import owners_of
 
 COARSE = STREET.coarse
 
@@ -63,3 +68,59 @@ def test_errors_move_and_stretch():
 def test_no_rows_are_no_shapes():
     empty = ShapeColumns.from_rows([], [])
     assert empty.centers.shape == (0, 3)
+
+
+def test_every_word_of_a_kind_is_of_one_family_or_always_named():
+    named = [*ALWAYS_NAMED, *(word for _, words in FAMILIES.values() for word in words)]
+    assert len(named) == len(set(named))
+    assert set(named) == {kind.word for kind in KINDS.values()} - {None}
+    assert set(named) <= set(SENTENCE_KINDS)
+    # a word for others, one for several, one left out, one that streets call a fence
+    assert set(SENTENCE_KINDS) - set(named) <= {"vehicle", "garden", "cone", "barrier"}
+    assert set(FAMILY_OF) == {*named, None}
+
+
+def test_the_mesh_follows_the_ground():
+    rng = np.random.default_rng(0)
+    along, across = rng.uniform(-30, 30, 60), rng.uniform(-1, 1, 60) * STREET.occupancy.road.edge
+    caster = Raycaster(as_boxes(STREET.coarse, BoxStyle(relief=True), np.eye(4)).layout({}))
+    places = np.array([STREET.occupancy.road.at(s, d)[:2] for s, d in zip(along, across, strict=True)])
+    hits = caster.cast(np.column_stack([places, np.full(60, 60.0)]), np.tile([0.0, 0.0, -1.0], (60, 1)))
+    bare = hits.label == NAMES.index("road")
+    true = np.array([STREET.occupancy.ground.height(s, d) for s, d in zip(along, across, strict=True)])
+    wrong = np.abs(60.0 - hits.distance - true)[bare]
+    assert bare.mean() > 0.5
+    assert np.median(wrong) < 0.03
+    assert wrong.max() < 0.2
+
+
+def test_every_primitive_has_its_object_and_the_ground_has_none():
+    owners = owners_of(STREET.scene, OBJECTS)
+    assert owners[-1] == -1
+    for primitive, owner in zip(STREET.scene, owners[:-1].tolist(), strict=True):
+        if owner >= 0:
+            assert object_of(primitive) == OBJECTS[owner].id
+        else:
+            assert object_of(primitive) not in {placed.id for placed in OBJECTS}
+
+
+def test_returns_are_counted_by_object_and_class():
+    assert VISIBLE.returns.shape == (len(OBJECTS), NUM_CLASSES)
+    on_ground = np.isin(SCAN.label, [NAMES.index(name) for name in ("road", "sidewalk", "terrain")])
+    # plants of the ground are objects too, so all that is not ground is someone's
+    assert VISIBLE.returns.sum() >= (SCAN.valid & ~on_ground).sum()
+    cars = [number for number, placed in enumerate(OBJECTS) if placed.kind == "saloon"]
+    assert VISIBLE.returns[cars][:, NAMES.index("building")].sum() == 0
+
+
+def test_points_are_an_even_share_of_the_returns():
+    points, keys = VISIBLE.points()
+    kept = np.bincount(keys, minlength=len(OBJECTS) * NUM_CLASSES).reshape(-1, NUM_CLASSES)
+    returns = VISIBLE.returns
+    few = returns <= 200
+    assert (kept[few] == returns[few]).all()
+    some = (returns > 200) & (returns <= 1200)
+    assert some.any()
+    assert (np.abs(kept[some] / returns[some] - 1 / 4) < 0.06).all()
+    # in the frame of the ego vehicle the sensor looks from its height over the road
+    assert points[:, 2].min() > -3.0

@@ -1,28 +1,28 @@
 """The coarse layouts of a street: what a sentence, a clustering, a picture or annotators would have made of it.
 
-All shapes are solid, also for what is porous in the detailed scene: no input makes a medium.
+All shapes are solid, also for what is porous in the detailed scene: no input makes a medium. All stand in the frame of
+the ego vehicle, which is fixed to the road under it: `pose` is street_from_ego [4, 4].
 """
 
 from __future__ import annotations
 
-from typing import TypeAlias
+import math
+from dataclasses import dataclass
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
+from lidardraft.errors import LayoutError
 from lidardraft.objects.coarse_shapes import MOST_LOBES
 from lidardraft.scene.shape_table import ShapeTable
-from lidardraft.streets.coarse.as_boxes import BoxStyle, as_boxes
-from lidardraft.streets.coarse.as_clusters import ClusterStyle, as_clusters
-from lidardraft.streets.coarse.as_picture import PictureStyle, as_picture
-from lidardraft.streets.coarse.as_text import TextStyle, as_text
-from lidardraft.streets.coarse.coarse_street import CoarseStreet
-from lidardraft.streets.coarse.families import FAMILIES
+from lidardraft.semantics import BY_NAME, CLASSES, NUM_CLASSES
+from lidardraft.streets.coarse.cluster_shapes import cluster_shapes
+from lidardraft.streets.coarse.coarse_street import FAMILIES, CoarseStreet, place_of
 from lidardraft.streets.coarse.visible import VisibleObjects
 
-Style: TypeAlias = TextStyle | ClusterStyle | PictureStyle | BoxStyle
-
-# All numbers below are estimates of ours of what people bring.
-_STYLES = (TextStyle, ClusterStyle, PictureStyle, BoxStyle)
+_RIDER = BY_NAME["rider"].id
+_IS_THING = np.array([row.is_thing for row in CLASSES])
+_NOTICED = 5  # returns of an object that is noticed in a picture: an estimate of ours
 _SHARES = (0.3, 0.35, 0.2, 0.15)  # how often each is sampled
 _HAS_SIDEWALKS, _HAS_POLES, _IS_NUMBERED, _IS_FLAT = 0.85, 0.85, 0.5, 0.5  # how often
 _MOST_OMITTED = 0.3  # of small objects, in one of three pictures
@@ -32,13 +32,178 @@ _PICTURED_WITHIN, _VIEW_DEGREES = (30.0, 70.0), (60.0, 120.0)  # m, degrees
 _MOST_ERROR, _MOST_TURN = 0.03, 0.05  # share, rad
 
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TextStyle:
+    """What the sentence names: vehicles, and of `FAMILIES` those in `named`, within `reach` [m] of the ego vehicle.
+
+    `sidewalks` and `poles` say whether there are any. Raises `LayoutError` on an unknown family or a reach that is not
+    1 to 1000 m.
+    """
+
+    source: ClassVar[str] = "text"
+    coverage: ClassVar[tuple[float, float] | None] = None
+    named: tuple[str, ...] = tuple(FAMILIES)
+    sidewalks: bool = True
+    poles: bool = True
+    reach: float = 200.0
+
+    def __post_init__(self) -> None:
+        for family in self.named:
+            if family not in FAMILIES:
+                raise LayoutError(f"named holds {family!r}; it must be of {', '.join(FAMILIES)}")
+        _check_limits(self, reach=(1.0, 1000.0))
+
+
+def as_text(street: CoarseStreet, style: TextStyle, pose: np.ndarray) -> ShapeTable:
+    """Sizes of the solver, objects in the middle of their lanes and along the road, flat ground."""
+    x, y, _ = place_of(pose)
+    # the last one is for the kinds of no family, vehicles
+    named = np.array([family in style.named for family in FAMILIES] + [True])
+    near = np.hypot(*(street.places[:, :2] - (x, y)).T) <= style.reach
+    chosen = named[street.families] & near & (style.poles | ~street.poles)
+    ground = street.ground(pose, relief=False, sidewalks=style.sidewalks)
+    return ShapeTable.join(ground, street.standing(street.solved, chosen, pose, relief=False))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ClusterStyle:
+    """`numbered` is whether the points come with the numbers of their objects."""
+
+    source: ClassVar[str] = "cloud"
+    coverage: ClassVar[tuple[float, float] | None] = None
+    numbered: bool = True
+
+
+def as_clusters(
+    street: CoarseStreet, style: ClusterStyle, rng: np.random.Generator, pose: np.ndarray, visible: VisibleObjects
+) -> ShapeTable:
+    """What was seen of the objects, on ground that rises and falls."""
+    yaws = street.places[:, 2] - visible.place[2]
+    found = cluster_shapes(visible, yaws, street.heights_over(pose), street.diameters, rng, numbered=style.numbered)
+    order = np.argsort(found.keys % NUM_CLASSES, kind="stable")
+    labels, owners = found.keys[order] % NUM_CLASSES, found.keys[order] // NUM_CLASSES
+    # what is ridden has the instance after its rider's
+    ridden = street.ridden[owners] & (labels != _RIDER)
+    number = np.arange(len(labels)) - np.searchsorted(labels, labels)
+    shapes = ShapeTable(
+        shapes=found.shapes[order],
+        centers=found.centers[:, order].T,
+        sizes=found.sizes[:, order].T,
+        yaws=found.yaws[order],
+        labels=labels,
+        instances=np.where(_IS_THING[labels], street.instances[owners] + ridden, 0),
+        ids=tuple(f"{CLASSES[k].name}_{n + 1}" for k, n in zip(labels.tolist(), number.tolist(), strict=True)),
+    )
+    return ShapeTable.join(street.ground(pose, relief=True), shapes)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class PictureStyle:
+    """What is in the picture, and how well it is judged.
+
+    The picture shows what is within `reach` [m] and `view` [rad] around straight ahead; `omit` is the share of small
+    objects left out, `sidewalks` and `poles` say whether there are any, `relief` whether the ground rises and falls.
+    `lobes` is the number of ellipsoids in a crown. `error` is the standard deviation of sizes in shares of them and of
+    places in shares of the distance, `turn` that of yaw [rad]. Raises `LayoutError` on a value out of its limits.
+    """
+
+    source: ClassVar[str] = "picture"
+    relief: bool = False
+    sidewalks: bool = True
+    poles: bool = True
+    omit: float = 0.0
+    lobes: int = 1
+    error: float = 0.0
+    turn: float = 0.0
+    reach: float = 200.0
+    view: float = math.tau
+
+    def __post_init__(self) -> None:
+        _check_limits(
+            self,
+            omit=(0.0, 1.0),
+            lobes=(1, MOST_LOBES),
+            error=(0.0, 0.3),
+            turn=(0.0, 1.0),
+            reach=(1.0, 1000.0),
+            view=(0.1, math.tau),
+        )
+
+    @property
+    def coverage(self) -> tuple[float, float] | None:
+        """The azimuths [rad] that the picture shows, as `Layout.coverage` has them."""
+        return None if self.view >= math.tau else (-self.view / 2, self.view / 2)
+
+
+def as_picture(
+    street: CoarseStreet, style: PictureStyle, rng: np.random.Generator, pose: np.ndarray, visible: VisibleObjects
+) -> ShapeTable:
+    """What the picture shows."""
+    chosen = _in_picture(street, style, rng, visible)
+    errors = _errors(street, style, rng, pose)
+    ground = street.ground(pose, relief=style.relief, sidewalks=style.sidewalks)
+    shapes = street.standing(street.exact, chosen, pose, relief=style.relief, lobes=style.lobes, errors=errors)
+    return ShapeTable.join(ground, shapes)
+
+
+def _in_picture(
+    street: CoarseStreet, style: PictureStyle, rng: np.random.Generator, visible: VisibleObjects
+) -> np.ndarray:
+    """Which objects [T] are in the picture."""
+    x, y, yaw = visible.place
+    ahead = street.places[:, :2] - (x, y)
+    bearing = np.arctan2(ahead[:, 1], ahead[:, 0]) - yaw
+    inside = np.cos(bearing) >= math.cos(style.view / 2)
+    near = np.hypot(ahead[:, 0], ahead[:, 1]) <= style.reach
+    omitted = street.small & (rng.random(len(street.objects)) < style.omit)
+    noticed = visible.returns.sum(axis=1) >= _NOTICED
+    shown: np.ndarray = inside & near & noticed & (style.poles | ~street.poles) & ~omitted
+    return shown
+
+
+def _errors(
+    street: CoarseStreet, style: PictureStyle, rng: np.random.Generator, pose: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """How far off the places [T, 3] (x, y, yaw) are, further along the line of sight, and the scales [T, 3]."""
+    count = len(street.objects)
+    sight = street.places[:, :2] - place_of(pose)[:2]
+    off = np.column_stack([sight * rng.normal(0.0, style.error, (count, 1)), rng.normal(0.0, style.turn, count)])
+    return off, np.exp(rng.normal(0.0, style.error, (count, 3)))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class BoxStyle:
+    """`relief` is whether the ground rises and falls or is flat."""
+
+    source: ClassVar[str] = "boxes"
+    coverage: ClassVar[tuple[float, float] | None] = None
+    relief: bool = False
+
+
+def as_boxes(street: CoarseStreet, style: BoxStyle, pose: np.ndarray) -> ShapeTable:
+    """Everything at its place and size."""
+    everything = np.ones(len(street.objects), dtype=bool)
+    ground = street.ground(pose, relief=style.relief)
+    return ShapeTable.join(ground, street.standing(street.exact, everything, pose, relief=style.relief))
+
+
+def _check_limits(style: Any, **limits: tuple[float, float]) -> None:
+    """Raises `LayoutError` if a field of the style is below the first or over the second number given for it."""
+    for name, (low, high) in limits.items():
+        if not low <= getattr(style, name) <= high:
+            raise LayoutError(f"{name} is {getattr(style, name)}; it must be {low:g} to {high:g}")
+
+
+Style: TypeAlias = TextStyle | ClusterStyle | PictureStyle | BoxStyle
+
+# All numbers below are estimates of ours of what people bring.
+_STYLES = (TextStyle, ClusterStyle, PictureStyle, BoxStyle)
+
+
 def coarse_layout(
     street: CoarseStreet, style: Style, rng: np.random.Generator, pose: np.ndarray, visible: VisibleObjects
 ) -> ShapeTable:
-    """The street in that style, in the frame of the ego vehicle at street_from_ego `pose` [4, 4].
-
-    That frame is fixed to the road under the ego vehicle. `visible` is what a scan from there saw.
-    """
+    """The street in that style; `visible` is what a scan from `pose` saw."""
     match style:
         case TextStyle():
             return as_text(street, style, pose)

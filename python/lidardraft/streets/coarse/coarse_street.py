@@ -1,4 +1,5 @@
-"""What all coarse layouts of one street have in common: its ground and the coarse shapes of its objects, as columns."""
+"""What all coarse layouts of one street share: its ground, the coarse shapes of its objects as columns, and the
+families of words that a sentence names or leaves out together."""
 
 from __future__ import annotations
 
@@ -15,10 +16,27 @@ from lidardraft.scene.layout import SHAPES, Layout, object_of
 from lidardraft.scene.road import Road
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.semantics import BY_NAME, GROUND
-from lidardraft.streets.coarse.families import FAMILY_OF
 from lidardraft.streets.coarse.ground_mesh import GroundMesh
 from lidardraft.streets.coarse.solver_shapes import solver_shapes
 from lidardraft.streets.coarse.visible import owners_of
+
+# How often a sentence names each family, and its words: an estimate of ours.
+FAMILIES: dict[str, tuple[float, tuple[str, ...]]] = {
+    "people": (0.85, ("person", "bicycle", "motorcycle")),
+    "buildings": (0.9, ("house", "building")),
+    "trees": (0.9, ("tree",)),
+    "greenery": (0.6, ("bush", "hedge")),
+    "enclosures": (0.6, ("fence", "wall")),
+    "poles": (0.5, ("street-light", "pole", "traffic-sign", "traffic-light")),
+    "furniture": (0.4, ("bin", "bench")),
+}
+ALWAYS_NAMED = ("car", "van", "truck", "bus", "tram")
+
+# The number of a word's family; -1, the last, for what is always named, and for what no sentence speaks of.
+FAMILY_OF: dict[str | None, int] = {
+    **{word: number for number, (_, words) in enumerate(FAMILIES.values()) for word in words},
+    **dict.fromkeys((*ALWAYS_NAMED, None), -1),
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

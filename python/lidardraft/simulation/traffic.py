@@ -1,4 +1,4 @@
-"""Vehicles: the body whose proportions are nearest to the box, stretched to it."""
+"""Who drives, rides and walks: the body nearest to the box, stretched to it; people in a gait as long as it."""
 
 from __future__ import annotations
 
@@ -14,43 +14,44 @@ from lidardraft.simulation.fitting import fitted
 from lidardraft.simulation.surroundings import Surroundings
 
 _SIDEWAYS = 1.25  # times as wide as long: the box is of a vehicle that stands across it
-_PROUD = (0.08, 0.13, 0.0)  # m that plates and mirrors stand out of a box
+_TRIM_PROUD = (0.08, 0.13, 0.0)  # m that plates and mirrors stand out of a box
 _NEAR = 0.08  # deviation of the logarithms of sizes in which bodies still compete
 _TRAILER_FROM = 12.6  # m of length
 _LOGS = {name: np.log(body.size) for name, body in BODIES.items()}
 _NAMES, _SIZES = tuple(_LOGS), np.array(list(_LOGS.values()))
 _COMMON = np.array([SHARES[name] for name in _NAMES])
+_BODY_PROUD = (0.03, 0.03, 0.0)
+_MACHINE_PROUD = (0.06, 0.06, 0.0)
+_RIDDEN_FROM, _RIDDEN_LENGTH = 1.3, 1.2  # m of height, or of length: a rider without a machine has one in the box
 
 
 def car(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
     """A passenger car or a van; what is `hatchback_3` is a hatchback."""
     box = _lengthwise(coarse, surroundings)
     name = coarse.word if coarse.word in BODIES else _nearest_body(box.size, float(coarse.rng.random()))
-    return fitted(coarse, name, box, proud=_PROUD)
+    return fitted(coarse, name, box, proud=_TRIM_PROUD)
 
 
 def truck(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
     """A rigid truck, or from 12.6 m on a tractor with its trailer."""
     box = _lengthwise(coarse, surroundings)
     kind = "trailer_truck" if box.size[0] > _TRAILER_FROM else "truck"
-    return fitted(coarse, kind, box, proud=_PROUD)
+    return fitted(coarse, kind, box, proud=_TRIM_PROUD)
 
 
 def bus(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
     """A bus."""
-    return fitted(coarse, "bus", _lengthwise(coarse, surroundings), proud=_PROUD)
+    return fitted(coarse, "bus", _lengthwise(coarse, surroundings), proud=_TRIM_PROUD)
 
 
 def train(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
     """A tram."""
-    return fitted(coarse, "tram", _lengthwise(coarse, surroundings), proud=_PROUD)
+    return fitted(coarse, "tram", _lengthwise(coarse, surroundings), proud=_TRIM_PROUD)
 
 
 def _lengthwise(coarse: CoarseObject, surroundings: Surroundings) -> UprightBox:
     """The box with the front of what stands in it ahead."""
-    box = coarse.box()
-    length, width, _ = box.size
-    return surroundings.headed(coarse, box.turned(1) if width > _SIDEWAYS * length else box)
+    return surroundings.headed(coarse, coarse.box().lengthwise(_SIDEWAYS))
 
 
 def _nearest_body(size: Vector, chance: float) -> str:
@@ -59,3 +60,24 @@ def _nearest_body(size: Vector, chance: float) -> str:
     far = off.sum(axis=1)
     shares = np.cumsum(_COMMON * np.exp(-0.5 * (far - far.min())))
     return _NAMES[int(np.searchsorted(shares, chance * shares[-1]))]
+
+
+def person(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
+    """Someone in a gait as long as the box."""
+    box = surroundings.headed(coarse, coarse.box().lengthwise(1.2))
+    return fitted(coarse, "person", box, proud=_BODY_PROUD)
+
+
+def rider(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
+    """A rider and what is ridden, where it is not known a bicycle; a rider in a small box without one."""
+    box = surroundings.headed(coarse, coarse.box().lengthwise())
+    kind = "motorcyclist" if coarse.labelled("motorcycle") else "cyclist"
+    if len(coarse.owners) > 1 or box.size[2] >= _RIDDEN_FROM or box.size[0] >= _RIDDEN_LENGTH:
+        return fitted(coarse, kind, box, proud=_MACHINE_PROUD)
+    return fitted(coarse, "person", box, proud=_BODY_PROUD)
+
+
+def machine(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
+    """A bicycle or a motorcycle without a rider."""
+    box = surroundings.headed(coarse, coarse.box().lengthwise())
+    return fitted(coarse, coarse.label, box, proud=_MACHINE_PROUD)
