@@ -1,19 +1,24 @@
-"""Whole layouts in detail: what obeys, what stays, what an edit changes."""
+"""Objects before they have details, builders' objects in given boxes, and whole layouts: what obeys and what stays."""
 
 import math
 
 import numpy as np
 import pytest
+from coarse_boxes import box
 from random_layouts import random_layout
 
 from lidardraft import Layout, Primitive, detail, layout_from_text
 from lidardraft.errors import LayoutError
+from lidardraft.objects.kinds import KINDS
 from lidardraft.scene.check import check
 from lidardraft.scene.edit import move, remove
 from lidardraft.scene.layout import object_of
-from lidardraft.scene.mesh import primitive_mesh
-from lidardraft.semantics import CLASSES, GROUND
+from lidardraft.scene.mesh import TriangleMesh, primitive_mesh
+from lidardraft.semantics import BY_NAME, CLASSES, GROUND
+from lidardraft.simulation import fitting
+from lidardraft.simulation.coarse_object import CoarseObject, UprightBox, coarse_objects, generator_of
 from lidardraft.simulation.detail import RULES
+from lidardraft.simulation.fitting import _cut_mesh, fitted
 
 MOST_PROUD = 0.36  # m: eaves; nothing stands out further
 SENTENCES = (
@@ -22,6 +27,7 @@ SENTENCES = (
     "a motorway with three lanes, a truck, a bus, a tram behind and a motorcycle",
     "a road curving to the left with fences on the left, a wall on the right, street lights and traffic signs",
 )
+TINY, LARGE = (0.01, 0.01, 0.01), (80.0, 60.0, 50.0)
 
 
 def parts_of(layout: Layout) -> dict[str, list[Primitive]]:
@@ -139,3 +145,93 @@ def test_a_seed_is_an_integer(seed: object) -> None:
 def test_clutter_is_a_share(clutter: object) -> None:
     with pytest.raises(LayoutError, match=r"clutter is .*; it must be a number from 0 to 1"):
         detail(Layout(), clutter=clutter)  # type: ignore[arg-type]
+
+
+def names(*parts: Primitive) -> list[list[str]]:
+    return [[part.id for part in one.parts] for one in coarse_objects(Layout(primitives=parts), 0)]
+
+
+def test_the_box_around_parts_holds_them_all() -> None:
+    parts = [
+        box("pole", (3.0, 0.5, 0.2), at=(1, 2, 6), yaw=0.7),
+        box("pole", (0.2, 0.2, 6.0), shape="cylinder", id="p"),
+    ]
+    around = UprightBox.around(parts)
+    cos, sin = math.cos(around.yaw), math.sin(around.yaw)
+    points = np.concatenate([primitive_mesh(part).vertices for part in parts]) - (around.x, around.y, around.bottom)
+    local = np.column_stack([cos * points[:, 0] + sin * points[:, 1], cos * points[:, 1] - sin * points[:, 0]])
+    assert (np.abs(local) <= np.array(around.size[:2]) / 2 + 1e-9).all()
+    assert points[:, 2].min() == pytest.approx(0.0)
+    assert points[:, 2].max() == pytest.approx(around.size[2])
+
+
+def test_a_turned_box_is_the_same_box() -> None:
+    around = UprightBox.around([box("car", (4.0, 2.0, 1.5), yaw=0.3)])
+    assert around.turned(1).size == (2.0, 4.0, 1.5)
+    assert around.turned(2).size == around.size
+    assert around.turned(2).yaw == pytest.approx(0.3 + math.pi)
+
+
+def test_parts_of_one_name_are_one_object_unless_they_are_several_things() -> None:
+    trailer = [
+        box("truck", (10, 2.5, 4), id="truck_1", instance=1),
+        box("truck", (5, 2.5, 4), at=(23, 3, 0), id="truck_1.1", instance=1),
+    ]
+    assert names(*trailer) == [["truck_1", "truck_1.1"]]
+    cars = [box("car", (4, 2, 1.5), at=(10 * k, 3, 0), id=f"car.{k}") for k in (1, 4)]
+    assert names(*cars) == [["car.1"], ["car.4"]]
+    numbered = [box("car", (4, 2, 1.5), at=(4 * k, 3, 0), id=f"car.{k}", instance=k) for k in (1, 2)]
+    assert names(*numbered) == [["car.1"], ["car.2"]]
+
+
+def test_a_rider_comes_with_the_nearest_machine() -> None:
+    rider = box("rider", (0.7, 0.5, 1.0), id="rider_1")
+    near, far = (box("bicycle", (1.8, 0.6, 1.1), at=(15 + off, 3, 0), id=f"bicycle_{off}") for off in (0.3, 2.0))
+    assert names(far, rider, near) == [["bicycle_2.0"], ["rider_1", "bicycle_0.3"]]
+
+
+def test_random_numbers_depend_on_seed_and_name_alone() -> None:
+    # a fixed number: another machine, Python or process gives the same
+    assert generator_of(1, "car_1").integers(10**9) == generator_of(1, "car_1").integers(10**9) == 717_818_439
+    assert len({int(generator_of(seed, name).integers(10**9)) for seed in (1, 2) for name in ("car_1", "car_2")}) == 4
+
+
+def coarse(label: str, size: tuple[float, float, float]) -> CoarseObject:
+    return CoarseObject.of([box(label, size, at=(0, 0, 0))], 0, "it_1")
+
+
+@pytest.mark.parametrize("kind", [name for name, kind in KINDS.items() if kind.extents])
+@pytest.mark.parametrize("which", [0, 1, 2, 3])
+def test_every_kind_fits_any_box(kind: str, which: int) -> None:
+    size = (*KINDS[kind].extents, TINY, LARGE)[which]
+    one = coarse(KINDS[kind].labels[0], size)
+    clearance = 0.6 * size[2] if kind in ("house", "tree", "sign", "traffic_light") else 0.0
+    parts = fitted(one, kind, UprightBox(0, 0, 0, 0.0, size), clearance=clearance, proud=(0.1, 0.1, 0.0))
+    vertices = np.concatenate([primitive_mesh(part).vertices for part in parts])
+    assert (np.abs(vertices[:, :2]) <= np.array(size[:2]) / 2 + 0.1 + 1e-6).all()
+    assert vertices[:, 2].min() >= -1e-6
+    assert vertices[:, 2].max() <= size[2] + 1e-6
+    assert all(part.material is not None and part.label in one.owners for part in parts)
+    assert {BY_NAME[part.label].name for part in parts} == {one.label}
+
+
+def test_a_mesh_is_cut_where_the_ground_is_and_cut_once() -> None:
+    square = TriangleMesh(
+        np.array([(-0.5, 0, -0.5), (0.5, 0, -0.5), (0.5, 0, 0.5), (-0.5, 0, 0.5)]), np.array([[0, 1, 2], [0, 2, 3]])
+    )
+    cut = _cut_mesh(square, -0.25)
+    assert cut.vertices[:, 2].min() == -0.5
+    assert cut.vertices[:, 2].max() == 0.5
+    assert _cut_mesh(square, -0.25) is cut
+    assert _cut_mesh(square, 0.25) is not cut
+
+
+def test_a_cut_is_whole_where_another_thread_clears_those_that_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Cleared(dict):  # as soon as it is written
+        def __setitem__(self, key, value):
+            super().__setitem__(key, value)
+            self.clear()
+
+    monkeypatch.setattr(fitting, "_cuts", Cleared())
+    square = TriangleMesh(np.array([(-0.5, 0, -0.5), (0.5, 0, -0.5), (0.5, 0, 0.5)]), np.array([[0, 1, 2]]))
+    assert _cut_mesh(square, -0.25).vertices[:, 2].min() == -0.5
