@@ -40,6 +40,7 @@ f 2 3 7 6
 f 3 4 8 7
 f 4 1 5 8
 """
+SCRIPT = "import bpy\nbpy.ops.mesh.primitive_cube_add(size=1, location=(9, 0, 0.5))\nbpy.context.object.name = 'Blob'\n"
 
 
 def test_an_obj_file_is_read_with_its_classes_axis_and_unit() -> None:
@@ -344,9 +345,6 @@ def test_bad_layouts_are_one_line(refused: Callable[..., str], change: dict[str,
         assert said in message
 
 
-SCRIPT = "import bpy\nbpy.ops.mesh.primitive_cube_add(size=1, location=(9, 0, 0.5))\nbpy.context.object.name = 'Blob'\n"
-
-
 def test_a_blender_script_is_read_and_what_is_passed_over_is_said(capsys: pytest.CaptureFixture[str]) -> None:
     Path("scene.py").write_text(SCRIPT + "bpy.ops.render.render()\nopen_ = 5\n")
     assert cli.main(["draft", "--blender", "scene.py", "--class", "Blob=car", "-o", "layout.json"]) == 0
@@ -457,3 +455,40 @@ def test_depth_may_be_left_as_it_is(photo: list[str], refused: Callable[..., str
     found = Layout.load("layout.json").provenance
     assert (found["scale"], found["sensor_height"]) == (1.0, pytest.approx(1.1 * 1.65, abs=0.02))
     assert "both set the scale" in refused(*words, "--camera-height", "2")
+
+
+@pytest.fixture
+def options() -> dict[str, str]:
+    """A picture of 4 x 6 pixels with all that can be said of it; nothing is to be seen in it."""
+    Image.fromarray(np.arange(72, dtype=np.uint8).reshape(4, 6, 3)).save("a.png")
+    np.save("depth.npy", np.full((4, 6), 9.0))
+    np.save("classes.npy", np.full((4, 6), 2))
+    np.save("masks.npy", np.ones((4, 6), np.uint8))
+    Path("camera.json").write_text("[5, 5, 3, 2]")
+    files = {"semantics": "classes.npy", "depth": "depth.npy", "masks": "masks.npy", "intrinsics": "camera.json"}
+    return {"image": "a.png", **files}
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("depth", np.ones((5, 6))),
+        ("depth", np.zeros((4, 6))),
+        ("depth", np.full((4, 6), 1e308)),
+        ("semantics", np.full((4, 7), 2)),
+        ("masks", np.ones((3, 6), np.uint8)),
+        ("masks", np.ones((2, 3, 6), bool)),
+        ("intrinsics", "[-5, 5, 3, 2]"),
+        ("intrinsics", "[1e308, 5, 3, 2]"),
+        ("intrinsics", "[5, 5, 30, 2]"),
+    ],
+)
+def test_the_file_that_does_not_fit_is_named(
+    name: str, content: object, options: dict[str, str], refused: Callable[..., str]
+) -> None:
+    if isinstance(content, str):
+        Path(options[name]).write_text(content)
+    else:
+        np.save(options[name], content)
+    words = [word for option, file in options.items() for word in (f"--{option}", file)]
+    assert f"--{name} {options[name]}" in refused("draft", *words, "-o", "layout.json")

@@ -1,15 +1,19 @@
-"""The command itself: what a stranger sees first."""
+"""The command itself: what a stranger sees first, options and their values, and how commands end."""
 
+import argparse
 import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import lidardraft
 from lidardraft.cli import main as cli
+from lidardraft.cli import train
+from lidardraft.cli.arguments import minutes, whole_number
 
 ROOT = Path(__file__).parents[2]
 
@@ -57,3 +61,115 @@ def test_every_option_has_a_help_text(command: str, capsys: pytest.CaptureFixtur
     for option in options:
         assert re.search(r"\S {1,}[a-z].{8}", option.split("  ")[-1]) or len(option.split()) > 4, option
     assert not re.search(r"drawing|drawn|\bthings?\b", help_text)
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        ("simulate --sensr vlp16 --text car -o out", "there is no option --sensr; did you mean '--sensor'?"),
+        ("simulate --txet=car -o out", "there is no option --txet; did you mean '--text'?"),
+        ("simulate --text car --layout a.json -o out", "argument --layout: not allowed with argument --text"),
+        ("simulate -o out", "one of the arguments --text --image"),
+        ("simulate --text car", "the following arguments are required: -o/--output"),
+        ("simulate --text car -o out -n some", "argument -n/--num: 'some' is not a whole number of 1 or more"),
+        ("simulate --text car -o out -z 3", "not understood: -z 3"),
+        ("draft --text car -o a.json --detail fin", "'fin' is not one of fine, objects; did you mean 'fine'?"),
+        ("draft --sketch a.png --scale-bar long -o a.json", "argument --scale-bar: 'long' is not a number"),
+        ("street --recipe smal", "'smal' is not one of small, paper"),
+        ("segmenter --pair folder", "the following arguments are required: -o/--output"),
+    ],
+)
+def test_arguments_that_cannot_be_are_one_line(command: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    words = command.split()
+    main, name = (train.main, "lidardraft-train") if words[0] in ("street", "segmenter") else (cli.main, "lidardraft")
+    with pytest.raises(SystemExit, match="2"):
+        main(words)
+    message = capsys.readouterr().err
+    assert message.startswith(f"{name} {words[0]}: error: ")
+    assert message.endswith(f" (see `{name} {words[0]} --help`)\n")
+    assert message.count("\n") == 1
+    assert said in message
+
+
+def test_so_are_a_command_and_an_option_before_it(capsys: pytest.CaptureFixture[str]) -> None:
+    for words, said in ((["simulat"], "did you mean 'simulate'?"), (["--versoin"], "did you mean '--version'?")):
+        with pytest.raises(SystemExit, match="2"):
+            cli.main(words)
+        message = capsys.readouterr().err
+        assert message.startswith("lidardraft: error: ")
+        assert said in message
+        assert message.count("\n") == 1
+
+
+def test_a_value_may_look_like_an_option(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["draft", "--text", "--two cars ahead", "--no-preview", "--out", "layout.json"]) == 0
+    assert "objects with a box: 2" in capsys.readouterr().out
+
+
+def test_files_that_cannot_be_read_or_written(refused: Callable[..., str]) -> None:
+    assert refused("view", "nowhere.bin") == "lidardraft: nowhere.bin: No such file or directory\n"
+    Path("file").write_text("")
+    assert "file" in refused("draft", "--text", "a car ahead", "-o", "file/layout.json")
+    assert "cannot be written" in refused("draft", "--text", "a car ahead", "-o", "nowhere/layout.json")
+
+
+def test_nothing_that_a_terminal_obeys_reaches_it(refused: Callable[..., str]) -> None:
+    message = refused("view", "red\x1b[31m\nname.json")
+    assert "red\\x1b[31m\\nname.json" in message
+
+
+def test_a_reader_that_goes_away_is_no_error() -> None:
+    command = [sys.executable, "-m", "lidardraft", "draft", "--text", "a car ahead", "-o", "layout.json"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    process.stdout.close()
+    _, err = process.communicate(timeout=60)
+    assert err == ""
+    assert process.returncode == 141
+
+
+def test_words_that_are_not_understood_are_said_once(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["draft", "--text", "a car ahead and a purple dinosaur", "-o", "layout.json"]) == 0
+    captured = capsys.readouterr()
+    assert captured.err.count("dinosaur") == 1
+    assert captured.out.startswith("layout.json: ")
+
+
+def test_whole_numbers_within_limits() -> None:
+    assert [whole_number(0, 9)(text) for text in ("0", "9")] == [0, 9]
+    assert whole_number(1)("123456789") == 123456789
+
+
+@pytest.mark.parametrize("text", ["abc", "", "1.5", "-1", "10", "nan"])
+def test_other_texts_are_named_with_the_limits(text: str) -> None:
+    with pytest.raises(argparse.ArgumentTypeError, match=rf"^'{text}' is not a whole number from 0 to 9$"):
+        whole_number(0, 9)(text)
+
+
+def test_minutes_are_over_zero() -> None:
+    assert [minutes(text) for text in ("0.5", "90", "inf")] == [0.5, 90, float("inf")]
+    for text in ("0", "-5", "nan", "", "soon"):
+        with pytest.raises(argparse.ArgumentTypeError, match=rf"^'{text}' is not a number over 0$"):
+            minutes(text)
+
+
+@pytest.mark.parametrize(
+    ("argv", "said"),
+    [
+        ("generate --text car -o out -n abc", "argument -n/--num: 'abc' is not a whole number of 1 or more"),
+        ("generate --text car -o out --steps 0", "argument --steps: '0' is not a whole number of 1 or more"),
+        ("generate --text car -o out --seed -1", "argument --seed: '-1' is not a whole number from 0 to 4294967295"),
+        ("streets --look -n 0", "argument -n/--num: '0' is not a whole number of 1 or more"),
+        ("streets --look --poses 0", "argument --poses: '0' is not a whole number of 1 or more"),
+        ("streets --look --workers 0", "argument --workers: '0' is not a whole number of 1 or more"),
+        ("streets --look --seed -1", "argument --seed: '-1' is not a whole number from 0"),
+        ("segmenter --minutes nan", "argument --minutes: 'nan' is not a number over 0"),
+        ("street --batch 0", "argument --batch: '0' is not a whole number of 1 or more"),
+        ("ablation --base-steps 0", "argument --base-steps: '0' is not a whole number of 1 or more"),
+    ],
+)
+def test_a_bad_number_is_named_in_plain_words(argv: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    main = train.main if argv.startswith(("segmenter", "street ", "ablation")) else cli.main
+    with pytest.raises(SystemExit, match="2"):
+        main(argv.split())
+    assert said in capsys.readouterr().err

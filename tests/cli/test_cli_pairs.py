@@ -1,10 +1,13 @@
-"""`lidardraft pairs`, from recorded files to a folder that trains."""
+"""`lidardraft streets` and `pairs`: folders that train, and streets to look at."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
+from processes import shown_on_a_terminal
 
 from lidardraft import Layout, Primitive, Sensor, simulate
 from lidardraft.cli import main as cli
@@ -12,7 +15,73 @@ from lidardraft.cli import pairs as module
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.training.pairs import PairFolder
 
+STREETS = ["streets", "--sensor", "small.json", "--workers", "1"]
 Refused = Callable[..., str]
+RECORDED = ["pairs", "00", "--sensor", "small.json", "-o", "out"]
+
+
+def height(path: str) -> int:
+    with Image.open(path) as picture:
+        return picture.height
+
+
+def test_pairs_on_disk_go_on_where_they_stopped(capsys: pytest.CaptureFixture[str]) -> None:
+    argv = [*STREETS, "--seed", "3", "--output", "pairs"]
+    assert cli.main([*argv, "--num", "2"]) == 0
+    assert capsys.readouterr().out == "pairs: 2 pairs, 2 of them new\n"
+    first = PairFolder("pairs")
+    assert cli.main([*argv, "--num", "5"]) == 0
+    assert capsys.readouterr().out == (
+        "pairs: goes on after the 2 pairs that are there\npairs: 5 pairs, 3 of them new\n"
+    )
+    pairs = PairFolder("pairs")
+    assert [note["index"] for note in pairs.notes] == [0, 1, 2, 3, 4]
+    assert {note["style"]["source"] for note in pairs.notes} <= {"text", "cloud", "picture", "boxes"}
+    np.testing.assert_array_equal(pairs[1].scan.depth, first[1].scan.depth)
+    assert cli.main([*argv, "--num", "3"]) == 0
+    assert capsys.readouterr().out == "pairs: 5 pairs are there already; nothing to do\n"
+    assert len(PairFolder("pairs")) == 5
+
+
+def test_the_bar_moves_with_every_pair() -> None:
+    shown = shown_on_a_terminal(*STREETS, "--output", "pairs", "-n", "20", "--poses", "20")
+    assert {int(count) for count in re.findall(r"(\d+)/20", shown)} == set(range(21))
+
+
+def test_pairs_of_another_seed_are_refused(refused: Callable[..., str]) -> None:
+    assert cli.main([*STREETS, "--seed", "3", "--output", "pairs", "--num", "1"]) == 0
+    assert "seed 3" in refused(*STREETS, "--output", "pairs", "--num", "9")
+
+
+def test_pairs_are_not_mixed_with_other_files(refused: Callable[..., str]) -> None:
+    Path("mine").mkdir()
+    Path("mine/notes.txt").write_text("")
+    assert "mine is not empty (notes.txt); use another folder" in refused(*STREETS, "--output", "mine")
+    assert "small.json is a file; it must be a folder" in refused(*STREETS, "--output", "small.json")
+    Path("killed").mkdir()
+    for name in ("00000.npz", "00000.npz.1.partial"):  # before there was an index
+        Path("killed", name).write_text("")
+    assert cli.main([*STREETS, "--output", "killed", "-n", "1"]) == 0
+    assert len(PairFolder("killed")) == 1
+
+
+def test_a_picture_to_look_at(capsys: pytest.CaptureFixture[str]) -> None:
+    for num in ("1", "2"):
+        assert cli.main([*STREETS, "-n", num, "--look", f"{num}.png"]) == 0
+    assert capsys.readouterr().out == "1.png\n2.png\n"
+    assert height("2.png") > 1.9 * height("1.png")
+
+
+def test_a_picture_has_a_limit_and_a_place(refused: Callable[..., str]) -> None:
+    assert "there is no folder nowhere" in refused(*STREETS, "-n", "1", "--look", "nowhere/a.png")
+    assert "--num is 101; a picture shows up to 100 streets" in refused(*STREETS, "-n", "101", "--look")
+
+
+@pytest.mark.parametrize("to", [[], ["--look", "a.png", "--output", "pairs"]])
+def test_one_output_is_asked_for(capsys: pytest.CaptureFixture[str], to: list[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        cli.main([*STREETS, *to])
+    assert "--look" in capsys.readouterr().err
 
 
 @pytest.fixture
@@ -31,18 +100,15 @@ def recordings(folder: Path) -> Path:
     return folder / "00"
 
 
-PAIRS = ["pairs", "00", "--sensor", "small.json", "-o", "out"]
-
-
 def test_a_sequence_becomes_pairs_and_a_second_call_adds_what_is_new(
     recordings: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     held = recordings / "velodyne" / "000002.bin"
     held.rename("later.bin")
-    assert cli.main(PAIRS) == 0
+    assert cli.main(RECORDED) == 0
     assert capsys.readouterr().out == "out: 2 pairs, 2 of them new\n"
     Path("later.bin").rename(held)
-    assert cli.main(PAIRS) == 0
+    assert cli.main(RECORDED) == 0
     assert "out: 3 pairs, 1 of them new" in capsys.readouterr().out
     folder = PairFolder("out")
     assert folder.sensor == Sensor.load("small.json")
@@ -67,10 +133,10 @@ def test_an_interrupted_call_goes_on(monkeypatch: pytest.MonkeyPatch, capsys: py
     with monkeypatch.context() as once:
         once.setattr(module, "_pair", interrupted)
         once.setattr(disk, "SHARD", 1)
-        assert cli.main(PAIRS) == 130
+        assert cli.main(RECORDED) == 130
     assert len(PairFolder("out")) == 2
     capsys.readouterr()
-    assert cli.main(PAIRS) == 0
+    assert cli.main(RECORDED) == 0
     assert capsys.readouterr().out.splitlines() == [
         "out: goes on after the 2 pairs that are there",
         "out: 3 pairs, 1 of them new",
@@ -84,7 +150,7 @@ def test_what_does_not_fit_is_skipped_in_a_line_each(recordings: Path, capsys: p
     (recordings / "velodyne" / "000000.bin").write_bytes(rows.tobytes())
     (recordings / "labels" / "000001.label").write_bytes(b"1234")
     np.savez(recordings / "velodyne" / "bare.npz", xyz=np.nan_to_num(points), label=np.ones(len(points), np.uint8))
-    assert cli.main(PAIRS) == 0
+    assert cli.main(RECORDED) == 0
     captured = capsys.readouterr()
     assert captured.out == "out: 1 pairs, 1 of them new, 3 scans skipped\n"
     said = [line for line in captured.err.splitlines() if line.startswith("lidardraft: skipped: ")]
@@ -120,19 +186,19 @@ def test_what_cannot_be_is_refused(refused: Refused) -> None:
     assert "--sensor is needed" in refused("pairs", "00", "-o", "out")
     Path("empty").mkdir()
     assert "there is no .bin, .pcd or .npz file" in refused("pairs", "empty", "--sensor", "small.json", "-o", "out")
-    assert "nothing.safetensors" in refused(*PAIRS, "--segmenter", "nothing.safetensors")
+    assert "nothing.safetensors" in refused(*RECORDED, "--segmenter", "nothing.safetensors")
     Path("full").mkdir()
     Path("full/notes.txt").write_text("mine")
-    assert "full is not empty (notes.txt)" in refused(*PAIRS[:-1], "full")
+    assert "full is not empty (notes.txt)" in refused(*RECORDED[:-1], "full")
 
 
 @pytest.mark.usefixtures("recordings")
 def test_a_folder_of_another_sensor_is_refused(refused: Refused) -> None:
-    assert cli.main(PAIRS) == 0
+    assert cli.main(RECORDED) == 0
     small = Sensor.load("small.json")
     Path("small.json").write_text(Sensor(name="small", elevations=small.elevations, columns=64).to_json())
-    assert "out holds pairs of another small; use another folder" in refused(*PAIRS)
-    assert "out holds pairs of 'recordings, small'" in refused(*PAIRS[:3], "hdl32e", *PAIRS[4:])
+    assert "out holds pairs of another small; use another folder" in refused(*RECORDED)
+    assert "out holds pairs of 'recordings, small'" in refused(*RECORDED[:3], "hdl32e", *RECORDED[4:])
 
 
 @pytest.mark.usefixtures("recordings")

@@ -158,3 +158,16 @@ def read_weather(texts: Iterable[str]) -> Weather:
             raise FormatError(f"--weather has {kind} twice")
         amounts[field] = float(amount.removesuffix(unit))
     return Weather(**amounts)
+
+
+def check_empty(folder: Path, otherwise: str, *, but: str = "") -> None:
+    """Raises `FormatError` where the folder is a file or holds anything, but hidden files and what `but` matches.
+
+    `otherwise` says what else the user can do.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise FormatError(f"{folder} is a file; it must be a folder")
+    content = sorted(path.name for path in folder.glob("[!.]*") if not re.fullmatch(but, path.name))
+    if content:
+        more = f" and {len(content) - 1} more" if len(content) > 1 else ""
+        raise FormatError(f"{folder} is not empty ({content[0]}{more}); use another folder{otherwise}")

@@ -77,8 +77,8 @@ def scores(pipeline: Pipeline, pairs: list[StreetPair]) -> Iterator[Scores]:
             yield row
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The options of the command."""
+def evaluate_options(parser: argparse.ArgumentParser) -> None:
+    """The options of `evaluate`."""
     parser.epilog = (
         "objects, all: share of the returns on objects, or on anything, within 0.5 m or 5 % of the layout; other: of "
         "those on objects, with the layout of another street. drop: share of the rays that hit the layout and return "

@@ -25,7 +25,7 @@ _HELD_BACK = 0.25  # of the scans judge, the last ones, where no others are name
 
 
 def fit(arguments: argparse.Namespace) -> None:
-    """Fit a sensor to your own recorded scans: its lasers, what the vehicle hides, how it drops, scatters and reads."""
+    """Get a sensor file fitted to your recorded scans: lasers, what the vehicle hides, noise, drop and intensity."""
     from lidardraft.calibration.fit import fit_sensor
     from lidardraft.calibration.recording import read_recording
 
@@ -114,8 +114,8 @@ def _print_rows(
         print(f"| {row.name} | {' | '.join('-' if math.isnan(cell) else f'{cell:.3g}' for cell in cells)} |")
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The options of the command."""
+def fit_options(parser: argparse.ArgumentParser) -> None:
+    """The options of `fit`."""
     text = (
         "scans of one sensor: KITTI .bin (labels beside it are used), nuScenes .pcd.bin, .pcd with rings or rows, .npz"
     )

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 import lidardraft
-from lidardraft.cli import draft, evaluate, fit, generate, observe, pairs, raycast, simulate, streets, view
+from lidardraft.cli import evaluate, fit, layouts, pairs, scans, view
 from lidardraft.cli.command import Parser, commands_of, run
 
 _FIRST = """\
@@ -34,16 +34,16 @@ def _parser() -> Parser:
     )
     parser.add_argument("--version", action="version", version=f"lidardraft {lidardraft.__version__}")
     command = commands_of(parser)
-    simulate.add_arguments(command("simulate", simulate.simulate))
-    generate.add_arguments(command("generate", generate.generate))
-    view.add_arguments(command("view", view.view))
-    draft.add_arguments(command("draft", draft.draft))
-    raycast.add_arguments(command("raycast", raycast.raycast))
-    observe.add_arguments(command("observe", observe.observe))
-    streets.add_arguments(command("streets", streets.streets))
-    fit.add_arguments(command("fit", fit.fit))
-    pairs.add_arguments(command("pairs", pairs.pairs))
-    evaluate.add_arguments(command("evaluate", evaluate.evaluate))
+    scans.simulate_options(command("simulate", scans.simulate))
+    scans.generate_options(command("generate", scans.generate))
+    view.view_options(command("view", view.view))
+    layouts.draft_options(command("draft", layouts.draft))
+    layouts.raycast_options(command("raycast", layouts.raycast))
+    scans.observe_options(command("observe", scans.observe))
+    pairs.streets_options(command("streets", pairs.streets))
+    fit.fit_options(command("fit", fit.fit))
+    pairs.pairs_options(command("pairs", pairs.pairs))
+    evaluate.evaluate_options(command("evaluate", evaluate.evaluate))
     return parser
 
 

@@ -1,13 +1,318 @@
-"""The `lidardraft-train` command: pairs become weights."""
+"""The `lidardraft-train` command: pairs become weights of the generator or of a segmenter; the paper's Table 2."""
 
 from __future__ import annotations
 
+import argparse
+import copy
+import dataclasses
 import sys
-from collections.abc import Sequence
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import lidardraft
-from lidardraft.cli import ablation, train_segmenter, train_street
+from lidardraft.cli import evaluate
+from lidardraft.cli.arguments import (
+    DEFAULT_SENSOR,
+    add_minutes,
+    add_seed,
+    add_sensor,
+    add_training_device,
+    positive,
+    read_sensor,
+    whole_number,
+)
 from lidardraft.cli.command import Parser, commands_of, run
+from lidardraft.errors import TrainingError
+from lidardraft.scene.sensor import Sensor
+
+if TYPE_CHECKING:
+    from lidardraft.diffusion.denoiser import Denoiser
+    from lidardraft.scene.range_image import RangeImage
+    from lidardraft.scene.sensor_limits import SensorLimits
+    from lidardraft.streets import StreetPair
+    from lidardraft.training.denoising import DenoisingConfig, PairSource
+    from lidardraft.training.loop import Report
+    from lidardraft.training.street_source import StreetSource
+
+_RECIPES = ("small", "paper", "small-paper", "tiny", "tiny-paper")
+_FURTHER_RATE = 0.3  # of the recipe's learning rate: weights that are good already would be lost with more
+_OTHER_STREETS = 3_000_000  # a seed; neither learned from nor scored on
+
+
+def street(arguments: argparse.Namespace) -> None:
+    """Train the generator: all stages of a recipe, scores, and the weight file with its card; a second call goes on."""
+    from lidardraft.diffusion.denoiser import Denoiser
+    from lidardraft.networks import weight_file
+    from lidardraft.pipeline import Pipeline
+    from lidardraft.training.loop import check_run_folder, device_for_training
+    from lidardraft.training.processes import Processes
+
+    begin = _initial(arguments.init)
+    stages = _stages(arguments, begin)
+    source = _source(arguments)
+    # what cannot be is refused before hours of work
+    if Path(arguments.output).is_dir():
+        raise TrainingError(f"{arguments.output} is a folder; the weights are a file")
+    runs = [Path(arguments.work) / f"stage-{number}" for number in range(1, len(stages) + 1)]
+    for config, run_folder in zip(stages, runs, strict=True):
+        config.check(source.sensors)
+        check_run_folder(run_folder)
+    processes = Processes.from_environment(device_for_training(arguments.device))
+    Path(arguments.output).parent.mkdir(parents=True, exist_ok=True)
+    ends = time.monotonic() + 60 * arguments.minutes
+    for config, run_folder in zip(stages, runs, strict=True):
+        if not _trained(config, source, run_folder, begin, arguments.device, (ends - time.monotonic()) / 60):
+            print(f"{run_folder}: stopped after {arguments.minutes:g} minutes; the same call goes on")
+            return
+        processes.wait()  # until the first one has saved what all have learned
+        begin = weight_file.load(run_folder / "weights.safetensors", Denoiser)
+    if processes.rank > 0:
+        return
+    # What is scored is what ships: float16.
+    assert begin is not None
+    half = Path(arguments.work) / "half.safetensors"
+    weight_file.save(begin, half, {}, half=True)
+    pipeline = Pipeline.from_pretrained(half, device=arguments.device)
+    sensor = source.sensor or Sensor.preset(DEFAULT_SENSOR)
+    unseen = evaluate.unseen_streets(arguments.evaluate, sensor)
+    card = {
+        "command": " ".join(["lidardraft-train", *sys.argv[1:]]),
+        "data": source.source,
+        "sensors": _limits(source.sensor).to_dict(),
+        "stages": [weight_file.read_card(run_folder / "weights.safetensors") for run_folder in runs],
+        "scores": [dataclasses.asdict(scores) for scores in evaluate.scores(pipeline, unseen)],
+    }
+    weight_file.save(pipeline.denoiser, arguments.output, card, half=True)
+    print(arguments.output)
+
+
+def _stages(arguments: argparse.Namespace, begin: Denoiser | None) -> list[DenoisingConfig]:
+    """Those of the recipe; its last one alone where weights to begin with are given."""
+    from lidardraft.training import recipes
+
+    recipe = getattr(recipes, arguments.recipe.replace("-", "_"))()
+    stages = [dataclasses.replace(config, seed=arguments.seed) for config in recipe.stages]
+    if begin is not None:
+        rate = _FURTHER_RATE * stages[-1].learning_rate
+        stages = [dataclasses.replace(stages[-1], learning_rate=rate, warmup=20)]
+    given = {name: getattr(arguments, name) for name in ("steps", "batch", "learning_rate")}
+    given = {name: value for name, value in given.items() if value is not None}
+    return [dataclasses.replace(config, **given) for config in stages]
+
+
+def _initial(name: str | None) -> Denoiser | None:
+    from lidardraft.pipeline import Pipeline
+
+    return None if name is None else Pipeline.from_pretrained(name).denoiser
+
+
+def _source(arguments: argparse.Namespace) -> PairSource:
+    """What --data names: streets, folders of pairs, or a mixture."""
+    from lidardraft.training.mixed_source import MixedSource
+    from lidardraft.training.pairs import PairFolder
+    from lidardraft.training.street_source import StreetSource
+
+    sensor = None if arguments.sensor is None else read_sensor(arguments.sensor)
+    sources: list[PairSource] = []
+    weights: list[float] = []
+    for given in arguments.data or ["streets"]:
+        name, _, weight = given.partition("=")
+        sources.append(StreetSource(seed=arguments.seed, sensor=sensor) if name == "streets" else PairFolder(name))
+        try:
+            weights.append(float(weight or 1))
+        except ValueError:
+            raise TrainingError(f"--data is {given!r}; behind = there must be a number") from None
+    return sources[0] if len(sources) == 1 else MixedSource(tuple(sources), tuple(weights))
+
+
+def _limits(sensor: Sensor | None) -> SensorLimits:
+    from lidardraft.scene.sensor_limits import SensorLimits
+    from lidardraft.training import sampled_sensor
+
+    return sampled_sensor.LIMITS if sensor is None else SensorLimits.from_sensor(sensor)
+
+
+def _trained(
+    config: DenoisingConfig,
+    source: PairSource,
+    run: Path,
+    begin: Denoiser | None,
+    device: str,
+    minutes: float,
+) -> bool:
+    """Whether a stage is done, after so many minutes at most."""
+    from lidardraft.training.denoising import train_denoiser
+
+    reports = train_denoiser(config, source, run, begin=begin, device=device, max_minutes=minutes)
+    return _show(reports, config.steps, run.name) in (None, config.steps)
+
+
+def street_options(parser: argparse.ArgumentParser) -> None:
+    """The options of `street`."""
+    text = "size of the network and length of the training (default small)"
+    parser.add_argument("--recipe", choices=_RECIPES, default="small", help=text)
+    text = (
+        "pairs to learn from: `streets`, made as they are needed (default), or a folder of `lidardraft streets -o`; "
+        "repeatable, each with its share as =WEIGHT"
+    )
+    parser.add_argument("--data", action="append", metavar="NAME", help=text)
+    add_sensor(parser, default=None, of=" of streets (default: another one at each step, drawn at random)")
+    text = "go on from these weights: packaged ones by name, or a .safetensors file"
+    parser.add_argument("--init", metavar="NAME", help=text)
+    text = "steps of each stage (default: the recipe's)"
+    parser.add_argument("--steps", type=whole_number(1), metavar="N", help=text)
+    text = "scans of 64 x 1024 a step, fewer of larger ones (default: the recipe's)"
+    parser.add_argument("--batch", type=whole_number(1), metavar="N", help=text)
+    text = "highest learning rate (default: the recipe's, 0.3 of it with --init)"
+    parser.add_argument("--learning-rate", type=positive, metavar="R", help=text)
+    add_minutes(parser)
+    add_seed(parser)
+    add_training_device(parser)
+    text = "unseen streets to score the weights on (default 50)"
+    parser.add_argument("--evaluate", type=whole_number(1), default=50, metavar="N", help=text)
+    text = "where runs are kept (default out/street)"
+    parser.add_argument("--work", default="out/street", metavar="FOLDER", help=text)
+    text = "where the weight file goes (default street.safetensors)"
+    parser.add_argument("-o", "--output", default="street.safetensors", metavar="WEIGHTS", help=text)
+
+
+def segmenter(arguments: argparse.Namespace) -> None:
+    """Train a segmenter, which tells the class of each return, on the scans of pairs; a second call goes on."""
+    from lidardraft.training.loop import check_run_folder
+    from lidardraft.training.pairs import PairFolder
+    from lidardraft.training.segmentation import SegmentationConfig, train_segmenter
+
+    config = SegmentationConfig(steps=arguments.steps, batch=arguments.batch, seed=arguments.seed)
+    check_run_folder(arguments.run)
+    folder = PairFolder(arguments.pairs)
+    reports = train_segmenter(config, folder, arguments.run, device=arguments.device, max_minutes=arguments.minutes)
+    _show(reports, config.steps, "segmenter")
+
+
+def segmenter_options(parser: argparse.ArgumentParser) -> None:
+    """The options of `segmenter`."""
+    text = "training pairs, as `lidardraft streets -o FOLDER` makes them"
+    parser.add_argument("--pairs", required=True, metavar="FOLDER", help=text)
+    add_minutes(parser)
+    text = "where the weights and the state of the run go; a second call goes on"
+    parser.add_argument("-o", "--output", dest="run", required=True, metavar="FOLDER", help=text)
+    text = "steps of training (default 2000)"
+    parser.add_argument("--steps", type=whole_number(1), default=2000, metavar="N", help=text)
+    parser.add_argument("--batch", type=whole_number(1), default=2, metavar="N", help="whole scans a step (default 2)")
+    add_seed(parser)
+    add_training_device(parser)
+
+
+def ablation(arguments: argparse.Namespace) -> None:
+    """Train the paper's form and what it is compared with, each for as long, and score all; a second call goes on."""
+    from lidardraft.diffusion.top_view import top_view
+    from lidardraft.evaluation import loss_by_other_layouts
+    from lidardraft.training import recipes
+    from lidardraft.training.ablation import ARMS
+    from lidardraft.training.loop import check_run_folder, device_for_training
+    from lidardraft.training.street_source import StreetSource
+
+    sensor, num = read_sensor(arguments.sensor), arguments.num
+    *_, base, control = recipes.small_paper().stages
+    base, control = (
+        dataclasses.replace(stage, steps=steps, seed=arguments.seed)
+        for stage, steps in ((base, arguments.base_steps), (control, arguments.steps))
+    )
+    # what is short has time to learn all of the ControlNet as well
+    control = dataclasses.replace(control, zero_conv_steps=min(control.zero_conv_steps, control.steps // 10))
+    recipe = recipes.Recipe(stages=(base, control))
+    source = StreetSource(seed=arguments.seed, sensor=sensor)
+    base.check([sensor])
+    check_run_folder(arguments.work)
+    device_for_training(arguments.device)
+    pairs = evaluate.unseen_streets(num, sensor)
+    others = [pair.scan for pair in evaluate.unseen_streets(num, sensor, _OTHER_STREETS)]
+    print(f"{num} street{'s' * (num > 1)}, {sensor.name}; base {base.steps} steps, each arm {control.steps}")
+    print(f"{'':28}{'objects':>9}{'drop':>9}{'BEV JSD':>9}{'MMD 1e-4':>10}{'heeded':>9}", flush=True)
+    _row("other streets", pairs, others)
+    cast = [pair.condition_image for pair in pairs]
+    from_above = [top_view(pair.layout, sensor, pair.pose) for pair in pairs]
+    unconditional = _trained_arm(arguments, base, source, "base")
+    _row("no condition", pairs, _sampled(unconditional, cast))
+    for name, arm in ARMS.items():
+        seen = dataclasses.replace(source, from_above=arm.from_above)
+        begin = copy.deepcopy(unconditional) if arm.controlnet else None  # it is frozen under a ControlNet
+        denoiser = _trained_arm(arguments, arm.stage(recipe), seen, name, begin)
+        images = from_above if arm.from_above else cast
+        heeded = loss_by_other_layouts(denoiser, [pair.scan for pair in pairs], images)
+        _row(name, pairs, _sampled(denoiser, images), heeded)
+
+
+def _trained_arm(
+    arguments: argparse.Namespace,
+    config: DenoisingConfig,
+    source: StreetSource,
+    name: str,
+    begin: Denoiser | None = None,
+) -> Denoiser:
+    from lidardraft.diffusion.denoiser import Denoiser
+    from lidardraft.networks import weight_file
+    from lidardraft.training.denoising import train_denoiser
+
+    run = Path(arguments.work) / name.replace(",", "").replace(" ", "-").lower()
+    _show(train_denoiser(config, source, run, begin=begin, device=arguments.device), config.steps, name)
+    return weight_file.load(run / "weights.safetensors", Denoiser).to(arguments.device)
+
+
+def _sampled(denoiser: Denoiser, images: list[RangeImage]) -> list[RangeImage]:
+    from tqdm import tqdm
+
+    from lidardraft.evaluation import sample_scans
+
+    with tqdm(total=len(images), unit="scan", desc="generating", disable=None, leave=False) as bar:
+        return sample_scans(denoiser, images, on_scan=bar.update)
+
+
+def _row(name: str, pairs: list[StreetPair], scans: list[RangeImage], heeded: float = 1.0) -> None:
+    from lidardraft.evaluation import score
+    from lidardraft.metrics.bev import bev_mmd
+
+    scores = score(name, pairs, scans)
+    mmd = bev_mmd((pair.scan.points() for pair in pairs), (scan.points() for scan in scans))
+    shown = f"{scores.objects:9.3f}{scores.drop:9.3f}{scores.bev:9.3f}{1e4 * mmd:10.3f}{heeded:9.3f}"
+    print(f"{name:28}{shown}", flush=True)
+
+
+def ablation_options(parser: argparse.ArgumentParser) -> None:
+    """The options of `ablation`."""
+    parser.epilog = (
+        "The paper's FRD needs weights that are not free, so that top views (BEV JSD, MMD) and adherence stand for it. "
+        "objects: share of the returns on objects within 0.5 m or 5 % of the layout. drop: share of the rays that hit "
+        "the layout and return nothing. heeded: the loss of unseen scans by the layout of another street, over that by "
+        "their own, 1 where a network ignores its condition. The row of other streets says what scans of another place "
+        "would get."
+    )
+    add_sensor(parser)
+    text = "steps that the base learns, which knows no condition (default 8000)"
+    parser.add_argument("--base-steps", type=whole_number(1), default=8000, metavar="N", help=text)
+    text = "steps that each arm learns (default 2000)"
+    parser.add_argument("--steps", type=whole_number(1), default=2000, metavar="N", help=text)
+    text = "unseen streets to score on (default 50)"
+    parser.add_argument("-n", "--num", type=whole_number(1), default=50, metavar="N", help=text)
+    add_seed(parser)
+    text = "where runs are kept (default out/ablation)"
+    parser.add_argument("--work", default="out/ablation", metavar="FOLDER", help=text)
+    add_training_device(parser)
+
+
+def _show(reports: Iterator[Report], steps: int, name: str) -> int | None:
+    """A progress bar of a training; its last step, or None where there was nothing to do."""
+    from tqdm import tqdm
+
+    step = None
+    with tqdm(total=steps, unit="step", desc=name) as bar:
+        for report in reports:
+            bar.update(report.step - bar.n)
+            bar.set_postfix_str(f"loss {report.loss:.3f}, {report.samples_per_second:.1f} samples/s")
+            step = report.step
+    return step
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -24,9 +329,9 @@ def _parser() -> Parser:
     )
     parser.add_argument("--version", action="version", version=f"lidardraft {lidardraft.__version__}")
     command = commands_of(parser)
-    train_segmenter.add_arguments(command("segmenter", train_segmenter.segmenter))
-    train_street.add_arguments(command("street", train_street.street))
-    ablation.add_arguments(command("ablation", ablation.ablation))
+    segmenter_options(command("segmenter", segmenter))
+    street_options(command("street", street))
+    ablation_options(command("ablation", ablation))
     return parser
 
 

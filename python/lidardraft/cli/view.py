@@ -32,8 +32,8 @@ def view(arguments: argparse.Namespace) -> None:
     print(output)
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The options of the command."""
+def view_options(parser: argparse.ArgumentParser) -> None:
+    """The options of `view`."""
     parser.add_argument("path", metavar="FILE", help="a .bin, .pcd.bin, .pcd, .npz or .json file")
     add_sensor(
         parser, default=None, of=f" that took a scan or sees a layout (default the scan's own, or {DEFAULT_SENSOR})"

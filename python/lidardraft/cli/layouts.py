@@ -1,9 +1,10 @@
-"""`lidardraft draft`: the layout of an input, to look at and to edit."""
+"""`lidardraft draft` and `raycast`: the layout of an input, to look at and to edit, and its cast."""
 
 from __future__ import annotations
 
 import argparse
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,25 +12,29 @@ import numpy as np
 from lidardraft.cli.arguments import add_sensor, read_sensor
 from lidardraft.cli.command import say
 from lidardraft.cli.inputs import add_inputs, input_of, read_layout
-from lidardraft.cli.layout_file import check_ending, write_layout
+from lidardraft.errors import FormatError
 from lidardraft.files import check_other_file, named
 from lidardraft.scene.layout import Layout
+from lidardraft.scene.raycast import raycast as cast
 from lidardraft.scene.sensor import Sensor
 
+_ENDINGS = (".json", ".obj", ".glb", ".py")
 _MOST_SHAPES, _MOST_TRIANGLES = 2_000, 100_000  # of a layout whose preview takes no longer than it does
 
 
 def draft(arguments: argparse.Namespace) -> None:
     """Make a layout, a file of boxes and other shapes that can be edited, from a sentence, a labelled scan, a sketch,
     boxes, a 3D model or a Blender script."""
-    check_ending(arguments.output)
+    ending = Path(arguments.output).suffix.lower()
+    if ending not in _ENDINGS:
+        raise FormatError(f"{arguments.output}: a layout is written as {', '.join(_ENDINGS)}; the ending says which")
     check_other_file(arguments.output, input_of(arguments))
     sensor = read_sensor(arguments.sensor)
     layout = read_layout(arguments)
     # before anything is written: what cannot be simulated replaces no layout that is there
     with named(f"{input_of(arguments)}: no preview can be made (--no-preview leaves it out)"):
         picture = None if arguments.no_preview else _preview(layout, sensor, arguments.seed)
-    write_layout(arguments.output, layout)
+    _writer(ending)(arguments.output, layout)
     objects = len(layout.boxes())
     print(f"{arguments.output}: shapes: {len(layout)}, objects with a box: {objects}")
     path = Path(arguments.output.removesuffix(".json") + ".preview.png")  # of x.glb, another than that of x.json
@@ -47,6 +52,16 @@ def draft(arguments: argparse.Namespace) -> None:
         say("lidardraft", f"{path} is not made: the layout has more than {limits}{older}")
 
 
+def _writer(ending: str) -> Callable[[str, Layout], None]:
+    from lidardraft.formats.blender_script import write_blender_script
+    from lidardraft.formats.glb import write_glb
+    from lidardraft.formats.obj import write_obj
+
+    if ending == ".json":
+        return lambda path, layout: layout.save(path)
+    return {".obj": write_obj, ".glb": write_glb, ".py": write_blender_script}[ending]
+
+
 def _preview(layout: Layout, sensor: Sensor, seed: int) -> np.ndarray | None:
     """The picture of a layout, uint8 [H, W, 3]; None of one that takes long."""
     triangles = sum(len(primitive.mesh.faces) for primitive in layout if primitive.mesh is not None)
@@ -61,8 +76,8 @@ def _preview(layout: Layout, sensor: Sensor, seed: int) -> np.ndarray | None:
         return render_preview(layout, scan.image, scan.pose)
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The options of the command."""
+def draft_options(parser: argparse.ArgumentParser) -> None:
+    """The options of `draft`."""
     inputs = add_inputs(parser)
     add_sensor(inputs, of=" that took --points or --boxes, for its height over the road, and of the preview's scan")
     output = parser.add_argument_group("output")
@@ -70,3 +85,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     output.add_argument("-o", "--output", required=True, metavar="LAYOUT.json", help=text)
     text = "leave out LAYOUT.preview.png, a picture of the layout from above and of a simulated scan"
     output.add_argument("--no-preview", action="store_true", help=text)
+
+
+def raycast(arguments: argparse.Namespace) -> None:
+    """Get the depth, class and instance images of a layout as a sensor's rays meet it, in an .npz file: the condition
+    image of the diffusion model."""
+    sensor = read_sensor(arguments.sensor)
+    image = cast(read_layout(arguments), sensor)
+    image.save(arguments.output)
+    print(f"{arguments.output}: {sensor.name}, {image.valid.mean():.0%} of the rays hit")
+
+
+def raycast_options(parser: argparse.ArgumentParser) -> None:
+    """The options of `raycast`."""
+    add_inputs(parser)
+    output = parser.add_argument_group("output")
+    add_sensor(output)
+    output.add_argument("-o", "--output", required=True, metavar="IMAGE.npz", help="where the range image goes")

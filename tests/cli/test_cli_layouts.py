@@ -1,3 +1,5 @@
+"""`lidardraft draft` and `raycast`."""
+
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -6,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from lidardraft import Layout, Primitive, layout_from_text
+from lidardraft import Layout, Primitive, RangeImage, Sensor, layout_from_text
 from lidardraft.cli import main as cli
 from lidardraft.semantics import BY_NAME
 from lidardraft.view import PALETTE, render_from_above
@@ -45,6 +47,15 @@ def test_a_layout_without_ground_is_previewed_without_a_word(capsys: pytest.Capt
     assert cli.main(["draft", "--layout", "a.json", "--sensor", "small.json", "-o", "b.json"]) == 0
     assert Layout.load("b.json") == Layout.load("a.json")
     assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("ending", "begins"),
+    [("json", b'{"schema": "lidardraft.layout/1"'), ("obj", b"# a layout"), ("GLB", b"glTF"), ("py", b'"""A layout')],
+)
+def test_each_ending_is_its_format(ending: str, begins: bytes) -> None:
+    assert cli.main(["draft", "--text", "a car ahead", "--no-preview", "-o", f"a.{ending}"]) == 0
+    assert Path(f"a.{ending}").read_bytes().startswith(begins)
 
 
 def test_the_ending_says_the_format_before_anything_is_made(refused: Callable[..., str]) -> None:
@@ -97,3 +108,21 @@ def test_layouts_of_one_name_keep_their_previews(folder: Path) -> None:
     assert {path.name for path in folder.glob("x*.png")} == {
         *("x.preview.png", "x.glb.preview.png", "x.py.preview.png")
     }
+
+
+def test_layouts_and_sentences_are_cast() -> None:
+    assert cli.main(["draft", "--text", "a car ahead", "--seed", "3", "-o", "layout.json"]) == 0
+    assert cli.main(["raycast", "--layout", "layout.json", "-o", "layout.npz"]) == 0
+    assert cli.main(["raycast", "--text", "a car ahead", "--seed", "3", "-o", "sentence.npz"]) == 0
+    image, same = RangeImage.load("layout.npz"), RangeImage.load("sentence.npz")
+    assert image.sensor == Sensor.preset("hdl64e")
+    assert BY_NAME["car"].id in image.label
+    np.testing.assert_array_equal(image.depth, same.depth)
+
+
+def test_bad_input_of_raycast_is_one_line(refused: Callable[..., str]) -> None:
+    assert "nowhere.json" in refused("raycast", "--layout", "nowhere.json", "-o", "a.npz")
+    Path("broken.json").write_text('{"schema": ')
+    assert "broken.json: not JSON" in refused("raycast", "--layout", "broken.json", "-o", "a.npz")
+    sensor = refused("raycast", "--text", "a car ahead", "--sensor", "hdl65e", "-o", "a.npz")
+    assert "did you mean 'hdl64e'?" in sensor

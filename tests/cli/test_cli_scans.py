@@ -1,0 +1,264 @@
+"""`lidardraft simulate`, `generate` with the packaged weights, `observe`, and the folders of scans that they write."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from processes import shown_on_a_terminal
+
+from lidardraft import Layout, RangeImage, Sensor, observe_cast, pipeline, simulate
+from lidardraft.cli import main as cli
+from lidardraft.formats import kitti, semantickitti
+from lidardraft.formats.carla import carla_sensor
+from lidardraft.scan import SCAN_ENDINGS
+from lidardraft.semantics import BY_NAME
+
+SMALL = ["--sensor", "small.json"]
+QUICK = ["--sensor", "small.json", "--steps", "2"]
+OBSERVED = (".bin", ".label", ".sensor.json", ".png")
+SIMULATE = ["simulate", "--text", "a car ahead", "-o", "out", "--sensor", "small.json"]
+
+
+def test_simulate_from_text(capsys: pytest.CaptureFixture[str]) -> None:
+    argv = ["simulate", "--text", "a car ahead", "--seed", "3", "-n", "2", "--speed", "8", "-o", "out", *SMALL]
+    assert cli.main(argv) == 0
+    written = {path.name for path in Path("out").iterdir()}
+    assert written == {f"{number}{end}" for number in ("000000", "000001") for end in SCAN_ENDINGS}
+    captured = capsys.readouterr()
+    assert captured.out.startswith("out: 2 scans, 000000.bin to 000001.bin")
+    assert captured.err == ""
+    for number in range(2):
+        points, _ = kitti.read_bin(f"out/00000{number}.bin")
+        label, _ = semantickitti.read_label(f"out/00000{number}.label", len(points))
+        expected = simulate("a car ahead", Sensor.load("small.json"), seed=3 + number, speed=8.0)
+        np.testing.assert_array_equal(points, expected.points())
+        np.testing.assert_array_equal(label, expected.labels())
+        assert Layout.load(f"out/00000{number}.layout.json") == expected.layout
+
+
+def test_a_scan_that_was_simulated_is_simulated_again() -> None:
+    text = "a car ahead and houses on both sides"
+    assert cli.main(["simulate", "--text", text, "-o", "out", *SMALL]) == 0
+    assert cli.main(["simulate", "--points", "out/000000.bin", "-o", "again", *SMALL]) == 0
+    assert len(kitti.read_bin("again/000000.bin")[0]) > 200
+    layout = ["simulate", "--layout", "again/000000.layout.json", "-o", "third", *SMALL]
+    assert cli.main(layout) == 0
+    assert Path("third/000000.bin").read_bytes() == Path("again/000000.bin").read_bytes()
+    assert cli.main([*layout, "--overwrite", "--weather", "fog:30m", "--weather", "wet:1"]) == 0
+    assert Path("third/000000.bin").read_bytes() != Path("again/000000.bin").read_bytes()
+
+
+def test_clutter_stands_beside_the_road() -> None:
+    text = "a straight road with trees on both sides"
+    assert cli.main(["simulate", "--text", text, "--clutter", "1", "-o", "out", *SMALL]) == 0
+    points, _ = kitti.read_bin("out/000000.bin")
+    np.testing.assert_array_equal(points, simulate(text, Sensor.load("small.json"), clutter=1.0).points())
+    assert points.tobytes() != simulate(text, Sensor.load("small.json")).points().tobytes()
+
+
+def test_bad_input_of_simulate_is_one_line(refused: Callable[..., str], capsys: pytest.CaptureFixture[str]) -> None:
+    command = ["simulate", "--text", "a car ahead", "-o", "out", *SMALL]
+    assert "did you mean 'snow'?" in refused(*command, "--weather", "snwo:2mm")
+    assert "it must be rain and an amount, as in rain:0.5mm" in refused(*command, "--weather", "rain:10m")
+    assert "it must be fog and an amount" in refused(*command, "--weather", "fog")
+    assert "--weather has rain twice" in refused(*command, "--weather", "rain:1mm", "--weather", "rain:2mm")
+    assert "wetness is 7.0; it must be 0 to 1" in refused(*command, "--weather", "wet:7")
+    assert "visibility is 0.0" in refused(*command, "--weather", "fog:0m")
+    assert "clutter is 2.0; it must be a number from 0 to 1" in refused(*command, "--clutter", "2")
+    with pytest.raises(SystemExit):
+        cli.main([*command, "--speed", "nan"])
+    assert "'nan' is not a number" in capsys.readouterr().err
+
+
+def test_a_layout_without_ground_is_said_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    Layout().save("empty.json")
+    assert cli.main(["simulate", "--layout", "empty.json", "-n", "2", "-o", "out", *SMALL]) == 0
+    err = capsys.readouterr().err
+    assert err == "lidardraft: the layout has no ground (road, sidewalk or terrain): nothing returns from it\n"
+
+
+def test_progress_is_shown() -> None:
+    assert "2/2" in shown_on_a_terminal("simulate", "--text", "a car ahead", "-n", "2", "-o", "out", *SMALL)
+
+
+def names(folder: str) -> set[str]:
+    return {path.name for path in Path(folder).iterdir()}
+
+
+def test_generate_from_text(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["generate", "--text", "a car ahead", "--seed", "3", "-n", "2", "-o", "out", *QUICK]) == 0
+    assert names("out") == {f"{number}{end}" for number in ("000000", "000001") for end in SCAN_ENDINGS}
+    captured = capsys.readouterr()
+    assert captured.out.startswith("out: 2 scans, 000000.bin to 000001.bin")
+    # the weights were trained on another sensor: said once, in one line
+    assert captured.err == (
+        "lidardraft: these weights were trained on beams of 64, and small has 16; its scans may be poor\n"
+    )
+    points, intensity = kitti.read_bin("out/000000.bin")
+    label, _ = semantickitti.read_label("out/000000.label", len(points))
+    assert len(points) > 200
+    assert 0 <= intensity.min() <= intensity.max() <= 1
+    assert (label == BY_NAME["road"].id).any()
+    first, second = (Layout.load(f"out/00000{k}.layout.json") for k in range(2))
+    assert first != second  # another seed, another layout
+    fields = json.loads(Path("out/000000.layout.json").read_text())["primitives"][0]
+    assert {"shape", "center", "size", "yaw", "label", "id", "instance"} <= set(fields)
+    assert Sensor.load("out/000000.sensor.json") == Sensor.load("small.json")
+
+
+def test_generate_again_gives_the_same_scan() -> None:
+    cli.main(["draft", "--text", "two cars behind", "-o", "layout.json"])
+    for out in ("a", "b"):
+        assert cli.main(["generate", "--layout", "layout.json", "-o", out, *QUICK]) == 0
+    assert Path("a/000000.bin").read_bytes() == Path("b/000000.bin").read_bytes()
+    assert cli.main(["generate", "--layout", "layout.json", "--seed", "1", "-o", "c", *QUICK]) == 0
+    assert Path("a/000000.bin").read_bytes() != Path("c/000000.bin").read_bytes()
+
+
+def test_generate_from_a_labelled_scan(capsys: pytest.CaptureFixture[str]) -> None:
+    cli.main(["generate", "--text", "a car ahead and houses on both sides", "-o", "out", *QUICK])
+    source = ["--points", "out/000000.bin", "--labels", "out/000000.label"]
+    capsys.readouterr()
+    assert cli.main(["generate", *source, "-o", "again", *QUICK]) == 0
+    # a recorded scan says all there is
+    assert capsys.readouterr().err == "lidardraft: the layout leaves nothing open: the scan is the simulated one\n"
+    layout = Layout.load("again/000000.layout.json")
+    assert "road" in {primitive.label for primitive in layout}
+    assert len(kitti.read_bin("again/000000.bin")[0]) > 200
+
+
+def test_weights_that_are_none_replace_nothing(refused: Callable[..., str]) -> None:
+    generate = ["generate", "--text", "a car ahead", "-o", "out", *QUICK]
+    assert cli.main(generate) == 0
+    assert "weights" in refused(*generate, "--overwrite", "--weights", "none")
+
+
+def test_bad_weights_and_devices_are_one_line(refused: Callable[..., str]) -> None:
+    generate = ["generate", "--text", "a car ahead", "-o", "out"]
+    assert "did you mean 'street'?" in refused(*generate, "--weights", "streets")
+    Path("not.safetensors").write_bytes(b"not weights at all")
+    assert "not.safetensors" in refused(*generate, "--weights", "not.safetensors")
+    weights = Path("cut.safetensors")
+    weights.write_bytes((Path(pipeline.__file__).parent / "weights/street.safetensors").read_bytes()[:-100])
+    assert "cut.safetensors" in refused(*generate, "--weights", str(weights))
+    assert "abacus" in refused(*generate, "--device", "abacus")
+
+
+def test_truncated_scans_are_one_line(refused: Callable[..., str]) -> None:
+    cli.main(["generate", "--text", "a car ahead", "-o", "out", *QUICK])
+    points, label = Path("out/000000.bin"), Path("out/000000.label")
+    source = ["--points", str(points), "--labels", str(label), "-o", "again"]
+    label.write_bytes(label.read_bytes()[:-4])
+    assert "000000.label" in refused("generate", *source)
+    points.write_bytes(points.read_bytes()[:-3])
+    assert "000000.bin" in refused("generate", *source)
+
+
+def test_one_scan_shows_its_progress() -> None:
+    shown = shown_on_a_terminal("generate", "--text", "a car ahead", "-o", "out", *QUICK)
+    assert "scan 1 of 1" in shown
+    assert "1/2" in shown
+    assert "2/2" in shown
+    assert "\rlidardraft: these weights" in shown  # on a line of its own
+
+
+def test_the_speed_of_the_sensor_is_that_of_the_scan() -> None:
+    text = "houses along both sides"
+    assert cli.main(["generate", "--text", text, "--speed", "20", "-o", "out", *QUICK]) == 0
+    with pytest.warns(UserWarning, match="its scans may be poor"):
+        expected = pipeline.Pipeline.from_pretrained(steps=2)(text, sensor=Sensor.load("small.json"), speed=20.0)
+    np.testing.assert_array_equal(kitti.read_bin("out/000000.bin")[0], expected.points())
+
+
+@pytest.fixture
+def cast() -> RangeImage:
+    """A cast of ours, in cast.npz."""
+    cli.main(["raycast", "--text", "a car ahead", "--sensor", "small.json", "-o", "cast.npz"])
+    return RangeImage.load("cast.npz")
+
+
+def test_casts_are_observed_in_their_order(cast: RangeImage, capsys: pytest.CaptureFixture[str]) -> None:
+    options = ["--material", "car=dark-paint", "--weather", "wet:1", "--seed", "5"]
+    assert cli.main(["observe", "cast.npz", "cast.npz", "-o", "out", *options]) == 0
+    assert {path.name for path in Path("out").iterdir()} == {f"00000{k}{end}" for k in range(2) for end in OBSERVED}
+    assert "out: 2 scans, 000000.bin to 000001.bin, each with .label and .png" in capsys.readouterr().out
+    points, intensity = kitti.read_bin("out/000000.bin")
+    label, instance = semantickitti.read_label("out/000000.label", len(points))
+    assert 0 < len(points) <= cast.valid.sum()
+    assert len(np.unique(intensity)) > 3
+    assert set(label) <= set(np.unique(cast.label))
+    assert set(instance) <= set(np.unique(cast.instance))
+    assert Path("out/000001.bin").read_bytes() != Path("out/000000.bin").read_bytes()
+    assert cli.main(["observe", "cast.npz", "-o", "out", "--overwrite"]) == 0
+    assert {path.name for path in Path("out").iterdir()} == {f"000000{end}" for end in OBSERVED}
+
+
+def test_the_help_promises_no_sensor(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        cli.main(["observe", "--help"])
+    assert "(default hdl64e)" not in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_cast_without_a_sensor_is_of_the_one_given(cast: RangeImage, refused: Callable[..., str]) -> None:
+    np.savez("bare.npz", depth=cast.depth, label=cast.label.astype(np.int64))
+    assert "bare.npz: it does not say by which sensor it is" in refused("observe", "bare.npz", "-o", "out")
+    assert cli.main(["observe", "bare.npz", "--sensor", "small.json", "-o", "out"]) == 0
+    expected = observe_cast(cast.depth, cast.label, Sensor.load("small.json"))
+    np.testing.assert_array_equal(kitti.read_bin("out/000000.bin")[0], expected.points())
+
+
+def test_clouds_of_carla_are_observed(refused: Callable[..., str]) -> None:
+    Path("carla.json").write_text(carla_sensor(channels=4, points_per_second=14400, max_range=50.0).to_json())
+    fields = ("float32 x", "float32 y", "float32 z", "float32 CosAngle", "uint32 ObjIdx", "uint32 ObjTag")
+    head = ["ply", "format ascii 1.0", "element vertex 2", *(f"property {field}" for field in fields), "end_header"]
+    rows = ["9.8481 0.0000 1.7365 0.9000 31 14", "8.6603 0.0000 -5.0000 0.5000 0 1"]
+    Path("a.ply").write_text("\n".join([*head, *rows, ""]))
+    assert "a.ply does not say by which sensor it is; give its --sensor" in refused("observe", "a.ply", "-o", "out")
+    assert cli.main(["observe", "a.ply", "--sensor", "carla.json", "-o", "out"]) == 0
+    points, _ = kitti.read_bin("out/000000.bin")
+    np.testing.assert_allclose(points, [[9.85, 0, 1.74], [8.66, 0, -5.0]], atol=0.2)
+    label, instance = semantickitti.read_label("out/000000.label", 2)
+    assert label.tolist() == [13, 1]
+    assert instance.tolist() == [31, 0]
+
+
+def test_bad_input_of_observe_is_one_line(cast: RangeImage, refused: Callable[..., str]) -> None:
+    command = ["observe", "cast.npz", "-o", "out"]
+    assert "--material is 'car'; it must be CLASS=MATERIAL" in refused(*command, "--material", "car")
+    assert "the material of car is 'cheese'" in refused(*command, "--material", "car=cheese")
+    assert "did you mean 'rain'?" in refused(*command, "--weather", "rian:1mm")
+    np.savez("many.npz", depth=cast.depth, label=cast.label, instance=np.full(cast.depth.shape, 70_000))
+    message = refused("observe", "many.npz", "--sensor", "small.json", "-o", "out")
+    assert "out/000000.label: point 0 has instance 70000; it must be 0 to 65535" in message
+    depth = cast.depth.copy()
+    depth[2, 3] = np.nan
+    np.savez("nan.npz", depth=depth, label=cast.label)
+    message = refused("observe", "nan.npz", "--sensor", "small.json", "-o", "out")
+    assert "nan.npz: depth is nan in row 2, column 3" in message
+    assert "none.npz: No such file" in refused("observe", "none.npz", "-o", "out")
+
+
+def test_scans_are_replaced_only_where_that_is_said(refused: Callable[..., str]) -> None:
+    assert cli.main([*SIMULATE, "-n", "2"]) == 0
+    Path("out/notes.txt").write_text("mine")
+    Path("out/000007.bin").write_bytes(b"a scan that no layout lies beside")
+    before = Path("out/000000.bin").read_bytes()
+    message = refused(*SIMULATE, "--seed", "9")
+    assert "out is not empty (000000.bin and" in message
+    assert "--overwrite" in message
+    assert cli.main([*SIMULATE, "--seed", "9", "--overwrite"]) == 0
+    names = {path.name for path in Path("out").iterdir()}
+    assert names == {*(f"000000{end}" for end in SCAN_ENDINGS), "notes.txt", "000007.bin"}
+    assert Path("out/000000.bin").read_bytes() != before
+
+
+@pytest.mark.parametrize("command", ["simulate", "generate"])
+def test_what_fails_replaces_nothing(refused: Callable[..., str], command: str) -> None:
+    assert cli.main(SIMULATE) == 0
+    assert "xyzzy" in refused(command, "--text", "xyzzy", "-o", "out", "--overwrite")
+    again = [command, "--text", "a car ahead", "-o", "out", "--overwrite"]
+    assert "smal.json: No such file" in refused(*again, "--sensor", "smal.json")
+    Path("file").write_text("")
+    assert "file is a file; it must be a folder" in refused(command, "--text", "a car ahead", "-o", "file")
