@@ -47,7 +47,14 @@ def test_scans_are_scored_between_those_of_other_streets_and_random_weights(
 ) -> None:
     rows = list(evaluate(Pipeline(papers, steps=2), pairs))
     others, condition, simulated, generated, random = rows
-    assert [row.name for row in rows] == ["other streets", "condition image", "simulated", "generated", "untrained"]
+    assert [row.name for row in rows] == [
+        "detailed scan",
+        "other streets",
+        "condition image",
+        "simulated",
+        "generated",
+        "untrained",
+    ]
     assert (condition.objects, condition.overall, condition.drop) == (1, 1, 0)
     assert condition.holes < 0.02
     assert set(condition.by_class.values()) == {1.0}
@@ -80,7 +87,14 @@ def test_the_detailed_scans_are_at_no_distance_from_themselves(pairs: list[Stree
 def test_weights_that_complete_are_given_half_of_each_street(pairs: list[StreetPair], completing: Denoiser) -> None:
     rows = list(evaluate(Pipeline(completing, steps=2), pairs))
     others, bare, simulated, generated, random = rows
-    assert [row.name for row in rows] == ["other streets", "bare", "simulated", "generated", "untrained"]
+    assert [row.name for row in rows] == [
+        "detailed scan",
+        "other streets",
+        "bare",
+        "simulated",
+        "generated",
+        "untrained",
+    ]
     for row in (bare, generated, random):  # all have the given half of the simulated scan
         assert (row.objects, row.overall, row.drop) == (simulated.objects, simulated.overall, simulated.drop)
     assert others.objects < simulated.objects
@@ -135,7 +149,7 @@ def test_untrained_weights_are_random_wherever_training_starts_from_zero(papers:
 
 def test_scans_are_generated_where_the_weights_are(pairs: list[StreetPair], papers: Denoiser) -> None:
     scores = evaluate(Pipeline(papers.to("meta"), steps=1), pairs)
-    assert [next(scores).name for _ in range(3)] == ["other streets", "condition image", "simulated"]
+    assert [next(scores).name for _ in range(4)] == ["detailed scan", "other streets", "condition image", "simulated"]
     with pytest.raises(RuntimeError, match=r"unsupported|meta tensor"):  # nothing is computed on that device
         next(scores)
 

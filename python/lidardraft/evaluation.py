@@ -73,12 +73,13 @@ def unseen_streets(
 def evaluate(
     pipeline: Pipeline, pairs: list[StreetPair], *, on_scan: Callable[[], object] | None = None
 ) -> Iterator[Scores]:
-    """What scans of other streets would get, the condition images and the simulated scans of the same layouts passed
-    through, the pipeline's scans, and those of the same network untrained; `on_scan` is called after each generated
-    scan. Weights that complete are given a half of each street, and in place of the condition image stands the given
-    half beside a lawn."""
+    """What the detailed scans themselves would get, scans of other streets, the condition images and the simulated
+    scans of the same layouts passed through, the pipeline's scans, and those of the same network untrained; `on_scan`
+    is called after each generated scan. Weights that complete are given a half of each street, and in place of the
+    condition image stands the given half beside a lawn."""
     opened = half_opened(pairs) if pipeline.denoiser.config.completes else None
     others = (pair.scan for pair in unseen_streets(len(pairs), sensor=pairs[0].scan.sensor, seed=_OTHER_STREETS))
+    yield score("detailed scan", pairs, (pair.scan for pair in pairs), opened)
     yield score("other streets", pairs, others, opened)
     if opened is None:
         yield score("condition image", pairs, (pair.condition_image for pair in pairs))
@@ -87,7 +88,8 @@ def evaluate(
             "bare", pairs, (merged(_simulated(p), _lawn(p), o) for p, o in zip(pairs, opened, strict=True)), opened
         )
     yield score("simulated", pairs, (_simulated(pair) for pair in pairs), opened)
-    untrained = Pipeline(untrained_weights(pipeline.denoiser), steps=pipeline.steps, langevin=pipeline.langevin)
+    same = {"steps": pipeline.steps, "guidance": pipeline.guidance, "langevin": pipeline.langevin}
+    untrained = Pipeline(untrained_weights(pipeline.denoiser), **same)
     for name, generator in (("generated", pipeline), ("untrained", untrained)):
         made = (
             generator.generate(pair.condition_image, _simulated(pair), is_open, seed=pair.index)

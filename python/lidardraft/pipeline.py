@@ -14,8 +14,8 @@ import torch
 from lidardraft.diffusion.codec import decode_scan, encode_condition
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.sampler import sample
-from lidardraft.diffusion.sampling_defaults import STEPS
-from lidardraft.drafting.text import layout_from_text
+from lidardraft.diffusion.sampling_defaults import GUIDANCE, STEPS
+from lidardraft.drafting.text.layout import layout_from_text
 from lidardraft.errors import CheckpointError, check_type, one_of
 from lidardraft.networks import weight_file
 from lidardraft.scan import Scan
@@ -35,8 +35,9 @@ class Pipeline:
     """A denoiser, ready to turn sentences and layouts into scans, of an hdl64e where no sensor is given.
 
     Weights that complete (`DenoiserConfig.completes`) leave the simulated scan of a layout as it is, and make what the
-    layout leaves open; all others make the whole scan from noise. A scan is sampled in `steps` calls of the network.
-    `langevin` is the number of updates a step of the paper's sampler, None the fast one (`sampler.sample`). `trained`
+    layout leaves open; all others make the whole scan from noise. A scan is sampled in `steps` calls of the network,
+    two each where `guidance` strengthens a ControlNet. `langevin` is the number of updates a step of the paper's
+    sampler, None the fast one (`sampler.sample`). `trained`
     says which sensors it was trained on, where that is known: a scan of another one is a `UserWarning`.
     """
 
@@ -45,12 +46,14 @@ class Pipeline:
         denoiser: Denoiser,
         *,
         steps: int = STEPS,
+        guidance: float = GUIDANCE,
         langevin: int | None = None,
         trained: SensorLimits | None = None,
     ) -> None:
         check_type("denoiser", denoiser, Denoiser)
         self.denoiser = denoiser.eval()
         self.steps = steps
+        self.guidance = guidance
         self.langevin = langevin
         self.trained = trained
 
@@ -61,6 +64,7 @@ class Pipeline:
         *,
         device: str = "cpu",
         steps: int = STEPS,
+        guidance: float = GUIDANCE,
         langevin: int | None = None,
     ) -> Pipeline:
         """The packaged weights of that name, or the weight file at that path; raises `CheckpointError`."""
@@ -76,7 +80,7 @@ class Pipeline:
         except (RuntimeError, AssertionError) as error:  # torch's, for a device it does not have
             raise CheckpointError(f"device is {device!r}: {str(error).splitlines()[0]}") from None
         limits = trained and SensorLimits.from_dict(trained)
-        return cls(denoiser, steps=steps, langevin=langevin, trained=limits)
+        return cls(denoiser, steps=steps, guidance=guidance, langevin=langevin, trained=limits)
 
     def __call__(
         self,
@@ -133,7 +137,13 @@ class Pipeline:
                 is_open = np.ones(sensor.shape, dtype=bool)
             condition = torch.from_numpy(encode_condition(condition_image, simulated, is_open))[None]
         states = sample(
-            self.denoiser, sensor, seeds=[seed], condition=condition, steps=self.steps, langevin=self.langevin
+            self.denoiser,
+            sensor,
+            seeds=[seed],
+            condition=condition,
+            steps=self.steps,
+            guidance=self.guidance,
+            langevin=self.langevin,
         )
         for state in states:  # noqa: B007 (the last one is the result)
             if on_step is not None:

@@ -111,7 +111,7 @@ def test_streets_are_scored_beside_what_is_passed_through(
 ) -> None:
     out = printed(request.getfixturevalue(kind), "streets", tmp_path, monkeypatch, capsys)
     names = [line.split(" | ")[0].strip("| ") for line in out.splitlines() if line.startswith("| ")]
-    assert names[1:6] == ["other streets", passed_through, "simulated", "generated", "untrained"]
+    assert names[1:7] == ["detailed scan", "other streets", passed_through, "simulated", "generated", "untrained"]
     assert ("half of each open" in out) == (kind == "completing") == ("generated / bare | <= 0.5" in out)
     assert ("own layout | >= 0.5" in out) == (kind == "whole")
     assert "recordings" not in out

@@ -19,7 +19,7 @@ def test_scores_of_unseen_streets(capsys: pytest.CaptureFixture[str]) -> None:
     names = captured.out.splitlines()[1].split()
     assert names == ["objects", "other", "all", "drop", "range", "height", "BEV", "classes", "holes", "lone", "own"]
     rows = re.findall(r"^(\S.*?)(?: +(?:\d\.\d{3}|nan)){11}$", captured.out, re.MULTILINE)
-    assert rows == ["other streets", "bare", "simulated", "generated", "untrained"]
+    assert rows == ["detailed scan", "other streets", "bare", "simulated", "generated", "untrained"]
     assert len(re.findall(r"^ {4}all, by class: .*road \d\.\d\d", captured.out, re.MULTILINE)) == 5
     assert len(re.findall(r"^ {4}intensity \(JSD\), by class: .*road \d\.\d\d", captured.out, re.MULTILINE)) >= 2
     assert captured.err == (

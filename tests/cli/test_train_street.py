@@ -84,7 +84,7 @@ def test_what_ships_is_scored_on_the_device_that_was_asked_for(
     assert [stage["step"] for stage in card["stages"]] == [2]
     assert SensorLimits.from_dict(card["sensors"]) == SensorLimits.from_sensor(Sensor.preset("hdl32e"))
     names = [scores["name"] for scores in card["scores"]]
-    assert names == ["other streets", "bare", "simulated", "generated", "untrained"]
+    assert names == ["detailed scan", "other streets", "bare", "simulated", "generated", "untrained"]
     assert train.main([*ARGV, *SHORT, "--seed", "5"]) == 2  # the run is of another seed
     assert "use another folder" in capsys.readouterr().err
     generate = ["generate", "--text", "a car ahead", "--sensor", "small.json", "--steps", "2"]

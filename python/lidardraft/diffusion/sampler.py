@@ -16,7 +16,7 @@ from lidardraft.diffusion.codec import STATE_CHANNELS, encode_rays
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.langevin import sample_langevin
 from lidardraft.diffusion.noise import geometric_levels, karras_levels
-from lidardraft.diffusion.sampling_defaults import STEPS
+from lidardraft.diffusion.sampling_defaults import GUIDANCE, STEPS
 from lidardraft.errors import SensorError
 from lidardraft.networks.precision import reduced_precision
 from lidardraft.scene.sensor import Sensor
@@ -31,14 +31,16 @@ def sample(
     seeds: Sequence[int],
     condition: Tensor | None = None,
     steps: int = STEPS,
+    guidance: float = GUIDANCE,
     langevin: int | None = None,
 ) -> Iterator[Tensor]:
     """The states [B, 8, H, W] after each step of `sample_multistep`, one sample a seed; the last one is the result.
 
-    `condition` [B, 17, H, W], or one for all [1, 17, H, W]; without it the samples are unconditional. They
-    begin as pure noise. With `langevin` a step is a level of `sample_langevin` with so many updates, as in the paper:
-    LiDARGen takes 232 of 5. Works on the device of the weights. Raises `SensorError` where the image cannot be cut into
-    the network's cells.
+    `condition` [B, 17, H, W], or one for all [1, 17, H, W]; without it the samples are unconditional. What a ControlNet
+    changes of its base is multiplied by `guidance`, which takes a second call of the network where it is not 1
+    (classifier-free guidance, Ho and Salimans, 2022). They begin as pure noise. With `langevin` a step is a level of
+    `sample_langevin` with so many updates, as in the paper: LiDARGen takes 232 of 5. Works on the device of the
+    weights. Raises `SensorError` where the image cannot be cut into the network's cells.
     """
     rows, columns = denoiser.cell
     if sensor.shape[0] % rows or sensor.shape[1] % columns:
@@ -62,7 +64,10 @@ def sample(
 
     def denoise(x: Tensor, sigma: Tensor) -> Tensor:
         with reduced_precision(device):
-            return denoiser.denoise(x, sigma, rays, condition, wraps=sensor.wraps, reading=reading)
+            clean = denoiser.denoise(x, sigma, rays, condition, wraps=sensor.wraps, reading=reading)
+            if reading is None or guidance == 1:
+                return clean
+            return torch.lerp(denoiser.denoise(x, sigma, rays, wraps=sensor.wraps), clean, guidance)
 
     if langevin is not None:
         return sample_langevin(denoise, x, sigmas, noise, updates=langevin)

@@ -1,1 +1,0 @@
-from lidardraft.drafting.text.layout import layout_from_text as layout_from_text
