@@ -88,8 +88,12 @@ def evaluate(
             "bare", pairs, (merged(_simulated(p), _lawn(p), o) for p, o in zip(pairs, opened, strict=True)), opened
         )
     yield score("simulated", pairs, (_simulated(pair) for pair in pairs), opened)
-    same = {"steps": pipeline.steps, "guidance": pipeline.guidance, "langevin": pipeline.langevin}
-    untrained = Pipeline(untrained_weights(pipeline.denoiser), **same)
+    untrained = Pipeline(
+        untrained_weights(pipeline.denoiser),
+        steps=pipeline.steps,
+        guidance=pipeline.guidance,
+        langevin=pipeline.langevin,
+    )
     for name, generator in (("generated", pipeline), ("untrained", untrained)):
         made = (
             generator.generate(pair.condition_image, _simulated(pair), is_open, seed=pair.index)

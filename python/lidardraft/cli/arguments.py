@@ -126,7 +126,7 @@ def add_weights(parser: Options) -> None:
         metavar="NAME",
         help="weights of the diffusion model: packaged ones by name, or a .safetensors file (default street)",
     )
-    text = f"steps of denoising, a call of the network each (default {STEPS})"
+    text = f"steps of denoising, a call of the network each, two with `paper` (default {STEPS})"
     parser.add_argument("--steps", type=whole_number(1), default=STEPS, metavar="N", help=text)
     parser.add_argument("--device", default="cpu", help="where torch runs the model: cpu, cuda, ... (default cpu)")
 
