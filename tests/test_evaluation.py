@@ -46,7 +46,7 @@ def test_scans_are_scored_between_those_of_other_streets_and_random_weights(
     pairs: list[StreetPair], papers: Denoiser
 ) -> None:
     rows = list(evaluate(Pipeline(papers, steps=2), pairs))
-    others, condition, simulated, generated, random = rows
+    _, others, condition, simulated, generated, random = rows
     assert [row.name for row in rows] == [
         "detailed scan",
         "other streets",
@@ -86,7 +86,7 @@ def test_the_detailed_scans_are_at_no_distance_from_themselves(pairs: list[Stree
 
 def test_weights_that_complete_are_given_half_of_each_street(pairs: list[StreetPair], completing: Denoiser) -> None:
     rows = list(evaluate(Pipeline(completing, steps=2), pairs))
-    others, bare, simulated, generated, random = rows
+    _, others, bare, simulated, generated, random = rows
     assert [row.name for row in rows] == [
         "detailed scan",
         "other streets",

@@ -20,7 +20,7 @@ def test_scores_of_unseen_streets(capsys: pytest.CaptureFixture[str]) -> None:
     assert names == ["objects", "other", "all", "drop", "range", "height", "BEV", "classes", "holes", "lone", "own"]
     rows = re.findall(r"^(\S.*?)(?: +(?:\d\.\d{3}|nan)){11}$", captured.out, re.MULTILINE)
     assert rows == ["detailed scan", "other streets", "bare", "simulated", "generated", "untrained"]
-    assert len(re.findall(r"^ {4}all, by class: .*road \d\.\d\d", captured.out, re.MULTILINE)) == 5
+    assert len(re.findall(r"^ {4}all, by class: .*road \d\.\d\d", captured.out, re.MULTILINE)) == 6
     assert len(re.findall(r"^ {4}intensity \(JSD\), by class: .*road \d\.\d\d", captured.out, re.MULTILINE)) >= 2
     assert captured.err == (
         "lidardraft: these weights were trained on beams of 64, and small has 16; its scans may be poor\n"

@@ -98,7 +98,7 @@ def test_the_papers_stages_follow_one_another(capsys: pytest.CaptureFixture[str]
     assert denoiser.controlnet is not None
     base = weight_file.load("work/stage-1/weights.safetensors", Denoiser)
     assert base.controlnet is None
-    assert weight_file.read_card("paper.safetensors")["scores"][1]["name"] == "condition image"
+    assert weight_file.read_card("paper.safetensors")["scores"][2]["name"] == "condition image"
     capsys.readouterr()
     # the last stage alone, on the base of the weights to begin with, or a network that completes
     go_on = ["--init", "paper.safetensors", "--sensor", "small.json", *SHORT]

@@ -63,7 +63,7 @@ def test_the_sampler_calls_once_and_yields_once_a_step() -> None:
 
 def test_samples_of_a_finite_data_set_are_its_points_in_their_shares() -> None:
     points = torch.tensor([[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-    sigmas = karras_levels(20)
+    sigmas = karras_levels(20, sigma_min=0.002)
     x = sigmas[0] * torch.randn(600, 2, generator=torch.Generator().manual_seed(0))
     *_, end = sample_multistep(of_points(points), x, sigmas)
     distance, nearest = (end[:, None] - points).norm(dim=-1).min(dim=1)

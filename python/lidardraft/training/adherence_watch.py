@@ -41,7 +41,9 @@ class AdherenceWatch:
     def measure(self, denoiser: Denoiser) -> dict[str, float]:
         """Mean adherence on objects, of the scans to their own condition images and to those of the other street."""
         condition = self.condition
-        *_, states = sample(denoiser, self.sensor, seeds=[0] * len(condition), condition=condition, steps=_CALLS)
+        *_, states = sample(
+            denoiser, self.sensor, seeds=[0] * len(condition), condition=condition, steps=_CALLS, guidance=1
+        )
         scans = [decode_scan(state, self.sensor) for state in states.cpu().numpy()]
         images = self.condition_images
         own = [adherence(scan, image).objects for scan, image in zip(scans, images, strict=True)]
