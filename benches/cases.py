@@ -16,7 +16,6 @@ from lidardraft import Layout, Pipeline, RangeImage, Sensor, Simulator, layout_f
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.labelling import label_by_agreement
 from lidardraft.scene.sensor import PRESETS
-from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.streets import StreetConfig, streets
 from report_streets import unhidden
 
@@ -101,7 +100,7 @@ def scans_of(case: Case, seed: int, generators: Mapping[str, Pipeline]) -> dict[
     """The scans that a layout becomes, by what makes them; each seed has a unit of the sensor. `generators` make whole
     scans."""
     sensor, pose = case.sensor, case.pose
-    model = replace(SensorModel.from_sensor(sensor), unit=seed)
+    model = replace(sensor.assumed_model, unit=seed)
 
     def simulated(detail: bool) -> RangeImage:
         simulator = Simulator(case.layout, sensor, seed=seed, model=model, detail=detail)

@@ -27,8 +27,7 @@ from lidardraft.formats.pcd import read_pcd
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.materials import MATERIAL_BY_NAME, Material, diffuse_response, leaf_response, response
 from lidardraft.scene.sensor import PRESETS, Sensor
-from lidardraft.scene.sensor_model import SensorModel
-from lidardraft.scene.sensor_model_presets import MODELS
+from lidardraft.scene.sensor_model import MODELS, SensorModel
 from lidardraft.semantics import BY_NAME
 
 MODEL = MODELS["pandar64"]

@@ -147,7 +147,6 @@ def python_uses() -> dict[str, set[str]]:
     }
 
 
-@pytest.mark.xfail(reason="box, layout and mesh of scene, and its sensor, model and presets, still do")
 def test_modules_of_the_package_do_not_go_in_circles() -> None:
     uses = python_uses()
     assert "lidardraft.scene.sensor" in uses["lidardraft.scene.range_image"]

@@ -6,12 +6,10 @@ from typing import Any
 
 from lidardraft._core import DEBUG as _DEBUG
 from lidardraft.errors import LidarDraftError, extra
-from lidardraft.scene.batch import RangeImageBatch
 from lidardraft.scene.box import Box
-from lidardraft.scene.hits import Hits
 from lidardraft.scene.layout import Layout, Primitive
-from lidardraft.scene.range_image import RangeImage
-from lidardraft.scene.raycast import Raycaster, raycast
+from lidardraft.scene.range_image import RangeImage, RangeImageBatch
+from lidardraft.scene.raycast import Hits, Raycaster, raycast
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import CLASSES, SemanticClass
 
@@ -35,7 +33,7 @@ _LAZY = {
     "layout_from_obj": "lidardraft.drafting.models",
     "layout_from_sketch": "lidardraft.drafting.sketch",
     "layout_from_text": "lidardraft.drafting.text.layout",
-    "with_vehicle": "lidardraft.scene.vehicle_shadow",
+    "with_vehicle": "lidardraft.scene.raycast",
 }
 
 __all__ = [

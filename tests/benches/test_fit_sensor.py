@@ -10,7 +10,7 @@ from lidardraft.calibration.street_casts import StreetCasts
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.materials import Material, diffuse_response
 from lidardraft.scene.sensor import PRESETS
-from lidardraft.scene.sensor_model_presets import MODELS
+from lidardraft.scene.sensor_model import MODELS
 
 
 def test_roughness_and_scale_come_back():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.scene.layout import primitive_mesh
 from peer_lidardraft import layout_of, sensor_of
 from scenes import MAX_RANGE, SCENES, Body, column_poses, hdl64, pose, poses, small
 

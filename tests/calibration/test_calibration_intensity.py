@@ -10,7 +10,7 @@ from recorded_streets import SENSOR, sweeps, with_model
 
 from lidardraft.calibration.intensity import fit_intensity
 from lidardraft.calibration.street_casts import StreetCasts
-from lidardraft.scene.intensity_curve import IntensityCurve
+from lidardraft.scene.sensor_model import IntensityCurve
 
 STREETS = 16
 BEAMS = len(SENSOR.elevations)

@@ -13,8 +13,7 @@ from lidardraft import Sensor
 from lidardraft.calibration.fit import fit_sensor, sweeps_of
 from lidardraft.calibration.recording import read_recording, recording_of
 from lidardraft.errors import FormatError
-from lidardraft.scene.intensity_curve import IntensityCurve
-from lidardraft.scene.sensor_model import SensorModel
+from lidardraft.scene.sensor_model import IntensityCurve
 from lidardraft.streets import StreetConfig, streets
 
 CURVE = IntensityCurve(responses=(0.01, 0.1, 2.0), readings=((0.05, 0.3, 0.9),), cutoffs=(0.1,) * 12)
@@ -60,7 +59,7 @@ def test_a_fitted_sensor_is_a_file_that_says_everything(fitted, tmp_path):
     (tmp_path / "mine.json").write_text(fitted.sensor.to_json())
     sensor = Sensor.load(tmp_path / "mine.json")
     assert sensor == fitted.sensor
-    assert SensorModel.from_sensor(sensor) == fitted.sensor.model
+    assert sensor.assumed_model == fitted.sensor.model
     assert sensor.name == "mine"
 
 

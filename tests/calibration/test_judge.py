@@ -8,7 +8,7 @@ from recorded_streets import SENSOR, sweeps, with_model
 
 from lidardraft.calibration.judge import judged
 from lidardraft.metrics.sweep import Sweep
-from lidardraft.scene.intensity_curve import IntensityCurve
+from lidardraft.scene.sensor_model import IntensityCurve
 
 STREETS = 6
 CURVE = IntensityCurve(responses=(0.01, 1.0), readings=((0.3, 0.9),))

@@ -18,7 +18,7 @@ from lidardraft.drafting.script.limits import Limits
 from lidardraft.errors import FormatError, LidarDraftError, ScriptError
 from lidardraft.formats.blender_script import blender_script, write_blender_script
 from lidardraft.scene.check import check
-from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.scene.layout import primitive_mesh
 from lidardraft.view import render_file, save_png
 
 HERE = Path(__file__).parent

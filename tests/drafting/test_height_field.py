@@ -3,7 +3,7 @@ import pytest
 
 from lidardraft.drafting.cloud.ground import HeightField
 from lidardraft.drafting.cloud.rays import Rays
-from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.scene.layout import primitive_mesh
 from lidardraft.semantics import BY_NAME
 
 ROAD, SIDEWALK, CAR = (BY_NAME[name].id for name in ("road", "sidewalk", "car"))

@@ -12,8 +12,8 @@ from exported_layouts import EVERYTHING, drafted
 from lidardraft.drafting.models import layout_from_glb
 from lidardraft.errors import FormatError, LayoutError
 from lidardraft.formats.glb import glb_bytes, write_glb
-from lidardraft.scene.layout import Layout
-from lidardraft.scene.mesh import primitive_mesh, unit_mesh
+from lidardraft.scene.layout import Layout, primitive_mesh
+from lidardraft.scene.mesh import unit_mesh
 
 BOX = unit_mesh("box")
 

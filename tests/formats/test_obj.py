@@ -7,8 +7,7 @@ from exported_layouts import EVERYTHING, drafted
 from lidardraft.drafting.models import layout_from_obj
 from lidardraft.errors import FormatError, LayoutError
 from lidardraft.formats.obj import write_obj
-from lidardraft.scene.layout import object_of
-from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.scene.layout import object_of, primitive_mesh
 
 TRIANGLE = "v 0 0 0\nv 4 0 0\nv 0 0 1\nf -3 -2 -1\n"
 

@@ -10,7 +10,8 @@ from lidardraft.objects.buildings import STOREY
 from lidardraft.objects.cars import BODIES
 from lidardraft.objects.kinds import KINDS
 from lidardraft.objects.placed_object import PlacedObject
-from lidardraft.scene.mesh import TriangleMesh, primitive_mesh
+from lidardraft.scene.layout import primitive_mesh
+from lidardraft.scene.mesh import TriangleMesh
 
 # Extents (length, width, height) and clearance of each kind [m], from small to large.
 SIZES: dict[str, tuple[tuple[float, float, float, float], ...]] = {

@@ -1,8 +1,8 @@
 """A ring of wall around a sensor, and what the sensor reports of it."""
 
 from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
-from lidardraft.scene.effects import observe
-from lidardraft.scene.sensor_model import SensorModel, sub_rays
+from lidardraft.scene.effects import observe, sub_rays
+from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.surfaces import Surfaces
 
 SENSOR = Sensor(name="small", elevations=(0.04, 0.02, -0.02, -0.04), columns=1024, range_sigma=0.0, max_range=200.0)

@@ -1,3 +1,5 @@
+"""Shapes, the boxes around them, their meshes, and the layouts and JSON that hold them."""
+
 import dataclasses
 import json
 import math
@@ -8,7 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lidardraft.errors import FormatError, LayoutError, LidarDraftError
-from lidardraft.scene.layout import SCHEMA, Layout, Primitive
+from lidardraft.scene.box import Box, check_id
+from lidardraft.scene.layout import SCHEMA, Layout, Primitive, box_around, primitive_mesh
+from lidardraft.scene.mesh import TriangleMesh, unit_mesh
+from lidardraft.scene.placed_mesh import placed_mesh, shape_of, size_and_yaw
 from lidardraft.semantics import BY_NAME, CLASSES
 
 CAR = Primitive(shape="box", center=(10, 2, 0.75), size=(4.2, 1.8, 1.5), label="car", id="car_1", instance=1)
@@ -250,3 +255,226 @@ def test_a_file_of_bytes_is_no_layout(tmp_path):
 def test_a_missing_file_is_no_layout(tmp_path):
     with pytest.raises(FormatError, match=r"none.json: No such file or directory"):
         Layout.load(tmp_path / "none.json")
+
+
+def test_a_box_around_a_turned_part_bounds_it():
+    long = Primitive(shape="box", center=(0, 0, 0.5), size=(4, 2, 1), label="car", id="a", instance=1)
+    turned = Primitive(
+        shape="box", center=(0, 0, 0.5), size=(3, 0.2, 1), label="car", id="b", instance=1, yaw=math.pi / 2
+    )
+    box = box_around([turned, long])
+    np.testing.assert_allclose(box.size, (4, 3, 1))
+    assert (box.id, box.yaw) == ("a", 0.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"size": (4.2, -1.0, 1.5)}, r"car_1: size is \[4.2, -1.0, 1.5\]; no extent may be negative"),
+        ({"center": (0.0, 1.0)}, r"car_1: center is \(0.0, 1.0\); it must be 3 finite numbers"),
+        ({"center": (0.0, 1.0, math.nan)}, r"car_1: center is \(0.0, 1.0, nan\); it must be 3 finite numbers"),
+        ({"yaw": math.inf}, r"car_1: yaw is inf; it must be a finite number of radians"),
+        ({"label": "cow"}, r"car_1: label is 'cow'; it must be one of"),
+        ({"label": ["car"]}, r"car_1: label is \['car'\]; it must be one of"),
+        ({"instance": 0.5}, r"car_1: instance is 0.5; it must be a whole number >= 0"),
+        ({"id": ""}, r"id is ''; it must be a non-empty string"),
+    ],
+)
+def test_a_box_that_cannot_be(change, message):
+    fields = {"id": "car_1", "label": "car", "instance": 1, "center": (1, 2, 3), "size": (4, 2, 1), "yaw": 0.0}
+    with pytest.raises(LayoutError, match=message):
+        Box(**{**fields, **change})
+
+
+@pytest.mark.parametrize("id", ["", None, 3, "\ud800", "car\x1b[2J", "car\n", "a\x9b31m", "a\u202eb", "a\u2028b"])
+def test_a_name_has_printable_characters(id):
+    with pytest.raises(LayoutError, match="it must be a non-empty string of printable characters"):
+        check_id(id)
+
+
+VOLUMES = {"box": 1.0, "cylinder": math.pi / 4, "ellipsoid": math.pi / 6}
+
+
+def volume(mesh: TriangleMesh) -> float:
+    """By the divergence theorem: positive if the mesh is closed and faces outwards."""
+    a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
+    return float(np.einsum("fi,fi->f", a, np.cross(b, c)).sum() / 6)
+
+
+def edge_uses(mesh: TriangleMesh) -> dict[tuple[int, int], int]:
+    uses: dict[tuple[int, int], int] = {}
+    for face in mesh.faces.tolist():
+        for a, b in zip(face, face[1:] + face[:1], strict=True):
+            uses[a, b] = uses.get((a, b), 0) + 1
+    return uses
+
+
+@pytest.mark.parametrize("shape", sorted(VOLUMES))
+@settings(max_examples=15, deadline=None)
+@given(
+    size=st.tuples(*[st.floats(0.2, 20)] * 3),
+    center=st.tuples(*[st.floats(-50, 50)] * 3),
+    yaw=st.floats(-4, 4),
+)
+def test_solids(shape: str, size: tuple[float, ...], center: tuple[float, ...], yaw: float) -> None:
+    primitive = Primitive(shape=shape, center=center, size=size, label="other", id="a", yaw=yaw)  # type: ignore[arg-type]
+    mesh = primitive_mesh(primitive)
+    unit = VOLUMES[shape] * math.prod(size)
+    moved = TriangleMesh(mesh.vertices - center, mesh.faces)
+    assert unit * 0.96 <= volume(moved) <= unit * (1 + 1e-9)
+    assert mesh.vertices[:, 2].min() == pytest.approx(center[2] - size[2] / 2)
+    assert mesh.vertices[:, 2].max() == pytest.approx(center[2] + size[2] / 2)
+
+
+@pytest.mark.parametrize("shape", sorted(VOLUMES))
+def test_solids_are_closed(shape: str) -> None:
+    mesh = primitive_mesh(Primitive(shape=shape, center=(0, 0, 0), size=(1, 1, 1), label="other", id="a"))
+    uses = edge_uses(mesh)
+    assert set(uses.values()) == {1}
+    assert all((b, a) in uses for a, b in uses)
+
+
+def test_yaw_turns_counter_clockwise() -> None:
+    box = Primitive(shape="box", center=(5, 0, 0), size=(4, 1, 1), label="car", id="a", yaw=math.pi / 2)
+    vertices = primitive_mesh(box).vertices
+    assert np.ptp(vertices, axis=0) == pytest.approx([1, 4, 1])
+    mark = Primitive.from_mesh(
+        np.array([[0, 0, 0], [2, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]), label="other", id="b", yaw=math.pi / 2
+    )
+    # About the middle of its bounds (1, 0.5): (2, 0) goes to (1.5, 1.5).
+    assert primitive_mesh(mark).vertices[1] == pytest.approx([1.5, 1.5, 0])
+
+
+def test_plane_is_its_rectangle() -> None:
+    plane = Primitive(shape="plane", center=(1, 2, 3), size=(4, 6, 0), label="road", id="a")
+    mesh = primitive_mesh(plane)
+    assert mesh.vertices.min(axis=0).tolist() == [-1, -1, 3]
+    assert mesh.vertices.max(axis=0).tolist() == [3, 5, 3]
+    normal = np.cross(mesh.vertices[1] - mesh.vertices[0], mesh.vertices[2] - mesh.vertices[0])
+    assert normal[2] > 0
+
+
+def test_mesh_primitive_comes_back() -> None:
+    vertices = np.array([[1.0, 2, 3], [4, 2, 3], [1, 7, 3], [1, 2, 9]])
+    faces = np.array([[0, 2, 1], [0, 1, 3]])
+    mesh = primitive_mesh(Primitive.from_mesh(vertices, faces, label="building", id="a"))
+    np.testing.assert_allclose(mesh.vertices, vertices)
+    assert mesh == TriangleMesh(mesh.vertices, faces)
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces", "message"),
+    [
+        ([[0, 0, 0]], [], "at least one face"),
+        ([[0, 0]], [[0, 0, 0]], "vertices [V, 3]"),
+        ([[0, 0, 0], [math.nan, 0, 0], [1, 0, 0]], [[0, 1, 2]], "vertex 1 of a mesh is [nan, 0.0, 0.0]"),
+        ([[0, 0, 0], [math.inf, 0, 0], [1, 0, 0]], [[0, 1, 2]], "every coordinate must be finite"),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 1, 3]], "face 1 is [0, 1, 3]; the mesh has 3 vertices"),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, -1]], "face 0 is [0, 1, -1]"),
+    ],
+)
+def test_wrong_meshes(vertices: list[list[float]], faces: list[list[int]], message: str) -> None:
+    with pytest.raises(LayoutError) as caught:
+        TriangleMesh(np.array(vertices), np.array(faces))
+    assert message in str(caught.value)
+
+
+def test_meshes_are_compared_by_value_and_read_only() -> None:
+    mesh = TriangleMesh(np.eye(3), np.array([[0, 1, 2]]))
+    assert mesh == TriangleMesh(np.eye(3), np.array([[0, 1, 2]]))
+    assert mesh != TriangleMesh(2 * np.eye(3), np.array([[0, 1, 2]]))
+    with pytest.raises(ValueError, match="read-only"):
+        mesh.vertices[0, 0] = 5
+
+
+FIELDS = {"label": "car", "id": "car_1", "instance": 1}
+
+
+def turned(angles: tuple[float, float, float], size: tuple[float, float, float]) -> np.ndarray:
+    x, y, z = angles
+    about_x = np.array([[1, 0, 0], [0, math.cos(x), -math.sin(x)], [0, math.sin(x), math.cos(x)]])
+    about_y = np.array([[math.cos(y), 0, math.sin(y)], [0, 1, 0], [-math.sin(y), 0, math.cos(y)]])
+    about_z = np.array([[math.cos(z), -math.sin(z), 0], [math.sin(z), math.cos(z), 0], [0, 0, 1]])
+    matrix = np.eye(4)
+    matrix[:3, :3] = about_z @ about_y @ about_x * size
+    matrix[:3, 3] = (5, -3, 2)
+    return matrix
+
+
+@pytest.mark.parametrize("shape", ["box", "ellipsoid", "cylinder", "plane"])
+@pytest.mark.parametrize("yaw", [0.0, 0.7, -2.5, math.pi / 2])
+@pytest.mark.parametrize("offset", [0.0, 40.0])
+def test_a_mesh_of_a_shape_is_that_shape(shape: str, yaw: float, offset: float) -> None:
+    """Also after float32, of vertices that are far from the mesh's own origin."""
+    mesh = unit_mesh(shape)
+    vertices = (mesh.vertices * (4, 2, 1.5) + offset).astype(np.float32).astype(np.float64)
+    found = placed_mesh(turned((0, 0, yaw), (1, 1, 1)), vertices, mesh.faces, **FIELDS)
+    assert found is not None
+    assert found.shape == shape
+    np.testing.assert_allclose(found.size, (4, 2, 0 if shape == "plane" else 1.5), atol=1e-4)
+    assert math.remainder(found.yaw - yaw, math.tau) == pytest.approx(0, abs=1e-5)
+
+
+@pytest.mark.parametrize("shape", ["box", "ellipsoid", "cylinder", "plane"])
+def test_any_place_keeps_the_bounds(shape: str) -> None:
+    mesh = unit_mesh(shape)
+    random = np.random.default_rng(1)
+    for k in range(20):
+        angles = random.uniform(-3, 3, 3) * ((1, 1, 1) if k % 2 else (0, 0, 1))
+        matrix = turned(tuple(angles), tuple(random.uniform(0.5, 4, 3)))
+        found = placed_mesh(matrix, mesh.vertices, mesh.faces, **FIELDS)
+        assert found is not None
+        expected = mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+        off = 0.15 if found.shape == "ellipsoid" else 1e-6  # a turned ellipsoid has its vertices elsewhere
+        np.testing.assert_allclose(primitive_mesh(found).vertices.min(axis=0), expected.min(axis=0), atol=off)
+        np.testing.assert_allclose(primitive_mesh(found).vertices.max(axis=0), expected.max(axis=0), atol=off)
+
+
+def test_what_only_resembles_a_shape_is_a_mesh() -> None:
+    box = unit_mesh("box")
+    assert shape_of(box.vertices, box.faces) == "box"
+    assert shape_of(box.vertices, box.faces[2:]) == "mesh"  # open on one side
+    dented = box.vertices.copy()
+    dented[0] *= 0.9
+    assert shape_of(dented, box.faces) == "mesh"
+    plane = unit_mesh("plane")
+    assert shape_of(plane.vertices, plane.faces[:1]) == "mesh"
+    ball = unit_mesh("ellipsoid")
+    assert shape_of(ball.vertices, ball.faces[: len(ball.faces) // 2]) == "mesh"
+
+
+def test_a_mesh_keeps_its_yaw_and_a_tight_box() -> None:
+    roof = np.array([(0, 0, 0), (4, 0, 0), (4, 2, 0), (0, 2, 0), (2, 1, 3)], dtype=float)
+    faces = np.array([(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4), (0, 2, 1), (0, 3, 2)])
+    found = placed_mesh(turned((0, 0, 0.5), (1, 1, 1)), roof, faces, **FIELDS)
+    assert isinstance(found, Primitive)
+    assert (found.shape, found.size, found.yaw) == ("mesh", pytest.approx((4, 2, 3)), pytest.approx(0.5))
+    leaning = placed_mesh(turned((0.5, 0, 0.5), (1, 1, 1)), roof, faces, **FIELDS)
+    assert leaning is not None
+    assert leaning.yaw == 0
+
+
+def test_what_has_no_surface_is_none() -> None:
+    box = unit_mesh("box")
+    assert placed_mesh(turned((0, 0, 0), (1, 0, 0)), box.vertices, box.faces, **FIELDS) is None
+    slab = placed_mesh(turned((0, 0, 0), (2, 1, 0)), box.vertices, box.faces, **FIELDS)
+    assert slab is not None
+    assert slab.shape == "plane"
+
+
+def test_sheared_and_leaning_maps() -> None:
+    assert size_and_yaw(np.diag([1.0, 2.0, 3.0]), "box") == ([1, 2, 3], 0)
+    assert size_and_yaw(np.array([[1.0, 0.5, 0], [0, 1, 0], [0, 0, 1]]), "box") is None
+    assert size_and_yaw(np.array([[1.0, 0, 0.1], [0, 1, 0], [0, 0, 1]]), "cylinder") is None
+    size_yaw = size_and_yaw(np.array([[2.0, 0.5, 0], [0, 1, 0], [0, 0, 1]]), "cylinder")
+    assert size_yaw is not None
+    assert size_yaw[0][0] * size_yaw[0][1] == pytest.approx(2)  # a sheared circle is an ellipse of the same area
+
+
+@pytest.mark.parametrize("number", [np.inf, np.nan, 1e10])
+def test_transforms_that_are_no_transforms(number: float) -> None:
+    box = unit_mesh("box")
+    matrix = np.eye(4)
+    matrix[0, 0] = number
+    with pytest.raises(LayoutError, match=r"car_1: a transform or an extent is larger than 1e.09, or no number"):
+        placed_mesh(matrix, box.vertices, box.faces, **FIELDS)

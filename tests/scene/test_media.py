@@ -10,8 +10,8 @@ import pytest
 from lidardraft import Layout, Primitive, Raycaster, Sensor, raycast
 from lidardraft.errors import FormatError, LayoutError, LidarDraftError
 from lidardraft.scene import edit
-from lidardraft.scene.layout import SHAPES
-from lidardraft.scene.mesh import TriangleMesh, primitive_mesh
+from lidardraft.scene.layout import SHAPES, primitive_mesh
+from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.scene.pose import upright
 
 SENSOR = Sensor(name="test", elevations=tuple(np.deg2rad(np.linspace(8, -12, 24)).tolist()), columns=600)

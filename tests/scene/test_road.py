@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lidardraft.errors import LayoutError
-from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.scene.layout import primitive_mesh
 from lidardraft.scene.road import KERB_HEIGHT, LEFT, PavedArea, Road
 
 roads = st.builds(

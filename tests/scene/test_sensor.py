@@ -1,13 +1,28 @@
+"""Sensors: their beams, what their vehicles hide, and their files."""
+
 import dataclasses
 import json
 import math
 import pickle
+import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from lidardraft import Layout, Primitive, Raycaster, detail, raycast
 from lidardraft.errors import FormatError, LidarDraftError, SensorError
+from lidardraft.scene import beam_tables
+from lidardraft.scene.effects import observe, sub_rays
+from lidardraft.scene.range_image import IMAGES
+from lidardraft.scene.raycast import with_vehicle
 from lidardraft.scene.sensor import PRESETS, Sensor
+from lidardraft.scene.sensor_limits import SensorLimits
+from lidardraft.scene.sensor_model import SensorModel
+from lidardraft.scene.shape_table import ShapeTable
+from lidardraft.scene.weather import Weather
 
 SMALL = Sensor(name="small", elevations=(0.1, 0.0, -0.1), columns=8)
 
@@ -200,3 +215,184 @@ def test_a_sensor_can_go_to_another_process():
     other = pickle.loads(pickle.dumps(SMALL))
     assert other == SMALL
     assert other.pattern is not SMALL.pattern
+
+
+SENSOR = Sensor(name="small", elevations=(0.1, 0.0, -0.1), columns=100, mount_height=1.5)
+
+
+def test_a_sensor_is_within_its_own_limits() -> None:
+    limits = SensorLimits.from_sensor(SENSOR)
+    assert limits.difference(SENSOR) is None
+    assert SensorLimits.from_dict(limits.to_dict()) == limits
+
+
+def test_what_is_outside_is_said_with_the_limits() -> None:
+    limits = SensorLimits(beams=(2, 4), columns=(50, 200), elevation=(-10.0, 10.0), mount_height=(1.0, 2.0))
+    assert limits.difference(SENSOR) is None
+    for change, words in (
+        ({"columns": 300}, "columns of 50 to 200, and small has 300"),
+        ({"mount_height": 2.5}, "mount height of 1 to 2, and small has 2.5"),
+        ({"elevations": (0.2, 0.0)}, "elevation of -10 to 10, and small has 0 to 11.46"),
+        ({"elevations": (0.1,)}, "beams of 2 to 4, and small has 1"),
+    ):
+        assert limits.difference(dataclasses.replace(SENSOR, **change)) == words
+
+
+def test_columns_are_those_of_a_full_turn() -> None:
+    sector = dataclasses.replace(SENSOR, azimuth_start=math.pi / 4, azimuth_span=math.pi / 2)
+    limits = SensorLimits(beams=(3, 3), columns=(390, 410), elevation=(-10.0, 10.0), mount_height=(1.0, 2.0))
+    assert limits.difference(sector) is None
+
+
+SECTOR = {"azimuth_start": 0.7, "azimuth_span": 1.4, "columns": 400}
+
+
+@pytest.mark.parametrize("fields", [{}, SECTOR])
+@pytest.mark.parametrize("name", ["vlp32c", "vlp16"])
+def test_each_column_looks_to_one_azimuth_and_each_pixel_is_there_once(name: str, fields: dict[str, float]) -> None:
+    sensor = dataclasses.replace(Sensor.preset(name), **fields)
+    rows, columns, inside = sensor.azimuth_grid()
+    assert rows.shape == columns.shape == inside.shape
+    assert (rows.shape[1] == sensor.columns) == (sensor.wraps or not sensor.azimuth_offsets)
+    counts = np.zeros(sensor.shape, int)
+    np.add.at(counts, (rows[inside], columns[inside]), 1)
+    assert (counts == 1).all()
+    step = sensor.azimuth_span / sensor.columns
+    offsets = np.array(sensor.azimuth_offsets or [0.0] * len(sensor.elevations))
+    azimuth = sensor.azimuth_start - (columns + 0.5) * step + offsets[rows]
+    middle = azimuth[np.argmax(inside, axis=0), np.arange(rows.shape[1])]
+    apart = np.abs((azimuth - middle + math.pi) % (2 * math.pi) - math.pi)
+    assert apart[inside].max() <= step * 1.001
+
+
+def tables() -> dict[str, tuple[float, ...]]:
+    return {name: table for name, table in vars(beam_tables).items() if name.isupper()}
+
+
+def test_every_elevation_table_falls_and_has_as_many_azimuths():
+    elevations = {name: table for name, table in tables().items() if name.endswith("_ELEVATIONS")}
+    assert len(elevations) >= 3
+    for name, table in elevations.items():
+        assert (np.diff(table) < 0).all(), name
+        assert max(map(abs, table)) < 90.0
+        azimuths = tables().get(name.replace("_ELEVATIONS", "_AZIMUTHS"))
+        assert azimuths is None or len(azimuths) == len(table), name
+        assert len(table) == int(re.findall(r"\d+", name.removesuffix("C_ELEVATIONS"))[-1]), name
+
+
+OPEN = Sensor(name="roof", elevations=(0.1, -0.1, -0.3), columns=360, azimuth_offsets=(0.2, 0.0, 0.0))
+# ahead to the left; across the seam behind
+HALF = replace(OPEN, blocked=((), ((0.0, 0.5),), ((3.0, 3.3), (-0.5, 0.25))))
+ROOM = Layout(primitives=(Primitive(shape="cylinder", center=(0, 0, 0), size=(30, 30, 40), label="wall", id="ring"),))
+
+
+def hidden(sensor: Sensor) -> np.ndarray:
+    """Where a cast without a mask returns and one with it does not."""
+    return raycast(ROOM, replace(sensor, blocked=())).valid & ~raycast(ROOM, sensor).valid
+
+
+def test_intervals_are_azimuths_and_may_cross_the_seam():
+    points = raycast(ROOM, OPEN).points().reshape(3, 360, 3)
+    azimuth = np.arctan2(points[..., 1], points[..., 0])
+    expected = np.zeros((3, 360), dtype=bool)
+    expected[1] = (azimuth[1] >= 0) & (azimuth[1] < 0.5)
+    expected[2] = (azimuth[2] >= 3.0) | (azimuth[2] < 3.3 - 2 * math.pi) | ((azimuth[2] >= -0.5) & (azimuth[2] < 0.25))
+    np.testing.assert_array_equal(hidden(HALF), expected)
+
+
+@given(st.floats(-7, 7), st.floats(0.01, 2 * math.pi), st.integers(1, 200))
+def test_as_much_is_hidden_as_the_interval_is_wide(start, width, columns):
+    sensor = Sensor(name="one", elevations=(0.0,), columns=columns, blocked=[[[start, start + width]]])
+    assert abs(sensor.blocked_pixels.sum() - columns * width / (2 * math.pi)) <= 1
+
+
+def test_every_way_to_cast_has_the_mask_and_leaves_the_rest_as_it_is():
+    images = {"primitive": True, "incidence": True, "normal": True}
+    bare, caster, pose = raycast(ROOM, OPEN, **images), Raycaster(ROOM), HALF.pose()
+    kept = bare.keep(~HALF.blocked_pixels)
+    assert 0 < HALF.blocked_pixels.sum() < 0.5 * HALF.blocked_pixels.size
+    table = ShapeTable.from_primitives(ROOM.primitives).scan(HALF, pose)
+    for image in (caster.scan(HALF, **images), caster.scan_batch(HALF, np.stack([pose, pose]), **images)[1], table):
+        for name in IMAGES:
+            if getattr(image, name) is not None:
+                np.testing.assert_array_equal(getattr(image, name), getattr(kept, name))
+
+
+@pytest.mark.parametrize("weather", [Weather(), Weather(visibility=40.0)])
+def test_nothing_comes_back_from_a_blocked_beam(weather):
+    for model in (SensorModel(), SensorModel.ideal()):
+        clean = raycast(ROOM, sub_rays(HALF, model), primitive=True, incidence=True)
+        scan = observe(clean, ROOM, seed=0, sensor=HALF, model=model, weather=weather)
+        assert not scan.valid[HALF.blocked_pixels].any()
+        assert not scan.intensity[HALF.blocked_pixels].any()
+        assert scan.valid[~HALF.blocked_pixels].mean() > 0.9
+
+
+def test_casts_of_others_do_not_know_the_vehicle_and_get_the_mask_too():
+    theirs = raycast(ROOM, OPEN, primitive=True, incidence=True)
+    scan = observe(replace(theirs, sensor=HALF), ROOM, seed=0, model=SensorModel.ideal())
+    np.testing.assert_array_equal(scan.valid, ~HALF.blocked_pixels)
+
+
+def test_a_file_carries_it_and_an_open_sensor_has_none():
+    assert Sensor.from_json(HALF.to_json()) == HALF
+    assert "blocked" not in json.loads(OPEN.to_json())
+    assert replace(OPEN, blocked=((), (), ())) == OPEN
+    assert not OPEN.blocked_pixels.any()
+
+
+@pytest.mark.parametrize(
+    ("blocked", "message"),
+    [
+        ([[]], r"roof: blocked is \[\[\]\]; it must be a list of intervals for each of 3 beams"),
+        ("all", "roof: blocked is 'all'; it must be"),
+        ([[], 3, []], "roof: blocked of beam 1 is 3; it must be a list of intervals"),
+        ([[], [], [[0.0, 7.0]]], r"roof: blocked of beam 2 has \[0.0, 7.0\]; it must be a start and an end"),
+        ([[], [], [[1.0, 0.0]]], r"blocked of beam 2 has \[1.0, 0.0\]; it must be a start and an end"),
+        ([[], [], [[0.0, math.nan]]], "blocked of beam 2 has "),
+        ([[], [], [[0.0]]], r"blocked of beam 2 has \[0.0\]"),
+    ],
+    ids=str,
+)
+def test_a_mask_that_cannot_be(blocked, message):
+    with pytest.raises(SensorError, match=message):
+        replace(OPEN, blocked=blocked)
+
+
+CAR = Layout(
+    (Primitive(shape="box", center=(0.3, 0, 0.75), size=(4.7, 1.8, 1.5), label="car", id="car_1", instance=1),)
+)
+ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(200, 200, 0), label="road", id="road")
+TURNED = Sensor(
+    name="turned", elevations=(-0.1, -0.3, -0.45, -0.9), azimuth_offsets=(0.0, 0.1, -0.1, 0.05), columns=720
+)
+
+
+def test_what_the_vehicle_hides_is_what_its_cast_hits():
+    for sensor in (PRESETS["hdl64e"], TURNED, replace(TURNED, azimuth_start=1.0, azimuth_span=2.0)):
+        hit = raycast(CAR, replace(sensor, min_range=1e-3), sensor.pose()).valid
+        assert hit.any()
+        mounted = with_vehicle(sensor, CAR)
+        np.testing.assert_array_equal(mounted.blocked_pixels, hit)
+        assert Sensor.from_json(mounted.to_json()) == mounted
+
+
+def test_the_ground_behind_it_does_not_return():
+    sensor = with_vehicle(PRESETS["hdl64e"], detail(CAR))
+    scan = raycast(Layout((ROAD,)), sensor, sensor.pose())
+    assert not scan.valid[sensor.blocked_pixels].any()
+    open_rows = np.array(sensor.elevations) < -0.05
+    assert scan.valid[open_rows][~sensor.blocked_pixels[open_rows]].all()
+    hidden = sensor.blocked_pixels.mean(axis=1)
+    assert hidden[0] == 0  # it looks over the roof
+    assert 0.1 < hidden[-1] < 0.9  # neither a disc nor nothing
+
+
+def test_a_body_of_a_car_hides_less_than_its_box():
+    box, body = (with_vehicle(PRESETS["hdl64e"], layout).blocked_pixels.sum() for layout in (CAR, detail(CAR)))
+    assert 0.2 * box < body < box
+
+
+def test_a_vehicle_that_hides_nothing_leaves_the_sensor_as_it_is():
+    low = Layout((replace(CAR.primitives[0], size=(1.0, 1.0, 0.2), center=(0, 0, 0.1)),))
+    assert with_vehicle(PRESETS["hdl64e"], low) == PRESETS["hdl64e"]

@@ -1,5 +1,6 @@
-"""Models of sensors, their presets and the rays of a beam."""
+"""Models of sensors: their presets, the rays of a beam, curves of intensity, and their files."""
 
+import json
 import math
 import pickle
 from dataclasses import replace
@@ -7,17 +8,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lidardraft.errors import SensorError
+from lidardraft.errors import LidarDraftError, SensorError
+from lidardraft.scene.effects import beam_tilts, sub_rays
 from lidardraft.scene.sensor import PRESETS, Sensor
-from lidardraft.scene.sensor_model import SensorModel, beam_fan, beam_tilts, sub_rays
-from lidardraft.scene.sensor_model_presets import MODELS
+from lidardraft.scene.sensor_model import MODELS, IntensityCurve, SensorModel, beam_fan
 
 
 @pytest.mark.parametrize("degrees", [2.0, 0.125, 0.1, 0.01])
 def test_the_beams_of_any_sensor_can_be_split(degrees: float):
     elevations = tuple(np.deg2rad(np.arange(200) * -degrees / 2 + 20).tolist())
     sensor = Sensor(name="dense", elevations=elevations[:60], columns=64)
-    model = SensorModel.from_sensor(sensor)
+    model = sensor.assumed_model
     assert len(sub_rays(sensor, model).elevations) == 180
     assert (model == SensorModel()) == (degrees > 0.3)
     for unit in range(200):  # tilted in any way
@@ -26,8 +27,8 @@ def test_the_beams_of_any_sensor_can_be_split(degrees: float):
 
 def test_every_preset_has_a_model_and_another_sensor_a_typical_one():
     assert set(MODELS) == set(PRESETS)
-    assert SensorModel.from_sensor(PRESETS["vlp16"]) is MODELS["vlp16"]
-    assert SensorModel.from_sensor(Sensor(name="mine", elevations=(0.0,), columns=8)) == SensorModel()
+    assert PRESETS["vlp16"].assumed_model is MODELS["vlp16"]
+    assert Sensor(name="mine", elevations=(0.0,), columns=8).assumed_model == SensorModel()
 
 
 def test_the_name_of_a_preset_with_other_beams_is_another_sensor():
@@ -35,7 +36,7 @@ def test_the_name_of_a_preset_with_other_beams_is_another_sensor():
     half = replace(vlp16, elevations=vlp16.elevations[::2])
     wide = replace(vlp16, elevations=tuple(2 * elevation for elevation in vlp16.elevations))
     for other in (half, wide, replace(vlp16, name="mine")):
-        assert SensorModel.from_sensor(other) == SensorModel() != MODELS["vlp16"]
+        assert other.assumed_model == SensorModel() != MODELS["vlp16"]
 
 
 def test_settings_and_rounding_do_not_make_another_sensor():
@@ -43,7 +44,7 @@ def test_settings_and_rounding_do_not_make_another_sensor():
     ahead = replace(vlp32c, columns=360, azimuth_start=0.5, azimuth_span=1.0, mount_height=2.0, max_range=80.0)
     rounded = replace(vlp32c, elevations=tuple(round(elevation, 4) for elevation in vlp32c.elevations))
     for same in (ahead, rounded, replace(vlp32c, azimuth_offsets=())):
-        assert SensorModel.from_sensor(same) is MODELS["vlp32c"]
+        assert same.assumed_model is MODELS["vlp32c"]
 
 
 def test_a_model_goes_to_another_process():
@@ -147,3 +148,104 @@ def test_range_offsets_go_with_the_beams():
         SensorModel(range_offsets=3)
     with pytest.raises(SensorError, match="small: range_offsets has 1 values; it needs one for each of 2 beams"):
         Sensor(name="small", elevations=(0.1, 0.0), columns=4, model=SensorModel(range_offsets=(0.1,)))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"responses": (0.1, 0.2)}, "readings of a beam of the intensity curve has 1 values; it needs 2"),
+        ({"responses": (), "readings": ((),)}, "responses of the intensity curve has 0 values; it needs 1"),
+        ({"responses": (0.2, 0.1), "readings": ((0, 1),)}, "a response of the curve is 0.1; it must be greater than"),
+        ({"responses": (0.0,)}, "a response of the curve is 0; it must be finite and greater than 0"),
+        ({"readings": ((1.5,),)}, "a reading of the curve is 1.5; it must be 0 to 1"),
+        ({"readings": "a"}, "readings of the intensity curve is 'a'; it must be a list of lists"),
+        ({"readings": (0.5,)}, "readings of the intensity curve is 0.5; it must be a list of finite numbers"),
+        ({"responses": (float("nan"),)}, r"responses of the intensity curve is \(nan,\); it must be a list of finite"),
+        (
+            {"distances": (1.0,), "distance_gains": ((),)},
+            "distance_gains of a beam of the intensity curve has 0 values; it needs 1",
+        ),
+        ({"distance_gains": (1.0,)}, "distance_gains of the intensity curve is 1.0; it must be a list of finite"),
+        (
+            {"distances": (2, 1), "distance_gains": ((1, 1),)},
+            "a distance of the curve is 1; it must be greater than the",
+        ),
+        (
+            {"distances": (2,), "distance_gains": ((0,),)},
+            "a gain of the curve is 0; it must be finite and greater than 0",
+        ),
+        ({"cutoffs": (-1.0,)}, "a cut-off of the curve is -1; it must be finite and 0 or more"),
+    ],
+)
+def test_a_curve_that_cannot_be(wrong, message):
+    with pytest.raises(SensorError, match=message):
+        SensorModel(intensity_curve=IntensityCurve(**{"responses": (0.1,), "readings": ((0.5,),)} | wrong))
+
+
+def test_a_curve_goes_with_the_beams_of_its_sensor():
+    sensor = Sensor(name="mine", elevations=(0.1, 0.0, -0.1), columns=8)
+    curve = IntensityCurve(responses=(0.1,), readings=((0.5,), (0.6,)))
+    with pytest.raises(SensorError, match="mine: readings of the intensity curve has 2 values; it needs 3"):
+        replace(sensor, model=SensorModel(intensity_curve=curve))
+
+
+SENSOR = Sensor(name="mine", elevations=(0.1, -0.1), columns=8)
+CURVE = IntensityCurve(responses=(0.1, 1.0), readings=((0.0, 0.5), (0.1, 0.2)), cutoffs=(0.1, 0.0))
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        SensorModel(),
+        MODELS["hdl64e"],
+        replace(MODELS["vlp32c"], intensity_curve=CURVE, last_return=True, compensation_range=math.inf),
+    ],
+    ids=["default", "hdl64e", "all"],
+)
+def test_a_sensor_file_carries_the_model(model, tmp_path):
+    sensor = replace(SENSOR, model=model)
+    (tmp_path / "mine.json").write_text(sensor.to_json())
+    read = Sensor.load(tmp_path / "mine.json")
+    assert read == sensor
+    assert read.assumed_model == model
+    assert "Infinity" not in sensor.to_json()  # which is no JSON
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ([], r"\[\] is no JSON object"),
+        ({"colour": 1}, "unknown field 'colour'"),
+        ({"jitter": "a"}, "jitter of the model is 'a'; it must be a finite number"),
+        ({"jitter": None}, "jitter of the model is None; it must be a finite number"),
+        ({"last_return": 1}, "last_return of the model is 1; it must be true or false"),
+        ({"rays_per_beam": 3.5}, "rays_per_beam of the model is 3.5; it must be a whole number"),
+        ({"rays_per_beam": 2}, "rays_per_beam is 2; it must be 1, or 3 to 19"),
+        ({"compensation_range": "far"}, "compensation_range of the model is 'far'; it must be a number or null"),
+        ({"intensity_curve": 3}, "3 is no JSON object"),
+        ({"intensity_curve": {"responses": [1]}}, "'readings' is missing"),
+        ({"intensity_curve": {"responses": [1], "readings": [["a"]]}}, r"readings of the intensity curve is \['a'\]"),
+        (
+            {"intensity_curve": {"responses": [1], "readings": [[1]], "cutoffs": [0.1]}},
+            "mine: cutoffs of the intensity curve has 1 values; it needs 2",
+        ),
+    ],
+    ids=str,
+)
+def test_a_model_that_is_none(fields, message):
+    text = json.dumps(json.loads(SENSOR.to_json()) | {"model": fields})
+    with pytest.raises(LidarDraftError, match=message):
+        Sensor.from_json(text)
+
+
+def test_no_model_is_none():
+    assert "model" not in json.loads(SENSOR.to_json())
+    assert Sensor.from_json(json.dumps(json.loads(SENSOR.to_json()) | {"model": None})) == SENSOR
+
+
+def test_the_hdl64e_reads_roads_at_a_quarter():
+    curve = MODELS["hdl64e"].intensity_curve
+    assert curve is not None
+    (readings,) = curve.readings
+    assert np.interp(np.log(0.1), np.log(curve.responses), readings) == pytest.approx(0.26, abs=0.002)
+    assert max(readings) == 1.0

@@ -9,8 +9,7 @@ from random_layouts import random_layout
 from lidardraft import Layout, Primitive, detail, layout_from_text
 from lidardraft.scene.check import LayoutGround, Solid, penetration
 from lidardraft.scene.edit import remove
-from lidardraft.scene.layout import object_of
-from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.scene.layout import object_of, primitive_mesh
 from lidardraft.scene.road import Road
 from lidardraft.semantics import BY_NAME, GROUND
 

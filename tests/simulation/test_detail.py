@@ -12,8 +12,8 @@ from lidardraft.errors import LayoutError
 from lidardraft.objects.kinds import KINDS
 from lidardraft.scene.check import check
 from lidardraft.scene.edit import move, remove
-from lidardraft.scene.layout import object_of
-from lidardraft.scene.mesh import TriangleMesh, primitive_mesh
+from lidardraft.scene.layout import object_of, primitive_mesh
+from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
 from lidardraft.simulation import fitting
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox, coarse_objects, generator_of

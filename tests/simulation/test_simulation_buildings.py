@@ -7,7 +7,7 @@ import pytest
 from coarse_boxes import box, detailed, materials
 
 from lidardraft import Layout, Primitive, Raycaster, detail
-from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.scene.layout import primitive_mesh
 
 
 def windows(parts: list[Primitive]) -> int:

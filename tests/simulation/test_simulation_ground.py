@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lidardraft import Layout, Primitive, detail, layout_from_text
-from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.scene.layout import primitive_mesh
 from lidardraft.scene.road import KERB_HEIGHT, PavedArea, Road
 from lidardraft.simulation.ground import _lanes
 from lidardraft.simulation.surroundings import road_strips

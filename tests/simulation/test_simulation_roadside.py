@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from coarse_boxes import box, detailed, materials
 
-from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.scene.layout import primitive_mesh
 
 
 def test_a_sign_on_its_post_has_a_plate_that_reflects_back() -> None:

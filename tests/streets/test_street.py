@@ -11,7 +11,7 @@ from planned import overlap
 from lidardraft import CLASSES, Layout, Raycaster, Sensor
 from lidardraft.errors import LayoutError
 from lidardraft.objects.placed_object import PlacedObject
-from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.scene.layout import primitive_mesh
 from lidardraft.streets import StreetConfig, make_street
 from lidardraft.streets.placement.district import DISTRICTS
 from lidardraft.streets.placement.occupancy import spaces_of

@@ -19,9 +19,8 @@ from lidardraft.diffusion.codec import (
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.errors import TrainingError
 from lidardraft.networks import weight_file
-from lidardraft.scene.blocked import Blocked
 from lidardraft.scene.range_image import RangeImage
-from lidardraft.scene.sensor import Sensor
+from lidardraft.scene.sensor import Blocked, Sensor
 from lidardraft.training import denoising, recipes
 from lidardraft.training.denoising import thinned, train_denoiser
 from lidardraft.training.mixed_source import MixedSource

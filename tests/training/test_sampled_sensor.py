@@ -3,7 +3,7 @@ import math
 
 import numpy as np
 
-from lidardraft.scene.sensor_model import sub_rays
+from lidardraft.scene.effects import sub_rays
 from lidardraft.training.sampled_sensor import LIMITS, sample_sensor
 
 # the columns of a sector are whole cells of the network, so a turn of them is not quite what was drawn

@@ -54,7 +54,7 @@ def fit_sensor(
     columns = columns or max(table.columns // 4 * 4, 4)
     recorded = sweeps_of(recordings, table, min(columns, MOST_COLUMNS))
     sensor = _geometry(name, table, recorded, like or Sensor(name=name, elevations=(0.0,), columns=1))
-    typical = SensorModel.from_sensor(like or sensor)
+    typical = (like or sensor).assumed_model
     # the lasers are known, one by one
     known = replace(
         typical,

@@ -18,7 +18,7 @@ import numpy as np
 
 from lidardraft.calibration.surface_groups import groups_of
 from lidardraft.metrics.sweep import Sweep
-from lidardraft.scene.intensity_curve import IntensityCurve
+from lidardraft.scene.sensor_model import IntensityCurve
 
 _RANGES = np.array([2.0, 5.0, 8.0, 12.0, 16.0, 20.0, 25.0, 30.0, 40.0, 50.0, 65.0, 80.0, 120.0])  # m
 _DISTANCES = np.sqrt(_RANGES[1:] * _RANGES[:-1])  # m, where there is a gain each

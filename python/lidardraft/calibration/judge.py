@@ -11,7 +11,6 @@ from lidardraft.metrics import lifelike
 from lidardraft.metrics.lifelike import Property
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor import Sensor
-from lidardraft.scene.sensor_model import SensorModel
 
 STREETS = 48
 SEED = 4_000_000  # other streets than those that sensors are fitted with
@@ -44,7 +43,7 @@ def judged(
 
 
 def _sweeps(sensor: Sensor, num: int) -> list[Sweep]:
-    model = with_rays_that_fit(sensor, SensorModel.from_sensor(sensor))
+    model = with_rays_that_fit(sensor, sensor.assumed_model)
     return StreetCasts.from_sensor(sensor, model, num, seed=SEED).observed(model, sensor.range_sigma)
 
 

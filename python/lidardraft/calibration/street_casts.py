@@ -9,10 +9,11 @@ import numpy as np
 
 from lidardraft.errors import SensorError
 from lidardraft.metrics.sweep import Sweep
+from lidardraft.scene.effects import sub_rays
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor import Sensor
-from lidardraft.scene.sensor_model import SensorModel, sub_rays
+from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.streets.pairs import sample_viewpoint
 from lidardraft.streets.street import StreetConfig, make_street
 

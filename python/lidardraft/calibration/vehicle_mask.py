@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from lidardraft.metrics.sweep import Sweep
-from lidardraft.scene.blocked import Blocked
+from lidardraft.scene.sensor import Blocked
 
 _DOWN = math.radians(-5.0)  # the road is near there, and returns
 _SELDOM = 0.1  # a firing that returns less often is hidden

@@ -97,12 +97,9 @@ def _print_rows(
     """What the fit moves, on scans that it has not seen."""
     from lidardraft.calibration.fit import MOST_COLUMNS, sweeps_of
     from lidardraft.calibration.judge import judged
-    from lidardraft.scene.sensor_model import SensorModel
 
     usual = like or Sensor(name="typical", elevations=found.sensor.elevations, columns=1)
-    before = replace(
-        found.sensor, model=SensorModel.from_sensor(usual), range_sigma=usual.range_sigma, max_range=usual.max_range
-    )
+    before = replace(found.sensor, model=usual.assumed_model, range_sigma=usual.range_sigma, max_range=usual.max_range)
     columns = min(found.sensor.columns, MOST_COLUMNS)
     fitted_to, judging = (sweeps_of(scans, found.table, columns) for scans in (recordings, held))
     beside = f"{len(held)} scan{'s' * (len(held) > 1)}"

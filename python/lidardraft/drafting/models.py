@@ -14,6 +14,7 @@ from lidardraft.files import named
 from lidardraft.formats.glb import MOST_VERTICES, GlbFile, Piece, extras_of, open_glb
 from lidardraft.formats.obj import obj_meshes
 from lidardraft.json_fields import is_number
+from lidardraft.scene.box import FURTHEST
 from lidardraft.scene.class_names import (
     PROPERTIES,
     check_classes,
@@ -24,7 +25,6 @@ from lidardraft.scene.class_names import (
     whole_of,
 )
 from lidardraft.scene.layout import Layout, Primitive
-from lidardraft.scene.layout_fields import FURTHEST
 from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.scene.placed_mesh import MOST_RECOGNISED, placed_mesh, recognised_shape
 from lidardraft.semantics import BY_NAME

@@ -11,7 +11,7 @@ from lidardraft.errors import FormatError
 from lidardraft.files import read_bytes, regular_size, written_whole
 from lidardraft.scene import mesh
 from lidardraft.scene.class_names import OUTRIGHT
-from lidardraft.scene.layout import Layout
+from lidardraft.scene.layout import Layout, primitive_mesh
 
 # What is read in seconds and a gigabyte, whatever it is: bytes, lines, words (which are corners of faces), objects.
 _MAX_BYTES, _MAX_LINES, _MAX_WORDS, _MAX_OBJECTS = 2**26, 4_000_000, 8_000_000, 65_535
@@ -31,7 +31,7 @@ def write_obj(path: str | os.PathLike[str], layout: Layout) -> None:
     """
     lines, count = ["# a layout: metres, x forward, y left, z up"], 1
     for primitive in layout:
-        shape = mesh.primitive_mesh(primitive)
+        shape = primitive_mesh(primitive)
         lines.append("o " + re.sub(r"\s", "_", primitive.id))
         lines += [f"v {x!r} {y!r} {z!r}" for x, y, z in shape.vertices.tolist()]
         lines.append(f"usemtl {OUTRIGHT}{primitive.label}")

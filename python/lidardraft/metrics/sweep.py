@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 
 from lidardraft.errors import LidarDraftError
-from lidardraft.scene.azimuth_grid import azimuth_grid
 from lidardraft.scene.range_image import RangeImage
 
 
@@ -37,12 +36,12 @@ class Sweep:
         """The sweep of an image with each laser's firings in the columns that they look to, as `from_points` has them.
 
         By firing, what lies in one column would not be neighbours. The sweep of a sector is wider than its image
-        (`azimuth_grid`).
+        (`Sensor.azimuth_grid`).
         """
         sweep = cls.from_image(image)
         if not image.sensor.azimuth_offsets:
             return sweep
-        rows, columns, inside = azimuth_grid(image.sensor)
+        rows, columns, inside = image.sensor.azimuth_grid()
 
         def moved(values: np.ndarray) -> np.ndarray:
             found = values[rows, columns]

@@ -1,20 +1,18 @@
-"""Boxes around objects."""
+"""Boxes around objects, and the checks of what they share with the shapes of a layout."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from lidardraft.errors import LayoutError, one_of
-from lidardraft.scene.layout_fields import check_id, checked_vector, checked_yaw
+from lidardraft.json_fields import are_numbers, is_number
 from lidardraft.semantics import BY_NAME
 
-if TYPE_CHECKING:
-    from lidardraft.scene.layout import Primitive
+FURTHEST = 1e9  # m, the limit of coordinates and extents: that of the core, which squares them in float32
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,27 +48,23 @@ class Box:
         return replace(self, center=tuple(center.tolist()), yaw=math.remainder(yaw, math.tau))
 
 
-def box_around(parts: Sequence[Primitive]) -> Box:
-    """The box around the parts of one object, with the yaw, id, label and instance of the largest."""
-    largest = max(parts, key=lambda part: math.prod(part.size))
-    low, high = corners_around(parts, largest.yaw)
-    u, v, z = ((a + b) / 2 for a, b in zip(low, high, strict=True))
-    cos, sin = math.cos(largest.yaw), math.sin(largest.yaw)
-    center = (cos * u - sin * v, sin * u + cos * v, z)
-    size = (high[0] - low[0], high[1] - low[1], high[2] - low[2])
-    return Box(largest.id, largest.label, largest.instance, center, size, largest.yaw)
+def check_id(id: object) -> None:
+    """Raise `LayoutError` on what is no name, or one that steers the terminal it is printed on."""
+    if not (isinstance(id, str) and id and id.isprintable()):
+        raise LayoutError(f"id is {id!r}; it must be a non-empty string of printable characters")
 
 
-def corners_around(parts: Sequence[Primitive], yaw: float) -> tuple[list[float], list[float]]:
-    """The lowest and the highest corner [3] of the box around shapes, in the layout's frame turned by `yaw`."""
-    cos, sin = math.cos(yaw), math.sin(yaw)
-    low, high = [math.inf] * 3, [-math.inf] * 3
-    for part in parts:
-        x, y, z = part.center
-        length, width, height = part.size
-        c, s = abs(math.cos(part.yaw - yaw)), abs(math.sin(part.yaw - yaw))
-        middle = (cos * x + sin * y, cos * y - sin * x, z)
-        half = ((c * length + s * width) / 2, (s * length + c * width) / 2, height / 2)
-        low = [min(a, m - h) for a, m, h in zip(low, middle, half, strict=True)]
-        high = [max(a, m + h) for a, m, h in zip(high, middle, half, strict=True)]
-    return low, high
+def checked_vector(id: str, name: str, values: Any, length: int = 3, limit: float = FURTHEST) -> Any:
+    """So many finite numbers as a tuple of floats; `LayoutError` on anything else."""
+    if not are_numbers(values, length):
+        raise LayoutError(f"{id}: {name} is {values!r}; it must be {length} finite numbers")
+    if max(map(abs, values)) > limit:
+        raise LayoutError(f"{id}: {name} is {values!r}; no number may be larger than {limit:g} m")
+    return tuple(map(float, values))
+
+
+def checked_yaw(id: str, yaw: Any) -> float:
+    """A finite number of radians; `LayoutError` on anything else."""
+    if not is_number(yaw):
+        raise LayoutError(f"{id}: yaw is {yaw!r}; it must be a finite number of radians")
+    return float(yaw)

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lidardraft.scene.box import Box
-from lidardraft.scene.layout import Layout, Primitive, object_of
-from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.scene.layout import Layout, Primitive, object_of, primitive_mesh
 from lidardraft.semantics import BY_NAME, GROUND
 
 VEHICLE_LABELS = ("car", "truck", "bus", "train", "motorcycle")

@@ -6,21 +6,24 @@ of the light.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
 
 from lidardraft import _core
 from lidardraft.errors import SensorError
-from lidardraft.scene.blocked import blank_pixels
 from lidardraft.scene.layout import Layout
-from lidardraft.scene.range_image import IMAGES, RangeImage
+from lidardraft.scene.range_image import IMAGES, RangeImage, blank_pixels
 from lidardraft.scene.sensor import Sensor
-from lidardraft.scene.sensor_model import SensorModel, sub_rays
+from lidardraft.scene.sensor_model import SensorModel, beam_fan
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.scene.weather import Weather, first_particle, fog_echo
 
+T = TypeVar("T")
+_TILT_STREAM = 3  # random numbers of the tilts of a unit
 _OBSERVED = ("depth", "intensity", "incidence", "instance", "primitive", "label")
 
 
@@ -37,7 +40,7 @@ def observe(
     """What `sensor` reports of the clean image cast of `layout`, with intensity, primitive and incidence.
 
     The image is cast by `sub_rays(sensor, model)`, with primitive and incidence; or by the sensor itself, which needs
-    no `sensor` here: then a beam is one ray. `model` is by default `SensorModel.from_sensor(sensor)`.
+    no `sensor` here: then a beam is one ray. `model` is by default `sensor.assumed_model`.
     `Surfaces.from_layout(layout)`, made once and given instead of the layout, saves time where one layout is scanned
     often (and holds the wetness of its ground). `threads` is how many threads may be used, by default as many as there
     are cores; the scan is the same for any number.
@@ -49,7 +52,7 @@ def observe(
         raise SensorError(f"seed is {seed}; it must be 0 or more")
     rng = seed if isinstance(seed, np.random.Generator) else np.random.Generator(np.random.SFC64(seed))
     weather = weather or Weather()
-    model = model or SensorModel.from_sensor(sensor or image.sensor)
+    model = model or (sensor or image.sensor).assumed_model
     if sensor is None:
         sensor, model = image.sensor, _one_ray(model)
     else:
@@ -74,6 +77,57 @@ def observe(
     if sensor.blocked:  # fog has an echo where the cast has none, and casts of others do not know the vehicle
         blank_pixels(vars(scan), sensor.blocked_pixels)
     return scan
+
+
+@lru_cache(maxsize=32)
+def sub_rays(sensor: Sensor, model: SensorModel) -> Sensor:
+    """The sensor whose beams are the sub-rays of `sensor`: row h * S + s is sub-ray s of beam h.
+
+    Cast this one, and give the image to `observe` with `sensor`. Sub-rays spread in azimuth, not across the beam, so
+    that beams share their columns: at elevation e they are cos(e) closer. They look where the unit's beams look, which
+    is not quite where the table says and `observe` puts the returns. Raises `SensorError` where the beams of `sensor`
+    are so close that their sub-rays would cross.
+    """
+    if model.rays_per_beam == 1 and not model.tilt_spread:
+        return sensor
+    fan = beam_fan(model)
+    beams = len(sensor.elevations)
+    elevations = np.add.outer(sensor.elevations, fan[:, 1])
+    elevations = (elevations + beam_tilts(sensor, model)[:, None]).ravel()
+    if (np.diff(elevations) >= 0).any():
+        closest = -np.diff(sensor.elevations).max()
+        raise SensorError(
+            f"{sensor.name}: beams {1e3 * closest:.2f} mrad apart overlap at a divergence of "
+            f"{1e3 * model.divergence_v:.2f} mrad; rays_per_beam must be 1"
+        )
+    offsets = np.add.outer(sensor.azimuth_offsets or np.zeros(beams), fan[:, 0]).ravel()
+    return replace(
+        sensor,
+        name=f"{sensor.name} x {model.rays_per_beam}",
+        model=None,
+        blocked=_repeated(sensor.blocked, model.rays_per_beam),
+        elevations=tuple(elevations.tolist()),
+        azimuth_offsets=tuple(offsets.tolist()),
+        origin_forwards=_repeated(sensor.origin_forwards, model.rays_per_beam),
+        origin_lefts=_repeated(sensor.origin_lefts, model.rays_per_beam),
+        origin_heights=_repeated(sensor.origin_heights, model.rays_per_beam),
+    )
+
+
+def beam_tilts(sensor: Sensor, model: SensorModel) -> np.ndarray:
+    """By how much each beam of this unit looks higher than the table of its sensor says, f64 [H], rad.
+
+    `tilt_spread` is that of beams a degree or more apart; closer ones are less wrong in proportion.
+    """
+    steps = -np.diff(sensor.elevations)
+    step = np.minimum(np.append(steps, np.inf), np.append(np.inf, steps))
+    sampled = np.random.default_rng([model.unit, _TILT_STREAM]).standard_normal(len(step))
+    tilts: np.ndarray = np.clip(sampled, -2.5, 2.5) * model.tilt_spread * np.minimum(step / math.radians(1.0), 1.0)
+    return tilts
+
+
+def _repeated(values: tuple[T, ...], times: int) -> tuple[T, ...]:
+    return tuple(value for value in values for _ in range(times))
 
 
 @lru_cache(maxsize=32)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping, Sized
+from collections.abc import Iterator, Mapping, Sequence, Sized
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,10 +18,9 @@ import numpy as np
 from lidardraft.errors import FormatError, LayoutError, one_of
 from lidardraft.files import named, read_text, write_text
 from lidardraft.json_fields import check_brackets, check_fields, check_lists, check_object, is_number, parse_object
-from lidardraft.scene.box import Box, box_around
-from lidardraft.scene.layout_fields import check_id, checked_vector, checked_yaw
+from lidardraft.scene.box import Box, check_id, checked_vector, checked_yaw
 from lidardraft.scene.materials import MATERIAL_BY_NAME
-from lidardraft.scene.mesh import TriangleMesh
+from lidardraft.scene.mesh import TriangleMesh, unit_mesh
 from lidardraft.semantics import BY_NAME
 
 SCHEMA = "lidardraft.layout/1"
@@ -265,6 +264,42 @@ class Layout:
 def object_of(primitive: Primitive) -> str:
     """The name of the object that a primitive is a part of: its id up to the first dot."""
     return primitive.id.split(".", 1)[0]
+
+
+def box_around(parts: Sequence[Primitive]) -> Box:
+    """The box around the parts of one object, with the yaw, id, label and instance of the largest."""
+    largest = max(parts, key=lambda part: math.prod(part.size))
+    low, high = corners_around(parts, largest.yaw)
+    u, v, z = ((a + b) / 2 for a, b in zip(low, high, strict=True))
+    cos, sin = math.cos(largest.yaw), math.sin(largest.yaw)
+    center = (cos * u - sin * v, sin * u + cos * v, z)
+    size = (high[0] - low[0], high[1] - low[1], high[2] - low[2])
+    return Box(largest.id, largest.label, largest.instance, center, size, largest.yaw)
+
+
+def corners_around(parts: Sequence[Primitive], yaw: float) -> tuple[list[float], list[float]]:
+    """The lowest and the highest corner [3] of the box around shapes, in the layout's frame turned by `yaw`."""
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    low, high = [math.inf] * 3, [-math.inf] * 3
+    for part in parts:
+        x, y, z = part.center
+        length, width, height = part.size
+        c, s = abs(math.cos(part.yaw - yaw)), abs(math.sin(part.yaw - yaw))
+        middle = (cos * x + sin * y, cos * y - sin * x, z)
+        half = ((c * length + s * width) / 2, (s * length + c * width) / 2, height / 2)
+        low = [min(a, m - h) for a, m, h in zip(low, middle, half, strict=True)]
+        high = [max(a, m + h) for a, m, h in zip(high, middle, half, strict=True)]
+    return low, high
+
+
+def primitive_mesh(primitive: Primitive) -> TriangleMesh:
+    """The primitive as triangles in the layout's frame; round shapes as polyhedra whose vertices lie on the surface."""
+    unit = primitive.mesh if primitive.mesh is not None else unit_mesh(primitive.shape)
+    vertices = unit.vertices * primitive.size
+    cos, sin = np.cos(primitive.yaw), np.sin(primitive.yaw)
+    x, y = vertices[:, 0].copy(), vertices[:, 1].copy()
+    vertices[:, 0], vertices[:, 1] = cos * x - sin * y, sin * x + cos * y
+    return TriangleMesh(vertices + primitive.center, unit.faces)
 
 
 def _check_number(primitives: Sized) -> None:

@@ -1,19 +1,15 @@
-"""Triangle meshes, and a primitive as one: for preview, export and reference. No rays here."""
+"""Triangle meshes, and the shapes of a layout as such: for preview, export and reference. No rays here."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from os import PathLike
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lidardraft import _core
 from lidardraft.errors import LayoutError
 from lidardraft.files import regular_size
-
-if TYPE_CHECKING:
-    from lidardraft.scene.layout import Primitive
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,16 +82,6 @@ def read_obj(path: str | PathLike[str]) -> list[tuple[str, str, TriangleMesh]]:
 def unit_mesh(shape: str) -> TriangleMesh:
     """The triangles of a shape that is no mesh, within the unit box; round ones as polyhedra with vertices on them."""
     return _UNIT_MESHES[shape]
-
-
-def primitive_mesh(primitive: Primitive) -> TriangleMesh:
-    """The primitive as triangles in the layout's frame; round shapes as polyhedra whose vertices lie on the surface."""
-    unit = primitive.mesh if primitive.mesh is not None else unit_mesh(primitive.shape)
-    vertices = unit.vertices * primitive.size
-    cos, sin = np.cos(primitive.yaw), np.sin(primitive.yaw)
-    x, y = vertices[:, 0].copy(), vertices[:, 1].copy()
-    vertices[:, 0], vertices[:, 1] = cos * x - sin * y, sin * x + cos * y
-    return TriangleMesh(vertices + primitive.center, unit.faces)
 
 
 def _unit_box() -> TriangleMesh:

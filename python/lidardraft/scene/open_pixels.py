@@ -25,8 +25,6 @@ def open_pixels(layout: Layout, condition_image: RangeImage, pose: np.ndarray) -
     sensor = condition_image.sensor
     if layout.coverage is not None:
         start, end = layout.coverage
-        azimuths = sensor.azimuth_start - (np.arange(sensor.columns) + 0.5) * sensor.azimuth_span / sensor.columns
-        offsets = np.array(sensor.azimuth_offsets or [0.0] * len(sensor.elevations))
         seen_from = math.atan2(pose[1, 0], pose[0, 0]) - start
-        found = found | ((azimuths + offsets[:, None] + seen_from) % (2 * math.pi) > end - start)
+        found = found | ((sensor.azimuths + seen_from) % (2 * math.pi) > end - start)
     return found & ~sensor.blocked_pixels

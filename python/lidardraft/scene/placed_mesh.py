@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from lidardraft.errors import LayoutError
+from lidardraft.scene.box import FURTHEST
 from lidardraft.scene.layout import Primitive
-from lidardraft.scene.layout_fields import FURTHEST
 from lidardraft.scene.mesh import TriangleMesh
 
 _LEAN = 1e-6  # the sine of the angle by which a shape may lean, or its axes miss the right angle, and be upright

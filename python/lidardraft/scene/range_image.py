@@ -1,11 +1,12 @@
-"""The range image: what a sensor saw, cast or generated alike."""
+"""Range images: what a sensor saw, cast or generated alike; one, or many in one array each."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from operator import index
 from typing import Any
 
 import numpy as np
@@ -175,6 +176,54 @@ class RangeImage:
             return cls(sensor=sensor, **images)
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RangeImageBatch:
+    """The images [N, H, W] of N scans of `sensor`; `batch[i]` is scan i, a view.
+
+    The images are those of `RangeImage`: depth, label and instance; optional primitive, incidence and normal.
+    """
+
+    sensor: Sensor
+    depth: np.ndarray
+    label: np.ndarray
+    instance: np.ndarray
+    incidence: np.ndarray | None = None
+    primitive: np.ndarray | None = None
+    normal: np.ndarray | None = None
+
+    def __post_init__(self) -> None:
+        if self.depth.ndim != 3:
+            raise SensorError(f"depth has shape {self.depth.shape}; a batch of {self.sensor.name} needs [N, H, W]")
+        check_images(self.sensor, vars(self), self.depth.shape[:1])
+
+    @classmethod
+    def unchecked(cls, sensor: Sensor, **images: np.ndarray) -> RangeImageBatch:
+        """The batch of arrays that are known to fit `sensor`, as in `RangeImage.unchecked`."""
+        batch = object.__new__(cls)
+        batch.__dict__.update(images, sensor=sensor)
+        return batch
+
+    @classmethod
+    def empty(
+        cls, sensor: Sensor, count: int, *, primitive: bool = False, incidence: bool = False, normal: bool = False
+    ) -> RangeImageBatch:
+        """`count` images without returns, with these optional images: buffers for `Raycaster.scan_batch(out=...)`."""
+        if count < 0:
+            raise SensorError(f"count is {count}; it must be 0 or more")
+        return cls.unchecked(sensor, **blank_images((count, *sensor.shape), primitive, incidence, normal))
+
+    def __len__(self) -> int:
+        return len(self.depth)
+
+    def __getitem__(self, i: int) -> RangeImage:
+        i = index(i)
+        images = {name: getattr(self, name, None) for name in IMAGES}
+        return RangeImage.unchecked(self.sensor, **{k: array[i] for k, array in images.items() if array is not None})
+
+    def __iter__(self) -> Iterator[RangeImage]:
+        return (self[i] for i in range(len(self)))
+
+
 def check_images(sensor: Sensor, images: Mapping[str, np.ndarray | None], count: tuple[int, ...] = ()) -> None:
     """Raises `SensorError` where `images` [*count, H, W] do not fit the sensor or hold what cannot be."""
     for name, dtype in IMAGES.items():
@@ -229,3 +278,11 @@ def blank_images(shape: tuple[int, ...], primitive: bool, incidence: bool, norma
     for name, image in images.items():
         image.fill(-1 if name == "primitive" else 0)
     return images
+
+
+def blank_pixels(images: Mapping[str, Any], pixels: np.ndarray) -> None:
+    """Write no return into the arrays [..., H, W] and [..., H, W, 3] of `images` where `pixels` [H, W] is True."""
+    for name, image in images.items():
+        if isinstance(image, np.ndarray):
+            where = pixels[..., None] if name == "normal" else pixels
+            np.copyto(image, image.dtype.type(-1 if name == "primitive" else 0), where=where)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, replace
 from functools import cached_property
 from zlib import crc32
 
@@ -10,17 +11,47 @@ import numpy as np
 
 from lidardraft import _core
 from lidardraft.errors import LayoutError, SensorError, check_type
-from lidardraft.scene.batch import RangeImageBatch
-from lidardraft.scene.blocked import blank_pixels
-from lidardraft.scene.box import box_around
-from lidardraft.scene.hits import Hits
-from lidardraft.scene.layout import SHAPES, Layout, Primitive, object_of
+from lidardraft.scene.layout import SHAPES, Layout, Primitive, box_around, object_of
 from lidardraft.scene.pose import as_array, finite_array, inverse, upright
-from lidardraft.scene.range_image import IMAGES, RangeImage, new_images
+from lidardraft.scene.range_image import IMAGES, RangeImage, RangeImageBatch, blank_pixels, new_images
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME
 
 _OPTIONAL = ("primitive", "incidence", "normal")
+_NEAREST = 1e-3  # m: what is too near to be measured hides as well
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Hits:
+    """The closest hits of R rays, in the world frame.
+
+    `distance` f32 [R] is that from the ray's origin [m], `label` u8 a class id, `instance` u32 the object, `primitive`
+    i32 the index of the primitive; `normal` f32 [R, 3] is the unit normal of the surface, turned towards the origin. No
+    hit is distance 0, label 0, instance 0, primitive -1, normal 0, and False in `valid`.
+    """
+
+    origins: np.ndarray
+    directions: np.ndarray
+    distance: np.ndarray
+    label: np.ndarray
+    instance: np.ndarray
+    primitive: np.ndarray
+    normal: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.distance)
+
+    @property
+    def valid(self) -> np.ndarray:
+        """bool [R]: which rays hit something."""
+        return self.primitive >= 0
+
+    def points(self) -> np.ndarray:
+        """Where the rays of `valid` hit, f64 [N, 3], in their order."""
+        hit = self.valid
+        along = self.directions[hit] / np.linalg.norm(self.directions[hit], axis=1, keepdims=True)
+        points: np.ndarray = self.origins[hit] + along * self.distance[hit, None]
+        return points
 
 
 class Raycaster:
@@ -198,6 +229,24 @@ def raycast(
         seed=seed,
         threads=threads,
     )
+
+
+def with_vehicle(sensor: Sensor, vehicle: Layout) -> Sensor:
+    """The sensor with `blocked` as a vehicle hides it: every ray that meets `vehicle`, in the layout frame, where the
+    sensor stands on its mount over the origin.
+
+    `detail(Layout((box,)))` makes a vehicle with a roof, a bonnet and windows of a box of class car.
+    """
+    near = replace(sensor, min_range=_NEAREST, blocked=(), model=None)
+    hidden = raycast(vehicle, near, sensor.pose()).valid
+    step = sensor.azimuth_span / sensor.columns
+    offsets = sensor.azimuth_offsets or (0.0,) * len(hidden)
+    blocked = []
+    for row, offset in zip(hidden, offsets, strict=True):
+        changes = np.flatnonzero(np.diff(np.pad(row.astype(np.int8), 1)))
+        starts, ends = sensor.azimuth_start + offset - step * changes.reshape(-1, 2)[:, ::-1].T
+        blocked.append(tuple(zip(starts.tolist(), ends.tolist(), strict=True)))
+    return replace(sensor, blocked=tuple(blocked))
 
 
 def cast_scans(

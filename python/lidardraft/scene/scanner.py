@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.scene.effects import observe
+from lidardraft.scene.effects import observe, sub_rays
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.sensor import Sensor
-from lidardraft.scene.sensor_model import SensorModel, sub_rays
+from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.scene.weather import Weather
 
@@ -42,14 +42,14 @@ class Scanner:
         by_id: bool = False,
         threads: int | None = None,
     ) -> Scanner:
-        """`model` is by default `SensorModel.from_sensor(sensor)`, `weather` a clear and dry day. With `by_id` a
+        """`model` is by default `sensor.assumed_model`, `weather` a clear and dry day. With `by_id` a
         primitive keeps its brightness and its free paths when it is moved, and when others come and go.
 
         Raises `LayoutError` for a material that is unknown.
         """
         weather = weather or Weather()
         surfaces = Surfaces.from_layout(layout, wetness=weather.wetness, by_id=by_id)
-        model = model or SensorModel.from_sensor(sensor)
+        model = model or sensor.assumed_model
         return cls(sensor, model, Raycaster(layout, by_id=by_id), surfaces, weather, threads)
 
     def cast(self, poses: np.ndarray, seed: int) -> RangeImage:

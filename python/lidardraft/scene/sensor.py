@@ -16,12 +16,10 @@ import numpy as np
 from lidardraft import _core
 from lidardraft.errors import SensorError, one_of
 from lidardraft.files import named, read_text, write_text
-from lidardraft.json_fields import check_fields, is_number, parse_object
+from lidardraft.json_fields import are_numbers, check_fields, is_number, parse_object
 from lidardraft.scene import beam_tables
-from lidardraft.scene.blocked import Blocked, blocked_pixels, checked_blocked
 from lidardraft.scene.pose import finite_array, rotations, upright
-from lidardraft.scene.sensor_model import SensorModel
-from lidardraft.scene.sensor_model_json import model_from_fields, model_to_fields
+from lidardraft.scene.sensor_model import MODELS, SensorModel
 
 # Noise of strong echoes: that of Ouster's sample of an OS1 (benches/fit_sensor.py); an OS0's is in steps of 8 mm.
 _OS0: dict[str, Any] = {"max_range": 100.0, "range_sigma": 0.0015}
@@ -35,6 +33,10 @@ _LONGEST_NAME = 100  # characters, which stand in pictures
 # Elevations closer than this are of the same beam [rad]: tables are rounded, and the beams of every preset are further
 # apart.
 _SAME_BEAM = 1e-3
+# The largest width of a beam, over the distance to the next, at which sub-rays do not cross however beams are tilted.
+_FILL = 0.6
+
+Blocked = tuple[tuple[tuple[float, float], ...], ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,7 +91,7 @@ class Sensor:
             raise SensorError(f"{self.name}: columns is {self.columns!r}; it must be a whole number")
         object.__setattr__(self, "columns", int(self.columns))
         beams = len(self.elevations)
-        object.__setattr__(self, "blocked", checked_blocked(self.name, self.blocked, beams))
+        object.__setattr__(self, "blocked", _checked_blocked(self.name, self.blocked, beams))
         if self.model is not None:
             with named(self.name):
                 self.model.check_beams(beams)
@@ -127,11 +129,50 @@ class Sensor:
         return {name: value for name, value in vars(self).items() if name in self.__dataclass_fields__}
 
     @cached_property
-    def blocked_pixels(self) -> np.ndarray:
-        """Which pixels the vehicle hides, bool [H, W]."""
+    def azimuths(self) -> np.ndarray:
+        """Where each pixel looks, f64 [H, W], rad; read-only."""
         middles = self.azimuth_start - (np.arange(self.columns) + 0.5) * self.azimuth_span / self.columns
-        offsets = self.azimuth_offsets or [0.0] * len(self.elevations)
-        return blocked_pixels(self.blocked, np.add.outer(offsets, middles))
+        azimuths: np.ndarray = np.add.outer(self.azimuth_offsets or np.zeros(len(self.elevations)), middles)
+        azimuths.flags.writeable = False
+        return azimuths
+
+    @cached_property
+    def blocked_pixels(self) -> np.ndarray:
+        """Which pixels the vehicle hides, bool [H, W]; read-only."""
+        pixels = np.zeros(self.shape, dtype=bool)
+        for row, intervals, azimuths in zip(pixels, self.blocked or ((),) * len(pixels), self.azimuths, strict=True):
+            for start, end in intervals:
+                row |= (azimuths - start) % (2 * math.pi) < end - start
+        pixels.flags.writeable = False
+        return pixels
+
+    def azimuth_grid(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Row and column [H, W'] of each pixel of a grid whose columns look to one azimuth, and whether there is one.
+
+        Beams with offsets in azimuth look past each other in one column of the image, by up to 10 degrees. Where the
+        sensor wraps W' is W; else the grid is as much wider as the beams look past each other, and some of it is not in
+        the image.
+        """
+        beams, width = self.shape
+        offsets = np.array(self.azimuth_offsets or [0.0] * beams)
+        shifts = np.rint(offsets / (self.azimuth_span / width)).astype(np.intp)
+        more = 0 if self.wraps else int(np.abs(shifts).max())
+        columns = np.arange(-more, width + more)[None, :] + shifts[:, None]
+        inside = (columns >= 0) & (columns < width) | self.wraps
+        return np.broadcast_to(np.arange(beams)[:, None], columns.shape), columns % width, inside
+
+    @property
+    def assumed_model(self) -> SensorModel:
+        """The sensor's own model, that of its preset (`is_preset`), or typical values for any other.
+
+        Beams of another sensor that are close together are as much narrower than typical ones as keeps them apart.
+        """
+        if self.model is not None:
+            return self.model
+        if self.is_preset:
+            return MODELS[self.name]
+        closest = -np.diff(self.elevations).max(initial=-math.inf)
+        return SensorModel(divergence_v=min(SensorModel.divergence_v, _FILL * closest))
 
     @property
     def is_preset(self) -> bool:
@@ -192,7 +233,7 @@ class Sensor:
         if not self.blocked:
             del fields["blocked"]
         if self.model is not None:
-            fields["model"] = model_to_fields(self.model)
+            fields["model"] = self.model.to_dict()
         return json.dumps(fields)
 
     @classmethod
@@ -201,7 +242,7 @@ class Sensor:
         fields = parse_object(text)
         check_fields(fields, ("name", "elevations", "columns"), cls.__dataclass_fields__)
         if fields.get("model") is not None:
-            fields["model"] = model_from_fields(fields["model"])
+            fields["model"] = SensorModel.from_dict(fields["model"])
         return cls(**fields)
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -221,6 +262,28 @@ class Sensor:
         if name not in PRESETS:
             raise SensorError(f"sensor is {name!r}; it must be {one_of(PRESETS, name)} (`Sensor.load` reads a file)")
         return PRESETS[name]
+
+
+def _checked_blocked(name: str, blocked: Any, beams: int) -> Blocked:
+    """For each beam its intervals of azimuth [rad] from a start counter-clockwise to an end; nothing for none at all.
+
+    Raises `SensorError` naming the interval of the sensor `name` that cannot be.
+    """
+    if not isinstance(blocked, list | tuple) or len(blocked) not in (0, beams):
+        raise SensorError(
+            f"{name}: blocked is {blocked!r:.50}; it must be a list of intervals for each of {beams} beams"
+        )
+    for beam, intervals in enumerate(blocked):
+        if not isinstance(intervals, list | tuple):
+            raise SensorError(f"{name}: blocked of beam {beam} is {intervals!r:.50}; it must be a list of intervals")
+        for interval in intervals:
+            if not are_numbers(interval, 2) or not 0.0 < interval[1] - interval[0] <= 2 * math.pi + 1e-9:
+                raise SensorError(
+                    f"{name}: blocked of beam {beam} has {interval!r:.50}; it must be a start and an end [rad], "
+                    "which comes after it by a full turn or less"
+                )
+    found = tuple(tuple((float(start), float(end)) for start, end in intervals) for intervals in blocked)
+    return found if any(found) else ()
 
 
 def _beams(high: float, low: float, count: int) -> tuple[float, ...]:

@@ -1,28 +1,61 @@
-"""What a sensor makes of light: the constants of its optics, receiver and output."""
+"""What a sensor makes of light: the constants of its optics, receiver and output, and those of known sensors."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from lidardraft import _core
-from lidardraft.errors import SensorError
-from lidardraft.json_fields import is_number
-from lidardraft.scene.intensity_curve import IntensityCurve
+from lidardraft.errors import FormatError, SensorError
+from lidardraft.json_fields import check_fields, check_object, is_number
 
-if TYPE_CHECKING:
-    from lidardraft.scene.sensor import Sensor  # which has a model
-
-T = TypeVar("T")
-# The largest width of a beam, over the distance to the next, at which sub-rays do not cross however beams are tilted.
-_FILL = 0.6
 # Where the sub-rays of a ring stand: turned a little, as no two may have one elevation.
 _TURN = 0.17
-_TILT_STREAM = 3  # random numbers of the tilts of a unit
+
+
+@dataclass(frozen=True, kw_only=True)
+class IntensityCurve:
+    """Readings, 0 to 1, of responses: a curve for each beam, row 0 the highest, or one for all.
+
+    Each of `readings` has a value for each of `responses`, which ascend; between these knots a reading is linear in the
+    logarithm of the response, beyond them it stays. A response of 1 is that of a white surface that faces the sensor.
+    Responses are multiplied before by one of `distance_gains`, for each beam or for all, which has a value for each of
+    `distances` [m] and is linear in its logarithm between them: optics have a focus. A reading below a beam's value of
+    `cutoffs` is 0; without values none is.
+
+    Raises `SensorError` naming the table that is none; the core checks its values.
+    """
+
+    responses: tuple[float, ...]
+    readings: tuple[tuple[float, ...], ...]
+    distances: tuple[float, ...] = ()
+    distance_gains: tuple[tuple[float, ...], ...] = ()
+    cutoffs: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        for table in ("responses", "distances", "cutoffs"):
+            object.__setattr__(self, table, _numbers(table, getattr(self, table)))
+        for table in ("readings", "distance_gains"):
+            lists = getattr(self, table)
+            if not isinstance(lists, list | tuple):
+                raise SensorError(f"{table} of the intensity curve is {lists!r:.50}; it must be a list of lists")
+            object.__setattr__(self, table, tuple(_numbers(table, values) for values in lists))
+
+    @property
+    def tables(self) -> tuple[list[float], list[list[float]], list[float], list[list[float]], list[float]]:
+        """Responses, readings, distances, gains and cut-offs, as the core has them."""
+        readings, gains = ([list(values) for values in lists] for lists in (self.readings, self.distance_gains))
+        return list(self.responses), readings, list(self.distances), gains, list(self.cutoffs)
+
+    def check_beams(self, beams: int) -> None:
+        """Raises `SensorError` where a table is not of so many beams."""
+        for table, others in (("readings", (1,)), ("distance_gains", (0, 1)), ("cutoffs", (0,))):
+            if (found := len(getattr(self, table))) not in (beams, *others):
+                raise SensorError(f"{table} of the intensity curve has {found} values; it needs {beams}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,21 +183,35 @@ class SensorModel:
         """Echoes closer than this are one [m]: half the way of light in a pulse."""
         return self.core.pulse_length
 
+    def to_dict(self) -> dict[str, Any]:
+        """All numbers by name as JSON types; an infinite range, which JSON does not have, is None."""
+        return {name: None if value == math.inf else value for name, value in asdict(self).items()}
+
     @classmethod
-    def from_sensor(cls, sensor: Sensor) -> SensorModel:
-        """The sensor's own model, that of its preset (`Sensor.is_preset`), or typical values for any other.
+    def from_dict(cls, value: Any) -> SensorModel:
+        """The inverse of `to_dict`; what is not there has its default.
 
-        Beams of another sensor that are close together are as much narrower than typical ones as keeps them apart.
+        Raises `FormatError` on a field that is unknown or no number, `SensorError` on a number that cannot be.
         """
-        from lidardraft.scene.sensor_model_presets import MODELS  # which are of this class
-
-        if sensor.model is not None:
-            return sensor.model
-        if sensor.is_preset:
-            return MODELS[sensor.name]
-        model = cls()
-        closest = -np.diff(sensor.elevations).max(initial=-math.inf)
-        return replace(model, divergence_v=min(model.divergence_v, _FILL * closest))
+        fields = dict(check_object(value))
+        check_fields(fields, (), cls.__dataclass_fields__)
+        offsets = fields.pop("range_offsets", ())
+        curve, reach = fields.pop("intensity_curve", None), fields.pop("compensation_range", None)
+        for name, given in fields.items():
+            kind = type(getattr(cls, name))
+            if not (isinstance(given, bool) if kind is bool else is_number(given)):
+                needed = "true or false" if kind is bool else "a finite number"
+                raise FormatError(f"{name} of the model is {given!r:.50}; it must be {needed}")
+            if kind is int and given != int(given):
+                raise FormatError(f"{name} of the model is {given!r}; it must be a whole number")
+            fields[name] = kind(given)
+        if reach is not None and not is_number(reach):
+            raise FormatError(f"compensation_range of the model is {reach!r:.50}; it must be a number or null")
+        fields["compensation_range"] = math.inf if reach is None else float(reach)
+        if curve is not None:
+            check_fields(check_object(curve), ("responses", "readings"), IntensityCurve.__dataclass_fields__)
+            fields["intensity_curve"] = IntensityCurve(**curve)
+        return cls(range_offsets=offsets, **fields)
 
     @classmethod
     def ideal(cls) -> SensorModel:
@@ -218,52 +265,93 @@ def _read_only(array: np.ndarray) -> np.ndarray:
     return array
 
 
-@lru_cache(maxsize=32)
-def sub_rays(sensor: Sensor, model: SensorModel) -> Sensor:
-    """The sensor whose beams are the sub-rays of `sensor`: row h * S + s is sub-ray s of beam h.
+def _numbers(table: str, values: object) -> tuple[float, ...]:
+    if not isinstance(values, list | tuple) or not all(map(is_number, values)):
+        raise SensorError(f"{table} of the intensity curve is {values!r:.50}; it must be a list of finite numbers")
+    return tuple(map(float, values))
 
-    Cast this one, and give the image to `observe` with `sensor`. Sub-rays spread in azimuth, not across the beam, so
-    that beams share their columns: at elevation e they are cos(e) closer. They look where the unit's beams look, which
-    is not quite where the table says and `observe` puts the returns. Raises `SensorError` where the beams of `sensor`
-    are so close that their sub-rays would cross.
+
+_FWHM = math.sqrt(2.0 / math.log(2.0))  # of a Gaussian: full width at 1 / e^2 over full width at half maximum
+
+# Velodyne's calibrated reflectivity (HDL-32E, VLP-16, VLP-32C manuals): 0 to 100 is per cent of a diffuse surface, 101
+# to 255 are retroreflectors. Ouster's (firmware user manual) is alike.
+_REFLECTIVITY: dict[str, Any] = {"full_scale": 300.0, "knee": 100.0 / 255.0}
+
+
+def _ouster(degrees: float, reach: float, jitter: float) -> SensorModel:
+    """Ouster's data sheets: 865 nm, a beam of `degrees` at half maximum, a range of `reach` [m] at 0.10.
+
+    `jitter` [m] is such that their samples come out (benches/fit_sensor.py).
     """
-    if model.rays_per_beam == 1 and not model.tilt_spread:
-        return sensor
-    fan = beam_fan(model)
-    beams = len(sensor.elevations)
-    elevations = np.add.outer(sensor.elevations, fan[:, 1])
-    elevations = (elevations + beam_tilts(sensor, model)[:, None]).ravel()
-    if (np.diff(elevations) >= 0).any():
-        closest = -np.diff(sensor.elevations).max()
-        raise SensorError(
-            f"{sensor.name}: beams {1e3 * closest:.2f} mrad apart overlap at a divergence of "
-            f"{1e3 * model.divergence_v:.2f} mrad; rays_per_beam must be 1"
-        )
-    offsets = np.add.outer(sensor.azimuth_offsets or np.zeros(beams), fan[:, 0]).ravel()
-    return replace(
-        sensor,
-        name=f"{sensor.name} x {model.rays_per_beam}",
-        model=None,
-        blocked=_repeated(sensor.blocked, model.rays_per_beam),
-        elevations=tuple(elevations.tolist()),
-        azimuth_offsets=tuple(offsets.tolist()),
-        origin_forwards=_repeated(sensor.origin_forwards, model.rays_per_beam),
-        origin_lefts=_repeated(sensor.origin_lefts, model.rays_per_beam),
-        origin_heights=_repeated(sensor.origin_heights, model.rays_per_beam),
+    width = math.radians(degrees) * _FWHM
+    return SensorModel(
+        divergence_h=width,
+        divergence_v=width,
+        detection_threshold=0.10 / reach**2,
+        range_step=0.001,
+        offset_spread=0.003,
+        edge_drop=0.0,  # their samples lose no more at edges than streets do without
+        tilt_spread=0.0,  # each unit's own table comes with it
+        jitter=jitter,
+        **_REFLECTIVITY,
     )
 
 
-def beam_tilts(sensor: Sensor, model: SensorModel) -> np.ndarray:
-    """By how much each beam of this unit looks higher than the table of its sensor says, f64 [H], rad.
+_ROOT_KNOTS = tuple(10.0 ** (k / 3.0) for k in range(-12, 4))  # of responses
+# HDL-64E S2 manual: 905 nm, 5 ns, 2 cm; pavement of 0.10 is seen to 50 m, from a roof: at 2 degrees, where it sends
+# back two thirds and its echo is stretched over three sub-rays. Of the 2 cm, a part is noise (`Sensor`); the rest stays
+# in a laser, as the 1 to 3 cm of Glennie and Lichti (Remote Sensing 2, 2010), who have the divergence too. Its units of
+# 2 mm disappear in a correction that differs along the range. Its intensity is corrected by a focal distance and slope
+# for each laser, of 3 to 20 m in published calibrations (ros-drivers/velodyne), so not beyond some tens of metres;
+# KITTI stores hundredths. Lasers set their own power (manual), so readings are compressed. By how much is not
+# published: that they grow with the root of the response, and that roads read 0.26, was set near what is known of
+# KITTI. In one calibration (64e_s2.1-sztaki, BSD) the least readings of the lasers are 0 to 90 of 255, 25 on average
+# and 22 apart; and the corrections for focus are 8 to 13 apart at 8 to 15 m: of a road's reading of 66, 0.12 to 0.20,
+# and of the response under the root 0.25 to 0.39, which is the spread of the gains.
+_ROOT = IntensityCurve(
+    responses=_ROOT_KNOTS, readings=(tuple(min(0.26 * math.sqrt(r / 0.1), 1.0) for r in _ROOT_KNOTS),)
+)
+_HDL64E = SensorModel(
+    divergence_h=2.0e-3,
+    divergence_v=2.0e-3,
+    detection_threshold=0.10 * 0.67 / 3 / 50.0**2,
+    range_step=0.0,
+    offset_spread=0.018,
+    gain_spread=0.3,
+    intensity_curve=_ROOT,
+    cutoff=25.0 / 255.0,
+    cutoff_spread=22.0 / 255.0,
+    levels=100,
+    compensation_range=40.0,
+)
 
-    `tilt_spread` is that of beams a degree or more apart; closer ones are less wrong in proportion.
-    """
-    steps = -np.diff(sensor.elevations)
-    step = np.minimum(np.append(steps, np.inf), np.append(np.inf, steps))
-    sampled = np.random.default_rng([model.unit, _TILT_STREAM]).standard_normal(len(step))
-    tilts: np.ndarray = np.clip(sampled, -2.5, 2.5) * model.tilt_spread * np.minimum(step / math.radians(1.0), 1.0)
-    return tilts
-
-
-def _repeated(values: tuple[T, ...], times: int) -> tuple[T, ...]:
-    return tuple(value for value in values for _ in range(times))
+MODELS: dict[str, SensorModel] = {
+    "hdl64e": _HDL64E,
+    "hdl64e-linear": _HDL64E,
+    # Manuals: 3.0 by 1.5 mrad; 100 m, and 200 m of the VLP-32C, without a reflectance. ika's VLP-32C drops rays to the
+    # ground as if that were 0.10 (benches/fit_sensor.py), so it is taken for all three; and 0.022 of them at any range,
+    # some perhaps by the projection.
+    "hdl32e": SensorModel(detection_threshold=0.10 / 100.0**2, **_REFLECTIVITY),
+    "vlp16": SensorModel(detection_threshold=0.10 / 100.0**2, **_REFLECTIVITY),
+    "vlp32c": SensorModel(
+        detection_threshold=0.10 / 200.0**2,
+        drop_exponent=0.022,
+        jitter=0.04,
+        range_step=0.004,
+        tilt_spread=2.6e-3,
+        **_REFLECTIVITY,
+    ),
+    # Pandar64 manual: 905 nm, 2 cm, 200 m at 0.10. Divergence: an estimate after sensors of its kind. Scale and noise
+    # are fitted to PandaSet by benches/fit_sensor.py.
+    "pandar64": SensorModel(
+        detection_threshold=0.10 / 200.0**2,
+        offset_spread=0.007,
+        range_step=0.004,
+        tilt_spread=1.8e-3,
+        full_scale=255.0 / 66.0,
+    ),
+    "os0-128": _ouster(0.35, 20.0, 0.03),
+    "os1-128": _ouster(0.18, 40.0, 0.035),
+    "os1-32": _ouster(0.18, 40.0, 0.035),
+    "os2-128": _ouster(0.09, 90.0, 0.035),
+}

@@ -11,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lidardraft.objects.placed_object import Vector
-from lidardraft.scene.box import corners_around
-from lidardraft.scene.layout import Layout, Primitive, object_of
+from lidardraft.scene.layout import Layout, Primitive, corners_around, object_of
 from lidardraft.semantics import BY_NAME, GROUND
 
 _MACHINES = ("bicycle", "motorcycle")

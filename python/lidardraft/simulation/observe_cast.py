@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from lidardraft.errors import LayoutError, SensorError, one_of
-from lidardraft.scene.azimuth_grid import azimuth_grid
 from lidardraft.scene.effects import observe
 from lidardraft.scene.materials import CLASS_MATERIALS, MATERIAL_BY_NAME, MATERIALS
 from lidardraft.scene.range_image import RangeImage
@@ -84,7 +83,7 @@ def observe_cast(
         "primitive": np.full(shape, -1, np.int32),
     }
     images["primitive"][seen] = primitive
-    model = model or SensorModel.from_sensor(sensor)
+    model = model or sensor.assumed_model
     scan = observe(RangeImage.unchecked(sensor, **images), surfaces, seed=seed, model=model, weather=weather)
     names = ("depth", "label", "instance", "intensity", "incidence")
     return RangeImage.unchecked(sensor, **{name: getattr(scan, name) for name in names})
@@ -199,7 +198,7 @@ def incidence_from_depth(depth: np.ndarray, label: np.ndarray, instance: np.ndar
     faces the sensor as much as it can, but for ground, which is level.
     """
     surface = label.astype(np.int64) << 32 | instance
-    rows, columns, inside = azimuth_grid(sensor)
+    rows, columns, inside = sensor.azimuth_grid()
     grid = _Grid(
         points=sensor.pattern.points(depth)[rows, columns],
         inverse=np.divide(1.0, depth, where=depth > 0, out=np.zeros(depth.shape))[rows, columns],

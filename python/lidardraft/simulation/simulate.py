@@ -24,7 +24,7 @@ class Simulator:
 
     What is scanned is `scene`: `layout` in detail, with as much `clutter` (0 to 1) beside its roads; or `layout` itself
     without `detail`. `model` is by default that of the sensor: its preset, or typical values
-    (`SensorModel.from_sensor`). `weather` is by default clear and dry. `seed` decides the layout of a sentence and the
+    (`Sensor.assumed_model`). `weather` is by default clear and dry. `seed` decides the layout of a sentence and the
     details. `threads` is how many threads a scan may use, by default as many as there are cores; scans are the same for
     any number, and several Python threads may scan at once.
 

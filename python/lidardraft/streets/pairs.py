@@ -17,7 +17,6 @@ from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import IMAGES, RangeImage
 from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor import Sensor
-from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.streets.coarse.coarse_layout import Style, coarse_layout, sample_style
 from lidardraft.streets.coarse.coarse_street import place_of
@@ -125,7 +124,7 @@ def _scanned_street(seed: int, config: StreetConfig, number: int, threads: int |
     """A street, and what looks at it; the last one is kept for the next pair of its run."""
     street = make_street(seed, config, number=number)
     # another unit of the sensor for each street
-    model = replace(SensorModel.from_sensor(config.sensor), unit=number)
+    model = replace(config.sensor.assumed_model, unit=number)
     return street, Scanner.from_layout(street.scene, config.sensor, model=model, threads=threads)
 
 

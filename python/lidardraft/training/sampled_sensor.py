@@ -9,7 +9,6 @@ import numpy as np
 
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.scene.sensor_limits import SensorLimits
-from lidardraft.scene.sensor_model import SensorModel
 
 ROWS = (16, 20, 24, 32, 40, 48, 64, 80, 96, 128)
 COLUMNS = (512, 768, 1024, 1200, 1440, 1800, 2048)
@@ -77,7 +76,7 @@ def _sample_elevations(rng: np.random.Generator) -> tuple[float, ...]:
 def _with_model(sensor: Sensor, name: str, rng: np.random.Generator) -> Sensor:
     """The sensor with constants around those of a preset: its optics, its noise, what it drops and how it reads."""
     preset = PRESETS[name]
-    model = SensorModel.from_sensor(preset if sensor.elevations == preset.elevations else sensor)
+    model = (preset if sensor.elevations == preset.elevations else sensor).assumed_model
 
     def about(value: float, factor: float) -> float:
         return float(value * np.exp(rng.uniform(-1, 1) * math.log(factor)))

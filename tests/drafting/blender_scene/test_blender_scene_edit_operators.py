@@ -3,7 +3,7 @@ import math
 import pytest
 from scene_reading import refuses, with_car
 
-from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.scene.layout import primitive_mesh
 
 EDIT = "bpy.ops.object.mode_set(mode='EDIT')\n"
 

@@ -1,7 +1,7 @@
 import pytest
 from scene_reading import refuses, with_car
 
-from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.scene.layout import primitive_mesh
 
 NEW = "import bmesh\nbm = bmesh.new()\n"
 

@@ -6,7 +6,7 @@ from scene_reading import scene, with_car
 
 from lidardraft.drafting.blender_scene import mesh_shapes
 from lidardraft.drafting.blender_scene.rotations import rotation_matrix
-from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.scene.layout import primitive_mesh
 
 
 def test_numbers_are_kept_to_the_last_digit() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 from planned import occupancies
 
 from lidardraft import Layout, Raycaster
-from lidardraft.scene.mesh import primitive_mesh
+from lidardraft.scene.layout import primitive_mesh
 from lidardraft.scene.road import Road
 from lidardraft.streets.placement.district import DISTRICTS
 from lidardraft.streets.placement.lanes import driven_lanes
