@@ -22,9 +22,8 @@ import recordings
 from lidardraft.calibration.fit import fit_sensor
 from lidardraft.calibration.recording import read_recording
 from lidardraft.cli.arguments import read_sensor
-from lidardraft.metrics.crop_features import FAMILIES
 from lidardraft.metrics.sweep import Sweep
-from lidardraft.metrics.two_sample import ALL, TwoSample, open_pixels, two_sample
+from lidardraft.metrics.two_sample import ALL, FAMILIES, TwoSample, open_pixels, two_sample
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.streets import StreetConfig, streets

@@ -23,9 +23,9 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Blocked, Sensor
 from lidardraft.training import denoising, recipes
 from lidardraft.training.denoising import thinned, train_denoiser
-from lidardraft.training.mixed_source import MixedSource
 from lidardraft.training.pairs import Pair, PairFolder, write_pairs
 from lidardraft.training.processes import ALONE, Processes
+from lidardraft.training.sources import MixedSource
 
 GENERATOR, BASE, CONTROL = (
     dataclasses.replace(stage, report_every=1, save_every=1000)

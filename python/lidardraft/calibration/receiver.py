@@ -13,7 +13,7 @@ import numpy as np
 
 from lidardraft.calibration.street_casts import StreetCasts
 from lidardraft.calibration.surface_groups import GROUND, LANE, groups_of
-from lidardraft.metrics import edges, returns
+from lidardraft.metrics import returns, surfaces
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor_model import SensorModel
 
@@ -192,7 +192,7 @@ def edge_drops(sweeps: Sequence[Sweep]) -> float:
 
 
 def _mixed(sweeps: Sequence[Sweep]) -> float:
-    shares = [share for share in map(edges.mixed_share, sweeps) if not math.isnan(share)]
+    shares = [share for share in map(surfaces.mixed_share, sweeps) if not math.isnan(share)]
     return float(np.mean(shares)) if shares else math.nan
 
 

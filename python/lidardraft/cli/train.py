@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from lidardraft.streets import StreetPair
     from lidardraft.training.denoising import DenoisingConfig, PairSource
     from lidardraft.training.loop import Report
-    from lidardraft.training.street_source import StreetSource
+    from lidardraft.training.sources import StreetSource
 
 _RECIPES = ("small", "paper", "small-paper", "tiny", "tiny-paper")
 _FURTHER_RATE = 0.3  # of the recipe's learning rate: weights that are good already would be lost with more
@@ -110,9 +110,8 @@ def _initial(name: str | None) -> Denoiser | None:
 
 def _source(arguments: argparse.Namespace) -> PairSource:
     """What --data names: streets, folders of pairs, or a mixture."""
-    from lidardraft.training.mixed_source import MixedSource
     from lidardraft.training.pairs import PairFolder
-    from lidardraft.training.street_source import StreetSource
+    from lidardraft.training.sources import MixedSource, StreetSource
 
     sensor = None if arguments.sensor is None else read_sensor(arguments.sensor)
     sources: list[PairSource] = []
@@ -212,7 +211,7 @@ def ablation(arguments: argparse.Namespace) -> None:
     from lidardraft.training import recipes
     from lidardraft.training.ablation import ARMS
     from lidardraft.training.loop import check_run_folder, device_for_training
-    from lidardraft.training.street_source import StreetSource
+    from lidardraft.training.sources import StreetSource
 
     sensor, num = read_sensor(arguments.sensor), arguments.num
     *_, base, control = recipes.small_paper().stages

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from lidardraft.errors import LidarDraftError
-from lidardraft.metrics.divergence import jensen_shannon
+from lidardraft.metrics.profiles import jensen_shannon
 
 BINS = 100
 HALF_EXTENT = 80.0  # m; cells of 1.6 m

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.metrics import edges, profiles, returns, roughness
+from lidardraft.metrics import profiles, returns, surfaces
 from lidardraft.metrics.bev import bev_histogram, histogram_mmd
-from lidardraft.metrics.divergence import jensen_shannon, wasserstein
+from lidardraft.metrics.profiles import jensen_shannon, wasserstein
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.semantics import BY_NAME
 
@@ -163,9 +163,9 @@ PROPERTIES: tuple[Property, ...] = (
         lambda first, second: histogram_mmd(np.stack(first), np.stack(second)),
         _nothing,
     ),
-    Property("edges with a mixed pixel", lambda s: np.float64(edges.mixed_share(s)), value_difference, _mean_value),
-    _histogram_property("steps between firings (JSD)", edges.range_steps, edges.STEP_EDGES),
-    _histogram_property("bends between firings (JSD)", edges.range_bends, edges.STEP_EDGES),
+    Property("edges with a mixed pixel", lambda s: np.float64(surfaces.mixed_share(s)), value_difference, _mean_value),
+    _histogram_property("steps between firings (JSD)", surfaces.range_steps, surfaces.STEP_EDGES),
+    _histogram_property("bends between firings (JSD)", surfaces.range_bends, surfaces.STEP_EDGES),
 )
 
 _INTENSITY_BORDERS = np.arange(profiles.INTENSITY_BINS + 1) / profiles.INTENSITY_BINS
@@ -201,8 +201,8 @@ def class_properties() -> tuple[Property, ...]:
             found.append(
                 _histogram_property(
                     f"roughness of {name} (JSD)",
-                    lambda sweep, ids=ids: roughness.residual_histogram(sweep, ids),  # type: ignore[misc]
-                    roughness.RESIDUAL_EDGES,
+                    lambda sweep, ids=ids: surfaces.residual_histogram(sweep, ids),  # type: ignore[misc]
+                    surfaces.RESIDUAL_EDGES,
                 )
             )
     return tuple(found)
