@@ -1,3 +1,5 @@
+import errno
+import itertools
 import os
 import socket
 import stat
@@ -8,7 +10,7 @@ import pytest
 
 from lidardraft import files
 from lidardraft.errors import FormatError, LayoutError
-from lidardraft.files import named, read_bytes, read_text, regular_size, write_text, written_whole
+from lidardraft.files import named, read_bytes, read_text, regular_size, write_text, written_together, written_whole
 
 
 def test_a_file_is_there_when_the_block_ends(tmp_path: Path) -> None:
@@ -40,6 +42,35 @@ def test_writers_of_one_path_do_not_meet(tmp_path: Path) -> None:
         first.write_text("first")
     assert path.read_text() == "first"  # it ended last
     assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("failing", range(6))  # two files move out of the way, four come
+def test_files_are_written_together_or_not_at_all(
+    tmp_path: Path, failing: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = {"scan.bin": "old points", "scan.png": "old picture"}
+    for name, text in before.items():
+        (tmp_path / name).write_text(text)
+    rename, calls = Path.replace, itertools.count()
+
+    def replace(path: Path, target: Path) -> Path:
+        if next(calls) == failing:
+            raise OSError(errno.EIO, "Input/output error")
+        return rename(path, target)
+
+    def write() -> None:
+        with written_together(tmp_path / "scan") as stem:
+            for ending in ("bin", "label", "json", "png"):
+                Path(f"{stem}.{ending}").write_text("new")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "replace", replace)
+        with pytest.raises(FormatError, match="scan cannot be written: Input/output error"):
+            write()
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == before
+    write()
+    assert {path.name for path in tmp_path.iterdir()} == {"scan.bin", "scan.label", "scan.json", "scan.png"}
+    assert {path.read_text() for path in tmp_path.iterdir()} == {"new"}
 
 
 def test_a_reader_beside_many_writers_finds_one_of_them_whole(tmp_path: Path) -> None:

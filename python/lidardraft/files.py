@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import secrets
 import stat
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -39,6 +40,46 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
         raise FormatError(f"{target} cannot be written: {error.strerror or error}") from None
     except BaseException:
         temporary.unlink(missing_ok=True)
+        raise
+
+
+@contextmanager
+def written_together(name: str | os.PathLike[str]) -> Iterator[str]:
+    """The stem of temporary files that get the stem `name` when the block ends well: all of them or none.
+
+    Raises `FormatError` where one cannot be written; the files that had these names are then as they were.
+    """
+    target = Path(name)
+    try:
+        with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as folder:
+            new, old = Path(folder, "new"), Path(folder, "old")
+            new.mkdir()
+            old.mkdir()
+            try:
+                yield f"{new}/{target.name}"
+            except FormatError as error:  # it names a temporary file
+                raise FormatError(str(error).replace(str(new), str(target.parent))) from None
+            _replace_all(new, old, target.parent)
+    except OSError as error:
+        raise FormatError(f"{target} cannot be written: {error.strerror or error}") from None
+
+
+def _replace_all(new: Path, old: Path, folder: Path) -> None:
+    """Move the files of `new` to `folder` and those that they replace to `old`; where one move fails, undo all."""
+    names = [path.name for path in new.iterdir()]
+    for name in names:
+        check_replaceable(folder / name)
+    try:
+        for name in names:
+            if os.path.lexists(folder / name):
+                (folder / name).replace(old / name)
+            (new / name).replace(folder / name)
+    except BaseException:
+        for name in names:
+            if os.path.lexists(old / name):
+                (old / name).replace(folder / name)
+            elif not os.path.lexists(new / name):
+                (folder / name).unlink()
         raise
 
 

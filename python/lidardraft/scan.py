@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,8 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft import view
-from lidardraft.errors import FormatError
-from lidardraft.files import check_replaceable
+from lidardraft.files import written_together
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
 from lidardraft.scene.box import Box
@@ -90,10 +86,9 @@ class Scan:
     def save(self, name: str | os.PathLike[str]) -> None:
         """Write `NAME.bin`, `.label`, `.boxes.json`, `.layout.json`, `.sensor.json` and `.png` beside each other.
 
-        What has such a name already is replaced. Raises `FormatError` where one of them cannot be written; then none
-        is.
+        Files of these names are replaced. Raises `FormatError` where one cannot be written; then all stay as they were.
         """
-        with _files_beside_each_other(name) as stem:
+        with written_together(name) as stem:
             _save_image(self.image, self.points(), self.picture(), stem)
             write_boxes(f"{stem}.boxes.json", self.boxes(), self.returns_per_box())
             self.layout.save(f"{stem}.layout.json")
@@ -101,30 +96,8 @@ class Scan:
 
 def save_observed(image: RangeImage, name: str | os.PathLike[str]) -> None:
     """Write an image with intensity as a `Scan` is saved, without the `.boxes.json` and `.layout.json` of a layout."""
-    with _files_beside_each_other(name) as stem:
+    with written_together(name) as stem:
         _save_image(image, image.points(), view.render_range_image(image), stem)
-
-
-@contextmanager
-def _files_beside_each_other(name: str | os.PathLike[str]) -> Iterator[str]:
-    """Where to write files that get this name, with their endings, when the block has ended well.
-
-    Raises `FormatError` where one of them cannot be written; then none is.
-    """
-    target = Path(name)
-    try:
-        with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as folder:
-            try:
-                yield f"{folder}/{target.name}"
-            except FormatError as error:  # it names the file that was asked for
-                raise FormatError(str(error).replace(folder, str(target.parent))) from None
-            files = list(Path(folder).iterdir())
-            for file in files:
-                check_replaceable(target.parent / file.name)
-            for file in files:
-                file.replace(target.parent / file.name)
-    except OSError as error:
-        raise FormatError(f"{target} cannot be written: {error.strerror or error}") from None
 
 
 def _save_image(image: RangeImage, points: np.ndarray, picture: np.ndarray, stem: str) -> None:
