@@ -122,16 +122,23 @@ def test_a_pulse_of_5_ns_is_75_cm_long():
     ("wrong", "message"),
     [
         ({"detection_threshold": -1.0}, "detection_threshold is -1; it must be finite and 0 or more"),
-        ({"speckle": math.nan}, "speckle is NaN; it must be finite and 0 or more"),
-        ({"tilt_spread": math.nan}, "tilt_spread is nan; it must be finite and 0 or more"),
-        ({"jitter": math.inf}, "jitter is inf; it must be finite and 0 or more"),
+        ({"speckle": math.nan}, "speckle is nan; it must be a finite number"),
+        ({"tilt_spread": math.nan}, "tilt_spread is nan; it must be a finite number"),
+        ({"jitter": math.inf}, "jitter is inf; it must be a finite number"),
         ({"drop_exponent": 1.5}, r"drop_exponent is 1\.5; it must be 0 to 1"),
         ({"knee": 0.0}, "knee is 0; it must be greater than 0 and at most 1"),
         ({"compensation_range": 0.0}, "compensation_range is 0; it must be greater than 0"),
         ({"pulse_duration": 0.0}, "pulse_duration is 0; it must be finite and greater than 0"),
         ({"unit": -1}, "unit is -1; it must be 0 or more"),
+        ({"unit": 10**30}, "unit is 10+; it must be a whole number below 2"),
+        ({"levels": 2.5}, "levels is 2.5; it must be a whole number"),
+        ({"full_scale": 10**400}, "full_scale is 10+; it must be a finite number"),
+        ({"divergence_v": "a"}, "divergence_v is 'a'; it must be a finite number"),
+        ({"jitter": None}, "jitter is None; it must be a finite number"),
+        ({"last_return": 1}, "last_return is 1; it must be true or false"),
+        ({"range_offsets": 3}, "range_offsets is 3; it must be a list of finite numbers"),
         ({"rays_per_beam": 2}, "rays_per_beam is 2; it must be 1, or 3 to 19"),
-        ({"divergence_h": -1.0}, r"divergence_h is -1\.0; it must be finite and 0 or more"),
+        ({"divergence_h": -1.0}, r"divergence_h is -1\.0; it must be 0 or more"),
         (
             {"divergence_v": 0.0},
             r"divergence is 0\.003 by 0\.0 rad; it must be greater than 0, or rays_per_beam 1",
@@ -144,8 +151,6 @@ def test_a_model_that_cannot_be(wrong, message):
 
 
 def test_range_offsets_go_with_the_beams():
-    with pytest.raises(SensorError, match="range_offsets is 3; it must be a list of finite numbers"):
-        SensorModel(range_offsets=3)
     with pytest.raises(SensorError, match="small: range_offsets has 1 values; it needs one for each of 2 beams"):
         Sensor(name="small", elevations=(0.1, 0.0), columns=4, model=SensorModel(range_offsets=(0.1,)))
 
@@ -216,12 +221,9 @@ def test_a_sensor_file_carries_the_model(model, tmp_path):
     [
         ([], r"\[\] is no JSON object"),
         ({"colour": 1}, "unknown field 'colour'"),
-        ({"jitter": "a"}, "jitter of the model is 'a'; it must be a finite number"),
-        ({"jitter": None}, "jitter of the model is None; it must be a finite number"),
-        ({"last_return": 1}, "last_return of the model is 1; it must be true or false"),
-        ({"rays_per_beam": 3.5}, "rays_per_beam of the model is 3.5; it must be a whole number"),
-        ({"rays_per_beam": 2}, "rays_per_beam is 2; it must be 1, or 3 to 19"),
-        ({"compensation_range": "far"}, "compensation_range of the model is 'far'; it must be a number or null"),
+        ({"jitter": "a"}, "jitter is 'a'; it must be a finite number"),
+        ({"compensation_range": "far"}, "compensation_range is 'far'; it must be a finite number"),
+        ({"unit": 1e30}, "unit is 1e.30; it must be a whole number"),
         ({"intensity_curve": 3}, "3 is no JSON object"),
         ({"intensity_curve": {"responses": [1]}}, "'readings' is missing"),
         ({"intensity_curve": {"responses": [1], "readings": [["a"]]}}, r"readings of the intensity curve is \['a'\]"),

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, astuple, dataclass, fields
 from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 
 from lidardraft import _core
-from lidardraft.errors import FormatError, SensorError
+from lidardraft.errors import SensorError
 from lidardraft.json_fields import check_fields, check_object, is_number
 
-# Where the sub-rays of a ring stand: turned a little, as no two may have one elevation.
-_TURN = 0.17
+_TURN = 0.17  # rad: sub-rays of a ring are turned a little, so that no two have one elevation
+_OF_SUB_RAYS = ("rays_per_beam", "divergence_h", "divergence_v", "tilt_spread")  # which say what is cast
+_NULLABLE = ("compensation_range", "intensity_curve")  # null in a file is their default
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,12 +23,11 @@ class IntensityCurve:
     """Readings, 0 to 1, of responses: a curve for each beam, row 0 the highest, or one for all.
 
     Each of `readings` has a value for each of `responses`, which ascend; between these knots a reading is linear in the
-    logarithm of the response, beyond them it stays. A response of 1 is that of a white surface that faces the sensor.
-    Responses are multiplied before by one of `distance_gains`, for each beam or for all, which has a value for each of
-    `distances` [m] and is linear in its logarithm between them: optics have a focus. A reading below a beam's value of
-    `cutoffs` is 0; without values none is.
+    logarithm of the response, beyond them it stays. Responses are first multiplied by one of `distance_gains`, for each
+    beam or for all, which has a value for each of `distances` [m] and is linear in its logarithm between them: optics
+    have a focus. A reading below a beam's value of `cutoffs` becomes 0; without cut-offs none does.
 
-    Raises `SensorError` naming the table that is none; the core checks its values.
+    Raises `SensorError` naming the table at fault; the core checks its values.
     """
 
     responses: tuple[float, ...]
@@ -38,21 +38,15 @@ class IntensityCurve:
 
     def __post_init__(self) -> None:
         for table in ("responses", "distances", "cutoffs"):
-            object.__setattr__(self, table, _numbers(table, getattr(self, table)))
+            object.__setattr__(self, table, _numbers(f"{table} of the intensity curve", getattr(self, table)))
         for table in ("readings", "distance_gains"):
-            lists = getattr(self, table)
+            name, lists = f"{table} of the intensity curve", getattr(self, table)
             if not isinstance(lists, list | tuple):
-                raise SensorError(f"{table} of the intensity curve is {lists!r:.50}; it must be a list of lists")
-            object.__setattr__(self, table, tuple(_numbers(table, values) for values in lists))
-
-    @property
-    def tables(self) -> tuple[list[float], list[list[float]], list[float], list[list[float]], list[float]]:
-        """Responses, readings, distances, gains and cut-offs, as the core has them."""
-        readings, gains = ([list(values) for values in lists] for lists in (self.readings, self.distance_gains))
-        return list(self.responses), readings, list(self.distances), gains, list(self.cutoffs)
+                raise SensorError(f"{name} is {lists!r:.50}; it must be a list of lists")
+            object.__setattr__(self, table, tuple(_numbers(name, values) for values in lists))
 
     def check_beams(self, beams: int) -> None:
-        """Raises `SensorError` where a table is not of so many beams."""
+        """Raises `SensorError` where a table does not have as many values as there are beams."""
         for table, others in (("readings", (1,)), ("distance_gains", (0, 1)), ("cutoffs", (0,))):
             if (found := len(getattr(self, table))) not in (beams, *others):
                 raise SensorError(f"{table} of the intensity curve has {found} values; it needs {beams}")
@@ -60,71 +54,56 @@ class IntensityCurve:
 
 @dataclass(frozen=True, kw_only=True)
 class SensorModel:
-    """The effects of one sensor; a number at 0 (or as its line says) switches an effect off.
+    """The effects of one sensor; a number of 0 (or as its line says) switches an effect off.
 
-    Optics: `rays_per_beam` sub-rays stand for each beam (1 is off), whose full width at 1 / e^2 is `divergence_h` by
-    `divergence_v` [rad]; a pulse lasts `pulse_duration` [s].
-
-    Receiver: `detection_threshold` is the response over range squared [1/m2] of power 1 (0: everything is detected). A
-    response of 1 is that of a white surface that faces the sensor. Return mode: of several echoes the strongest is
-    reported, or with `last_return` the last one above the threshold. Ray drop: an echo of power P is dropped with
-    probability 1 - exp(-2 / P^1.25 - `drop_exponent`), to which `edge_drop` is added in the exponent where the beam
-    makes several echoes; `fading` is by how much the first term differs from patch to patch of a surface (the spread of
-    its logarithm).
-
-    Scatter: `speckle` of the power from pulse to pulse, `texture` of it from patch to patch of what a beam looks at,
-    3 / 1024 of a turn long on average (both relative), `material_noise` whether materials add their own grain and
-    roughness, `dust` the depth of the stains on the window, `glass_transmission` whether rays pass through glass.
-
-    Range: `jitter` [m] is the noise of an echo of power 1, on top of the sensor's `range_sigma`; `range_step` [m]
-    rounds it. One unit differs from another: the number `unit` decides each beam's range offset, which has the standard
-    deviation `offset_spread` [m], its gain, `gain_spread` (relative), and how far its elevation is off the sensor's
-    table, `tilt_spread` [rad]. `range_offsets` are those of a unit that is known, for each beam [m], or nothing.
-
-    Output: an intensity of 1 is a response of `full_scale`, in `levels` steps (0: smooth). With a `knee` below 1 the
-    response 1 reads `knee`, and brighter ones climb from there by their logarithm. Intensity is corrected for range up
-    to `compensation_range` [m] (inf: at all ranges). An `intensity_curve` takes the place of `full_scale` and `knee`.
-    What would read less than `cutoff` reads 0; the beams of a unit differ in it by `cutoff_spread`.
-
+    A response of 1 is that of a white surface that faces the sensor; an echo whose power is 1 is just detected.
     Raises `SensorError` naming the value that cannot be.
     """
 
-    rays_per_beam: int = 3
-    divergence_h: float = 3.0e-3
-    divergence_v: float = 1.5e-3
-    pulse_duration: float = 5e-9
-    detection_threshold: float = 0.10 / 100.0**2
-    last_return: bool = False
-    speckle: float = 0.05
-    texture: float = 0.15
-    material_noise: bool = True
-    dust: float = 0.0
-    fading: float = 1.6
+    # This is the one place that names the numbers and their defaults: checks, files and the core follow the fields.
+    # Optics: a pulse of light in a Gaussian beam.
+    rays_per_beam: int = 3  # sub-rays that stand for each beam: 3 to 19, or 1 for none
+    divergence_h: float = 3.0e-3  # rad, the full width of a beam at 1 / e^2
+    divergence_v: float = 1.5e-3  # rad
+    pulse_duration: float = 5e-9  # s
+    # Receiver. An echo of power P is dropped with probability 1 - exp(-2 / P^1.25 - drop_exponent - edge_drop).
+    detection_threshold: float = 0.10 / 100.0**2  # 1/m2, the response over range squared of power 1; 0 detects all
+    last_return: bool = False  # of several echoes the last is reported, not the strongest
+    # Scatter of the power.
+    speckle: float = 0.05  # relative, from pulse to pulse
+    texture: float = 0.15  # relative, from patch to patch of what a beam looks at, 3 / 1024 of a turn long on average
+    material_noise: bool = True  # materials add their own grain and roughness
+    dust: float = 0.0  # depth of the stains on the window
+    fading: float = 1.6  # spread of the logarithm of 2 / P^1.25 from patch to patch of a surface
     drop_exponent: float = 0.0003
-    edge_drop: float = 0.05
-    glass_transmission: bool = True
-    jitter: float = 0.07
-    range_step: float = 0.002
+    edge_drop: float = 0.05  # only where the beam makes several echoes
+    glass_transmission: bool = True  # rays pass through glass
+    # Range.
+    jitter: float = 0.07  # m, noise of an echo of power 1, on top of the sensor's `range_sigma`
+    range_step: float = 0.002  # m, of rounding
+    # Beams of one unit: the number `unit` decides how each differs from the sensor's table, with these deviations.
     unit: int = 0
-    range_offsets: tuple[float, ...] = ()
-    offset_spread: float = 0.01
-    gain_spread: float = 0.08
-    tilt_spread: float = 2.2e-3
-    full_scale: float = 1.0
-    knee: float = 1.0
-    cutoff: float = 0.0
-    cutoff_spread: float = 0.0
-    levels: int = 255
-    compensation_range: float = math.inf
-    intensity_curve: IntensityCurve | None = None
+    range_offsets: tuple[float, ...] = ()  # m, of each beam, where they are known
+    offset_spread: float = 0.01  # m, of other range offsets
+    gain_spread: float = 0.08  # relative
+    tilt_spread: float = 2.2e-3  # rad, of elevations
+    # Output.
+    full_scale: float = 1.0  # the response that has an intensity of 1
+    knee: float = 1.0  # the reading of a response of 1; brighter ones climb from there by their logarithm
+    cutoff: float = 0.0  # a lower reading becomes 0
+    cutoff_spread: float = 0.0  # of the cut-off, between the beams of a unit
+    levels: int = 255  # steps of the intensity; 0 is smooth
+    compensation_range: float = math.inf  # m, up to which intensity is corrected for range
+    intensity_curve: IntensityCurve | None = None  # in place of `full_scale` and `knee`
 
     def __post_init__(self) -> None:
-        if not isinstance(self.range_offsets, list | tuple) or not all(map(is_number, self.range_offsets)):
-            raise SensorError(f"range_offsets is {self.range_offsets!r:.50}; it must be a list of finite numbers")
-        object.__setattr__(self, "range_offsets", tuple(map(float, self.range_offsets)))
+        for field in fields(self):
+            if isinstance(field.default, bool | int | float):
+                object.__setattr__(self, field.name, _as_kind_of(field.default, field.name, getattr(self, field.name)))
+        object.__setattr__(self, "range_offsets", _numbers("range_offsets", self.range_offsets))
         for name in ("divergence_h", "divergence_v", "tilt_spread"):
-            if not 0 <= getattr(self, name) < math.inf:
-                raise SensorError(f"{name} is {getattr(self, name)}; it must be finite and 0 or more")
+            if getattr(self, name) < 0:
+                raise SensorError(f"{name} is {getattr(self, name)}; it must be 0 or more")
         if self.rays_per_beam not in (1, *range(3, 20)):
             raise SensorError(f"rays_per_beam is {self.rays_per_beam}; it must be 1, or 3 to 19")
         if self.rays_per_beam > 1 and not min(self.divergence_h, self.divergence_v) > 0:
@@ -137,32 +116,10 @@ class SensorModel:
     @cached_property
     def core(self) -> _core.SensorModel:
         """The model as the core has it."""
+        values = {field.name: getattr(self, field.name) for field in fields(self) if field.name not in _OF_SUB_RAYS}
+        curve = values.pop("intensity_curve")
         return _core.SensorModel(
-            shares=beam_fan(self)[:, 2].tolist(),
-            pulse_duration=self.pulse_duration,
-            detection_threshold=self.detection_threshold,
-            last_return=self.last_return,
-            glass_transmission=self.glass_transmission,
-            speckle=self.speckle,
-            texture=self.texture,
-            material_noise=self.material_noise,
-            dust=self.dust,
-            fading=self.fading,
-            drop_exponent=self.drop_exponent,
-            edge_drop=self.edge_drop,
-            unit=self.unit,
-            range_offsets=list(self.range_offsets),
-            offset_spread=self.offset_spread,
-            gain_spread=self.gain_spread,
-            jitter=self.jitter,
-            range_step=self.range_step,
-            full_scale=self.full_scale,
-            knee=self.knee,
-            cutoff=self.cutoff,
-            cutoff_spread=self.cutoff_spread,
-            levels=self.levels,
-            compensation_range=self.compensation_range,
-            intensity_curve=None if self.intensity_curve is None else self.intensity_curve.tables,
+            shares=beam_fan(self)[:, 2].tolist(), intensity_curve=None if curve is None else astuple(curve), **values
         )
 
     def __getstate__(self) -> dict[str, Any]:
@@ -170,7 +127,7 @@ class SensorModel:
         return {name: value for name, value in vars(self).items() if name != "core"}
 
     def check_beams(self, beams: int) -> None:
-        """Raises `SensorError` where a table is not of so many beams."""
+        """Raises `SensorError` where a table does not have as many values as there are beams."""
         if len(self.range_offsets) not in (0, beams):
             raise SensorError(
                 f"range_offsets has {len(self.range_offsets)} values; it needs one for each of {beams} beams"
@@ -184,34 +141,23 @@ class SensorModel:
         return self.core.pulse_length
 
     def to_dict(self) -> dict[str, Any]:
-        """All numbers by name as JSON types; an infinite range, which JSON does not have, is None."""
+        """All fields as JSON types; an infinite range, which JSON does not have, is None."""
         return {name: None if value == math.inf else value for name, value in asdict(self).items()}
 
     @classmethod
     def from_dict(cls, value: Any) -> SensorModel:
-        """The inverse of `to_dict`; what is not there has its default.
+        """The inverse of `to_dict`; missing fields have their defaults.
 
-        Raises `FormatError` on a field that is unknown or no number, `SensorError` on a number that cannot be.
+        Raises `FormatError` on an unknown field, `SensorError` on a value that cannot be.
         """
-        fields = dict(check_object(value))
-        check_fields(fields, (), cls.__dataclass_fields__)
-        offsets = fields.pop("range_offsets", ())
-        curve, reach = fields.pop("intensity_curve", None), fields.pop("compensation_range", None)
-        for name, given in fields.items():
-            kind = type(getattr(cls, name))
-            if not (isinstance(given, bool) if kind is bool else is_number(given)):
-                needed = "true or false" if kind is bool else "a finite number"
-                raise FormatError(f"{name} of the model is {given!r:.50}; it must be {needed}")
-            if kind is int and given != int(given):
-                raise FormatError(f"{name} of the model is {given!r}; it must be a whole number")
-            fields[name] = kind(given)
-        if reach is not None and not is_number(reach):
-            raise FormatError(f"compensation_range of the model is {reach!r:.50}; it must be a number or null")
-        fields["compensation_range"] = math.inf if reach is None else float(reach)
-        if curve is not None:
-            check_fields(check_object(curve), ("responses", "readings"), IntensityCurve.__dataclass_fields__)
-            fields["intensity_curve"] = IntensityCurve(**curve)
-        return cls(range_offsets=offsets, **fields)
+        given = check_object(value)
+        check_fields(given, (), cls.__dataclass_fields__)
+        given = {name: value for name, value in given.items() if value is not None or name not in _NULLABLE}
+        if "intensity_curve" in given:
+            curve = check_object(given["intensity_curve"])
+            check_fields(curve, ("responses", "readings"), IntensityCurve.__dataclass_fields__)
+            given["intensity_curve"] = IntensityCurve(**curve)
+        return cls(**given)
 
     @classmethod
     def ideal(cls) -> SensorModel:
@@ -265,10 +211,24 @@ def _read_only(array: np.ndarray) -> np.ndarray:
     return array
 
 
-def _numbers(table: str, values: object) -> tuple[float, ...]:
+def _numbers(name: str, values: object) -> tuple[float, ...]:
     if not isinstance(values, list | tuple) or not all(map(is_number, values)):
-        raise SensorError(f"{table} of the intensity curve is {values!r:.50}; it must be a list of finite numbers")
+        raise SensorError(f"{name} is {values!r:.50}; it must be a list of finite numbers")
     return tuple(map(float, values))
+
+
+def _as_kind_of(default: float, name: str, value: Any) -> float:
+    """The value of a field as the kind of its default: a bool, an int or a float, which is infinite only as that is."""
+    kind = type(default)
+    if kind is bool:
+        fits, needed = isinstance(value, bool), "true or false"
+    elif kind is int:
+        fits, needed = is_number(value) and value % 1 == 0 and abs(value) < 2**63, "a whole number below 2^63"
+    else:
+        fits, needed = is_number(value) or value == default, "a finite number"
+    if not fits:
+        raise SensorError(f"{name} is {value!r:.50}; it must be {needed}")
+    return kind(value)
 
 
 _FWHM = math.sqrt(2.0 / math.log(2.0))  # of a Gaussian: full width at 1 / e^2 over full width at half maximum
