@@ -216,7 +216,7 @@ def test_what_is_wrong_with_boxes(refused: Callable[..., str]) -> None:
     write_boxes("a.json", [], [])
     assert "a.json: there are 0 boxes" in refused(*draft)
     write_boxes("a.json", [Box("flat", "car", 1, (9.0, 0.0, 0.0), (4.0, 2.0, 0.0), 0.0)], [3])
-    assert "a.json: flat: size is [4.0, 2.0, 0.0]; every extent must be > 0" in refused(*draft)
+    assert "a.json: flat: size is [4.0, 2.0, 0.0]; every extent must be >= 1e-06 m" in refused(*draft)
 
 
 @pytest.fixture
@@ -312,7 +312,7 @@ def test_what_is_wrong_with_a_picture(photo: list[str], refused: Callable[..., s
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"size": [4, 2, 0]}, "every extent must be > 0"),
+        ({"size": [4, 2, 0]}, "every extent must be >= 1e-06 m"),
         ({"size": [4, 2]}, "size"),
         ({"center": [0, 0, float("nan")]}, "center"),
         ({"yaw": float("inf")}, "yaw"),

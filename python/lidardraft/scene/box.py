@@ -12,6 +12,7 @@ from lidardraft.errors import LayoutError, one_of
 from lidardraft.json_fields import are_numbers, is_number
 from lidardraft.semantics import BY_NAME
 
+THINNEST = 1e-6  # m, the least extent of a shape; rays miss shapes a millionth of that
 FURTHEST = 1e9  # m, the limit of coordinates and extents: that of the core, which squares them in float32
 
 

@@ -18,9 +18,9 @@ import numpy as np
 from lidardraft.errors import FormatError, LayoutError, one_of
 from lidardraft.files import named, read_text, write_text
 from lidardraft.json_fields import check_brackets, check_fields, check_lists, check_object, is_number, parse_object
-from lidardraft.scene.box import Box, check_id, checked_vector, checked_yaw
+from lidardraft.scene.box import THINNEST, Box, check_id, checked_vector, checked_yaw
 from lidardraft.scene.materials import MATERIAL_BY_NAME
-from lidardraft.scene.mesh import TriangleMesh, unit_mesh
+from lidardraft.scene.mesh import TriangleMesh, has_surface, unit_mesh
 from lidardraft.semantics import BY_NAME
 
 SCHEMA = "lidardraft.layout/1"
@@ -79,19 +79,22 @@ class Primitive:
         self._check_extinction()
 
     def _check_size(self) -> None:
-        if self.mesh is not None and np.abs(self.mesh.vertices).max(initial=0.0) > 0.5 + 1e-6:
-            raise LayoutError(f"{self.id}: a vertex of the mesh lies outside the unit box [-1/2, 1/2]^3")
         if (self.mesh is not None) != (self.shape == "mesh"):
             raise LayoutError(f"{self.id}: shape is {self.shape!r}; shape 'mesh', and no other, comes with a mesh")
         x, y, z = self.size
         if self.shape == "plane":
-            fits, rule = x > 0 and y > 0 and z == 0, "a plane needs x > 0, y > 0 and z = 0"
-        elif self.shape == "mesh":
-            fits, rule = min(self.size) >= 0 and sum(v > 0 for v in self.size) >= 2, "a mesh needs two extents > 0"
+            fits, rule = min(x, y) >= THINNEST and z == 0, f"a plane needs x and y >= {THINNEST:g} m, and z = 0"
+        elif self.mesh is not None:
+            fits, rule = min(self.size) >= 0, "no extent may be negative"
         else:
-            fits, rule = min(self.size) > 0, "every extent must be > 0"
+            fits, rule = min(self.size) >= THINNEST, f"every extent must be >= {THINNEST:g} m"
         if not fits:
             raise LayoutError(f"{self.id}: size is {list(self.size)}; {rule}")
+        if self.mesh is not None:
+            if np.abs(self.mesh.vertices).max() > 0.5 + 1e-6:
+                raise LayoutError(f"{self.id}: a vertex of the mesh lies outside the unit box [-1/2, 1/2]^3")
+            if not has_surface(self.mesh.vertices * self.size, self.mesh.faces):
+                raise LayoutError(f"{self.id}: size is {list(self.size)}; all its triangles are points or lines")
 
     def _check_extinction(self) -> None:
         if self.extinction is None:
@@ -139,21 +142,10 @@ class Primitive:
 
     def to_dict(self) -> dict[str, Any]:
         """The primitive as JSON types; what has a default only where it differs."""
-        fields: dict[str, Any] = {
-            "shape": self.shape,
-            "center": list(self.center),
-            "size": list(self.size),
-            "yaw": self.yaw,
-            "label": self.label,
-            "id": self.id,
-            "instance": self.instance,
-        }
-        if self.material is not None:
-            fields["material"] = self.material
-        if self.extinction is not None:
-            fields["extinction"] = self.extinction
-        if self.open:
-            fields["open"] = True
+        required = ("shape", "center", "size", "yaw", "label", "id", "instance")
+        fields: dict[str, Any] = {name: getattr(self, name) for name in required}
+        fields |= {"center": list(self.center), "size": list(self.size)}
+        fields |= {name: value for name in ("material", "extinction", "open") if (value := getattr(self, name))}
         if self.mesh is not None:
             fields["vertices"], fields["faces"] = self.mesh.vertices.tolist(), self.mesh.faces.tolist()
         return fields
@@ -299,7 +291,7 @@ def primitive_mesh(primitive: Primitive) -> TriangleMesh:
     cos, sin = np.cos(primitive.yaw), np.sin(primitive.yaw)
     x, y = vertices[:, 0].copy(), vertices[:, 1].copy()
     vertices[:, 0], vertices[:, 1] = cos * x - sin * y, sin * x + cos * y
-    return TriangleMesh(vertices + primitive.center, unit.faces)
+    return TriangleMesh.unchecked(vertices + primitive.center, unit.faces)
 
 
 def _check_number(primitives: Sized) -> None:

@@ -11,6 +11,8 @@ from lidardraft import _core
 from lidardraft.errors import LayoutError
 from lidardraft.files import regular_size
 
+_LINE = 1e-12  # m2 of a triangle that is no line, for each square metre that the mesh may cover
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TriangleMesh:
@@ -68,6 +70,17 @@ class TriangleMesh:
         forth, back = start * len(self.vertices) + end, end * len(self.vertices) + start
         edges, count = np.unique(forth, return_counts=True)
         return bool((count == 1).all()) and np.array_equal(edges, np.unique(back))
+
+
+def has_surface(vertices: np.ndarray, faces: np.ndarray) -> bool:
+    """Whether any of the triangles [F, 3] of vertices [V, 3] [m] is more than a point or a line."""
+    least = _LINE * max(1.0, float(np.ptp(vertices, axis=0).max())) ** 2
+    for some in (faces[:8], faces):  # the first triangles mostly tell
+        a, b, c = vertices[some.T]
+        (x, y, z), (u, v, w) = (b - a).T, (c - a).T
+        if max(abs(y * w - z * v).max(), abs(z * u - x * w).max(), abs(x * v - y * u).max()) > least:
+            return True
+    return False
 
 
 def read_obj(path: str | PathLike[str]) -> list[tuple[str, str, TriangleMesh]]:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from lidardraft.errors import LayoutError
-from lidardraft.scene.box import FURTHEST
+from lidardraft.scene.box import FURTHEST, THINNEST
 from lidardraft.scene.layout import Primitive
-from lidardraft.scene.mesh import TriangleMesh
+from lidardraft.scene.mesh import TriangleMesh, has_surface
 
 _LEAN = 1e-6  # the sine of the angle by which a shape may lean, or its axes miss the right angle, and be upright
 _OFF = 1e-4  # of its extents, by which vertices may miss a shape: files hold them in float32
@@ -38,15 +38,15 @@ def placed_mesh(
     if upright is not None:
         size, yaw = upright
         fields |= {"center": tuple(center.tolist()), "yaw": yaw}
-        if min(size[:2]) > 0 and (shape == "plane" or (shape == "box" and size[2] == 0)):  # a slab without height
+        if min(size[:2]) >= THINNEST and (shape == "plane" or (shape == "box" and size[2] < THINNEST)):  # a slab
             return Primitive(shape="plane", size=(size[0], size[1], 0.0), **fields)
-        if shape not in ("plane", "mesh") and min(size) > 0:
+        if shape not in ("plane", "mesh") and min(size) >= THINNEST:
             return Primitive(shape=shape, size=(size[0], size[1], size[2]), **fields)
         if shape == "mesh" and np.linalg.det(stretched) > 0:  # keeps its yaw, and so a tight box around it
             return in_unit_box(vertices, faces, low, high, np.array(size), **fields)
         del fields["center"], fields["yaw"]
     world = vertices @ matrix[:3, :3].T + matrix[:3, 3]
-    return Primitive.from_mesh(world, faces, **fields) if (np.ptp(world, axis=0) > 0).sum() >= 2 else None
+    return Primitive.from_mesh(world, faces, **fields) if has_surface(world, faces) else None
 
 
 def in_unit_box(
@@ -58,9 +58,9 @@ def in_unit_box(
     """
     extent = high - low
     size = np.where(extent > 0, size, 0.0)
-    if (size > 0).sum() < 2:
-        return None
     unit = np.clip((vertices - (low + high) / 2) / np.where(extent > 0, extent, 1.0), -0.5, 0.5)
+    if not has_surface(unit * size, faces):
+        return None
     return Primitive(shape="mesh", size=tuple(size.tolist()), mesh=TriangleMesh(unit, faces), **fields)
 
 

@@ -18,6 +18,14 @@ KERB_HEIGHT = 0.12  # usual European kerb face, 10 to 15 cm
 _STRAIGHT = 1e-9  # 1/m, a bend that is none
 _SEGMENT = 2.0  # m; the chord of a 50 m bend leaves the arc by 1 cm
 _EXTENT = 200.0
+_LIMITS = {
+    "lanes": (1, 6),
+    "lane_width": (2, 6),  # m, as all below
+    "parking": (0, 5),
+    "sidewalk": (0, 10),
+    "median": (0, 20),
+    "half_length": (1, 10_000),
+}
 _SEEN_MEDIAN = 1.0  # m, a narrower one is no surface of its own
 RING = 8.0  # m, the width of a roundabout's lane: 6.5 to 9 m in the German guide of 2006 (FGSV 242)
 
@@ -61,34 +69,23 @@ class Road:
     one_way: bool = False
 
     def __post_init__(self) -> None:
-        if not 1 <= self.lanes <= 6:
-            raise LayoutError(f"lanes is {self.lanes}; a road has 1 to 6 in each direction")
-        if self.oncoming_lanes is not None:
-            self._check_oncoming_lanes(self.oncoming_lanes)
-        if not 2.0 <= self.lane_width <= 6.0:
-            raise LayoutError(f"lane_width is {self.lane_width} m; it must be 2 to 6 m")
+        for name, (low, high) in _LIMITS.items():
+            if not low <= getattr(self, name) <= high:
+                raise LayoutError(f"{name} is {getattr(self, name)}; it must be {low} to {high}")
+        if self.oncoming_lanes is not None and not 1 <= self.oncoming_lanes <= 6:
+            raise LayoutError(f"oncoming_lanes is {self.oncoming_lanes}; it must be 1 to 6")
+        if self.oncoming_lanes is not None and (self.one_way or self.median):
+            raise LayoutError(f"oncoming_lanes is {self.oncoming_lanes}; it goes with neither one_way nor a median")
         if not 0 <= self.ego_lane < self.lanes:
             raise LayoutError(f"ego_lane is {self.ego_lane}; the road has {self.lanes} lanes in each direction")
-        if not 0.0 <= self.parking <= 5.0:
-            raise LayoutError(f"parking is {self.parking} m; it must be 0 to 5 m")
-        if not 0.0 <= self.sidewalk <= 10.0:
-            raise LayoutError(f"sidewalk is {self.sidewalk} m; it must be 0 to 10 m")
-        if abs(self.curvature) * self.half_length > 2.0:
+        if not abs(self.curvature) * self.half_length <= 2.0:
             raise LayoutError(f"curvature {self.curvature} over {self.half_length} m turns the road back on itself")
         if not set(self.side_roads) <= {LEFT, RIGHT}:
             raise LayoutError(f"side_roads is {self.side_roads}; sides are {LEFT} (left) and {RIGHT} (right)")
-        if not 0.0 <= self.median <= 20.0:
-            raise LayoutError(f"median is {self.median} m; it must be 0 to 20 m")
         if self.one_way and self.median:
             raise LayoutError(f"median is {self.median} m; a one-way road has none")
         if self.roundabout_radius is not None:
             self._check_roundabout(self.roundabout_radius)
-
-    def _check_oncoming_lanes(self, number: int) -> None:
-        if not 1 <= number <= 6:
-            raise LayoutError(f"oncoming_lanes is {number}; a road has 1 to 6 in each direction")
-        if self.one_way or self.median:
-            raise LayoutError(f"oncoming_lanes is {number}; it goes with neither one_way nor a median")
 
     def _check_roundabout(self, radius: float) -> None:
         if self.junction is None or self.curvature:

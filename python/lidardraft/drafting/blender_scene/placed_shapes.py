@@ -10,6 +10,7 @@ import numpy as np
 from lidardraft.drafting.blender_scene.mesh_shapes import MeshShape
 from lidardraft.drafting.blender_scene.meshes import Mesh
 from lidardraft.drafting.blender_scene.objects import SceneObject
+from lidardraft.scene.box import THINNEST
 from lidardraft.scene.layout import Primitive
 from lidardraft.scene.placed_mesh import in_unit_box, placed_mesh
 
@@ -40,8 +41,8 @@ def _placed_exactly(item: SceneObject, mesh: Mesh, shape: MeshShape, **fields: A
     if shape.shape not in ("mesh", "any"):
         edges = zip(item.scale.numbers, stretch, shape.size, strict=True)
         length, width, height = (abs(scale * factor * edge) for scale, factor, edge in edges)
-        flat = shape.shape == "plane" or (shape.shape == "box" and height == 0)  # a slab without height
-        if min(length, width) == 0 or (height == 0 and not flat):
+        flat = shape.shape == "plane" or (shape.shape == "box" and height < THINNEST)  # a slab
+        if min(length, width, THINNEST if flat else height) < THINNEST:
             return None
         size = (length, width, 0.0 if flat else height)
         fields |= {"center": tuple(item.location.numbers), "size": size, "yaw": yaw}
