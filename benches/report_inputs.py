@@ -36,7 +36,7 @@ def report_sentences() -> None:
     """Sentences that are understood as expected, with layouts in which every relation holds, for each seed."""
     from test_sentences import read_sentences
 
-    from lidardraft.drafting.solver.relation_text import relations
+    from lidardraft.drafting.solver.scene_spec import relations
     from lidardraft.drafting.text.layout import spec_from_text
 
     sentences, passed = read_sentences(), 0

@@ -156,7 +156,10 @@ def changed(**fields: Any) -> dict[str, Any]:
         (changed(relation="behind", references=[1]), "references go in a circle: "),
         (changed(relation="behind", references=[7]), "reference is 7; it must be another of the groups"),
         (changed(size=[30, None, None]), "van: length is 30 m; a car has 2.4 to 6.5 m"),
-        (changed(count=40, distance=[0, 10]), "of 40 found room; in the way: "),
+        (
+            changed(count=40, distance=[0, 10]),
+            "of 40 vans fit in front, 0 to 10 m away, in the ego's direction; blocked by ",
+        ),
     ],
 )
 def test_what_is_wrong_with_a_reply_goes_back_to_the_model(
@@ -172,7 +175,9 @@ def test_what_is_wrong_with_a_reply_goes_back_to_the_model(
 
 def test_what_the_model_cannot_mend_is_one_line(server: ReplayServer) -> None:
     server.answers = [replied(changed(count=40, distance=[0, 10]))] * 3
-    with pytest.raises(LanguageModelError, match=r"small: none of 3 replies can be used; the last one: van .* of 40"):
+    with pytest.raises(
+        LanguageModelError, match=r"small: none of 3 replies can be used; the last one: Only . of 40 vans"
+    ):
         draft(server)
 
 

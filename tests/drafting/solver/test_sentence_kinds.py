@@ -1,6 +1,18 @@
+"""Kinds of object, and what each is made of."""
+
 import numpy as np
 import pytest
 
+from lidardraft.drafting.solver.object_shapes import (
+    ObjectPart,
+    extents,
+    in_segments,
+    street_light_parts,
+    traffic_light_parts,
+    traffic_sign_parts,
+    tree_parts,
+    with_rider,
+)
 from lidardraft.drafting.solver.scene_spec import SURFACES
 from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS, SentenceKind
 from lidardraft.semantics import BY_NAME, GROUND
@@ -9,9 +21,8 @@ SLACK = 0.08  # m; half of a lamp is over its mast
 MADE = [kind for kind in SENTENCE_KINDS.values() if kind.sizes is not None]
 
 
-def extents(kind: SentenceKind, seed: int) -> np.ndarray:
-    """The size of the smallest upright box around all parts of one object."""
-    parts = kind.sample_parts(np.random.default_rng(seed), parked=True)
+def upright_box(parts: list[ObjectPart]) -> np.ndarray:
+    """The size of the smallest upright box around all parts of one object, which stands on the ground."""
     low = np.min([np.subtract(part.center, np.divide(part.size, 2)) for part in parts], axis=0)
     high = np.max([np.add(part.center, np.divide(part.size, 2)) for part in parts], axis=0)
     assert low[2] == pytest.approx(0)
@@ -19,14 +30,16 @@ def extents(kind: SentenceKind, seed: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("kind", MADE, ids=lambda kind: kind.name)
-def test_objects_have_the_sizes_that_their_kind_states(kind: SentenceKind) -> None:
+def test_objects_have_the_sizes_and_the_label_that_their_kind_states(kind: SentenceKind) -> None:
     assert kind.sizes is not None
     low, high = np.array(kind.sizes.smallest), np.array(kind.sizes.largest)
-    sizes = np.array([extents(kind, seed) for seed in range(300)])
+    objects = [kind.sample_parts(np.random.default_rng(seed), parked=True) for seed in range(300)]
+    sizes = np.array(list(map(upright_box, objects)))
     assert (sizes > low - 1e-3).all()
     assert (sizes < high + SLACK).all()
     assert (sizes.min(axis=0) <= low + 0.25 * (high - low) + SLACK).all()
     assert (sizes.max(axis=0) >= high - 0.25 * (high - low) - 1e-3).all()
+    assert kind.label in {part.label for part in objects[0]}
 
 
 @pytest.mark.parametrize("kind", SENTENCE_KINDS.values(), ids=lambda kind: kind.name)
@@ -43,13 +56,43 @@ def test_records_fit_together(kind: SentenceKind) -> None:
         assert 1 <= low <= high
 
 
-@pytest.mark.parametrize("kind", MADE, ids=lambda kind: kind.name)
-def test_a_part_has_the_label_of_its_kind(kind: SentenceKind) -> None:
-    assert kind.label in {part.label for part in kind.sample_parts(np.random.default_rng(0))}
-
-
 def test_traffic_is_a_mix_of_vehicles() -> None:
     mix = [kind for kind in SENTENCE_KINDS.values() if kind.traffic_share]
     assert all(kind.is_vehicle for kind in mix)
     assert sum(kind.traffic_share for kind in mix) == pytest.approx(1)
     assert [kind.name for kind in SENTENCE_KINDS.values() if kind.sizes is None] == ["vehicle"]
+
+
+def test_plurals() -> None:
+    plurals = [SENTENCE_KINDS[kind].plural for kind in ("bus", "bush", "bench", "person", "hedge", "traffic-light")]
+    assert plurals == ["buses", "bushes", "benches", "people", "hedges", "traffic lights"]
+
+
+def test_segments_lie_end_to_end() -> None:
+    segments = in_segments(ObjectPart("", "box", (0.0, 0.0, 1.0), (11.0, 0.3, 2.0), "wall"))
+    assert [segment.name for segment in segments] == ["1", "2", "3"]
+    ends = [(s.center[0] - s.size[0] / 2, s.center[0] + s.size[0] / 2) for s in segments]
+    np.testing.assert_allclose(np.ravel(ends), [-5.5, -11 / 6, -11 / 6, 11 / 6, 11 / 6, 5.5])
+
+
+def test_a_rider_sits_on_what_is_ridden() -> None:
+    bicycle = ObjectPart("", "box", (0.0, 0.0, 0.55), (1.8, 0.6, 1.1), "bicycle")
+    machine, rider = with_rider(bicycle, np.random.default_rng(0))
+    assert (machine.name, rider.name, rider.label) == ("bicycle", "rider", "rider")
+    assert rider.center[2] - rider.size[2] / 2 == pytest.approx(0.66)
+    assert 1.6 <= extents([rider])[2] <= 1.85
+
+
+@pytest.mark.parametrize(
+    ("parts", "top"),
+    [
+        (tree_parts(8.0, 4.0, 0.3, 2.0), 8.0),
+        (street_light_parts(7.0), 7.075),
+        (traffic_light_parts(2.5), 3.4),
+        (traffic_sign_parts(2.3, 0.7), 2.3),
+    ],
+)
+def test_objects_on_posts_are_as_high_as_asked_and_hang_together(parts: list[ObjectPart], top: float) -> None:
+    post, head = parts
+    assert upright_box(parts)[2] == pytest.approx(top)
+    assert head.center[2] - head.size[2] / 2 <= post.size[2] + 1e-9

@@ -15,9 +15,17 @@ from lidardraft.drafting.language_model.reply_cache import ReplyCache, cache_fol
 from lidardraft.drafting.language_model.reply_text import code_of, json_of
 from lidardraft.drafting.language_model.scene_spec_schema import scene_spec_schema
 from lidardraft.drafting.solver.layout import check_seed, layout_from_spec
-from lidardraft.drafting.solver.relation_text import relations
 from lidardraft.drafting.solver.road_from_spec import MAX_DISTANCE
-from lidardraft.drafting.solver.scene_spec import EGO_LANES, HEADINGS, LANES, PLACES, RELATIONS, ROADS, SceneSpec
+from lidardraft.drafting.solver.scene_spec import (
+    EGO_LANES,
+    HEADINGS,
+    LANES,
+    PLACES,
+    RELATIONS,
+    ROADS,
+    SceneSpec,
+    relations,
+)
 from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS
 from lidardraft.errors import LayoutError, TextError, check_type
 from lidardraft.files import named

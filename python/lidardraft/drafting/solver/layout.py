@@ -6,28 +6,23 @@ import dataclasses
 import itertools
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from lidardraft.drafting.solver.crowd import Crowd
-from lidardraft.drafting.solver.lane_poses import each_lane, lanes_of
 from lidardraft.drafting.solver.occupancy import GAP, Occupancy, is_at
-from lidardraft.drafting.solver.parking_bays import sample_full
-from lidardraft.drafting.solver.placing_order import (
-    long_strips,
-    placing_order,
-    row_of,
-    with_gaps,
-    with_references,
-    with_sides,
-)
-from lidardraft.drafting.solver.relation_text import group_relations
+from lidardraft.drafting.solver.poses import RoadPose, Try, each_lane, lanes_of, sample_full
 from lidardraft.drafting.solver.relative_poses import Footprint, RelativePoses
 from lidardraft.drafting.solver.road_from_spec import road_from_spec
-from lidardraft.drafting.solver.road_pose import RoadPose
 from lidardraft.drafting.solver.road_zones import Zone, along_row, measured_from, zone_of
-from lidardraft.drafting.solver.scene_spec import ObjectGroup, SceneSpec
+from lidardraft.drafting.solver.scene_spec import (
+    EXTENTS,
+    ObjectGroup,
+    SceneSpec,
+    count_text,
+    group_relations,
+    split_place,
+)
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.errors import LayoutError
 from lidardraft.scene.layout import Layout
@@ -37,6 +32,16 @@ ARRANGEMENTS = 10  # of the whole scene
 _CROWDED = 100  # objects of one group that need more room from the start
 _LATER = 4.0  # m that a row begins later with each arrangement
 _MOST_SPACED = 40  # objects of a row whose number is a word
+# Estimates of ours.
+_APART = 1.5  # m between what stands in a row at a wall
+_BETWEEN_CROWNS = 0.3  # m
+_LONGEST_ROW, _SHORTEST_STRIP = 90.0, 3.0  # m, of many walls or hedges together, and of one of them
+_BARRIER = 2.0  # m, the length of a fence or wall that stands in a lane, across it
+_LEAST = 200  # tries to find room in a crowd before anything is said of it
+# Objects placed at random saturate at 0.56 (squares) or 0.75 (along a line) of their area (Feder, J. Theor. Biol. 1980;
+# Renyi, 1958). With the share r of places still free, at most (1 + c sqrt(r) / (1 - r)) times those that stand then
+# do; c is 1.2 to 2.3 for these, whatever their density, so that what has room is never given up.
+_FACTOR = 2.6
 
 
 def layout_from_spec(spec: SceneSpec, seed: int = 0) -> Layout:
@@ -76,7 +81,7 @@ class _Solver:
 
     def __init__(self, spec: SceneSpec, seed: int, attempt: int) -> None:
         self.spec, self.attempt = spec, attempt
-        self.groups = with_gaps(with_sides(long_strips(spec.groups)))
+        self.groups = tuple(map(with_gap, with_sides(long_strips(spec.groups))))
         self.rng = np.random.default_rng([seed, attempt] if attempt else seed)
         self.road = road_from_spec(spec, self.rng, attempt)
         self.scene = Occupancy(self.road, self.rng)
@@ -87,31 +92,20 @@ class _Solver:
 
     def arrange(self, urgent: dict[int, int]) -> int | None:
         """Place all groups; the number of the group that found no room, or None."""
-        spec = self.spec
-        for number in placing_order(spec, urgent):
+        for number in placing_order(self.spec, urgent):
             if number in self.placed:
                 continue
-            group = self.groups[number]
-            row = row_of(spec, number)
-            if row is not None:
-                if not self._place_row(row):
-                    return number
-                continue
-            for place in group.places or ("",):
-                if not self._fill(number, group, place):
-                    return number
+            group, row = self.groups[number], row_of(self.spec, number)
+            places = group.places or ("",)
+            if not (self._place_row(*row) if row else all(self._fill(number, group, place) for place in places)):
+                return number
         return None
 
     def provenance(self, seed: int) -> dict[str, object]:
         """Where the layout came from, as JSON types."""
+        road = json.loads(json.dumps(dataclasses.asdict(self.road)))
         objects = {footprint.name: number for number in self.placed for footprint in self.placed[number]}
-        return {
-            "source": "spec",
-            "seed": seed,
-            "spec": self.spec.to_dict(),
-            "road": json.loads(json.dumps(dataclasses.asdict(self.road))),
-            "objects": objects,
-        }
+        return {"source": "spec", "seed": seed, "spec": self.spec.to_dict(), "road": road, "objects": objects}
 
     def _fill(self, number: int, group: ObjectGroup, place: str) -> bool:
         """Place what a group wants at one place; a number is met exactly, a word by as many as find room."""
@@ -130,10 +124,9 @@ class _Solver:
             if self.overcrowded:
                 break
         self.placed.setdefault(number, []).extend(placed)
-        if len(placed) >= least:
-            return True
-        self._refuse(self.spec.groups[number], place, len(placed), wanted)
-        return False
+        if len(placed) < least:
+            self._refuse(self.spec.groups[number], place, len(placed), wanted)
+        return len(placed) >= least
 
     def _place(self, group: ObjectGroup, place: str, index: int, wanted: int) -> Footprint | None:
         kind = self._kind(group)
@@ -168,26 +161,19 @@ class _Solver:
         return list(pairs[int(self.rng.integers(len(pairs)))])
 
     def _place_relative(
-        self,
-        group: ObjectGroup,
-        kind: SentenceKind,
-        relation: str,
-        references: list[Footprint],
-        index: int,
-        place: str,
+        self, group: ObjectGroup, kind: SentenceKind, relation: str, near: list[Footprint], index: int, place: str
     ) -> Footprint | None:
         assert kind.sizes is not None
-        length, width, _ = kind.sizes.largest
-        sides = (group.scale or (1.0, 1.0))[:2]
-        size = tuple((group.size or (None, None))[axis] or (length, width)[axis] * sides[axis] for axis in (0, 1))
+        asked, scale = group.size or (None, None), group.scale or (1.0, 1.0)
+        length, width = (asked[axis] or kind.sizes.largest[axis] * scale[axis] for axis in (0, 1))
         lanes = lanes_of(group, "", "", self.road) if group.lane is not None else ()
-        if relation == "between" and references[0] is references[-1]:
+        if relation == "between" and near[0] is near[-1]:
             relation = "beside"  # of "the parked cars" there is only one
         poses = RelativePoses(
-            self.road, kind, (size[0], size[1]), group.heading, relation, group.distance, lanes, group.surface
+            self.road, kind, (length, width), group.heading, relation, group.distance, lanes, group.surface
         )
         for attempt in range(TRIES):
-            pose = poses.sample(references, self.rng, index, attempt / TRIES)
+            pose = poses.sample(near, Try(self.rng, 0.0, index, attempt / TRIES))
             if pose is None or not is_at(pose, place, self.road):
                 self.scene.in_the_way["the road" if pose is None else "the other place that it has"] += 1
                 continue
@@ -196,39 +182,38 @@ class _Solver:
                 return footprint
         return None
 
-    def _place_row(self, row: tuple[int, int, int]) -> bool:
+    def _place_row(self, first: int, between: int, last: int) -> bool:
         """Place one object, then in line with it those of the group between, then the other one."""
-        first, between, last = row
         start = self.spec.groups[first]
         self.scene.in_the_way.clear()
         found = self._place(start, (start.places or ("",))[0], 0, 1)
         line = [found] if found else []
         wanted = self._count(self.spec.groups[between], "one")
-        members = [between] * wanted + [last]
         self.placed[first] = list(line)
-        for member in members:
-            if not line:
-                break
+        for member in [between] * wanted + [last] if line else []:
             group = self.spec.groups[member]
-            found = self._place_relative(group, self._kind(group), "row", line[-1:], 0, (group.places or ("",))[0])
+            place = (group.places or ("",))[0]
+            found = self._place_relative(group, self._kind(group), "row", line[-1:], 0, place)
             if found is None:
                 break
             line.append(found)
             self.placed.setdefault(member, []).append(found)
-        if len(line) == wanted + 2:
-            return True
-        self._refuse(self.spec.groups[between], "", max(0, len(line) - 1), wanted)
-        return False
+        if len(line) < wanted + 2:
+            self._refuse(self.spec.groups[between], "", max(0, len(line) - 1), wanted)
+        return len(line) == wanted + 2
 
     def _refuse(self, group: ObjectGroup, place: str, placed: int, wanted: int) -> None:
-        said = group_relations(group, self.spec, place)
-        room = f"at most {self.crowd.most(placed)}" if self.crowd and self.overcrowded else placed
-        asked = wanted if group.fewest is not None else repr(group.count)
+        kind, asked = group.record, wanted if isinstance(group.count, int) else count_text(group)
+        room = f"At most {self.crowd.most(placed)}" if self.crowd and self.overcrowded else f"Only {placed}"
+        fits = f"{room} of {asked} {kind.plural} fit"
+        if placed == 0:
+            several = group.fewest is not None and wanted > 1
+            fits = f"None of {asked} {kind.plural} fits" if several else f"No {kind.name.replace('-', ' ')} fits"
         blockers = [name for name, _ in self.scene.in_the_way.most_common()] or ["the end of the road"]
         more = f" and {len(blockers) - 3} more" if len(blockers) > 3 else ""
         self.refusal = (
-            f"{' '.join([group.kind, ', '.join(said)]).strip()}: {room} of {asked} found room; "
-            f"in the way: {', '.join(blockers[:3])}{more}; ask for fewer or for another place"
+            f"{' '.join([fits, ', '.join(group_relations(group, self.spec, place))]).strip()}; "
+            f"blocked by {', '.join(blockers[:3])}{more}; ask for fewer or for another place"
         )
 
     def _least(self, group: ObjectGroup, wanted: int) -> int:
@@ -281,8 +266,7 @@ class _Solver:
 
         With each goes whether it is anywhere, and whether it is that of the near end.
         """
-        rng = self.rng
-        near, far = zone.span
+        rng, (near, far) = self.rng, zone.span
         step = (far - near) / wanted
         # what another object finds no room behind, or in front of, is moved as far as its distance allows
         referenced = any(self.groups[one] is group for other in self.groups for one in other.references)
@@ -290,32 +274,170 @@ class _Solver:
         bound = group.distance is not None and group.distance[0] == group.distance[1] == abs(near)
         tries = TRIES * 5 if wanted >= _CROWDED else TRIES
         for attempt in range(tries):
-            by_end = False
+            in_slot, by_end, further = attempt < tries // 4, False, 0.0
             if group.spacing is not None:
-                along = along_row(
-                    group, self.road, near, math.copysign(group.spacing, far - near), number // zone.sides
-                )
+                spacing = math.copysign(group.spacing, far - near)
+                along = along_row(group, self.road, near, spacing, number // zone.sides)
                 if abs(along) > self.road.half_length:
                     self.scene.in_the_way["the end of the road"] += 1
                     return
-            elif near == far:
-                further, by_end = measured_from(max(leeway, attempt / tries)) if group.distance else (0.0, False)
+            elif near == far or (bound and number < self._times(group) and in_slot):  # the first of a row
+                if group.distance:
+                    further, by_end = measured_from(max(leeway, (1 if near == far else 4) * attempt / tries))
                 along = near + math.copysign(further, near)
-            elif bound and number < self._times(group) and attempt < tries // 4:  # the first of a row
-                further, by_end = measured_from(max(leeway, 4 * attempt / tries))
-                along = near + math.copysign(further, near)
-            elif attempt < tries // 4:
+            elif in_slot:
                 along = near + step * (number + float(rng.uniform(0.25, 0.75)))
             else:
                 along = near + (far - near) * float(rng.random())
             effort = float(rng.random()) if wanted >= _CROWDED else attempt / tries
-            anywhere = attempt >= tries // 4 and group.spacing is None
-            yield (
-                anywhere,
-                by_end,
-                zone.sample_pose(rng, along, number, max(leeway, effort * (1 + self.attempt) ** 1.3)),
-            )
+            effort = max(leeway, effort * (1 + self.attempt) ** 1.3)
+            anywhere = not in_slot and group.spacing is None
+            yield anywhere, by_end, zone.sample_pose(Try(rng, along, number, effort))
 
 
 def _longest(kind: SentenceKind) -> float:
     return kind.sizes.largest[0] if kind.sizes is not None else math.inf
+
+
+@dataclasses.dataclass(slots=True)
+class Crowd:
+    """How many objects of a crowd can find room at most, from how seldom a place taken at random was free of late."""
+
+    tries: float = 0.0
+    free: float = 0.0
+
+    def add(self, *, found: bool) -> None:
+        """A place at random that was free or not."""
+        forget = 1.0 - 1.0 / _LEAST if self.tries >= _LEAST else 1.0
+        self.tries, self.free = self.tries * forget + 1.0, self.free * forget + found
+
+    def most(self, placed: int) -> float:
+        """How many find room at most when so many have; infinite while too little is known."""
+        # two standard deviations more than counted, and two
+        share = (self.free + 2 * math.sqrt(self.free) + 2) / self.tries if self.tries >= _LEAST else 1.0
+        return math.inf if share >= 1.0 else math.ceil(placed * (1.0 + _FACTOR * math.sqrt(share) / (1.0 - share)))
+
+
+def placing_order(spec: SceneSpec, urgent: Mapping[int, int]) -> list[int]:
+    """The numbers of the groups as they are placed: the `urgent`, what has relations, what is bound, the largest.
+
+    The urgent are those that found no room, with when they did so: the last of them first.
+    """
+    referenced = {reference for group in spec.groups for reference in group.references}
+
+    def depth(number: int) -> int:
+        return max((1 + depth(reference) for reference in spec.groups[number].references), default=0)
+
+    def rank(number: int) -> tuple[int, bool, int, bool, bool, int]:
+        group = spec.groups[number]
+        related = number in referenced or bool(group.references)
+        bound = group.distance is None, group.spacing is None, -group.record.precedence
+        return -urgent.get(number, -1), not related, depth(number), *bound
+
+    return sorted(range(len(spec.groups)), key=rank)
+
+
+def with_references(spec: SceneSpec, number: int) -> set[int]:
+    """A group, and all that it is placed from."""
+    return {number}.union(*(with_references(spec, reference) for reference in spec.groups[number].references))
+
+
+def row_of(spec: SceneSpec, number: int) -> tuple[int, int, int] | None:
+    """The two ends of a row and the group between them, if a group is one of its ends and both are free to move."""
+    for between, group in enumerate(spec.groups):
+        ends = group.references
+        if group.relation != "between" or number not in ends:
+            continue
+        counts = {spec.groups[end].fewest for end in ends}
+        if (len(ends), counts) not in ((1, {2}), (2, {1})) or not all(_is_free(spec.groups[end]) for end in ends):
+            continue
+        if len({spec.groups[end].places for end in ends}) > 1:
+            continue
+        if isinstance(group.count, int) and group.heading not in ("across", "parked"):
+            return ends[0], between, ends[-1]
+    return None
+
+
+def long_strips(groups: tuple[ObjectGroup, ...]) -> tuple[ObjectGroup, ...]:
+    """The groups, with the length of walls and hedges whose length is open."""
+    found = []
+    for number, group in enumerate(groups):
+        length = _strip_length(group, [other for other in groups if other.references == (number,)])
+        size = (length, *(group.size or (None, None, None))[1:])
+        found.append(group if length is None else dataclasses.replace(group, size=size))
+    return tuple(found)
+
+
+def _strip_length(group: ObjectGroup, at_it: list[ObjectGroup]) -> float | None:
+    """The length of a strip [m], None where it is said or the usual one.
+
+    One is as long as a row of what stands at it, many are shorter than usual, and in a lane they are short.
+    """
+    sizes, count = group.record.sizes, group.fewest or 0
+    if sizes is None or not group.record.follows_road or (group.size and group.size[0] is not None):
+        return None
+    if group.on_road:
+        return _BARRIER
+    if count > 1:
+        length = (_LONGEST_ROW - count * (group.spacing or _APART)) / count
+        usual = (sizes.smallest[0] + sizes.largest[0]) / 2
+        shorter = length < sizes.largest[0] and group.relation is None
+        return max(_SHORTEST_STRIP, min(length, usual)) if shorter else None
+    row = max(map(_row_length, at_it), default=0.0)
+    return row if group.count == 1 and row > sizes.largest[0] else None
+
+
+def with_sides(groups: tuple[ObjectGroup, ...]) -> tuple[ObjectGroup, ...]:
+    """The groups, where what is placed nowhere is on the side that something at one side is placed from it.
+
+    What stands beside the road has others that do so to the left of it only on the left side, and vehicles only on the
+    right side.
+    """
+    found = list(groups)
+    for group in groups:
+        sides = {split_place(place)[1] for place in group.places}
+        if group.relation in ("left-of", "right-of") and not group.places:
+            sides = {"left" if (group.relation == "left-of") != group.on_road else "right"}
+        for number in group.references:
+            reference = found[number]
+            free = not (reference.places or reference.not_places or reference.references or reference.lane)
+            if len(sides) == 1 and sides <= {"left", "right"} and free and not reference.record.drives:
+                (side,) = sides
+                side = side if group.relation != "opposite" else "right" if side == "left" else "left"
+                found[number] = dataclasses.replace(reference, places=(side,))
+    return tuple(found)
+
+
+def with_gap(group: ObjectGroup) -> ObjectGroup:
+    """The group, where a spacing that is shorter than the objects is that between the end of one and the next.
+
+    All objects are of one length then, that of trees what leaves room for the crowns.
+    """
+    spacing, sizes, size = group.spacing, group.record.sizes, group.size or (None, None, None)
+    if spacing is None or group.relation is not None or sizes is None:
+        return group
+    scale = (group.scale or (1.0,))[0]
+    if group.kind in ("tree", "bush"):
+        crown = max(EXTENTS[0], spacing - _BETWEEN_CROWNS)
+        if size[0] is None and crown < sizes.smallest[0] * scale:
+            group = dataclasses.replace(group, size=(crown, crown, size[2]))
+        return group
+    least = size[0] or sizes.smallest[0] * scale
+    length = size[0] or (sizes.smallest[0] + sizes.largest[0]) / 2 * scale
+    if spacing >= least + GAP:
+        return group
+    return dataclasses.replace(group, size=(length, *size[1:]), spacing=spacing + length)
+
+
+def _row_length(group: ObjectGroup) -> float:
+    """How long a row of all its objects is [m], 0 for what drives or is one."""
+    sizes, count = group.record.sizes, group.count
+    most = getattr(group.record.counts, count)[1] if isinstance(count, str) else count
+    most = most[1] if isinstance(most, tuple) else most
+    if sizes is None or group.record.is_vehicle or most < 2:
+        return 0.0
+    return min(EXTENTS[1], most * (sizes.largest[0] + _APART))
+
+
+def _is_free(group: ObjectGroup) -> bool:
+    return group.relation is None and group.distance is None and group.spacing is None and len(group.places) < 2

@@ -10,12 +10,10 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from lidardraft.drafting.solver.object_shapes import STANDING, ObjectPart, extents, in_segments, resized
-from lidardraft.drafting.solver.parking_bays import lot_edge
+from lidardraft.drafting.solver.poses import RoadPose, lot_edge, with_near_side_at
 from lidardraft.drafting.solver.relative_poses import Footprint
-from lidardraft.drafting.solver.road_pose import RoadPose
 from lidardraft.drafting.solver.scene_spec import EXTENTS, ObjectGroup, split_place
 from lidardraft.drafting.solver.sentence_kinds import SentenceKind
-from lidardraft.drafting.solver.set_back import with_near_side_at
 from lidardraft.errors import LayoutError
 from lidardraft.scene.check import EGO, MAX_RANGE, SIZE_RANGES, LayoutGround, Solid, penetration
 from lidardraft.scene.layout import Primitive
@@ -61,16 +59,16 @@ class Occupancy:
         if by_end:
             half = Footprint.of("", kind, pose, *extents(parts)[:2]).half_along
             pose = pose._replace(along=pose.along + math.copysign(half, pose.along))
-        if not self._may_stand(kind, group, parts, pose):
-            return None
-        primitives = [self._primitive(kind, part, pose, bent) for part in parts]
         moving = kind.drives and not parked
         close = group.distance or group.spacing or group.relation
-        ahead = FOLLOWING_GAP if moving and not close else GAP
-        wide = [Solid.from_primitive(_widened(p, ahead, GAP)) for p in primitives]
-        obstacle = next(self._obstacles(wide, side_roads=not (moving or kind.walks)), None)
-        if obstacle is not None:
-            self.in_the_way[obstacle] += 1
+        blocker, primitives = self._limit(kind, group, parts, pose), []
+        if blocker is None:
+            primitives = [self._primitive(kind, part, pose, bent) for part in parts]
+            ahead = FOLLOWING_GAP if moving and not close else GAP
+            wide = [Solid.from_primitive(_widened(p, ahead, GAP)) for p in primitives]
+            blocker = next(self._obstacles(wide, side_roads=not (moving or kind.walks)), None)
+        if blocker is not None:
+            self.in_the_way[blocker] += 1
             return None
         self._numbers[kind.name] += 1
         name = f"{kind.name}_{self._numbers[kind.name]}"
@@ -85,28 +83,20 @@ class Occupancy:
         length, width, _ = extents([part for part in parts if part.center[2] - part.size[2] / 2 < STANDING])
         return Footprint.of(name, kind, pose, length, width)  # crowns and lamps hang over what is near
 
-    def _may_stand(self, kind: SentenceKind, group: ObjectGroup, parts: list[ObjectPart], pose: RoadPose) -> bool:
-        """Whether an object may be there at all, whatever else stands around."""
+    def _limit(self, kind: SentenceKind, group: ObjectGroup, parts: list[ObjectPart], pose: RoadPose) -> str | None:
+        """What keeps an object from there whatever else stands around, by name; None where nothing does."""
         if not group.on_road and any(_reaches(part, pose.across, self.road) for part in parts):
-            self.in_the_way["the road"] += 1
-            return False
+            return "the road"
         if any(is_at(pose, place, self.road) for place in group.not_places):
-            self.in_the_way["a place where it may not be"] += 1
-            return False
+            return "a place where it may not be"
         if "sidewalk" not in kind.surfaces and not kind.on_road and self._reaches_into_lot(parts, pose):
-            self.in_the_way["the parking lot"] += 1
-            return False
+            return "the parking lot"
         x, y, _ = self.road.at(pose.along, pose.across)
         if abs(pose.along) > self.road.half_length or math.hypot(x, y) > MAX_RANGE:
-            self.in_the_way["the end of the road"] += 1
-            return False
+            return "the end of the road"
         if kind.is_vehicle and abs(pose.across) > self.road.edge and not self._is_paved(pose):
-            self.in_the_way["the kerb"] += 1
-            return False
-        if self.road.roundabout_radius is not None and self._is_in_roundabout(kind, parts, pose):
-            self.in_the_way["the roundabout"] += 1
-            return False
-        return True
+            return "the kerb"
+        return "the roundabout" if self._is_in_roundabout(kind, parts, pose) else None
 
     def _reaches_into_lot(self, parts: list[ObjectPart], pose: RoadPose) -> bool:
         if not self.road.paved_areas:
@@ -121,8 +111,8 @@ class Occupancy:
 
     def _is_in_roundabout(self, kind: SentenceKind, parts: list[ObjectPart], pose: RoadPose) -> bool:
         """Whether it would be in the way of who drives around, or on the island."""
-        assert self.road.junction is not None
-        assert self.road.roundabout_radius is not None
+        if self.road.roundabout_radius is None or self.road.junction is None:
+            return False
         radius = math.hypot(pose.along - self.road.junction, pose.across)
         around = math.atan2(pose.across, pose.along - self.road.junction) + math.pi / 2
         on_ring = abs(radius - self.road.island - RING / 2) < 0.01 and math.cos(pose.yaw - around) > 0.9

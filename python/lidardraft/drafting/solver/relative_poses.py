@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.drafting.solver.parking_bays import lot_edge, row_poses
-from lidardraft.drafting.solver.road_pose import BACKWARDS, RoadPose, turned, walking_yaw
+from lidardraft.drafting.solver.poses import BACKWARDS, Lane, RoadPose, Try, lot_edge, row_poses
 from lidardraft.drafting.solver.sentence_kinds import SentenceKind
 from lidardraft.scene.road import Road
 
@@ -54,10 +53,9 @@ class Footprint:
 
 @dataclass(frozen=True, slots=True)
 class RelativePoses:
-    """Samples poses of an object of `kind` by its `relation` to the `references`; `distance` is a range from them [m].
+    """Samples poses of an object of `kind` by its `relation` to the references; `distance` is a range from them [m].
 
-    `lanes` are the (number, direction) of those that it may be in, all if it is empty; a `surface` "sidewalk" is where
-    it stands.
+    `lanes` are those that it may be in, all if it is empty; a `surface` "sidewalk" is where it stands.
 
     The relation "row" continues a row: in line with the reference, on the side away from the ego.
     """
@@ -68,143 +66,119 @@ class RelativePoses:
     heading: str | None
     relation: str
     distance: tuple[float, float] | None = None
-    lanes: Sequence[tuple[int, int]] = ()
+    lanes: Sequence[Lane] = ()
     surface: str | None = None
 
-    def sample(
-        self, references: Sequence[Footprint], rng: np.random.Generator, number: int, effort: float
-    ) -> RoadPose | None:
-        """A pose, or None where one of its kind cannot be; `effort` rises from 0 to 1 while nothing fits."""
-        turn = number + max(
-            0, int((2 * effort - 1) * len(references))
-        )  # from others too, where the first leaves no room
-        reference, place = references[turn % len(references)], number // len(references)
+    def sample(self, references: Sequence[Footprint], at: Try) -> RoadPose | None:
+        """A pose, or None where one of its kind cannot be; where one reference leaves no room, from others too."""
+        turn = at.number + max(0, int((2 * at.effort - 1) * len(references)))
+        reference = references[turn % len(references)]
+        at = at._replace(along=reference.pose.along, number=at.number // len(references))  # of those at this one
         if self.relation == "between":
-            return self._between(references[0], references[1], rng, effort)
+            return self._between(references[0], references[1], at)
         if self.relation == "opposite":
-            lane = self.road.edge - self.road.parking / 2 if self.heading == "parked" else self.road.edge / 2
-            beside = lane if self.kind.drives else max(self.road.edge + 2.0, abs(reference.pose.across))
-            across = -reference.side * beside
-            reach = 1.0 + 2.0 * effort * place * self.size[0]  # several stand in a row
-            return self._pose(reference.pose.along + reach * float(rng.uniform(-1.0, 1.0)), across, rng, reference)
+            return self._opposite(reference, at)
         if self.relation in ("left-of", "right-of"):
-            return self._aside(reference, 1 if self.relation == "left-of" else -1, rng, effort, place)
+            return self._aside(reference, 1 if self.relation == "left-of" else -1, at)
         if self.relation == "row":
-            return self._in_line(reference, 1 if reference.pose.along >= 0 else -1, rng, effort, 0)
+            return self._in_line(reference, 1 if at.along >= 0 else -1, at._replace(number=0))
         if self.relation == "behind":
-            return self._behind(reference, rng, effort, place)
+            return self._behind(reference, at)
         if self.relation == "in-front-of":
-            return self._in_front(reference, rng, effort, place)
-        return self._beside(reference, rng, effort, place, _NEAR if self.relation == "near" else _CLOSE)
+            return self._in_front(reference, at)
+        return self._beside(reference, at, _NEAR if self.relation == "near" else _CLOSE)
 
-    def _behind(self, reference: Footprint, rng: np.random.Generator, effort: float, place: int) -> RoadPose | None:
+    def _opposite(self, reference: Footprint, at: Try) -> RoadPose | None:
+        """On the other side of the road, several in a row."""
+        lane = self.road.edge - self.road.parking / 2 if self.heading == "parked" else self.road.edge / 2
+        beside = lane if self.kind.drives else max(self.road.edge + 2.0, abs(reference.pose.across))
+        reach = 1.0 + 2.0 * at.effort * at.number * self.size[0]
+        return self._pose(at.along + reach * at.uniform(-1.0, 1.0), -reference.side * beside, reference, at)
+
+    def _behind(self, reference: Footprint, at: Try) -> RoadPose | None:
         """At its back: of what drives the rear, of what stands beside the road the side away from it."""
-        if reference.kind.drives or reference.kind.walks or self._needs_road:
-            way = -1 if reference.kind.drives else 1
-            return self._in_line(reference, way * reference.forwards, rng, effort, place)
-        deep = min(_DEEPEST, (place - 10) * self.size[1])  # hundreds make a wood
-        off = reference.half_across + self.size[1] / 2 + self._gap(_CLOSE, rng, effort, max(_FURTHER, deep))
-        along = reference.pose.along + float(rng.uniform(-0.5, 0.5)) * self._width_of_row(reference, effort, place)
-        return self._pose(along, reference.pose.across + reference.side * off, rng, reference)
+        if reference.kind.drives or reference.kind.walks or self.kind.is_vehicle:
+            return self._in_line(reference, (-1 if reference.kind.drives else 1) * reference.forwards, at)
+        deep = min(_DEEPEST, (at.number - 10) * self.size[1])  # hundreds make a wood
+        off = reference.half_across + self.size[1] / 2 + self._gap(_CLOSE, at, max(_FURTHER, deep))
+        along = at.along + at.uniform(-0.5, 0.5) * self._width_of_row(reference, at)
+        return self._pose(along, reference.pose.across + reference.side * off, reference, at)
 
-    def _in_front(self, reference: Footprint, rng: np.random.Generator, effort: float, place: int) -> RoadPose | None:
+    def _in_front(self, reference: Footprint, at: Try) -> RoadPose | None:
         """At its front: of what drives the nose, of what stands beside the road the side towards it."""
         if reference.kind.drives or reference.kind.walks:
-            way = 1 if reference.kind.drives else -1
-            return self._in_line(reference, way * reference.forwards, rng, effort, place)
-        off = reference.half_across + self.size[1] / 2 + self._gap(_CLOSE, rng, effort)
-        along = reference.pose.along + float(rng.uniform(-0.6, 0.6)) * self._width_of_row(reference, effort, place)
-        return self._pose(along, reference.pose.across - reference.side * off, rng, reference)
+            return self._in_line(reference, (1 if reference.kind.drives else -1) * reference.forwards, at)
+        off = reference.half_across + self.size[1] / 2 + self._gap(_CLOSE, at)
+        along = at.along + at.uniform(-0.6, 0.6) * self._width_of_row(reference, at)
+        return self._pose(along, reference.pose.across - reference.side * off, reference, at)
 
-    def _width_of_row(self, reference: Footprint, effort: float, place: int) -> float:
+    def _width_of_row(self, reference: Footprint, at: Try) -> float:
         """How far along the road those behind one object, or in front of it, reach [m]; more, as they find no room."""
-        if reference.kind.follows_road and place:  # first along all of it
+        if reference.kind.follows_road and at.number:  # first along all of it
             free = max(reference.half_along, 2.0 * reference.half_along - self.size[0])
-            return free + 2.0 * max(0.0, 2.0 * effort - 1.0) * place * self.size[0]
-        return reference.half_along + 2.0 * effort * place * self.size[0]
+            return free + 2.0 * max(0.0, 2.0 * at.effort - 1.0) * at.number * self.size[0]
+        return reference.half_along + 2.0 * at.effort * at.number * self.size[0]
 
-    def _in_line(
-        self, reference: Footprint, way: int, rng: np.random.Generator, effort: float, place: int
-    ) -> RoadPose | None:
-        """In its row, `place` objects of this size after the first."""
+    def _in_line(self, reference: Footprint, way: int, at: Try) -> RoadPose | None:
+        """In its row, `at.number` objects of this size after the first."""
         usual = _IN_LANE if self.kind.is_vehicle or reference.kind.is_vehicle else _CLOSE
         least = reference.half_along + self.size[0] / 2
-        off = max(least + 0.3, self._asked(rng)) if self.distance else least + self._gap(usual, rng, effort)
-        off += place * (self.size[0] + usual[0])
-        return self._pose(reference.pose.along + way * off, reference.pose.across, rng, reference)
+        off = max(least + 0.3, at.uniform(*self.distance)) if self.distance else least + self._gap(usual, at)
+        off += at.number * (self.size[0] + usual[0])
+        return self._pose(at.along + way * off, reference.pose.across, reference, at)
 
-    def _beside(
-        self, reference: Footprint, rng: np.random.Generator, effort: float, place: int, usual: tuple[float, float]
-    ) -> RoadPose | None:
+    def _beside(self, reference: Footprint, at: Try, usual: tuple[float, float]) -> RoadPose | None:
         """At its side across the road, or along it."""
-        if reference.kind.follows_road and place:  # several along a fence, or along the kerb before it
-            found = self._aside(reference, 1 if rng.random() < 0.5 else -1, rng, effort, place, usual)
+        if reference.kind.follows_road and at.number:  # several along a fence, or along the kerb before it
+            found = self._aside(reference, 1 if at.rng.random() < 0.5 else -1, at, usual)
             half = reference.half_along
-            if self._needs_road:
-                half = min(half + self.size[0] / 2, self._width_of_row(reference, effort, place))
-            along = reference.pose.along + float(rng.uniform(-1.0, 1.0)) * half
+            if self.kind.is_vehicle:
+                half = min(half + self.size[0] / 2, self._width_of_row(reference, at))
+            along = at.along + at.uniform(-1.0, 1.0) * half
             return found and found._replace(along=along)
-        along_it = not (self.kind.drives and reference.kind.drives) and rng.random() < 0.5
-        if along_it and not self._needs_road:
-            off = reference.half_along + self.size[0] / 2 + self._gap(usual, rng, effort)
-            off += min(1.0, 2.0 * effort) * place * self.size[0]
-            along = reference.pose.along + (off if rng.random() < 0.5 else -off)
-            across = reference.pose.across
+        along_it = not (self.kind.drives and reference.kind.drives) and at.rng.random() < 0.5
+        if along_it and not self.kind.is_vehicle:
+            off = reference.half_along + self.size[0] / 2 + self._gap(usual, at)
+            off += min(1.0, 2.0 * at.effort) * at.number * self.size[0]
+            along, across = at.along + (off if at.rng.random() < 0.5 else -off), reference.pose.across
             if not reference.kind.drives:  # in line with the face towards the road
                 across -= reference.side * (reference.half_across - self.size[1] / 2)
-            return self._pose(along, across, rng, reference)
-        return self._aside(reference, 1 if rng.random() < 0.5 else -1, rng, effort, place, usual)
+            return self._pose(along, across, reference, at)
+        return self._aside(reference, 1 if at.rng.random() < 0.5 else -1, at, usual)
 
-    def _aside(
-        self,
-        reference: Footprint,
-        side: int,
-        rng: np.random.Generator,
-        effort: float,
-        place: int,
-        usual: tuple[float, float] = _CLOSE,
-    ) -> RoadPose | None:
+    def _aside(self, reference: Footprint, side: int, at: Try, usual: tuple[float, float] = _CLOSE) -> RoadPose | None:
         """To one side of it, several in a row along the road as they find no room."""
-        off = reference.half_across + self.size[1] / 2 + max(_ACROSS_LANES, self._gap(usual, rng, effort / 4))
-        together = place > 0 and self.kind.drives and reference.kind.drives  # several overtake one after another
-        row = 0.0 if together else 5.0 * effort * place * (self.size[0] + 1.0)
-        along = reference.pose.along + float(rng.uniform(-0.4, 0.4)) * (reference.half_along + row)
+        near = at._replace(effort=at.effort / 4)
+        off = reference.half_across + self.size[1] / 2 + max(_ACROSS_LANES, self._gap(usual, near))
+        together = at.number > 0 and self.kind.drives and reference.kind.drives  # several overtake one after another
+        row = 0.0 if together else 5.0 * at.effort * at.number * (self.size[0] + 1.0)
+        along = at.along + at.uniform(-0.4, 0.4) * (reference.half_along + row)
         if together:
-            along -= reference.forwards * place * (self.size[0] + self._gap(_IN_LANE, rng, effort / 4))
-        return self._pose(along, reference.pose.across + side * off, rng, reference, side)
+            along -= reference.forwards * at.number * (self.size[0] + self._gap(_IN_LANE, near))
+        return self._pose(along, reference.pose.across + side * off, reference, at, side)
 
-    def _between(self, one: Footprint, other: Footprint, rng: np.random.Generator, effort: float) -> RoadPose | None:
+    def _between(self, one: Footprint, other: Footprint, at: Try) -> RoadPose | None:
         """On the way from one to the other, where it leaves room."""
-        share = 0.5 + float(rng.uniform(-0.25, 0.25)) * effort * (1.6 if self.kind.drives else 1.0)
+        share = 0.5 + at.uniform(-0.25, 0.25) * at.effort * (1.6 if self.kind.drives else 1.0)
         along = one.pose.along + share * (other.pose.along - one.pose.along)
         across = one.pose.across + share * (other.pose.across - one.pose.across)
         if self.road.curvature and not (one.kind.drives and self.kind.drives):  # straight through the bend
             start, end = (np.array(self.road.at(*each.pose[:2])[:2]) for each in (one, other))
             along, across = self.road.along_across(*(start + share * (end - start)).tolist())
-        return self._pose(along, across, rng, one)
+        return self._pose(along, across, one, at)
 
-    def _gap(
-        self, usual: tuple[float, float], rng: np.random.Generator, effort: float, further: float = _FURTHER
-    ) -> float:
-        gap = float(rng.uniform(*usual)) + further * effort * float(rng.random())
-        return self._asked(rng) if self.distance else gap
-
-    def _asked(self, rng: np.random.Generator) -> float:
-        return float(rng.uniform(*self.distance)) if self.distance else 0.0
-
-    @property
-    def _needs_road(self) -> bool:
-        return self.kind.is_vehicle
+    def _gap(self, usual: tuple[float, float], at: Try, further: float = _FURTHER) -> float:
+        """The metres that are left free to the reference: those asked for, or more than usual for want of room."""
+        gap = at.uniform(*usual) + further * at.effort * float(at.rng.random())
+        return at.uniform(*self.distance) if self.distance else gap
 
     @property
     def _on_sidewalk(self) -> bool:
         return self.surface == "sidewalk" and self.road.sidewalk > 0.9
 
-    def _pose(
-        self, along: float, across: float, rng: np.random.Generator, reference: Footprint, side: int = 0
-    ) -> RoadPose | None:
+    def _pose(self, along: float, across: float, reference: Footprint, at: Try, side: int = 0) -> RoadPose | None:
         """The pose there, moved to where its kind may be: a lane or the kerb, or beside the road."""
-        found, yaw = self._ground_at(across, rng, reference, side)
+        found, yaw = self._ground_at(across, reference, at, side)
         moved, apart = abs(found - across), (found - reference.pose.across) * side
         in_between = self.relation == "between" and reference.kind.drives == self.kind.drives
         exactly = self.relation == "near" and self.distance is not None
@@ -219,23 +193,21 @@ class RelativePoses:
             return None
         return RoadPose(along, found, yaw)
 
-    def _ground_at(
-        self, across: float, rng: np.random.Generator, reference: Footprint, side: int
-    ) -> tuple[float, float]:
+    def _ground_at(self, across: float, reference: Footprint, at: Try, side: int) -> tuple[float, float]:
         """The nearest place across the road where its kind may be, and the yaw there."""
         if self.kind.walks and str(self.heading).startswith("across"):
-            return across, walking_yaw(str(self.heading), rng)
+            return across, at.walking_yaw(str(self.heading))
         if self._on_sidewalk:
             low, high = self.road.edge + 0.4, max(self.road.edge + 0.5, self.road.verge - 0.4)
             across = math.copysign(min(max(abs(across), low), high), across)
             standing = 0.0 if across > 0 else BACKWARDS
-            return across, float(rng.uniform(-math.pi, math.pi)) if self.kind.walks else standing
+            return across, at.any_yaw() if self.kind.walks else standing
         if self.kind.walks or (self.kind.cycles and self.heading == "parked"):
             kerb = self.road.edge + self.size[0] / 2
             on_road = abs(across) < kerb and reference.side * reference.pose.across > self.road.edge
             if on_road and not self.kind.walks:  # a bicycle at a wall stands on its side of the kerb
                 across = reference.side * kerb
-            return across, float(rng.uniform(-math.pi, math.pi))
+            return across, at.any_yaw()
         if not self.kind.drives:
             clear = self._verge(1 if across > 0 else -1) + self.size[1] / 2 + 0.3
             if not self.kind.on_road and abs(across) < clear:
@@ -252,14 +224,14 @@ class RelativePoses:
         elif self.road.paved_areas and not self.lanes and self.heading in (None, "parked"):  # in front of a shop
             bay, yaw = min(row_poses(self.road, reference.side), key=lambda row: abs(row[0] - across))
             if abs(bay - across) < abs(min(ways, key=lambda way: abs(way[0] - across))[0] - across):
-                return bay, turned(rng, yaw)
+                return bay, at.turned(yaw)
         if side:  # beside it, not in its own lane
             ways = [way for way in ways if (way[0] - reference.pose.across) * side > 1.0] or ways
         lane, way = min(ways, key=lambda way: (round(abs(way[0] - across), 2), way))
         same_row = abs(lane - reference.pose.across) < 1.0 and reference.kind.drives
         if self.heading in ("with", "against"):
-            return lane, turned(rng, 0.0 if self.heading == "with" else BACKWARDS)
-        return lane, turned(rng, reference.pose.yaw if same_row else 0.0 if way > 0 else BACKWARDS)
+            return lane, at.turned(0.0 if self.heading == "with" else BACKWARDS)
+        return lane, at.turned(reference.pose.yaw if same_row else 0.0 if way > 0 else BACKWARDS)
 
     def _verge(self, side: int) -> float:
         """Where the land begins that this kind stands on, on a side, from the centreline [m]."""

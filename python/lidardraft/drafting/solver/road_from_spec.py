@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from lidardraft.drafting.solver.parking_bays import LOT_DEPTHS
+from lidardraft.drafting.solver.poses import LOT_DEPTHS
 from lidardraft.drafting.solver.road_zones import queue_length
 from lidardraft.drafting.solver.scene_spec import ObjectGroup, SceneSpec, split_place
 from lidardraft.errors import LayoutError

@@ -5,38 +5,37 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
+from functools import partial
 
-import numpy as np
-
-from lidardraft.drafting.solver.junction_poses import (
+from lidardraft.drafting.solver.poses import (
     STOP_LINE,
+    PoseSampler,
     at_corner,
+    at_kerb,
     before_and_after,
+    beside_road,
     half_of,
-    in_turn,
-    on_crossing_road,
-    on_ring,
-)
-from lidardraft.drafting.solver.lane_poses import (
+    in_aisle,
+    in_bay,
     in_lane,
-    in_lane_on_foot,
+    in_turn,
     in_turns,
     lanes_of,
     on_carriageway,
+    on_crossing_road,
     on_foot,
+    on_ring,
+    on_sidewalk,
+    set_back,
     set_down,
 )
-from lidardraft.drafting.solver.parking_bays import in_aisle, in_bay, lot_edge
-from lidardraft.drafting.solver.road_pose import BACKWARDS, PoseSampler, RoadPose, alternate, turned
 from lidardraft.drafting.solver.scene_spec import ObjectGroup, split_place
 from lidardraft.drafting.solver.sentence_kinds import SentenceKind
-from lidardraft.drafting.solver.set_back import set_back
 from lidardraft.scene.check import EGO_SIZE
 from lidardraft.scene.road import Road
 
 # Estimates of ours.
 NEAREST = 8.0  # m to the middle of what is in front or behind, where no distance is asked for
-_DEEPEST = 105.0  # m behind the sidewalk, for hundreds of objects
 _CLEAR = 0.3  # m between a row and a road that crosses it
 QUEUE_BEFORE = 25.0  # m before a junction that things are "at" it
 
@@ -45,8 +44,7 @@ QUEUE_BEFORE = 25.0  # m before a junction that things are "at" it
 class Zone:
     """Where the objects of a group may be: from and to along the road [m], and how to sample a pose there.
 
-    `sample_pose` gets the generator, a distance along, the number of the object, and an effort that rises from 0 to 1
-    while nothing fits. `sides` counts the sides of the road that the objects take in turns.
+    `sides` counts the sides of the road that the objects take in turns.
     """
 
     span: tuple[float, float]
@@ -91,26 +89,26 @@ def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Z
         if zone is not None:
             return zone
     if group.set_back:
-        return Zone(_span(group, fore, road, 45.0), set_back(group, kind, road, sides), len(sides))
+        return Zone(_span(group, fore, road, 45.0), partial(set_back, group, kind, road, sides), len(sides))
     if kind.drives:
         return _driven(group, kind, fore, side, sides, road)
     if kind.walks:
         return _person(group, fore, side, sides, road)
     span = _span(group, fore, road, 65.0)
     if group.surface == "sidewalk":
-        return Zone(span, _sidewalk(road, sides), len(sides))
+        return Zone(span, partial(on_sidewalk, road, sides), len(sides))
     if group.on_road:
         in_row = group.spacing is not None or group.distance is not None
         if kind.set_down and fore in ("front", "behind") and not side and in_row:
             sides = (-1,)  # what begins at a place ahead is one row
         lanes = lanes_of(group, fore, side, road) if group.lane == "each" else ()
         rows = len(lanes or sides) if group.lane in (None, "each") else 1
-        return Zone(span, set_down(group, kind, fore, side, sides, road), rows)
+        return Zone(span, partial(set_down, group, fore, side, sides, road), rows)
     lateral = group.distance if not fore else None
-    sample_pose = _roadside(kind, road, sides, lateral)
+    sample_pose: PoseSampler = partial(beside_road, kind, road, sides, lateral)
     if kind.at_junction and road.junction is not None and not fore and lateral is None:
         span = (road.junction - half_of(road) - 5.0, road.junction - half_of(road) - 1.0)
-        sample_pose = before_and_after(sample_pose, road.junction, len(sides))
+        sample_pose = partial(before_and_after, sample_pose, road.junction, len(sides))
     return Zone(span, sample_pose, len(sides))
 
 
@@ -119,26 +117,28 @@ def _junction_zone(
 ) -> Zone | None:
     """Where another road meets the ego's, if the group belongs there."""
     if group.crosses:
-        return Zone((junction, junction), on_crossing_road(road, str(group.heading), sides))
+        return Zone((junction, junction), partial(on_crossing_road, road, str(group.heading), sides))
     if group.turns:
-        ring = road.roundabout_radius is not None
-        return Zone((junction, junction), on_ring(road) if ring else in_turn(road, str(group.heading)))
+        if road.roundabout_radius is not None:
+            return Zone((junction, junction), partial(on_ring, road))
+        return Zone((junction, junction), partial(in_turn, road, str(group.heading)))
     if not group.at_junction or kind.at_junction:
         return None
     if kind.walks and not group.walks_across:
-        return Zone((junction, junction), at_corner(road, sides), len(sides))
+        return Zone((junction, junction), partial(at_corner, road, sides), len(sides))
     if kind.drives and group.heading != "parked":
         if road.roundabout_radius is not None and group.heading is None:
-            return Zone((junction, junction), on_ring(road))
+            return Zone((junction, junction), partial(on_ring, road))
         stop = junction - half_of(road) - STOP_LINE
         lanes = lanes_of(group, "front", "left" if sides == (1,) else "right" if sides == (-1,) else "", road)
-        return Zone((stop - 3.0, max(NEAREST, stop - QUEUE_BEFORE)), in_lane(road, lanes, kind, group.heading))
+        span = (stop - 3.0, max(NEAREST, stop - QUEUE_BEFORE))
+        return Zone(span, partial(in_lane, road, lanes, kind, group.heading, ""))
     near = junction - half_of(road) - road.sidewalk
     if kind.drives:
-        return Zone((near - 4.0, near - QUEUE_BEFORE), _kerb(road, sides), len(sides))
+        return Zone((near - 4.0, near - QUEUE_BEFORE), partial(at_kerb, road, sides), len(sides))
     if kind.walks:
         return None
-    sample_pose = before_and_after(_roadside(kind, road, sides, None), junction, len(sides))
+    sample_pose = partial(before_and_after, partial(beside_road, kind, road, sides, None), junction, len(sides))
     return Zone((near - 1.0, near - 15.0), sample_pose, len(sides))
 
 
@@ -147,19 +147,19 @@ def _driven(group: ObjectGroup, kind: SentenceKind, fore: str, side: str, sides:
     span = _span(group, fore, road, 45.0)
     if road.paved_areas and group.lane is None and group.heading in (None, "parked") and fore != "beside":
         exactly = group.distance is not None or group.spacing is not None
-        return Zone(_in_lot(span, road), in_bay(kind, road, sides, exactly=exactly), len(sides))
+        return Zone(_in_lot(span, road), partial(in_bay, kind, road, sides, exactly), len(sides))
     stands = side == "right" and road.ego_lane == 0 and kind.is_vehicle and not group.heading
     if group.lane is None and (group.heading == "parked" or stands):
-        sample_pose = _kerb(road, sides) if kind.is_vehicle else _sidewalk(road, sides)
-        return Zone(span, sample_pose, len(sides))
+        return Zone(span, partial(at_kerb if kind.is_vehicle else on_sidewalk, road, sides), len(sides))
     if group.surface == "sidewalk":
-        return Zone(span, _sidewalk(road, sides), len(sides))
+        return Zone(span, partial(on_sidewalk, road, sides), len(sides))
     if not fore:
         span = _span(group, fore, road, 60.0)
     lanes = lanes_of(group, fore, side, road)
     if group.lane == "each":
-        return Zone(span, in_turns(lanes, lambda lane: in_lane(road, [lane], kind, group.heading)))
-    return Zone(span, in_lane(road, lanes, kind, group.heading, side))
+        each = [partial(in_lane, road, [lane], kind, group.heading, "") for lane in lanes]
+        return Zone(span, partial(in_turns, each))
+    return Zone(span, partial(in_lane, road, lanes, kind, group.heading, side))
 
 
 def _in_lot(span: tuple[float, float], road: Road) -> tuple[float, float]:
@@ -202,27 +202,6 @@ def queue_length(group: ObjectGroup) -> float:
     return NEAREST + count * group.record.lane_length
 
 
-def _kerb(road: Road, sides: tuple[int, ...]) -> PoseSampler:
-    def sample(rng: np.random.Generator, along: float, number: int, _effort: float) -> RoadPose:
-        side = alternate(sides, number)
-        other_way = rng.random() < 0.1
-        middle = side * (road.edge - road.parking / 2)
-        backwards = (side > 0 and not road.one_way) != other_way
-        return RoadPose(along, middle, turned(rng, BACKWARDS if backwards else 0.0))
-
-    return sample
-
-
-def _sidewalk(road: Road, sides: tuple[int, ...]) -> PoseSampler:
-    low, high = (road.edge + 0.4, road.verge - 0.4) if road.sidewalk > 0.9 else (road.verge + 0.4, road.verge + 2.0)
-
-    def sample(rng: np.random.Generator, along: float, number: int, _effort: float) -> RoadPose:
-        turn = float(rng.choice([0.0, math.pi])) + float(rng.normal(0.0, 0.2))
-        return RoadPose(along, alternate(sides, number) * float(rng.uniform(low, high)), turn)
-
-    return sample
-
-
 def _person(group: ObjectGroup, fore: str, side: str, sides: tuple[int, ...], road: Road) -> Zone:
     """People walk on the sidewalk, unless they cross, are wanted on the road, or are simply in front or behind."""
     if group.walks_across:
@@ -230,38 +209,16 @@ def _person(group: ObjectGroup, fore: str, side: str, sides: tuple[int, ...], ro
         if road.junction is not None and group.distance is None and fore in ("", "front"):
             half = half_of(road)
             span = (road.junction - (half + road.sidewalk) - 2.0, road.junction - half - 0.5)
-        return Zone(span, on_carriageway(road, sides, str(group.heading)))
+        return Zone(span, partial(on_carriageway, road, sides, str(group.heading)))
     if group.surface == "road":
-        return Zone(_span(group, fore, road, 35.0), on_carriageway(road, sides))
+        return Zone(_span(group, fore, road, 35.0), partial(on_carriageway, road, sides, ""))
     if group.lane is not None:
-        return Zone(_span(group, fore, road, 35.0), on_foot(group, fore, side, road))
+        return Zone(_span(group, fore, road, 35.0), partial(on_foot, road, lanes_of(group, fore, side, road), group))
     if group.surface is None and fore in ("front", "behind") and not side:
-        return Zone(_span(group, fore, road, 35.0), in_lane_on_foot(road, [(road.ego_lane, 1)]))
+        return Zone(_span(group, fore, road, 35.0), partial(on_foot, road, [(road.ego_lane, 1)], group))
     if road.paved_areas:
-        return Zone(_in_lot(_span(group, fore, road, 40.0), road), in_aisle(road, sides), len(sides))
-    return Zone(_span(group, fore, road, 40.0), _sidewalk(road, sides), len(sides))
-
-
-def _roadside(
-    kind: SentenceKind, road: Road, sides: tuple[int, ...], distance: tuple[float, float] | None
-) -> PoseSampler:
-    """Behind the verge, or right at the kerb for what has no setback; `distance` [m] from the ego overrules both."""
-    ego, setback = road.lane(road.ego_lane), kind.setback
-
-    def sample(rng: np.random.Generator, along: float, number: int, effort: float) -> RoadPose:
-        side = alternate(sides, number)
-        turn = (0.0 if side > 0 else math.pi) + (
-            float(rng.normal(0.0, kind.yaw_deviation)) if kind.yaw_deviation else 0.0
-        )
-        verge = lot_edge(road, side) if road.paved_areas else road.verge
-        if distance is not None:
-            return RoadPose(along, ego + side * float(rng.uniform(*distance)), turn)
-        if setback is None:
-            return RoadPose(along, side * (road.edge + 0.5 if road.sidewalk > 0.9 else verge + 0.6), turn)
-        farthest = min(_DEEPEST, setback.usual + (setback.farthest - setback.usual) * effort)
-        return RoadPose(along, side * (verge + float(rng.uniform(setback.nearest, farthest))), turn)
-
-    return sample
+        return Zone(_in_lot(_span(group, fore, road, 40.0), road), partial(in_aisle, road, sides), len(sides))
+    return Zone(_span(group, fore, road, 40.0), partial(on_sidewalk, road, sides), len(sides))
 
 
 def along_row(group: ObjectGroup, road: Road, start: float, step: float, number: int) -> float:

@@ -10,8 +10,7 @@ from pathlib import Path
 from lark import Lark
 
 from lidardraft.drafting.solver.layout import layout_from_spec
-from lidardraft.drafting.solver.relation_text import relations
-from lidardraft.drafting.solver.scene_spec import SceneSpec
+from lidardraft.drafting.solver.scene_spec import SceneSpec, relations
 from lidardraft.drafting.text.nearest_words import nearest_words
 from lidardraft.drafting.text.number_words import LONE_NUMBER, NUMBER, NUMBERED_COMPOUND, UNIT
 from lidardraft.drafting.text.sentence_chunks import KIND_OF, chunks_of

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from lidardraft.drafting.solver.lane_poses import LANE_OFFSET
 from lidardraft.drafting.solver.object_shapes import (
     CROWN_BASE,
     TRUNK_DIAMETER,
@@ -20,7 +19,7 @@ from lidardraft.drafting.solver.object_shapes import (
     traffic_sign_parts,
 )
 from lidardraft.drafting.solver.occupancy import GAP
-from lidardraft.drafting.solver.road_pose import YAW_DEVIATION
+from lidardraft.drafting.solver.poses import LANE_OFFSET, YAW_DEVIATION
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.objects.coarse_shapes import CoarseShape, box_of
 from lidardraft.objects.kinds import Alignment, Kind, kind_of
