@@ -1,13 +1,13 @@
 """A request and its replies: errors go back to the model, good replies are kept, and what is kept is read again."""
 
+import json
+import os
 from pathlib import Path
 
 import pytest
 
-from lidardraft.drafting.language_model.chat_server import ChatServer
-from lidardraft.drafting.language_model.conversation import Conversation, Prompt, Request, converse
-from lidardraft.drafting.language_model.http_answer import TimeLimit
-from lidardraft.drafting.language_model.reply_cache import ReplyCache
+from lidardraft.drafting.language_model.chat_server import ChatReply, ChatServer, TimeLimit
+from lidardraft.drafting.language_model.conversation import Conversation, Prompt, ReplyCache, Request, converse
 from lidardraft.errors import FormatError, LanguageModelError, LayoutError
 from replay_server import Answer, ReplayServer, ollama, openai
 
@@ -94,8 +94,9 @@ def test_a_request_is_known_by_all_that_its_reply_depends_on() -> None:
 
 def test_nothing_is_asked_where_no_reply_could_be_kept(server: ReplayServer, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(FormatError, match="cannot be kept there"):
-        ask(server, tmp_path / "file")
+    for folder in (tmp_path / "file", tmp_path / "file" / "below", tmp_path / "\0"):
+        with pytest.raises(FormatError, match="replies of language models cannot be kept there: "):
+            ask(server, folder)
     assert server.requests == []
 
 
@@ -110,3 +111,54 @@ def test_a_server_that_fails_is_not_asked_again(server: ReplayServer, tmp_path: 
     server.answers = [openai("sieben"), Answer({"error": {"message": "gone"}}, 500)]
     with pytest.raises(LanguageModelError, match="500 Internal Server Error: gone"):
         ask(server, tmp_path)
+
+
+REPLIES = [ChatReply("a b\u00fcs \u2028", "small"), ChatReply("", "small", is_cut=True)]
+
+
+def test_what_is_kept_is_found_again(tmp_path: Path) -> None:
+    cache = ReplyCache(tmp_path / "a" / "b")
+    assert cache.find("12") == []
+    cache.make_folder()
+    cache.keep("12", REPLIES)
+    assert cache.find("12") == REPLIES
+    assert cache.find("34") == []
+    assert [path.name for path in (tmp_path / "a" / "b").iterdir()] == ["12.json"]
+
+
+REPLY = {"text": "a", "model": "b", "is_cut": False}
+
+
+@pytest.mark.parametrize(
+    "spoiled",
+    [
+        b"",
+        b"\xff",
+        b"[]",
+        b"{" * 100_000,
+        b'{"schema": "lidardraft.replies/1", "replies": [',
+        json.dumps({"schema": "lidardraft.replies/2", "replies": []}).encode(),
+        json.dumps({"schema": "lidardraft.replies/1", "replies": REPLY}).encode(),
+        json.dumps({"schema": "lidardraft.replies/1", "replies": [1]}).encode(),
+        json.dumps({"schema": "lidardraft.replies/1", "replies": [{**REPLY, "text": 5}]}).encode(),
+        json.dumps({"schema": "lidardraft.replies/1", "replies": [{**REPLY, "is_cut": None}]}).encode(),
+        json.dumps({"schema": "lidardraft.replies/1", "replies": [{"text": "a"}]}).encode(),
+    ],
+)
+def test_a_spoiled_file_is_told_and_written_anew(tmp_path: Path, spoiled: bytes) -> None:
+    cache = ReplyCache(tmp_path)
+    cache.path("12").write_bytes(spoiled)
+    with pytest.warns(UserWarning, match=r"12\.json.*; the model is asked again") as told:
+        assert cache.find("12") == []
+    assert str(told[0].message).count("12.json") == 1
+    cache.keep("12", REPLIES)
+    assert cache.find("12") == REPLIES
+
+
+def test_a_device_in_the_place_of_a_file_is_told_and_left_alone(tmp_path: Path) -> None:
+    cache = ReplyCache(tmp_path)
+    os.mkfifo(cache.path("12"))
+    with pytest.warns(UserWarning, match=r"12\.json is a FIFO"):
+        assert cache.find("12") == []
+    with pytest.raises(FormatError, match=r"12\.json cannot be written"):
+        cache.keep("12", REPLIES)

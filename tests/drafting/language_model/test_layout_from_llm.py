@@ -1,24 +1,38 @@
 """A text becomes a layout through a language model: as relations, or as a Blender script."""
 
+import dataclasses
 import json
+import random
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import lidardraft
-from lidardraft import Layout
+from lidardraft import Layout, layout_from_blender
 from lidardraft.drafting.language_model.layout import (
-    _layout_of_script,
     _spec_of,
     blender_prompt,
+    code_of,
+    json_of,
     layout_from_llm,
+    scene_spec_schema,
     spec_prompt,
 )
-from lidardraft.drafting.language_model.reply_text import code_of
-from lidardraft.drafting.solver.scene_spec import HEADINGS, LANES, PLACES, RELATIONS, ROADS, ObjectGroup, SceneSpec
+from lidardraft.drafting.solver.scene_spec import (
+    HEADINGS,
+    LANES,
+    PLACES,
+    RELATIONS,
+    ROADS,
+    ObjectGroup,
+    RoadSpec,
+    SceneSpec,
+)
 from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS
-from lidardraft.errors import LanguageModelError, LayoutError, TextError
+from lidardraft.drafting.text.layout import spec_from_text
+from lidardraft.errors import LanguageModelError, LayoutError, LidarDraftError, TextError
 from lidardraft.scene.check import check
 from lidardraft.semantics import CLASSES
 from replay_server import DIALECTS, Answer, ReplayServer, openai
@@ -262,7 +276,7 @@ def test_the_examples_in_the_prompts_can_be_used() -> None:
         for group in json.loads(reply)["groups"]:
             assert group.keys() == ObjectGroup.__dataclass_fields__.keys()
     ((_, script),) = examples(blender_prompt().text)
-    layout = _layout_of_script(script)
+    layout = layout_from_blender(code_of(script))
     assert check(layout) == []
     assert layout.provenance["notes"] == []
     assert sorted({primitive.label for primitive in layout}) == sorted(
@@ -279,3 +293,170 @@ def test_the_prompts_name_all_that_can_be_said_and_are_short() -> None:
     for prompt in (spec_prompt(), blender_prompt()):
         assert "$" not in prompt.text
         assert len(prompt.text) < 6000
+
+
+OBJECT = '{"road": {"kind": "bend"}, "groups": []}'
+CUBE = "import bpy\n\nbpy.ops.mesh.primitive_cube_add()\n"
+
+
+@pytest.mark.parametrize(
+    "reply",
+    [
+        OBJECT,
+        f"\n\n{OBJECT}\n",
+        f"```json\n{OBJECT}\n```",
+        f"```\n{OBJECT}\n```\nLet me know if you need more.",
+        f"Here is the scene:\n\n~~~json\n{OBJECT}\n~~~",
+        f"```json {OBJECT} ```",
+        f"<think>A road {{with}} a bend...\n</think>\n\n{OBJECT}",
+        f"Sure! {OBJECT}",
+    ],
+)
+def test_an_object_among_other_words(reply: str) -> None:
+    assert json_of(reply) == OBJECT
+
+
+def test_where_there_is_no_object_all_of_it_is_given_back() -> None:
+    assert json_of("I cannot } do { that") == "I cannot } do { that"
+    assert json_of("") == ""
+
+
+def test_an_object_that_is_cut_off_is_not_taken_for_a_smaller_one() -> None:
+    assert json_of('```json\n{"road": {"kind": "bend"}, "groups": [{"kind"') == '{"road": {"kind": "bend"}'
+
+
+@pytest.mark.parametrize(
+    "reply",
+    [
+        CUBE,
+        f"```python\n{CUBE}```",
+        f"Install it:\n```sh\npip install bpy\n```\nThen:\n\n```python\n{CUBE}\n```\nEnjoy!",
+        f"<think>\n```python\nx = 1\n```\n</think>\n~~~py\n{CUBE}~~~",
+        f"  ```python\n{CUBE}  ```  ",
+        f"```python\n{CUBE}",
+    ],
+)
+def test_a_script_among_other_words(reply: str) -> None:
+    assert code_of(reply) == CUBE
+
+
+def test_a_script_is_never_taken_for_a_path() -> None:
+    assert code_of("/etc/secrets.py") == "/etc/secrets.py\n"
+
+
+def test_fences_that_are_never_closed_are_read_in_one_pass() -> None:
+    """A pattern that looks for the end of each would take minutes."""
+    reply = "\n".join("`" * n for n in range(2000, 2, -1)) + "\n~~~\n" + "x\n" * 1_000_000
+    assert code_of(reply).endswith("x\n")
+
+
+def test_braces_after_the_object_are_words() -> None:
+    assert json_of(f"Here: {OBJECT} and enjoy {{it}}.") == OBJECT
+
+
+SENTENCES = Path(__file__).parents[1] / "text" / "sentences.txt"
+
+
+def allows(schema: dict[str, Any], value: Any) -> bool:
+    """Whether a value is of a schema, of which only the words below are known."""
+    assert schema.keys() <= {"type", "properties", "required", "additionalProperties", "items", "enum", "anyOf"}
+    if "anyOf" in schema:
+        return any(allows(each, value) for each in schema["anyOf"])
+    kinds = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": int | float}
+    if schema["type"] == "null":
+        return value is None
+    if not isinstance(value, kinds[schema["type"]]) or (type(value) is bool) != (schema["type"] == "boolean"):
+        return False
+    if schema["type"] == "array":
+        return all(allows(schema["items"], item) for item in value)
+    if schema["type"] == "object":
+        fields = schema["properties"]
+        return value.keys() == fields.keys() and all(allows(fields[name], item) for name, item in value.items())
+    return value in schema.get("enum", [value])
+
+
+def whole(spec: SceneSpec) -> dict[str, Any]:
+    """A spec as a model writes it that obeys the schema: with all fields."""
+
+    def listed(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {name: listed(item) for name, item in value.items()}
+        return [listed(item) for item in value] if isinstance(value, list | tuple) else value
+
+    fields: dict[str, Any] = listed(dataclasses.asdict(spec))
+    return fields
+
+
+def objects_of(schema: Any) -> Iterator[dict[str, Any]]:
+    if isinstance(schema, dict):
+        if schema.get("type") == "object":
+            yield schema
+        for each in schema.values():
+            yield from objects_of(each)
+    elif isinstance(schema, list):
+        for each in schema:
+            yield from objects_of(each)
+
+
+def test_it_has_the_fields_of_a_spec_each_of_them_required() -> None:
+    schema = scene_spec_schema()
+    spec, road, group = objects_of(schema)
+    for found, kind in ((spec, SceneSpec), (road, RoadSpec), (group, ObjectGroup)):
+        assert found["properties"].keys() == {field.name for field in dataclasses.fields(kind)}
+        assert found["required"] == list(found["properties"])
+        assert found["additionalProperties"] is False
+
+
+def test_it_allows_what_every_sentence_says_and_it_is_read_back() -> None:
+    schema, seen = scene_spec_schema(), 0
+    for line in SENTENCES.read_text().splitlines():
+        if line.startswith(("    ", "#")) or not line:
+            continue
+        try:
+            spec = spec_from_text(line)
+        except TextError:
+            continue
+        fields = whole(spec)
+        assert allows(schema, fields), line
+        assert SceneSpec.from_dict(fields) == spec
+        seen += 1
+    assert seen > 200
+
+
+def sample(schema: dict[str, Any], rng: random.Random) -> Any:
+    """A value that the schema allows."""
+    if "anyOf" in schema:
+        return sample(rng.choice(schema["anyOf"]), rng)
+    if "enum" in schema:
+        return rng.choice(schema["enum"])
+    if schema["type"] == "array":
+        return [sample(schema["items"], rng) for _ in range(rng.choice((0, 0, 1, 2, 3)))]
+    if schema["type"] == "object":
+        return {name: sample(each, rng) for name, each in schema["properties"].items()}
+    values = {"null": (None,), "boolean": (True, False), "integer": (-1, 0, 1, 2, 10**30), "string": ("", "a car")}
+    return rng.choice(values.get(schema["type"], (-1.0, 0, 0.5, 2, 30, 1e308, float("inf"), float("nan"))))
+
+
+def test_what_it_allows_is_read_or_refused() -> None:
+    schema, read, refused = scene_spec_schema(), 0, 0
+    for seed in range(1000):
+        fields = sample(schema, random.Random(seed))
+        assert allows(schema, fields)
+        try:
+            SceneSpec.from_json(json.dumps(fields))
+            read += 1
+        except LidarDraftError:
+            refused += 1
+    assert min(read, refused) > 100
+
+
+def test_it_forbids_what_no_spec_says() -> None:
+    schema = scene_spec_schema()
+    fields = whole(SceneSpec(groups=(ObjectGroup(kind="car"),)))
+    assert allows(schema, fields)
+    changes = [{"kind": "llama"}, {"count": "lots"}, {"places": ["above"]}, {"lane": "fast"}, {"heading": "up"}]
+    changes += [{"distance": "far"}, {"relation": "on"}, {"references": ["bus"]}, {"colour": "red"}, {"words": None}]
+    for change in changes:
+        assert not allows(schema, {**fields, "groups": [{**fields["groups"][0], **change}]}), change
+    assert not allows(schema, {**fields, "road": {**fields["road"], "kind": "canal"}})
+    assert not allows(schema, {name: fields[name] for name in ("road", "groups")})

@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable
+import os
+import warnings
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from string import Template
 from typing import Any, Generic, TypeVar
 
-from lidardraft.drafting.language_model.chat_server import ChatReply, ChatServer
-from lidardraft.drafting.language_model.http_answer import TimeLimit
-from lidardraft.drafting.language_model.reply_cache import ReplyCache
-from lidardraft.errors import LanguageModelError, LidarDraftError
-from lidardraft.files import read_text
+from lidardraft.drafting.language_model.chat_server import ChatReply, ChatServer, TimeLimit
+from lidardraft.errors import FormatError, LanguageModelError, LidarDraftError
+from lidardraft.files import named, read_text, written_whole
+from lidardraft.json_fields import parse_object
 
 T = TypeVar("T")
 MAX_ATTEMPTS = 3  # the first one and two retries
 _PROMPTS = Path(__file__).with_name("prompts")
 _LONGEST_ECHO = 20_000  # characters of a refused reply that the model is shown again
+_SCHEMA = "lidardraft.replies/1"
+_FIELDS = {"text": str, "model": str, "is_cut": bool}
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +91,56 @@ class Conversation(Generic[T]):
             "attempts": [{"reply_sha256": _sha256(a.reply.text), "error": a.error} for a in self.attempts],
             "reply": replies[-1].text,
         }
+
+
+class ReplyCache:
+    """A folder with a file for each request: the replies that it got, of which the last one was good."""
+
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
+        self.folder = Path(folder)
+
+    def make_folder(self) -> None:
+        """Raises `FormatError` where the folder cannot be made or written to, before a reply is asked for in vain."""
+        reason = "it may not be written to"
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            usable = os.access(self.folder, os.W_OK | os.X_OK)
+        except (OSError, ValueError) as error:
+            usable, reason = False, getattr(error, "strerror", None) or str(error)
+        if not usable:
+            raise FormatError(f"{self.folder}: replies of language models cannot be kept there: {reason}")
+
+    def find(self, request: str) -> list[ChatReply]:
+        """The replies to the request of that hash, none where there are none; a broken file is a `UserWarning`."""
+        path = self.path(request)
+        if not path.exists():
+            return []
+        try:
+            text = read_text(path)
+            with named(path):
+                return _replies(text)
+        except LidarDraftError as error:
+            warnings.warn(f"{error}; the model is asked again", stacklevel=2)
+            return []
+
+    def keep(self, request: str, replies: Sequence[ChatReply]) -> None:
+        """Write the replies to a request."""
+        document = {"schema": _SCHEMA, "replies": [{name: getattr(r, name) for name in _FIELDS} for r in replies]}
+        with written_whole(self.path(request)) as path:
+            path.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+
+    def path(self, request: str) -> Path:
+        """The file of the request of that hash."""
+        return self.folder / f"{request}.json"
+
+
+def _replies(text: str) -> list[ChatReply]:
+    kept = parse_object(text)
+    rows: Any = kept.get("replies")
+    types = [isinstance(row, dict) and {name: type(value) for name, value in row.items()} for row in rows or ()]
+    if kept.get("schema") != _SCHEMA or not isinstance(rows, list) or any(each != _FIELDS for each in types):
+        raise FormatError(f"it holds no replies in the schema {_SCHEMA!r}")
+    return [ChatReply(**row) for row in rows]
 
 
 def converse(request: Request, read: Callable[[str], T], cache: ReplyCache, limit: TimeLimit) -> Conversation[T]:

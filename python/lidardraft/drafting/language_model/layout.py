@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import os
 import re
 from typing import Any
 
+from platformdirs import user_cache_path
+
 from lidardraft.drafting.blender import layout_from_blender
-from lidardraft.drafting.language_model.chat_server import MODEL, URL, ChatServer
-from lidardraft.drafting.language_model.conversation import Conversation, Prompt, Request, converse
-from lidardraft.drafting.language_model.http_answer import TimeLimit
-from lidardraft.drafting.language_model.reply_cache import ReplyCache, cache_folder
-from lidardraft.drafting.language_model.reply_text import code_of, json_of
-from lidardraft.drafting.language_model.scene_spec_schema import scene_spec_schema
+from lidardraft.drafting.language_model.chat_server import MODEL, URL, ChatServer, TimeLimit
+from lidardraft.drafting.language_model.conversation import Conversation, Prompt, ReplyCache, Request, converse
 from lidardraft.drafting.solver.layout import check_seed, layout_from_spec
 from lidardraft.drafting.solver.road_from_spec import MAX_DISTANCE
 from lidardraft.drafting.solver.scene_spec import (
@@ -23,6 +22,7 @@ from lidardraft.drafting.solver.scene_spec import (
     PLACES,
     RELATIONS,
     ROADS,
+    SURFACES,
     SceneSpec,
     relations,
 )
@@ -34,7 +34,9 @@ from lidardraft.scene.check import check
 from lidardraft.scene.layout import Layout
 from lidardraft.semantics import CLASSES
 
+Schema = dict[str, Any]
 MAX_LENGTH = 10_000  # characters of a text
+_FENCED = re.compile(r"^[ \t]*(```|~~~)[^\n]*\n(.*?)(?:^[ \t]*\1[`~]*[ \t\r]*$|\Z)", re.MULTILINE | re.DOTALL)
 MAX_GROUPS = 50  # of a spec; the solver takes minutes for many that find no room
 
 
@@ -70,15 +72,16 @@ def layout_from_llm(
     if not text.strip() or len(text) > MAX_LENGTH:
         raise TextError(f"the text has {len(text)} characters; it must have 1 to {MAX_LENGTH}, and not blanks alone")
     server = ChatServer(url or os.environ.get(URL, ""), model or os.environ.get(MODEL, ""))
-    replies, limit = ReplyCache(cache_folder() if cache is None else cache), TimeLimit(timeout)
+    kept = user_cache_path("lidardraft", appauthor=False, opinion=False) / "replies" if cache is None else cache
+    replies, limit = ReplyCache(kept), TimeLimit(timeout)
     if blender:
         script = Request(server, blender_prompt(), text, {"seed": seed})
-        drawn = converse(script, _layout_of_script, replies, limit)
+        drawn = converse(script, lambda reply: layout_from_blender(code_of(reply)), replies, limit)
         said = {"seed": seed, "findings": [finding.message for finding in check(drawn.result)]}
         return _with_provenance(drawn.result, drawn, said)
-    described = converse(
-        Request(server, spec_prompt(), text, _SPEC_FORMAT), lambda r: _spec_of(r, text), replies, limit
-    )
+    schema = {"name": "scene_spec", "strict": True, "schema": scene_spec_schema()}
+    asked = Request(server, spec_prompt(), text, {"response_format": {"type": "json_schema", "json_schema": schema}})
+    described = converse(asked, lambda reply: _spec_of(reply, text), replies, limit)
     spec = described.result
     if spec.not_understood and spec == SceneSpec(not_understood=spec.not_understood):
         raise TextError(f"nothing of {text!r} was understood by {server.model}")
@@ -99,14 +102,6 @@ def blender_prompt() -> Prompt:
     return Prompt.from_file("blender_script", classes=", ".join(each.name for each in CLASSES[1:]))
 
 
-_SPEC_FORMAT: dict[str, Any] = {
-    "response_format": {
-        "type": "json_schema",
-        "json_schema": {"name": "scene_spec", "strict": True, "schema": scene_spec_schema()},
-    }
-}
-
-
 def _spec_of(reply: str, text: str) -> SceneSpec:
     """The spec that a reply holds; it can be arranged, and quotes nothing that is not in the text."""
     with named("spec"):
@@ -122,10 +117,87 @@ def _spec_of(reply: str, text: str) -> SceneSpec:
     return spec
 
 
-def _layout_of_script(reply: str) -> Layout:
-    return layout_from_blender(code_of(reply))
-
-
 def _with_provenance(layout: Layout, conversation: Conversation, said: dict[str, Any]) -> Layout:
     source = {"source": "llm", "sentence": conversation.request.text, "llm": conversation.provenance()}
     return dataclasses.replace(layout, provenance=layout.provenance | source | said)
+
+
+def json_of(reply: str) -> str:
+    """The JSON object at the first brace; where there is none, the text from there to the last brace, or all of it."""
+    text = _answer_of(reply)
+    start, end = text.find("{"), text.rfind("}")
+    if not 0 <= start < end:
+        return text
+    try:
+        return text[start : json.JSONDecoder().raw_decode(text, start)[1]]
+    except (ValueError, RecursionError):  # whose reader says what is wrong with it
+        return text[start : end + 1]
+
+
+def code_of(reply: str) -> str:
+    """The longest fenced block, whether its fence is closed or not, or all of the text where there is none.
+
+    It ends in a line break, so it is never taken for the path of a file.
+    """
+    text = _answer_of(reply)
+    return max((block for _, block in _FENCED.findall(text)), key=len, default=text).strip("\n") + "\n"
+
+
+def _answer_of(reply: str) -> str:
+    """What comes after the thoughts that models write down where a server does not take them out."""
+    return reply.rpartition("</think>")[2].strip()
+
+
+def scene_spec_schema() -> Schema:
+    """The JSON Schema of what `SceneSpec.from_dict` reads, in the part of the language that every server knows.
+
+    Each field is required, null where it says nothing; there are no patterns, limits of numbers or references.
+    """
+    numbers = _list_of({"type": "number"})
+    road = {
+        "kind": _one_of(ROADS),
+        "lanes": _or_null({"type": "integer"}),
+        "oncoming_lanes": _or_null({"type": "integer"}),
+        "sidewalk": _or_null({"type": "boolean"}),
+        "one_way": {"type": "boolean"},
+        "ego_lane": _or_null(_one_of(EGO_LANES)),
+    }
+    count = [{"type": "integer"}, _one_of(COUNTS), _list_of({"type": "integer"})]
+    group = {
+        "words": {"type": "string"},
+        "kind": _one_of(SENTENCE_KINDS),
+        "count": {"anyOf": count},
+        "places": _list_of(_one_of(PLACES)),
+        "not_places": _list_of(_one_of(PLACES)),
+        "surface": _or_null(_one_of(SURFACES)),
+        "lane": _or_null(_one_of(LANES)),
+        "at_junction": {"type": "boolean"},
+        "heading": _or_null(_one_of(HEADINGS)),
+        "distance": _or_null(numbers),
+        "spacing": _or_null({"type": "number"}),
+        "from_road": _or_null(numbers),
+        "from_sidewalk": _or_null(numbers),
+        "size": _or_null(_list_of(_or_null({"type": "number"}))),
+        "scale": _or_null(numbers),
+        "relation": _or_null(_one_of(RELATIONS)),
+        "references": _list_of({"type": "integer"}),
+    }
+    absent, not_understood = _list_of(_one_of(SENTENCE_KINDS)), _list_of({"type": "string"})
+    spec = {"road": _object(road), "groups": _list_of(_object(group)), "absent": absent}
+    return _object(spec | {"not_understood": not_understood})
+
+
+def _object(fields: dict[str, Schema]) -> Schema:
+    return {"type": "object", "properties": fields, "required": list(fields), "additionalProperties": False}
+
+
+def _list_of(item: Schema) -> Schema:
+    return {"type": "array", "items": item}
+
+
+def _one_of(names: Any) -> Schema:
+    return {"type": "string", "enum": list(names)}
+
+
+def _or_null(schema: Schema) -> Schema:
+    return {"anyOf": [schema, {"type": "null"}]}
