@@ -6,7 +6,7 @@ import pytest
 
 import lidardraft
 from lidardraft import Layout, Primitive, Sensor
-from lidardraft.errors import FormatError, LayoutError, SensorError, did_you_mean, one_of
+from lidardraft.errors import FormatError, LayoutError, SensorError, did_you_mean, nearest_name, one_of
 
 SENSOR = Sensor(name="small", elevations=(0.0, -0.1), columns=8)
 
@@ -23,6 +23,38 @@ SENSOR = Sensor(name="small", elevations=(0.0, -0.1), columns=8)
 def test_the_name_that_was_meant_is_suggested(value: object, said: str) -> None:
     assert one_of(("car", "bus", "traffic-sign"), value) == said
     assert did_you_mean(["House_1"], "huose_1") == "; did you mean 'House_1'?"
+
+
+WORDS = (
+    *("ahead", "area", "behind", "bench", "bicycle", "both", "building", "can", "chat", "crowd", "driver", "from"),
+    *("hedge", "house", "junction", "lamp", "lane", "motorcycle", "near", "park", "parked", "pedestrian", "people"),
+    *("ride", "rider", "right", "road", "roundabout", "shop", "street", "that", "traffic", "train", "tree"),
+    *("trees", "truck", "vehicle", "while"),
+)
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        *(("trcuk", "truck"), ("pedestrain", "pedestrian"), ("tress", "trees"), ("bicylce", "bicycle")),
+        *(("roundabuot", "roundabout"), ("huose", "house"), ("biulding", "building"), ("raod", "road")),
+        *(("behnd", "behind"), ("parkd", "parked"), ("hegde", "hedge"), ("peple", "people"), ("rigth", "right")),
+        *(("houuse", "house"), ("motorcylce", "motorcycle"), ("Trafic", "traffic"), ("juncton", "junction")),
+    ],
+)
+def test_a_misspelled_word_is_near_to_the_one_that_was_meant(typed: str, meant: str) -> None:
+    assert nearest_name(WORDS, typed) == meant
+
+
+@pytest.mark.parametrize(
+    "word",
+    [
+        *("boat", "horse", "mouse", "bear", "lamb", "ship", "crane", "river", "bridge", "plane", "rain"),
+        *("frog", "whale", "lake", "tent", "beach"),
+    ],
+)
+def test_another_word_is_near_to_none(word: str) -> None:
+    assert nearest_name(WORDS, word) is None
 
 
 def test_sensors_and_classes_are_suggested() -> None:

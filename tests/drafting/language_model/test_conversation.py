@@ -140,6 +140,7 @@ REPLY = {"text": "a", "model": "b", "is_cut": False}
         json.dumps({"schema": "lidardraft.replies/2", "replies": []}).encode(),
         json.dumps({"schema": "lidardraft.replies/1", "replies": REPLY}).encode(),
         json.dumps({"schema": "lidardraft.replies/1", "replies": [1]}).encode(),
+        json.dumps({"schema": "lidardraft.replies/1", "replies": 1}).encode(),
         json.dumps({"schema": "lidardraft.replies/1", "replies": [{**REPLY, "text": 5}]}).encode(),
         json.dumps({"schema": "lidardraft.replies/1", "replies": [{**REPLY, "is_cut": None}]}).encode(),
         json.dumps({"schema": "lidardraft.replies/1", "replies": [{"text": "a"}]}).encode(),

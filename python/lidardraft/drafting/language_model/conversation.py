@@ -134,11 +134,14 @@ class ReplyCache:
         return self.folder / f"{request}.json"
 
 
+def _is_reply(row: Any) -> bool:
+    return isinstance(row, dict) and {name: type(value) for name, value in row.items()} == _FIELDS
+
+
 def _replies(text: str) -> list[ChatReply]:
     kept = parse_object(text)
-    rows: Any = kept.get("replies")
-    types = [isinstance(row, dict) and {name: type(value) for name, value in row.items()} for row in rows or ()]
-    if kept.get("schema") != _SCHEMA or not isinstance(rows, list) or any(each != _FIELDS for each in types):
+    rows = kept.get("replies")
+    if kept.get("schema") != _SCHEMA or not isinstance(rows, list) or not all(map(_is_reply, rows)):
         raise FormatError(f"it holds no replies in the schema {_SCHEMA!r}")
     return [ChatReply(**row) for row in rows]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
@@ -11,14 +12,15 @@ from lark import Lark
 
 from lidardraft.drafting.solver.layout import layout_from_spec
 from lidardraft.drafting.solver.scene_spec import SceneSpec, relations
-from lidardraft.drafting.text.nearest_words import nearest_words
 from lidardraft.drafting.text.number_words import LONE_NUMBER, NUMBER, NUMBERED_COMPOUND, UNIT
 from lidardraft.drafting.text.sentence_chunks import KIND_OF, chunks_of
 from lidardraft.drafting.text.sentence_reader import SentenceReader
-from lidardraft.errors import TextError, check_type
+from lidardraft.errors import TextError, check_type, nearest_name
 from lidardraft.scene.layout import Layout
 
 MAX_LENGTH = 10_000  # characters
+_SHORTEST = 4  # letters; shorter words are near to too many
+_WITHOUT_MEANING = ("COMPOUND", "GLUE", "UNKNOWN")
 _WEATHER = re.compile(r"\b(?:rain|fog|snow|drizzl|mist|wet\b|hail|sleet|downpour|storm)")
 
 
@@ -74,6 +76,27 @@ def grammar() -> Lark:
     rules = Path(__file__).with_name("english.lark").read_text(encoding="utf-8")
     rules += f"\n_object: {' | '.join(KIND_OF)}\nNUMBER: /{LONE_NUMBER}/\n_NUMBER: /{NUMBER}/\nUNIT: /{UNIT}/\n"
     return Lark(rules, parser="lalr", lexer="basic", maybe_placeholders=False)
+
+
+def nearest_words(parts: Iterable[str], grammar: Lark) -> dict[str, str]:
+    """For each word of some texts that a word of the grammar is near to: that one, which is never taken for it."""
+    words = {word for part in parts for word in re.findall(r"[a-z]+", part) if _SHORTEST <= len(word) <= 30}
+    known = _vocabulary(grammar)
+    found = {word: nearest_name(known, word) for word in sorted(words - set(known))}
+    return {word: near for word, near in found.items() if near}
+
+
+@cache
+def _vocabulary(grammar: Lark) -> tuple[str, ...]:
+    """The words of the grammar that are spelled out in its terminals, in the singular and the plural."""
+    words = set()
+    for terminal in grammar.terminals:
+        pieces = re.split(r"[|()/]", terminal.pattern.value) if terminal.name not in _WITHOUT_MEANING else ()
+        for piece in pieces:
+            found = re.fullmatch(r"([a-z]{3,})(s\?)?(?:\\b)?", piece.strip())
+            if found and len(found[1]) + bool(found[2]) >= _SHORTEST:
+                words |= {found[1], found[1] + "s"} if found[2] else {found[1]}
+    return tuple(sorted(words))
 
 
 def _listed(parts: list[str]) -> str:

@@ -1,15 +1,22 @@
-"""A mention of objects in a sentence, and the group of a spec that it becomes."""
+"""Mentions of objects in a sentence, and the groups of a spec that they become.
+
+Some count others, or stand for several groups: what "one of them", "each" and "side by side" mean.
+"""
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from lidardraft.drafting.solver.scene_spec import ObjectGroup
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
+from lidardraft.drafting.text.number_words import Count, count_times
 from lidardraft.drafting.text.positions import Place, Position
 
 Span = tuple[int, int]  # of characters of the sentence: from and to
 _BESIDE_EACH_OTHER = 1.0  # m between people in a queue; estimate of ours
+_MOST_ABREAST = 5  # that stand side by side; a word for a number says nothing of them
 _QUEUE_GAP = 2.5  # m between vehicles in a queue; estimate of ours
 
 
@@ -114,3 +121,180 @@ def keep_away(mention: Mention, no: Position) -> None:
 
 def _moves(kind: str) -> bool:
     return SENTENCE_KINDS[kind].drives or SENTENCE_KINDS[kind].walks
+
+
+def depends(mention: Mention, other: Mention) -> bool:
+    """Whether a mention is another one, or placed from it."""
+    return mention is other or any(depends(reference, other) for reference in mention.references)
+
+
+def parted(mentions: list[Mention]) -> list[Mention]:
+    """The mentions of what is wanted, each of its own objects: none only sums up others or counts them again."""
+    for mention in mentions:
+        if mention.host is not None:
+            mention.count = hosted_count(mention)
+            if mention.relation is None and not mention.placed:
+                mention.relation, mention.references, mention.placed = "near", [mention.host], True
+    for mention in mentions:
+        _keep_with(mention)
+        _turn_to_strip(mention)
+        if mention.relation == "between" and mention.heading == "parked":
+            for reference in mention.references:
+                reference.heading = reference.heading or "parked"
+        if mention.relation == "left-of" and mention.at.heading == "with":  # it overtakes
+            for reference in mention.references:
+                _park_at_right(reference)
+    _note_listed_parts(mentions)
+    for mention in mentions:
+        _count_rest(mention, _parts_of(mention, mentions))
+    sums = [one for one in mentions if one.count != 0 and _is_sum(one, _parts_of(one, mentions))]
+    for part in mentions:
+        whole = part.same_as
+        if whole is not None and (part.of_them or whole in sums):
+            _inherit(part, whole)
+            if isinstance(part.count, int) and isinstance(whole.count, int) and 0 < part.count < whole.count:
+                whole.count -= part.count if part.of_them and whole not in sums else 0
+    wanted = [mention for mention in mentions if mention.count != 0 and mention not in sums]
+    return [one for mention in wanted for one in (*_abreast(mention), *_at_each_side(mention))]
+
+
+def hosted_count(mention: Mention) -> Count:
+    """How many objects there are where a count is said for each host: "two trees for each house" are 2 x houses."""
+    assert mention.host is not None
+    hosts = mention.host.count
+    if isinstance(hosts, int) and hosts > mention.left_out:
+        hosts -= mention.left_out
+    return count_times(mention.count, hosts)
+
+
+def is_one_of(mention: Mention, reference: Mention, wanted: list[Mention]) -> bool:
+    """Whether a mention is what another one is placed from, or a part that it was divided into."""
+    return mention is reference or (mention.same_as is reference and reference not in wanted)
+
+
+def lanes_filled(mentions: list[Mention]) -> int:
+    """How many lanes "three cars, one in each lane" speaks of; 0 where it is not said."""
+    for one in mentions:
+        if one.at.lane == "each" and one.same_as is not None:
+            whole, each = one.same_as.count, one.count
+            if isinstance(whole, int) and isinstance(each, int) and whole > each and not whole % each:
+                return whole // each
+    return 0
+
+
+def _keep_with(mention: Mention) -> None:
+    """What is with something, and placed by nothing else, is near it, as in "a garden with two trees"."""
+    other = mention.with_it
+    if other is None or other.kind in (None, "vehicle") or other.count == 0 or mention.count == 0:
+        return
+    drives = SENTENCE_KINDS[str(mention.kind)].drives and not SENTENCE_KINDS[str(other.kind)].drives
+    if not mention.placed and mention.relation is None and not drives and not depends(other, mention):
+        mention.relation, mention.references, mention.placed = "near", [other], True
+
+
+def _park_at_right(overtaken: Mention) -> None:
+    """What is parked and overtaken stands at the kerb of the lanes that it is overtaken in."""
+    at = overtaken.at
+    if overtaken.heading == "parked" and not overtaken.references and not any(side for _, side in at.places):
+        overtaken.at, overtaken.placed = at.narrowed(Position(places=(("", "right"),))), True
+
+
+def _turn_to_strip(mention: Mention) -> None:
+    """A hedge in front of several houses is what those stand behind, as long as they need it."""
+    strip = mention.kind is not None and SENTENCE_KINDS[mention.kind].follows_road and mention.count == 1
+    if not strip or mention.relation != "in-front-of" or len(mention.references) != 1:
+        return
+    (row,) = mention.references
+    if row.count not in (0, 1) and row.relation is None and not row.at.distance and not mention.at.distance:
+        set_back = row.at.from_road or row.at.from_sidewalk  # which no relation goes with
+        at = dataclasses.replace(row.at, from_road=None, from_sidewalk=None).narrowed(mention.at)
+        mention.relation, mention.references, mention.at = None, [], at
+        if set_back:
+            return
+        row.relation, row.references, row.placed = "behind", [mention], True
+
+
+def _parts_of(whole: Mention, mentions: list[Mention]) -> list[Mention]:
+    return [other for other in mentions if other.same_as is whole]
+
+
+def _note_listed_parts(mentions: list[Mention]) -> None:
+    """Those that sum up to the number of vehicles, or of their own kind, just before them are parts of it."""
+    for index, whole in enumerate(mentions):
+        if not isinstance(whole.count, int) or whole.count < 2 or whole.references:
+            continue
+        parts: list[Mention] = []
+        for other in mentions[index + 1 :]:
+            vehicle = whole.kind == "vehicle" and SENTENCE_KINDS[str(other.kind)].is_vehicle
+            if other.same_as is not None or not (vehicle or other.kind == whole.kind):
+                break
+            parts.append(other)
+            if sum(part.count for part in parts if isinstance(part.count, int)) >= whole.count:
+                break
+        if len(parts) > 1 and sum(part.count for part in parts if isinstance(part.count, int)) == whole.count:
+            for part in parts:
+                part.same_as, part.of_them = whole, True
+
+
+def _count_rest(whole: Mention, parts: list[Mention]) -> None:
+    """Of "the others" there are as many as the other parts leave."""
+    vague = [part for part in parts if part.count == "some" and not part.of_them]
+    if len(vague) == len(parts) > 1 and isinstance(whole.count, int) and whole.count >= len(parts):
+        for number, part in enumerate(parts):  # "six people, some on the left and some on the right"
+            part.count, part.of_them = (whole.count + number) // len(parts), True
+    for rest in parts:
+        if rest.of_them and rest.count == "some" and isinstance(whole.count, int):
+            left = whole.count - sum(part.count for part in parts if isinstance(part.count, int))
+            rest.count = max(1, left)
+
+
+def _is_sum(whole: Mention, parts: list[Mention]) -> bool:
+    """Whether it only sums up its parts, as in "three cars: one ahead, two behind"."""
+    if isinstance(whole.count, str) and len(parts) == len(whole.at.places) > 1:  # "on both sides (10 left, 8 right)"
+        return {place for part in parts for place in part.at.places} == set(whole.at.places)
+    if whole.summed or (not whole.placed and any(part.at.lane == "each" for part in parts)):
+        return True
+    if not parts or sum(part.count for part in parts if isinstance(part.count, int)) != whole.count:
+        return False
+    if any(part.of_them for part in parts):
+        return True
+    return not whole.placed or (len(parts) > 1 and all(part.at.agrees(whole.at) for part in parts))
+
+
+def _inherit(part: Mention, whole: Mention) -> None:
+    """Give to a part what is said of all, where it says nothing else itself."""
+    if whole.placed:
+        at = whole.at.narrowed(part.at)
+        apart = len(at.places) > max(len(whole.at.places), len(part.at.places))
+        part.at = dataclasses.replace(at, places=part.at.places) if apart else at
+        part.placed = True
+    if not part.references and whole.references and whole.relation is not None:
+        part.relation, part.references = whole.relation, whole.references
+    if part.kind == whole.kind:
+        part.size = part.size if any(part.size) else whole.size
+        part.scale = part.scale if part.scale != [1.0, 1.0, 1.0] else whole.scale
+    part.heading = part.heading or whole.heading
+
+
+def _abreast(mention: Mention) -> Iterator[Mention]:
+    """All but the first of what stands side by side, each beside the one before it."""
+    if not mention.abreast or not isinstance(mention.count, int) or not 1 < mention.count <= _MOST_ABREAST:
+        return
+    before = mention
+    for _ in range(mention.count - 1):
+        at = Position(heading=mention.at.heading)
+        before = dataclasses.replace(mention, count=1, at=at, relation="beside", references=[before], same_as=mention)
+        yield before
+    mention.count = 1
+
+
+def _at_each_side(mention: Mention) -> Iterator[Mention]:
+    """A number of objects at both sides is half of them at each."""
+    low, high = mention.count if isinstance(mention.count, tuple) else (mention.count, mention.count)
+    if not mention.at.shared or len(mention.at.places) != 2 or isinstance(low, str) or isinstance(high, str) or low < 2:
+        yield mention
+        return
+    for place, odd in zip(mention.at.places, (1, 0), strict=True):
+        count = ((low + odd) // 2, (high + odd) // 2)
+        at = dataclasses.replace(mention.at, places=(place,))
+        yield dataclasses.replace(mention, count=count if low != high else count[0], at=at, same_as=mention)

@@ -98,11 +98,6 @@ def meant_by(pronoun: str, mentions: list[Mention]) -> list[Mention]:
     return (fitting or mentions)[-1:]
 
 
-def depends(mention: Mention, other: Mention) -> bool:
-    """Whether a mention is another one, or placed from it."""
-    return mention is other or any(depends(reference, other) for reference in mention.references)
-
-
 def is_one_of_several(chunk: Chunk) -> bool:
     """Whether it names one of several, as "the first" or "the others"."""
     return bool(chunk.types & {"FIRST", "ANOTHER"}) and chunk.tokens[0].startswith("the ")

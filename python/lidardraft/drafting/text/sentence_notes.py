@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 
 from lidardraft.drafting.solver.scene_spec import ObjectGroup, RoadSpec, SceneSpec
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
-from lidardraft.drafting.text.mention import Mention, Span, keep_away
-from lidardraft.drafting.text.mention_parts import is_one_of, lanes_filled, parted
+from lidardraft.drafting.text.mention import Mention, Span, is_one_of, keep_away, lanes_filled, parted
 
 _HYPHENED_TO, _HYPHENED = (
     re.compile(r"([^\W\d]+-)*$"),

@@ -10,8 +10,7 @@ import dataclasses
 import itertools
 
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
-from lidardraft.drafting.text.mention import Mention
-from lidardraft.drafting.text.mention_parts import hosted_count
+from lidardraft.drafting.text.mention import Mention, hosted_count
 from lidardraft.drafting.text.number_words import COUNT_TYPES, exact_count
 from lidardraft.drafting.text.object_qualities import add_qualities
 from lidardraft.drafting.text.part_reader import PartReader
