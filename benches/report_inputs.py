@@ -79,7 +79,7 @@ def report_solver() -> None:
 
 def report_scripts() -> None:
     """Hostile Blender scripts that are refused with their line, and what the worst of them cost."""
-    from hostile_scripts import HOSTILE
+    from hostile_scripts import HOSTILE, says_where
 
     refused, seconds, memory = 0, 0.0, 0
     with tempfile.TemporaryDirectory() as folder:
@@ -87,7 +87,7 @@ def report_scripts() -> None:
         for name, script, line in HOSTILE:
             path.write_text(script, encoding="utf-8", errors="surrogatepass")
             found = outcome("blender", name, lidardraft.layout_from_blender, path)
-            refused += f"line {line}: " in str(found.said)
+            refused += says_where(str(found.said), script, line)
             seconds, memory = max(seconds, found.seconds), max(memory, found.memory)
     cost = f"{seconds:.2f} s and {memory / _MIB:.0f} MB"
     print(f"  {refused} of {len(HOSTILE)} refused with their line; each takes {cost} at most")
@@ -186,7 +186,8 @@ PARTS: dict[str, Callable[[], None]] = {
 def main() -> None:
     """Print all parts, or those whose names are given."""
     tests = Path(__file__).parents[1] / "tests"
-    sys.path[:0] = map(str, (tests, tests / "drafting", tests / "drafting" / "text", tests / "drafting" / "solver"))
+    drafting = tests / "drafting"
+    sys.path[:0] = map(str, (tests, drafting, drafting / "text", drafting / "solver", drafting / "blender"))
     for name, report in PARTS.items():
         if len(sys.argv) < 2 or name in sys.argv[1:]:
             print(f"{name}:", flush=True)

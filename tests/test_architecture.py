@@ -156,10 +156,8 @@ def test_modules_of_the_package_do_not_go_in_circles() -> None:
         pytest.fail("modules use each other: " + " <- ".join(error.args[1]))
 
 
-# The reader of sentences and the evaluator of scripts, until they are redrawn.
-INCLUDES = {"ChunkReader", "PartReader", "PlaceReader", "PositionReader", "RelationReader"} | {
-    *("ClassStatements", "Displays", "Expressions", "Failures", "Generators", "Statements")
-}
+# The reader of sentences, until it is redrawn.
+INCLUDES = {"ChunkReader", "PartReader", "PlaceReader", "PositionReader", "RelationReader"}
 
 
 def test_no_class_is_an_include() -> None:

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from lidardraft.drafting.blender import layout_from_blender
+from lidardraft.drafting.blender.layout import layout_from_blender
 from lidardraft.drafting.models import layout_from_glb, layout_from_obj
 from lidardraft.drafting.sketch import layout_from_sketch
 from lidardraft.drafting.solver.scene_spec import SceneSpec

@@ -24,7 +24,7 @@ _LAZY = {
     "observe_cast": "lidardraft.simulation.observe_cast",
     "observe_points": "lidardraft.simulation.observe_cast",
     "simulate": "lidardraft.simulation.simulate",
-    "layout_from_blender": "lidardraft.drafting.blender",
+    "layout_from_blender": "lidardraft.drafting.blender.layout",
     "layout_from_boxes": "lidardraft.drafting.boxes",
     "layout_from_cloud": "lidardraft.drafting.cloud.layout",
     "layout_from_glb": "lidardraft.drafting.models",

@@ -363,7 +363,7 @@ def test_what_is_wrong_with_a_blender_script(refused: Callable[..., str]) -> Non
     assert "scene.py: no class for Blob (line 2); say which by --class" in refused(*draft)
     assert "did you mean 'car'?" in refused(*draft, "--class", "Blob=cra")
     Path("scene.py").write_text("import bpy\nimport os\nos.system('ls')\n")
-    assert "scene.py: line 3: os.system is not read" in refused(*draft)
+    assert "scene.py: line 3: os.system is not supported" in refused(*draft)
 
 
 def test_what_is_drafted_is_read_again(capsys: pytest.CaptureFixture[str]) -> None:

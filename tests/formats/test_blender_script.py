@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 from exported_layouts import EVERYTHING, drafted
 
-from lidardraft.drafting.blender import layout_from_blender
+from lidardraft.drafting.blender.layout import layout_from_blender
 from lidardraft.formats.blender_script import blender_script, write_blender_script
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import BY_NAME

@@ -259,7 +259,7 @@ def _from_glb(arguments: argparse.Namespace) -> Layout:
 
 
 def _from_blender(arguments: argparse.Namespace) -> Layout:
-    from lidardraft.drafting.blender import layout_from_blender
+    from lidardraft.drafting.blender.layout import layout_from_blender
 
     path = Path(arguments.blender)
     layout = layout_from_blender(path, classes=_classes(arguments))

@@ -240,7 +240,7 @@ def test_a_script_becomes_a_layout(server: ReplayServer) -> None:
     assert told["llm"]["prompt"] == blender_prompt().version
     assert code_of(told["llm"]["reply"]) == script
     first, second, third = [attempt["error"] for attempt in told["llm"]["attempts"]]
-    assert "line 2: os.mkdir is not read" in first
+    assert "line 2: os.mkdir is not supported" in first
     assert "no class for Cube" in second
     assert third is None
     assert {tuple(sorted(request.body)) for request in server.requests} == {("messages", "model", "seed")}

@@ -10,7 +10,7 @@ from typing import Any
 
 from platformdirs import user_cache_path
 
-from lidardraft.drafting.blender import layout_from_blender
+from lidardraft.drafting.blender.layout import layout_from_blender
 from lidardraft.drafting.language_model.chat_server import MODEL, URL, ChatServer, TimeLimit
 from lidardraft.drafting.language_model.conversation import Conversation, Prompt, ReplyCache, Request, converse
 from lidardraft.drafting.solver.layout import check_seed, layout_from_spec

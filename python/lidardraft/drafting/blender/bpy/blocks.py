@@ -1,0 +1,184 @@
+"""What `bpy.data` holds: objects, meshes, materials and collections, each with a name of its own."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import ClassVar
+
+from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
+from lidardraft.drafting.blender.script.values import Methods, Record, Value, describe, text
+
+_STEPS = 3  # that a block costs
+_MOST_PROPERTIES = 200  # of an object or a mesh
+
+
+class Unread(Record):
+    """A part of Blender that no shape depends on: what is set in it is passed over, all of it is such a part."""
+
+    def __init__(self, kind: str, script: Script) -> None:
+        self.kind = kind
+        script.note(f"{kind} is passed over")
+
+    def attribute(self, _name: str) -> Value:
+        return self
+
+    def set_attribute(self, _name: str, _value: Value) -> None:
+        pass
+
+    def item(self, _key: Value) -> Value:
+        return self
+
+    def set_item(self, _key: Value, _value: Value) -> None:
+        pass
+
+    def elements(self) -> list[Value]:
+        return []
+
+    def call(self, _arguments: list[Value], _keywords: dict[str, Value]) -> Value:
+        return self
+
+
+class Listed(Record):
+    """Values in an order, which are found by their places and, where they have a `name`, by that."""
+
+    def named(self, name: Value) -> Value:
+        """The one of that name, or None."""
+        return next((each for each in self.elements() if getattr(each, "name", None) == name), None)
+
+    def item(self, key: Value) -> Value:
+        if isinstance(key, str):
+            if (one := self.named(key)) is None:
+                raise RaisedError("KeyError", f"{self.kind} has no {describe(key)}")
+            return one
+        found = self.elements()
+        if isinstance(key, slice) or (isinstance(key, int) and -len(found) <= key < len(found)):
+            return found[key]
+        raise RaisedError("IndexError", f"{self.kind} has no {describe(key)}")
+
+    def contains(self, value: Value) -> bool:
+        return self.named(value) is not None if isinstance(value, str) else value in self.elements()
+
+    def truth(self) -> bool:
+        return self.length() > 0
+
+    def _get(self, name: Value, default: Value = None) -> Value:
+        found = self.named(text(name, "a name"))
+        return default if found is None else found
+
+    methods: ClassVar[Methods] = {
+        "get": _get,
+        "keys": lambda self: [each.name for each in self.elements()],
+        "values": lambda self: self.elements(),
+        "items": lambda self: [(each.name, each) for each in self.elements()],
+    }
+
+
+class Blocks(Listed):
+    """The blocks of one kind by their names, as `bpy.data.objects` holds them."""
+
+    def __init__(self, kind: str, make: Callable[..., Block], script: Script) -> None:
+        self.kind = f"bpy.data.{kind}"
+        self.by_name: dict[str, Block] = {}
+        self._next: dict[str, int] = {}  # the number that a name gets next, unless a block has gone meanwhile
+        self.script = script
+        self._make = make
+
+    def new(self, name: str, *arguments: Value, **named: Value) -> Value:
+        """A new block; its name gets a number where another one has it."""
+        self.script.take_steps(_STEPS)
+        block = self._make(self, *arguments, **named)
+        block.name = self.free_name(text(name, "the name"))
+        self.by_name[block.name] = block
+        return block
+
+    def free_name(self, name: str) -> str:
+        """The name, or, where it is taken, with the first free number behind it: "Car.001"."""
+        self.script.take_text(len(name))
+        if name not in self.by_name:
+            return name
+        stem = re.sub(r"\.\d+$", "", name) if len(name) < 200 else name
+        number = self._next.get(stem, 1)
+        while f"{stem}.{number:03}" in self.by_name:
+            self.script.take_steps(1)
+            number += 1
+        self._next[stem] = number + 1
+        return f"{stem}.{number:03}"
+
+    def rename(self, block: Block, name: str) -> None:
+        """Give a block another name."""
+        del self.by_name[block.name]
+        self._next.clear()
+        block.name = self.free_name(name)
+        self.by_name[block.name] = block
+
+    def remove(self, block: Value) -> None:
+        """Forget a block."""
+        if not isinstance(block, Block) or self.by_name.get(block.name) is not block:
+            raise RefusalError(f"{describe(block)} is not in {self.kind}")
+        del self.by_name[block.name]
+        self._next.clear()
+
+    def named(self, name: Value) -> Value:
+        self.script.take_compared(name)
+        return self.by_name.get(name)
+
+    def elements(self) -> list[Value]:
+        self.script.take_cells(len(self.by_name))
+        return list(self.by_name.values())
+
+    def length(self) -> int:
+        return len(self.by_name)
+
+    methods: ClassVar[Methods] = Listed.methods | {
+        "new": lambda self, *arguments, **named: self.new(*arguments, **named),
+        "remove": lambda self, block, **_: self.remove(block),
+    }
+
+
+class Block(Record):
+    """What has a name and properties of the user's own."""
+
+    is_key = True
+
+    def __init__(self, owner: Blocks) -> None:
+        self.name = ""
+        self.owner = owner
+        self.script = owner.script
+        self.properties: dict[str, Value] = {}
+
+    def item(self, key: Value) -> Value:
+        self.script.take_compared(key)
+        if not self.contains(key):
+            raise RaisedError("KeyError", f"{self.kind} {self.name!r:.60} has no property {describe(key)}")
+        return self.properties[key]
+
+    def set_item(self, key: Value, value: Value) -> None:
+        if value is not None and not isinstance(value, int | float | str | list | tuple):
+            raise RefusalError(f"a property of {describe(value)} is not supported")
+        if len(self.properties) >= _MOST_PROPERTIES:
+            raise RefusalError(f"{self.kind} with more than {_MOST_PROPERTIES} properties")
+        self.properties[text(key, "the name of a property")] = value
+
+    def contains(self, value: Value) -> bool:
+        return isinstance(value, str) and value in self.properties
+
+    def _get(self, name: Value, default: Value = None) -> Value:
+        self.script.take_compared(name)
+        return self.properties.get(text(name, "a name"), default)
+
+    fields: ClassVar[Methods] = {
+        **dict.fromkeys(("name", "name_full"), lambda self: self.name),
+        "users": lambda _: 1,  # blocks that nothing uses are in no layout anyway
+    }
+    setters: ClassVar[Methods] = {"name": lambda self, value: self.owner.rename(self, text(value, "the name"))}
+    methods: ClassVar[Methods] = {
+        "get": _get,
+        "keys": lambda self: list(self.properties),
+        **dict.fromkeys(("update", "update_tag"), lambda *_: None),
+    }
+
+
+def ignored(*names: str) -> Methods:
+    """What sets attributes that no shape depends on."""
+    return dict.fromkeys(names, lambda *_: None)

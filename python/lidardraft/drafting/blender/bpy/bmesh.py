@@ -1,0 +1,406 @@
+"""`bmesh` as a script sees it: vertices and faces that are made, moved and extruded before they become a mesh."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import ClassVar
+
+import numpy as np
+
+from lidardraft.drafting.blender.bpy.blocks import Listed, Unread, ignored
+from lidardraft.drafting.blender.bpy.mathutils import Matrix, Vector
+from lidardraft.drafting.blender.bpy.mesh_shapes import MeshShape, polygons_of, polyhedron, shape_of
+from lidardraft.drafting.blender.bpy.meshes import Mesh, Vertex
+from lidardraft.drafting.blender.bpy.rotations import IDENTITY, affine, moved
+from lidardraft.drafting.blender.bpy.scene import Scene
+from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
+from lidardraft.drafting.blender.script.values import (
+    KindOfRecord,
+    Methods,
+    Namespace,
+    Record,
+    Value,
+    builtins,
+    describe,
+    elements,
+    nothing,
+    reals,
+)
+
+_STEPS = 6  # that a vertex or a face costs
+_STEPS_OF_MATRIX = 15  # that what is done with a small array costs
+_CELLS = 8
+_ORIGIN = (0.0, 0.0, 0.0)
+_LOOKS = ("select", "smooth", "material_index", "hide", "tag", "index", "seam")
+_LOOKUP = dict.fromkeys(("ensure_lookup_table", "index_update"), nothing)
+_SHAPES = ("create_cube", "create_grid", "create_circle", "create_cone", "create_uvsphere", "create_icosphere")
+# What leaves a surface where it is, or nearly so.
+_PASSED_OVER = ("recalc_face_normals", "remove_doubles", "triangulate", "reverse_faces", "join_triangles", "bevel")
+
+
+class Face(Record):
+    """A polygon of a mesh that is being edited."""
+
+    kind = "a BMFace"
+    is_key = True
+
+    def __init__(self, corners: list[Vertex], script: Script) -> None:
+        self.corners = corners
+        self._script = script
+
+    def _verts(self) -> list[Vertex]:
+        self._script.take_steps(len(self.corners) // 4)
+        return list(self.corners)
+
+    def _places(self) -> np.ndarray:
+        self._script.take_steps(6 * _STEPS + len(self.corners))
+        return np.array([corner.place.numbers for corner in self.corners])
+
+    def _normal(self) -> Vector:
+        places = self._places()
+        normal = np.cross(places, np.roll(places, -1, axis=0)).sum(axis=0)  # Newell's
+        return Vector((normal / (np.linalg.norm(normal) or 1.0)).tolist())
+
+    def _middle_of_bounds(self) -> Vector:
+        places = self._places()
+        return Vector(((places.min(axis=0) + places.max(axis=0)) / 2).tolist())
+
+    fields: ClassVar[Methods] = {"verts": _verts, "normal": _normal}
+    setters: ClassVar[Methods] = ignored(*_LOOKS)
+    methods: ClassVar[Methods] = {
+        "calc_center_median": lambda self: Vector(self._places().mean(axis=0).tolist()),
+        "calc_center_bounds": _middle_of_bounds,
+        **dict.fromkeys(("normal_update", "normal_flip"), nothing),
+    }
+
+
+class Edge(Record):
+    """An edge between two vertices."""
+
+    kind = "a BMEdge"
+    is_key = True
+    weight = 2
+
+    def __init__(self, verts: tuple[Vertex, Vertex]) -> None:
+        self.verts = verts
+
+    fields: ClassVar[Methods] = {"verts": lambda self: list(self.verts)}
+    setters: ClassVar[Methods] = ignored(*_LOOKS)
+    methods: ClassVar[Methods] = {
+        "calc_length": lambda self: math.dist(*(vertex.place.numbers for vertex in self.verts))
+    }
+
+
+class EditedMesh(Record):
+    """`bmesh.types.BMesh`."""
+
+    kind = "a BMesh"
+
+    def __init__(self, script: Script) -> None:
+        self.script = script
+        self.vertices: list[Vertex] = []
+        self.faces: list[Face] = []
+
+    def edges(self) -> list[Edge]:
+        """The edges of its faces; those of no face are in no shape."""
+        sides = sum(len(face.corners) for face in self.faces)
+        self.script.take_steps(2 * sides)
+        self.script.take_cells(_CELLS * sides)
+        found: dict[frozenset[Vertex], tuple[Vertex, Vertex]] = {}
+        for face in self.faces:
+            for pair in zip(face.corners, face.corners[1:] + face.corners[:1], strict=True):
+                found.setdefault(frozenset(pair), pair)
+        return [Edge(pair) for pair in found.values()]
+
+    def charge(self, count: int) -> None:
+        """Count so many vertices and faces, before they are made."""
+        self.script.take_steps(_STEPS * count)
+        self.script.take_cells(_CELLS * count)
+
+    def add(self, vertices: np.ndarray, faces: list[list[int]]) -> list[Vertex]:
+        """Add vertices [V, 3] and faces between them, which are charged already; gives the new vertices."""
+        made = [Vertex(place) for place in vertices.tolist()]
+        self.vertices += made
+        self.faces += [Face([made[corner] for corner in face], self.script) for face in faces]
+        return made
+
+    def add_shape(self, shape: MeshShape, matrix: np.ndarray = IDENTITY) -> list[Vertex]:
+        """Add the vertices and faces of a shape, where a matrix [4, 4] takes them; gives the new vertices."""
+        self.charge(3 * shape.vertices)  # each has two triangles at most
+        vertices, polygons = shape.make()
+        return self.add(moved(vertices, matrix), [face for each in polygons for face in each.tolist()])
+
+    def transform(self, matrix: Value, vertices: list[Vertex]) -> None:
+        """Move vertices by a matrix of 3 or 4 rows."""
+        if not isinstance(matrix, Matrix):
+            raise RefusalError(f"vertices are moved by {describe(matrix)}; it must be a Matrix")
+        self.script.take_steps(_STEPS + len(vertices))
+        if vertices:
+            places = moved(np.array([vertex.place.numbers for vertex in vertices]), matrix.four_rows())
+            for vertex, place in zip(vertices, places.tolist(), strict=True):
+                vertex.place.change(place)
+
+    def _clear(self) -> None:
+        self.vertices.clear()
+        self.faces.clear()
+
+    def copy(self) -> EditedMesh:
+        """Another one with vertices and faces of its own."""
+        other = EditedMesh(self.script)
+        other.charge(len(self.vertices) + len(self.faces))
+        other.add(self._places(), self._corners())
+        return other
+
+    def _places(self) -> np.ndarray:
+        return np.array([vertex.place.numbers for vertex in self.vertices]).reshape(-1, 3)
+
+    def _corners(self) -> list[list[int]]:
+        number = {vertex: place for place, vertex in enumerate(self.vertices)}
+        if any(corner not in number for face in self.faces for corner in face.corners):
+            raise RefusalError("a face of a BMesh has a vertex that has been removed, or is one of another BMesh")
+        return [[number[corner] for corner in face.corners] for face in self.faces]
+
+    def to_mesh(self, mesh: Value) -> None:
+        """Make a mesh of it; one without faces has no shape."""
+        self.script.take_steps(len(self.vertices) + len(self.faces))
+        polygons = polygons_of(self._corners())
+        self.script.take_steps(2 * len(polygons))
+        _mesh(mesh).shape = polyhedron(self._places(), polygons) if polygons else None
+        mesh.matrix = IDENTITY
+
+    def take_mesh(self, mesh: Value, **_: Value) -> None:
+        """Add what a mesh has."""
+        if (shape := _mesh(mesh).shape) is not None:
+            self.add_shape(shape, mesh.matrix)
+
+    fields: ClassVar[Methods] = {
+        "verts": lambda self: Vertices(self),
+        "faces": lambda self: Faces(self),
+        "edges": lambda self: Edges(self),
+        **{
+            name: lambda self, name=name: Unread(f"{name} of a BMesh", self.script)
+            for name in ("loops", "select_history", "select_mode")
+        },
+    }
+    methods: ClassVar[Methods] = {
+        "to_mesh": to_mesh,
+        "from_mesh": take_mesh,
+        "transform": lambda self, matrix, **_: self.transform(matrix, self.vertices),
+        **dict.fromkeys(("free", "normal_update"), nothing),
+        "clear": _clear,
+        "copy": copy,
+    }
+
+
+class Edges(Listed):
+    """The edges of a mesh that is being edited."""
+
+    kind = "`edges` of a BMesh"
+
+    def __init__(self, mesh: EditedMesh) -> None:
+        self._mesh = mesh
+
+    def elements(self) -> list[Value]:
+        return list(self._mesh.edges())
+
+    methods: ClassVar[Methods] = _LOOKUP | {"new": nothing}  # an edge of no face is in no shape
+
+
+class _Parts(Listed):
+    """The vertices, or the faces, of a mesh that is being edited."""
+
+    def __init__(self, mesh: EditedMesh) -> None:
+        self.mesh = mesh
+
+    def held(self) -> list[Value]:
+        """The list that the mesh has of them."""
+        raise NotImplementedError
+
+    def elements(self) -> list[Value]:
+        return list(self.held())
+
+    def length(self) -> int:
+        return len(self.held())
+
+    def item(self, key: Value) -> Value:
+        items = self.held()
+        if isinstance(key, slice):
+            self.mesh.script.take_cells(len(items))
+        elif not isinstance(key, int) or not -len(items) <= key < len(items):
+            return super().item(key)
+        return items[key]
+
+    def _remove(self, part: Value) -> None:
+        items = self.held()
+        self.mesh.script.take_steps(len(items))
+        if part not in items:
+            raise RefusalError(f"{describe(part)} is not in {self.kind}")
+        items.remove(part)
+        self.mesh.faces = [face for face in self.mesh.faces if part not in face.corners]
+
+    methods: ClassVar[Methods] = _LOOKUP | {"remove": _remove}
+
+
+class Vertices(_Parts):
+    """The vertices of a mesh that is being edited."""
+
+    kind = "`verts` of a BMesh"
+
+    def held(self) -> list[Value]:
+        return self.mesh.vertices
+
+    def _new(self, co: Value = _ORIGIN, *_: Value) -> Vertex:
+        self.mesh.charge(1)
+        self.mesh.vertices.append(Vertex(list(reals(co, 3, "a vertex"))))
+        return self.mesh.vertices[-1]
+
+    methods: ClassVar[Methods] = _Parts.methods | {"new": _new}
+
+
+class Faces(_Parts):
+    """The faces of a mesh that is being edited."""
+
+    kind = "`faces` of a BMesh"
+
+    def held(self) -> list[Value]:
+        return self.mesh.faces
+
+    def _new(self, verts: Value, *_: Value) -> Face:
+        corners = elements(verts, self.mesh.script)
+        self.mesh.script.take_steps(len(corners))
+        self.mesh.charge(1)
+        if not all(isinstance(corner, Vertex) for corner in corners):
+            raise RefusalError("a face of what is no vertex")
+        if len(corners) < 3 or len(set(corners)) < len(corners):
+            raise RaisedError("ValueError", f"a face of {len(set(corners))} vertices; it needs 3 or more, each once")
+        self.mesh.faces.append(Face(corners, self.mesh.script))
+        return self.mesh.faces[-1]
+
+    methods: ClassVar[Methods] = _Parts.methods | {"new": _new}
+
+
+def bmesh_module(scene: Scene) -> Namespace:
+    """The module, of which the meshes go into the scene."""
+    script = scene.script
+
+    def from_edit_mesh(mesh: Value) -> EditedMesh:
+        if not scene.edit_mode:
+            raise RefusalError("from_edit_mesh outside of the edit mode")
+        if _mesh(mesh) not in scene.edited:
+            scene.edited[mesh] = EditedMesh(script)
+            scene.edited[mesh].take_mesh(mesh)
+        return scene.edited[mesh]
+
+    def passed_over(name: str) -> Callable[..., Value]:
+        return lambda *_, **__: script.note(f"bmesh.ops.{name} is passed over")
+
+    kinds = {"BMVert": Vertex, "BMFace": Face, "BMesh": EditedMesh, "BMEdge": Edge}
+    operators = _moves() | {"extrude_face_region": _extrude_face_region, "delete": _delete}
+    operators |= {name: _adding(name) for name in _SHAPES} | {name: passed_over(name) for name in _PASSED_OVER}
+    functions: Methods = {
+        "new": lambda **_: EditedMesh(script),
+        "from_edit_mesh": from_edit_mesh,
+        "update_edit_mesh": lambda mesh, **_: _mesh(mesh) and None,
+    }
+    parts = {
+        "types": Namespace("bmesh.types", {name: KindOfRecord(kind) for name, kind in kinds.items()}),
+        "ops": Namespace("bmesh.ops", builtins("bmesh.ops.", operators)),
+    }
+    return Namespace("bmesh", parts | builtins("bmesh.", functions))
+
+
+def _adding(name: str) -> Callable[..., Value]:
+    def add(bm: Value, matrix: Value = None, **given: Value) -> Value:
+        mesh, shape = _edited(bm), shape_of(name, given)
+        if shape is None:
+            raise RefusalError("a circle without cap_ends=True has no face")
+        made = mesh.add_shape(shape)
+        if matrix is not None:
+            mesh.transform(matrix, made)
+        return {"verts": made}
+
+    return add
+
+
+def _moves() -> Methods:
+    def move(bm: Value, verts: Value, linear: np.ndarray, offset: np.ndarray, space: Value) -> None:
+        mesh, matrix = _edited(bm), affine(linear, offset)
+        mesh.script.take_steps(_STEPS_OF_MATRIX)
+        if isinstance(space, Matrix) and space.array.shape == (4, 4):
+            mesh.script.take_steps(4 * _STEPS_OF_MATRIX)
+            matrix = np.linalg.pinv(space.array) @ matrix @ space.array
+        mesh.transform(Matrix(matrix), _vertices(mesh, verts))
+
+    def translate(bm: Value, vec: Value = _ORIGIN, verts: Value = (), space: Value = None, **_: Value) -> None:
+        move(bm, verts, np.eye(3), np.array(reals(vec, 3, "the way")), space)
+
+    def scale(bm: Value, vec: Value = (1.0, 1.0, 1.0), verts: Value = (), space: Value = None, **_: Value) -> None:
+        move(bm, verts, np.diag(reals(vec, 3, "the scale")), np.zeros(3), space)
+
+    def rotate(
+        bm: Value, cent: Value = _ORIGIN, matrix: Value = None, verts: Value = (), space: Value = None, **_: Value
+    ) -> None:
+        if not isinstance(matrix, Matrix):
+            raise RefusalError(f"rotate by {describe(matrix)}; it must be a Matrix")
+        turn, middle = matrix.array[:3, :3], np.array(reals(cent, 3, "the centre"))
+        move(bm, verts, turn, middle - turn @ middle, space)
+
+    def transform(bm: Value, matrix: Value = None, verts: Value = (), **_: Value) -> None:
+        _edited(bm).transform(matrix, _vertices(bm, verts))
+
+    return {"translate": translate, "scale": scale, "rotate": rotate, "transform": transform}
+
+
+def _extrude_face_region(bm: Value, geom: Value = (), **_: Value) -> Value:
+    mesh = _edited(bm)
+    mesh.script.take_steps(_STEPS_OF_MATRIX)
+    faces = [item for item in elements(geom, mesh.script) if isinstance(item, Face)]
+    corners = list(dict.fromkeys(corner for face in faces for corner in face.corners))
+    place = {corner: number for number, corner in enumerate(corners)}
+    top = [[place[corner] for corner in face.corners] for face in faces]
+    first = len(mesh.faces)
+    mesh.charge(len(corners) + len(top))
+    made = mesh.add(np.array([corner.place.numbers for corner in corners]).reshape(-1, 3), top)
+    edges = {(a, b) for face in top for a, b in zip(face, face[1:] + face[:1], strict=True)}
+    rim = sorted(edge for edge in edges if edge[::-1] not in edges)  # edges within the region get no side
+    mesh.charge(len(rim))
+    caps = mesh.faces[first:]
+    mesh.faces += [Face([corners[a], corners[b], made[b], made[a]], mesh.script) for a, b in rim]
+    return {"geom": [*made, *caps]}
+
+
+def _delete(bm: Value, geom: Value = (), context: Value = "VERTS", **_: Value) -> None:
+    mesh = _edited(bm)
+    gone = set(elements(geom, mesh.script))
+    if context not in ("VERTS", "FACES", "FACES_ONLY"):
+        raise RefusalError(f"delete in the context {describe(context)} is not supported")
+    mesh.script.take_steps(3 * len(mesh.faces) + len(mesh.vertices))
+    if context == "VERTS":
+        mesh.faces = [face for face in mesh.faces if not gone.intersection(face.corners)]
+    else:
+        lost = [face for face in mesh.faces if face in gone]
+        mesh.faces = [face for face in mesh.faces if face not in gone]
+        # With its faces go the vertices of no other one; FACES_ONLY leaves them.
+        kept = {corner for face in mesh.faces for corner in face.corners}
+        gone = {corner for face in lost for corner in face.corners} - kept if context == "FACES" else set()
+    mesh.vertices = [vertex for vertex in mesh.vertices if vertex not in gone]
+
+
+def _mesh(value: Value) -> Mesh:
+    if not isinstance(value, Mesh):
+        raise RefusalError(f"{describe(value)} is no mesh")
+    return value
+
+
+def _edited(value: Value) -> EditedMesh:
+    if not isinstance(value, EditedMesh):
+        raise RefusalError(f"{describe(value)} is no BMesh")
+    return value
+
+
+def _vertices(mesh: EditedMesh, value: Value) -> list[Vertex]:
+    found = elements(value, mesh.script)
+    if not all(isinstance(vertex, Vertex) for vertex in found):
+        raise RefusalError("vertices are moved that are none")
+    return found

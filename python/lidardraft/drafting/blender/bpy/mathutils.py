@@ -1,0 +1,453 @@
+"""`mathutils` as a script sees it: vectors, Euler angles, quaternions and matrices."""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+from collections.abc import Callable, Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from lidardraft.drafting.blender.bpy.rotations import (
+    about_axis,
+    about_named_axis,
+    affine,
+    angles_of,
+    of_quaternion,
+    quaternion_of,
+    rotation_matrix,
+    tracking,
+)
+from lidardraft.drafting.blender.script.limits import RefusalError
+from lidardraft.drafting.blender.script.values import (
+    Builtin,
+    Methods,
+    Namespace,
+    Record,
+    Value,
+    builtins,
+    describe,
+    is_number,
+    real,
+    reals,
+)
+
+_STEPS_OF_MATRIX = 15  # steps that what is done with a small array costs
+_OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv}
+
+
+class Vector(Record):
+    """Two to four finite numbers, which can be set one by one."""
+
+    kind = "a Vector"
+    weight = 3
+    axes = "xyzw"  # the names of the numbers
+
+    def __init__(self, numbers: Sequence[float]) -> None:
+        self._numbers = list(numbers)
+
+    @property
+    def numbers(self) -> list[float]:
+        """What it holds now; `change` gives it others."""
+        return self._numbers
+
+    def change(self, numbers: Sequence[float]) -> None:
+        """Hold other numbers."""
+        self._numbers = list(numbers)
+
+    @classmethod
+    def from_value(cls, value: Value = (0.0, 0.0, 0.0)) -> Vector:
+        """The vector of a list, a tuple or another vector."""
+        numbers = value.elements() if isinstance(value, Record) else value
+        if not isinstance(numbers, list | tuple) or not 2 <= len(numbers) <= 4:
+            raise RefusalError(f"a vector of {describe(value)}; it must be 2 to 4 numbers")
+        return cls(reals(value, len(numbers), "a vector"))
+
+    def like(self, numbers: Sequence[float]) -> Vector:
+        """Other numbers of the same kind."""
+        return Vector(numbers)
+
+    def elements(self) -> list[Value]:
+        return list(self.numbers)
+
+    def _places(self, name: str) -> list[int]:
+        """The places of the axes in a name ("x", "xz"); none, where it names others."""
+        known = self.axes[: len(self.numbers)]
+        return [known.index(axis) for axis in name] if len(name) <= 4 and set(name) <= set(known) else []
+
+    def attribute(self, name: str) -> Value:
+        places = self._places(name)
+        found = [self.numbers[place] for place in places]
+        return super().attribute(name) if not found else found[0] if len(found) == 1 else Vector(found)
+
+    def set_attribute(self, name: str, value: Value) -> None:
+        places = self._places(name)
+        if not places or len(set(places)) < len(places):
+            return super().set_attribute(name, value)
+        self._put(places, (value,) if len(places) == 1 else value)
+
+    def _put(self, places: Sequence[int], values: Value) -> None:
+        numbers = list(self.numbers)
+        for place, number in zip(places, reals(values, len(places), "a coordinate"), strict=True):
+            numbers[place] = number
+        self.change(numbers)
+
+    def item(self, key: Value) -> Value:
+        return tuple(self.numbers[key]) if isinstance(key, slice) else self.numbers[self._place(key)]
+
+    def set_item(self, key: Value, value: Value) -> None:
+        if isinstance(key, slice):
+            self._put(range(len(self.numbers))[key], value)
+        else:
+            self._put([self._place(key)], (value,))
+
+    def _place(self, key: Value) -> int:
+        if not isinstance(key, int) or not -len(self.numbers) <= key < len(self.numbers):
+            raise RefusalError(f"{self.kind} of {len(self.numbers)} numbers has no place {describe(key)}")
+        return key
+
+    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
+        combine = _OPERATORS.get(operator)
+        additive = operator in (ast.Add, ast.Sub)
+        if combine is None or additive == is_number(other) or (reflected and operator is ast.Div):
+            return super().binary(operator, other, reflected=reflected)
+        others = [real(other, "the factor")] * len(self.numbers) if is_number(other) else self._same(other)
+        pairs = zip(others, self.numbers, strict=True) if reflected else zip(self.numbers, others, strict=True)
+        try:
+            return Vector([real(combine(a, b), "a coordinate") for a, b in pairs])
+        except ZeroDivisionError:
+            raise RefusalError("a vector divided by zero") from None
+
+    def in_place(self, operator: type[ast.operator], other: Value) -> Value:
+        self.change(self.binary(operator, other).numbers)
+        return self
+
+    def negative(self) -> Value:
+        return self.like([-number for number in self.numbers])
+
+    def equals(self, other: Value) -> bool:
+        return isinstance(other, Vector) and other.numbers == self.numbers
+
+    def _same(self, other: Value) -> tuple[float, ...]:
+        return reals(other, len(self.numbers), "the other vector")
+
+    def _normalized(self) -> Vector:
+        length = math.hypot(*self.numbers)
+        return Vector([number / length for number in self.numbers] if length else self.numbers)
+
+    def _dot(self, other: Value) -> float:
+        return sum(a * b for a, b in zip(self.numbers, self._same(other), strict=True))
+
+    def _cross(self, other: Value) -> Vector:
+        (ax, ay, az), (bx, by, bz) = self.numbers, self._same(other)
+        return Vector([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+
+    def _between(self, other: Value, factor: Value) -> Vector:
+        part, others = real(factor, "the factor"), self._same(other)
+        return Vector([a + (b - a) * part for a, b in zip(self.numbers, others, strict=True)])
+
+    def _angle(self, vector: Value, *_: Value) -> float:
+        other = self._same(vector)
+        lengths = math.hypot(*self.numbers) * math.hypot(*other)
+        if lengths == 0:
+            raise RefusalError("the angle of a vector without length")
+        return math.acos(max(-1.0, min(1.0, self._dot(vector) / lengths)))
+
+    def _rotate(self, turn: Value) -> None:
+        self.change((rotation_of(turn) @ reals(self, 3, "a vector that is turned")).tolist())
+
+    fields: ClassVar[Methods] = {
+        **dict.fromkeys(("length", "magnitude"), lambda self: math.hypot(*self.numbers)),
+        "length_squared": lambda self: math.hypot(*self.numbers) ** 2,
+    }
+    methods: ClassVar[Methods] = {
+        "copy": lambda self: self.like(self.numbers),
+        "normalized": _normalized,
+        "normalize": lambda self: self.change(self._normalized().numbers),
+        "dot": _dot,
+        "cross": _cross,
+        "lerp": _between,
+        "to_tuple": lambda self: tuple(self.numbers),
+        "rotate": _rotate,
+        "angle": _angle,
+        "to_2d": lambda self: Vector(self.numbers[:2]),
+        "to_3d": lambda self: Vector([*self.numbers, 0.0][:3]),
+        "to_4d": lambda self: Vector([*self.numbers, *(0.0, 1.0)[len(self.numbers) - 2 :]]),
+        "to_track_quat": lambda self, track="Z", up="Y": Quaternion(quaternion_of(tracking(self.numbers, track, up))),
+    }
+    weights: ClassVar[dict[str, int]] = {
+        **{"dot": 3, "cross": 3, "lerp": 3, "angle": 5, "rotate": _STEPS_OF_MATRIX},
+        **dict.fromkeys(("to_track_quat", "rotate_axis"), 4 * _STEPS_OF_MATRIX),
+        **dict.fromkeys(("to_matrix", "to_quaternion", "to_euler"), _STEPS_OF_MATRIX),
+    }
+
+
+class LiveVector(Vector):
+    """Numbers that belong to something else, which is asked for them and given others."""
+
+    def __init__(self, read: Callable[[], Sequence[float]], write: Callable[[Sequence[float]], None]) -> None:
+        self._read = read
+        self._write = write
+
+    @property
+    def numbers(self) -> list[float]:
+        return list(self._read())
+
+    def change(self, numbers: Sequence[float]) -> None:
+        self._write(numbers)
+
+
+class Euler(Vector):
+    """Angles about x, then y, then z [rad]."""
+
+    kind = "an Euler"
+
+    @classmethod
+    def from_value(cls, value: Value = (0.0, 0.0, 0.0), order: Value = "XYZ") -> Euler:
+        """The angles of three numbers."""
+        _check_order(order)
+        return cls(reals(value, 3, "the angles"))
+
+    def like(self, numbers: Sequence[float]) -> Vector:
+        return Euler(numbers)
+
+    def _rotate(self, turn: Value) -> None:
+        self.change(angles_of(rotation_of(turn) @ rotation_matrix(self.numbers)))
+
+    def _rotate_axis(self, axis: Value, angle: Value) -> None:
+        self.change(angles_of(rotation_matrix(self.numbers) @ about_named_axis(axis, angle)))
+
+    methods: ClassVar[Methods] = Vector.methods | {
+        "to_matrix": lambda self: Matrix(rotation_matrix(self.numbers)),
+        "to_quaternion": lambda self: Quaternion(quaternion_of(rotation_matrix(self.numbers))),
+        "rotate": _rotate,
+        "rotate_axis": _rotate_axis,
+    }
+
+
+class Quaternion(Vector):
+    """A rotation, as four numbers."""
+
+    kind = "a Quaternion"
+    weight = _STEPS_OF_MATRIX
+    axes = "wxyz"
+
+    @classmethod
+    def from_value(cls, value: Value = (1.0, 0.0, 0.0, 0.0), angle: Value = None) -> Quaternion:
+        """The rotation of four numbers w, x, y, z, or of an axis and an angle [rad]."""
+        if angle is None:
+            return cls(reals(value, 4, "the quaternion"))
+        return cls(quaternion_of(about_axis(np.array(reals(value, 3, "the axis")), real(angle, "the angle"))))
+
+    def like(self, numbers: Sequence[float]) -> Vector:
+        return Quaternion(numbers)
+
+    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
+        if operator is not ast.MatMult or reflected or not isinstance(other, Vector):
+            raise RefusalError("of quaternions, only products by @ are supported")
+        if isinstance(other, Quaternion):
+            return Quaternion(quaternion_of(of_quaternion(self.numbers) @ of_quaternion(other.numbers)))
+        return Vector((of_quaternion(self.numbers) @ reals(other, 3, "the vector")).tolist())
+
+    def _inverted(self) -> Quaternion:
+        w, x, y, z = self.numbers
+        return Quaternion([w, -x, -y, -z])
+
+    methods: ClassVar[Methods] = {
+        "to_euler": lambda self, order="XYZ", *_: _euler(of_quaternion(self.numbers), order),
+        "to_matrix": lambda self: Matrix(of_quaternion(self.numbers)),
+        "copy": lambda self: self.like(self.numbers),
+        "inverted": _inverted,
+        "conjugated": _inverted,
+        "normalized": lambda self: self.like(self._normalized().numbers),
+    }
+
+
+class Matrix(Record):
+    """A square matrix of three or four rows; `changed` is told what it is changed to."""
+
+    kind = "a Matrix"
+    weight = _STEPS_OF_MATRIX
+
+    def __init__(self, array: np.ndarray, changed: Callable[[np.ndarray], None] | None = None) -> None:
+        self._changed = changed
+        self.array = _finite(array)
+
+    def change(self, array: np.ndarray) -> None:
+        """Hold other numbers."""
+        self.array = _finite(array)
+        if self._changed is not None:
+            self._changed(self.array)
+
+    @classmethod
+    def from_value(cls, rows: Value = ()) -> Matrix:
+        """The matrix of a list of rows; of 4 rows, the identity, where there are none."""
+        if rows == ():
+            return cls(np.eye(4))
+        if isinstance(rows, Matrix):
+            return cls(rows.array)
+        if not isinstance(rows, list | tuple) or len(rows) not in (3, 4):
+            raise RefusalError(f"a matrix of {describe(rows)}; it must be 3 or 4 rows")
+        return cls(np.array([reals(row, len(rows), "a row of a matrix") for row in rows]))
+
+    def _row(self, place: int | tuple[slice, int]) -> LiveVector:
+        """A row, or a part of a column, which can be set."""
+
+        def write(numbers: Sequence[float]) -> None:
+            array = self.array.copy()
+            array[place] = numbers
+            self.change(array)
+
+        return LiveVector(lambda: self.array[place].tolist(), write)
+
+    def _translation(self) -> Vector:
+        if len(self.array) != 4:
+            raise RefusalError("a Matrix of 3 rows has no translation")
+        return self._row((slice(3), 3))
+
+    def elements(self) -> list[Value]:
+        return [self._row(place) for place in range(len(self.array))]
+
+    def item(self, key: Value) -> Value:
+        if not isinstance(key, int) or not -len(self.array) <= key < len(self.array):
+            raise RefusalError(f"a Matrix has no row {describe(key)}")
+        return self._row(key)
+
+    def set_item(self, key: Value, value: Value) -> None:
+        self.item(key).change(reals(value, len(self.array), "a row of a matrix"))
+
+    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
+        if operator is not ast.MatMult or reflected or not isinstance(other, Vector | Matrix):
+            return super().binary(operator, other, reflected=reflected)
+        if isinstance(other, Matrix):
+            if other.array.shape != self.array.shape:
+                raise RefusalError("matrices of different sizes")
+            return Matrix(self.array @ other.array)
+        numbers = other.numbers
+        if len(numbers) == 3 and len(self.array) == 4:
+            return Vector((self.array[:3, :3] @ numbers + self.array[:3, 3]).tolist())
+        if len(numbers) != len(self.array):
+            raise RefusalError("a matrix and a vector of different sizes")
+        return Vector((self.array @ numbers).tolist())
+
+    def in_place(self, operator: type[ast.operator], other: Value) -> Value:
+        product = self.binary(operator, other)
+        if not isinstance(product, Matrix):
+            return product
+        self.change(product.array)
+        return self
+
+    def _inverted(self) -> Matrix:
+        try:
+            return Matrix(np.linalg.inv(self.array))
+        except np.linalg.LinAlgError:
+            raise RefusalError("a matrix that has no inverse") from None
+
+    def four_rows(self) -> np.ndarray:
+        """The map [4, 4] that it is of points."""
+        return affine(self.array[:3, :3], self.array[:3, 3] if len(self.array) == 4 else np.zeros(3))
+
+    def _to_quaternion(self) -> Quaternion:
+        return Quaternion(quaternion_of(self.array[:3, :3] / np.linalg.norm(self.array[:3, :3], axis=0)))
+
+    fields: ClassVar[Methods] = {"translation": _translation}
+    setters: ClassVar[Methods] = {
+        "translation": lambda self, value: self._translation().change(reals(value, 3, "the translation"))
+    }
+    methods: ClassVar[Methods] = {
+        "copy": lambda self: Matrix(self.array),
+        "inverted": _inverted,
+        "transposed": lambda self: Matrix(self.array.T),
+        "to_4x4": lambda self: Matrix(self.four_rows()),
+        "to_3x3": lambda self: Matrix(self.array[:3, :3]),
+        "to_euler": lambda self, order="XYZ", *_: _euler(self.array[:3, :3], order),
+        "to_quaternion": _to_quaternion,
+        "to_scale": lambda self: Vector(np.linalg.norm(self.array[:3, :3], axis=0).tolist()),
+        "to_translation": lambda self: self._translation().like(self._translation().numbers),
+    }
+
+
+class MatrixType(Record):
+    """`mathutils.Matrix` itself, which is called and has constructors."""
+
+    kind = "Matrix"
+    weight = _STEPS_OF_MATRIX
+
+    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
+        return Builtin("Matrix", Matrix.from_value).call(arguments, keywords)
+
+    methods: ClassVar[Methods] = {
+        "Translation": lambda _, vector: Matrix(affine(np.eye(3), np.array(reals(vector, 3, "the translation")))),
+        "Rotation": lambda _, angle, size, axis="Z": _rotated(angle, size, axis),
+        "Scale": lambda _, factor, size, axis=None: _scaled(factor, size, axis),
+        "Diagonal": lambda _, vector: _sized(np.diag(Vector.from_value(vector).numbers)),
+        "Identity": lambda _, size: _sized(np.eye(4), size),
+        "LocRotScale": lambda _, location, rotation, scale: _composed(location, rotation, scale),
+    }
+
+
+def _finite(array: np.ndarray) -> np.ndarray:
+    if not np.isfinite(array).all():
+        raise RefusalError("a matrix with a number that is not finite")
+    return array
+
+
+def _sized(array: np.ndarray, size: Value = None) -> Matrix:
+    """The first rows and columns of a matrix [4, 4], or all of another one."""
+    rows = len(array) if size is None else size
+    if rows not in (3, 4):
+        raise RefusalError(f"a matrix of {describe(rows)} rows; it must have 3 or 4")
+    return Matrix(array[:rows, :rows])
+
+
+def rotation_of(turn: Value) -> np.ndarray:
+    """The rotation [3, 3] that a matrix, a quaternion or three angles stand for."""
+    if isinstance(turn, Matrix):
+        return np.asarray(turn.array[:3, :3])
+    if isinstance(turn, Quaternion):
+        return of_quaternion(turn.numbers)
+    return rotation_matrix(reals(turn, 3, "the angles"))
+
+
+def _composed(location: Value, rotation: Value, scale: Value) -> Matrix:
+    """What scales, then turns, then moves; None leaves a part out."""
+    offset = np.zeros(3) if location is None else np.array(reals(location, 3, "the location"))
+    turn = np.eye(3) if rotation is None else rotation_of(rotation)
+    return Matrix(affine(turn * ((1.0, 1.0, 1.0) if scale is None else reals(scale, 3, "the scale")), offset))
+
+
+def _rotated(angle: Value, size: Value, axis: Value) -> Matrix:
+    if isinstance(axis, Vector | tuple | list):
+        turn = about_axis(np.array(reals(axis, 3, "the axis")), real(angle, "the angle"))
+    else:
+        turn = about_named_axis(axis, angle)
+    return _sized(affine(turn, np.zeros(3)), size)
+
+
+def _scaled(factor: Value, size: Value, axis: Value) -> Matrix:
+    """What scales in all directions, or along an axis alone."""
+    stretched = np.eye(3) * real(factor, "the factor")
+    if axis is not None:
+        direction = np.array(reals(axis, 3, "the axis"))
+        direction = direction / (np.linalg.norm(direction) or 1.0)
+        stretched = np.eye(3) + (real(factor, "the factor") - 1) * np.outer(direction, direction)
+    return _sized(affine(stretched, np.zeros(3)), size)
+
+
+def _check_order(order: Value) -> None:
+    if order != "XYZ":
+        raise RefusalError(f"angles in the order {describe(order)}; only 'XYZ' is supported")
+
+
+def _euler(array: np.ndarray, order: Value) -> Euler:
+    _check_order(order)
+    return Euler(angles_of(array / np.linalg.norm(array, axis=0)))
+
+
+def mathutils_module() -> Namespace:
+    """Vector, Euler, Matrix, Quaternion and Color."""
+    vectors = builtins("", {"Vector": Vector.from_value, "Euler": Euler.from_value, "Color": Vector.from_value})
+    quaternion = Builtin("Quaternion", Quaternion.from_value, 2 * _STEPS_OF_MATRIX)
+    return Namespace("mathutils", {**vectors, "Matrix": MatrixType(), "Quaternion": quaternion})

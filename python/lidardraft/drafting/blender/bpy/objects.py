@@ -1,0 +1,339 @@
+"""The objects of a Blender scene: where they are, how they are turned and scaled, and whose parts they are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from lidardraft.drafting.blender.bpy.blocks import Block, Blocks, Unread
+from lidardraft.drafting.blender.bpy.mathutils import Euler, LiveVector, Matrix, Quaternion, Vector
+from lidardraft.drafting.blender.bpy.meshes import Material, Mesh, scale_of
+from lidardraft.drafting.blender.bpy.modifiers import Modifiers
+from lidardraft.drafting.blender.bpy.rotations import (
+    IDENTITY,
+    affine,
+    angles_of,
+    of_quaternion,
+    quaternion_of,
+    rotation_matrix,
+)
+from lidardraft.drafting.blender.script.limits import RefusalError, Script
+from lidardraft.drafting.blender.script.values import Methods, Value, describe, real, reals, truth
+
+# What changes how an object is shown, and not where it is or what shape it has.
+_LOOKS = (
+    *("hide_render", "hide_viewport", "hide_select", "display_type", "show_name", "show_in_front", "show_wire"),
+    *("color", "pass_index", "cycles", "visible_shadow", "visible_camera", "show_axis", "show_bounds"),
+    *("show_transparent", "empty_display_size", "empty_display_type", "use_fake_user", "track_axis", "up_axis"),
+    "lock_location",
+)
+_LONGEST_CHAIN = 32  # of parents
+_STEPS = 20  # that a copy or a matrix costs
+_CORNERS = [(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 1, 1), (1, 1, 0)]
+
+
+class Objects(Blocks):
+    """`bpy.data.objects`, with what is selected of them, in the order of selection."""
+
+    def __init__(self, script: Script) -> None:
+        super().__init__("objects", SceneObject, script)
+        self.active: SceneObject | None = None
+        self.links = 0  # of objects to collections, that have been made
+        self.selection: dict[SceneObject, None] = {}
+
+    def new(self, name: str, *arguments: Value, **named: Value) -> Value:
+        if len(self.by_name) >= (most := self.script.limits.objects):
+            raise RefusalError(f"more than {most} objects")
+        return super().new(name, *arguments, **named)
+
+    def remove(self, block: Value) -> None:
+        super().remove(block)
+        self.selection.pop(block, None)
+        self.active = None if self.active is block else self.active
+        for child in self.all():
+            if child.parent is block:
+                child.parent = None
+
+    def all(self) -> list[SceneObject]:
+        """All objects, linked to the scene or not, in the order of their making."""
+        return self.elements()
+
+    def select_only(self, item: SceneObject) -> None:
+        """Make an object the only selected one, and the active one."""
+        self.selection = {item: None}
+        self.active = item
+
+
+class SceneObject(Block):
+    """An object: a mesh, an empty, a light or a camera, with its transform."""
+
+    kind = "an object"
+    weight = 2
+    owner: Objects
+
+    def __init__(self, owner: Objects, object_data: Value = None) -> None:
+        super().__init__(owner)
+        if not isinstance(object_data, Mesh | Unread | None):
+            raise RefusalError(f"an object of {describe(object_data)} is not supported")
+        self.data = object_data
+        self.location = Vector([0.0, 0.0, 0.0])
+        self.rotation = Euler([0.0, 0.0, 0.0])
+        self.unused_rotation = Euler([0.0, 0.0, 0.0])  # the angles, while the rotation is a quaternion
+        self.scale = Vector([1.0, 1.0, 1.0])
+        self.parent: SceneObject | None = None
+        self.parent_inverse = IDENTITY
+        self.collections: dict[Block, int] = {}  # with the number of the link, which grows from one to the next
+        self.modifiers = Modifiers(self.script)
+        self.mode = "XYZ"
+        self.line = self.script.line
+        self.suffix = ""  # of its id, where it is what an array has made of another object
+
+    def local(self) -> np.ndarray:
+        """parent_from_object [4, 4], without the inverse of the parent."""
+        return affine(rotation_matrix(self.rotation.numbers) * self.scale.numbers, np.array(self.location.numbers))
+
+    def world(self) -> np.ndarray:
+        """world_from_object [4, 4]."""
+        matrix, parent = self.local(), self.parent
+        inverse = self.parent_inverse
+        while parent is not None:
+            matrix = parent.local() @ inverse @ matrix
+            inverse, parent = parent.parent_inverse, parent.parent
+        return matrix
+
+    def charged_world(self) -> np.ndarray:
+        """`world()`, counted as steps."""
+        self.script.take_steps(_STEPS * (1 + len(self.parents())))
+        return self.world()
+
+    def parents(self) -> list[SceneObject]:
+        """The object that it is a part of, the one that this is a part of, and so on."""
+        above, found = self.parent, list[SceneObject]()
+        while above is not None:
+            found.append(above)
+            above = above.parent
+        return found
+
+    def set_world(self, matrix: np.ndarray) -> None:
+        """Place it so that `world()` is the matrix [4, 4]; raises `RefusalError` for one that shears."""
+        self.script.take_steps(3 * _STEPS)
+        if self.parent is not None:
+            try:
+                matrix = np.linalg.inv(self.parent.charged_world() @ self.parent_inverse) @ matrix
+            except np.linalg.LinAlgError:
+                raise RefusalError(f"the parent of {self.name!r:.60} is scaled to nothing") from None
+        self.set_local(matrix)
+
+    def set_local(self, matrix: np.ndarray) -> None:
+        """Place it so that `local()` is the matrix [4, 4]; raises `RefusalError` for one that shears."""
+        if not np.isfinite(matrix).all():
+            raise RefusalError(f"{self.name!r:.60} is placed by numbers that are not finite")
+        scale = np.linalg.norm(matrix[:3, :3], axis=0)
+        if np.linalg.det(matrix[:3, :3]) < 0:
+            scale = -scale
+        rotation = matrix[:3, :3] / np.where(scale == 0, 1.0, scale)
+        if scale.all() and not np.allclose(rotation.T @ rotation, np.eye(3), atol=1e-6):
+            raise RefusalError("a matrix that shears an object")
+        self.location.change(matrix[:3, 3].tolist())
+        self.scale.change(scale.tolist())
+        self.rotation.change(angles_of(rotation))
+
+    def set_parent(self, parent: Value) -> None:
+        """Make it a part of another object, or of none."""
+        if not isinstance(parent, SceneObject | None):
+            raise RefusalError(f"the parent is {describe(parent)}; it must be an object")
+        if parent is not None:
+            above = [parent, *parent.parents()]
+            if self in above or len(above) > _LONGEST_CHAIN:
+                said = f"the parents of {self.name!r:.60} go in a circle, or are more than {_LONGEST_CHAIN}"
+                raise RefusalError(said)
+        self.parent = parent
+
+    def copy(self) -> SceneObject:
+        """Another object with the same data, transform and parent, in no collection yet."""
+        self.script.take_steps(_STEPS)
+        self.script.take_cells(3 * len(self.properties))
+        other: SceneObject = self.owner.new(self.name, self.data)
+        for name in ("location", "rotation", "unused_rotation", "scale"):
+            getattr(other, name).change(getattr(self, name).numbers)
+        other.parent, other.parent_inverse = self.parent, self.parent_inverse
+        other.properties, other.mode = dict(self.properties), self.mode
+        other.modifiers.arrays = [array.copied() for array in self.modifiers.arrays]
+        return other
+
+    def vertices(self) -> np.ndarray:
+        """The vertices of its mesh [V, 3], in its own axes."""
+        if not isinstance(self.data, Mesh) or self.data.shape is None:
+            return np.zeros((0, 3))
+        self.script.take_steps(_STEPS + self.data.shape.vertices)
+        return self.data.made()[0]
+
+    def extents(self) -> np.ndarray:
+        """The full extents [3] of its mesh along the mesh's own axes, before the object's scale."""
+        vertices = self.vertices()
+        return np.asarray(np.ptp(vertices, axis=0)) if len(vertices) else np.zeros(3)
+
+    def attribute(self, name: str) -> Value:
+        if name in self.fields or name in self.methods:
+            return super().attribute(name)
+        if isinstance(self.data, Unread) or name in _LOOKS:
+            return Unread(f"{name} of objects", self.script)
+        return super().attribute(name)
+
+    def set_attribute(self, name: str, value: Value) -> None:
+        if name in self.setters:
+            self.setters[name](self, value)
+        elif name in _LOOKS or isinstance(self.data, Unread):
+            self.script.note(f"{name} of objects is passed over")
+        else:
+            super().set_attribute(name, value)
+
+    def _type(self) -> str:
+        return "MESH" if isinstance(self.data, Mesh) else "EMPTY" if self.data is None else self.data.kind
+
+    def _angles(self) -> Vector:
+        return self.rotation if self.mode == "XYZ" else self.unused_rotation
+
+    def _set_angles(self, value: Value) -> None:
+        if self.mode != "XYZ":
+            self.script.note(f"rotation_euler is passed over: the rotation mode is {self.mode!r}")
+        self._angles().change(reals(value, 3, "the rotation"))
+
+    def _quaternion(self) -> Vector:
+        self.script.take_steps(_STEPS)
+        found = Quaternion(quaternion_of(rotation_matrix(self.rotation.numbers)))
+
+        def write(numbers: Sequence[float]) -> None:
+            found.change(numbers)
+            self._set_quaternion(found)
+
+        return LiveVector(lambda: found.numbers, write)
+
+    def _set_quaternion(self, value: Value) -> None:
+        if self.mode == "QUATERNION":
+            self.rotation.change(angles_of(of_quaternion(reals(value, 4, "the quaternion"))))
+        else:
+            self.script.note(f"rotation_quaternion is passed over: the rotation mode is {self.mode!r}")
+
+    def _set_mode(self, value: Value) -> None:
+        if value not in ("XYZ", "QUATERNION"):
+            raise RefusalError(f"the rotation mode {describe(value)} is not supported; 'XYZ' and 'QUATERNION' are")
+        self.mode = value
+        self.unused_rotation.change(self.rotation.numbers)
+
+    def _dimensions(self) -> Vector:
+        extents = self.extents()
+        return LiveVector(lambda: (extents * np.abs(self.scale.numbers)).tolist(), self._set_dimensions)
+
+    def _set_dimensions(self, wanted: Value) -> None:
+        scale = list(self.scale.numbers)
+        numbers = zip(self.extents().tolist(), reals(wanted, 3, "the dimensions"), strict=True)
+        for axis, (extent, length) in enumerate(numbers):
+            if extent > 0:
+                scale[axis] = real(length / extent, "the scale")
+        self.scale.change(scale)
+
+    def _basis(self) -> Matrix:
+        self.script.take_steps(_STEPS)
+        return Matrix(self.local(), self.set_local)
+
+    def _bound_box(self) -> Value:
+        self.script.take_steps(_STEPS)
+        vertices = self.vertices()
+        vertices = vertices if len(vertices) else np.zeros((1, 3))
+        corners = np.stack([vertices.min(axis=0), vertices.max(axis=0)])
+        return [tuple(float(corners[side, axis]) for axis, side in enumerate(sides)) for sides in _CORNERS]
+
+    def materials(self) -> list[Material | None]:
+        """Those of its mesh."""
+        return self.data.materials.materials if isinstance(self.data, Mesh) else []
+
+    def _set_material(self, value: Value) -> None:
+        if not isinstance(self.data, Mesh):
+            return
+        if self.data.materials.materials:
+            self.data.materials.set_item(0, value)
+        else:
+            self.data.materials.append(value)
+
+    def _set_parent_inverse(self, array: np.ndarray) -> None:
+        self.parent_inverse = array
+
+    def _set_data(self, value: Value) -> None:
+        if not isinstance(value, Mesh | None):
+            raise RefusalError(f"the data of an object is {describe(value)}; it must be a mesh")
+        self.data = value
+
+    def _select(self, state: Value = True) -> None:
+        if truth(state):
+            self.owner.selection[self] = None
+        else:
+            self.owner.selection.pop(self, None)
+
+    def _collections(self) -> tuple[Block, ...]:
+        self.script.take_cells(len(self.collections))
+        return tuple(self.collections)
+
+    def _constraints(self) -> Value:
+        if isinstance(self.data, Mesh | None):
+            raise RefusalError("constraints of objects are not supported")
+        return Unread("constraints", self.script)
+
+    def class_names(self) -> list[str]:
+        """The names that may say its class, the most telling ones first: its own, those of its materials, parents and
+        collections."""
+        return [each.name for each in (self, *self.materials(), *self.parents(), *self.collections) if each]
+
+    fields: ClassVar[Methods] = {
+        **Block.fields,
+        "data": lambda self: self.data,
+        "type": _type,
+        "location": lambda self: self.location,
+        "rotation_euler": _angles,
+        "rotation_mode": lambda self: self.mode,
+        "rotation_quaternion": _quaternion,
+        "scale": lambda self: self.scale,
+        "parent": lambda self: self.parent,
+        "matrix_world": lambda self: Matrix(self.charged_world(), self.set_world),
+        "matrix_parent_inverse": lambda self: Matrix(self.parent_inverse, self._set_parent_inverse),
+        **dict.fromkeys(("matrix_local", "matrix_basis"), _basis),
+        "bound_box": _bound_box,
+        "dimensions": _dimensions,
+        "active_material": lambda self: next(iter(self.materials()), None),
+        "users_collection": _collections,
+        "material_slots": lambda self: Unread("material_slots", self.script),
+        "modifiers": lambda self: self.modifiers,
+        "constraints": _constraints,
+        "animation_data": lambda _: None,
+    }
+    setters: ClassVar[Methods] = {
+        **Block.setters,
+        "data": _set_data,
+        "location": lambda self, value: self.location.change(reals(value, 3, "the location")),
+        "rotation_euler": _set_angles,
+        "rotation_mode": _set_mode,
+        "rotation_quaternion": _set_quaternion,
+        "scale": lambda self, value: self.scale.change(scale_of(value)),
+        "parent": set_parent,
+        "matrix_world": lambda self, value: self.set_world(_four_rows(value)),
+        "matrix_parent_inverse": lambda self, value: self._set_parent_inverse(_four_rows(value)),
+        "dimensions": _set_dimensions,
+        "active_material": _set_material,
+    }
+    methods: ClassVar[Methods] = {
+        **Block.methods,
+        "select_set": _select,
+        "select_get": lambda self: self in self.owner.selection,
+        "copy": copy,
+        "hide_get": lambda _: False,
+        "hide_set": lambda self, *_: self.script.note("what hides objects is passed over"),
+        "keyframe_insert": lambda self, *_, **__: self.script.note("animation is passed over"),
+    }
+
+
+def _four_rows(value: Value) -> np.ndarray:
+    if not isinstance(value, Matrix) or value.array.shape != (4, 4):
+        raise RefusalError(f"the matrix of an object is {describe(value)}; it must be a Matrix of 4 rows")
+    return value.array

@@ -1,0 +1,246 @@
+"""`bpy.data` and `bpy.context`: the scene that a script fills, and what it is asked about it."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from lidardraft.drafting.blender.bpy.blocks import Block, Blocks, Listed, Unread
+from lidardraft.drafting.blender.bpy.collection import Collection, LayerCollection, LinkedObjects
+from lidardraft.drafting.blender.bpy.mathutils import Vector
+from lidardraft.drafting.blender.bpy.meshes import Material, Mesh
+from lidardraft.drafting.blender.bpy.objects import Objects, SceneObject
+from lidardraft.drafting.blender.script.limits import RefusalError, Script
+from lidardraft.drafting.blender.script.statements import Surroundings
+from lidardraft.drafting.blender.script.values import (
+    KindOfRecord,
+    Methods,
+    Namespace,
+    Record,
+    Value,
+    describe,
+    nothing,
+    reals,
+)
+
+VERSION = (4, 5, 0)  # of Blender, for scripts that ask
+# What may be made and is passed over: no shape depends on it, or it is a shape that is not read.
+_PASSED_OVER = ("lights", "cameras", "worlds", "curves", "fonts", "metaballs", "images", "textures", "actions")
+_UNKNOWN = (
+    *("armatures", "lattices", "node_groups", "particles", "linestyles", "palettes", "grease_pencils", "speakers"),
+    *("lightprobes", "brushes", "volumes"),
+)
+_OF_SCENES = (
+    *("render", "world", "cycles", "eevee", "display", "view_settings", "unit_settings", "display_settings", "camera"),
+    *("frame_start", "frame_end", "frame_current", "frame_set", "tool_settings", "use_nodes", "node_tree"),
+    *("view_layers", "sequencer_colorspace_settings", "timeline_markers", "gravity", "use_gravity"),
+)
+_OF_CONTEXT = ("area", "screen", "window", "window_manager", "space_data", "region", "evaluated_depsgraph_get")
+
+
+class Scene:
+    """The blocks of a file that holds nothing yet: no cube, camera or light."""
+
+    def __init__(self, script: Script) -> None:
+        self.script = script
+        self.objects = Objects(script)
+        self.meshes = Blocks("meshes", Mesh, script)
+        self.materials = Blocks("materials", Material, script)
+        self.collections = Blocks("collections", lambda owner: Collection(owner, self.objects), script)
+        self.master = Collection(self.collections, self.objects)
+        self.master.name = "Scene Collection"
+        self.current = CurrentScene(self)
+        self.active_collection = self.master
+        self.edit_mode = False
+        self.edits_all = True  # whether all vertices are selected there, or none
+        self.edited: dict[Mesh, Any] = {}  # what is edited in the edit mode
+        self.cursor = Vector([0.0, 0.0, 0.0])
+
+    def add(self, name: str, data: Value) -> SceneObject:
+        """A new object in the scene, which is then the only selected one, and active."""
+        if self.edit_mode:
+            raise RefusalError("objects are not added in the edit mode; leave it first")
+        item: SceneObject = self.objects.new(name, data)
+        LinkedObjects(self.collection()).link(item)
+        self.objects.select_only(item)
+        return item
+
+    def collection(self) -> Collection:
+        """The one that new objects come into."""
+        if self.collections.by_name.get(self.active_collection.name) is not self.active_collection:
+            self.active_collection = self.master  # it has been removed
+        return self.active_collection
+
+    def leave_edit_mode(self) -> None:
+        """Let what was edited become the meshes."""
+        self.edit_mode = False
+        for mesh, edited in self.edited.items():
+            edited.to_mesh(mesh)
+        self.edited.clear()
+
+    def clear(self) -> None:
+        """Forget all there is."""
+        for blocks in (self.objects, self.meshes, self.materials, self.collections):
+            blocks.by_name.clear()
+        self.objects.selection.clear()
+        self.objects.active = None
+        self.master.children.clear()
+        self.active_collection = self.master
+
+    def modules(self) -> dict[str, Value]:
+        """`bpy.data`, `bpy.context` and so on by their names."""
+        blocks = (self.objects, self.meshes, self.materials, self.collections)
+        data: dict[str, Value] = {each.kind.removeprefix("bpy.data."): each for each in blocks}
+        data |= {name: OtherBlocks(name, self.script) for name in (*_PASSED_OVER, *_UNKNOWN)}
+        data |= {"scenes": Scenes(self.current), "filepath": ""}
+        kinds = {"Object": SceneObject, "Mesh": Mesh, "Material": Material, "Collection": Collection}
+        types = Namespace("bpy.types", {name: KindOfRecord(kind) for name, kind in kinds.items()})
+        app = Namespace("bpy.app", {"version": VERSION, "version_string": "4.5.0", "background": True})
+        return {"data": Namespace("bpy.data", data), "context": Context(self), "app": app, "types": types}
+
+
+class OtherBlocks(Listed):
+    """Blocks of a kind that is not read: none of them is there, and only those that no shape depends on can be made."""
+
+    def __init__(self, name: str, script: Script) -> None:
+        self.kind = f"bpy.data.{name}"
+        self._name = name
+        self._script = script
+
+    def elements(self) -> list[Value]:
+        return []
+
+    def _new(self, *_: Value, **__: Value) -> Unread:
+        if self._name not in _PASSED_OVER:
+            raise RefusalError(f"{self.kind}.new is not supported")
+        kind = {"metaballs": "META", "fonts": "FONT"}.get(self._name, self._name.removesuffix("s").upper())
+        return Unread(kind, self._script)
+
+    methods: ClassVar[Methods] = Listed.methods | {"new": _new, "remove": nothing}
+
+
+class Scenes(Listed):
+    """`bpy.data.scenes`, of which there is one."""
+
+    kind = "bpy.data.scenes"
+
+    def __init__(self, current: CurrentScene) -> None:
+        self._current = current
+
+    def elements(self) -> list[Value]:
+        return [self._current]
+
+
+class CurrentScene(Block):
+    """`bpy.context.scene`."""
+
+    kind = "the scene"
+
+    def __init__(self, scene: Scene) -> None:
+        super().__init__(scene.collections)
+        self.name = "Scene"
+        self._scene = scene
+
+    def set_attribute(self, name: str, value: Value) -> None:
+        if name == "name":
+            return
+        if name not in _OF_SCENES:
+            raise RefusalError(f"{name!r} of the scene cannot be set to {describe(value)}")
+        self.script.note(f"{name} of the scene is passed over")
+
+    fields: ClassVar[Methods] = {
+        **Block.fields,
+        "collection": lambda self: self._scene.master,
+        "objects": lambda self: self._scene.objects,
+        "cursor": lambda self: Cursor(self._scene),
+        **{name: lambda self, name=name: Unread(f"{name} of the scene", self.script) for name in _OF_SCENES},
+    }
+
+
+class Cursor(Record):
+    """The 3D cursor, where new objects go that are given no location."""
+
+    kind = "the cursor"
+
+    def __init__(self, scene: Scene) -> None:
+        self.place = scene.cursor
+
+    fields: ClassVar[Methods] = {"location": lambda self: self.place}
+    setters: ClassVar[Methods] = {
+        "location": lambda self, value: self.place.change(reals(value, 3, "the location of the cursor"))
+    }
+
+
+class Override(Surroundings):
+    """`bpy.context.temp_override(...)`: other objects are selected or active for a block."""
+
+    kind = "temp_override"
+
+    def __init__(self, objects: Objects, named: dict[str, Value]) -> None:
+        self._objects = objects
+        self._named = named
+        self._before = objects.active, objects.selection
+
+    def enter(self) -> None:
+        self._before = self._objects.active, self._objects.selection
+        for name, value in self._named.items():
+            if name in ("object", "active_object") and isinstance(value, SceneObject | None):
+                self._objects.active = value
+            elif name.startswith("selected_") and isinstance(value, list | tuple):
+                self._objects.selection = {item: None for item in value if isinstance(item, SceneObject)}
+
+    def leave(self) -> None:
+        active, selection = self._before
+        known = set(self._objects.all())
+        self._objects.active = active if active in known else None
+        self._objects.selection = {item: None for item in selection if item in known}
+
+
+class Context(Record):
+    """`bpy.context`."""
+
+    kind = "bpy.context"
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+
+    fields: ClassVar[Methods] = {
+        "scene": lambda self: self.scene.current,
+        **dict.fromkeys(("object", "active_object"), lambda self: self.scene.objects.active),
+        **dict.fromkeys(
+            ("selected_objects", "selected_editable_objects"), lambda self: list(self.scene.objects.selection)
+        ),
+        "view_layer": lambda self: ViewLayer(self.scene),
+        "collection": lambda self: self.scene.collection(),
+        "mode": lambda self: "EDIT_MESH" if self.scene.edit_mode else "OBJECT",
+        **{name: lambda self, name=name: Unread(f"bpy.context.{name}", self.scene.script) for name in _OF_CONTEXT},
+    }
+    methods: ClassVar[Methods] = {"temp_override": lambda self, **named: Override(self.scene.objects, named)}
+
+
+class ViewLayer(Listed):
+    """`bpy.context.view_layer`, and its objects."""
+
+    kind = "the view layer"
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+
+    def set_attribute(self, name: str, value: Value) -> None:
+        if name == "active" and isinstance(value, SceneObject | None):
+            self._scene.objects.active = value
+        elif name == "active_layer_collection" and isinstance(value, LayerCollection):
+            self._scene.active_collection = value.collection
+        else:
+            super().set_attribute(name, value)
+
+    def elements(self) -> list[Value]:
+        return self._scene.objects.elements()
+
+    fields: ClassVar[Methods] = {
+        "objects": lambda self: self,
+        "active": lambda self: self._scene.objects.active,
+        "layer_collection": lambda self: LayerCollection(self._scene.master),
+        "active_layer_collection": lambda self: LayerCollection(self._scene.collection()),
+        "depsgraph": lambda self: Unread("depsgraph", self._scene.script),
+    }
+    methods: ClassVar[Methods] = Listed.methods | {"update": nothing}

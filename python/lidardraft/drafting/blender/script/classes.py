@@ -1,0 +1,335 @@
+"""Classes that a script defines, what stands in and around their bodies, and their instances."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from lidardraft.drafting.blender.script.functions import SPECIAL, ClassFrame, Function
+from lidardraft.drafting.blender.script.limits import RefusalError
+from lidardraft.drafting.blender.script.operators import equal
+from lidardraft.drafting.blender.script.values import Builtin, Record, Type, Value, call, describe, nothing, text
+
+_DEEPEST, _MOST_NAMES = 16, 200  # classes of which one is derived from the other; names of a class
+_STEPS = 5  # that an instance costs
+_MISSING = object()
+_ERRORS = (
+    *("BaseException", "Exception", "ArithmeticError", "AssertionError", "AttributeError", "ImportError", "IndexError"),
+    *("KeyError", "LookupError", "NameError", "NotImplementedError", "OSError", "OverflowError", "RuntimeError"),
+    *("StopIteration", "SystemExit", "TypeError", "ValueError", "ZeroDivisionError"),
+)
+
+
+class Decorator(Record):
+    """What may stand behind an @."""
+
+    kind = "a decorator"
+
+    def __init__(self, around: Callable[[Value], Value]) -> None:
+        self.around = around
+
+    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
+        """Itself, as in `@dataclass(frozen=True)`; what stands in the brackets changes no shape."""
+        return self if keywords or not arguments else self.around(arguments[0])
+
+
+class Method(Record):
+    """A function of a class: one that is called with the instance or the class first, or with neither."""
+
+    kind = "a method"
+
+    def __init__(self, function: Value, bound_to: str, setter: Value = None) -> None:
+        self.function = function
+        self.bound_to = bound_to  # "property", "class" or "nothing"
+        self.setter = setter
+
+    def attribute(self, name: str) -> Value:
+        if name != "setter" or self.bound_to != "property":
+            return super().attribute(name)
+        return Decorator(lambda setter: Method(self.function, "property", setter))
+
+
+class FieldDefault(Record):
+    """What `field(...)` of a dataclass says."""
+
+    kind = "a field of a dataclass"
+
+    def __init__(self, default: Value = None, default_factory: Value = None, **_: Value) -> None:
+        self.default = default
+        self.factory = default_factory
+
+
+class AutoValue(Record):
+    """`auto()`: the number of a member of an enumeration."""
+
+    kind = "auto()"
+
+
+class BaseMarker(Record):
+    """A class of Python's own that others may be derived from: "object", "Enum" or "NamedTuple"; `error` is the name of
+    a class of errors."""
+
+    is_key = True
+
+    def __init__(self, name: str, error: str | None = None) -> None:
+        self.kind = f"the class {error or name}"
+        self.name = name
+        self.error = error
+
+
+class ScriptClass(Type):
+    """A class: its members by their names, and the fields that its instances are made from, if it says them.
+
+    Raises `RefusalError` where it is derived from too many others.
+    """
+
+    def __init__(self, name: str, base: Value, body: ClassFrame) -> None:
+        self.name = name
+        self.kind = f"the class {name:.40}"
+        self.base = base if isinstance(base, ScriptClass) else None
+        self.marker: str = self.base.marker if self.base else base.name if isinstance(base, BaseMarker) else "object"
+        self.is_enumeration = self.marker.endswith("Enum")
+        self.depth: int = 1 + (self.base.depth if self.base else 0)
+        if self.depth > _DEEPEST:
+            raise RefusalError(f"a class derived from more than {_DEEPEST} others")
+        self.members, self.annotated, self.script = body.variables, body.annotated, body.script
+        if len(self.members) + len(self.annotated) > 2 * _MOST_NAMES:
+            raise RefusalError(f"a class of more than {_MOST_NAMES} names")
+        self.made_from: list[str] | None = self.base.made_from if self.base else None
+        self.is_dataclass: bool = self.base is not None and self.base.is_dataclass
+        for member in self.members.values():
+            function = member.function if isinstance(member, Method) else member
+            if isinstance(function, Function) and function.owner is None:
+                function.owner = self
+        if self.is_enumeration:
+            self._enumerate()
+        elif self.marker == "NamedTuple":
+            self.take_fields()
+
+    def take_fields(self) -> None:
+        """Let instances be made from the annotated names, after those of the class that it is derived from."""
+        self.script.take_steps(len(self.annotated) + len(self.made_from or ()))
+        self.made_from = list(dict.fromkeys([*(self.made_from or ()), *self.annotated]))
+
+    def _enumerate(self) -> None:
+        last: Value = 0
+        for name, value in self.members.items():
+            if not isinstance(value, Function | Method):
+                member = Instance(self)
+                if isinstance(value, AutoValue) and not isinstance(last, int):
+                    raise RefusalError(f"auto() behind {describe(last)} is not supported")
+                last = last + 1 if isinstance(value, AutoValue) else value
+                member.values |= {"name": name, "value": last}
+                self.members[name] = member
+
+    def find(self, name: str) -> Value:
+        """The member of that name, of the class or of those that it is derived from, or `_MISSING`."""
+        scope: ScriptClass | None = self
+        while scope is not None:
+            if name in scope.members:
+                return scope.members[name]
+            scope = scope.base
+        return _MISSING
+
+    def derived_from(self, other: ScriptClass) -> bool:
+        """Whether it is the other class, or one derived from that."""
+        return self is other or (self.base is not None and self.base.derived_from(other))
+
+    def has_private(self, name: str) -> bool:
+        return name in (*SPECIAL, "__name__") or not name.startswith("__")
+
+    def bound(self, found: Value, instance: Instance | None) -> Value:
+        """A member as an attribute of an instance, or of the class itself."""
+        if isinstance(found, Method):
+            if found.bound_to == "property" and instance is not None:
+                return self.run(found.function, instance)
+            return BoundMethod(found.function, self) if found.bound_to == "class" else found.function
+        return BoundMethod(found, instance) if isinstance(found, Function) and instance else found
+
+    def run(self, function: Value, *arguments: Value) -> Value:
+        """What a function of it returns."""
+        return call(function, list(arguments), {}, self.script)
+
+    def attribute(self, name: str) -> Value:
+        if name == "__name__":
+            return self.name
+        found = self.find(name)
+        return super().attribute(name) if found is _MISSING else self.bound(found, None)
+
+    def set_attribute(self, name: str, value: Value) -> None:
+        self.script.take_cells(3 if name in self.members else 3000)  # every later step goes through a name more
+        self.members[name] = value
+
+    def elements(self) -> list[Value]:
+        if not self.is_enumeration:
+            return super().elements()
+        self.script.take_steps(len(self.members))
+        return [member for member in self.members.values() if isinstance(member, Instance)]
+
+    def item(self, key: Value) -> Value:
+        if not self.is_enumeration or not isinstance(key, str) or key not in self.members:
+            return super().item(key)
+        return self.members[key]
+
+    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
+        self.script.take_steps(_STEPS + len(self.made_from or ()))
+        self.script.take_cells(3 + 3 * len(self.made_from or ()))
+        if self.is_enumeration:
+            for member in self.elements() if len(arguments) == 1 else []:
+                if equal(member.values["value"], arguments[0], self.script):
+                    return member
+            raise RefusalError(f"{self.kind} has no such member")
+        instance = Instance(self)
+        start = self.find("__init__")
+        if start is not _MISSING:
+            call(start, [instance, *arguments], keywords, self.script)
+        elif self.made_from is not None:
+            self._fill(instance, self.made_from, arguments, keywords)
+        elif arguments or keywords:
+            raise RefusalError(f"{self.kind} takes no arguments")
+        return instance
+
+    def _fill(self, instance: Instance, fields: list[str], arguments: list[Value], keywords: dict[str, Value]) -> None:
+        if len(arguments) > len(fields) or not set(keywords) <= set(fields[len(arguments) :]):
+            raise RefusalError(f"{self.kind} is given other arguments than {', '.join(fields):.100}")
+        given = dict(zip(fields, arguments, strict=False)) | keywords
+        for name in fields:
+            default = self.find(name)
+            if name not in given and default is _MISSING:
+                raise RefusalError(f"{self.kind} is not given {name!r:.60}")
+            if name not in given and isinstance(default, FieldDefault):
+                default = default.default if default.factory is None else self.run(default.factory)
+            instance.values[name] = given.get(name, default)
+        if (after := self.find("__post_init__")) is not _MISSING:
+            self.run(after, instance)
+
+
+class Instance(Record):
+    """An instance of a class of the script; a key of a dict by its values, where Python's is and they are plain."""
+
+    is_key = True
+
+    def __init__(self, of: ScriptClass) -> None:
+        self.of = of
+        self.kind = f"an instance of {of.kind}"
+        self.values: dict[str, Value] = {}
+        self._key: Value = None  # what it is a key as, once that is asked for
+
+    def __eq__(self, other: object) -> bool:
+        return self is other or (isinstance(other, Instance | tuple) and self._as_key() == _as_key(other))
+
+    def __hash__(self) -> int:
+        return hash(self._as_key())
+
+    def _as_key(self) -> Value:
+        if self._key is None:
+            found = self.compared_as()
+            plain = isinstance(found, tuple) and not any(isinstance(e, list | tuple | dict | Instance) for e in found)
+            self._key = found if plain else id(self)
+        return self._key
+
+    def compared_as(self) -> Value:
+        if self.of.marker in ("IntEnum", "StrEnum"):
+            return self.values["value"]
+        if self.of.marker == "NamedTuple":
+            return tuple(self.values.values())
+        return (self.of, *self.values.values()) if self.of.is_dataclass else self
+
+    def text(self, as_repr: bool) -> str:
+        for name in ("__repr__",) if as_repr else ("__str__", "__repr__"):
+            if (found := self.of.find(name)) is not _MISSING:
+                return text(self.of.run(found, self), f"what {name} gives")
+        if self.of.is_enumeration and not as_repr:
+            plain = self.of.marker != "Enum"
+            return str(self.values["value"]) if plain else f"{self.of.name}.{self.values['name']}"
+        return super().text(as_repr)
+
+    def has_private(self, name: str) -> bool:
+        return name == "__class__" or not (name.startswith("__") and name.endswith("__"))
+
+    def has(self, name: str) -> bool:
+        """Whether it, or its class, has an attribute of that name."""
+        return name in self.values or name == "__class__" or self.of.find(name) is not _MISSING
+
+    def attribute(self, name: str) -> Value:
+        if name in self.values:
+            return self.values[name]
+        if name == "__class__":
+            return self.of
+        found = self.of.find(name)
+        return super().attribute(name) if found is _MISSING else self.of.bound(found, self)
+
+    def set_attribute(self, name: str, value: Value) -> None:
+        found = self.of.find(name)
+        if isinstance(found, Method) and found.setter is not None:
+            self.of.run(found.setter, self, value)
+        elif isinstance(found, Method) or name == "__class__" or self.of.marker != "object":
+            super().set_attribute(name, value)
+        else:
+            self.of.script.take_cells(1)
+            self.values[name] = value
+            self._key = None
+
+    def elements(self) -> list[Value]:
+        return list(self.values.values()) if self.of.marker == "NamedTuple" else super().elements()
+
+    def item(self, key: Value) -> Value:
+        numbers = self.elements() if self.of.marker == "NamedTuple" else []
+        if not isinstance(key, int) or not -len(numbers) <= key < len(numbers):
+            return super().item(key)
+        return numbers[key]
+
+
+def _as_key(value: Value) -> Value:
+    return value._as_key() if isinstance(value, Instance) else value
+
+
+class BoundMethod(Record):
+    """A function together with the value that it gets first."""
+
+    kind = "a method"
+
+    def __init__(self, function: Function, first: Value) -> None:
+        self.weight = function.weight
+        self._function = function
+        self._first = first
+
+    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
+        return self._function.call([self._first, *arguments], keywords)
+
+
+class Super(Record):
+    """`super()` in a method of the class `of`: what those have that it is derived from."""
+
+    kind = "super()"
+
+    def __init__(self, of: Value, instance: Value) -> None:
+        self._of = of
+        self._instance = instance
+
+    def has_private(self, name: str) -> bool:
+        return name in SPECIAL or not name.startswith("__")
+
+    def attribute(self, name: str) -> Value:
+        base = self._of.base
+        found = _MISSING if base is None else base.find(name)
+        if found is _MISSING:
+            return Builtin("super", nothing) if name in SPECIAL else super().attribute(name)
+        return base.bound(found, self._instance if isinstance(self._instance, Instance) else None)
+
+
+def dataclass(of: Value) -> Value:
+    """The class, of which the instances are made from its annotated names."""
+    if not isinstance(of, ScriptClass):
+        raise RefusalError(f"{describe(of)} is no class")
+    of.take_fields()
+    of.is_dataclass = True
+    return of
+
+
+CLASS_NAMES: dict[str, Value] = {  # that Python has without an import
+    "property": Decorator(lambda function: Method(function, "property")),
+    "staticmethod": Decorator(lambda function: Method(function, "nothing")),
+    "classmethod": Decorator(lambda function: Method(function, "class")),
+    "object": BaseMarker("object"),
+    **{name: BaseMarker("object", name) for name in _ERRORS},
+}

@@ -1,0 +1,398 @@
+"""The modules of Python's own library that compute: `math`, `random`, `itertools`, `collections` and the like.
+
+What has an end is counted before it is made.
+"""
+
+from __future__ import annotations
+
+import ast
+import copy
+import itertools
+import json
+import math
+import random
+import re
+from collections.abc import Callable, Iterator
+from typing import ClassVar
+
+from lidardraft.drafting.blender.script.builtin_functions import has
+from lidardraft.drafting.blender.script.classes import (
+    AutoValue,
+    BaseMarker,
+    Decorator,
+    FieldDefault,
+    Instance,
+    ScriptClass,
+    dataclass,
+)
+from lidardraft.drafting.blender.script.containers import (
+    Counter,
+    DefaultDict,
+    Deque,
+    Lazy,
+    count_into,
+    iterate,
+    to_dict,
+)
+from lidardraft.drafting.blender.script.formatting import to_text
+from lidardraft.drafting.blender.script.functions import ClassFrame
+from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
+from lidardraft.drafting.blender.script.operators import binary
+from lidardraft.drafting.blender.script.source import lone_surrogate
+from lidardraft.drafting.blender.script.statements import Surroundings, is_caught
+from lidardraft.drafting.blender.script.values import (
+    Builtin,
+    Methods,
+    Namespace,
+    Record,
+    Value,
+    builtins,
+    call,
+    checked,
+    describe,
+    elements,
+    is_key,
+    text,
+    whole,
+)
+
+_MATH = (
+    *("acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "cos", "cosh", "sin", "sinh", "tan", "tanh"),
+    *("ceil", "floor", "trunc", "fabs", "fmod", "copysign", "gcd", "hypot", "degrees", "radians"),
+    *("exp", "log", "log10", "log2", "pow", "sqrt", "isqrt", "modf", "isclose", "isfinite", "isinf", "isnan"),
+)
+_LARGEST_FACTORIAL = 20  # the largest below 2^63
+_DRAWS = (
+    *("random", "uniform", "gauss", "normalvariate", "lognormvariate", "expovariate", "triangular"),
+    *("randint", "randrange"),
+)
+_STEPS_OF_SEED, _CELLS_OF_GENERATOR = 20, 1000
+_WIDEST, _DEEPEST_COPY, _DEEPEST_PARTIAL, _MOST_FIELDS = 16, 30, 8, 100
+_WIDEST_INDENT, _LONGEST_NUMBER = 8, 40  # of JSON
+_SIGN, _HALF_CHARACTER = re.compile(r"[,:\[{]"), re.compile(r"\\u[dD][89a-fA-F]")
+
+
+def standard_modules(script: Script) -> dict[str, Value]:
+    """The modules by their names."""
+    enum = {name: BaseMarker(name) for name in ("Enum", "IntEnum", "StrEnum")}
+    modules: dict[str, dict[str, Value]] = {
+        "math": _math(script),
+        "itertools": {**builtins("", _itertools(script)), "chain": Chain("chain", _chain(script))},
+        "functools": _functools(script),
+        "collections": builtins("", _collections(script)),
+        "contextlib": {"suppress": Builtin("suppress", Suppressed)},
+        "dataclasses": {"dataclass": Decorator(dataclass), "field": Builtin("field", FieldDefault)},
+        "enum": {**enum, "auto": Builtin("auto", AutoValue)},
+        "abc": {"ABC": BaseMarker("object"), "abstractmethod": Decorator(lambda function: function)},
+        "copy": builtins("copy.", _copy(script)),
+        "json": builtins("json.", _json(script)),
+    }
+    return {name: Namespace(name, values) for name, values in modules.items()} | {"random": RandomNumbers(script)}
+
+
+def _math(script: Script) -> dict[str, Value]:
+    def bounded(function: Callable[..., Value]) -> Callable[..., Value]:
+        return lambda *arguments, **keywords: checked(function(*arguments, **keywords))
+
+    functions = {name: bounded(getattr(math, name)) for name in _MATH}
+    functions |= {
+        "factorial": lambda n: math.factorial(whole(n, "the number", most=_LARGEST_FACTORIAL)),
+        "dist": lambda a, b: math.dist(elements(a, script), elements(b, script)),
+        "fsum": lambda items: math.fsum(elements(items, script)),
+    }
+    return builtins("math.", functions) | {name: getattr(math, name) for name in ("pi", "tau", "e", "inf", "nan")}
+
+
+class RandomNumbers(Record):
+    """`random`, or a `random.Random`: the numbers that Python's generator gives for a seed, which is 0 until it is set;
+    a number that is drawn before that is noted."""
+
+    kind = "random"
+    weights: ClassVar[dict[str, int]] = {"seed": _STEPS_OF_SEED, "Random": 4 * _STEPS_OF_SEED}
+
+    def __init__(self, script: Script, seed: Value = None) -> None:
+        self.script = script
+        self._generator = random.Random()
+        self._seed(seed)
+        self._is_seeded = seed is not None
+
+    def _seed(self, a: Value = None) -> None:
+        if not isinstance(a, int | float | str | None):
+            raise RefusalError(f"the seed is {describe(a)}; it must be a number or a text")
+        self._is_seeded = True
+        self._generator.seed(0 if a is None else a)
+
+    def _drawn(self, name: str, *arguments: Value, **keywords: Value) -> Value:
+        if not self._is_seeded:
+            self.script.note("random numbers without a seed: the seed 0 is taken")
+        return checked(getattr(self._generator, name)(*arguments, **keywords))
+
+    def _items(self, population: Value, k: Value = 0) -> Value:
+        self.script.take_steps(whole(k, "k"))
+        return population if isinstance(population, range) else elements(population, self.script)
+
+    def _choices(self, population: Value, weights: Value = None, *, cum_weights: Value = None, k: Value = 1) -> Value:
+        items = self._items(population, k)
+        return self._drawn("choices", list(items), weights, cum_weights=cum_weights, k=k)
+
+    def _shuffle(self, x: Value) -> None:
+        if not isinstance(x, list):
+            raise RefusalError(f"{describe(x)} cannot be shuffled")
+        self.script.take_steps(len(x))
+        self._drawn("shuffle", x)
+
+    def _another(self, x: Value = None) -> RandomNumbers:
+        self.script.take_cells(_CELLS_OF_GENERATOR)
+        return RandomNumbers(self.script, x)
+
+    methods: ClassVar[Methods] = {
+        **{name: lambda self, *a, name=name, **k: self._drawn(name, *a, **k) for name in _DRAWS},
+        "choice": lambda self, seq: self._drawn("choice", self._items(seq)),
+        "sample": lambda self, population, k: self._drawn("sample", self._items(population, k), k),
+        "choices": _choices,
+        "shuffle": _shuffle,
+        "seed": _seed,
+        "Random": _another,
+    }
+
+
+class Chain(Builtin):
+    """`itertools.chain`, which can also be given one list of lists."""
+
+    methods: ClassVar[Methods] = {"from_iterable": lambda self, lists: self._call(*lists)}
+
+
+def _chain(script: Script) -> Callable[..., Value]:
+    def chain(*lists: Value) -> Value:
+        script.take_steps(2 * len(lists))
+        return Lazy((item for items in lists for item in iterate(items, script)), script)
+
+    return chain
+
+
+def _itertools(script: Script) -> Methods:
+    def counted(made: Iterator[Value], count: int, width: int) -> Lazy:
+        script.take_steps(count // 4)
+        script.take_cells(count * (width + 1) if count < script.limits.length else count)
+        return Lazy(made, script)
+
+    def product(*columns: Value, repeat: Value = 1) -> Value:
+        lists = [elements(column, script) for column in columns] * whole(repeat, "repeat", 0, _WIDEST)
+        return counted(itertools.product(*lists), math.prod(map(len, lists)), len(lists))
+
+    def chosen(choose: Callable[..., Iterator[Value]], number: Callable[[int, int], int]) -> Callable[..., Value]:
+        def call_(items: Value, r: Value = None) -> Value:
+            found = elements(items, script)
+            width = whole(len(found) if r is None else r, "the number of elements at a time", 0, _WIDEST)
+            return counted(choose(found, width), number(len(found), width), width)
+
+        return call_
+
+    def count(start: Value = 0, step: Value = 1) -> Lazy:
+        return Lazy(itertools.count(checked(start) + 0, checked(step) + 0), script)
+
+    def repeat(value: Value, times: Value = None) -> Lazy:
+        return Lazy(itertools.repeat(value, *([] if times is None else [whole(times, "the times")])), script)
+
+    def islice(items: Value, *bounds: Value) -> Lazy:
+        limits = [None if bound is None else whole(bound, "a bound of islice", 0) for bound in bounds]
+        return Lazy(itertools.islice(iterate(items, script), *limits), script)
+
+    def accumulate(items: Value, function: Value = None, *, initial: Value = None) -> Lazy:
+        def added(total: Value, item: Value) -> Value:
+            script.take_steps(2)
+            return (
+                binary(ast.Add, total, item, script) if function is None else call(function, [total, item], {}, script)
+            )
+
+        return Lazy(itertools.accumulate(iterate(items, script), added, initial=initial), script)
+
+    return {
+        "product": product,
+        "combinations": chosen(itertools.combinations, math.comb),
+        "permutations": chosen(itertools.permutations, math.perm),
+        "count": count,
+        "cycle": lambda items: Lazy(_cycled(items, script), script),
+        "repeat": repeat,
+        "islice": islice,
+        "accumulate": accumulate,
+        "pairwise": lambda items: Lazy(itertools.pairwise(iterate(items, script)), script),
+    }
+
+
+def _cycled(items: Value, script: Script) -> Iterator[Value]:
+    found: list[Value] = []
+    for item in iterate(items, script):
+        script.take_cells(1)
+        found.append(item)
+        yield item
+    while found:
+        yield from found
+
+
+class Cached(Record):
+    """A function that is called once for the same arguments, as `functools.cache` makes it."""
+
+    kind = "a cached function"
+
+    def __init__(self, function: Value, script: Script) -> None:
+        self._function = function
+        self._script = script
+        self._results: dict[Value, Value] = {}
+
+    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
+        key = (*arguments, *keywords.items())
+        if not all(is_key(each) for each in (*arguments, *keywords.values())):
+            raise RefusalError("a cached function of what cannot be a key")
+        self._script.take_cells(3 + len(key))
+        if key not in self._results:
+            self._results[key] = call(self._function, arguments, keywords, self._script)
+        return self._results[key]
+
+
+class Partial(Record):
+    """A function with its first arguments, and some of its named ones."""
+
+    kind = "a partial function"
+
+    def __init__(
+        self, function: Value, arguments: tuple[Value, ...], keywords: dict[str, Value], script: Script
+    ) -> None:
+        script.take_cells(len(arguments) + 3 * len(keywords))
+        self._function = function
+        self._arguments = arguments
+        self._keywords = keywords
+        self._script = script
+        self.depth: int = 1 + (function.depth if isinstance(function, Partial) else 0)
+        if self.depth > _DEEPEST_PARTIAL:
+            raise RefusalError(f"partial of partial of more than {_DEEPEST_PARTIAL} functions")
+
+    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
+        return call(self._function, [*self._arguments, *arguments], self._keywords | keywords, self._script)
+
+
+def _functools(script: Script) -> dict[str, Value]:
+    def reduce(function: Value, items: Value, *start: Value) -> Value:
+        found = [*start[:1], *elements(items, script)]
+        script.take_steps(5 * len(found))
+        if not found:
+            raise RefusalError("reduce of nothing")
+        result = found[0]
+        for item in found[1:]:
+            result = call(function, [result, item], {}, script)
+        return result
+
+    def partial(function: Value, *arguments: Value, **keywords: Value) -> Partial:
+        return Partial(function, arguments, keywords, script)
+
+    cached = Decorator(lambda function: Cached(function, script))
+    return builtins("", {"partial": partial, "reduce": reduce}) | {"cache": cached, "lru_cache": cached}
+
+
+def _collections(script: Script) -> Methods:
+    def defaultdict(default_factory: Value = None, pairs: Value = (), **keywords: Value) -> DefaultDict:
+        found = DefaultDict(to_dict(pairs, keywords, script))
+        script.take_cells(3)
+        found.factory = default_factory
+        return found
+
+    def counter(items: Value = ()) -> Counter:
+        found = Counter()
+        count_into(found, items, script)
+        return found
+
+    def namedtuple(typename: Value, field_names: Value, **_: Value) -> ScriptClass:
+        given = field_names.replace(",", " ").split() if isinstance(field_names, str) else elements(field_names, script)
+        names = [text(name, "the name of a field") for name in given]
+        if len(names) > _MOST_FIELDS or not all(name.isidentifier() and not name.startswith("_") for name in names):
+            raise RefusalError(f"namedtuple of {describe(field_names)} is not supported")
+        body = ClassFrame(None, script)
+        body.annotated = names
+        return ScriptClass(text(typename, "the name"), BaseMarker("NamedTuple"), body)
+
+    return {
+        "defaultdict": defaultdict,
+        "Counter": counter,
+        "deque": lambda items=(): Deque(elements(items, script)),
+        "namedtuple": namedtuple,
+        "OrderedDict": lambda pairs=(), **keywords: to_dict(pairs, keywords, script),
+    }
+
+
+class Suppressed(Surroundings):
+    """`contextlib.suppress(...)`."""
+
+    kind = "suppress"
+
+    def __init__(self, *errors: Value) -> None:
+        self._names = [each.error for each in errors if isinstance(each, BaseMarker) and each.error is not None]
+        if len(self._names) != len(errors):
+            raise RefusalError("suppress of what is no class of errors of Python's own")
+
+    def catches(self, error: RaisedError) -> bool:
+        return is_caught(error, self._names)
+
+
+def _copy(script: Script) -> Methods:
+    def shallow(x: Value) -> Value:
+        if isinstance(x, list | dict):
+            script.take_cells(3 * len(x))
+            return copy.copy(x)
+        if isinstance(x, Instance) and not x.of.is_enumeration:
+            script.take_cells(3 + 3 * len(x.values))
+            other = Instance(x.of)
+            other.values = dict(x.values)
+            return other
+        if not isinstance(x, Record) or not has(x, "copy"):
+            return x  # a number, a text, a tuple, a function or a class, which nothing changes
+        script.take_steps(x.weight + 1)
+        return x.attribute("copy").call([], {})
+
+    def deep(x: Value, known: dict[int, Value], level: int) -> Value:
+        script.take_steps(2)
+        if level > _DEEPEST_COPY:
+            raise RefusalError(f"deepcopy of {describe(x)}, more than {_DEEPEST_COPY} levels deep")
+        if id(x) in known or not isinstance(x, list | tuple | dict | Record):
+            return known.get(id(x), x)
+        if isinstance(x, tuple):
+            return tuple(deep(item, known, level + 1) for item in x)
+        known[id(x)] = other = shallow(x)
+        if isinstance(other, list):
+            other[:] = [deep(item, known, level + 1) for item in other]
+        elif isinstance(other, dict | Instance):
+            values = other.values if isinstance(other, Instance) else other
+            for key, item in values.items():
+                values[key] = deep(item, known, level + 1)
+        return other
+
+    return {"copy": shallow, "deepcopy": lambda x: deep(x, {}, 0)}
+
+
+def _json(script: Script) -> Methods:
+    def whole_number(digits: str) -> int:
+        if len(digits) > _LONGEST_NUMBER:
+            raise RefusalError(f"a number of {len(digits)} digits")
+        return int(checked(int(digits)))
+
+    def loads(s: Value) -> Value:
+        written = text(s, "what json.loads is given")
+        script.take_text(len(written))
+        signs = len(_SIGN.findall(written))
+        script.take_steps(signs // 4)
+        script.take_cells(3 * signs)
+        try:
+            found = json.loads(written, parse_int=whole_number)
+        except json.JSONDecodeError as error:
+            raise RaisedError("JSONDecodeError", f"json.loads: {error}") from None
+        if _HALF_CHARACTER.search(written) and lone_surrogate(json.dumps(found, ensure_ascii=False)) is not None:
+            raise RefusalError("the text holds half a character")
+        return found
+
+    def dumps(obj: Value, *, indent: Value = None, sort_keys: Value = False, ensure_ascii: Value = True) -> str:
+        width = None if indent is None else whole(indent, "the indent", 0, _WIDEST_INDENT)
+        to_text(obj, script)  # counts what is written, and refuses what is too deep
+        written = json.dumps(obj, indent=width, sort_keys=bool(sort_keys), ensure_ascii=bool(ensure_ascii))
+        script.take_text(len(written))
+        return written
+
+    return {"loads": loads, "dumps": dumps}

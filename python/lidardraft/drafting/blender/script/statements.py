@@ -1,0 +1,389 @@
+"""What each kind of statement of a script does: functions of a node of the syntax tree and the frame that its names are
+looked up in. They give what ends the statements around them early, or None.
+
+A statement that holds others is a generator, as it may be part of a function with `yield`: it goes on from one value to
+the next as far as these are asked for.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Generator, Iterator
+from typing import Any
+
+from lidardraft.drafting.blender.script.classes import BaseMarker, Decorator, ScriptClass
+from lidardraft.drafting.blender.script.containers import Lazy, take_moved
+from lidardraft.drafting.blender.script.expressions import (
+    Place,
+    assign,
+    defaults_of,
+    loop_over,
+    not_supported,
+    value_of,
+    values_of,
+)
+from lidardraft.drafting.blender.script.formatting import to_text
+from lidardraft.drafting.blender.script.functions import ClassFrame, Frame, Function
+from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError
+from lidardraft.drafting.blender.script.operators import in_place
+from lidardraft.drafting.blender.script.values import (
+    Namespace,
+    Outside,
+    Record,
+    Value,
+    describe,
+    dict_key,
+    truth,
+    whole,
+)
+
+Going = Generator[Value, None, object]  # its values, and then what ends the statements around it early, or None
+_STEPS_OF_ERROR = 5  # that an error costs which is met on its way
+_BREAK, _CONTINUE = object(), object()
+_ALL = ("Exception", "BaseException")
+_KINDS = {
+    **dict.fromkeys(("KeyError", "IndexError"), "LookupError"),
+    **dict.fromkeys(("ZeroDivisionError", "OverflowError"), "ArithmeticError"),
+    "JSONDecodeError": "ValueError",
+}
+
+
+class _Returned:
+    """What a `return` hands on, through the statements around it."""
+
+    def __init__(self, value: Value) -> None:
+        self.value = value
+
+
+def block(nodes: list[ast.stmt], frame: Frame) -> Going:
+    """Carry out statements one after the other. Raises `RefusalError` naming the line of what is not understood."""
+    script = frame.script
+    script.go_deeper(nodes[0].lineno if nodes else script.line)
+    try:
+        for node in nodes:
+            script.line = node.lineno
+            script.take_steps(1)
+            if isinstance(node, ast.Expr) and isinstance(node.value, ast.Yield | ast.YieldFrom):
+                yield from _yielded(node.value, frame)
+            elif (simple := _SIMPLE.get(type(node))) is not None:
+                if (ended := simple(node, frame)) is not None:
+                    return ended
+            elif (ended := (yield from _COMPOUND.get(type(node), _unknown)(node, frame))) is not None:
+                return ended
+    except RefusalError as refusal:
+        raise refusal.at(node.lineno) from None
+    except GeneratorExit:  # nobody asks for its other values
+        script.levels += 1
+        raise
+    finally:
+        script.levels -= 1
+    return None
+
+
+def result_of(nodes: list[ast.stmt], frame: Frame) -> Value:
+    """What statements without a `yield` return."""
+    try:
+        next(block(nodes, frame))
+    except StopIteration as stop:
+        return stop.value.value if isinstance(stop.value, _Returned) else None
+    raise AssertionError("a yield outside of a generator")
+
+
+def generators_in(tree: ast.Module) -> set[ast.AST]:
+    """The functions that have a `yield`."""
+    found: set[ast.AST] = set()
+    waiting: list[tuple[ast.AST, ast.AST]] = [(tree, tree)]
+    while waiting:
+        node, function = waiting.pop()
+        if isinstance(node, ast.Yield | ast.YieldFrom):
+            found.add(function)
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+            function = node
+        waiting += [(child, function) for child in ast.iter_child_nodes(node)]
+    return found
+
+
+def _unknown(node: ast.stmt, _: Frame) -> Going:
+    raise not_supported(node)
+    yield
+
+
+def _expression(node: ast.Expr, frame: Frame) -> None:
+    value_of(node.value, frame)
+
+
+def _assign(node: ast.Assign, frame: Frame) -> None:
+    value = value_of(node.value, frame)
+    for target in node.targets:
+        assign(target, value, frame)
+
+
+def _annotated(node: ast.AnnAssign, frame: Frame) -> None:
+    if isinstance(node.target, ast.Name) and isinstance(frame, ClassFrame):
+        frame.annotated.append(node.target.id)
+    if node.value is not None:
+        assign(node.target, value_of(node.value, frame), frame)
+
+
+def _augmented(node: ast.AugAssign, frame: Frame) -> None:
+    place = Place(node.target, frame)
+    before = place.get()
+    place.set(in_place(type(node.op), before, value_of(node.value, frame), frame.script))
+
+
+def _if(node: ast.If, frame: Frame) -> Going:
+    return (yield from block(node.body if truth(value_of(node.test, frame)) else node.orelse, frame))
+
+
+def _for(node: ast.For, frame: Frame) -> Going:
+    for item in loop_over(value_of(node.iter, frame), frame.script):
+        assign(node.target, item, frame)
+        ended = yield from block(node.body, frame)
+        if ended is _BREAK:
+            return None
+        if ended is not None and ended is not _CONTINUE:
+            return ended
+    return (yield from block(node.orelse, frame))
+
+
+def _while(node: ast.While, frame: Frame) -> Going:
+    while truth(value_of(node.test, frame)):
+        ended = yield from block(node.body, frame)
+        if ended is _BREAK:
+            return None
+        if ended is not None and ended is not _CONTINUE:
+            return ended
+    return (yield from block(node.orelse, frame))
+
+
+def _function(node: ast.FunctionDef, frame: Frame) -> None:
+    def run(inner: Frame) -> Value:
+        if node in frame.script.generators:
+            return Lazy(block(node.body, inner), frame.script, "a generator")
+        return result_of(node.body, inner)
+
+    function = Function(node.name, node.args, defaults_of(node.args, frame), frame, run)
+    frame.set(node.name, _decorated(function, node.decorator_list, frame))
+
+
+def _decorated(value: Value, decorators: list[ast.expr], frame: Frame) -> Value:
+    for node in reversed(decorators):
+        decorator = value_of(node, frame)
+        if not isinstance(decorator, Decorator):
+            known = "property, staticmethod, classmethod and dataclass"
+            raise RefusalError(f"{describe(decorator)} as a decorator is not supported; {known} are", node.lineno)
+        value = decorator.around(value)
+    return value
+
+
+def _class(node: ast.ClassDef, frame: Frame) -> Going:
+    if node.keywords or len(node.bases) > 1:
+        raise RefusalError("a class with a metaclass, or derived from several, is not supported")
+    base = value_of(node.bases[0], frame) if node.bases else None
+    if not isinstance(base, ScriptClass | BaseMarker | None):
+        raise RefusalError(f"a class derived from {describe(base)} is not supported")
+    inside = ClassFrame(frame, frame.script)
+    frame.script.take_steps(10)
+    yield from block(node.body, inside)
+    frame.script.line = node.lineno
+    frame.set(node.name, _decorated(ScriptClass(node.name, base, inside), node.decorator_list, frame))
+    return None
+
+
+def _return(node: ast.Return, frame: Frame) -> object:
+    return _Returned(None if node.value is None else value_of(node.value, frame))
+
+
+def _names_elsewhere(node: ast.Global | ast.Nonlocal, frame: Frame) -> None:
+    for name in node.names:
+        frame.declare(name, nonlocal_=isinstance(node, ast.Nonlocal))
+
+
+def _delete(node: ast.Delete, frame: Frame) -> None:
+    for target in node.targets:
+        if isinstance(target, ast.Name):
+            frame.delete(target.id)
+            continue
+        if not isinstance(target, ast.Subscript):
+            raise not_supported(node)
+        place = Place(target, frame)
+        owner, key = place.owner, place.key
+        if isinstance(owner, list) and (isinstance(key, slice) or -len(owner) <= whole(key, "a place") < len(owner)):
+            take_moved(owner, key, frame.script)
+        elif not isinstance(owner, dict) or dict_key(key) not in owner:
+            raise RefusalError(f"{describe(owner)} has no place {describe(key)}")
+        del owner[key]
+
+
+def _yielded(node: ast.Yield | ast.YieldFrom, frame: Frame) -> Iterator[Value]:
+    if isinstance(node, ast.YieldFrom):
+        yield from loop_over(value_of(node.value, frame), frame.script)
+    else:
+        yield None if node.value is None else value_of(node.value, frame)
+
+
+class Surroundings(Record):
+    """What may stand behind `with`: it changes something for a block, and takes it back."""
+
+    def enter(self) -> None:
+        """Begin the block."""
+
+    def leave(self) -> None:
+        """End the block."""
+
+    def catches(self, _error: RaisedError) -> bool:
+        """Whether an error ends the block, and nothing more."""
+        return False
+
+
+def _with(node: ast.With, frame: Frame) -> Going:
+    entered: list[Surroundings] = []
+    for item in node.items:
+        value = value_of(item.context_expr, frame)
+        if not isinstance(value, Surroundings) or item.optional_vars is not None:
+            raise RefusalError(f"`with` of {describe(value)} is not supported")
+        value.enter()
+        entered.append(value)
+    try:
+        return (yield from block(node.body, frame))
+    except RaisedError as error:
+        frame.script.take_steps(_STEPS_OF_ERROR)
+        if not any(value.catches(error) for value in entered):
+            raise
+        return None
+    finally:
+        for value in reversed(entered):
+            value.leave()
+
+
+def _try(node: ast.Try, frame: Frame) -> Going:
+    for handler in node.handlers:
+        if handler.type is not None and not _names(handler.type):
+            raise RefusalError("`except` of what is no name is not supported", handler.lineno)
+    try:
+        ended = yield from _guarded(node, frame)
+    except RaisedError:
+        if (at_last := (yield from block(node.finalbody, frame))) is not None:
+            return at_last
+        raise
+    at_last = yield from block(node.finalbody, frame)
+    return ended if at_last is None else at_last
+
+
+def _guarded(node: ast.Try, frame: Frame) -> Going:
+    script = frame.script
+    try:
+        ended = yield from block(node.body, frame)
+    except RaisedError as error:
+        script.take_steps(_STEPS_OF_ERROR)
+        for handler in node.handlers:
+            if handler.type is None or is_caught(error, _names(handler.type)):
+                if handler.name is not None:
+                    frame.set(handler.name, error.said)
+                outside, script.handled = script.handled, error
+                try:
+                    return (yield from block(handler.body, frame))
+                finally:
+                    script.handled = outside
+        raise
+    return (yield from block(node.orelse, frame)) if ended is None else ended
+
+
+def _assert(node: ast.Assert, frame: Frame) -> None:
+    if not truth(value_of(node.test, frame)):
+        raise RaisedError("AssertionError", "what the script asserts is not so", "")
+
+
+def _raise(node: ast.Raise, frame: Frame) -> None:
+    script = frame.script
+    if node.exc is None and script.handled is not None:
+        raise script.handled
+    names = _names(node.exc.func if isinstance(node.exc, ast.Call) else node.exc)
+    if not names:
+        raise RefusalError("the script ends itself here with an error")
+    arguments = values_of(node.exc.args, frame) if isinstance(node.exc, ast.Call) else []
+    said = to_text(arguments[0], script) if arguments else ""
+    shown = f": {said[:200]!r}" if said else ""
+    raise RaisedError(names[0], f"the script ends itself here with {names[0]:.60}{shown}", said)
+
+
+def is_caught(error: RaisedError, names: list[str]) -> bool:
+    """Whether `except` of these classes catches the error; `SystemExit` is no `Exception`."""
+    kinds = _ALL[1:] if error.name == "SystemExit" else (_KINDS.get(error.name), *_ALL)
+    return not {error.name, *kinds}.isdisjoint(names)
+
+
+def _names(node: ast.expr | None) -> list[str]:
+    """The names of classes of errors, as they stand behind `except` or `raise`."""
+    if isinstance(node, ast.Tuple):
+        return [name for part in node.elts for name in _names(part)]
+    if isinstance(node, ast.Attribute):
+        return [node.attr]
+    return [node.id] if isinstance(node, ast.Name) else []
+
+
+def _import(node: ast.Import, frame: Frame) -> None:
+    for alias in node.names:
+        frame.set(
+            alias.asname or alias.name.split(".")[0],
+            _module(alias.name if alias.asname else alias.name.split(".")[0], frame),
+        )
+
+
+def _import_from(node: ast.ImportFrom, frame: Frame) -> None:
+    if node.level or node.module is None:
+        raise RefusalError("an import relative to another file is not supported")
+    found = _module(node.module, frame)
+    for alias in node.names:
+        if alias.name != "*":
+            frame.set(alias.asname or alias.name, _name_in(found, alias.name))
+        elif not isinstance(found, Namespace):
+            raise RefusalError(f"the names of the module {node.module:.60} are not known")
+        else:
+            frame.script.take_steps(len(found.values))
+            for name, value in found.values.items():
+                frame.set(name, value)
+
+
+def _module(path: str, frame: Frame) -> Value:
+    top, *parts = path.split(".")
+    found = frame.script.modules[top] if top in frame.script.modules else Outside(top)
+    for part in parts:
+        found = _name_in(found, part)
+    return found
+
+
+def _name_in(owner: Value, name: str) -> Value:
+    """What a module has under a name: nothing that can be used, where it is not known."""
+    try:
+        return owner.attribute(name) if isinstance(owner, Record) else Outside(name)
+    except RefusalError:
+        return Outside(f"{owner.kind}.{name:.60}")
+
+
+_SIMPLE: dict[type[ast.stmt], Callable[[Any, Frame], object]] = {
+    ast.Pass: lambda *_: None,
+    ast.Break: lambda *_: _BREAK,
+    ast.Continue: lambda *_: _CONTINUE,
+    ast.Expr: _expression,
+    ast.Assign: _assign,
+    ast.AnnAssign: _annotated,
+    ast.AugAssign: _augmented,
+    ast.FunctionDef: _function,
+    ast.Return: _return,
+    ast.Global: _names_elsewhere,
+    ast.Nonlocal: _names_elsewhere,
+    ast.Delete: _delete,
+    ast.Assert: _assert,
+    ast.Raise: _raise,
+    ast.Import: _import,
+    ast.ImportFrom: _import_from,
+}
+_COMPOUND: dict[type[ast.stmt], Callable[[Any, Frame], Going]] = {
+    ast.If: _if,
+    ast.For: _for,
+    ast.While: _while,
+    ast.Try: _try,
+    ast.With: _with,
+    ast.ClassDef: _class,
+}

@@ -1,0 +1,307 @@
+"""What a script imports to talk to its surroundings: `os`, `sys`, `pathlib`, `time`, `datetime`, `argparse`, `logging`
+and the like. No file is read, what is logged goes nowhere, the clock stands still, arguments have their defaults."""
+
+from __future__ import annotations
+
+import ast
+import posixpath
+import re
+from collections.abc import Callable
+from pathlib import PurePosixPath
+from typing import ClassVar
+
+from lidardraft.drafting.blender.script.classes import BaseMarker
+from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
+from lidardraft.drafting.blender.script.values import (
+    Builtin,
+    Methods,
+    Namespace,
+    Record,
+    Silent,
+    Value,
+    builtins,
+    call,
+    describe,
+    nothing,
+    text,
+    truth,
+)
+
+SCRIPT_FILE = "/script.py"  # the name that a script sees of its own file
+_MOST_PARENTS = 16
+_MOST_ARGUMENTS = 100  # of one parser
+_DEFAULTS = {"store_true": False, "store_false": True, "store": None, "append": None, "count": None}
+_FIRST = "1970-01-01 00:00:00"
+_CODES = {"%Y": "1970", "%y": "70", "%m": "01", "%d": "01", "%H": "00", "%M": "00", "%S": "00", "%%": "%"}
+_LONGEST_FORMAT = 100  # characters
+_MESSAGES = ("debug", "info", "warning", "warn", "error", "critical", "exception", "log")
+_OF_LOGGERS = (*_MESSAGES, "setLevel", "addHandler", "removeHandler", "setFormatter", "flush", "close")
+
+
+def stub_modules(script: Script) -> dict[str, Value]:
+    """The modules by their names."""
+
+    def at_first(value: Value) -> Callable[..., Value]:
+        def call_(*_: Value, **__: Value) -> Value:
+            script.note("the time is taken as 0")
+            return value
+
+        return call_
+
+    def getenv(_key: Value, default: Value = None) -> Value:
+        script.note("no variable of the environment is read")
+        return default
+
+    def logging_to(**named: Value) -> None:
+        if named.get("filename") is not None:
+            raise RefusalError("a log that is written to a file")
+
+    def strftime(form: Value, *_: Value) -> str:
+        script.note("the time is taken as 0")
+        return _written(form)
+
+    environ = Namespace("os.environ", builtins("os.environ.", {"get": getenv}))
+    path = Namespace("os.path", {"sep": "/", **builtins("os.path.", _os_path(script))})
+    now = Namespace("datetime", builtins("datetime.", dict.fromkeys(("now", "today", "utcnow"), at_first(Moment()))))
+    time = dict.fromkeys(("time", "perf_counter", "monotonic", "process_time"), at_first(0.0))
+    time |= dict.fromkeys(("ctime", "asctime"), at_first(_FIRST))
+    logger = Silent("a logger", *_OF_LOGGERS)
+    loggers = dict.fromkeys(("getLogger", "StreamHandler", "Formatter"), lambda *_, **__: logger)
+    silence = dict.fromkeys((*_MESSAGES, "disable", "captureWarnings"), nothing)
+    levels = {"DEBUG": 10, "INFO": 20, "WARNING": 30, "ERROR": 40, "CRITICAL": 50}
+    file_path = PathType(script)
+    modules: dict[str, dict[str, Value]] = {
+        "os": {"path": path, "environ": environ, "name": "posix", "sep": "/", "linesep": "\n"}
+        | builtins("os.", {"getenv": getenv, "getcwd": lambda: "/"}),
+        "sys": {"argv": ["blender"], "path": [], "platform": "linux", "maxsize": 2**63 - 1, "executable": "python"}
+        | {"version": "3.11.0", "version_info": (3, 11, 0), "exit": Builtin("sys.exit", _leave)}
+        | {name: Silent(f"sys.{name}", "write", "writelines", "flush") for name in ("stdout", "stderr")},
+        "pathlib": {"Path": file_path, "PurePath": file_path},
+        "time": builtins("time.", {**time, "sleep": nothing, "strftime": strftime}),
+        "datetime": {"datetime": now, "date": now},
+        "argparse": {"ArgumentParser": Builtin("argparse.ArgumentParser", lambda *_, **__: Parser(script))},
+        "logging": levels | builtins("logging.", {**silence, **loggers, "basicConfig": logging_to}),
+        "warnings": builtins("warnings.", dict.fromkeys(("warn", "simplefilter", "filterwarnings"), nothing)),
+        "traceback": builtins("traceback.", {"print_exc": nothing}),
+        "gc": builtins("gc.", {"collect": nothing}),
+    }
+    known: dict[str, Value] = {name: Namespace(name, values) for name, values in modules.items()}
+    return known | {"typing": Annotations(), "__future__": Annotations()}
+
+
+class Annotations(Record):
+    """`typing` and `__future__`, and all that is in them: what is said of types is passed over."""
+
+    kind = "an annotation"
+
+    def attribute(self, name: str) -> Value:
+        return BaseMarker(name) if name == "NamedTuple" else self
+
+    def item(self, _key: Value) -> Value:
+        return self
+
+
+def _leave(code: Value = None) -> None:
+    said = "" if code is None else f"{code:.200}" if isinstance(code, str) else describe(code)
+    raise RaisedError("SystemExit", "the script ends itself here", said)
+
+
+def _os_path(script: Script) -> dict[str, Callable[..., Value]]:
+    def pure(function: Callable[[str], Value]) -> Callable[[Value], Value]:
+        def call_(path: Value) -> Value:
+            script.take_text(2 * len(_name_of(path)))
+            return function(_name_of(path))
+
+        return call_
+
+    def join(*parts: Value) -> str:
+        names = [_name_of(part) for part in parts]
+        script.take_text(sum(map(len, names)) + len(names))
+        return posixpath.join(*names)
+
+    def abspath(path: Value) -> str:
+        return posixpath.normpath(join("/", path))
+
+    names = ("basename", "dirname", "splitext", "split", "normpath")
+    asked = {name: lambda _, name=name: _no_file(f"os.path.{name}", script) for name in ("exists", "isfile", "isdir")}
+    files = {"join": join, "abspath": abspath, "realpath": abspath, "expanduser": _name_of}
+    return {name: pure(getattr(posixpath, name)) for name in names} | asked | files
+
+
+def _no_file(asked: str, script: Script) -> bool:
+    script.note(f"no file is looked at: {asked} says False")
+    return False
+
+
+def _name_of(value: Value) -> str:
+    return str(value.pure) if isinstance(value, FilePath) else text(value, "the name of a file")
+
+
+class PathType(Record):
+    """`pathlib.Path`."""
+
+    kind = "pathlib.Path"
+
+    def __init__(self, script: Script) -> None:
+        self.script = script
+
+    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
+        if keywords:
+            raise RefusalError("Path takes no named arguments")
+        return self.joined(PurePosixPath(), arguments)
+
+    def joined(self, pure: PurePosixPath, parts: list[Value]) -> FilePath:
+        """The path of some parts behind another one."""
+        names = [_name_of(part) for part in parts]
+        self.script.take_steps(sum(map(len, names)) // 8 + 8)  # a path is split at its slashes
+        return self.made(pure.joinpath(*names))
+
+    def made(self, pure: PurePosixPath) -> FilePath:
+        """The path of that name."""
+        self.script.take_text(8 * len(str(pure)))
+        return FilePath(pure, self)
+
+    methods: ClassVar[Methods] = dict.fromkeys(("cwd", "home"), lambda self: self.made(PurePosixPath("/")))
+
+
+class FilePath(Record):
+    """The name of a file."""
+
+    kind = "a path"
+    weight = 4
+
+    def __init__(self, pure: PurePosixPath, paths: PathType) -> None:
+        self.pure = pure
+        self._paths = paths
+
+    def _asked(self, name: str) -> bool:
+        return _no_file(f"Path.{name}", self._paths.script)
+
+    fields: ClassVar[Methods] = {
+        "name": lambda self: self.pure.name,
+        "stem": lambda self: self.pure.stem,
+        "suffix": lambda self: self.pure.suffix,
+        "parent": lambda self: self._paths.made(self.pure.parent),
+        "parents": lambda self: [self._paths.made(parent) for parent in list(self.pure.parents)[:_MOST_PARENTS]],
+    }
+    methods: ClassVar[Methods] = {
+        "joinpath": lambda self, *parts: self._paths.joined(self.pure, list(parts)),
+        "with_suffix": lambda self, suffix: self._paths.made(self.pure.with_suffix(text(suffix, "the suffix"))),
+        "with_name": lambda self, name: self._paths.made(self.pure.with_name(text(name, "the name"))),
+        "resolve": lambda self: self._paths.made(PurePosixPath("/") / self.pure),
+        "absolute": lambda self: self._paths.made(PurePosixPath("/") / self.pure),
+        "expanduser": lambda self: self,
+        "as_posix": lambda self: str(self.pure),
+        "exists": lambda self: self._asked("exists"),
+        "is_file": lambda self: self._asked("is_file"),
+        "is_dir": lambda self: self._asked("is_dir"),
+    }
+
+    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
+        if operator is not ast.Div or reflected or not isinstance(other, str | FilePath):
+            return super().binary(operator, other, reflected=reflected)
+        return self._paths.joined(self.pure, [other])
+
+    def equals(self, other: Value) -> bool:
+        if not isinstance(other, FilePath):
+            return False
+        self._paths.script.take_steps((len(str(self.pure)) + len(str(other.pure))) // 8 + 8)
+        return self.pure == other.pure
+
+    def text(self, as_repr: bool) -> str:
+        return f"PosixPath({str(self.pure)!r})" if as_repr else str(self.pure)
+
+
+class Moment(Record):
+    """A time, of which there is one: the beginning of 1970."""
+
+    kind = "a moment"
+    fields: ClassVar[Methods] = {"year": lambda _: 1970, "month": lambda _: 1, "day": lambda _: 1}
+    fields |= dict.fromkeys(("hour", "minute", "second", "microsecond"), lambda _: 0)
+    methods: ClassVar[Methods] = {
+        "isoformat": lambda _, *__, **___: _FIRST.replace(" ", "T"),
+        "strftime": lambda _, form: _written(form),
+        "timestamp": lambda _: 0.0,
+        "date": lambda self: self,
+    }
+
+    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
+        if operator is not ast.Sub or not isinstance(other, Moment):
+            return super().binary(operator, other, reflected=reflected)
+        return Duration()
+
+    def text(self, _as_repr: bool) -> str:
+        return _FIRST
+
+
+class Duration(Record):
+    """The time between two moments, which is none."""
+
+    kind = "a duration"
+    fields: ClassVar[Methods] = dict.fromkeys(("seconds", "days", "microseconds"), lambda _: 0)
+    methods: ClassVar[Methods] = {"total_seconds": lambda _: 0.0}
+
+    def text(self, _as_repr: bool) -> str:
+        return "0:00:00"
+
+
+def _written(form: Value) -> str:
+    """The time in a format, as `strftime` writes it."""
+    if len(text(form, "the format")) > _LONGEST_FORMAT:
+        raise RefusalError(f"a format of {len(form)} characters; {_LONGEST_FORMAT} are the most")
+    for code in re.findall("%.?", form):
+        if code not in _CODES:
+            raise RefusalError(f"{code!r} in the format of a time is not supported; {', '.join(_CODES)} are")
+    return re.sub("%.", lambda code: _CODES[code[0]], form)
+
+
+class Parser(Record):
+    """An `ArgumentParser`, or a group of its arguments."""
+
+    kind = "an ArgumentParser"
+
+    def __init__(self, script: Script) -> None:
+        self._script = script
+        self._defaults: dict[str, Value] = {}
+
+    def _add(
+        self,
+        *flags: Value,
+        default: Value = None,
+        action: Value = "store",
+        dest: Value = None,
+        required: Value = False,
+        nargs: Value = None,
+        type: Value = None,  # the name that Python has for it
+        **_: Value,
+    ) -> None:
+        self._script.take_steps(5)
+        names = [text(flag, "the name of an argument") for flag in flags]
+        if len(self._defaults) >= _MOST_ARGUMENTS or not names:
+            raise RefusalError(f"a parser of no argument, or of more than {_MOST_ARGUMENTS}")
+        is_option = names[0].startswith("-")
+        if truth(required) or not (is_option or nargs in ("?", "*")):
+            raise RefusalError(f"the argument {names[0]!r:.60} has no default; there is nobody to give it")
+        if action not in _DEFAULTS:
+            raise RefusalError(f"the action {describe(action)} of an argument is not supported")
+        longest = next((name for name in names if name.startswith("--")), names[0])
+        key = text(longest.lstrip("-").replace("-", "_") if dest is None else dest, "the name of an argument")
+        if default is None:
+            default = [] if nargs == "*" and not is_option else _DEFAULTS[action]
+        elif isinstance(default, str) and type is not None:  # as it would stand in the command
+            default = call(type, [default], {}, self._script)
+        self._defaults[key] = default
+
+    def _parsed(self, args: Value = None) -> Namespace:
+        self._script.take_cells(3 * len(self._defaults))
+        if args:
+            raise RefusalError("arguments that a script gives itself are not supported")
+        return Namespace("the arguments", dict(self._defaults))
+
+    methods: ClassVar[Methods] = {
+        "add_argument": _add,
+        "add_argument_group": lambda self, *_, **__: self,
+        "set_defaults": lambda self, **named: self._defaults.update(named),
+        "parse_args": _parsed,
+        "parse_known_args": lambda self, args=None: (self._parsed(args), []),
+    }

@@ -1,0 +1,353 @@
+"""What a value of a script can be: None, numbers, text, lists, tuples, dicts, ranges, and records.
+
+Nothing of Python itself is a value: an attribute is looked up in a table of the record, never with `getattr`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from functools import partial
+from typing import Any, ClassVar
+
+from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
+
+Value = Any  # one of the types above; mypy has no way to say it that helps here
+LARGEST = 2**63  # of whole numbers
+MOST_TYPES = 50  # that isinstance is asked for
+_NUMBER = (int, float)  # asked for so often that a union, which is slower, shows
+_SEQUENCES = (str, list, tuple, dict, range)
+Methods = dict[str, Callable[..., Value]]
+
+
+class Record:
+    """A value with attributes, items or operators of its own; here it has none.
+
+    `fields` give the attributes that can be read, `setters` set some, and `methods` get the record first; `weights` are
+    the steps that a call of a method costs, where these are not 2.
+    """
+
+    kind = "a value"
+    is_key = False  # whether it can be a key of a dict: what is the same only as itself
+    weight = 0  # steps that a use of it costs beyond its node: an attribute, an item, an operator, a call
+    fields: ClassVar[Methods] = {}
+    setters: ClassVar[Methods] = {}
+    methods: ClassVar[Methods] = {}
+    weights: ClassVar[dict[str, int]] = {}
+
+    def has_private(self, _name: str) -> bool:
+        """Whether a name that begins with an underscore may be read and set in it."""
+        return False
+
+    def attribute(self, name: str) -> Value:
+        """The value of an attribute."""
+        if name in self.fields:
+            return self.fields[name](self)
+        if name in self.methods:
+            return Builtin(name, partial(self.methods[name], self), self.weights.get(name, 2))
+        raise RefusalError(f"{self.kind} has no {name!r} that is supported")
+
+    def set_attribute(self, name: str, value: Value) -> None:
+        """Give an attribute another value."""
+        if name not in self.setters:
+            raise RefusalError(f"{name!r} of {self.kind} cannot be set to {describe(value)}")
+        self.setters[name](self, value)
+
+    def item(self, key: Value) -> Value:
+        """What square brackets give."""
+        raise RefusalError(f"{self.kind} has no item {describe(key)}")
+
+    def set_item(self, key: Value, value: Value) -> None:
+        """What an assignment to square brackets does."""
+        raise RefusalError(f"{self.kind} has no item {describe(key)} that can be set to {describe(value)}")
+
+    def elements(self) -> list[Value]:
+        """What a loop goes through."""
+        raise RefusalError(f"{self.kind} cannot be looped over")
+
+    def length(self) -> int:
+        """The number of its elements."""
+        return len(self.elements())
+
+    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
+        """The result of an operator with another value, which stands on the left of it where `reflected`."""
+        raise not_calculated(operator, *((other, self) if reflected else (self, other)))
+
+    def in_place(self, operator: type[ast.operator], other: Value) -> Value:
+        """The result of an operator with = behind it: what can change does, and stays the same value."""
+        return self.binary(operator, other)
+
+    def negative(self) -> Value:
+        """The result of a minus sign."""
+        raise RefusalError(f"{self.kind} cannot be calculated with")
+
+    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
+        """What it returns when it is called."""
+        raise RefusalError(f"{self.kind} cannot be called with {len(arguments) + len(keywords)} arguments")
+
+    def contains(self, value: Value) -> bool:
+        """Whether `in` finds the value in it."""
+        return value in self.elements()
+
+    def truth(self) -> bool:
+        """What it counts as in a condition."""
+        return True
+
+    def equals(self, other: Value) -> bool:
+        """Whether it is equal to another value."""
+        return self is other
+
+    def compared_as(self) -> Value:
+        """The value of Python's that it is compared as: itself, where `equals` decides."""
+        return self
+
+    def text(self, _as_repr: bool) -> str:
+        """What `str`, or `repr`, makes of it."""
+        return f"<{self.kind}>"
+
+
+class Builtin(Record):
+    """A function of the reader's; it gets what the script passes, and may raise what Python's functions raise."""
+
+    kind = "a function"
+
+    def __init__(self, name: str, call: Callable[..., Value], weight: int = 2) -> None:
+        self.name = name
+        self.weight = weight
+        self._call = call
+
+    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
+        """Its result. Raises `RefusalError` for wrong arguments, which cannot be caught: Python might take them."""
+        try:
+            return self._call(*arguments, **keywords)
+        except TypeError:
+            given = [*map(describe, arguments[:4]), *(f"{name:.40}=..." for name in list(keywords)[:4])]
+            raise RefusalError(f"{self.name}() does not take the arguments ({', '.join(given):.200})") from None
+        except (ValueError, ArithmeticError, LookupError) as error:
+            raise RaisedError(type(error).__name__, f"{self.name}: {error!s:.200}") from None
+
+
+def builtins(module: str, functions: Methods) -> dict[str, Value]:
+    """Functions by their names, as those of a module ("math.") or, for "", of none."""
+    return {name: Builtin(module + name, function) for name, function in functions.items()}
+
+
+class Type(Record):
+    """What `isinstance` asks for; | joins it with others, and with None."""
+
+    is_key = True
+
+    def types(self) -> tuple[Value, ...]:
+        """It, or all that are joined in it."""
+        return (self,)
+
+    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
+        if operator is not ast.BitOr or not (other is None or isinstance(other, Type)):
+            return super().binary(operator, other, reflected=reflected)
+        others = (None,) if other is None else other.types()
+        return UnionOfTypes(others + self.types() if reflected else self.types() + others)
+
+
+class UnionOfTypes(Type):
+    """`int | float | None`. Raises `RefusalError` where it is of too many."""
+
+    kind = "a union of types"
+
+    def __init__(self, types: tuple[Value, ...]) -> None:
+        if len(types) > MOST_TYPES:
+            raise RefusalError(f"a union of {len(types)} types; {MOST_TYPES} are the most")
+        self._types = types
+
+    def types(self) -> tuple[Value, ...]:
+        return self._types
+
+
+class TypeFunction(Type, Builtin):
+    """A function that is also a type: `list`, `float`. What is said of types in brackets is passed over."""
+
+    def item(self, _key: Value) -> Value:
+        return self
+
+
+class KindOfRecord(Type):
+    """A class of Blender's that a script may only ask about, with `isinstance`."""
+
+    kind = "a class of Blender"
+
+    def __init__(self, of: type[Record]) -> None:
+        self.of = of
+
+
+class Namespace(Record):
+    """A module, or what has fixed attributes like one."""
+
+    def __init__(self, name: str, values: dict[str, Value]) -> None:
+        self.kind = name
+        self.values = values
+
+    def attribute(self, name: str) -> Value:
+        if name not in self.values:
+            raise RefusalError(f"{self.kind}.{name} is not supported")
+        return self.values[name]
+
+
+class Silent(Record):
+    """What has methods that do nothing, and return nothing."""
+
+    def __init__(self, kind: str, *methods: str) -> None:
+        self.kind = kind
+        self._methods = methods
+
+    def attribute(self, name: str) -> Value:
+        return Builtin(f"{self.kind}.{name}", nothing) if name in self._methods else super().attribute(name)
+
+    def set_attribute(self, name: str, value: Value) -> None:
+        if name != "propagate":  # of a logger
+            super().set_attribute(name, value)
+
+
+def nothing(*_: Value, **__: Value) -> None:
+    """What a function does that changes nothing."""
+
+
+class Outside(Record):
+    """A module that is not known, or a part of one: it may be imported, and all that is known of it is its name."""
+
+    def __init__(self, name: str) -> None:
+        self.kind = name[:60]
+
+    def attribute(self, name: str) -> Value:
+        return Outside(f"{self.kind}.{name[:60]}")
+
+    def call(self, _arguments: list[Value], _keywords: dict[str, Value]) -> Value:
+        raise RefusalError(f"a call of {self.kind}: a script is read, not run, and this module is not known")
+
+    def truth(self) -> bool:
+        raise RefusalError(f"the value of {self.kind}: a script is read, not run, and this module is not known")
+
+    def equals(self, _other: Value) -> bool:
+        return self.truth()
+
+    def text(self, _as_repr: bool) -> str:
+        return str(self.truth())
+
+
+def call(function: Value, arguments: list[Value], keywords: dict[str, Value], script: Script) -> Value:
+    """What a function returns."""
+    if not isinstance(function, Record):
+        raise RefusalError(f"{describe(function)} cannot be called")
+    script.take_steps(function.weight)
+    return function.call(arguments, keywords)
+
+
+def is_number(value: Value) -> bool:
+    """Whether it is an int, a float or a bool."""
+    return isinstance(value, _NUMBER)
+
+
+def checked(value: Value) -> Value:
+    """The value, which is no number or one that is not too large."""
+    if isinstance(value, int) and not -LARGEST <= value <= LARGEST:
+        raise RefusalError("a whole number of more than 63 bits")
+    if isinstance(value, complex):
+        raise RefusalError("a complex number")
+    return value
+
+
+def whole(value: Value, what: str, least: int = -LARGEST, most: int = LARGEST) -> int:
+    """The value, which is a whole number from `least` to `most`."""
+    if not isinstance(value, int):
+        raise RefusalError(f"{what} is {describe(value)}; it must be a whole number")
+    if not least <= value <= most:
+        span = (
+            f"{most} or less" if least == -LARGEST else f"{least} or more" if most == LARGEST else f"{least} to {most}"
+        )
+        raise RefusalError(f"{what} is {value}; it must be {span}")
+    return int(value)
+
+
+def real(value: Value, what: str) -> float:
+    """The value as a float, which is a finite number."""
+    if not is_number(value) or not -1e300 < value < 1e300:
+        raise RefusalError(f"{what} is {describe(value)}; it must be a finite number")
+    return float(value)
+
+
+def text(value: Value, what: str) -> str:
+    """The value, which is a text."""
+    if not isinstance(value, str):
+        raise RefusalError(f"{what} is {describe(value)}; it must be a text")
+    return value
+
+
+def reals(value: Value, count: int, what: str) -> tuple[float, ...]:
+    """The value as so many finite floats."""
+    numbers = value.elements() if isinstance(value, Record) else value
+    if not isinstance(numbers, list | tuple) or len(numbers) != count:
+        raise RefusalError(f"{what} is {describe(value)}; it must be {count} numbers")
+    return tuple([real(number, what) for number in numbers])
+
+
+def elements(value: Value, script: Script) -> list[Value]:
+    """What a loop over the value goes through, as a list of its own; raises `RefusalError` where it is none."""
+    if isinstance(value, Record):
+        found = value.elements()
+        script.take_cells(len(found))
+        return found
+    if not isinstance(value, _SEQUENCES):
+        raise RefusalError(f"{describe(value)} cannot be looped over")
+    script.take_cells(length(value))
+    return list(value)
+
+
+def length(value: Value) -> int:
+    """The number of its elements or characters."""
+    if isinstance(value, Record):
+        return value.length()
+    if not isinstance(value, _SEQUENCES):
+        raise RefusalError(f"{describe(value)} has no length")
+    try:
+        return len(value)
+    except OverflowError:  # a range of more than 2^63
+        raise RefusalError("a range without end") from None
+
+
+def truth(value: Value) -> bool:
+    """What the value counts as in a condition."""
+    return value.truth() if isinstance(value, Record) else bool(value)
+
+
+def is_key(value: Value) -> bool:
+    """Whether a value can be a key of a dict: a number, a text, None, a record that is one, or a tuple of those."""
+    if isinstance(value, tuple):
+        return len(value) <= 16 and all(not isinstance(item, tuple) and is_key(item) for item in value)
+    return value.is_key if isinstance(value, Record) else value is None or isinstance(value, int | float | str)
+
+
+def dict_key(key: Value) -> Value:
+    """The value, which can be a key of a dict."""
+    if not is_key(key):
+        raise RefusalError(f"{describe(key)} cannot be a key")
+    return key
+
+
+_SIGNS = {
+    **{ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "//", ast.Mod: "%", ast.Pow: "**"},
+    **{ast.LShift: "<<", ast.RShift: ">>", ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^", ast.MatMult: "@"},
+}
+
+
+def not_calculated(operator: type[ast.operator], left: Value, right: Value) -> RefusalError:
+    """The error that says so of two values and the operator between them."""
+    return RefusalError(f"{describe(left)} {_SIGNS[operator]} {describe(right)} is not supported")
+
+
+def describe(value: Value) -> str:
+    """The value, for a message: short, whatever it is."""
+    if isinstance(value, Record):
+        return value.kind
+    if isinstance(value, str):
+        return repr(value[:40])
+    if isinstance(value, list | tuple | dict | range):
+        return f"a {type(value).__name__}"
+    return repr(value)

@@ -1,0 +1,30 @@
+"""Scripts for the tests of the reader: each says by its own `assert` what must come out."""
+
+import pytest
+
+from lidardraft.drafting.blender.script.limits import Limits, RefusalError, Script
+from lidardraft.drafting.blender.script.reading import read
+from lidardraft.drafting.blender.script.standard_modules import standard_modules
+from lidardraft.drafting.blender.script.stub_modules import stub_modules
+
+
+def agrees(script: str) -> Script:
+    """Python carries the script out without an error, and so does the reader."""
+    exec(compile(script, "script", "exec"), {"__name__": "__main__"})
+    return reads(script)
+
+
+def reads(script: str, limits: Limits | None = None) -> Script:
+    """The reader carries the script out."""
+    reading = Script(limits or Limits())
+    reading.modules = standard_modules(reading) | stub_modules(reading)
+    read(script, reading)
+    return reading
+
+
+def refuses(script: str, said: str, line: int = 1, limits: Limits | None = None) -> None:
+    """The reader refuses it, naming the line or, where it takes too many steps, any line of it."""
+    with pytest.raises(RefusalError, match=said) as refused:
+        reads(script, limits)
+    named = refused.value.line or 0
+    assert named == line or ("steps; `limits`" in str(refused.value) and 1 <= named <= 1 + script.count("\n"))
