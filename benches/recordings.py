@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from lidardraft.calibration.recording import Recording, recording_of
 from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.pcd import pcd_columns
+from lidardraft.formats.recording import Recording, recording_of
 from lidardraft.formats.semantickitti import CLASS_FROM_RAW
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor import Sensor

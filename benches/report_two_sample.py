@@ -20,8 +20,8 @@ from pathlib import Path
 
 import recordings
 from lidardraft.calibration.fit import fit_sensor
-from lidardraft.calibration.recording import read_recording
 from lidardraft.cli.arguments import read_sensor
+from lidardraft.formats.recording import read_recording
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.metrics.two_sample import ALL, FAMILIES, TwoSample, open_pixels, two_sample
 from lidardraft.scene.range_image import RangeImage

@@ -19,7 +19,6 @@ import numpy as np
 from PIL import Image
 
 import lidardraft
-from lidardraft.calibration.recording import read_points, returns
 from lidardraft.errors import LidarDraftError
 from lidardraft.files import named
 from lidardraft.formats.blender_script import write_blender_script
@@ -32,6 +31,7 @@ from lidardraft.formats.npy import read_npy
 from lidardraft.formats.obj import write_obj
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.picture import read_picture
+from lidardraft.formats.recording import read_points, returns
 from lidardraft.formats.semantickitti import read_label, write_label
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage

@@ -3,6 +3,8 @@ import itertools
 import os
 import socket
 import stat
+import subprocess
+import sys
 import threading
 from pathlib import Path
 
@@ -10,7 +12,16 @@ import pytest
 
 from lidardraft import files
 from lidardraft.errors import FormatError, LayoutError
-from lidardraft.files import named, read_bytes, read_text, regular_size, write_text, written_together, written_whole
+from lidardraft.files import (
+    locked_folder,
+    named,
+    read_bytes,
+    read_text,
+    regular_size,
+    write_text,
+    written_together,
+    written_whole,
+)
 
 
 def test_a_file_is_there_when_the_block_ends(tmp_path: Path) -> None:
@@ -175,3 +186,37 @@ def test_a_text_is_written_where_it_can_be_read(tmp_path: Path) -> None:
         write_text(tmp_path / "a.txt", "é" * (files.MAX_TEXT // 2) + "e")
     assert read_text(tmp_path / "a.txt") == "é"
     assert len(list(tmp_path.iterdir())) == 1
+
+
+HOLD = """
+import sys
+from pathlib import Path
+from lidardraft.files import locked_folder
+with locked_folder(Path(sys.argv[1])):
+    print("held", flush=True)
+    sys.stdin.read()
+"""
+
+
+def test_a_lock_names_who_holds_it_and_ends_with_the_block(tmp_path: Path) -> None:
+    with (
+        locked_folder(tmp_path),
+        pytest.raises(FormatError, match=f"is being written by process {os.getpid()} on "),
+        locked_folder(tmp_path),
+    ):
+        pass
+    with locked_folder(tmp_path):
+        pass
+
+
+def test_a_lock_ends_with_a_process_that_is_killed(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", HOLD, str(tmp_path)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
+        assert other.stdout is not None
+        assert other.stdout.readline() == "held\n"
+        with pytest.raises(FormatError, match=f"process {other.pid} on "), locked_folder(tmp_path):
+            pass
+        other.kill()
+        other.wait()
+        with locked_folder(tmp_path):
+            pass

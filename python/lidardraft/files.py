@@ -3,14 +3,30 @@
 from __future__ import annotations
 
 import os
+import platform
 import secrets
 import stat
+import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from lidardraft.errors import FormatError, LidarDraftError
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def _lock(file: int) -> None:
+        os.lseek(file, 2**30, os.SEEK_SET)  # others may read what lies before: who holds the lock
+        msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
+
+else:
+    import fcntl
+
+    def _lock(file: int) -> None:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
 
 MAX_BYTES = 2**32  # larger than any weight file that fits into memory beside what is made of it
 MAX_WHOLE, MAX_TEXT = 2**27, 2**26  # of a file that is read at once, a scan or a model, and of one of text, as JSON is
@@ -164,3 +180,27 @@ def named(name: str | os.PathLike[str]) -> Iterator[None]:
         yield
     except LidarDraftError as error:
         raise type(error)(f"{os.fspath(name)}: {error}") from None
+
+
+@contextmanager
+def locked_folder(folder: Path) -> Iterator[None]:
+    """Hold the lock of an existing folder while the block runs; the file `.lock` stays in it.
+
+    Raises `FormatError` naming the process that holds the lock.
+    """
+    path = folder / ".lock"
+    # the system closes the file, and so ends the lock, when this process ends; processes started by it do not get it
+    with path.open("a+") as file:
+        try:
+            _lock(file.fileno())
+        except (BlockingIOError, PermissionError):
+            holder = path.read_text().strip() or "another process"
+            raise FormatError(
+                f"{folder} is being written by {holder}; wait until it has ended, or use another folder"
+            ) from None
+        except OSError as error:
+            raise FormatError(f"{folder} cannot be locked: {error.strerror}") from None
+        file.truncate(0)
+        file.write(f"process {os.getpid()} on {platform.node()}")
+        file.flush()
+        yield

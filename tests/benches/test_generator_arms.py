@@ -15,9 +15,10 @@ from generator_arms import ARMS, CONFIG, OURS, Arm, learned, rows_of
 from lidardraft.diffusion import denoiser as denoiser_module
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.evaluation import unseen_streets
+from lidardraft.formats.pairs import Pair, write_pairs
 from lidardraft.scene.sensor import Sensor
 from lidardraft.training import denoising
-from lidardraft.training.pairs import Pair, PairFolder, write_pairs
+from lidardraft.training.pairs import PairFolder
 from lidardraft.training.processes import ALONE
 
 SENSOR = Sensor(name="small", elevations=tuple(math.radians(2 - 0.8 * row) for row in range(32)), columns=256)

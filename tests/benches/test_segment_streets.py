@@ -7,6 +7,7 @@ import pytest
 import torch
 
 import segment_streets
+from lidardraft.formats.pairs import Pair, write_pairs
 from lidardraft.metrics.iou import confusion_matrix
 from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter, SegmenterConfig, SphericalGrid
@@ -14,7 +15,6 @@ from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME
-from lidardraft.training.pairs import Pair, write_pairs
 from segment_streets import NAMES, RAW, benchmark_ids, table
 
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from lidardraft import Sensor
-from lidardraft.calibration.recording import Recording, recording_of
 from lidardraft.calibration.street_casts import StreetCasts
+from lidardraft.formats.recording import Recording, recording_of
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor_model import SensorModel
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from lidardraft import Layout, Primitive, Sensor, raycast
 from lidardraft.calibration.beam_table import fit_beam_table
-from lidardraft.calibration.recording import Recording, recording_of
 from lidardraft.errors import FormatError
+from lidardraft.formats.recording import Recording, recording_of
 
 # a road, and walls at several distances all around
 ROOM = Layout((

@@ -11,8 +11,8 @@ from recorded_streets import SENSOR, recordings, sweeps, with_model
 
 from lidardraft import Sensor
 from lidardraft.calibration.fit import fit_sensor, sweeps_of
-from lidardraft.calibration.recording import read_recording, recording_of
 from lidardraft.errors import FormatError
+from lidardraft.formats.recording import read_recording, recording_of
 from lidardraft.scene.sensor_model import IntensityCurve
 from lidardraft.streets import StreetConfig, streets
 

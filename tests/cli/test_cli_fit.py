@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from lidardraft import Sensor
-from lidardraft.calibration.recording import read_recording
 from lidardraft.calibration.street_casts import StreetCasts
 from lidardraft.cli import main as cli
 from lidardraft.formats.kitti import write_bin
+from lidardraft.formats.recording import read_recording
 from lidardraft.scene.sensor_model import SensorModel
 
 

@@ -121,7 +121,7 @@ def test_a_sequence_becomes_pairs_and_a_second_call_adds_what_is_new(
 
 @pytest.mark.usefixtures("recordings")
 def test_an_interrupted_call_goes_on(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    from lidardraft.training import pairs as disk
+    from lidardraft.formats import pairs as disk
 
     whole = module._pair
 

@@ -10,6 +10,7 @@ import torch
 from lidardraft.cli import train
 from lidardraft.cli.train import _show
 from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.formats.pairs import Pair, write_pairs
 from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter
 from lidardraft.scene.layout import Layout, Primitive
@@ -17,7 +18,6 @@ from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
 from lidardraft.training.ablation import ARMS
 from lidardraft.training.loop import Report
-from lidardraft.training.pairs import Pair, write_pairs
 
 ABLATION = ["ablation", "--sensor", "small.json", "--base-steps", "2", "--steps", "2", "-n", "1", "--work", "work"]
 

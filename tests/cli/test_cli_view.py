@@ -8,7 +8,7 @@ from PIL import Image
 from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
 from lidardraft.cli import main as cli
 from lidardraft.formats import kitti
-from lidardraft.training.pairs import Pair, write_pairs
+from lidardraft.formats.pairs import Pair, write_pairs
 
 ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(100, 8, 0), label="road", id="road")
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from lidardraft.formats.pairs import NotedPair, Pair
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
-from lidardraft.training.pairs import NotedPair, Pair
 
 SENSOR = Sensor(name="small", elevations=tuple(np.linspace(0.05, -0.4, 16).tolist()), columns=128)
 

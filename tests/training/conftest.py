@@ -4,7 +4,8 @@ import pytest
 import torch
 from box_pairs import noted
 
-from lidardraft.training.pairs import PairFolder, write_pairs
+from lidardraft.formats.pairs import write_pairs
+from lidardraft.training.pairs import PairFolder
 
 
 @pytest.fixture(autouse=True, scope="session")

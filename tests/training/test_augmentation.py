@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from box_pairs import SENSOR, noted
 
+from lidardraft.formats.pairs import Pair, write_pairs
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.semantics import BY_NAME
 from lidardraft.training.augmentation import Augmentation, augmented
-from lidardraft.training.pairs import Pair, PairFolder, write_pairs
+from lidardraft.training.pairs import PairFolder
 
 ROAD, POLE = (BY_NAME[name].id for name in ("road", "pole"))
 STILL = Augmentation(

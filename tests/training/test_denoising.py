@@ -18,12 +18,13 @@ from lidardraft.diffusion.codec import (
 )
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.errors import TrainingError
+from lidardraft.formats.pairs import Pair, write_pairs
 from lidardraft.networks import weight_file
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Blocked, Sensor
 from lidardraft.training import denoising, recipes
 from lidardraft.training.denoising import thinned, train_denoiser
-from lidardraft.training.pairs import Pair, PairFolder, write_pairs
+from lidardraft.training.pairs import PairFolder
 from lidardraft.training.processes import ALONE, Processes
 from lidardraft.training.sources import MixedSource
 

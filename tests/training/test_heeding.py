@@ -8,11 +8,12 @@ import numpy as np
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.evaluation import loss_by_other_layouts, unseen_streets, untrained_weights
+from lidardraft.formats.pairs import Pair, write_pairs
 from lidardraft.networks import weight_file
 from lidardraft.scene.sensor import Sensor
 from lidardraft.streets import StreetConfig, streets
 from lidardraft.training.denoising import DenoisingConfig, train_denoiser
-from lidardraft.training.pairs import Pair, PairFolder, write_pairs
+from lidardraft.training.pairs import PairFolder
 
 SENSOR = Sensor(name="small", elevations=tuple(np.deg2rad(2 - 1.7 * np.arange(16)).tolist()), columns=128)
 DENOISER = DenoiserConfig(

@@ -14,10 +14,11 @@ from safetensors.torch import load_file
 from torch import Tensor, nn
 
 from lidardraft.errors import FormatError, TrainingError
+from lidardraft.formats.pairs import write_pairs
 from lidardraft.networks.weight_file import Network
 from lidardraft.training.learner import LearningConfig
 from lidardraft.training.loop import Batch, Measures, Report, device_for_training, prefetched, train
-from lidardraft.training.pairs import PairFolder, write_pairs
+from lidardraft.training.pairs import PairFolder
 
 CONFIG = LearningConfig(steps=8, batch=4, learning_rate=0.1, warmup=1, report_every=1, save_every=3, ema=0.5)
 

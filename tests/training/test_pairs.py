@@ -11,10 +11,11 @@ from box_pairs import SENSOR, make_pair, noted
 
 from lidardraft.diffusion.codec import MAX_DEPTH, decode_scan, encode_scan
 from lidardraft.errors import FormatError, TrainingError
+from lidardraft.formats import pairs as module
+from lidardraft.formats.pairs import is_shard, pairs_on_disk, read_shard, write_pairs
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import CLASSES
-from lidardraft.training import pairs as module
-from lidardraft.training.pairs import PairFolder, is_shard, pairs_on_disk, read_shard, write_pairs
+from lidardraft.training.pairs import PairFolder, scans_of_step
 
 
 @pytest.fixture(autouse=True)
@@ -185,7 +186,7 @@ def test_a_corrupt_shard_is_refused(tmp_path: Path) -> None:
 def test_a_shard_of_another_shape_is_refused(tmp_path: Path) -> None:
     list(write_pairs(tmp_path, [noted(0), noted(1)]))
     with np.load(tmp_path / "00000.npz") as file:
-        images = {name: file[name] for name in module._IMAGES}
+        images = {name: file[name] for name in module.IMAGES}
     images["scan_label"] = images["scan_label"][:1]
     module._write(tmp_path / "00000.npz", images, [{}, {}])
     with pytest.raises(FormatError, match=r"scan_label is uint8 \(1, 16, 128\); it must be uint8 \(2, 16, 128\)"):
@@ -228,7 +229,7 @@ def test_a_folder_without_an_index_is_refused(tmp_path: Path) -> None:
 def test_a_shard_without_a_note_for_each_pair_is_refused(tmp_path: Path) -> None:
     list(write_pairs(tmp_path, [noted(0), noted(1)]))
     with np.load(tmp_path / "00000.npz") as file:
-        images = {name: file[name] for name in module._IMAGES}
+        images = {name: file[name] for name in module.IMAGES}
     module._write(tmp_path / "00000.npz", images, [{}])
     with pytest.raises(FormatError, match=r"00000.npz: 1 notes on 2 pairs"):
         PairFolder(tmp_path)
@@ -274,9 +275,6 @@ def test_pairs_of_a_step_are_the_same_each_time(tmp_path: Path) -> None:
 
 
 def test_a_step_has_room_for_fewer_large_scans() -> None:
-    assert module.scans_of_step(4, SENSOR) == 4
+    assert scans_of_step(4, SENSOR) == 4
     for columns, scans in ((1024, 4), (2048, 2), (65536, 1)):
-        assert (
-            module.scans_of_step(4, Sensor(name="s", elevations=tuple(-0.006 * np.arange(64)), columns=columns))
-            == scans
-        )
+        assert scans_of_step(4, Sensor(name="s", elevations=tuple(-0.006 * np.arange(64)), columns=columns)) == scans

@@ -11,7 +11,7 @@ from box_pairs import noted
 from safetensors.torch import load_file
 
 from lidardraft.errors import TrainingError
-from lidardraft.training.pairs import write_pairs
+from lidardraft.formats.pairs import write_pairs
 from lidardraft.training.processes import ALONE, Processes
 
 SCRIPT = """

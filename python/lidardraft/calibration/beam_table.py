@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.calibration.recording import Recording
 from lidardraft.errors import FormatError
+from lidardraft.formats.recording import Recording
 from lidardraft.metrics.sweep import firing_step
 
 _MOST_POINTS = 40_000  # of a laser: more say nothing new

@@ -17,7 +17,7 @@ from lidardraft.scene.sensor import Sensor
 
 if TYPE_CHECKING:
     from lidardraft.calibration.fit import Fit
-    from lidardraft.calibration.recording import Recording
+    from lidardraft.formats.recording import Recording
 
 _MOST_LOST = 0.1  # of the points; of right recordings less than 0.01 are
 _DARK, _NOISE_AT = 0.10, 30.0  # a reflectance, and a range [m], at which figures are printed
@@ -27,7 +27,7 @@ _HELD_BACK = 0.25  # of the scans judge, the last ones, where no others are name
 def fit(arguments: argparse.Namespace) -> None:
     """Get a sensor file fitted to your recorded scans: lasers, what the vehicle hides, noise, drop and intensity."""
     from lidardraft.calibration.fit import fit_sensor
-    from lidardraft.calibration.recording import read_recording
+    from lidardraft.formats.recording import read_recording
 
     output = Path(arguments.output)
     if output.suffix != ".json":

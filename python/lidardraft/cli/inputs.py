@@ -174,8 +174,8 @@ def _from_text(arguments: argparse.Namespace) -> Layout:
 
 
 def _from_points(arguments: argparse.Namespace) -> Layout:
-    from lidardraft.calibration.recording import read_points, returns
     from lidardraft.drafting.cloud.layout import layout_from_cloud
+    from lidardraft.formats.recording import read_points, returns
 
     if arguments.labels is not None and arguments.segmenter is not None:
         raise FormatError("--labels and --segmenter both say the classes of --points; give one of them")

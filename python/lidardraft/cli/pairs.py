@@ -23,8 +23,8 @@ from lidardraft.streets import StreetConfig
 from lidardraft.streets import streets as pairs_of_streets
 
 if TYPE_CHECKING:
+    from lidardraft.formats.pairs import NotedPair, Pair
     from lidardraft.streets import StreetPair
-    from lidardraft.training.pairs import NotedPair, Pair
     from lidardraft.training.recorded_pairs import RecordedScan
 
 # A network learns more from another street than from another look at one; building it takes a third of the time then.
@@ -47,7 +47,7 @@ def _fill(folder: Path, arguments: argparse.Namespace) -> None:
     """Fill a folder up to `num` pairs, with a progress bar; what is in it already is kept."""
     from tqdm import tqdm
 
-    from lidardraft.training.pairs import Pair, pairs_on_disk, write_pairs
+    from lidardraft.formats.pairs import Pair, pairs_on_disk, write_pairs
 
     num, seed, poses = arguments.num, arguments.seed, arguments.poses
     config = StreetConfig(sensor=read_sensor(arguments.sensor), poses_per_street=poses, simulated=True)
@@ -124,7 +124,7 @@ def pairs(arguments: argparse.Namespace) -> None:
     """Make training pairs of your recorded scans: each scan, with the cast and the simulated scan of its layout."""
     from tqdm import tqdm
 
-    from lidardraft.training.pairs import notes_on_disk, write_pairs
+    from lidardraft.formats.pairs import notes_on_disk, write_pairs
 
     folder, files = Path(arguments.output), _scan_files(arguments.scans)
     sensor = _recorded_by(arguments, files[0])
@@ -208,7 +208,7 @@ def _labeller(weights: str | None) -> Labeller | None:
 
 def _read(file: Path, labels: str | None, sensor: Sensor, label: Labeller | None) -> RecordedScan:
     """A scan with its classes: those of --labels, of the file or of one beside it, or those of the segmenter."""
-    from lidardraft.calibration.recording import read_points, returns
+    from lidardraft.formats.recording import read_points, returns
     from lidardraft.formats.semantickitti import read_label
     from lidardraft.training.recorded_pairs import RecordedScan
 

@@ -42,8 +42,8 @@ def view_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _pictured(path: Path, name: str | None) -> np.ndarray:
-    from lidardraft.calibration.recording import is_points_file
-    from lidardraft.training.pairs import is_shard, read_shard
+    from lidardraft.formats.pairs import is_shard, read_shard
+    from lidardraft.formats.recording import is_points_file
     from lidardraft.view import render_file, render_pair, stack
 
     if path.suffix in (".bin", ".pcd") or (path.suffix == ".npz" and is_points_file(path)):
@@ -62,7 +62,7 @@ def _pictured(path: Path, name: str | None) -> np.ndarray:
 
 def _pictured_points(path: Path, name: str | None) -> np.ndarray:
     """The picture of a scan in any form that --points reads."""
-    from lidardraft.calibration.recording import read_points, returns
+    from lidardraft.formats.recording import read_points, returns
     from lidardraft.scene.range_image import RangeImage
     from lidardraft.view import render_range_image
 

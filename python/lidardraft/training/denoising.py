@@ -20,6 +20,7 @@ from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.noise import training_levels
 from lidardraft.errors import TrainingError
+from lidardraft.formats.pairs import Pair
 from lidardraft.networks.precision import reduced_precision
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
@@ -27,7 +28,7 @@ from lidardraft.training.adherence_watch import AdherenceWatch
 from lidardraft.training.learner import LearningConfig
 from lidardraft.training.loop import Batch, Data, Measures, Report, device_for_training, prefetched, train
 from lidardraft.training.openings import sample_opening
-from lidardraft.training.pairs import Pair, scans_of_step
+from lidardraft.training.pairs import scans_of_step
 from lidardraft.training.processes import Processes
 
 BANDS = (0.0, 0.05, 0.2, 1.0, float("inf"))  # edges of the noise levels that are reported apart

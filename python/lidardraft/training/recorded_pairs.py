@@ -8,11 +8,11 @@ import numpy as np
 
 from lidardraft.drafting.cloud.layout import layout_from_cloud
 from lidardraft.errors import FormatError
+from lidardraft.formats.pairs import Pair
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
 from lidardraft.simulation.simulate import simulate
-from lidardraft.training.pairs import Pair
 
 _MOST_OUTSIDE = 0.25  # of the points; of right sensors up to 0.05 are out of range or above the highest beam
 _FEWEST = 0.05  # of the pixels; a scan has returns in more

@@ -11,10 +11,11 @@ import numpy as np
 
 from lidardraft.diffusion.top_view import top_view
 from lidardraft.errors import TrainingError
+from lidardraft.formats.pairs import Pair
 from lidardraft.scene.sensor import Sensor
 from lidardraft.streets import StreetConfig, streets
 from lidardraft.training.denoising import PairSource
-from lidardraft.training.pairs import Pair, scans_of_step
+from lidardraft.training.pairs import scans_of_step
 from lidardraft.training.processes import ALONE, Processes
 from lidardraft.training.sampled_sensor import sample_sensor
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from lidardraft import Layout, Primitive, Sensor, raycast
-from lidardraft.calibration.recording import read_points, read_recording, recording_of, returns
 from lidardraft.drafting.text.layout import layout_from_text
 from lidardraft.errors import FormatError
 from lidardraft.formats.kitti import write_bin
+from lidardraft.formats.recording import read_points, read_recording, recording_of, returns
 from lidardraft.formats.semantickitti import write_label
 
 WALL = Primitive(shape="cylinder", center=(5, 0, 50), size=(60, 60, 100), label="building", id="hall")
