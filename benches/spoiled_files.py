@@ -25,14 +25,19 @@ from lidardraft.formats.blender_script import write_blender_script
 from lidardraft.formats.boxes import read_boxes, write_boxes
 from lidardraft.formats.carla import read_carla
 from lidardraft.formats.cast import read_cast
+from lidardraft.formats.cityscapes import read_semantics
 from lidardraft.formats.glb import glb_bytes, write_glb
+from lidardraft.formats.intrinsics import read_intrinsics
 from lidardraft.formats.kitti import read_bin, write_bin
-from lidardraft.formats.npy import read_npy
+from lidardraft.formats.masks import read_masks
+from lidardraft.formats.nuscenes import read_pcd_bin
 from lidardraft.formats.obj import write_obj
+from lidardraft.formats.pairs import Pair, read_shard, write_pairs
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.picture import read_picture
-from lidardraft.formats.recording import read_points, returns
+from lidardraft.formats.recording import read_points, read_recording, returns
 from lidardraft.formats.semantickitti import read_label, write_label
+from lidardraft.scene.image_archive import read_npy
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
@@ -44,6 +49,19 @@ LAYOUT = Layout((CAR,), {"seed": 1})
 SENSOR = Sensor(name="few", elevations=(0.1, 0.0, -0.1), columns=16)
 SVG = b"""<svg width="90" height="60"><rect id="car" x="4" y="9" width="2" height="4"/>
 <line id="scale 10 m" x2="10"/></svg>"""
+PLY = b"""ply
+format ascii 1.0
+element vertex 2
+property float32 x
+property float32 y
+property float32 z
+property float32 CosAngle
+property uint32 ObjIdx
+property uint32 ObjTag
+end_header
+9.0000 1.0000 -1.5000 0.5000 7 14
+4.0 -2.0 -1.7 0.3 0 24
+"""
 PCD = b"FIELDS x y\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n1 2\n3 4\n"
 
 
@@ -60,6 +78,21 @@ def _points(path: Path) -> object:
     points, fields = read_points(path)
     with named(path):
         return returns(points, fields)
+
+
+def _pairs(folder: str) -> Path:
+    """The first file of a folder of pairs."""
+    image = lidardraft.raycast(LAYOUT, SENSOR)
+    list(write_pairs(folder, [(Pair(image, image, image), {})]))
+    return Path(folder, "00000.npz")
+
+
+def _shard(path: Path) -> object:
+    with tempfile.TemporaryDirectory() as folder, named(path):
+        first = _pairs(folder)
+        first.unlink()
+        first.symlink_to(path.absolute())
+        return read_shard(first)
 
 
 def _written(write: Callable[[Path], object], ending: str) -> bytes:
@@ -88,28 +121,39 @@ def readers() -> dict[str, Reader]:
     def sketch(path: Path) -> Layout:
         return lidardraft.layout_from_sketch(path, metres_per_pixel=0.1)
 
+    packed = PCD[: PCD.index(b"ascii")] + b"binary_compressed\n" + struct.pack("<2I", 17, 16) + bytes([15, *range(16)])
     return {
         "bin": Reader(read_bin, ".bin", _written(lambda p: write_bin(p, points, np.ones(100)), ".bin")),
+        "nuscenes": Reader(read_pcd_bin, ".pcd.bin", np.ones((4, 5), "<f4").tobytes()),
         "label": Reader(
             lambda path: read_label(path, 4),
             ".label",
             _written(lambda p: write_label(p, np.ones(4, np.uint8), np.ones(4, np.uint32)), ".label"),
         ),
         "pcd": Reader(read_pcd, ".pcd", PCD),
+        "packed pcd": Reader(read_pcd, ".pcd", packed),
         "npy": Reader(read_carla, ".npy", buffer.getvalue()),
+        "ply": Reader(read_carla, ".ply", PLY),
         "depth": Reader(read_npy, ".npy", _npy(points)),
         "points": Reader(_points, ".npz", _zip("xyz", _npy(points))),
+        "recording": Reader(read_recording, ".npz", _zip("xyz", _npy(points), "ring", _npy(np.arange(100) // 10))),
+        "pairs": Reader(_shard, ".npz", _written(lambda p: _pairs(str(p.parent)).rename(p), ".npz")),
         "cast": Reader(read_cast, ".npz", _written(image.save, ".npz")),
         "range image": Reader(RangeImage.load, ".npz", _written(image.save, ".npz")),
         "layout": Reader(Layout.load, ".json", LAYOUT.to_json().encode()),
         "boxes": Reader(read_boxes, ".json", _written(lambda p: write_boxes(p, LAYOUT.boxes(), [3]), ".json")),
         "sensor": Reader(Sensor.load, ".json", SENSOR.to_json().encode()),
+        "intrinsics": Reader(read_intrinsics, ".json", b'{"K": [[9, 0, 4], [0, 9, 3], [0, 0, 1]]}'),
+        "calibration": Reader(read_intrinsics, ".txt", b"P2: 9 0 4 0 0 9 3 0 0 0 1 0\n"),
         "obj": Reader(lidardraft.layout_from_obj, ".obj", _written(lambda p: write_obj(p, LAYOUT), ".obj")),
         "glb": Reader(lidardraft.layout_from_glb, ".glb", _written(lambda p: write_glb(p, LAYOUT), ".glb")),
         "blender": Reader(
             lidardraft.layout_from_blender, ".py", _written(lambda p: write_blender_script(p, LAYOUT), ".py")
         ),
         "picture": Reader(read_picture, ".jpg", _picture("jpeg")),
+        "train ids": Reader(read_semantics, ".png", _picture("png")),
+        "masks": Reader(read_masks, ".npz", _zip("masks", _npy(np.ones((2, 3, 4), bool)))),
+        "numbered masks": Reader(read_masks, ".png", _written(Image.new("L", (9, 7), 3).save, ".png")),
         "painted sketch": Reader(sketch, ".png", _picture("png")),
         "sketch of shapes": Reader(sketch, ".svg", SVG),
     }

@@ -126,11 +126,11 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
         temporary.write_bytes(content)
 
 
-def regular_size(path: str | os.PathLike[str]) -> int:
+def regular_size(path: str | os.PathLike[str], most: int = MAX_BYTES) -> int:
     """The number of bytes of a file, links followed.
 
-    Raises `FormatError` where it is missing, is no regular file (a FIFO or a device may never end) or is larger than
-    `MAX_BYTES`.
+    Raises `FormatError` where it is missing, is no regular file (a FIFO or a device may never end) or has more than
+    `most` bytes.
     """
     name = os.fspath(path) or "''"
     try:
@@ -142,14 +142,14 @@ def regular_size(path: str | os.PathLike[str]) -> int:
     if not stat.S_ISREG(status.st_mode):
         kind = _KINDS.get(stat.S_IFMT(status.st_mode), "something else")
         raise FormatError(f"{name} is {kind}; it must be a regular file")
-    if status.st_size > MAX_BYTES:
-        raise FormatError(f"{name} has {status.st_size} bytes; files of up to {MAX_BYTES} are read")
+    if status.st_size > most:
+        raise FormatError(f"{name} has {status.st_size} bytes; such files of up to {most} are read")
     return status.st_size
 
 
-def read_bytes(path: str | os.PathLike[str]) -> bytes:
-    """The content of a regular file of up to `MAX_WHOLE` bytes; raises `FormatError` naming it."""
-    size = _size_within(path, MAX_WHOLE)
+def read_bytes(path: str | os.PathLike[str], most: int = MAX_WHOLE) -> bytes:
+    """The content of a regular file of up to `most` bytes; raises `FormatError` naming it."""
+    size = regular_size(path, most)
     try:
         with open(path, "rb") as file:
             return file.read(size)
@@ -157,20 +157,12 @@ def read_bytes(path: str | os.PathLike[str]) -> bytes:
         raise FormatError(f"{os.fspath(path)}: {error.strerror}") from None
 
 
-def read_text(path: str | os.PathLike[str]) -> str:
-    """The content of a regular file of up to `MAX_TEXT` bytes in UTF-8; raises `FormatError` naming it."""
-    _size_within(path, MAX_TEXT)
+def read_text(path: str | os.PathLike[str], most: int = MAX_TEXT) -> str:
+    """The content of a regular file of up to `most` bytes in UTF-8; raises `FormatError` naming it."""
     try:
-        return read_bytes(path).decode("utf-8")
+        return read_bytes(path, most).decode("utf-8")
     except UnicodeDecodeError as error:
         raise FormatError(f"{os.fspath(path)} is no text in UTF-8: byte {error.start} is wrong") from None
-
-
-def _size_within(path: str | os.PathLike[str], limit: int) -> int:
-    size = regular_size(path)
-    if size > limit:
-        raise FormatError(f"{os.fspath(path)} has {size} bytes; such files of up to {limit} are read")
-    return size
 
 
 @contextmanager
@@ -180,6 +172,20 @@ def named(name: str | os.PathLike[str]) -> Iterator[None]:
         yield
     except LidarDraftError as error:
         raise type(error)(f"{os.fspath(name)}: {error}") from None
+
+
+@contextmanager
+def expecting(what: str) -> Iterator[None]:
+    """Whatever a library raises in the block, on what others wrote, becomes one `FormatError`: not `what`."""
+    try:
+        yield
+    except LidarDraftError:
+        raise
+    except Exception as error:  # parsers raise what they meet, a lack of memory and of depth too
+        said = getattr(error, "strerror", None) or next(
+            filter(str.strip, str(error).splitlines()), type(error).__name__
+        )
+        raise FormatError(f"not {what}: {said.strip():.200}") from None
 
 
 @contextmanager

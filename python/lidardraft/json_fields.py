@@ -15,14 +15,28 @@ _MOST_BRACKETS = 3_000_000  # lists and objects of a text, which take a hundred 
 _MOST_FIELDS = 1_500_000  # of all objects, which take twice as much and twice as long
 
 
+def parse_json(text: str | bytes) -> Any:
+    """What a JSON text holds; raises `FormatError` where it is no JSON, or more of it than is read."""
+    check_brackets(text)
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise FormatError("not JSON that can be read: it is nested too deeply") from None
+    except json.JSONDecodeError as error:
+        begins = f"; it begins with {text[:20]!r}" if error.pos == 0 and text else ""
+        raise FormatError(f"not JSON: {error}{begins}") from None
+    except ValueError as error:  # a number of too many digits is one too
+        raise FormatError(f"not JSON: {error}") from None
+
+
 def parse_object(text: str | bytes) -> dict[str, Any]:
     """The object that a JSON text holds; raises `FormatError` where it holds something else or nothing."""
-    return check_object(_parse(text))
+    return check_object(parse_json(text))
 
 
 def parse_list(text: str | bytes) -> list[Any]:
     """The list that a JSON text holds; raises `FormatError` where it holds something else or nothing."""
-    document = _parse(text)
+    document = parse_json(text)
     if not isinstance(document, list):
         raise FormatError(f"{document!r:.50} is no JSON list")
     return document
@@ -75,16 +89,3 @@ def is_number(value: Any) -> bool:
 def are_numbers(values: Any, count: int) -> bool:
     """Whether it is a list, tuple or array of so many finite numbers."""
     return isinstance(values, list | tuple | np.ndarray) and len(values) == count and all(map(is_number, values))
-
-
-def _parse(text: str | bytes) -> Any:
-    check_brackets(text)
-    try:
-        return json.loads(text)
-    except RecursionError:
-        raise FormatError("not JSON that can be read: it is nested too deeply") from None
-    except json.JSONDecodeError as error:
-        begins = f"; it begins with {text[:20]!r}" if error.pos == 0 and text else ""
-        raise FormatError(f"not JSON: {error}{begins}") from None
-    except ValueError as error:  # a number of too many digits is one too
-        raise FormatError(f"not JSON: {error}") from None

@@ -6,9 +6,9 @@ LibCarla/source/carla/rpc/ObjectLabel.h); earlier ones count otherwise, and are 
 
 from __future__ import annotations
 
-import io
 import math
 import os
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -16,8 +16,9 @@ import numpy as np
 
 from lidardraft.errors import FormatError, SensorError
 from lidardraft.files import named, read_bytes
+from lidardraft.formats.pcd import text_records
+from lidardraft.scene.image_archive import parse_npy
 from lidardraft.scene.materials import MATERIALS
-from lidardraft.scene.npy_header import read_npy_header
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME
 
@@ -63,9 +64,7 @@ TAGS_BEFORE_0_9_14: dict[int, tuple[str, str | None]] = {
 _FIELDS = ("x", "y", "z", "CosAngle", "ObjIdx", "ObjTag")
 _RECORD = np.dtype([(name, "<u4" if name.startswith("Obj") else "<f4") for name in _FIELDS])
 _PLY_TYPES = {"float32": "f", "float": "f", "uint32": "u", "uint": "u"}
-_MOST = 2**32 - 1  # actors and tags
 _LONGEST_HEADER = 100_000  # bytes; a real one has 200
-_MOST_HITS, _LONGEST_WORD = 400_000, 50  # of a file of text, and letters of a number in it
 _INDEX = {material.name: i for i, material in enumerate(MATERIALS)}
 
 
@@ -151,37 +150,14 @@ def _from_ply(data: bytes) -> np.ndarray:
     fields = [(line[2], _PLY_TYPES.get(line[1])) for line in lines if line[:1] == ["property"] and len(line) == 3]
     if fields != [(name, _RECORD[name].kind) for name in _FIELDS]:
         raise FormatError(f"the fields of a hit must be {' '.join(_FIELDS)}, as the semantic LiDAR has them")
-    if len(elements) != 1 or elements[0][:1] != ["vertex"] or not elements[0][-1].isdecimal():
+    if len(elements) != 1 or not re.fullmatch("vertex [0-9]{1,9}", " ".join(elements[0])):
         raise FormatError("the file must have one element, vertex, and how many there are")
-    count = elements[0][-1]
-    if len(count) > 18 or int(count) > _MOST_HITS:
-        raise FormatError(f"{count:.30} hits as text; up to {_MOST_HITS} are read")
-    words = body.split(None, int(count) * len(_FIELDS))[: int(count) * len(_FIELDS)]
-    if max(map(len, words), default=0) > _LONGEST_WORD:
-        raise FormatError(f"a number of more than {_LONGEST_WORD} letters")
-    if len(words) < int(count) * len(_FIELDS):
-        raise FormatError(f"{count} hits of {len(_FIELDS)} numbers need more than the {len(words)} that are there")
-    table = np.array(words, dtype=bytes).reshape(-1, len(_FIELDS))
-    hits = np.zeros(len(table), _RECORD)
-    try:
-        for column, name in enumerate(_FIELDS):
-            numbers = table[:, column].astype(np.float64 if column < 4 else np.uint64)
-            if column >= 4 and numbers.max(initial=0) > _MOST:
-                raise ValueError(f"{name} is {numbers.max()}; it must be 0 to {_MOST}")
-            with np.errstate(over="ignore"):  # what is too large for float32 is infinite there
-                hits[name] = numbers
-    except (ValueError, OverflowError) as error:
-        raise FormatError(str(error)) from None
-    return hits
+    return text_records(body, _RECORD, int(elements[0][1]))
 
 
 def _from_npy(data: bytes) -> np.ndarray:
-    file = io.BytesIO(data)
     with named("neither a .ply nor an .npy file"):
-        shape, _, found = read_npy_header(file)
-    if found != _RECORD or len(shape) != 1:
-        raise FormatError(f"the array is {found} {shape}; it must hold N records of {' '.join(_FIELDS)}")
-    body = data[file.tell() :]
-    if len(body) < shape[0] * _RECORD.itemsize:
-        raise FormatError(f"{shape[0]} hits need {shape[0] * _RECORD.itemsize} bytes; there are {len(body)}")
-    return np.frombuffer(body, _RECORD, shape[0])
+        hits = parse_npy(data)
+    if hits.dtype != _RECORD or hits.ndim != 1:
+        raise FormatError(f"the array is {hits.dtype} {hits.shape}; it must hold N records of {' '.join(_FIELDS)}")
+    return hits

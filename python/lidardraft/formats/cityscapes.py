@@ -8,8 +8,8 @@ import numpy as np
 
 from lidardraft.errors import FormatError
 from lidardraft.files import named
-from lidardraft.formats.npy import read_npy
 from lidardraft.formats.picture import opened_picture
+from lidardraft.scene.image_archive import read_npy
 from lidardraft.semantics import CLASSES
 
 _SKY = 10

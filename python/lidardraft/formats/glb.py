@@ -15,16 +15,13 @@ from typing import Any
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import read_bytes, regular_size, written_whole
+from lidardraft.files import expecting, read_bytes, written_whole
 from lidardraft.json_fields import are_numbers, check_object, is_number, parse_object
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.mesh import TriangleMesh, unit_mesh
 from lidardraft.semantics import BY_NAME
 
-MAX_BYTES = 2**27  # of a file: what is made of it fits into 1 GB beside it
-_MAX_JSON = 2**24  # bytes, that may become ten times as many in memory
 _MAGIC, _VERSION, _JSON, _BINARY = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
-_MOST_BUFFERS = 1000
 _MOST_NODES, _DEEPEST = 20_000, 64
 MOST_VERTICES = 1_000_000  # and triangles
 _TRIANGLES = 4
@@ -156,8 +153,6 @@ class GlbFile:
 
 def open_glb(path: str | os.PathLike[str]) -> GlbFile:
     """The chunks of a file. Raises `FormatError` for anything but a whole binary glTF 2 that needs no other file."""
-    if (size := regular_size(path)) > MAX_BYTES:
-        raise FormatError(f"{os.fspath(path)} has {size} bytes; GLB files of up to {MAX_BYTES} are read")
     return parse_glb(read_bytes(path))
 
 
@@ -165,7 +160,7 @@ def parse_glb(data: bytes) -> GlbFile:
     """As `open_glb`, of the bytes of a file."""
     text = data.removeprefix(codecs.BOM_UTF8).lstrip()
     if text[:1] == b"{":  # glTF as text
-        return _file(_document(text), None)
+        return _file(parse_object(text), None)
     if len(data) < 20:
         raise FormatError(f"no GLB: {len(data)} bytes")
     magic, version, length, json_length, json_kind = struct.unpack_from("<5I", data)
@@ -177,7 +172,7 @@ def parse_glb(data: bytes) -> GlbFile:
         raise FormatError(
             f"a broken GLB: its header tells of {length} bytes, {json_length} of JSON; it has {len(data)}"
         )
-    document, binary, rest = _document(data[20 : 20 + json_length]), memoryview(b""), 20 + json_length
+    document, binary, rest = parse_object(data[20 : 20 + json_length]), memoryview(b""), 20 + json_length
     if rest + 8 <= length:
         size, kind = struct.unpack_from("<2I", data, rest)
         if kind != _BINARY or rest + 8 + size > length:
@@ -287,12 +282,6 @@ def _node(primitive: Primitive, mesh: int) -> dict[str, Any]:
     }
 
 
-def _document(text: bytes) -> dict[str, Any]:
-    if len(text) > _MAX_JSON:
-        raise FormatError(f"{len(text)} bytes of JSON; up to {_MAX_JSON} are read")
-    return parse_object(text)
-
-
 def _file(document: dict[str, Any], binary: memoryview | None) -> GlbFile:
     """The file of a document and its binary chunk, if it has one."""
     needed = document.get("extensionsRequired", [])
@@ -303,8 +292,6 @@ def _file(document: dict[str, Any], binary: memoryview | None) -> GlbFile:
             f"the file needs extensions that are not read, {unread!r:.80} (export it without compression)"
         )
     buffers = GlbFile(document, ()).items("buffers")
-    if len(buffers) > _MOST_BUFFERS:
-        raise FormatError(f"{len(buffers)} buffers; up to {_MOST_BUFFERS} are read")
     found = [_buffer(check_object(buffer), binary if index == 0 else None) for index, buffer in enumerate(buffers)]
     return GlbFile(document, tuple(found or [binary or memoryview(b"")]))
 
@@ -318,10 +305,8 @@ def _buffer(buffer: dict[str, Any], binary: memoryview | None) -> memoryview:
         raise FormatError(
             "the file keeps values in another file; only its own are read (export it as glTF Binary, .glb)"
         )
-    try:
+    with expecting("base64"):
         return memoryview(base64.b64decode(text, validate=True))
-    except ValueError as error:
-        raise FormatError(f"a buffer that is no base64: {error}") from None
 
 
 def _size(value: Any, name: str) -> int:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import os
-from typing import Any
 
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import named, read_text, regular_size
-from lidardraft.json_fields import are_numbers
+from lidardraft.files import named, read_text
+from lidardraft.json_fields import are_numbers, parse_json
 
 _LARGEST = 2**20  # bytes
 _JSON_NAMES = ("K", "intrinsics", "camera_matrix")
@@ -24,18 +22,13 @@ def read_intrinsics(path: str | os.PathLike[str]) -> np.ndarray:
     with fx, fy, cx and cy. Any other is a calibration of KITTI, of which P2 is read, else P_rect_02, P0 or K. Raises
     `FormatError`.
     """
+    text = read_text(path, _LARGEST)
     with named(path):
-        if (size := regular_size(path)) > _LARGEST:
-            raise FormatError(f"it has {size} bytes; intrinsics of up to {_LARGEST} are read")
-        text = read_text(path)
         return _from_json(text) if os.fspath(path).lower().endswith(".json") else _from_kitti(text)
 
 
 def _from_json(text: str) -> np.ndarray:
-    try:
-        found: Any = json.loads(text)
-    except (ValueError, RecursionError):
-        raise FormatError("not JSON") from None
+    found = parse_json(text)
     if isinstance(found, dict):
         if {"fx", "fy", "cx", "cy"} <= set(found):
             found = [found[name] for name in ("fx", "fy", "cx", "cy")]

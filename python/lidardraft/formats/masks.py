@@ -8,9 +8,8 @@ import numpy as np
 
 from lidardraft.errors import FormatError
 from lidardraft.files import named
-from lidardraft.formats.npy import read_npy
 from lidardraft.formats.picture import opened_picture
-from lidardraft.scene.image_archive import opened, read_numbers
+from lidardraft.scene.image_archive import opened, read_npy, read_numbers
 
 _NAME = "masks"
 _KINDS = ("L", "P", "I", "I;16")  # of pictures with one whole number a pixel

@@ -8,13 +8,13 @@ import re
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import read_bytes, regular_size, written_whole
+from lidardraft.files import read_bytes, written_whole
 from lidardraft.scene import mesh
 from lidardraft.scene.class_names import OUTRIGHT
 from lidardraft.scene.layout import Layout, primitive_mesh
 
-# What is read in seconds and a gigabyte, whatever it is: bytes, lines, words (which are corners of faces), objects.
-_MAX_BYTES, _MAX_LINES, _MAX_WORDS, _MAX_OBJECTS = 2**26, 4_000_000, 8_000_000, 65_535
+# What is read in seconds and a gigabyte, whatever it is; words are corners of faces.
+_MAX_BYTES, _LIMITS = 2**26, {"lines": 4_000_000, "words": 8_000_000, "objects": 65_535}
 
 
 def obj_meshes(path: str | os.PathLike[str]) -> list[tuple[str, str, mesh.TriangleMesh]]:
@@ -43,12 +43,12 @@ def write_obj(path: str | os.PathLike[str], layout: Layout) -> None:
 
 def _check_amount(path: str | os.PathLike[str]) -> None:
     """Raises `FormatError` for a file that holds more than can be read in a reasonable time."""
-    amounts = {"bytes": regular_size(path)}
-    if amounts["bytes"] <= _MAX_BYTES:
-        data = read_bytes(path)
-        amounts |= {"lines": data.count(b"\n"), "words": data.count(b" ") + data.count(b"\t")}
-        amounts["objects"] = sum(data.count(word) for word in (b"\no ", b"\ng ", b"usemtl "))
-    limits = {"bytes": _MAX_BYTES, "lines": _MAX_LINES, "words": _MAX_WORDS, "objects": _MAX_OBJECTS}
+    data = read_bytes(path, _MAX_BYTES)
+    amounts = {
+        "lines": data.count(b"\n"),
+        "words": data.count(b" ") + data.count(b"\t"),
+        "objects": sum(data.count(word) for word in (b"\no ", b"\ng ", b"usemtl ")),
+    }
     for name, amount in amounts.items():
-        if amount > limits[name]:
-            raise FormatError(f"{os.fspath(path)} has {amount} {name}; OBJ files of up to {limits[name]} are read")
+        if amount > _LIMITS[name]:
+            raise FormatError(f"{os.fspath(path)} has {amount} {name}; OBJ files of up to {_LIMITS[name]} are read")

@@ -12,13 +12,10 @@ import numpy as np
 from PIL import ExifTags, Image, ImageOps, UnidentifiedImageError
 
 from lidardraft.errors import FormatError
-from lidardraft.files import named, read_bytes, regular_size
+from lidardraft.files import expecting, named, read_bytes
 
 MAX_PIXELS = 52_000_000  # more than cameras have that take one picture at a time
-_MAX_BYTES = 2**28
 _KINDS = ("JPEG", "PNG", "WEBP")
-# What Pillow raises on a file that is truncated, corrupt or of another kind.
-_BROKEN = (OSError, SyntaxError, ValueError, LookupError, TypeError, Image.DecompressionBombError, EOFError)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,25 +43,23 @@ def read_picture(path: str | os.PathLike[str]) -> Picture:
 
 def opened_picture(path: str | os.PathLike[str]) -> Image.Image:
     """Pillow's image of a file, with its pixels, as they are stored; raises `FormatError` as `read_picture` does."""
+    data = read_bytes(path)
     with named(path):
-        if (size := regular_size(path)) > _MAX_BYTES:
-            raise FormatError(f"it has {size} bytes; pictures of up to {_MAX_BYTES} are read")
-        data = read_bytes(path)
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # Pillow's, of many pixels and of odd metadata
-                image = Image.open(io.BytesIO(data), formats=_KINDS)
-                if math.prod(image.size) <= MAX_PIXELS:
-                    image.load()
-                    return image
-        except _BROKEN as error:
-            raise FormatError(f"not a whole picture (JPEG, PNG or WebP): {_said(error)}") from None
+        with warnings.catch_warnings(), expecting("a whole picture (JPEG, PNG or WebP)"):
+            warnings.simplefilter("ignore")  # Pillow's, of many pixels and of odd metadata
+            image = _image_of(data)
+            if math.prod(image.size) <= MAX_PIXELS:
+                image.load()
+                return image
         across, down = image.size
         raise FormatError(f"it has {across} x {down} pixels; pictures of up to {MAX_PIXELS} pixels are read")
 
 
-def _said(error: Exception) -> str:
-    return "its kind is not known" if isinstance(error, UnidentifiedImageError) else str(error)
+def _image_of(data: bytes) -> Image.Image:
+    try:
+        return Image.open(io.BytesIO(data), formats=_KINDS)
+    except UnidentifiedImageError:
+        raise ValueError("its kind is not known") from None
 
 
 def _film_focal_length(image: Image.Image) -> float | None:
@@ -73,6 +68,6 @@ def _film_focal_length(image: Image.Image) -> float | None:
         try:
             found = image.getexif().get_ifd(ExifTags.IFD.Exif).get(ExifTags.Base.FocalLengthIn35mmFilm)
             length = float(found) if found is not None else 0.0
-        except _BROKEN:
+        except Exception:  # as with the picture itself, Pillow raises what it meets
             return None
     return length if math.isfinite(length) and length > 0 else None  # 0 says that it is not known
