@@ -1,4 +1,8 @@
+import os
+import subprocess
 import sys
+import threading
+from http.server import BaseHTTPRequestHandler, HTTPServer
 
 import numpy as np
 import pytest
@@ -184,6 +188,30 @@ def test_what_is_not_there_is_one_line(monkeypatch, name):
     with pytest.raises(CheckpointError, match=f"depth network '{name}' cannot be loaded: ") as raised:
         picture_networks.load_network("depth network", "AutoModelForDepthEstimation", name, "cpu")
     assert "\n" not in str(raised.value)
+
+
+def test_a_hub_that_does_not_answer_is_asked_once_and_gets_one_line(tmp_path):
+    """transformers asks six times, for half a minute, and logs each."""
+    asked = []
+
+    class Broken(BaseHTTPRequestHandler):
+        def log_request(self, *_):
+            asked.append(self.path)
+
+        def log_message(self, *_):
+            pass
+
+    Image.fromarray(PIXELS).save(tmp_path / "photo.png")
+    with HTTPServer(("127.0.0.1", 0), Broken) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        environment = os.environ | {"HF_ENDPOINT": f"http://127.0.0.1:{server.server_port}", "HF_HOME": str(tmp_path)}
+        command = [sys.executable, "-m", "lidardraft", "draft", "--image", "photo.png", "--hfov", "70", "-o", "a.json"]
+        ended = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+        server.shutdown()
+    assert ended.returncode == 2
+    assert len(ended.stderr.splitlines()) == 1, ended.stderr
+    assert "--depth FILE, --semantics FILE and --masks FILE need no network" in ended.stderr
+    assert sum("cityscapes" in path for path in asked) == 1
 
 
 def test_a_folder_without_weights_or_with_broken_ones_is_one_line(tmp_path):

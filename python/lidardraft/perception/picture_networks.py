@@ -23,6 +23,7 @@ with extra("image"):
 
 _FILES = "--depth FILE, --semantics FILE and --masks FILE need no network"
 _DEPTH, _SEMANTIC, _MASK = "depth network", "semantic network", "mask network"
+_PATIENCE = 10.0  # s, that the hub has to answer
 _SATURATED = 0.95  # of the largest depth that a network knows; it does not tell what is further away
 # Estimates of ours, but for the score, which is a little less than that of SAM's own generator of masks.
 _SPACING = 16  # pixels between points that are asked for
@@ -180,10 +181,36 @@ def load_pretrained(kind: str, class_name: str, name: str | os.PathLike[str], **
     """
     loader, source = auto_class(class_name), os.fspath(name)
     try:
+        try:
+            return loader.from_pretrained(source, local_files_only=True, **options)
+        except OSError:
+            if os.path.isdir(source):
+                raise
+        _find_on_hub(kind, source)
         return loader.from_pretrained(source, **options)
+    except CheckpointError:
+        raise
     except Exception as error:  # whatever the library and those below it raise on files of others
-        said = next((line for line in str(error).splitlines() if line.strip()), type(error).__name__)
-        raise CheckpointError(f"{kind} {source!r} cannot be loaded: {said.strip()}; {_FILES}") from None
+        raise CheckpointError(f"{kind} {source!r} cannot be loaded: {_first_line(error)}; {_FILES}") from None
+
+
+def _find_on_hub(kind: str, source: str) -> None:
+    """Raise `CheckpointError` where the hub does not have a network or cannot be reached: transformers itself would ask
+    six times, and log each."""
+    with extra("image"):
+        import huggingface_hub
+
+    try:
+        huggingface_hub.model_info(source, timeout=_PATIENCE)
+    except Exception as error:
+        raise CheckpointError(
+            f"{kind} {source!r} cannot be loaded: it is not on this machine, and the hub does not give it "
+            f"({_first_line(error)}); {_FILES}"
+        ) from None
+
+
+def _first_line(error: Exception) -> str:
+    return next((line.strip() for line in str(error).splitlines() if line.strip()), type(error).__name__)
 
 
 def load_network(kind: str, class_name: str, name: str | os.PathLike[str], device: str) -> torch.nn.Module:
