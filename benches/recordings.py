@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft.formats.kitti import read_bin
-from lidardraft.formats.pcd import pcd_columns
+from lidardraft.formats.pcd import parse_pcd
 from lidardraft.formats.recording import Recording, recording_of
 from lidardraft.formats.semantickitti import CLASS_FROM_RAW
 from lidardraft.metrics.sweep import Sweep
@@ -229,7 +229,7 @@ def _drive_files(folder: Path) -> list[Path]:
 
 
 def _kitti_pcd(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    fields = pcd_columns(path.name, _bytes(path))
+    fields = parse_pcd(_bytes(path)).columns
     points = np.stack([fields[axis] for axis in "xyz"], axis=1)[:-1]  # the last one is a zero that the conversion added
     return points, fields["intensity"][:-1]
 
@@ -246,7 +246,7 @@ def _kitti(points: np.ndarray, intensity: np.ndarray, columns: int) -> Sweep:
 
 
 def _pjlab(path: Path, columns: int) -> Sweep:
-    fields = pcd_columns(path.name, path.read_bytes())
+    fields = parse_pcd(path.read_bytes()).columns
     points = np.stack([fields[axis] for axis in "xyz"], axis=1)
     return Sweep.from_points(points, 63 - fields["ring"].astype(int), height=64, columns=columns)
 

@@ -13,6 +13,7 @@ import pytest
 from lidardraft import files
 from lidardraft.errors import FormatError, LayoutError
 from lidardraft.files import (
+    expecting,
     locked_folder,
     named,
     read_bytes,
@@ -158,7 +159,9 @@ def test_a_missing_file_and_an_impossible_name_are_named(tmp_path: Path) -> None
 def test_a_file_that_does_not_fit_into_memory_is_refused(tmp_path: Path) -> None:
     with (tmp_path / "large").open("wb") as file:
         file.truncate(files.MAX_BYTES + 1)  # a hole: it takes no room
-    with pytest.raises(FormatError, match=rf"large has {files.MAX_BYTES + 1} bytes; files of up to {files.MAX_BYTES}"):
+    with pytest.raises(
+        FormatError, match=rf"large has {files.MAX_BYTES + 1} bytes; such files of up to {files.MAX_BYTES}"
+    ):
         regular_size(tmp_path / "large")
     for read, limit in ((read_bytes, files.MAX_WHOLE), (read_text, files.MAX_TEXT)):
         os.truncate(tmp_path / "large", limit + 1)
@@ -191,7 +194,7 @@ def test_a_text_is_written_where_it_can_be_read(tmp_path: Path) -> None:
 HOLD = """
 import sys
 from pathlib import Path
-from lidardraft.files import locked_folder
+from lidardraft.files import expecting, locked_folder
 with locked_folder(Path(sys.argv[1])):
     print("held", flush=True)
     sys.stdin.read()
@@ -220,3 +223,20 @@ def test_a_lock_ends_with_a_process_that_is_killed(tmp_path: Path) -> None:
         other.wait()
         with locked_folder(tmp_path):
             pass
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (ValueError("\nno magic number\nat all"), "a.dat: not a whole file: no magic number"),
+        (OSError(5, "Input/output error"), "a.dat: not a whole file: Input/output error"),
+        (MemoryError(), "a.dat: not a whole file: MemoryError"),
+        (RecursionError("too deep"), "a.dat: not a whole file: too deep"),
+        (LayoutError("x is 1"), "a.dat: x is 1"),
+    ],
+)
+def test_what_a_library_raises_becomes_one_line(error: Exception, said: str) -> None:
+    kind = FormatError if said.startswith("a.dat: not") else LayoutError
+    with pytest.raises(kind) as raised, named("a.dat"), expecting("a whole file"):
+        raise error
+    assert str(raised.value) == said

@@ -253,13 +253,33 @@ def test_a_detail_that_there_is_not():
         layout_from_cloud(POINTS, LABELS, detail="finer")
 
 
+ALONG, ACROSS = np.random.default_rng(0).uniform(0, 1, (2, 600))
+ZEROS = np.zeros(600)
+
+
 @pytest.mark.parametrize("detail", ["fine", "objects"])
 @pytest.mark.parametrize("name", ["road", "car", "vegetation", "building", "pole", "traffic-sign"])
-def test_a_thousand_points_at_one_place_of_any_class(name, detail):
-    points = np.tile([[7.0, 2.0, -0.5]], (1000, 1))
-    layout = layout_from_cloud(points, np.full(1000, BY_NAME[name].id), detail=detail)
-    assert all(math.isfinite(value) for one in layout for value in (*one.center, *one.size, one.yaw))
-    assert sum(one.label == name for one in layout) == 1
+@pytest.mark.parametrize(
+    ("points", "said"),
+    [
+        (np.tile([[7.0, 2.0, -0.5]], (600, 1)), "all 600 points lie in one spot; they show no shape"),
+        (np.outer(5 + 30 * ALONG, [0.8, 0.5, -0.05]), "all 600 points lie on one line"),
+        (np.column_stack([ZEROS + 5, ZEROS + 1, 3 * ALONG]), "all 600 points lie on one line"),
+        (np.column_stack([ZEROS, ACROSS, ALONG]) * (np.arange(600) != 7)[:, None], "point 7 .* in the sensor itself"),
+        (np.column_stack([5 + 20 * ALONG, 10 * ACROSS - 5, ZEROS - 1]), None),
+        (np.column_stack([ZEROS + 8, 10 * ALONG - 5, 3 * ACROSS - 1.7]), None),
+        (np.column_stack([20 * ALONG - 10, ZEROS, 3 * ACROSS - 1.7]), None),  # through the sensor
+    ],
+    ids=["spot", "ray", "upright", "sensor", "flat", "wall", "fan"],
+)
+def test_points_of_fewer_than_three_dimensions(points, said, name, detail):
+    labels = np.full(600, BY_NAME[name].id)
+    if said:
+        with pytest.raises(LayoutError, match=said):
+            layout_from_cloud(points, labels, detail=detail)
+    else:
+        layout = layout_from_cloud(points, labels, detail=detail)
+        assert all(math.isfinite(value) for one in layout for value in (*one.center, *one.size, one.yaw))
 
 
 def test_labels_may_be_told_by_a_function_of_the_points():

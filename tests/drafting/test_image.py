@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from PIL import ExifTags, Image
+from scipy import ndimage
 
 import rendered_pictures
 from lidardraft import Layout, Primitive, layout_from_image
@@ -14,6 +15,7 @@ from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.errors import CheckpointError, FormatError, LayoutError
 from lidardraft.scene.check import check
 from lidardraft.semantics import BY_NAME
+from lidardraft.simulation.detail import detail
 
 CAMERA = Pinhole.from_hfov(math.radians(80), 640, 400)
 
@@ -118,6 +120,29 @@ def test_masks_tell_things_apart_and_take_the_class_of_most_of_their_pixels():
     for given in (masks, picture.instances, lambda _, __: (picture.labels, picture.instances)):
         boxes = drafted(picture, semantics=labels, masks=given).boxes()
         assert sorted((box.label, round(box.center[1], 1)) for box in boxes) == [("car", -0.8), ("car", 1.0)]
+
+
+def test_masks_that_reach_over_the_edge_do_not_make_objects_as_deep_as_what_is_behind():
+    """As polygons drawn by hand do, by a degree: what they hold of the wall is no part of the car."""
+    car = shape("box", (12, 1, 0.75), (4.2, 1.8, 1.5), "car", "car_1", yaw=0.4, instance=1)
+    wall = shape("box", (24, 0, 3), (1, 30, 6), "building", "wall")
+    picture = rendered_pictures.render(Layout((*STREET.primitives[:2], car, wall)), CAMERA)
+    mask = ndimage.binary_dilation(picture.instances == 1, iterations=6)
+    (box,) = drafted(picture, masks=mask[None]).boxes()
+    assert math.dist(box.center[:2], car.center[:2]) < 0.6
+    np.testing.assert_allclose(box.size, car.size, atol=0.9)
+
+
+def test_a_near_car_is_not_refuted_by_what_is_seen_over_its_hood():
+    """Near points are thinned, and what is seen past them is not: the rays that points stand for are compared."""
+    base = (*STREET.primitives[:2], shape("box", (40, 12, 4), (60, 6, 8), "building", "houses"))
+    for x, y, degrees in ((5.8, -2.6, 73), (4.4, -0.1, 97), (5.5, -0.9, 119), (4.4, -2.0, 109)):
+        place = {"center": (x, y, 0.75), "size": (4.4, 1.8, 1.5), "yaw": math.radians(degrees)}
+        car = Primitive(shape="box", label="car", id="car_1", instance=1, **place)
+        picture = rendered_pictures.render(detail(Layout((*base, car)), seed=0), CAMERA)
+        cars = [box for box in drafted(picture).boxes() if box.label == "car"]
+        assert len(cars) == 1, (x, y, degrees)
+        assert math.dist(cars[0].center[:2], car.center[:2]) < 1.5
 
 
 def test_intrinsics_may_be_a_file(tmp_path):

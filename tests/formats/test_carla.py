@@ -68,11 +68,11 @@ def test_the_tags_of_both_numberings_are_the_same_kinds(tmp_path: Path) -> None:
     ("rows", "header", "message"),
     [
         (["9 2 -1 0.5 7 29"], HEADER, "hit 0 has tag 29; CARLA has tags 0 to 28"),
-        (["9 2 -1 0.5 7 4294967296"], HEADER, "ObjTag is 4294967296"),
+        (["9 2 -1 0.5 7 4294967296"], HEADER, "could not convert string '4294967296' to uint32"),
         (["9 2 -1 0.5 7 -1"], HEADER, "-1"),
         (["9 nan -1 0.5 7 1"], HEADER, "hit 0 is not finite"),
         (["9 2 -1 0.5 7 car"], HEADER, "car"),
-        (["9 2 -1 0.5 7"], HEADER, "1 hits of 6 numbers need more than the 5"),
+        (["9 2 -1 0.5 7"], HEADER, "requires 6 columns but 5 were found"),
         (ROWS, HEADER.replace("CosAngle", "I"), "the fields of a hit must be x y z CosAngle ObjIdx ObjTag"),
         (ROWS, HEADER.replace("ascii", "binary_little_endian"), "no header of an ascii .ply file"),
         (ROWS, HEADER.replace("vertex", "face"), "one element, vertex"),

@@ -37,7 +37,7 @@ _TOUCHING = 0.3  # of the usual width of a class: a cluster whose middle is so n
 # some degrees; only what passes through this share of its length and width passed through it.
 _CLEARANCE, _ROUNDED, _CORE = 0.3, 0.1, 0.8
 _NEIGHBOUR = 15.0  # m; objects no further apart are likely to be headed the same way
-_FURTHEST = 1000.0  # m; no sensor sees further
+_FURTHEST, _NEAREST = 1000.0, 1e-6  # m; no sensor sees further, or nearer
 _ROUNDING = 0.01  # m, more than rounding makes of a distance
 
 
@@ -46,6 +46,7 @@ def layout_from_cloud(
     labels: np.ndarray | Callable[[np.ndarray], np.ndarray],
     *,
     instances: np.ndarray | None = None,
+    weights: np.ndarray | None = None,
     sensor_height: float = 1.73,
     detail: str = "fine",
     source: str = "point cloud",
@@ -56,6 +57,7 @@ def layout_from_cloud(
     `points` [N, 3] in the sensor frame [m]; `labels` [N] class ids of `semantics.CLASSES`, 0 is left out, or a function
     of the points that tells them, as `lambda points: segmenter.label_points(points, intensity, height)` does;
     `instances` [N] numbers of objects, counted for each class, 0 where unknown: those points are clustered.
+    `weights` [N] numbers of rays, where the cloud was thinned and a point stands for several.
     `sensor_height` is that over the road [m].
 
     The ground becomes a mesh for each class; people, vehicles and signs become boxes, one each, poles and trunks
@@ -70,14 +72,17 @@ def layout_from_cloud(
     labels = labels(points) if callable(labels) else labels
     instances = np.zeros(len(points), dtype=np.uint32) if instances is None else instances
     _check_labels(labels, instances, len(points))
+    if weights is not None and (np.shape(weights) != (len(points),) or not (np.asarray(weights) > 0).all()):
+        raise LayoutError(f"weights have shape {np.shape(weights)}; {len(points)} points need as many numbers over 0")
     if not is_number(sensor_height):
         raise LayoutError(f"sensor_height is {sensor_height} m; it must be finite")
     if not (is_number(stray_share) and 0 <= stray_share <= 1):
         raise LayoutError(f"stray_share is {stray_share}; it must be 0 to 1")
     if not isinstance(detail, str) or detail not in DETAILS:
         raise LayoutError(f"detail is {detail!r}; it must be {one_of(DETAILS, detail)}")
+    _check_spread(points)
     points = points.astype(np.float64) + np.array([0.0, 0.0, sensor_height])
-    rays = Rays(points, np.array([0.0, 0.0, sensor_height]))
+    rays = Rays(points, np.array([0.0, 0.0, sensor_height]), weights)
     ground = HeightField(rays, labels)
     shapes, pieces = _clustered(rays, labels, instances, ground, DETAILS[detail], stray_share)
     others = [_primitive(*shape, str(index), index) for index, shape in enumerate(shapes)]
@@ -137,7 +142,7 @@ def _objects(
     headings = _headings(seen, row.size)
     choices = [completions(box, row.size, heading) for box, heading in zip(seen, headings, strict=True)]
     passed = np.array([_passed(boxes, row, ground, rays) for boxes in zip(*choices, strict=True)])
-    counts = np.array([len(members) for members in groups])
+    counts = np.array([rays.weights[members].sum() for members in groups])
     strays = np.maximum(_STRAY, stray_share * counts)
     # rays that pass through what was seen, as through windows, do not tell one choice from the other
     best = np.argmin(np.maximum(passed - passed[-1], strays), axis=0)
@@ -181,11 +186,18 @@ def _is_flat(boxes: Sequence[FittedBox], height: float, ground: HeightField) -> 
 
 
 def _passed(boxes: Sequence[FittedBox], row: SemanticClass, ground: HeightField, rays: Rays) -> np.ndarray:
-    """How many rays went through each box [N] of a class and ended behind it."""
+    """How many rays went through each box [N] of a class and ended behind or below it."""
     heights = ground.height(np.array([box.center[:2] for box in boxes]))
     cores = [_core(box, height) for box, height in zip(boxes, heights.tolist(), strict=True)]
     hits = rays.cast([_primitive("box", core, row.id, str(index), 1) for index, core in enumerate(cores)])
-    return hits.per_piece(hits.too_near, len(boxes))
+    passed = np.zeros(len(boxes))
+    for index in np.unique(hits.primitive[hits.too_near]):
+        ends = hits.chosen[hits.too_near & (hits.primitive == index)]
+        # What lies in the box, such as a windscreen behind its hood, is a part of the object.
+        bottom = cores[index].center[2] - cores[index].size[2] / 2
+        inside = boxes[index].contains(rays.points[ends]) & (rays.points[ends, 2] > bottom)
+        passed[index] = rays.weights[ends[~inside]].sum()
+    return passed
 
 
 def _core(box: FittedBox, height: float) -> FittedBox:
@@ -208,6 +220,19 @@ def _check_points(points: np.ndarray) -> None:
     far = np.flatnonzero(np.abs(points).max(axis=1) > _FURTHEST)
     if len(far):
         raise LayoutError(f"point {far[0]} is {points[far[0]].tolist()}; a scan reaches {_FURTHEST:.0f} m")
+    near = np.flatnonzero((np.abs(points) < _NEAREST).all(axis=1))
+    if len(near):
+        raise LayoutError(
+            f"point {near[0]} is {points[near[0]].tolist()}, in the sensor itself; leave out what is no return"
+        )
+
+
+def _check_spread(points: np.ndarray) -> None:
+    """Raise `LayoutError` where several points lie in one spot or on one line, and so show the shape of nothing."""
+    variances = np.linalg.eigvalsh(np.cov(points.T.astype(np.float64), bias=True))
+    if len(points) > 2 and variances[1] < _ROUNDING**2:
+        where = "in one spot" if variances[2] < _ROUNDING**2 else "on one line"
+        raise LayoutError(f"all {len(points)} points lie {where}; they show no shape")
 
 
 def _check_labels(labels: np.ndarray, instances: np.ndarray, count: int) -> None:

@@ -17,11 +17,13 @@ _MOST_RAYS = 50_000  # in a sample
 class Rays:
     """Rays from the sensor at `origin` [3] to points [N, 3], and how far off a cast may be to agree with them.
 
-    `sample` are the indices of evenly chosen ones, 50,000 at most.
+    `weights` [N] are the numbers of rays that the points stand for, 1 each where they were not thinned. `sample` are
+    the indices of evenly chosen ones, 50,000 at most.
     """
 
-    def __init__(self, points: np.ndarray, origin: np.ndarray) -> None:
+    def __init__(self, points: np.ndarray, origin: np.ndarray, weights: np.ndarray | None = None) -> None:
         self.points, self.origin = points, origin
+        self.weights = np.ones(len(points)) if weights is None else weights
         self.ranges = np.linalg.norm(points - origin, axis=1)
         self.tolerance = np.maximum(ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE * self.ranges)
         self.sample = np.arange(0, len(points), max(1, -(-len(points) // _MOST_RAYS)))

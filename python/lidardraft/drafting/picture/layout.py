@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from lidardraft.drafting.cloud.clustering import thin
+from lidardraft.drafting.cloud.clustering import cluster, thin
 from lidardraft.drafting.cloud.ground import GROUND_IDS
 from lidardraft.drafting.cloud.layout import layout_from_cloud
 from lidardraft.drafting.picture.camera import Pinhole
@@ -37,9 +37,9 @@ _LONGEST_SIDE = 2048  # pixels; finer than `pseudo_cloud.CELL` in a picture of u
 _FURTHEST = 100.0  # m; depth of pictures is not known further away
 _BEYOND = 1e9  # m; what is further is as far as that, so that the products of depths are numbers
 _VOXEL = 0.1  # m, of which one point is kept
+_TOGETHER = 1.0  # m; further apart are no points of one object, also where a pole hides its middle
 _MOST_MASKS = 1000  # SAM finds some 100 to 200 in a picture
 _FOOT = 0.1  # m over the road; what is lower is no object, but the road before it under a class that reaches too far
-_STRAY_SHARE = 0.3  # of an object's points; near ones are thinned, rays past them are not: three times that of a scan
 
 PathLike = str | os.PathLike[str]
 Network = Callable[[np.ndarray], np.ndarray]  # pixels u8 [h, w, 3] -> a value a pixel [h, w]
@@ -140,13 +140,27 @@ def _levelled_layout(
     kept = np.linalg.norm(points, axis=1) < _FURTHEST
     kept &= np.isin(cloud.labels, GROUND_IDS) | (np.abs(points[:, 2] + stands) > _FOOT)
     points, labels, instances = points[kept], cloud.labels[kept], cloud.instances[kept]
-    kept, _, _ = thin(points, _VOXEL)
+    kept, _, rays = thin(points, _VOXEL)
     points, labels, instances = points[kept], labels[kept], instances[kept]
-    layout = layout_from_cloud(
-        points, labels, instances=instances, sensor_height=stands, source="image", stray_share=_STRAY_SHARE
-    )
+    labels[_over_edges(points, labels, instances, rays)] = 0
+    layout = layout_from_cloud(points, labels, instances=instances, weights=rays, sensor_height=stands, source="image")
     layout = replace(layout, coverage=coverage)
     return mirrored_surroundings(layout, points, labels, stands) if fill else layout
+
+
+def _over_edges(points: np.ndarray, labels: np.ndarray, instances: np.ndarray, rays: np.ndarray) -> np.ndarray:
+    """bool [N]: points of numbered objects apart from what most of the object's `rays` [N] show.
+
+    A mask that reaches over the edge of its object holds what is seen behind it, and the box of all would be as deep.
+    """
+    over = np.zeros(len(points), dtype=bool)
+    objects = np.where(instances > 0, instances.astype(np.int64) * NUM_CLASSES + labels, 0)
+    for number in np.unique(objects[objects > 0]):
+        mine = np.flatnonzero(objects == number)
+        parts = [mine[part] for part in cluster(points[mine], reach=_TOGETHER, min_points=1)]
+        over[mine] = True
+        over[max(parts, key=lambda part: rays[part].sum())] = False
+    return over
 
 
 def _checked_pixels(image: np.ndarray) -> np.ndarray:

@@ -1,3 +1,5 @@
+"""Pieces of 3D models become objects: ids and numbers of things."""
+
 import pytest
 
 from lidardraft.drafting.models import PieceIds
