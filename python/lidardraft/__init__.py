@@ -31,7 +31,7 @@ _LAZY = {
     "layout_from_image": "lidardraft.drafting.picture.layout",
     "layout_from_llm": "lidardraft.drafting.language_model.layout",
     "layout_from_obj": "lidardraft.drafting.models",
-    "layout_from_sketch": "lidardraft.drafting.sketch",
+    "layout_from_sketch": "lidardraft.drafting.sketch.layout",
     "layout_from_text": "lidardraft.drafting.text.layout",
     "with_vehicle": "lidardraft.scene.raycast",
 }

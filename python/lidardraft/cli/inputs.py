@@ -224,7 +224,7 @@ def _segmented(
 
 
 def _from_sketch(arguments: argparse.Namespace) -> Layout:
-    from lidardraft.drafting.sketch import layout_from_sketch
+    from lidardraft.drafting.sketch.layout import layout_from_sketch
 
     path = arguments.sketch
     layout = layout_from_sketch(

@@ -8,38 +8,49 @@ from collections.abc import Iterable, Mapping
 from lidardraft.errors import LayoutError, check_type, one_of, printable
 from lidardraft.semantics import BY_NAME
 
-# The words that say each class, besides its name: of two in one name the last one counts ("street lamp").
+# The words that say a class, and some its kind too (`drafting/solver/sentence_kinds.py`): of two in one name the last
+# one counts ("street lamp").
 _WORDS = {
     "road": "road street asphalt tarmac lane highway motorway carriageway driveway intersection junction crossroads "
     "crossroad roundabout crosswalk zebra marking markings crossing",
     "sidewalk": "sidewalk pavement footpath footway walkway curb kerb",
-    "building": "building house tower skyscraper apartment apartments office shop store church school warehouse garage "
-    "hut shed barn cottage villa facade",
+    "building": "building shop store school warehouse hut barn facade",
+    "building building": "tower skyscraper apartment apartments office church",
+    "building house": "house garage shed cottage villa",
     "wall": "wall",
     "fence": "fence railing guardrail barrier gate",
-    "pole": "pole post lamp lamppost streetlight streetlamp bollard pillar mast pylon",
+    "pole": "pole post bollard pillar mast pylon",
+    "pole street-light": "lamp lamppost streetlight streetlamp",
     "traffic-light": "trafficlight trafficlights stoplight signal semaphore",
     "traffic-sign": "sign signpost signboard trafficsign roadsign stopsign",
-    "vegetation": "vegetation tree bush shrub hedge plant foliage leaves crown canopy treetop forest",
+    "vegetation": "vegetation plant foliage leaves crown canopy treetop forest",
+    "vegetation tree": "tree",
+    "vegetation bush": "bush shrub",
+    "vegetation hedge": "hedge",
     "terrain": "terrain ground grass lawn soil meadow field earth verge",
     "person": "person pedestrian human man woman child people boy girl walker",
     "rider": "rider cyclist biker motorcyclist bicyclist",
-    "car": "car van suv taxi sedan hatchback vehicle automobile minivan pickup",
+    "car": "vehicle automobile pickup",
+    "car car": "car suv taxi sedan hatchback",
+    "car van": "van minivan",
     "truck": "truck lorry trailer",
     "bus": "bus coach minibus",
     "train": "train tram trolley locomotive streetcar",
     "motorcycle": "motorcycle motorbike scooter moped",
     "bicycle": "bicycle bike",
     "trunk": "trunk bark",
-    "other": "other bench bin mailbox hydrant cone rock bridge",
+    "other": "other mailbox hydrant rock bridge",
+    "other bench": "bench",
+    "other bin": "bin",
+    "other cone": "cone",
 }
-_CLASS_OF_WORD = {word: name for name, words in _WORDS.items() for word in words.split()}
+_MEANING = {word: meaning for meaning, words in _WORDS.items() for word in words.split()}
 # Two words that mean something else than the last of them.
 _PAIRS = {
     ("traffic", "light"): "traffic-light",
     ("traffic", "lights"): "traffic-light",
     ("stop", "light"): "traffic-light",
-    ("street", "light"): "pole",
+    ("street", "light"): "pole street-light",
     ("bus", "stop"): "other",
     ("bus", "shelter"): "building",
     ("parking", "lot"): "road",
@@ -48,7 +59,7 @@ _PAIRS = {
     ("tree", "top"): "vegetation",
     ("guard", "rail"): "fence",
     ("fire", "hydrant"): "other",
-    ("traffic", "cone"): "other",
+    ("traffic", "cone"): "other cone",
 }
 # Words for parts, and the words after which they say nothing new: the wall of a house is a building.
 _PARTS = {"wall": ("building", "house", "garage", "shop", "office", "tower"), "gate": ("house",), "post": ("sign",)}
@@ -82,6 +93,12 @@ def class_of(names: Iterable[str], classes: Mapping[str, str]) -> str | None:
         if name.startswith(OUTRIGHT) and without_number(name).removeprefix(OUTRIGHT) in BY_NAME:
             return without_number(name).removeprefix(OUTRIGHT)
     return next((found for name in known if (found := _class_of_words(name))), None)
+
+
+def kind_of(names: Iterable[str], label: str) -> str | None:
+    """The kind of the class `label` that the first telling one of some names says; None where none does."""
+    meanings = [_meaning(name).partition(" ") for name in names]
+    return next((kind for found, _, kind in meanings if found == label and kind), None)
 
 
 def words_of(name: str) -> list[str]:
@@ -119,31 +136,31 @@ def whole_of(identifier: str) -> str:
 
 def says_many(name: str) -> bool:
     """Whether a word of the name says many of a class: "Parked cars", "People"."""
-    return any(
-        word in _MANY or (word not in _CLASS_OF_WORD and _singular(word) in _CLASS_OF_WORD) for word in words_of(name)
-    )
+    return any(word in _MANY or (word not in _MEANING and _singular(word) in _MEANING) for word in words_of(name))
 
 
 def class_of_last_word(name: str) -> str | None:
     """The class that the last word of a name says of one object: "Red car_2" is a car, "Car_body" may be a part."""
     *_, last = words_of(name) or [""]
-    return None if last in _MANY else _CLASS_OF_WORD.get(last)
+    return None if last in _MANY else _MEANING.get(last, "").partition(" ")[0] or None
 
 
 def _class_of_words(name: str) -> str | None:
-    if (lower := name.lower()) in BY_NAME and lower != "none":
-        return lower
+    return _meaning(name).partition(" ")[0] or None
+
+
+def _meaning(name: str) -> str:
+    """The class that the words of a name say, and behind a space its kind; nothing where they say none."""
     words = [_singular(word) for word in words_of(name)]
-    found = None
-    for k, word in enumerate(words):
-        before = words[k - 1] if k else ""
+    found = ""
+    for before, word in zip(["", *words], words, strict=False):
         if (before, word) in _PAIRS:
             found = _PAIRS[before, word]
-        elif word in _CLASS_OF_WORD and not (found and before in _PARTS.get(word, ())):
-            found = _CLASS_OF_WORD[word]
+        elif word in _MEANING and not (found and before in _PARTS.get(word, ())):
+            found = _MEANING[word]
     return found
 
 
 def _singular(word: str) -> str:
     forms = (word, word.removesuffix("es"), word.removesuffix("s"))
-    return next((form for form in forms if form in _CLASS_OF_WORD), _PLURAL.sub("", word))
+    return next((form for form in forms if form in _MEANING), _PLURAL.sub("", word))

@@ -11,9 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from lidardraft.drafting.sketches.drawn_kinds import kind_of, named_kind
-from lidardraft.drafting.sketches.drawn_shapes import Blob, Stroke
-from lidardraft.drafting.sketches.drawn_surfaces import smoothed
+from lidardraft.drafting.sketch.shapes import Blob, Stroke
 from lidardraft.drafting.solver.object_shapes import (
     CROWN_BASE,
     TRUNK_DIAMETER,
@@ -23,8 +21,14 @@ from lidardraft.drafting.solver.object_shapes import (
     tree_parts,
 )
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS, SentenceKind
+from lidardraft.scene import class_names
 from lidardraft.scene.check import SIZE_RANGES
 
+# The kind that a class stands for where neither a name nor a size says it, unless it has the name of the class.
+_USUAL_KIND = {"building": "house", "vegetation": "tree", "trunk": "tree", "rider": "bicycle"}
+_USUAL_KIND |= {"train": "tram", "other": "bin"}
+_BUSH = 2.3  # m across, at most
+_LONGEST_CAR = 4.7  # m; a longer one is a van, between the sizes of both, and a still longer one a row of cars
 _AS_DRAWN = ("building", "vegetation", "wall", "fence")  # classes whose footprints are as large as they are drawn
 _LEAST = 0.6  # of the smallest extent of a class: what is drawn smaller is a mark, and has the usual size
 _LARGEST_MARK = 8.0  # m across, of what stands for a person, a pole or a sign
@@ -48,12 +52,26 @@ class NotDrawnError(Exception):
     """A shape that stands for no object; says why."""
 
 
+def kind_of(blob: Blob) -> SentenceKind:
+    """The kind of object that a blob stands for: what its names say, or else its class and size."""
+    if name := class_names.kind_of(blob.names, blob.label):
+        return SENTENCE_KINDS[name]
+    if blob.label == "vegetation" and math.sqrt(blob.length * blob.width) < _BUSH:
+        return SENTENCE_KINDS["bush"]
+    if blob.label == "car" and _LONGEST_CAR < blob.length <= SIZE_RANGES["car"][1][0]:
+        return SENTENCE_KINDS["van"]
+    house = SENTENCE_KINDS["house"].sizes
+    assert house is not None
+    if blob.label == "building" and blob.length * blob.width > house.largest[0] * house.largest[1]:
+        return SENTENCE_KINDS["building"]
+    return SENTENCE_KINDS[_USUAL_KIND.get(blob.label, blob.label)]
+
+
 def objects_of_blob(blob: Blob, yaw: float, rng: np.random.Generator) -> Iterator[Placed]:
     """The objects that a blob stands for, headed for `yaw` [rad]: one, or a row of vehicles, or a stand of trees."""
     kind = kind_of(blob)
     if blob.label in ("wall", "fence"):
-        length = max(blob.length, blob.width)
-        yield _placed(kind.name, _resized(kind, (length, _thickness(kind, blob.width)), rng), blob.center, yaw)
+        yield _placed(kind.name, _resized(kind, (blob.length, _thickness(kind, blob.width)), rng), blob.center, yaw)
     elif kind.is_vehicle:
         yield from _vehicles(blob, kind, yaw, rng)
     elif kind.name == "tree":
@@ -72,15 +90,14 @@ def objects_of_blob(blob: Blob, yaw: float, rng: np.random.Generator) -> Iterato
 
 def objects_of_stroke(stroke: Stroke, rng: np.random.Generator) -> Iterator[Placed]:
     """A hedge, wall or fence along a stroke, or a row of trees where it is wide."""
-    kind = named_kind(stroke.label, stroke.names)
-    if stroke.label == "vegetation" and kind is None and stroke.width <= _WIDEST_HEDGE:
-        kind = SENTENCE_KINDS["hedge"]
-    if stroke.label != "vegetation":
-        kind = SENTENCE_KINDS[stroke.label]
-    if kind is None or not kind.follows_road:
+    name = stroke.label
+    if name == "vegetation":
+        name = class_names.kind_of(stroke.names, name) or ("hedge" if stroke.width <= _WIDEST_HEDGE else "tree")
+    kind = SENTENCE_KINDS[name]
+    if not kind.follows_road:
         yield from _tree_row(stroke, rng)
         return
-    line = _cornered(smoothed(stroke, max(0.5 * stroke.width, 2.0 * stroke.grain), 0.5), _CORNER)
+    line = _cornered(_even(stroke), _CORNER)
     whole = _resized(kind, (1.0, _thickness(kind, stroke.width)), rng)[0]
     place = line.mean(axis=0)
     parts = []
@@ -140,7 +157,7 @@ def _trees(blob: Blob, yaw: float, rng: np.random.Generator) -> Iterator[Placed]
 
 def _tree_row(stroke: Stroke, rng: np.random.Generator) -> Iterator[Placed]:
     crown = min(max(stroke.width, 2.5), _CROWN[1])
-    line = smoothed(stroke, max(0.5 * stroke.width, 2.0 * stroke.grain), 0.5)
+    line = _even(stroke)
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
     count = max(1, min(_MOST_PARTS, round(along[-1] / (_TREE_SPACING * crown))))
     for k in range(count):
@@ -155,9 +172,15 @@ def _tree(across: float, rng: np.random.Generator) -> list[ObjectPart]:
     return tree_parts(height, crown, float(rng.uniform(*TRUNK_DIAMETER)), base)
 
 
+def _even(stroke: Stroke) -> np.ndarray:
+    """The line [N, 2] of a stroke without the wobble of a hand."""
+    return stroke.smoothed(max(0.5 * stroke.width, 2.0 * stroke.grain), 0.5)
+
+
 def _thickness(kind: SentenceKind, width: float) -> float:
+    """That of a strip that is drawn so wide [m]; a finer line is a mark."""
     assert kind.sizes is not None
-    return min(max(width, kind.sizes.smallest[1]), kind.sizes.largest[1])
+    return max(width, kind.sizes.smallest[1])
 
 
 def _resized(kind: SentenceKind, footprint: tuple[float, float], rng: np.random.Generator) -> list[ObjectPart]:

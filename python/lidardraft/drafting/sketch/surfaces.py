@@ -9,8 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.drafting.sketches.drawn_shapes import Blob, Sketch, Stroke
-from lidardraft.drafting.sketches.line_smoothing import resampled, smooth
+from lidardraft.drafting.sketch.shapes import Blob, Sketch, Stroke
 from lidardraft.scene.layout import Primitive
 from lidardraft.scene.road import KERB_HEIGHT, TERRAIN_HEIGHT
 
@@ -26,12 +25,6 @@ _BESIDE = 12.0  # m from the edge of a road: what is nearer goes along it, is pa
 _ACROSS = math.radians(50)  # what is turned against a road by more does not go along it
 _FACING_ROAD = ("pole", "traffic-light", "traffic-sign")
 _WOBBLE = 0.5  # of the width: what is shorter along a stroke is wobble
-
-
-def smoothed(stroke: Stroke, sigma: float, step: float) -> np.ndarray:
-    """Points [N, 2] of the stroke's line every `step` [m], without what is shorter than some `sigma` [m]."""
-    line, spacing = resampled(stroke.line, step)
-    return smooth(line, min(sigma / spacing, len(line) / 6), stroke.closed)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -134,7 +127,7 @@ def _strip_width(stroke: Stroke) -> float:
 def _middle_line(stroke: Stroke) -> np.ndarray:
     """The middle line [N, 2] of a surface: two points where it is straight but for the wobble of a hand."""
     width = _strip_width(stroke)
-    line = smoothed(stroke, max(_WOBBLE * width, 1.5 * stroke.grain), _STEP)
+    line = stroke.smoothed(max(_WOBBLE * width, 1.5 * stroke.grain), _STEP)
     away = [np.linalg.norm(line - end, axis=1) > width for end in (line[0], line[-1])]
     inner = line[away[0] & away[1]]  # a hand, and a junction, bend the ends
     chord = _chord(inner if len(inner) > 2 else line)
@@ -166,8 +159,15 @@ def _surface(label: str, line: np.ndarray, width: float, id: str) -> Primitive:
     top = KERB_HEIGHT if label == "sidewalk" else 0.0
     if len(line) == 2:
         (x, y), (dx, dy) = line.mean(axis=0).tolist(), (line[1] - line[0]).tolist()
-        length, yaw = math.hypot(dx, dy), math.atan2(dy, dx)
-        return _flat(label, x, y, length, width, yaw, id)
+        height = KERB_HEIGHT - TERRAIN_HEIGHT if label == "sidewalk" else 0.0
+        return Primitive(
+            shape="box" if height else "plane",
+            center=(x, y, top - height / 2),
+            size=(math.hypot(dx, dy), width, height),
+            yaw=math.atan2(dy, dx),
+            label=label,
+            id=id,
+        )
     ahead = np.gradient(line, axis=0)
     if np.array_equal(line[0], line[-1]):  # the ends of a ring have one direction
         ahead[0] = ahead[-1] = line[1] - line[-2]
@@ -183,12 +183,3 @@ def _surface(label: str, line: np.ndarray, width: float, id: str) -> Primitive:
     a, b = corners.ravel(), corners.ravel() + 1
     faces = np.stack([np.stack([a, b, b + count], axis=1), np.stack([a, b + count, a + count], axis=1)], axis=1)
     return Primitive.from_mesh(vertices, faces.reshape(-1, 3), label=label, id=id)
-
-
-def _flat(label: str, x: float, y: float, length: float, width: float, yaw: float, id: str) -> Primitive:
-    """A rectangle of ground: a plane at the height of the road, or a box as high as a kerb."""
-    if label == "sidewalk":
-        height = KERB_HEIGHT - TERRAIN_HEIGHT
-        center = (x, y, KERB_HEIGHT - height / 2)
-        return Primitive(shape="box", center=center, size=(length, width, height), yaw=yaw, label=label, id=id)
-    return Primitive(shape="plane", center=(x, y, 0.0), size=(length, width, 0.0), yaw=yaw, label=label, id=id)

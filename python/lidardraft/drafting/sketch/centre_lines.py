@@ -12,8 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from lidardraft.drafting.sketches.line_smoothing import resampled, smooth, without_bumps
-from lidardraft.drafting.sketches.thinning import AROUND, branch_points, thinned
+from lidardraft.drafting.sketch.shapes import resampled, smooth, without_bumps
 from lidardraft.errors import FormatError
 
 _THICK = 5.0  # pixels from the middle of a stroke to its edge: thicker ones are thinned in a coarser image
@@ -21,9 +20,12 @@ _SPUR = 1.7  # times the half width: shorter ends grow out of bumps of the outli
 _BEND = math.radians(40)  # lines that go on through a junction turn by less
 _OVERLAP = 0.75  # of the half width of a stroke: there others end that meet it, so that no gap is left
 _BUMP = 3.0  # times the half width: bumps and bites of the outline that are as long are no bends
+_RAY_STEP = 0.5  # pixels: rays to both edges end half a step beyond them on average
 _MOST_PIXELS = 60_000  # of all middle lines of a mask
 _MOST_BRANCHES = 2000  # of a mask, between places where strokes meet
 _EIGHT = np.ones((3, 3), dtype=bool)
+# Around a pixel, from above it on clockwise: down and right.
+_AROUND = ((-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1))
 
 
 Joined = dict[tuple[int, int], tuple[int, int]]  # which end (branch, 0 or 1) goes on in which
@@ -89,7 +91,7 @@ def _recentred(mask: np.ndarray, points: np.ndarray, closed: bool, half: float) 
     ahead = np.gradient(line, axis=0)
     ahead /= np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), 1e-9)
     aside = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
-    away = np.arange(0.0, 2.0 * half + 2.0, 0.5)
+    away = np.arange(0.0, 2.0 * half + 2.0, _RAY_STEP)
     reaches, between = [], np.ones(len(line), dtype=bool)
     for side in (-1.0, 1.0):
         rays = line[:, None] + side * away[:, None] * aside[:, None]
@@ -105,7 +107,7 @@ def _recentred(mask: np.ndarray, points: np.ndarray, closed: bool, half: float) 
     left, right = (reach[nearest] for reach in reaches)
     window = 2 * round(_BUMP * half / spacing) + 1
     middle = without_bumps(line + ((right - left) / 2)[:, None] * aside, window, closed)
-    return CentreLine(middle, float(np.median(left + right)), closed)
+    return CentreLine(middle, float(np.median(left + right)) - _RAY_STEP, closed)
 
 
 def _at(depth: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -146,7 +148,7 @@ def _graph(thin: np.ndarray, step: int, offset: int, depth: np.ndarray) -> _Grap
 def _walked(pixels: np.ndarray) -> np.ndarray:
     """The pixels [N, 2] of a path from one end of it to the other."""
     left = set(map(tuple, pixels.tolist()))
-    around = sorted(AROUND, key=lambda off: abs(off[0]) + abs(off[1]))
+    around = sorted(_AROUND, key=lambda off: abs(off[0]) + abs(off[1]))
 
     def neighbours(at: tuple[int, ...]) -> list[tuple[int, ...]]:
         return [near for off in around if (near := (at[0] + off[0], at[1] + off[1])) in left]
@@ -302,3 +304,53 @@ def _lengthened(
         length = float(np.linalg.norm(off))
         ends.append((row[0] + off / length * (half - 0.5))[None] if length else row[:0])
     return np.concatenate([ends[0], points, ends[1]])
+
+
+def _tables() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """By the code of the pixels around one: whether it goes in the first and the second step, and how many are set."""
+    codes = np.arange(256)
+    bits = ((codes[:, None] >> np.arange(8)) & 1).astype(bool)
+    n, ne, e, se, s, sw, w, nw = bits.T
+    pieces = sum((~a & (b | c)).astype(int) for a, b, c in ((n, ne, e), (e, se, s), (s, sw, w), (w, nw, n)))
+    pairs = [
+        sum((a | b).astype(int) for a, b in pairs)
+        for pairs in (((nw, n), (ne, e), (se, s), (sw, w)), ((n, ne), (e, se), (s, sw), (w, nw)))
+    ]
+    count = np.minimum(*pairs)
+    removable = (pieces == 1) & (count >= 2) & (count <= 3)
+    return removable & ~((s | sw | ~nw) & w), removable & ~((n | ne | ~se) & e), bits.sum(axis=1)
+
+
+_FIRST, _SECOND, _COUNT = _tables()
+
+
+def thinned(mask: np.ndarray) -> np.ndarray:
+    """The middle lines bool [H, W], one pixel wide, of a mask bool [H, W] of thick strokes.
+
+    Guo and Hall, "Parallel thinning with two-subiteration algorithms", Communications of the ACM 1989.
+    """
+    thin = np.pad(mask, 1)
+    while True:
+        before = np.count_nonzero(thin)
+        for table in (_FIRST, _SECOND):
+            thin &= ~table[_codes(thin)]
+        if np.count_nonzero(thin) == before:
+            inner: np.ndarray = thin[1:-1, 1:-1]
+            return inner
+
+
+def branch_points(thin: np.ndarray) -> np.ndarray:
+    """Where lines of one pixel meet, bool [H, W]."""
+    codes = _codes(np.pad(thin, 1))[1:-1, 1:-1]
+    meeting: np.ndarray = thin & (_COUNT[codes] >= 3)
+    return meeting
+
+
+def _codes(thin: np.ndarray) -> np.ndarray:
+    """Which of the pixels around each are set, as bits; none are around those at the edge."""
+    codes = np.zeros(thin.shape, dtype=np.uint8)
+    for bit, (down, right) in enumerate(_AROUND):
+        codes[1:-1, 1:-1] |= (
+            thin[1 + down : thin.shape[0] - 1 + down, 1 + right : thin.shape[1] - 1 + right].view(np.uint8) << bit
+        )
+    return codes

@@ -7,12 +7,11 @@ import re
 from collections.abc import Iterator
 
 import numpy as np
-from PIL import Image, ImageChops, ImageDraw
 
-from lidardraft.drafting.sketches.colours import nearest_colour
-from lidardraft.drafting.sketches.drawn_shapes import FURTHEST, Blob, Sketch, SketchFrame, Stroke
-from lidardraft.drafting.sketches.mask_shapes import STROKE_CLASSES, shapes_of_mask
-from lidardraft.drafting.sketches.svg_document import Figure, read_page
+from lidardraft.drafting.sketch.masks import STROKE_CLASSES, shapes_of_mask
+from lidardraft.drafting.sketch.painting import nearest_colour
+from lidardraft.drafting.sketch.shapes import FURTHEST, Blob, Sketch, SketchFrame, Stroke, resampled
+from lidardraft.drafting.sketch.svg import Figure, read_page
 from lidardraft.errors import LayoutError
 from lidardraft.scene.class_names import class_of, words_of
 from lidardraft.semantics import CLASSES, NUM_CLASSES
@@ -22,8 +21,10 @@ _MARKINGS = ("marking", "markings", "crosswalk", "crosswalks", "zebra")
 _EGO = ("ego", "sensor")
 _SAME_COLOUR = 12.0  # in RGB: files say colours exactly, programs change them by little
 _MASK_PIXELS = 20_000_000  # of the masks of all areas together
-_MASK_SIDE = (60, 1200)  # pixels of the longer side of one
-_MASK_WORK = 12_000_000  # rows times corners: filling an area asks each corner in each row
+_MASK_SIDE, _COARSEST = (200, 1200), 60  # pixels of the longer side of one; and where there are very many
+_MASK_CROSSINGS = 4_000_000  # of outlines and rows of pixels, at most, in one
+_FINE = 10  # pixels across the width of an area
+_THIN = 2  # pixels: the middles of pixels may miss an area that is no wider; its outline is in the mask then
 _SCRIBBLED = 0.6  # of its length: an open line of a blob's class whose ends are nearer is its outline
 
 
@@ -46,7 +47,8 @@ def read_svg(text: str, metres_per_unit: float | None) -> Sketch:
         sketch.ignored.append("the scale bar: the scale is given in metres per pixel")
     named = set(map(id, marks + bars))
     shown = [figure for figure in page.figures if id(figure) not in named]
-    side = math.sqrt(_MASK_PIXELS / max(len(shown), 1))
+    wanted = sum(_side([points]) ** 2 for figure in shown for points, _ in figure.pieces)
+    share = math.sqrt(min(1.0, _MASK_PIXELS / max(wanted, 1.0)))
     for figure in shown:
         label = _label(figure)
         if label == "road" and any(word in _MARKINGS for name in figure.all_names for word in words_of(name)):
@@ -54,7 +56,7 @@ def read_svg(text: str, metres_per_unit: float | None) -> Sketch:
         elif label is None:
             sketch.ignored.append(f"{figure.where}: neither a name nor a colour says its class")
         elif label != "terrain":
-            sketch.add(_shapes(figure, label, frame, min(max(side, _MASK_SIDE[0]), _MASK_SIDE[1])))
+            sketch.add(_shapes(figure, label, frame, share))
     return sketch
 
 
@@ -86,7 +88,7 @@ def _middle(figures: list[Figure]) -> np.ndarray:
 def _label(figure: Figure) -> str | None:
     if label := class_of(figure.all_names, {}):
         return label
-    for colour in (figure.style.fill, figure.style.stroke):
+    for colour in (figure.fill, figure.stroke):
         if isinstance(colour, tuple):
             away, nearest = nearest_colour(np.array(colour))
             if away <= _SAME_COLOUR and 0 < nearest < NUM_CLASSES:
@@ -94,7 +96,8 @@ def _label(figure: Figure) -> str | None:
     return None
 
 
-def _shapes(figure: Figure, label: str, frame: SketchFrame, side: float) -> Iterator[Blob | Stroke]:
+def _shapes(figure: Figure, label: str, frame: SketchFrame, share: float) -> Iterator[Blob | Stroke]:
+    """What a figure stands for; masks of it get a `share` of the pixels to a side that they should have."""
     points = frame.to_layout(np.concatenate([points for points, _ in figure.pieces]))
     if float(np.abs(points).max()) > FURTHEST:
         raise LayoutError(f"{figure.where}: it reaches further than {FURTHEST:.0f} m from the ego vehicle")
@@ -109,11 +112,9 @@ def _shapes(figure: Figure, label: str, frame: SketchFrame, side: float) -> Iter
             yield blob
         else:
             areas.append(piece)
-    if label in STROKE_CLASSES and areas:  # a hole is a piece of its own
-        yield from _area(areas, figure, label, frame, side)
-        return
-    for piece in areas:
-        yield from _area([piece], figure, label, frame, side)
+    wholes = [areas] if label in STROKE_CLASSES and areas else [[piece] for piece in areas]  # others have no holes
+    for pieces in wholes:
+        yield from _area(pieces, figure, label, frame, share)
 
 
 def _line_as_blob(line: np.ndarray, width: float, label: str, figure: Figure) -> Blob | None:
@@ -125,21 +126,52 @@ def _line_as_blob(line: np.ndarray, width: float, label: str, figure: Figure) ->
     return Blob(label, figure.names, figure.where, (line[0] + line[-1]) / 2, along, width, yaw, points=along > 0)
 
 
+def _side(pieces: list[np.ndarray]) -> float:
+    """How many pixels the longer side of the mask of an area should have."""
+    extent = float(np.ptp(np.concatenate(pieces), axis=0).max())
+    return min(max(_FINE * extent / max(_width(pieces), 1e-9), _MASK_SIDE[0]), _MASK_SIDE[1])
+
+
+def _width(pieces: list[np.ndarray]) -> float:
+    """How wide a long area is: twice its area by its outline; the smaller pieces are holes in the largest."""
+    steps = [(piece, np.roll(piece, -1, axis=0)) for piece in pieces]
+    areas = [abs(float(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]))) / 2 for a, b in steps]
+    outline = sum(float(np.linalg.norm(b - a, axis=1).sum()) for a, b in steps)
+    return 2 * (2 * max(areas) - sum(areas)) / max(outline, 1e-9)
+
+
 def _area(
-    pieces: list[np.ndarray], figure: Figure, label: str, frame: SketchFrame, side: float
+    pieces: list[np.ndarray], figure: Figure, label: str, frame: SketchFrame, share: float
 ) -> Iterator[Blob | Stroke]:
-    """What a filled area is; where its pieces lie in each other the inner one is a hole."""
+    """What a filled area is."""
     points = np.concatenate(pieces)
-    side = min(side, max(_MASK_WORK / len(points), _MASK_SIDE[0]))
-    low, extent = points.min(axis=0), float(np.ptp(points, axis=0).max())
-    unit = max(extent / side, 1e-9)
-    size = tuple((np.ceil(np.ptp(points, axis=0) / unit) + 3).astype(int).tolist())
-    mask = Image.new("1", size)
-    for piece in pieces:
-        one = Image.new("1", size)
-        ImageDraw.Draw(one).polygon([tuple(place) for place in ((piece - low) / unit + 1).tolist()], fill=1)
-        mask = ImageChops.logical_xor(mask, one)
-    filled = np.asarray(mask)
+    low, extent = points.min(axis=0), np.ptp(points, axis=0)
+    side = max(min(share * _side(pieces), _MASK_CROSSINGS / len(points)), _COARSEST)
+    unit = max(float(extent.max()) / side, 1e-9)
+    across, down = (np.ceil(extent / unit) + 3).astype(int).tolist()
+    lines = [(piece - low) / unit + 0.5 for piece in pieces]
+    turns = _turns(lines, down, across)
+    filled = turns != 0 if figure.nonzero else turns % 2 != 0
+    if _width(lines) < _THIN:
+        for line in lines:
+            right, below = np.rint(resampled(np.concatenate([line, line[:1]]), 0.5)[0]).astype(int).T
+            filled[below, right] = True
     if filled.any():
-        here = SketchFrame((frame.ego - low) / unit + 1, frame.metres_per_unit * unit)
+        here = SketchFrame((frame.ego - low) / unit + 0.5, frame.metres_per_unit * unit)
         yield from shapes_of_mask(filled, here, label, figure.names, figure.where)
+
+
+def _turns(lines: list[np.ndarray], height: int, width: int) -> np.ndarray:
+    """How often closed lines [N, 2] (right, down) run around the middle of each pixel, f64 [H, W]: one way > 0, the
+    other < 0. The middles of a row cross the edges that go up or down there; a crossing counts for all on its right."""
+    begins = np.concatenate(lines)
+    steps = np.concatenate([np.roll(line, -1, axis=0) for line in lines]) - begins
+    rows = np.ceil([begins[:, 1], begins[:, 1] + steps[:, 1]]).astype(int)
+    first, counts = rows.min(axis=0), np.abs(rows[1] - rows[0])
+    edge = np.repeat(np.arange(len(begins)), counts)
+    row = first[edge] + np.arange(len(edge)) - (np.cumsum(counts) - counts)[edge]
+    slope = steps[edge, 0] / steps[edge, 1]
+    right = np.ceil(begins[edge, 0] + (row - begins[edge, 1]) * slope).astype(int)
+    crossings = np.bincount(row * width + right, np.sign(steps[edge, 1]), height * width)
+    turns: np.ndarray = np.cumsum(crossings.reshape(height, width), axis=1)
+    return turns

@@ -7,10 +7,9 @@ from collections.abc import Iterator
 
 import numpy as np
 from scipy import ndimage
-from scipy.spatial import ConvexHull
 
-from lidardraft.drafting.sketches.centre_lines import centre_lines
-from lidardraft.drafting.sketches.drawn_shapes import Blob, SketchFrame, Stroke
+from lidardraft.drafting.sketch.centre_lines import centre_lines
+from lidardraft.drafting.sketch.shapes import Blob, SketchFrame, Stroke
 from lidardraft.semantics import GROUND
 
 STROKE_CLASSES = ("road", "sidewalk", "wall", "fence", "vegetation")  # which come as strokes, and as blobs too
@@ -70,7 +69,7 @@ def _rectangle(points: np.ndarray, grain: float) -> tuple[np.ndarray, float, flo
     values, vectors = np.linalg.eigh(covariance)
     yaw = math.atan2(vectors[1, 1], vectors[0, 1])
     if values[1] < _NEARLY_SQUARE**2 * values[0] and len(points) > 3:
-        yaw = _tightest_yaw(off, yaw)
+        yaw = _tightest_yaw(off)
     axes = np.array([[math.cos(yaw), math.sin(yaw)], [-math.sin(yaw), math.cos(yaw)]])
     extents = np.sqrt(12.0 * np.diag(axes @ covariance @ axes.T))
     if extents[1] > extents[0]:
@@ -78,11 +77,10 @@ def _rectangle(points: np.ndarray, grain: float) -> tuple[np.ndarray, float, flo
     return center, float(extents[0]), float(extents[1]), yaw
 
 
-def _tightest_yaw(off: np.ndarray, otherwise: float) -> float:
-    """The heading of the smallest rectangle around points, to a degree."""
-    if min(np.ptp(off, axis=0)) == 0:
-        return otherwise
-    corners = off[ConvexHull(off).vertices]
+def _tightest_yaw(off: np.ndarray) -> float:
+    """The heading of the smallest rectangle around pixels, row by row, to a degree."""
+    rows = np.flatnonzero(np.diff(off[:, 0]))  # where the next one begins: no pixel is further out than its ends
+    corners = off[[0, *rows, *rows + 1, -1]]
     headings = np.deg2rad(np.arange(90.0))
     along = corners @ np.stack([np.cos(headings), np.sin(headings)])
     across = corners @ np.stack([-np.sin(headings), np.cos(headings)])

@@ -11,9 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
-from lidardraft.drafting.sketches.drawn_objects import NotDrawnError, Placed, objects_of_blob, objects_of_stroke
-from lidardraft.drafting.sketches.drawn_shapes import Sketch
-from lidardraft.drafting.sketches.drawn_surfaces import (
+from lidardraft.drafting.sketch.figures import read_svg
+from lidardraft.drafting.sketch.objects import NotDrawnError, Placed, objects_of_blob, objects_of_stroke
+from lidardraft.drafting.sketch.painting import read_painting
+from lidardraft.drafting.sketch.shapes import Sketch
+from lidardraft.drafting.sketch.surfaces import (
     DrawnSurface,
     Nearest,
     drawn_surfaces,
@@ -21,8 +23,6 @@ from lidardraft.drafting.sketches.drawn_surfaces import (
     heading,
     height_at,
 )
-from lidardraft.drafting.sketches.painted_sketch import read_painting
-from lidardraft.drafting.sketches.svg_sketch import read_svg
 from lidardraft.drafting.solver.object_shapes import ObjectPart
 from lidardraft.errors import FormatError, LayoutError, check_type
 from lidardraft.files import named, read_text
