@@ -165,7 +165,7 @@ def test_an_ellipsis_ends_a_sentence() -> None:
 
 
 def test_too_many_lanes_and_objects() -> None:
-    with pytest.raises(LayoutError, match="lanes is 20; a road has 1 to 6"):
+    with pytest.raises(LayoutError, match="lanes is 20; it must be 1 to 6 in each direction"):
         spec_from_text("a motorway with 20 lanes each way")
     with pytest.raises(LayoutError, match="car: count is 9000; it must be 1 to 5000"):
         spec_from_text("9000 cars")

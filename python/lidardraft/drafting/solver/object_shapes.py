@@ -68,17 +68,15 @@ class SizeAround:
         return self._scaled(1.0)
 
     def _scaled(self, by: float) -> Size:
-        length, width, height = (
-            round(extent * (1.0 + by * share), 3) for extent, share in zip(self.typical, self.spread, strict=True)
+        x, y, z = (
+            round(typical * (1.0 + by * share), 3) for typical, share in zip(self.typical, self.spread, strict=True)
         )
-        return length, width, height
+        return x, y, z
 
     def sample(self, rng: np.random.Generator) -> Size:
         """One of these sizes."""
-        length, width, height = (
-            np.array(self.typical) * (1.0 + np.array(self.spread) * rng.uniform(-1, 1, 3))
-        ).tolist()
-        return length, width, height
+        x, y, z = (np.array(self.typical) * (1.0 + np.array(self.spread) * rng.uniform(-1, 1, 3))).tolist()
+        return x, y, z
 
 
 Sizes = SizeBetween | SizeAround
@@ -100,15 +98,9 @@ def in_segments(strip: ObjectPart) -> list[ObjectPart]:
     """A long box in short ones, so that they can follow a bend."""
     length, thickness, height = strip.size
     count = math.ceil(length / _SEGMENT)
-    step = length / count
-    return [
-        strip._replace(
-            name=str(number + 1),
-            center=((number + 0.5) * step - length / 2, 0.0, height / 2),
-            size=(step, thickness, height),
-        )
-        for number in range(count)
-    ]
+    step, size = length / count, (length / count, thickness, height)
+    centers = [((number + 0.5) * step - length / 2, 0.0, height / 2) for number in range(count)]
+    return [strip._replace(name=str(k), center=center, size=size) for k, center in enumerate(centers, start=1)]
 
 
 def extents(parts: Sequence[ObjectPart]) -> Size:
@@ -119,14 +111,11 @@ def extents(parts: Sequence[ObjectPart]) -> Size:
 
 def resized(parts: list[ObjectPart], by: Size) -> list[ObjectPart]:
     """The parts of an object stretched along each of its axes."""
-    (x, y, z) = by
-    return [
-        part._replace(
-            center=(part.center[0] * x, part.center[1] * y, part.center[2] * z),
-            size=(part.size[0] * x, part.size[1] * y, part.size[2] * z),
-        )
-        for part in parts
-    ]
+
+    def scaled(extents: Size) -> Size:
+        return extents[0] * by[0], extents[1] * by[1], extents[2] * by[2]
+
+    return [part._replace(center=scaled(part.center), size=scaled(part.size)) for part in parts]
 
 
 def tree_parts(height: float, crown: float, trunk: float, base: float) -> list[ObjectPart]:
@@ -166,20 +155,20 @@ def traffic_sign_parts(height: float, width: float) -> list[ObjectPart]:
 
 def sample_tree(sizes: Sizes, _label: str, rng: np.random.Generator) -> list[ObjectPart]:
     """A trunk and a crown."""
-    height, crown = _between(sizes, 2, rng), _between(sizes, 0, rng)
+    height, crown = between(sizes, 2, rng), between(sizes, 0, rng)
     trunk = float(rng.uniform(*TRUNK_DIAMETER))
     return tree_parts(height, crown, trunk, float(rng.uniform(*CROWN_BASE)))
 
 
-def sample_bush(sizes: Sizes, label: str, rng: np.random.Generator) -> list[ObjectPart]:
-    """An ellipsoid, round seen from above."""
-    width, height = _between(sizes, 0, rng), _between(sizes, 2, rng)
-    return [_standing("", "ellipsoid", (width, width, height), label)]
+def sample_round(shape: str, sizes: Sizes, label: str, rng: np.random.Generator) -> list[ObjectPart]:
+    """One shape that is round seen from above."""
+    width, height = between(sizes, 0, rng), between(sizes, 2, rng)
+    return [_standing("", shape, (width, width, height), label)]
 
 
 def sample_garden(sizes: Sizes, label: str, rng: np.random.Generator) -> list[ObjectPart]:
     """A low hedge along the street (y = 0) with bushes behind it (y > 0)."""
-    length, height = _between(sizes, 0, rng), float(rng.uniform(*_HEDGE_HEIGHT))
+    length, height = between(sizes, 0, rng), float(rng.uniform(*_HEDGE_HEIGHT))
     parts = [_standing("hedge", "box", (length, 0.6, height), label)]
     for number, x in enumerate((-length / 3, 0.0, length / 3), start=1):
         size = float(rng.uniform(*_BUSH_HEIGHT))
@@ -188,15 +177,9 @@ def sample_garden(sizes: Sizes, label: str, rng: np.random.Generator) -> list[Ob
     return parts
 
 
-def sample_pole(sizes: Sizes, label: str, rng: np.random.Generator) -> list[ObjectPart]:
-    """An upright cylinder."""
-    width, height = _between(sizes, 0, rng), _between(sizes, 2, rng)
-    return [_standing("", "cylinder", (width, width, height), label)]
-
-
 def sample_cone(sizes: Sizes, label: str, rng: np.random.Generator) -> list[ObjectPart]:
     """A square foot and a cylinder as wide as the cone is in its middle."""
-    foot, height = _between(sizes, 0, rng), _between(sizes, 2, rng)
+    foot, height = between(sizes, 0, rng), between(sizes, 2, rng)
     body = (0.5 * foot, 0.5 * foot, height - _CONE_FOOT)
     return [
         _standing("foot", "box", (foot, foot, _CONE_FOOT), label),
@@ -204,25 +187,15 @@ def sample_cone(sizes: Sizes, label: str, rng: np.random.Generator) -> list[Obje
     ]
 
 
-def sample_street_light(sizes: Sizes, _label: str, rng: np.random.Generator) -> list[ObjectPart]:
-    """A mast and its lamp."""
-    return street_light_parts(_between(sizes, 2, rng))
-
-
 def sample_traffic_light(sizes: Sizes, _label: str, rng: np.random.Generator) -> list[ObjectPart]:
     """A pole and its lights."""
     return traffic_light_parts(float(rng.uniform(sizes.smallest[2] - _LAMP_HEIGHT, sizes.largest[2] - _LAMP_HEIGHT)))
-
-
-def sample_traffic_sign(sizes: Sizes, _label: str, rng: np.random.Generator) -> list[ObjectPart]:
-    """A pole and its plate."""
-    height, width = _between(sizes, 2, rng), _between(sizes, 1, rng)
-    return traffic_sign_parts(height, width)
 
 
 def _standing(name: str, shape: str, size: Size, label: str) -> ObjectPart:
     return ObjectPart(name, shape, (0.0, 0.0, size[2] / 2), size, label)
 
 
-def _between(sizes: Sizes, axis: int, rng: np.random.Generator) -> float:
+def between(sizes: Sizes, axis: int, rng: np.random.Generator) -> float:
+    """An extent along one axis [m] between the smallest and the largest."""
     return float(rng.uniform(sizes.smallest[axis], sizes.largest[axis]))

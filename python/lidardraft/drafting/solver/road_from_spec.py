@@ -8,7 +8,7 @@ import numpy as np
 
 from lidardraft.drafting.solver.poses import LOT_DEPTHS
 from lidardraft.drafting.solver.road_zones import queue_length
-from lidardraft.drafting.solver.scene_spec import ObjectGroup, SceneSpec, split_place
+from lidardraft.drafting.solver.scene_spec import MAX_LANES, ObjectGroup, SceneSpec, split_place
 from lidardraft.errors import LayoutError
 from lidardraft.scene.check import MAX_RANGE
 from lidardraft.scene.road import LEFT, RIGHT, RING, PavedArea, Road
@@ -17,7 +17,6 @@ HARD_SHOULDER, MEDIAN = 3.0, 4.0  # m, of motorways: estimate of ours, and the G
 MAX_DISTANCE = MAX_RANGE - 10.0  # m, that an object can be asked for at
 AISLE_LANE = 3.0  # m; the aisle of a parking lot is 6 m wide (EAR 05)
 _LOT_LENGTH = (60.0, 90.0)  # m, estimate of ours
-_MAX_LANES = 6
 _WIDEST_LANE = 3.7  # m, of the usual ones
 
 
@@ -34,9 +33,10 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
         needed, min(_most_lanes(spec), _sample_lanes(spec, rng, max(needed, 1 + effort // 2)))
     )
     ego_lane = min({"left": lanes - 1, "middle": lanes // 2, "right": 0}.get(str(spec.road.ego_lane), usual), lanes - 1)
-    farthest = max((g.distance[1] for g in spec.groups if g.distance and g.relation is None), default=0.0)
+    distances = [(g.distance[1], g.kind) for g in spec.groups if g.distance and g.relation is None]
+    farthest, farthest_kind = max(distances, default=(0.0, ""))
     if farthest > MAX_DISTANCE:
-        raise LayoutError(f"distance is {farthest:g} m; objects can be asked for up to {MAX_DISTANCE:g} m away")
+        raise LayoutError(f"{farthest_kind}: distance is {farthest:g} m; it must be {MAX_DISTANCE:g} m or less")
     queue = max((queue_length(group) for group in spec.groups if group.record.is_vehicle), default=0.0)
     row = max((_row_end(group) for group in spec.groups), default=0.0)
     half_length = max(80.0, farthest + 15.0, row + 5.0, min(MAX_DISTANCE, max(queue, 30.0 * effort) + 10.0))
@@ -83,7 +83,7 @@ def _sample_lanes(spec: SceneSpec, rng: np.random.Generator, needed: int) -> int
         return needed
     if spec.road.kind == "motorway":
         return max(needed, int(rng.choice([2, 3])))
-    return min(_MAX_LANES, max(needed, int(rng.choice([1, 2], p=[0.75, 0.25]))))
+    return min(MAX_LANES, max(needed, int(rng.choice([1, 2], p=[0.75, 0.25]))))
 
 
 def _most_lanes(spec: SceneSpec) -> int:

@@ -5,15 +5,14 @@ from __future__ import annotations
 import dataclasses
 import graphlib
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, cast
 
 from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS, SentenceKind
-from lidardraft.errors import LayoutError, LidarDraftError, one_of
+from lidardraft.errors import LayoutError, one_of
 from lidardraft.files import named
-from lidardraft.json_fields import check_fields, check_object, parse_object
+from lidardraft.json_fields import are_numbers, check_fields, check_object, is_number, parse_object
 
 ROADS = (
     *("straight", "bend", "left-bend", "right-bend", "crossroads", "t-junction", "roundabout"),
@@ -34,6 +33,7 @@ LANES = ("own", "left", "middle", "right", "opposite", "each")
 EGO_LANES = ("left", "middle", "right")
 RELATIONS = ("behind", "in-front-of", "beside", "left-of", "right-of", "between", "opposite", "near")
 MAX_COUNT = 5000
+MAX_LANES = 6  # in one direction
 MIN_SPACING = 0.1  # m
 EXTENTS = (0.05, 100.0)  # m, that an object can be asked for with
 
@@ -79,16 +79,14 @@ class RoadSpec:
             _one_of("road: ego_lane", self.ego_lane, EGO_LANES)
         for name in ("lanes", "oncoming_lanes"):
             number = getattr(self, name)
-            if number is not None and (type(number) is not int or not 1 <= number <= 6):
-                raise LayoutError(f"road: {name} is {number!r}; a road has 1 to 6 in each direction")
-        if self.oncoming_lanes is not None and (self.lanes is None or self.one_way or self.kind == "motorway"):
-            raise LayoutError(
-                f"road: oncoming_lanes is {self.oncoming_lanes}; only a two-way road with a number of lanes has them"
-            )
-        if self.sidewalk not in (None, True, False):
-            raise LayoutError(f"road: sidewalk is {self.sidewalk!r}; it must be true, false or null")
-        if type(self.one_way) is not bool:
-            raise LayoutError(f"road: one_way is {self.one_way!r}; it must be true or false")
+            fits = number is None or (type(number) is int and 1 <= number <= MAX_LANES)
+            _require(fits, f"road: {name}", number, f"1 to {MAX_LANES} in each direction")
+        two_way = self.lanes is not None and not self.one_way and self.kind != "motorway"
+        limit = "null, unless the road is two-way and has a number of lanes"
+        _require(self.oncoming_lanes is None or two_way, "road: oncoming_lanes", self.oncoming_lanes, limit)
+        said = self.sidewalk is None or type(self.sidewalk) is bool
+        _require(said, "road: sidewalk", self.sidewalk, "true, false or null")
+        _require(type(self.one_way) is bool, "road: one_way", self.one_way, "true or false")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -128,58 +126,52 @@ class ObjectGroup:
     words: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
-        for name in ("places", "not_places", "references"):
-            object.__setattr__(self, name, tuple(getattr(self, name)))
         _one_of("group: kind", self.kind, tuple(SENTENCE_KINDS))
-        self._check_count()
+        for name in ("places", "not_places", "references"):
+            object.__setattr__(self, name, _items(f"{self.kind}: {name}", getattr(self, name)))
         for place in (*self.places, *self.not_places):
             _one_of(f"{self.kind}: place", place, PLACES)
-        for name, choices in (("lane", LANES), ("heading", HEADINGS), ("relation", RELATIONS)):
+        choices = {"surface": self.record.surfaces, "lane": LANES, "heading": HEADINGS, "relation": RELATIONS}
+        for name, names in choices.items():
             if getattr(self, name) is not None:
-                _one_of(f"{self.kind}: {name}", getattr(self, name), choices)
-        if self.surface is not None:
-            _one_of(f"{self.kind}: surface", self.surface, SENTENCE_KINDS[self.kind].surfaces)
-        if type(self.at_junction) is not bool or type(self.words) is not str:
-            raise LayoutError(
-                f"{self.kind}: at_junction is {self.at_junction!r}, words {self.words!r}; true or false, and text"
-            )
+                _one_of(f"{self.kind}: {name}", getattr(self, name), names)
+        _require(type(self.at_junction) is bool, f"{self.kind}: at_junction", self.at_junction, "true or false")
+        _require(type(self.words) is str, f"{self.kind}: words", self.words, "text")
         if (self.relation is None) != (not self.references):
             raise LayoutError(f"{self.kind}: relation is {self.relation!r} to {self.references}; one needs the other")
         if self.set_back and (self.relation is not None or None not in (self.from_road, self.from_sidewalk)):
             raise LayoutError(f"{self.kind}: from_road, from_sidewalk and relation exclude each other")
+        self._check_count()
         self._check_lengths()
 
     def _check_count(self) -> None:
-        limit = f"it must be 1 to {MAX_COUNT}, or one of {', '.join(COUNTS)}"
         if isinstance(self.count, str):
-            _one_of(f"{self.kind}: count", self.count, COUNTS)
-            return
-        numbers = self.count if isinstance(self.count, tuple | list) else (self.count, self.count)
-        low, high = numbers
-        if type(low) is not int or type(high) is not int or not 1 <= low <= high <= MAX_COUNT:
-            said = low if low == high else f"{low} to {high}"
-            raise LayoutError(f"{self.kind}: count is {said!r}; {limit}")
+            return _one_of(f"{self.kind}: count", self.count, COUNTS)
+        low, *rest = self.count if isinstance(self.count, tuple | list) and self.count else (self.count,)
+        high = rest[0] if rest else low
+        whole = len(rest) < 2 and type(low) is int and type(high) is int
+        limit = f"1 to {MAX_COUNT}, or one of {', '.join(COUNTS)}"
+        _require(whole and 1 <= low <= high <= MAX_COUNT, f"{self.kind}: count", self.count, limit)
         object.__setattr__(self, "count", low if low == high else (low, high))
 
     def _check_lengths(self) -> None:
         for name in ("distance", "from_road", "from_sidewalk"):
-            if getattr(self, name) is None:
-                continue
-            near, far = getattr(self, name)
-            if not 0.0 <= near <= far < math.inf:
-                raise LayoutError(f"{self.kind}: {name} is {near} to {far} m; it must be 0 <= from <= to")
-            object.__setattr__(self, name, (float(near), float(far)))
+            value = getattr(self, name)
+            if value is not None:
+                fits = are_numbers(value, 2) and 0.0 <= value[0] <= value[1]
+                _require(fits, f"{self.kind}: {name}", value, "a range in metres, 0 <= from <= to")
+                object.__setattr__(self, name, (float(value[0]), float(value[1])))
         if self.spacing is not None:
-            if not MIN_SPACING <= self.spacing < math.inf:
-                raise LayoutError(f"{self.kind}: spacing is {self.spacing!r} m; it must be {MIN_SPACING} m or more")
+            fits = is_number(self.spacing) and self.spacing >= MIN_SPACING
+            _require(fits, f"{self.kind}: spacing", self.spacing, f"{MIN_SPACING} m or more")
             object.__setattr__(self, "spacing", float(self.spacing))
         for name, (low, high) in (("size", EXTENTS), ("scale", (0.1, 10.0))):
             value = getattr(self, name)
-            if value is None:
-                continue
-            if len(value) != 3 or not all(v is None or low <= v <= high for v in value):
-                raise LayoutError(f"{self.kind}: {name} is {list(value)}; three numbers of {low:g} to {high:g}")
-            object.__setattr__(self, name, tuple(None if v is None else float(v) for v in value))
+            if value is not None:
+                numbers = [low if one is None else one for one in value] if isinstance(value, tuple | list) else ()
+                fits = are_numbers(numbers, 3) and low <= min(numbers) and max(numbers) <= high
+                _require(fits, f"{self.kind}: {name}", value, f"three numbers of {low:g} to {high:g}, or null")
+                object.__setattr__(self, name, tuple(None if one is None else float(one) for one in value))
 
     @property
     def record(self) -> SentenceKind:
@@ -205,17 +197,17 @@ class ObjectGroup:
     @property
     def crosses(self) -> bool:
         """Whether it drives on a road that crosses the ego's."""
-        return self.heading is not None and self.heading.startswith("across") and self.record.drives
+        return str(self.heading).startswith("across") and self.record.drives
 
     @property
     def walks_across(self) -> bool:
         """Whether it crosses the ego's road on foot."""
-        return self.heading is not None and self.heading.startswith("across") and self.record.walks
+        return str(self.heading).startswith("across") and self.record.walks
 
     @property
     def turns(self) -> bool:
         """Whether it drives from one road into another."""
-        return self.heading is not None and self.heading.startswith("turning") and self.record.drives
+        return str(self.heading).startswith("turning") and self.record.drives
 
     @property
     def fewest(self) -> int | None:
@@ -237,16 +229,15 @@ class SceneSpec:
 
     def __post_init__(self) -> None:
         for name in ("groups", "absent", "not_understood"):
-            object.__setattr__(self, name, tuple(getattr(self, name)))
+            object.__setattr__(self, name, _items(name, getattr(self, name)))
         for kind in self.absent:
             _one_of("absent: kind", kind, tuple(SENTENCE_KINDS))
         for part in self.not_understood:
-            if type(part) is not str:
-                raise LayoutError(f"not_understood holds {part!r}; it must be text")
+            _require(type(part) is str, "not_understood: part", part, "text")
         for number, group in enumerate(self.groups):
             for reference in group.references:
-                if type(reference) is not int or not 0 <= reference < len(self.groups) or reference == number:
-                    raise LayoutError(f"{group.kind}: reference is {reference!r}; it must be another of the groups")
+                other = type(reference) is int and 0 <= reference < len(self.groups) and reference != number
+                _require(other, f"{group.kind}: reference", reference, "the number of another group")
         self._check_circles()
 
     def _check_circles(self) -> None:
@@ -260,25 +251,17 @@ class SceneSpec:
 
     def to_dict(self) -> dict[str, Any]:
         """The spec as JSON types; fields that say nothing are left out."""
-        fields: dict[str, Any] = _plain(dataclasses.asdict(self))
-        return fields
+        return cast(dict[str, Any], _plain(dataclasses.asdict(self)))
 
     @classmethod
     def from_dict(cls, fields: Mapping[str, Any]) -> SceneSpec:
         """The inverse of `to_dict`; raises `FormatError` for an unknown field, `LayoutError` for a wrong one."""
         check_fields(fields, (), cls.__dataclass_fields__)
-        road, groups = check_object(fields.get("road", {})), fields.get("groups", ())
+        road, groups = check_object(fields.get("road", {})), _items("groups", fields.get("groups", ()))
         check_fields(road, (), RoadSpec.__dataclass_fields__)
-        try:
-            for group in groups:
-                check_fields(check_object(group), ("kind",), ObjectGroup.__dataclass_fields__)
-            return cls(
-                **{**fields, "road": RoadSpec(**road), "groups": tuple(ObjectGroup(**group) for group in groups)}
-            )
-        except LidarDraftError:
-            raise
-        except (TypeError, ValueError, OverflowError) as error:
-            raise LayoutError(f"a value is of the wrong type: {error}") from None
+        for group in groups:
+            check_fields(check_object(group), ("kind",), ObjectGroup.__dataclass_fields__)
+        return cls(**{**fields, "road": RoadSpec(**road), "groups": [ObjectGroup(**group) for group in groups]})
 
     def to_json(self) -> str:
         """The spec as JSON text; `from_json` gives an equal spec."""
@@ -299,6 +282,16 @@ def _plain(value: Any) -> Any:
 
 def _says_nothing(key: str, item: Any) -> bool:
     return item is None or item == () or (key in ("one_way", "at_junction", "words") and not item)
+
+
+def _require(fits: bool, name: str, value: object, limit: str) -> None:
+    if not fits:
+        raise LayoutError(f"{name} is {value!r}; it must be {limit}")
+
+
+def _items(name: str, value: Any) -> tuple[Any, ...]:
+    _require(isinstance(value, tuple | list), name, value, "a list")
+    return tuple(value)
 
 
 def _one_of(name: str, value: object, choices: tuple[str, ...]) -> None:

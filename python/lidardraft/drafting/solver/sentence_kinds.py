@@ -17,15 +17,15 @@ from lidardraft.drafting.solver.object_shapes import (
     SizeAround,
     SizeBetween,
     Sizes,
+    between,
     sample_box,
-    sample_bush,
     sample_cone,
     sample_garden,
-    sample_pole,
-    sample_street_light,
+    sample_round,
     sample_traffic_light,
-    sample_traffic_sign,
     sample_tree,
+    street_light_parts,
+    traffic_sign_parts,
     with_rider,
 )
 from lidardraft.semantics import BY_NAME
@@ -158,7 +158,7 @@ _KINDS = (
         "bush",
         SizeBetween((0.8, 0.8, 0.7), (2.2, 2.2, 1.8)),
         surfaces=_ANYWHERE,
-        shapes=sample_bush,
+        shapes=partial(sample_round, "ellipsoid"),
         setback=(1.4, 3.0, 10.0),
     ),
     _plant(
@@ -175,8 +175,13 @@ _KINDS = (
     # of steel or, from 0.8 m on, of concrete
     _strip("barrier", SizeBetween((10.0, 0.3, 0.7), (30.0, 0.6, 0.9)), "fence", precedence=4, setback=(0.4, 0.8, 5.0)),
     _strip("wall", SizeBetween((10.0, 0.2, 1.5), (30.0, 0.4, 3.0)), "wall", precedence=5, setback=(0.5, 0.9, 5.0)),
-    _thing("pole", SizeBetween((0.1, 0.1, 2.5), (0.2, 0.2, 5.0)), "pole", shapes=sample_pole),
-    _thing("street-light", SizeBetween((0.3, 1.2, 6.0), (0.3, 1.2, 8.5)), "pole", shapes=sample_street_light),
+    _thing("pole", SizeBetween((0.1, 0.1, 2.5), (0.2, 0.2, 5.0)), "pole", shapes=partial(sample_round, "cylinder")),
+    _thing(
+        "street-light",
+        SizeBetween((0.3, 1.2, 6.0), (0.3, 1.2, 8.5)),
+        "pole",
+        shapes=lambda sizes, _, rng: street_light_parts(between(sizes, 2, rng)),
+    ),
     _thing(
         "traffic-light",
         SizeBetween((0.35, 0.35, 3.1), (0.35, 0.35, 3.9)),
@@ -186,7 +191,10 @@ _KINDS = (
         at_junction=True,
     ),
     _thing(
-        "traffic-sign", SizeBetween((0.145, 0.6, 2.0), (0.145, 0.9, 2.6)), "traffic-sign", shapes=sample_traffic_sign
+        "traffic-sign",
+        SizeBetween((0.145, 0.6, 2.0), (0.145, 0.9, 2.6)),
+        "traffic-sign",
+        shapes=lambda sizes, _, rng: traffic_sign_parts(between(sizes, 2, rng), between(sizes, 1, rng)),
     ),
     _thing("bin", SizeBetween((0.5, 0.5, 0.9), (0.8, 0.7, 1.2)), "other"),
     _thing("bench", SizeBetween((1.4, 0.5, 0.75), (1.9, 0.6, 0.9)), "other", setback=(0.7, 1.0, 3.0)),
