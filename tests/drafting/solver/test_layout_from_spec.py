@@ -100,33 +100,12 @@ def test_traffic_keeps_to_the_right(seed: int) -> None:
         assert (math.cos(box.yaw) > 0) == (box.center[1] < middle)
 
 
-def test_headings() -> None:
-    oncoming = layout_from_spec(one("car", 2, heading="against"), seed=0)
-    assert all(math.cos(box.yaw) < -0.99 for box in oncoming.boxes())
-    crossing = layout_from_spec(one("truck", 1, heading="across"), seed=0)
-    assert all(abs(math.sin(box.yaw)) > 0.99 for box in crossing.boxes())
-    assert {"road_left", "road_right"} <= {p.id for p in crossing}
-
-
 def test_parked_cars_stand_between_lane_and_kerb() -> None:
     layout = layout_from_spec(one("car", 4, "left", "right", heading="parked"), seed=2)
     road = layout["road"]
     for box in layout.boxes():
         from_kerb = road.size[1] / 2 - abs(box.center[1] - road.center[1])
         assert 0.8 < from_kerb < 1.4
-
-
-def test_distance_and_spacing() -> None:
-    box = layout_from_spec(one("car", 1, "front", distance=(20, 20)), seed=4).boxes()[0]
-    assert box.center[0] == pytest.approx(20)
-    ahead = layout_from_spec(one("truck", 1, "behind", distance=(30, 40)), seed=4).boxes()[0]
-    assert -40 <= ahead.center[0] <= -30
-    house = layout_from_spec(one("house", 1, "left", distance=(25, 25)), seed=4)["house_1"]
-    sin, cos = abs(math.sin(house.yaw)), abs(math.cos(house.yaw))
-    assert house.center[1] - (sin * house.size[0] + cos * house.size[1]) / 2 == pytest.approx(25)
-    trees = layout_from_spec(one("tree", 5, "left", spacing=9), seed=0)
-    along = sorted(p.center[0] for p in trees if p.label == "trunk")
-    np.testing.assert_allclose(np.diff(along), 9)
 
 
 def test_on_the_right_of_a_wide_road_is_a_lane() -> None:

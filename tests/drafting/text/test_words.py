@@ -65,126 +65,59 @@ def test_numbers_in_words_and_digits_are_never_another_count(hundred: int) -> No
 @pytest.mark.parametrize(
     ("text", "value"),
     [
-        ("a hundred cars", 100),
-        ("a hundred and one cars", 101),
-        ("nineteen hundred cars", 1900),
-        ("2 hundred cars", 200),
-        ("two million cars", 2_000_000),
-        ("3 thousand cars", 3000),
-        ("a row of ten cars", 10),
-        ("a group of 5 cars", 5),
-        ("007 cars", 7),
+        *(("a hundred", 100), ("a hundred and one", 101), ("nineteen hundred", 1900), ("2 hundred", 200)),
+        *(("two million", 2_000_000), ("3 thousand", 3000), ("a row of ten", 10), ("a group of 5", 5), ("007", 7)),
+        *(("one-hundred-and-two", 102), ("two dozen", 24), ("2 dozen", 24), ("half a dozen", 6), ("about 20", 20)),
+        *(("a couple of", 2), ("2x", 2), ("2 x", 2)),
     ],
 )
 def test_other_ways_to_say_a_number(text: str, value: int) -> None:
-    assert counted(text) == value
+    assert counted(f"{text} cars") == value
 
 
 @pytest.mark.parametrize(
-    ("number", "reported"),
+    "number",
     [
-        ("2.5", "2.5"),
-        ("two point five", "two point five"),
-        ("1.000", "1.000"),
-        ("1,5", "1,5"),
-        ("1 000", "1 000"),
-        ("12,34", "12,34"),
-        ("2/3", "2/3"),
-        ("20+", "20+"),
-        ("-5", "-5"),
-        ("4x4", "4x4"),
-        (".5", ".5"),
-        ("2nd", "2nd"),
-        ("20 30", "20 30"),
-        ("two three", "two three"),
-        ("2.5 to 3", "2.5 to 3"),
-        ("two groups of five", "two groups of five"),
-        ("9" * 30, "9" * 30),
-        ("two dozens of", "two dozens of"),
-        ("dozens of rows of ten", "dozens of rows of ten"),
-        ("tent", "tent"),
-        ("onerous", "onerous"),
+        *("2.5", "two point five", "1.000", "1,5", "1 000", "12,34", "2/3", "20+", "-5", "4x4", ".5", "2nd", "20 30"),
+        *("two three", "2.5 to 3", "two groups of five", "9" * 30, "two dozens of", "dozens of rows of ten"),
+        *("tent", "onerous"),
     ],
 )
-def test_what_is_no_single_whole_number_is_reported_whole(number: str, reported: str) -> None:
+def test_what_is_no_single_whole_number_is_reported_whole(number: str) -> None:
     spec = spec_from_text(f"{number} cars")
-    assert spec.not_understood == (reported,)
+    assert spec.not_understood == (number,)
     assert [(group.kind, group.count) for group in spec.groups] == [("car", "some")]
 
 
 @pytest.mark.parametrize(
     ("words", "counts"),
     [
-        ("20 to 30", (20, 30)),
-        ("20-30", (20, 30)),
-        ("30 or 20", (20, 30)),
-        ("two or three", (2, 3)),
-        ("between five and ten", (5, 10)),
-        ("up to 20", (1, 20)),
-        ("fewer than five", (1, 4)),
-        ("at least 10", (10, 15)),
-        ("more than 10", (11, 15)),
-        ("10 or more", (10, 15)),
-        ("a few hundred", (300, 500)),
-        ("several dozen", (36, 72)),
-        ("two dozen", 24),
-        ("2 dozen", 24),
-        ("half a dozen", 6),
-        ("about 20", 20),
-        ("a couple of", 2),
-        ("2x", 2),
-        ("2 x", 2),
+        *(("20 to 30", (20, 30)), ("20-30", (20, 30)), ("30 or 20", (20, 30)), ("two or three", (2, 3))),
+        *(("between five and ten", (5, 10)), ("up to 20", (1, 20)), ("fewer than five", (1, 4))),
+        *(("at least 10", (10, 15)), ("more than 10", (11, 15)), ("10 or more", (10, 15))),
+        *(("a few hundred", (300, 500)), ("several dozen", (36, 72)), ("dozens of", (24, 36))),
+        *(("scores of", (40, 60)), ("hundreds of", (200, 300)), ("thousands of", "many"), ("loads of", "many")),
     ],
 )
-def test_ranges_and_multiples(words: str, counts: int | tuple[int, int]) -> None:
-    (group,) = spec_from_text(f"{words} cars", strict=True).groups
-    assert group.count == counts
-
-
-@pytest.mark.parametrize(
-    ("words", "counts"),
-    [
-        ("dozens of", (24, 36)),
-        ("scores of", (40, 60)),
-        ("hundreds of", (200, 300)),
-        ("thousands of", "many"),
-        ("loads of", "many"),
-    ],
-)
-def test_a_plural_of_numbers_means_two_of_it_at_least(words: str, counts: str | tuple[int, int]) -> None:
+def test_ranges_and_plurals_of_numbers(words: str, counts: str | tuple[int, int]) -> None:
     (group,) = spec_from_text(f"{words} trees", strict=True).groups
     assert group.count == counts
-    (traffic,) = spec_from_text(f"{words} traffic", strict=True).groups
-    assert traffic.count == "many"
+    if words.endswith(" of"):
+        assert spec_from_text(f"{words} traffic", strict=True).groups[0].count == "many"
 
 
-@pytest.mark.parametrize(
-    ("text", "value"),
-    [
-        ("twenty-one".replace("-", " "), 21),
-        ("one hundred and two thousand three hundred and four", 102_304),
-        ("two point five", 2.5),
-        ("1,234,567.5", 1234567.5),
-        ("zero", 0),
-    ],
-)
+@pytest.mark.parametrize(("text", "value"), [("two point five", 2.5), ("1,234,567.5", 1234567.5), ("zero", 0)])
 def test_number(text: str, value: float) -> None:
     assert number(text) == value
+    assert number("one hundred and two thousand three hundred and four") == 102_304
 
 
 @pytest.mark.parametrize(
     ("text", "low", "high"),
     [
-        ("20 m", 20, 20),
-        ("20m", 20, 20),
-        ("ten to 30 metres", 10, 30),
-        ("30 - 10 m", 10, 30),
-        ("every 8 metres", 8, 8),
-        ("5 yards apart", 4.572, 4.572),
-        ("0.1 km", 100, 100),
-        ("within 10 m", 0, 10),
-        ("at least 20 m", 20, 60),
-        ("between two hundred and three hundred feet", 60.96, 91.44),
+        *(("20 m", 20, 20), ("20m", 20, 20), ("ten to 30 metres", 10, 30), ("30 - 10 m", 10, 30)),
+        *(("every 8 metres", 8, 8), ("5 yards apart", 4.572, 4.572), ("0.1 km", 100, 100), ("within 10 m", 0, 10)),
+        *(("at least 20 m", 20, 60), ("between two hundred and three hundred feet", 60.96, 91.44)),
     ],
 )
 def test_metres(text: str, low: float, high: float) -> None:
