@@ -4,9 +4,16 @@ import re
 import shlex
 import subprocess
 import sys
+from dataclasses import fields
+from math import degrees
 from pathlib import Path
+from types import ModuleType
 
 import pytest
+
+from lidardraft import CLASSES
+from lidardraft.cli import main as cli
+from lidardraft.scene.sensor import PRESETS, Sensor
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
@@ -19,15 +26,18 @@ def blocks(language: str) -> list[str]:
 
 
 @pytest.mark.parametrize("code", blocks("python"), ids=lambda code: code.strip().splitlines()[0])
-def test_python(code: str, tmp_path: Path) -> None:
-    result = subprocess.run([sys.executable, "-W", "error", "-c", code], cwd=tmp_path, capture_output=True, text=True)
-    assert result.returncode == 0, result.stderr
+def test_python(code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    page = ModuleType("__main__")  # where worker processes look for what a script defines
+    monkeypatch.setitem(sys.modules, "__main__", page)
+    exec(code, vars(page))
     written = {".bin", ".label", ".json", ".png"} if "scan.save" in code else {".json"} & {*re.findall(r"\.\w+", code)}
     assert {path.suffix for path in tmp_path.iterdir()} == written
 
 
 @pytest.mark.timeout(400)
-def test_commands(tmp_path: Path) -> None:
+def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.chdir(tmp_path)
     lines = [line for block in blocks("sh") for line in block.splitlines() if line.startswith("lidardraft ")]
     assert len(lines) >= 6
     for line in lines:
@@ -41,9 +51,7 @@ def test_commands(tmp_path: Path) -> None:
         if "scan.bin" in words:
             for end in (".bin", ".label"):
                 (tmp_path / f"scan{end}").write_bytes((tmp_path / f"crossroads/000000{end}").read_bytes())
-        command = [sys.executable, "-m", "lidardraft", *words]
-        result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
-        assert result.returncode == 0, f"{line}\n{result.stderr}"
+        assert cli.main(words) == 0, f"{line}\n{capsys.readouterr().err}"
     assert (tmp_path / "crossroads/000003.bin").exists()
     assert (tmp_path / "crossroads/000000.view.png").exists()
     assert (tmp_path / "streets.png").exists()
@@ -72,11 +80,6 @@ def test_links_lead_somewhere(page: Path) -> None:
 
 
 def test_the_tables_of_sensors() -> None:
-    from dataclasses import fields
-    from math import degrees
-
-    from lidardraft.scene.sensor import PRESETS, Sensor
-
     page = (ROOT / "docs" / "sensor-model.md").read_text()
     rows = re.findall(r"^\| `(.+?)` \| (.+?) \| (.+?) \| .+? \| (.+?) \| (.+?) \|$", page, re.MULTILINE)
     assert rows == [
@@ -98,7 +101,5 @@ def test_the_tables_of_sensors() -> None:
 
 
 def test_the_class_table_of_the_conventions() -> None:
-    from lidardraft import CLASSES
-
     cells = re.findall(r"\| (\d+) \| ([a-z-]+)", (ROOT / "CONVENTIONS.md").read_text())
     assert {int(number): name for number, name in cells} == {row.id: row.name for row in CLASSES}

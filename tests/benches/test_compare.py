@@ -1,9 +1,21 @@
-"""The whole comparison, as `make compare` runs it, with as little as it can measure."""
+"""The comparison with other casters: its scenes, its peers, its processes, its table."""
 
 import json
 import subprocess
 import sys
+import time
 from pathlib import Path
+
+import numpy as np
+import pytest
+
+import peer_analytic
+import peer_fresh
+import peer_triangles
+from compare_table import COLUMNS, Results, agreement, markdown, three_digits
+from peer_lidardraft import Peer, sensor_of
+from scenes import MAX_RANGE, SCENES, Body, Pattern, Scene, column_poses, hdl64, pose, poses, small
+from worker import PeerError, Worker, timed
 
 COMPARE = Path(__file__).parents[2] / "benches" / "compare.py"
 
@@ -28,7 +40,203 @@ def test_one_table_and_a_line_for_who_is_not_there(tmp_path: Path) -> None:
     assert ["small", "triangles", 1, "cast"] in [entry[:4] for entry in rounds["seconds"]]
 
 
-def test_a_scene_that_is_not_there() -> None:
-    result = run("--scenes", "moon")
-    assert result.returncode == 2
-    assert "scenes are small, street, heavy" in result.stderr
+@pytest.mark.parametrize(
+    ("value", "text"), [(0.012345, "0.0123"), (0.5, "0.500"), (12.34, "12.3"), (99.96, "100.0"), (1234.5, "1234")]
+)
+def test_three_digits(value: float, text: str) -> None:
+    assert three_digits(value) == text
+
+
+def test_agreement_counts_ranges_within_tolerance_and_instances() -> None:
+    depth = np.array([[10.0, 10.0, 0.0, 100.0]])
+    label = np.zeros((1, 4), np.uint8)
+    expected = depth, label, np.array([[1, 2, -1, 4]])
+    got = depth + np.array([0.0019, 0.0022, 1.0, 0.0029]), label, np.array([[1, 2, 7, 4]])
+    assert agreement(expected, got) == (0.5, 0.75)
+
+
+def test_rows_hold_medians_and_ratios() -> None:
+    results = Results()
+    for milliseconds in (2.0, 90.0, 1.0):  # one round was disturbed
+        results.add("small", "open3d", 1, "cast", 10e-3 * milliseconds)
+        results.add("small", "packets", 1, "cast", 4e-3 * milliseconds)
+        results.add("small", "analytic", 1, "cast", 0.1e-3 * milliseconds)
+    results.agreement["small", "analytic"] = (1.0, 0.99998)
+    head, _, *rows = markdown(results, ["small", "street"], [1, 2]).splitlines()
+    assert [cell.strip() for cell in head.split("|")[1:-1]] == list(COLUMNS)
+    assert len(rows) == 1
+    row = dict(zip(COLUMNS, (cell.strip() for cell in rows[0].split("|")[1:-1]), strict=True))
+    assert row["measured"] == "bare cast"
+    assert (row["Open3D"], row["packet Embree"], row["analytic"], row["triangles"]) == ("20.0", "8.00", "0.200", "")
+    assert (row["analytic / Open3D"], row["analytic / packets"], row["triangles / Open3D"]) == ("100x", "40.0x", "")
+    assert row["same analytic"] == "100.000%, 99.998%"
+
+
+@pytest.mark.parametrize(
+    ("name", "kinds", "triangles"),
+    [
+        ("small", {"plane": 1, "cuboid": 30}, 2 + 30 * 12),
+        ("street", {"plane": 1, "cuboid": 200, "ellipsoid": 100}, 2 + 200 * 12 + 100 * 320),
+        ("heavy", {"mesh": 1, "ellipsoid": 220}, 720_000 + 220 * 1280),
+    ],
+)
+def test_numbers_of_shapes_and_triangles(name: str, kinds: dict[str, int], triangles: int) -> None:
+    scene = SCENES[name]()
+    found = [body.kind for body in scene.primitives]
+    assert {kind: found.count(kind) for kind in found} == kinds
+    assert scene.faces.shape == (triangles, 3)
+    assert scene.verts[scene.faces].shape == (triangles, 3, 3)  # no index out of the mesh
+    assert [body.instance for body in scene.primitives] == list(range(len(found)))
+
+
+def in_own_frame(body: Body) -> np.ndarray:
+    """The vertices of a body where it is the unit shape."""
+    cos, sin = np.cos(body.yaw), np.sin(body.yaw)
+    turn = np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]])
+    return (body.verts - np.array(body.center)) @ turn.T / np.array(body.half)
+
+
+@pytest.mark.parametrize("name", ["small", "street"])
+def test_the_triangles_lie_on_the_shapes_and_close_them(name: str) -> None:
+    for body in SCENES[name]().primitives:
+        if body.kind == "plane":
+            continue
+        unit = in_own_frame(body)
+        away = np.abs(unit).max(axis=1) if body.kind == "cuboid" else np.linalg.norm(unit, axis=1)
+        np.testing.assert_allclose(away, 1.0, atol=1e-4)
+        edges = np.sort(body.faces[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
+        assert set(np.unique(edges, axis=0, return_counts=True)[1]) == {2}
+
+
+def test_the_sensor_has_the_rays_of_the_pattern() -> None:
+    pattern = hdl64()
+    sensor = sensor_of(pattern)
+    assert sensor.shape == pattern.shape == (64, 1024)
+    np.testing.assert_allclose(sensor.pattern.directions().reshape(-1, 3), pattern.directions, atol=1e-6)
+
+
+def test_images_mark_misses() -> None:
+    scene = small()
+    faces = np.array([0, 5, len(scene.faces), 2**32 - 1, 5, 5], dtype=np.uint32)
+    distance = np.array([3.0, 4.0, 5.0, np.inf, MAX_RANGE, MAX_RANGE + 1], dtype=np.float32)
+    depth, semantic, instance = scene.images(distance, faces, (2, 3))
+    np.testing.assert_array_equal(depth, [[3, 4, 0], [0, MAX_RANGE, 0]])
+    box = scene.primitives[1]
+    np.testing.assert_array_equal(instance, [[0, box.instance, -1], [-1, box.instance, -1]])
+    np.testing.assert_array_equal(semantic, [[1, box.semantic, 0], [0, box.semantic, 0]])
+    signed = scene.images(np.ones(1, np.float32), np.array([-1], np.int32), (1, 1))
+    assert [image.item() for image in signed] == [0, 0, -1]
+
+
+SCENE = small()
+PATTERN = hdl64(beams=8, columns=64)
+
+
+def ready(peer: Peer, scene: Scene = SCENE, pattern: Pattern = PATTERN) -> Peer:
+    peer.build(scene)
+    peer.prepare(pattern)
+    return peer
+
+
+@pytest.mark.parametrize("module", [peer_analytic, peer_triangles, peer_fresh])
+def test_the_hook(module: type[peer_analytic]) -> None:
+    peer = ready(module.bench_peer(1))
+    depth, semantic, instance = (image.copy() for image in peer.scan(pose(2)))
+    assert (depth.dtype, semantic.dtype, instance.dtype) == (np.float32, np.uint8, np.int32)
+    assert depth.shape == semantic.shape == instance.shape == PATTERN.shape
+    miss = depth == 0
+    assert 0 < miss.mean() < 0.5  # some rays look up
+    assert (instance[miss] == -1).all()
+    assert (semantic[miss] == 0).all()
+    assert set(instance[~miss]) > {0}  # the ground, and boxes
+    assert all(semantic[instance == body.instance].tolist() == [body.semantic] * (instance == body.instance).sum()
+               for body in SCENE.primitives)  # fmt: skip
+    near, same = agreement(peer.reference(pose(2)), (depth, semantic, instance))
+    assert (near, same) == (1.0, 1.0)
+    cast = peer.cast(pose(2))
+    np.testing.assert_array_equal(cast["depth"][0], depth)
+    np.testing.assert_array_equal(cast["label"][0], semantic)
+    np.testing.assert_array_equal(cast["instance"][0], np.maximum(instance, 0))
+
+
+def test_boxes_are_the_same_as_their_triangles() -> None:
+    analytic, triangles = ready(peer_analytic.bench_peer(1)), ready(peer_triangles.bench_peer(1))
+    for step in range(4):
+        near, same = agreement(analytic.scan(pose(step)), triangles.scan(pose(step)))
+        assert near >= 0.999
+        assert same >= 0.999
+
+
+def test_a_batch_and_a_rolling_shutter_are_scans() -> None:
+    peer = ready(peer_analytic.bench_peer(1))
+    batch = peer.batch(poses(3, 2))
+    assert peer.batch(poses(3, 2)) is batch
+    np.testing.assert_array_equal(batch.depth[1], peer.scan(pose(4))[0])
+    still = np.repeat(pose(4)[None], PATTERN.shape[1], axis=0)
+    np.testing.assert_allclose(peer.rolling(still).depth, batch.depth[1], rtol=1e-5, atol=2e-3)
+    moving = peer.rolling(column_poses(4, PATTERN.shape[1])).depth.copy()
+    column = peer.scan(column_poses(4, PATTERN.shape[1])[-1])[0][:, -1]
+    np.testing.assert_allclose(moving[:, -1], column, rtol=1e-5, atol=2e-3)
+    assert np.abs(moving - batch.depth[1]).max() > 0.01
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_embree_in_packets_hits_the_same(threads: int) -> None:
+    packets = pytest.importorskip("peer_packets")
+    try:
+        peer = packets.bench_peer(threads)
+    except RuntimeError as missing:
+        pytest.skip(str(missing))
+    peer.build(SCENE)
+    peer.prepare(PATTERN)
+    ours = ready(peer_triangles.bench_peer(1))
+    assert agreement(ours.scan(pose(0)), peer.images(pose(0))) == (1.0, 1.0)
+    # Casting twice without aiming finds the same hits: the rays have only become shorter.
+    peer.cast(pose(0))
+    with pytest.raises(RuntimeError, match="no packets"):
+        peer.prepare(hdl64(beams=1, columns=7))
+
+
+class Sleeper:
+    """Something to time: 5 ms a call after 10 ms of aiming, and 50 ms more on the first call."""
+
+    def __init__(self) -> None:
+        self.aimed: list[int] = []
+        self.called: list[int] = []
+
+    def aim_cast(self, step: int) -> None:
+        self.aimed.append(step)
+        time.sleep(0.01)
+
+    def cast(self, step: int) -> None:
+        self.called.append(step)
+        time.sleep(0.055 if len(self.called) == 1 else 0.005)
+
+
+def test_neither_the_first_call_nor_aiming_counts() -> None:
+    peer = Sleeper()
+    seconds = timed(peer, "cast", lambda step: step, 40)
+    assert peer.aimed == peer.called
+    assert len(peer.called) > 1
+    assert peer.called[-1] > 40  # a new pose for each call: nothing to gain from keeping a result
+    assert 0.005 <= seconds <= 0.05  # what sleeps 5 ms took 5 ms or more, and not the 55 ms of the first call
+
+
+def test_our_peer_works_from_its_process() -> None:
+    worker = Worker("peer_analytic", 1)
+    try:
+        assert worker.peer == "analytic"
+        assert "lidardraft" in worker.version
+        depth, semantic, instance = worker.load("small", hdl64(beams=4, columns=64))
+        assert depth.shape == semantic.shape == instance.shape == (4, 64)
+        for image, same in zip(worker.reference(), (depth, semantic, instance), strict=True):
+            np.testing.assert_allclose(image, same, rtol=1e-5, atol=2e-3)
+        assert worker.offers("rolling")
+        assert not worker.offers("single")
+        assert worker.seconds("cast", 0, 1) > 0
+        assert worker.seconds("batch", 0, 3) > 0
+        with pytest.raises(PeerError, match="single"):
+            worker.seconds("single", 0, 1)
+        assert pose(0).shape == (4, 4)
+    finally:
+        worker.stop()

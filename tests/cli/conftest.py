@@ -1,8 +1,11 @@
+import sys
 from collections.abc import Callable
+from functools import partialmethod
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tqdm import tqdm
 
 from lidardraft import Sensor
 from lidardraft.cli import main as cli
@@ -15,6 +18,19 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     sensor = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=128)
     sensor.save("small.json")
     return tmp_path
+
+
+@pytest.fixture
+def shown_on_a_terminal(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
+    """Runs a command that ends well and gives what a terminal shows of its stderr, with every move of a bar."""
+
+    def shown(*argv: str) -> str:
+        monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+        monkeypatch.setattr(tqdm, "__init__", partialmethod(tqdm.__init__, mininterval=0))
+        assert cli.main(argv) == 0
+        return capsys.readouterr().err
+
+    return shown
 
 
 @pytest.fixture

@@ -1,14 +1,10 @@
 """Commands as processes of their own: signals go to them, and the process table says what is left of them."""
 
 import contextlib
-import fcntl
 import os
-import pty
 import signal
-import struct
 import subprocess
 import sys
-import termios
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -58,22 +54,6 @@ def _hear_signals() -> None:
     """As in a terminal, also where the tests themselves run in the background, which ignores Ctrl-C."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_DFL)
-
-
-def shown_on_a_terminal(*argv: str) -> str:
-    """The stderr of a command that ends well, on a terminal of 100 columns, with every move of a bar."""
-    terminal, ours = pty.openpty()
-    fcntl.ioctl(ours, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 100, 0, 0))
-    command, environment = [sys.executable, "-m", "lidardraft", *argv], {**os.environ, "TQDM_MININTERVAL": "0"}
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=ours, env=environment)
-    os.close(ours)
-    shown = b""
-    with contextlib.suppress(OSError):  # Linux's way to say that the other side is closed
-        while part := os.read(terminal, 4096):
-            shown += part
-    os.close(terminal)
-    assert process.wait(timeout=60) == 0
-    return shown.decode()
 
 
 def wait_for(condition: Callable[[], object], seconds: float = 60) -> None:

@@ -99,24 +99,6 @@ def test_a_sentence_or_a_scan_that_says_nothing(refused: Callable[..., str]) -> 
     assert said in refused("draft", *short)
 
 
-@pytest.mark.parametrize(
-    ("depth", "said"),
-    [
-        (np.full((4, 6), np.nan), "far.npy: nan at row 0, column 0 is no depth"),
-        (np.full((4, 6), np.inf), "far.npy: inf at row 0"),
-        (np.where(np.eye(4, 6) > 0, -1.0, 2.0), "far.npy: -1.0 at row 0, column 0"),
-        (np.ones((2, 4, 6)), r"far.npy: its shape is [2, 4, 6]"),
-        (np.ones((0, 6)), r"far.npy: its shape is [0, 6]"),
-    ],
-)
-def test_a_file_of_depths_that_are_none_is_named(refused: Callable[..., str], depth: np.ndarray, said: str) -> None:
-    Image.new("RGB", (6, 4)).save("photo.jpg")
-    np.save("far.npy", depth)
-    Image.new("L", (6, 4)).save("classes.png")
-    given = ["--image", "photo.jpg", "--depth", "far.npy", "--semantics", "classes.png", "--hfov", "70"]
-    assert said in refused("draft", *given, "-o", "layout.json")
-
-
 def test_the_file_that_is_wrong_is_named(refused: Callable[..., str]) -> None:
     scan = ["draft", "--points", "scan.bin", "-o", "layout.json"]
     Path("scan.bin").write_bytes(b"")
@@ -313,14 +295,9 @@ def test_what_is_wrong_with_a_picture(photo: list[str], refused: Callable[..., s
     ("change", "said"),
     [
         ({"size": [4, 2, 0]}, "every extent must be >= 1e-06 m"),
-        ({"size": [4, 2]}, "size"),
         ({"center": [0, 0, float("nan")]}, "center"),
-        ({"yaw": float("inf")}, "yaw"),
-        ({"label": "unicorn"}, "unicorn"),
         ({"label": "cars"}, "did you mean 'car'?"),
-        ({"shape": "blob"}, "blob"),
         ({"colour": "red"}, "colour"),
-        ({"shape": "mesh", "vertices": [[0, 0, float("nan")]] * 3, "faces": [[0, 1, 2]]}, "vertex 0"),
         ({"shape": "mesh", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 7]]}, "face 0"),
     ],
 )
@@ -336,13 +313,9 @@ def test_bad_layouts_are_one_line(refused: Callable[..., str], change: dict[str,
     }
     document = {"schema": "lidardraft.layout/1", "primitives": [{**car, **change}]}
     Path("layout.json").write_text(json.dumps(document))
-    for command in (
-        ["raycast", "--layout", "layout.json", "-o", "a.npz"],
-        ["generate", "--layout", "layout.json", "-o", "out"],
-    ):
-        message = refused(*command)
-        assert "layout.json" in message
-        assert said in message
+    message = refused("raycast", "--layout", "layout.json", "-o", "a.npz")
+    assert "layout.json" in message
+    assert said in message
 
 
 def test_a_blender_script_is_read_and_what_is_passed_over_is_said(capsys: pytest.CaptureFixture[str]) -> None:
@@ -394,10 +367,6 @@ def test_a_scan_is_labelled_by_a_segmenter_and_drafted_for_hands(refused: Callab
     assert "--labels and --segmenter both say the classes" in refused(*scan, "--labels", "scan.label")
 
 
-def test_a_scan_without_a_name_is_no_scan(refused: Callable[..., str]) -> None:
-    assert "a recorded scan is a" in refused("draft", "--points", "", "-o", "layout.json")
-
-
 def test_a_scan_and_labels_that_do_not_fit_are_both_named(refused: Callable[..., str]) -> None:
     kitti.write_bin("a.bin", np.ones((3, 3), np.float32), np.ones(3, np.float32))
     Path("b.label").write_bytes(bytes(8))
@@ -433,13 +402,6 @@ def test_a_file_of_another_kind_says_which_option_reads_it(
 ) -> None:
     Path(file).write_text("a")
     assert refused("draft", f"--{option}", file, "-o", "layout.json").endswith(f"{said}\n")
-
-
-def test_a_broken_file_of_the_right_kind_says_no_option(refused: Callable[..., str]) -> None:
-    Path("a.obj").write_text("v a")
-    assert "is read by" not in refused("draft", "--obj", "a.obj", "-o", "layout.json")
-    Path("a.json").write_text("{}")
-    assert "is read by" not in refused("draft", "--boxes", "a.json", "-o", "layout.json")
 
 
 def test_a_scan_that_makes_no_shape_is_told(capsys: pytest.CaptureFixture[str]) -> None:

@@ -91,10 +91,6 @@ def test_no_older_preview_stays_beside_another_layout(capsys: pytest.CaptureFixt
     assert "and the older one is removed" in capsys.readouterr().err
 
 
-def test_a_name_that_no_file_can_have(refused: Callable[..., str]) -> None:
-    assert "no file can have that name" in refused("draft", "--text", "a car ahead", "-o", "a\0.json")
-
-
 def test_the_input_is_not_replaced(refused: Callable[..., str]) -> None:
     assert cli.main(["draft", "--text", "a car ahead", "-o", "a.obj", "--no-preview"]) == 0
     os.link("a.obj", "b.obj")

@@ -113,11 +113,6 @@ def test_files_that_cannot_be_read_or_written(refused: Callable[..., str]) -> No
     assert "cannot be written" in refused("draft", "--text", "a car ahead", "-o", "nowhere/layout.json")
 
 
-def test_nothing_that_a_terminal_obeys_reaches_it(refused: Callable[..., str]) -> None:
-    message = refused("view", "red\x1b[31m\nname.json")
-    assert "red\\x1b[31m\\nname.json" in message
-
-
 def test_a_reader_that_goes_away_is_no_error() -> None:
     command = [sys.executable, "-m", "lidardraft", "draft", "--text", "a car ahead", "-o", "layout.json"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -151,25 +146,3 @@ def test_minutes_are_over_zero() -> None:
     for text in ("0", "-5", "nan", "", "soon"):
         with pytest.raises(argparse.ArgumentTypeError, match=rf"^'{text}' is not a number over 0$"):
             minutes(text)
-
-
-@pytest.mark.parametrize(
-    ("argv", "said"),
-    [
-        ("generate --text car -o out -n abc", "argument -n/--num: 'abc' is not a whole number of 1 or more"),
-        ("generate --text car -o out --steps 0", "argument --steps: '0' is not a whole number of 1 or more"),
-        ("generate --text car -o out --seed -1", "argument --seed: '-1' is not a whole number from 0 to 4294967295"),
-        ("streets --look -n 0", "argument -n/--num: '0' is not a whole number of 1 or more"),
-        ("streets --look --poses 0", "argument --poses: '0' is not a whole number of 1 or more"),
-        ("streets --look --workers 0", "argument --workers: '0' is not a whole number of 1 or more"),
-        ("streets --look --seed -1", "argument --seed: '-1' is not a whole number from 0"),
-        ("segmenter --minutes nan", "argument --minutes: 'nan' is not a number over 0"),
-        ("street --batch 0", "argument --batch: '0' is not a whole number of 1 or more"),
-        ("ablation --base-steps 0", "argument --base-steps: '0' is not a whole number of 1 or more"),
-    ],
-)
-def test_a_bad_number_is_named_in_plain_words(argv: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
-    main = train.main if argv.startswith(("segmenter", "street ", "ablation")) else cli.main
-    with pytest.raises(SystemExit, match="2"):
-        main(argv.split())
-    assert said in capsys.readouterr().err

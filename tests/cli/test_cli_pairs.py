@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from processes import shown_on_a_terminal
 
 from lidardraft import Layout, Primitive, Sensor, simulate
 from lidardraft.cli import main as cli
@@ -43,7 +42,7 @@ def test_pairs_on_disk_go_on_where_they_stopped(capsys: pytest.CaptureFixture[st
     assert len(PairFolder("pairs")) == 5
 
 
-def test_the_bar_moves_with_every_pair() -> None:
+def test_the_bar_moves_with_every_pair(shown_on_a_terminal: Callable[..., str]) -> None:
     shown = shown_on_a_terminal(*STREETS, "--output", "pairs", "-n", "20", "--poses", "20")
     assert {int(count) for count in re.findall(r"(\d+)/20", shown)} == set(range(21))
 

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from processes import shown_on_a_terminal
 
 from lidardraft import Layout, RangeImage, Sensor, observe_cast, pipeline, simulate
 from lidardraft.cli import main as cli
@@ -79,7 +78,7 @@ def test_a_layout_without_ground_is_said_in_one_line(capsys: pytest.CaptureFixtu
     assert err == "lidardraft: the layout has no ground (road, sidewalk or terrain): nothing returns from it\n"
 
 
-def test_progress_is_shown() -> None:
+def test_progress_is_shown(shown_on_a_terminal: Callable[..., str]) -> None:
     assert "2/2" in shown_on_a_terminal("simulate", "--text", "a car ahead", "-n", "2", "-o", "out", *SMALL)
 
 
@@ -156,7 +155,7 @@ def test_truncated_scans_are_one_line(refused: Callable[..., str]) -> None:
     assert "000000.bin" in refused("generate", *source)
 
 
-def test_one_scan_shows_its_progress() -> None:
+def test_one_scan_shows_its_progress(shown_on_a_terminal: Callable[..., str]) -> None:
     shown = shown_on_a_terminal("generate", "--text", "a car ahead", "-o", "out", *QUICK)
     assert "scan 1 of 1" in shown
     assert "1/2" in shown
@@ -193,12 +192,6 @@ def test_casts_are_observed_in_their_order(cast: RangeImage, capsys: pytest.Capt
     assert Path("out/000001.bin").read_bytes() != Path("out/000000.bin").read_bytes()
     assert cli.main(["observe", "cast.npz", "-o", "out", "--overwrite"]) == 0
     assert {path.name for path in Path("out").iterdir()} == {f"000000{end}" for end in OBSERVED}
-
-
-def test_the_help_promises_no_sensor(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit):
-        cli.main(["observe", "--help"])
-    assert "(default hdl64e)" not in " ".join(capsys.readouterr().out.split())
 
 
 def test_a_cast_without_a_sensor_is_of_the_one_given(cast: RangeImage, refused: Callable[..., str]) -> None:

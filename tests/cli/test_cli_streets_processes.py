@@ -50,28 +50,19 @@ def test_termination_is_clean(start: Callable[..., Command], send: Callable[[int
     assert not list(Path("pairs").glob("*.partial"))
 
 
-@pytest.mark.parametrize("early", [True, False])
-def test_an_interrupt_is_one_line(start: Callable[..., Command], early: bool) -> None:
+@pytest.mark.parametrize(("early", "times"), [(True, 1), (False, 20)])
+def test_an_interrupt_and_impatience_are_one_line(start: Callable[..., Command], early: bool, times: int) -> None:
     command = start(*ENDLESS, "--workers", "2")
     # early: the workers are still loading
     wait_for(lambda: len(command.workers()) == 2 if early else Path("pairs/index.json").exists())
-    command.interrupt()
-    status, _, err = command.ended()
-    assert (status, err) == (130, "lidardraft: interrupted\n")
-    wait_for(lambda: not command.members(), seconds=20)
-    assert not list(Path("pairs").glob("*.partial"))
-
-
-def test_impatience_is_one_line_as_well(start: Callable[..., Command]) -> None:
-    command = start(*ENDLESS, "--workers", "2")
-    wait_for(Path("pairs/index.json").exists)
-    for _ in range(40):  # while it cleans up and ends
+    for _ in range(times):  # while it cleans up and ends
         with contextlib.suppress(ProcessLookupError):
             command.interrupt()
         time.sleep(0.05)
     status, _, err = command.ended()
     assert (status, err) == (130, "lidardraft: interrupted\n")
     wait_for(lambda: not command.members(), seconds=20)
+    assert not list(Path("pairs").glob("*.partial"))
 
 
 def test_a_killed_worker_is_one_line(start: Callable[..., Command]) -> None:

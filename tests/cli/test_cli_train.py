@@ -1,23 +1,163 @@
-"""`lidardraft-train segmenter` and `ablation`, from pairs to weights and to the table."""
+"""`lidardraft-train`, from nothing to weights and to the table of the ablation; and `lidardraft evaluate`."""
 
+import dataclasses
 import re
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 
+from lidardraft import evaluation
+from lidardraft.cli import main as cli
 from lidardraft.cli import train
-from lidardraft.cli.train import _show
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.formats.pairs import Pair, write_pairs
 from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter
+from lidardraft.pipeline import Pipeline
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
+from lidardraft.scene.sensor_limits import SensorLimits
+from lidardraft.streets import StreetPair
+from lidardraft.training import recipes
 from lidardraft.training.ablation import ARMS
-from lidardraft.training.loop import Report
+
+ARGV = ["street", "--recipe", "tiny", "--sensor", "hdl32e", "--work", "work", "-o", "tiny.safetensors"]
+SHORT = ["--steps", "2", "--evaluate", "1"]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An empty working directory with a small sensor."""
+    monkeypatch.chdir(tmp_path)
+    sensor = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=128)
+    Path("small.json").write_text(sensor.to_json())
+    Path("odd.json").write_text(dataclasses.replace(sensor, columns=66).to_json())
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        (["--device", "nonsense"], "device is 'nonsense'"),
+        (["--sensor", "odd.json"], "small is (16, 66); this recipe needs multiples of (4, 8)"),
+        (["--data", "streets=much"], "--data is 'streets=much'; behind = there must be a number"),
+        (["--data", "nowhere"], "nowhere"),
+        (["--init", "nothing"], "weights are 'nothing'"),
+        (["-o", "."], ". is a folder; the weights are a file"),
+        (["--work", "small.json"], "small.json is a file; it must be a folder"),
+    ],
+)
+def test_what_cannot_be_is_refused_before_any_work(
+    wrong: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert train.main([*ARGV, *SHORT, *wrong]) == 2
+    assert message in capsys.readouterr().err
+    assert not Path("work").exists()
+
+
+def test_what_ships_is_scored_on_the_device_that_was_asked_for(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    devices: list[str] = []
+    scored: list[dict[str, torch.Tensor]] = []
+    from_pretrained, evaluate = Pipeline.from_pretrained, evaluation.evaluate
+
+    def on_a_device(name: Path, *, device: str = "cpu", steps: int = 4) -> Pipeline:
+        devices.append(device)
+        return from_pretrained(name, device=device, steps=steps)
+
+    def scores(
+        pipeline: Pipeline, pairs: list[StreetPair], *, on_scan: Callable[[], object]
+    ) -> Iterator[evaluation.Scores]:
+        scored.append(pipeline.denoiser.state_dict())
+        return evaluate(pipeline, pairs, on_scan=on_scan)
+
+    with monkeypatch.context() as noticed:
+        noticed.setattr(Pipeline, "from_pretrained", on_a_device)
+        noticed.setattr(evaluation, "evaluate", scores)
+        noticed.setattr(sys.stderr, "isatty", lambda: True)
+        assert train.main([*ARGV, *SHORT, "--device", "cpu:0"]) == 0
+    assert devices == ["cpu:0"]
+    shown = capsys.readouterr().err
+    assert "generating:" in shown
+    shipped = weight_file.load("tiny.safetensors", Denoiser).state_dict()
+    assert all(torch.equal(scored[0][name], weight) for name, weight in shipped.items())
+
+    card = weight_file.read_card("tiny.safetensors")
+    assert [stage["step"] for stage in card["stages"]] == [2]
+    assert SensorLimits.from_dict(card["sensors"]) == SensorLimits.from_sensor(Sensor.preset("hdl32e"))
+    names = [scores["name"] for scores in card["scores"]]
+    assert names == ["detailed scan", "other streets", "bare", "simulated", "generated", "untrained"]
+    assert train.main([*ARGV, *SHORT, "--seed", "5"]) == 2  # the run is of another seed
+    assert "use another folder" in capsys.readouterr().err
+    generate = ["generate", "--text", "a car ahead", "--sensor", "small.json", "--steps", "2"]
+    assert cli.main([*generate, "--weights", "tiny.safetensors", "-o", "out"]) == 0
+
+
+def test_the_papers_stages_follow_one_another(capsys: pytest.CaptureFixture[str]) -> None:
+    argv = ["street", "--recipe", "tiny-paper", "--sensor", "small.json", "--work", "work", "-o", "paper.safetensors"]
+    assert train.main([*argv, *SHORT]) == 0
+    denoiser = weight_file.load("paper.safetensors", Denoiser)
+    assert denoiser.controlnet is not None
+    base = weight_file.load("work/stage-1/weights.safetensors", Denoiser)
+    assert base.controlnet is None
+    assert weight_file.read_card("paper.safetensors")["scores"][2]["name"] == "condition image"
+    capsys.readouterr()
+    # the last stage alone, on the base of the weights to begin with, or a network that completes
+    go_on = ["--init", "paper.safetensors", "--sensor", "small.json", *SHORT]
+    for recipe in ("tiny-paper", "tiny"):
+        argv = ["street", "--recipe", recipe, "--work", f"more-{recipe}", "-o", f"more-{recipe}.safetensors"]
+        assert train.main([*argv, *go_on]) == 0
+        assert [path.name for path in Path(f"more-{recipe}").iterdir() if path.is_dir()] == ["stage-1"]
+    assert weight_file.load("more-tiny.safetensors", Denoiser).config.completes
+    assert train.main(["street", "--work", "wide", "-o", "wide.safetensors", *go_on]) == 2
+    assert "the weights to begin with are of a DenoiserConfig" in capsys.readouterr().err
+
+
+def test_training_goes_on_with_given_weights_and_own_pairs(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["streets", "-n", "2", "--sensor", "small.json", "-o", "pairs", "--workers", "1"]) == 0
+    argv = [
+        "street",
+        "--recipe",
+        "tiny",
+        "--data",
+        "pairs=3",
+        "--data",
+        "streets",
+        "--work",
+        "one",
+        "-o",
+        "one.safetensors",
+    ]
+    assert train.main([*argv, *SHORT, "--sensor", "small.json"]) == 0
+    given = ["--init", "one.safetensors", "--data", "pairs", "--work", "two", "-o", "two.safetensors"]
+    argv = ["street", "--recipe", "tiny", *given]
+    assert train.main([*argv, *SHORT]) == 0
+    capsys.readouterr()
+    other = [argument.replace("one.safetensors", "two.safetensors") for argument in argv]
+    assert train.main([*other, *SHORT]) == 2  # in the folder of the run from the first weights
+    assert "begun with other weights (--init" in capsys.readouterr().err
+    one, two = (weight_file.load(name, Denoiser) for name in ("one.safetensors", "two.safetensors"))
+    assert one.config == two.config
+    assert any(not torch.equal(a, b) for a, b in zip(one.parameters(), two.parameters(), strict=True))
+    assert weight_file.read_card("one.safetensors")["data"].startswith(
+        "75% streets of seed 0, 4 poses each, small; 25%"
+    )
+    capsys.readouterr()
+
+
+def test_a_run_that_is_stopped_goes_on_with_the_same_call(capsys: pytest.CaptureFixture[str]) -> None:
+    argv = [*ARGV, "--sensor", "small.json", *SHORT]
+    assert train.main([*argv, "--minutes", "0.0001"]) == 0
+    assert "the same call goes on" in capsys.readouterr().out
+    assert not Path("tiny.safetensors").exists()
+    assert train.main(argv) == 0
+    assert Path("tiny.safetensors").exists()
+
 
 ABLATION = ["ablation", "--sensor", "small.json", "--base-steps", "2", "--steps", "2", "-n", "1", "--work", "work"]
 
@@ -46,7 +186,11 @@ def test_a_file_in_the_place_of_the_run_is_refused_before_the_pairs_are_read(
     assert capsys.readouterr().err == "lidardraft-train: m.obj is a file; it must be a folder\n"
 
 
-def test_the_table_has_a_row_for_each_arm(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_table_has_a_row_for_each_arm(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    tiny = recipes.tiny_paper()
+    monkeypatch.setattr(recipes, "small_paper", lambda: tiny)
+    for alike in ("ControlNet not fine-tuned", "without classes", "semantic map alone"):
+        monkeypatch.delitem(ARMS, alike)  # they differ in their configs alone
     assert train.main(ABLATION) == 0
     shown = capsys.readouterr().out
     assert shown.startswith("1 street, small; base 2 steps, each arm 2\n")
@@ -75,13 +219,22 @@ def test_an_ablation_that_cannot_be_is_one_line(capsys: pytest.CaptureFixture[st
     assert "work is a file; it must be a folder" in capsys.readouterr().err
 
 
-def test_the_bar_shows_the_last_report(capsys: pytest.CaptureFixture[str]) -> None:
-    reports = [
-        Report(step=step, loss=1 / step, gradient=0.0, measures={}, samples_per_second=3.0, minutes=0.0)
-        for step in (2, 4)
-    ]
-    assert _show(iter(reports), 4, "stage") == 4
-    shown = capsys.readouterr().err
-    assert "stage: 100%" in shown
-    assert "loss 0.250, 3.0 samples/s" in shown
-    assert _show(iter([]), 4, "stage") is None
+def test_streets_and_scans_show_their_progress(shown_on_a_terminal: Callable[..., str]) -> None:
+    shown = shown_on_a_terminal("evaluate", "-n", "1", "--sensor", "small.json", "--steps", "1")
+    assert "making streets" in shown
+    assert "1/2" in shown
+
+
+def test_scores_of_unseen_streets(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["evaluate", "-n", "1", "--sensor", "small.json", "--steps", "2"]) == 0
+    captured = capsys.readouterr()
+    assert captured.out.startswith("1 street, small, half of each open, 2 steps\n")
+    names = captured.out.splitlines()[1].split()
+    assert names == ["objects", "other", "all", "drop", "range", "height", "BEV", "classes", "holes", "lone", "own"]
+    rows = re.findall(r"^(\S.*?)(?: +(?:\d\.\d{3}|nan)){11}$", captured.out, re.MULTILINE)
+    assert rows == ["detailed scan", "other streets", "bare", "simulated", "generated", "untrained"]
+    assert len(re.findall(r"^ {4}all, by class: .*road \d\.\d\d", captured.out, re.MULTILINE)) == 6
+    assert len(re.findall(r"^ {4}intensity \(JSD\), by class: .*road \d\.\d\d", captured.out, re.MULTILINE)) >= 2
+    assert captured.err == (
+        "lidardraft: these weights were trained on beams of 64, and small has 16; its scans may be poor\n"
+    )

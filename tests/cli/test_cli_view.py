@@ -46,20 +46,6 @@ def test_the_sensor_of_a_scan_is_known_given_or_said(image: RangeImage, capsys: 
     assert Path("given.png").read_bytes() == Path("known.png").read_bytes() != Path("guessed.png").read_bytes()
 
 
-def test_scans_in_each_form_that_points_come_in(image: RangeImage) -> None:
-    points = image.points()
-    intensity, count = np.zeros(len(points), np.float32), len(points)
-    kitti.write_bin("a.bin", points, intensity)
-    np.savez("a.npz", xyz=points, intensity=intensity)
-    head = f"FIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nPOINTS {count}\nDATA binary\n"
-    Path("a.pcd").write_bytes(head.encode() + np.column_stack([points, intensity]).astype("<f4").tobytes())
-    sweep = np.column_stack([-points[:, 1], points[:, 0], points[:, 2], intensity, intensity])
-    Path("a.pcd.bin").write_bytes(sweep.astype("<f4").tobytes())
-    for name in ("a.bin", "a.npz", "a.pcd", "a.pcd.bin"):
-        assert cli.main(["view", name, "--sensor", "small.json", "-o", f"{name}.png"]) == 0
-    assert len({Path(f"{name}.png").read_bytes() for name in ("a.bin", "a.npz", "a.pcd", "a.pcd.bin")}) == 1
-
-
 def test_the_file_itself_is_not_replaced(image: RangeImage, refused: Callable[..., str]) -> None:
     image.save("image.npz")
     assert "image.npz is the input too" in refused("view", "image.npz", "-o", "image.npz")

@@ -2,8 +2,9 @@
 
 import json
 import os
-import subprocess
+import runpy
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -15,14 +16,17 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 DATA = os.environ.get("LIDARDRAFT_DATA", "")
 
 
-def run(name: str, *argv: str) -> str:
-    command = [sys.executable, "-W", "error", str(EXAMPLES / name), *argv]
-    result = subprocess.run(command, capture_output=True, text=True)
-    assert result.returncode == 0, result.stderr
-    return result.stdout
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
+    def said(name: str, *argv: str) -> str:
+        monkeypatch.setattr(sys, "argv", [name, *argv])
+        runpy.run_path(str(EXAMPLES / name), run_name="__main__")
+        return capsys.readouterr().out
+
+    return said
 
 
-def test_demo(tmp_path: Path) -> None:
+def test_demo(run: Callable[..., str], tmp_path: Path) -> None:
     assert "labelled" in run("demo.py", "-o", str(tmp_path))
     scans = {f"{name}{ending}" for name in ("simulated", "generated") for ending in (".bin", ".label")}
     assert {path.name for path in tmp_path.iterdir()} == scans | {
@@ -46,7 +50,7 @@ def test_demo(tmp_path: Path) -> None:
 @pytest.mark.skipif(
     not Path(DATA, "kitti/odometry_00").is_dir() or not DATA, reason="LIDARDRAFT_DATA has no recordings"
 )
-def test_cloud_to_scan(tmp_path: Path) -> None:
+def test_cloud_to_scan(run: Callable[..., str], tmp_path: Path) -> None:
     scan = Path(DATA, "kitti/odometry_00")
     argv = [str(scan / "velodyne/000000.bin"), str(scan / "labels/000000.label"), "-o", str(tmp_path)]
     assert "simulated scan" in run("cloud_to_scan.py", *argv)

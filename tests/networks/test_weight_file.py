@@ -1,4 +1,6 @@
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -9,6 +11,7 @@ from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.errors import CheckpointError
 from lidardraft.networks import weight_file
+from lidardraft.networks.weight_header import read_metadata
 from lidardraft.perception.segmenter import Segmenter, SegmenterConfig, SphericalGrid
 
 CONFIG = DenoiserConfig(
@@ -117,3 +120,23 @@ def test_each_network_reads_its_own_weights(path: Path, tmp_path: Path) -> None:
         weight_file.load(tmp_path / "segmenter.safetensors", Denoiser)
     with pytest.raises(CheckpointError, match=r"'lidardraft.denoiser/2'; it must be 'lidardraft.segmenter/1'"):
         weight_file.load(path, Segmenter)
+
+
+def test_the_metadata_comes_back_without_torch(tmp_path: Path) -> None:
+    path = tmp_path / "a.safetensors"
+    save_file({"a": torch.zeros(3)}, path, {"schema": "x"})
+    assert read_metadata(path) == {"schema": "x"}
+    call = f"read_metadata({str(path)!r}); import sys; sys.exit('torch' in sys.modules)"
+    code = f"from lidardraft.networks.weight_header import read_metadata; {call}"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_what_is_no_weight_file_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "a.safetensors"
+    with pytest.raises(CheckpointError, match=r"a\.safetensors: No such file"):
+        read_metadata(path)
+    path.write_bytes(b"\xff" * 100)
+    with pytest.raises(CheckpointError, match=r"a\.safetensors is no whole safetensors file"):
+        read_metadata(path)
+    with pytest.raises(CheckpointError, match="is a directory"):
+        read_metadata(tmp_path)

@@ -1,10 +1,11 @@
-"""Houses, blocks and sheds."""
+"""Houses, blocks and sheds, and their walls with windows."""
 
 import numpy as np
 import pytest
 from built_objects import all_vertices, build, placed, vertices
 
 from lidardraft.objects.buildings import BALCONY, EAVES
+from lidardraft.objects.facades import PLINTH, RECESS, STOREY, WINDOW_BAY, front, walls
 
 
 def test_houses_have_windows_in_recesses():
@@ -60,3 +61,55 @@ def test_walls_reach_under_the_ground():
 def test_wide_sheds_have_more_gates():
     gates = [sum(p.size[1] == pytest.approx(0.06) for p in build(placed("shed", v), 0)) for v in (0, 1)]
     assert gates == [1, 4]
+
+
+PANE = 0.02  # m before its frame
+
+
+@pytest.mark.parametrize(("bays", "deep", "storeys"), [(1, 1, 1), (4, 3, 2), (10, 5, 6)])
+@pytest.mark.parametrize("blind", [False, True])
+def test_a_facade_has_a_pane_for_each_window(bays: int, deep: int, storeys: int, blind: bool):
+    _, panes = walls(bays, deep, storeys, 0.45, blind)
+    front, back, side = bays * storeys - 1, max(1, bays // 2) * storeys, deep * storeys  # the door is no pane
+    assert len(panes.mesh.faces) == 2 * (front + back + (0 if blind else 2 * side))
+
+
+def test_walls_go_from_under_the_ground_to_the_roof():
+    wall, panes = walls(4, 3, 2, 0.45, False)
+    height = 2 * STOREY
+    low, high = ((wall.center[2] + side * wall.size[2] / 2) * height for side in (-1, 1))
+    assert low == pytest.approx(-PLINTH)
+    assert high == pytest.approx(height)
+    # panes of the front and the sides lie behind the wall, those of the back just before it
+    depth = 3 * WINDOW_BAY
+    y = (panes.center[1] + panes.mesh.vertices[:, 1] * panes.size[1]) * depth
+    assert y.min() == pytest.approx(-depth / 2 + RECESS - PANE)
+    assert y.max() == pytest.approx(depth / 2 + 0.03)
+
+
+def test_a_larger_opening_has_more_glass():
+    def area(opening: float) -> float:
+        _, panes = walls(4, 3, 2, opening, True)
+        corners = panes.mesh.vertices * panes.size * np.array([4 * WINDOW_BAY, 3 * WINDOW_BAY, 2 * STOREY])
+        a, b, c = (corners[panes.mesh.faces[:, k]] for k in range(3))
+        facing = np.abs(np.cross(b - a, c - a)[:, 1])
+        return float(facing.sum())
+
+    assert area(0.36) < area(0.45) < area(0.6)
+
+
+def test_a_front_alone_is_that_of_a_building_without_its_door():
+    wall, panes = front(4, 2, 0.45)
+    assert len(panes.mesh.faces) == 2 * 4 * 2
+    assert wall.size[0] == pytest.approx(1.0)
+    assert (wall.center[2] + wall.size[2] / 2) * 2 * STOREY == pytest.approx(2 * STOREY)
+    # panes lie behind the wall's face, y = 0, and ledges before it
+    assert panes.center[1] == pytest.approx(RECESS - PANE)
+    assert -0.1 < wall.center[1] - wall.size[1] / 2 < 0.0
+
+
+def test_three_tenths_of_a_window_are_its_frame():
+    _, panes = front(4, 2, 0.45)
+    corners = (panes.mesh.vertices * panes.size * np.array([4 * WINDOW_BAY, 1.0, 2 * STOREY]))[panes.mesh.faces]
+    glass = np.abs(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 1]).sum() / 2
+    assert glass == pytest.approx(8 * 0.7 * (0.45 * WINDOW_BAY) * (2.25 - 0.9))

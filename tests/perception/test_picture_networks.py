@@ -89,7 +89,7 @@ def test_names_of_labels_say_their_classes(tmp_path, names, classes):
 
 def test_labels_that_name_no_class_are_refused(tmp_path):
     folder = tiny_networks.segformer(tmp_path / "network", {0: "cat", 1: "sofa"})
-    with pytest.raises(CheckpointError, match=r"its 2 labels \(cat, sofa, ...\) name no class of ours"):
+    with pytest.raises(CheckpointError, match=r"its 2 labels \(cat, sofa, ...\) name no known class"):
         SemanticNetwork.from_pretrained(folder)
 
 

@@ -63,11 +63,6 @@ def test_people_have_heads_and_clothes() -> None:
     assert head.center[2] + head.size[2] / 2 <= 1.75 + 1e-9
 
 
-def test_a_person_of_any_size_is_built() -> None:
-    for size in ((0.3, 0.3, 0.3), (0.1, 2.0, 1.0), (3.0, 3.0, 3.0)):
-        assert len(detailed(box("person", size))) >= 3
-
-
 def test_rider_and_machine_keep_their_instances_and_names() -> None:
     machine = box("bicycle", (1.8, 0.6, 1.1), id="bicycle_1.bicycle", instance=8)
     rider = box("rider", (0.7, 0.55, 1.0), at=(14.9, 3.0, 0.7), id="bicycle_1.rider", instance=9)

@@ -5,9 +5,19 @@ from functools import cache
 
 import numpy as np
 
+from lidardraft.scene.road import Road
+from lidardraft.streets.ground.ground import Ground
+from lidardraft.streets.ground.relief import Land
 from lidardraft.streets.placement.lanes import Lane
 from lidardraft.streets.placement.occupancy import Occupancy
 from lidardraft.streets.placement.plan import plan_street
+
+FLAT = Land(grade=0.0, hillside=0.0, rolling=0.0)
+
+
+def empty(road: Road) -> Occupancy:
+    """A street on flat land with nothing in it."""
+    return Occupancy(road, Ground(road, np.random.default_rng(0), FLAT))
 
 
 @cache

@@ -1,24 +1,27 @@
-"""A whole street: its detailed scene and its coarse layout."""
+"""A whole street: its detailed scene and its coarse layout, and where the ego vehicle is in it."""
 
 import itertools
 import math
 from collections import Counter
+from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
-from planned import overlap
+from planned import overlap, plans
 
-from lidardraft import CLASSES, Layout, Raycaster, Sensor
+from lidardraft import CLASSES
 from lidardraft.errors import LayoutError
 from lidardraft.objects.placed_object import PlacedObject
-from lidardraft.scene.layout import primitive_mesh
+from lidardraft.scene.sensor import PRESETS
 from lidardraft.streets import StreetConfig, make_street
+from lidardraft.streets.ego import EGO_SPACE, Ego, mount, sample_ego
 from lidardraft.streets.placement.district import DISTRICTS
-from lidardraft.streets.placement.occupancy import spaces_of
+from lidardraft.streets.placement.lanes import AISLE, MAIN_ROAD, ROUNDABOUT, SIDE_ROAD
+from lidardraft.streets.placement.occupancy import Occupancy, box_space, spaces_of, touch
 from lidardraft.streets.street import Street
 
 STREETS = [make_street(seed) for seed in range(20)]
-DOWN = Sensor(name="down", elevations=(-math.pi / 2 + 1e-4,), columns=4, min_range=0.01)
 
 
 def object_spaces(placed: PlacedObject) -> np.ndarray:
@@ -38,39 +41,6 @@ def test_nothing_goes_through_another(street: Street):
     for (name, one), (other, two) in itertools.combinations(spaces, 2):
         if name != other and math.hypot(one[0] - two[0], one[1] - two[1]) < 60.0:
             assert not overlap(one, two), (name, other)
-
-
-@pytest.mark.parametrize("street", STREETS[:8], ids=lambda street: f"{street.district}-{street.seed}")
-def test_everything_stands_on_the_ground(street: Street):
-    ground = Raycaster(Layout(primitives=tuple(street.occupancy.ground.surfaces())))
-    for placed in street.occupancy.objects:
-        if placed.kind in ("grass", "house", "block", "shed"):
-            continue  # begin at the lowest ground under them
-        pose = np.eye(4)
-        pose[:3, 3] = placed.x, placed.y, 30.0
-        depth = ground.scan(DOWN, pose).depth.max()
-        # a driveway lies a little over the land
-        assert abs(30.0 - depth - placed.z) < 0.2, placed
-
-
-@pytest.mark.parametrize("street", STREETS[:5], ids=lambda street: f"{street.district}-{street.seed}")
-def test_details_keep_within_their_object(street: Street):
-    objects = {placed.id: placed for placed in street.occupancy.objects}
-    for primitive in street.scene.primitives:
-        placed = objects.get(primitive.id.partition(".")[0])
-        if placed is None:
-            continue
-        spaces = object_spaces(placed)
-        vertices = primitive_mesh(primitive).vertices - (placed.x, placed.y, placed.z)
-        cos, sin = math.cos(placed.yaw), math.sin(placed.yaw)
-        ahead, left = vertices[:, 0] * cos + vertices[:, 1] * sin, vertices[:, 1] * cos - vertices[:, 0] * sin
-        slack = 0.35 + 0.07 * max(placed.size[:2]) * (placed.kind in ("tree", "bush"))  # tips of leaves
-        # a lamp's arm is not in its middle
-        far = np.hypot(spaces[:, 0] - placed.x, spaces[:, 1] - placed.y).max()
-        assert np.abs(ahead).max() < spaces[:, 4].max() + far + slack, primitive.id
-        assert np.abs(left).max() < spaces[:, 5].max() + far + slack, primitive.id
-        assert vertices[:, 2].min() > -1.0, primitive.id
-        assert vertices[:, 2].max() < spaces[:, 7].max() + 0.8, primitive.id
 
 
 def test_classes_and_instances_of_the_coarse_layout_are_those_of_the_scene():
@@ -100,16 +70,6 @@ def test_every_class_and_district_occurs_in_a_thousand_streets():
         assert count[name] / 1000 == pytest.approx(district.share, abs=4 * (district.share / 1000) ** 0.5), name
 
 
-def test_free_places_exist_in_many_streets():
-    for seed in range(12):
-        street = make_street(seed)
-        assert street.lanes
-        assert len(street.occupancy.objects) > 10
-        assert len(np.concatenate([object_spaces(placed) for placed in street.occupancy.objects])) >= len(
-            street.occupancy.objects
-        )
-
-
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
@@ -121,3 +81,74 @@ def test_free_places_exist_in_many_streets():
 def test_config_errors(fields: dict, message: str):
     with pytest.raises(LayoutError, match=message):
         StreetConfig(**fields)
+
+
+@cache
+def egos(number: int = 6) -> list[tuple[Occupancy, Ego]]:
+    found = []
+    for index, (occupancy, lanes, _) in enumerate(plans()):
+        rng = np.random.default_rng([index, 4])
+        found += [(occupancy, sample_ego(occupancy, lanes, rng)) for _ in range(number)]
+    return found
+
+
+def test_the_ego_vehicle_is_free_and_on_the_road_of_its_lane():
+    for occupancy, ego in egos():
+        assert occupancy.is_free(ego.x, ego.y, ego.yaw, EGO_SPACE)
+        mine = box_space(ego.x, ego.y, ego.yaw, EGO_SPACE[:2], 0.0, EGO_SPACE[2])
+        for placed in occupancy.objects:
+            if math.hypot(placed.x - ego.x, placed.y - ego.y) < 30.0:
+                for space in spaces_of(placed.kind, placed.x, placed.y, placed.yaw, placed.size, placed.clearance):
+                    assert not touch(mine, space), placed
+        assert 0.0 <= ego.speed <= 1.1 * ego.lane.speed + 1e-9
+    names = Counter(ego.lane.kind for _, ego in egos())
+    assert set(names) == {MAIN_ROAD, SIDE_ROAD, ROUNDABOUT, AISLE}
+    assert names[MAIN_ROAD] > 0.6 * len(egos())
+    speeds = np.array([ego.speed for _, ego in egos()])
+    assert (speeds == 0.0).mean() > 0.05
+    assert speeds.max() > 30.0
+
+
+def test_the_ego_pose_is_rigid_and_lies_on_the_road():
+    for _, ego in egos():
+        assert ego.pose[:3, :3] @ ego.pose[:3, :3].T == pytest.approx(np.eye(3), abs=1e-12)
+        assert np.linalg.det(ego.pose[:3, :3]) == pytest.approx(1.0)
+        assert math.atan2(ego.pose[1, 0], ego.pose[0, 0]) == pytest.approx(ego.yaw)
+        assert ego.pose[2, 2] > math.cos(0.12)
+        assert abs(ego.pose[2, 0] - 0.0) < 0.12
+        assert ego.pose[:3, 3] == pytest.approx((ego.x, ego.y, ego.z))
+    tilted = [abs(ego.pose[2, 0]) for _, ego in egos()]
+    assert np.median(tilted) > 0.003
+
+
+def test_the_road_passes_under_the_wheels():
+    for occupancy, ego in egos():
+        if occupancy.road.curvature or ego.lane.kind == ROUNDABOUT:
+            continue
+        # on a straight road the frame is the layout's, but for the place of the ego lane
+        shift = occupancy.road.lane(occupancy.road.ego_lane)
+        wheels = np.array([(sx * 1.35, sy * 0.8, 0.0) for sx in (-1, 1) for sy in (-1, 1)])
+        world = wheels @ ego.pose[:3, :3].T + ego.pose[:3, 3]
+        ground = occupancy.ground.heights(world[:, 0], world[:, 1] + shift)
+        assert np.abs(ground - world[:, 2]).max() < 0.06
+
+
+def test_a_lean_is_small_and_grows_with_speed_in_bends():
+    sensor = PRESETS["hdl64e"]
+    heights = []
+    for index, (_, ego) in enumerate(egos()):
+        pose = mount(sensor, ego, np.random.default_rng(index))
+        assert pose[:3, :3] @ pose[:3, :3].T == pytest.approx(np.eye(3), abs=1e-12)
+        assert pose[2, 2] > math.cos(math.radians(3.5))
+        heights.append(pose[2, 3])
+    assert 0.01 < np.std(heights) < 0.06
+    ring = [ego.lean[0] for _, ego in egos() if ego.lane.kind == ROUNDABOUT and ego.speed > 6.0]
+    # a roundabout is a left bend: the car leans to its right
+    assert np.mean(ring) > 0.002
+
+
+def test_a_street_without_a_free_place_is_refused():
+    occupancy, lanes, _ = plans()[0]
+    beyond = replace(lanes[0], along=80.0, angle=0.0, length=5.0)
+    with pytest.raises(LayoutError, match=r"no free place of 4\.5 x 2\.2 m"):
+        sample_ego(occupancy, (beyond,), np.random.default_rng(0))

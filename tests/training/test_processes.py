@@ -1,6 +1,9 @@
-"""Two processes on one machine, started as torchrun starts them."""
+"""Two processes on one machine, in the environment that torchrun gives them."""
 
+import dataclasses
 import json
+import os
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +15,9 @@ from safetensors.torch import load_file
 
 from lidardraft.errors import TrainingError
 from lidardraft.formats.pairs import write_pairs
+from lidardraft.training import recipes
+from lidardraft.training.denoising import train_denoiser
+from lidardraft.training.pairs import PairFolder
 from lidardraft.training.processes import ALONE, Processes
 
 SCRIPT = """
@@ -35,10 +41,13 @@ def test_shares_of_a_batch_are_disjoint_and_together_all() -> None:
 def test_two_processes_learn_what_one_learns(tmp_path: Path) -> None:
     list(write_pairs(tmp_path / "pairs", (noted(seed) for seed in range(4))))
     (tmp_path / "learn.py").write_text(SCRIPT)
-    torchrun = [sys.executable, "-m", "torch.distributed.run", "--standalone", "--nproc-per-node", "2"]
-    for command, run in (([sys.executable], "one"), (torchrun, "two")):
-        call = [*command, str(tmp_path / "learn.py"), str(tmp_path / "pairs"), str(tmp_path / run)]
-        subprocess.run(call, check=True, capture_output=True)
+    with socket.create_server(("localhost", 0)) as free:
+        address = {"MASTER_ADDR": "localhost", "MASTER_PORT": str(free.getsockname()[1]), "WORLD_SIZE": "2"}
+    config = dataclasses.replace(recipes.tiny().stages[0], steps=4, batch=3, learning_rate=1e-3)
+    call = [sys.executable, str(tmp_path / "learn.py"), str(tmp_path / "pairs"), str(tmp_path / "two")]
+    both = [subprocess.Popen(call, env=os.environ | address | {"RANK": str(rank)}) for rank in range(2)]
+    list(train_denoiser(config, PairFolder(tmp_path / "pairs"), tmp_path / "one"))
+    assert [process.wait() for process in both] == [0, 0]
     one, two = (load_file(tmp_path / run / "weights.safetensors") for run in ("one", "two"))
     for name, weight in one.items():
         # sums of bfloat16 in another order

@@ -6,9 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from safetensors.torch import load_file
 
-from lidardraft.errors import TrainingError
 from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter, SegmenterConfig, SphericalGrid
 from lidardraft.semantics import BY_NAME, NUM_CLASSES
@@ -48,31 +46,6 @@ def test_a_tiny_network_learns_a_few_scans(pairs: PairFolder, tmp_path: Path) ->
         scan = pairs[i].scan
         right = (segmenter.label(scan) == scan.label)[scan.valid]
         assert right.mean() > 0.95
-
-
-def test_a_run_in_slices_is_the_run_in_one(pairs: PairFolder, tmp_path: Path) -> None:
-    list(train_segmenter(TINY, pairs, tmp_path / "one"))
-    first = list(train_segmenter(TINY, pairs, tmp_path / "two", max_minutes=0))
-    assert [report.step for report in first] == [1]
-    assert next(train_segmenter(TINY, pairs, tmp_path / "two", max_minutes=0)).step == 2
-    assert [report.step for report in train_segmenter(TINY, pairs, tmp_path / "two")] == [4, 6]
-    assert list(train_segmenter(TINY, pairs, tmp_path / "two")) == []
-    for name in ("weights.safetensors", "state.safetensors"):
-        one, two = load_file(tmp_path / "one" / name), load_file(tmp_path / "two" / name)
-        assert one.keys() == two.keys()
-        for key, tensor in one.items():
-            assert torch.equal(tensor, two[key]), key
-
-
-@pytest.mark.parametrize("name", ["steps", "batch", "save_every", "report_every"])
-def test_numbers_that_cannot_be(pairs: PairFolder, tmp_path: Path, name: str) -> None:
-    with pytest.raises(TrainingError, match=f"{name} is 0; it must be at least 1"):
-        list(train_segmenter(dataclasses.replace(TINY, **{name: 0}), pairs, tmp_path))
-
-
-def test_a_device_that_is_not_there(pairs: PairFolder, tmp_path: Path) -> None:
-    with pytest.raises(TrainingError, match="device is 'nonsense'"):
-        list(train_segmenter(TINY, pairs, tmp_path, device="nonsense"))
 
 
 def test_the_loss_by_hand() -> None:

@@ -8,12 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lidardraft.calibration.beam_table import BeamTable, fit_beam_table
+from lidardraft.calibration.beam_table import BeamTable, fit_beam_table, fit_blocked, fit_range_offsets
 from lidardraft.calibration.intensity import fit_intensity
-from lidardraft.calibration.range_offsets import fit_range_offsets
 from lidardraft.calibration.receiver import fit_receiver, fit_speckle, fit_texture
 from lidardraft.calibration.street_casts import StreetCasts, with_rays_that_fit
-from lidardraft.calibration.vehicle_mask import fit_blocked
 from lidardraft.errors import FormatError
 from lidardraft.formats.recording import Recording
 from lidardraft.metrics.profiles import road_level

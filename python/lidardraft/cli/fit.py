@@ -120,9 +120,9 @@ def fit_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", required=True, metavar="SENSOR.json", help="where the sensor goes")
     text = "scans that the fit is judged on (default: a quarter of SCANs, the last ones, is kept back for that)"
     parser.add_argument("--judge", nargs="+", default=[], metavar="SCAN", help=text)
-    text = "the preset or sensor file that has what no scan tells, as the divergence (default: typical values)"
+    text = "preset or sensor file for constants that no scan shows, such as the divergence (default: typical values)"
     parser.add_argument("--like", metavar="SENSOR", help=text)
     text = "firings in a turn of the sensor that is written (default: those of the scans, in fours)"
     parser.add_argument("--columns", type=whole_number(8), metavar="N", help=text)
-    text = "streets that the scans are held against (default 48)"
+    text = "streets to compare the scans with (default 48)"
     parser.add_argument("--streets", type=whole_number(4), default=48, metavar="N", help=text)

@@ -1,7 +1,7 @@
 """Bicycles, parked and ridden.
 
 A bicycle has 28 inch wheels (622 mm rims, ISO 5775: 0.68 m with the tyre) and a frame and pedals as DIN EN ISO 4210
-measures them; tubes are a little thicker than steel's 32 mm. What is not said are estimates of ours.
+measures them; tubes are a little thicker than steel's 32 mm. What is not said are estimates.
 """
 
 from __future__ import annotations
@@ -11,8 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from lidardraft.objects.cars import sample_paint
-from lidardraft.objects.mesh import Triangles, box, join, quads, tube
-from lidardraft.objects.mesh_template import MeshTemplate
+from lidardraft.objects.mesh import MeshTemplate, Triangles, box, join, quads, tube
 from lidardraft.objects.object_builder import ObjectBuilder
 from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.objects.riders import Seat, add_rider

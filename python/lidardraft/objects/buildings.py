@@ -8,21 +8,19 @@ from functools import lru_cache
 import numpy as np
 
 from lidardraft.objects.facades import PLINTH, RECESS, STOREY, WINDOW_BAY, walls
-from lidardraft.objects.mesh import Triangles, box, frustum, frustum_corners, join, quads
-from lidardraft.objects.mesh_template import MeshTemplate
-from lidardraft.objects.object_builder import ObjectBuilder
+from lidardraft.objects.mesh import MeshTemplate, Triangles, box, frustum, frustum_corners, join, quads
+from lidardraft.objects.object_builder import ObjectBuilder, sample_name
 from lidardraft.objects.placed_object import PlacedObject, Vector
-from lidardraft.objects.shares import sample_name
 from lidardraft.scene.layout import Primitive
 
 __all__ = ["BALCONY", "EAVES", "MOST_PLINTH", "STOREY", "block", "house", "shed"]
 
-EAVES = 0.35  # m that a roof overhangs: estimate of ours
-BALCONY = 1.2  # m, its depth: estimate of ours
+EAVES = 0.35  # m that a roof overhangs: estimate
+BALCONY = 1.2  # m, its depth: estimate
 MOST_PLINTH = 0.7  # m that the ground floor may lie over the lowest ground under it, less than `PLINTH`
 # Share of a bay that is window: window areas of 1/8 to 1/4 of the floor, as building codes ask for.
 _OPENINGS = (0.36, 0.45, 0.6)
-# Materials of walls, and how often each is taken: estimates of ours, of Germany.
+# Materials of walls, and how often each is taken: estimates, of Germany.
 _MATERIALS = {
     "house": {"plaster": 0.6, "brick": 0.28, "wood": 0.07, "stone": 0.05},
     "block": {"plaster": 0.6, "brick": 0.2, "concrete": 0.12, "stone": 0.08},
@@ -32,7 +30,7 @@ _MATERIALS = {
 
 @dataclass(frozen=True, slots=True)
 class _House:
-    """Dwellings of one or two families: estimates of ours, of houses in Germany.
+    """Dwellings of one or two families: estimates, of houses in Germany.
 
     Lengths are in metres, `*_p` are probabilities; chimneys lie anywhere within `chimney_off` shares of length and
     width from the middle.
@@ -54,7 +52,7 @@ class _House:
 
 @dataclass(frozen=True, slots=True)
 class _Block:
-    """Blocks of flats and offices: estimates of ours, of inner cities in Germany; fields as in `_House`."""
+    """Blocks of flats and offices: estimates, of inner cities in Germany; fields as in `_House`."""
 
     mansard: float = 2.6  # height of the storey under a mansard roof
     mansard_from: int = 3  # storeys
@@ -73,7 +71,7 @@ class _Block:
 
 @dataclass(frozen=True, slots=True)
 class _Shed:
-    """Garages, workshops and halls [m]; estimates of ours."""
+    """Garages, workshops and halls [m]; estimates."""
 
     roof: float = 0.16  # thickness
     roof_over: float = 0.2  # longer and wider than the walls
@@ -86,7 +84,7 @@ class _Shed:
 
 @dataclass(frozen=True, slots=True)
 class _Door:
-    """A door [m]; estimates of ours."""
+    """A door [m]; estimates."""
 
     height: float = 2.2
     depth: float = 0.06
@@ -95,7 +93,7 @@ class _Door:
 
 @dataclass(frozen=True, slots=True)
 class _Dormers:
-    """Boxes that stand out of a roof, in shares of its extents, seen to its front (-y); estimates of ours."""
+    """Boxes that stand out of a roof, in shares of its extents, seen to its front (-y); estimates."""
 
     width: float  # of the room that each has
     middle: tuple[float, float]  # across and up

@@ -1,4 +1,4 @@
-"""Buses, after VDV 230."""
+"""Buses, after VDV 230, and low-floor trams, after BOStrab: 2.65 m wide at most."""
 
 from __future__ import annotations
 
@@ -7,11 +7,17 @@ from functools import lru_cache
 import numpy as np
 
 from lidardraft.objects.cars import sample_paint
-from lidardraft.objects.mesh import quads
-from lidardraft.objects.mesh_template import MeshTemplate
+from lidardraft.objects.mesh import MeshTemplate, quads
 from lidardraft.objects.object_builder import ObjectBuilder
 from lidardraft.objects.placed_object import PlacedObject
-from lidardraft.objects.vehicle_bodies import VehicleBody, add_mirrors, add_number_plates, add_vehicle
+from lidardraft.objects.vehicle_bodies import (
+    VehicleBody,
+    add_glazing,
+    add_mirrors,
+    add_number_plates,
+    add_vehicle,
+    body_mesh,
+)
 from lidardraft.scene.layout import Primitive
 
 _BODY = VehicleBody(
@@ -20,7 +26,7 @@ _BODY = VehicleBody(
     front_windows=((0.03, 0.97),), rear_windows=((0.12, 0.88),), window_rise=(0.02, 0.80), roof_width=0.96,
     clearance=0.30, taper=0.04,
 )  # fmt: skip
-# Estimates of ours; in shares of the bus, where it is not said.
+# Estimates; in shares of the bus, where it is not said.
 _BODY_HEIGHT = 0.955  # the rest is the air conditioner's
 _AIR_CONDITIONER = (2.6, 0.7, 0.06)  # length [m], width, height
 _AIR_CONDITIONER_AT = ((-0.2, 0.1), 0.97)  # rearmost and foremost; middle
@@ -59,3 +65,55 @@ def _seats() -> MeshTemplate:
         [np.repeat(x[:, None], 4, axis=1), y[:, None] + across, np.broadcast_to(tall, (2 * _SEAT_ROWS, 4))], axis=2
     )
     return MeshTemplate.from_triangles(*quads(corners))
+
+
+_SECTION = VehicleBody(
+    size=(7.0, 2.5, 3.4), cabin=(-0.5, 0.5), roof=(-0.5, 0.5), belt_line=0.34, nose=0.34, tail=0.34, axles=(),
+    wheel_diameter=0.6, side_windows=tuple(((k + 0.06) / 4, (k + 0.94) / 4) for k in range(4)), front_windows=(),
+    rear_windows=(), window_rise=(0.04, 0.78), roof_width=0.94, clearance=0.25, taper=0.0,
+)  # fmt: skip
+_HEAD = VehicleBody(
+    size=(7.0, 2.5, 3.4), cabin=(-0.5, 0.48), roof=(-0.5, 0.36), belt_line=0.34, nose=0.30, tail=0.34, axles=(),
+    wheel_diameter=0.6, side_windows=((0.02, 0.24), (0.27, 0.49), (0.52, 0.74), (0.78, 0.93)), rear_windows=(),
+    window_rise=(0.04, 0.80), roof_width=0.92, clearance=0.25, taper=0.25,
+)  # fmt: skip
+# Estimates.
+_SECTION_LENGTH = 7.5  # m, about
+_JOINT = 0.35  # m between two sections
+_TRAM_BODY_HEIGHT = 0.92  # of the tram, to the roof; the current collector lies over it
+_BELLOWS = (0.86, 0.88)  # shares: of the width, of the body's height
+_BELLOWS_MIDDLE = (0.52, 0.1)  # share of the body's height, and m
+_BOGIE = (1.9, 0.8, 0.28)  # m long, share of the width, m high
+_COLLECTOR = (0.5, 0.6, 0.08)  # shares: of the section's length, of width and height; folded down
+_COLLECTOR_MIDDLE = 0.96  # of the height
+
+
+def tram(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+    """A tram: heads and middle sections with bellows between, and its current collector folded down."""
+    length, width, height = placed.size
+    builder = ObjectBuilder(placed)
+    paint = sample_paint(rng)
+    count = max(2, round(length / _SECTION_LENGTH))
+    last, pitch = count - 1, length / count
+    body = _TRAM_BODY_HEIGHT * height
+    for number in range(count):
+        x = (number + 0.5) * pitch - length / 2
+        size = (pitch - (_JOINT if 0 < number < last else _JOINT / 2), width, body)
+        form = _HEAD if number in (0, last) else _SECTION
+        x += _JOINT / 4 * ((number == last) - (number == 0))
+        # the rear head is the front one seen the other way round
+        backward = number == 0
+        builder.add_mesh(body_mesh(form), size, "train", paint, at=(x, 0.0, 0.0), backward=backward)
+        add_glazing(builder, form, size, "train", x=x, backward=backward)
+    share, over = _BELLOWS_MIDDLE
+    for number in range(1, count):
+        at = (number * pitch - length / 2, 0.0, share * body + over)
+        builder.add("box", at, (_JOINT, _BELLOWS[0] * width, _BELLOWS[1] * body), "train", "rubber")
+    for number in range(0, count, 2):
+        x = (number + 0.5) * pitch - length / 2
+        long, wide, tall = _BOGIE
+        builder.add("box", (x, 0.0, tall / 2), (long, wide * width, tall), "train", "rusty-metal")
+        long, wide, tall = _COLLECTOR
+        size = (long * pitch, wide * width, tall * height)
+        builder.add("box", (x, 0.0, _COLLECTOR_MIDDLE * height), size, "train", "metal")
+    return builder.primitives

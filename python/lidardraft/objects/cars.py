@@ -12,11 +12,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from lidardraft.objects.mesh import box, join, quads
-from lidardraft.objects.mesh_template import MeshTemplate
-from lidardraft.objects.object_builder import ObjectBuilder
+from lidardraft.objects.mesh import MeshTemplate, box, join, quads
+from lidardraft.objects.object_builder import ObjectBuilder, sample_name
 from lidardraft.objects.placed_object import PlacedObject, Vector
-from lidardraft.objects.shares import sample_name
 from lidardraft.objects.vehicle_bodies import PLATE, VehicleBody, add_glazing, body_mesh, wheel_meshes
 from lidardraft.scene.layout import Primitive
 
@@ -86,7 +84,7 @@ SHARES = {
 }
 
 
-# How much cars of one body differ in length, width and height: deviation and most, in shares; estimates of ours.
+# How much cars of one body differ in length, width and height: deviation and most, in shares; estimates.
 _SPREAD, _MOST_SPREAD = (0.035, 0.015, 0.02), (0.1, 0.04, 0.05)
 # Lacquers. Of new cars in Germany 30 % are grey or silver, 26 % black, 21 % white, the others coloured (KBA, by colour,
 # 2022): white and light silver are light, black and dark grey dark, and half of the coloured ones. PandaSet's cars read
@@ -97,7 +95,7 @@ _PAINTS, _PAINT_LIMITS = ("light-paint", "dark-paint", "mid-paint"), (0.2, 0.7)
 
 @dataclass(frozen=True, slots=True)
 class _Fittings:
-    """What a body carries: metres, or where it is said shares of the vehicle. Estimates of ours.
+    """What a body carries: metres, or where it is said shares of the vehicle. Estimates.
 
     Rear reflectors are required by UN Regulation 48; mirrors are housings at the foot of the windscreen.
     """

@@ -17,7 +17,7 @@ MOST_LOBES = 3  # ellipsoids of a crown
 _LOBE_WIDTHS, _LOBE_HEIGHT = (1.0, 0.78, 0.72), 0.86
 _LOBE_TURN = 2.4  # rad per m of x, the golden angle: lobes of neighbours do not line up
 _TRUNK_INTO_CROWN = 0.1  # share of the crown
-# Diameters of posts [m] and what else an annotator would see: estimates of ours.
+# Diameters of posts [m] and what else an annotator would see: estimates.
 _SIGN_POST, _LIGHT_POST, _GANTRY_POST, _BOARD_POST = 0.08, 0.11, 0.3, 0.2
 _LOWEST_BOARD = 0.1  # m: boards with less clearance stand on the ground
 _GANTRY_SIGNS = 0.75  # of the height, where they begin if nothing else is known

@@ -10,7 +10,7 @@ from lidardraft.objects.plants import trunk_diameter
 from lidardraft.objects.poles import LAMP_ARM
 from lidardraft.objects.signs import GANTRY_POST, billboard_posts
 
-# Estimates of ours.
+# Estimates.
 _POST = 0.2  # m, how much room a post is given
 _ARM = 0.3  # m, thickness and height of a lamp's arm, with its luminaire
 _UNDER_EAVES = 0.2  # m that a roof begins under its eaves

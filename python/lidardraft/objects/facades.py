@@ -6,10 +6,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from lidardraft.objects.mesh import quads
-from lidardraft.objects.mesh_template import MeshTemplate
+from lidardraft.objects.mesh import MeshTemplate, quads
 
-# Estimates of ours, of dwellings in Germany.
+# Estimates, of dwellings in Germany.
 STOREY = 2.9  # m, floor to floor of a dwelling, usually 2.8 to 3.2
 WINDOW_BAY = 3.0  # m from window to window that a form is made for
 PLINTH = 0.8  # m that walls reach under the ground

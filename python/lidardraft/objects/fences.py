@@ -11,17 +11,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from lidardraft.objects.mesh import box, join, loft, quads
-from lidardraft.objects.mesh_template import MeshTemplate
-from lidardraft.objects.object_builder import EMBEDMENT, ObjectBuilder
+from lidardraft.objects.mesh import MeshTemplate, box, join, loft, quads
+from lidardraft.objects.object_builder import EMBEDMENT, ObjectBuilder, sample_name
 from lidardraft.objects.placed_object import PlacedObject
-from lidardraft.objects.shares import sample_name
 from lidardraft.scene.layout import Primitive
 
 
 @dataclass(frozen=True, slots=True)
 class _Fence:
-    """Fences of palings and of iron bars [m], and those on walls: estimates of ours."""
+    """Fences of palings and of iron bars [m], and those on walls: estimates."""
 
     iron_p: float = 0.3
     iron_cover: float = 0.17  # share of the length
@@ -46,7 +44,7 @@ class _MeshFence:
 
 @dataclass(frozen=True, slots=True)
 class _GardenWall:
-    """Garden walls with copings [m]; those with an iron fence on top have pillars. Estimates of ours."""
+    """Garden walls with copings [m]; those with an iron fence on top have pillars. Estimates."""
 
     materials: tuple[str, ...] = ("brick", "stone", "concrete", "plaster")
     railed_from: float = 1.0
@@ -62,7 +60,7 @@ class _GardenWall:
 
 @dataclass(frozen=True, slots=True)
 class _Wall:
-    """Noise barriers and walls of yards [m]: estimates of ours."""
+    """Noise barriers and walls of yards [m]: estimates."""
 
     panel_share: float = 0.5  # of the width
     plinth: float = 0.3
@@ -72,7 +70,7 @@ class _Wall:
 
 @dataclass(frozen=True, slots=True)
 class _Barrier:
-    """Barriers of roads [m]: concrete from a height on (EN 1317), else steel; other numbers are estimates of ours."""
+    """Barriers of roads [m]: concrete from a height on (EN 1317), else steel; other numbers are estimates."""
 
     concrete_from: float = 0.8
     rail: float = 0.31  # height of a W-beam
@@ -89,8 +87,8 @@ class _Barrier:
 
 
 _FENCE, _MESH_FENCE, _GARDEN_WALL, _WALL, _BARRIER = _Fence(), _MeshFence(), _GardenWall(), _Wall(), _Barrier()
-_WALL_MATERIALS = {"concrete": 0.4, "wood": 0.2, "metal": 0.2, "brick": 0.2}  # an estimate of ours
-_POST_SHARE = 0.04  # of the distance of posts, their thickness: an estimate of ours
+_WALL_MATERIALS = {"concrete": 0.4, "wood": 0.2, "metal": 0.2, "brick": 0.2}  # an estimate
+_POST_SHARE = 0.04  # of the distance of posts, their thickness: an estimate
 # One side of a concrete barrier from the foot up, after the New Jersey profile: shares of width and height.
 _NEW_JERSEY = ((0.5, 0.0), (0.5, 0.4), (0.28, 0.55), (0.18, 1.0))
 # The W of a guard rail: shares of depth and height.

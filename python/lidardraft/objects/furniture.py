@@ -1,7 +1,7 @@
 """Street furniture: shelters, and the small objects on a sidewalk.
 
 Sizes: waste bins EN 840 (240 l: 0.58 x 0.74 x 1.07 m), traffic cones EN 13422 (0.5 and 0.75 m), pillar hydrants DIN EN
-14384 (about 1 m). What is not said are estimates of ours.
+14384 (about 1 m). What is not said are estimates.
 """
 
 from __future__ import annotations
@@ -11,8 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from lidardraft.objects.mesh import box, join, lathe, loft
-from lidardraft.objects.mesh_template import MeshTemplate
+from lidardraft.objects.mesh import MeshTemplate, box, join, lathe, loft
 from lidardraft.objects.object_builder import EMBEDMENT, ObjectBuilder
 from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.scene.layout import Primitive
@@ -20,12 +19,12 @@ from lidardraft.scene.layout import Primitive
 
 @dataclass(frozen=True, slots=True)
 class _Shelter:
-    """Bus stops [m], `*_shares` of length, width and height; a poster case holds 1.2 x 1.8 m. Estimates of ours."""
+    """Bus stops [m], `*_shares` of length, width and height; a poster case holds 1.2 x 1.8 m. Estimates."""
 
     roof: float = 0.16
     posts_lower: float = 0.1
     pane: float = 0.03
-    pane_extinction: float = 12.0  # 1/m: 3 cm let 70 % of the rays through, an estimate of ours for two ways
+    pane_extinction: float = 12.0  # 1/m: 3 cm let 70 % of the rays through, an estimate for two ways
     panes_shares: tuple[float, float] = (0.475, 0.72)  # middle and extent, of the height
     back_shares: tuple[float, float] = (0.44, 0.92)  # behind the middle, of the width; of the length
     side_shares: Vector = (0.48, 0.07, 0.68)  # beside the middle, of the length; behind it and extent, of the width
@@ -43,7 +42,7 @@ class _Shelter:
 
 @dataclass(frozen=True, slots=True)
 class _Bench:
-    """Benches [m], `*_share` of an extent: estimates of ours."""
+    """Benches [m], `*_share` of an extent: estimates."""
 
     seat: tuple[float, float] = (0.06, 0.45)  # thickness, height of its middle
     leg: tuple[float, float] = (0.08, 0.42)  # thickness, height
@@ -58,7 +57,7 @@ class _Bench:
 
 @dataclass(frozen=True, slots=True)
 class _Column:
-    """Letterboxes, hydrants and cabinets [m], in shares of the extents where no unit is said: estimates of ours."""
+    """Letterboxes, hydrants and cabinets [m], in shares of the extents where no unit is said: estimates."""
 
     letterbox: tuple[float, float] = (0.7, 0.6)  # its middle and its height
     letterbox_post: tuple[float, float] = (0.4, 0.12)  # its height; m thick

@@ -26,7 +26,6 @@ from lidardraft.objects import (
     plants,
     poles,
     signs,
-    trams,
     trucks,
 )
 from lidardraft.objects import coarse_shapes as coarse
@@ -117,7 +116,7 @@ KINDS: dict[str, Kind] = {
         extents=((8.0, 2.3, 2.8), (18.8, 2.6, 3.5)),
     ),
     "tram": Kind(
-        build=trams.tram, labels=("train",), coarse=coarse.box_of("train"), boxes=boxes.whole, most_fall=_INF,
+        build=buses.tram, labels=("train",), coarse=coarse.box_of("train"), boxes=boxes.whole, most_fall=_INF,
         is_small=False, on_pole=False, word="tram", alignment=_LANE,
         extents=((14.0, 2.2, 3.2), (60.0, 2.7, 3.9)),
     ),

@@ -1,8 +1,13 @@
-"""Vertices and triangles of the solids that objects are built from."""
+"""Vertices and triangles of solids, and templates: meshes made once and stretched to every object of their form."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+
+from lidardraft.objects.placed_object import Vector
+from lidardraft.scene.mesh import TriangleMesh
 
 Triangles = tuple[np.ndarray, np.ndarray]  # vertices [V, 3] and faces [F, 3]
 
@@ -125,3 +130,24 @@ def stepped_grid(u: np.ndarray, v: np.ndarray, level: np.ndarray) -> tuple[np.nd
         pieces.append(np.stack([np.stack(point, axis=-1) for point in ring], axis=-2))
         owners.append(np.where(l0 > l1, first[edge], second[edge]))
     return np.concatenate(pieces), np.concatenate(owners)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeshTemplate:
+    """A mesh within the unit box [-1/2, 1/2]^3, and the `center` and `size` of that box in shares of an object.
+
+    An object of extents E has the mesh with the extents `size * E`, its middle at `center * E`. Templates are cached by
+    those who make them, so that objects share their meshes.
+    """
+
+    mesh: TriangleMesh
+    center: Vector
+    size: Vector
+
+    @classmethod
+    def from_triangles(cls, vertices: np.ndarray, faces: np.ndarray) -> MeshTemplate:
+        """Triangles [F, 3] over vertices [V, 3] given in shares of an object."""
+        low, high = vertices.min(axis=0), vertices.max(axis=0)
+        center, size = (low + high) / 2, high - low
+        unit = np.clip((vertices - center) / np.where(size > 0, size, 1.0), -0.5, 0.5)
+        return cls(TriangleMesh(unit, faces), tuple(center.tolist()), tuple(size.tolist()))

@@ -1,4 +1,4 @@
-"""Motorcycles and scooters, parked and ridden: 17 and 12 inch wheels, other numbers are estimates of ours."""
+"""Motorcycles and scooters, parked and ridden: 17 and 12 inch wheels, other numbers are estimates."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from lidardraft.objects.cars import sample_paint
-from lidardraft.objects.mesh import Triangles, box, join, loft, tube
-from lidardraft.objects.mesh_template import MeshTemplate
+from lidardraft.objects.mesh import MeshTemplate, Triangles, box, join, loft, tube
 from lidardraft.objects.object_builder import ObjectBuilder
 from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.objects.riders import Seat, add_rider

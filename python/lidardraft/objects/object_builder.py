@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
-from lidardraft.objects.mesh_template import MeshTemplate
+import numpy as np
+
+from lidardraft.objects.mesh import MeshTemplate
 from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.scene.layout import Primitive
 from lidardraft.scene.mesh import TriangleMesh
 
-EMBEDMENT = 0.3  # m that posts, stems and walls reach into the ground, so that no slope shows a gap: estimate of ours
+EMBEDMENT = 0.3  # m that posts, stems and walls reach into the ground, so that no slope shows a gap: estimate
 
 
 class ObjectBuilder:
@@ -87,3 +90,8 @@ class ObjectBuilder:
             mesh=template.mesh,
             yaw=math.pi if backward else 0.0,
         )
+
+
+def sample_name(shares: Mapping[str, float], rng: np.random.Generator) -> str:
+    """One of the names of a table whose shares add up to 1."""
+    return str(rng.choice(list(shares), p=list(shares.values())))

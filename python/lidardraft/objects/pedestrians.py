@@ -9,8 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from lidardraft.objects.human_body import SEGMENTS, hanging, limb, torso
-from lidardraft.objects.mesh import Triangles, box, join
-from lidardraft.objects.mesh_template import MeshTemplate
+from lidardraft.objects.mesh import MeshTemplate, Triangles, box, join
 from lidardraft.objects.object_builder import ObjectBuilder
 from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.scene.layout import Primitive
@@ -22,7 +21,7 @@ _HABITS, _HOLDING, _COATED = 4, 1, 2  # one in four holds something before the c
 
 @dataclass(frozen=True, slots=True)
 class _Gait:
-    """How people walk: estimates of ours but for the knee, which bends by 60 degrees in a brisk walk."""
+    """How people walk: estimates but for the knee, which bends by 60 degrees in a brisk walk."""
 
     # What the feet reach beyond the ankles, and the stride from one step to the next longer one, of the stature.
     feet: float = 0.17
@@ -38,7 +37,7 @@ class _Gait:
 
 @dataclass(frozen=True, slots=True)
 class _Figure:
-    """Places and extents in shares of the stature, estimates of ours beside `Segments`."""
+    """Places and extents in shares of the stature, estimates beside `Segments`."""
 
     hip_aside: float = 0.052
     hip_over: float = 0.02  # where the leg begins over the hip's joint
@@ -57,7 +56,7 @@ class _Figure:
 
 @dataclass(frozen=True, slots=True)
 class _Luggage:
-    """What people carry, in shares of the stature (and, `bag_aside`, of the width): estimates of ours."""
+    """What people carry, in shares of the stature (and, `bag_aside`, of the width): estimates."""
 
     rucksack_p: float = 0.15
     bag_or_rucksack_p: float = 0.32
@@ -73,7 +72,7 @@ class _Luggage:
 _GAIT, _FIGURE, _LUGGAGE = _Gait(), _Figure(), _Luggage()
 _CHILD = 1.5  # m: below, the head is as large as between a child's and an adult's
 _CHILD_HEAD = 0.2  # m
-_DARK_CLOTHES_P = 0.5  # an estimate of ours
+_DARK_CLOTHES_P = 0.5  # an estimate
 
 
 def person(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:

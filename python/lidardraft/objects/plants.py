@@ -4,7 +4,7 @@ Extinction is k = G * LAD: leaf-area density LAD [m2/m3] seen from anywhere (sph
 radiation regime and architecture of plant stands, 1981). LAD is the leaf-area index over the height of the foliage:
 5.1 for temperate deciduous trees, 5.5 for conifers, 2.1 for shrubs, 1.7 for grass on average (Asner et al., Global
 Ecology and Biogeography 12, 2003); single street trees have 3 to 5 (Nowak, Forest Science 42, 1996). Trimmed hedges are
-denser, 5 to 10 m2/m3 (estimate of ours). An index is over the ground under a crown, so what narrows upward is denser.
+denser, 5 to 10 m2/m3 (estimate). An index is over the ground under a crown, so what narrows upward is denser.
 Leafless twigs stop a fifth of what leaves do.
 """
 
@@ -16,14 +16,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from lidardraft.objects.mesh import join, tube
-from lidardraft.objects.mesh_template import MeshTemplate
+from lidardraft.objects.mesh import MeshTemplate, join, tube
 from lidardraft.objects.object_builder import EMBEDMENT, ObjectBuilder
 from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.scene.layout import Primitive
 
 _G = 0.5
-_BOUGHS = 6  # ways to branch: an estimate of ours
+_BOUGHS = 6  # ways to branch: an estimate
 _BOUGH_STREAM = 19  # random numbers of a way to branch
 
 
@@ -47,7 +46,7 @@ class _LeafArea:
 
 @dataclass(frozen=True, slots=True)
 class _Tree:
-    """Forms of street trees, in shares of the crown's extents where no unit is said: estimates of ours."""
+    """Forms of street trees, in shares of the crown's extents where no unit is said: estimates."""
 
     conifer_p: tuple[float, float] = (0.06, 0.3)  # of wide and of slender ones
     slender: float = 1.2  # times as high as wide
@@ -69,7 +68,7 @@ class _Tree:
 
 @dataclass(frozen=True, slots=True)
 class _Bush:
-    """Rounds of foliage of a bush, in shares of its extents: estimates of ours."""
+    """Rounds of foliage of a bush, in shares of its extents: estimates."""
 
     core: Vector = (0.8, 0.8, 1.1)
     core_middle: float = 0.45
@@ -81,7 +80,7 @@ class _Bush:
 
 @dataclass(frozen=True, slots=True)
 class _Hedge:
-    """Cut hedges: estimates of ours."""
+    """Cut hedges: estimates."""
 
     inset: float = 0.3  # m that the core is shorter
     least_core: float = 0.5  # share of the length
@@ -94,7 +93,7 @@ class _Hedge:
 
 @dataclass(frozen=True, slots=True)
 class _Grass:
-    """Patches of grass: estimates of ours."""
+    """Patches of grass: estimates."""
 
     per_part: float = 8.0  # m
     most_parts: int = 4
@@ -103,7 +102,7 @@ class _Grass:
 
 @dataclass(frozen=True, slots=True)
 class _Boughs:
-    """Boughs in shares of the crown, with leaves and without: estimates of ours."""
+    """Boughs in shares of the crown, with leaves and without: estimates."""
 
     count: tuple[int, int] = (5, 9)
     turn: float = 0.382  # of a circle, from one to the next: the golden angle
@@ -151,7 +150,7 @@ def tree(placed: PlacedObject, rng: np.random.Generator, *, bare: bool | None = 
 
 
 def trunk_diameter(height: float) -> float:
-    """Of a tree of that height [m]: 20 cm at 4.5 m and 39 cm at 13 m, an estimate of ours for street trees."""
+    """Of a tree of that height [m]: 20 cm at 4.5 m and 39 cm at 13 m, an estimate for street trees."""
     return 0.10 + height / 45
 
 

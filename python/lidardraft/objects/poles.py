@@ -7,18 +7,17 @@ from functools import lru_cache
 
 import numpy as np
 
-from lidardraft.objects.mesh import quads
-from lidardraft.objects.mesh_template import MeshTemplate
+from lidardraft.objects.mesh import MeshTemplate, quads
 from lidardraft.objects.object_builder import EMBEDMENT, ObjectBuilder
 from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.scene.layout import Primitive
 
-LAMP_ARM = 1.9  # m, the longest: estimate of ours
+LAMP_ARM = 1.9  # m, the longest: estimate
 
 
 @dataclass(frozen=True, slots=True)
 class _Lamp:
-    """Street lamps [m]: estimates of ours."""
+    """Street lamps [m]: estimates."""
 
     low: float = 5.0  # below, most are lanterns
     lantern_p: float = 0.6
@@ -35,7 +34,7 @@ class _Lamp:
 
 @dataclass(frozen=True, slots=True)
 class _Pole:
-    """Bare poles and bollards [m]: estimates of ours."""
+    """Bare poles and bollards [m]: estimates."""
 
     wooden: tuple[float, float] = (5.0, 0.2)  # higher and thicker than this
     concrete: float = 0.25  # thicker than this
@@ -46,7 +45,7 @@ class _Pole:
 
 @dataclass(frozen=True, slots=True)
 class _TrafficLight:
-    """Signals [m] with lenses of 0.2 m; those wider than `hanging` hang from a mast arm. Estimates of ours."""
+    """Signals [m] with lenses of 0.2 m; those wider than `hanging` hang from a mast arm. Estimates."""
 
     hanging: float = 1.0
     post: float = 0.11

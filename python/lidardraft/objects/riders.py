@@ -9,15 +9,14 @@ from functools import lru_cache
 import numpy as np
 
 from lidardraft.objects.human_body import SEGMENTS, bent_joint, limb, torso
-from lidardraft.objects.mesh import box, join
-from lidardraft.objects.mesh_template import MeshTemplate
+from lidardraft.objects.mesh import MeshTemplate, box, join
 from lidardraft.objects.object_builder import ObjectBuilder
 from lidardraft.objects.pedestrians import sample_clothes
 from lidardraft.objects.placed_object import Vector
 
 _PHASES = 8  # of the cranks
 _CRANK = 0.17  # m, their length: the usual one
-_HELMET_P = 0.4  # of cyclists; an estimate of ours
+_HELMET_P = 0.4  # of cyclists; an estimate
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +33,7 @@ class Seat:
 
 @dataclass(frozen=True, slots=True)
 class _Figure:
-    """Places and extents of a rider, in shares of the stature where no unit is said: estimates of ours."""
+    """Places and extents of a rider, in shares of the stature where no unit is said: estimates."""
 
     head: float = 0.14
     helmet: float = 0.04  # m that a motorcyclist's helmet is higher than the head

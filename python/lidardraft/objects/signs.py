@@ -12,20 +12,18 @@ from functools import lru_cache
 
 import numpy as np
 
-from lidardraft.objects.mesh import box, join, tube
-from lidardraft.objects.mesh_template import MeshTemplate
-from lidardraft.objects.object_builder import EMBEDMENT, ObjectBuilder
+from lidardraft.objects.mesh import MeshTemplate, box, join, tube
+from lidardraft.objects.object_builder import EMBEDMENT, ObjectBuilder, sample_name
 from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.objects.poles import add_post
-from lidardraft.objects.shares import sample_name
 from lidardraft.scene.layout import Primitive
 
-GANTRY_POST = 0.5  # m, how wide the posts of a gantry are: estimate of ours
+GANTRY_POST = 0.5  # m, how wide the posts of a gantry are: estimate
 
 
 @dataclass(frozen=True, slots=True)
 class _Sign:
-    """Signs [m]: posts are the tubes of 76 mm of DIN EN 12767; shares are estimates of ours."""
+    """Signs [m]: posts are the tubes of 76 mm of DIN EN 12767; shares are estimates."""
 
     post: float = 0.076
     post_lower: float = 0.05  # than the sign's upper edge
@@ -41,7 +39,7 @@ class _Sign:
 
 @dataclass(frozen=True, slots=True)
 class _Billboard:
-    """Posters of 18/1 (3.56 x 2.52 m) on posts [m]: estimates of ours."""
+    """Posters of 18/1 (3.56 x 2.52 m) on posts [m]: estimates."""
 
     narrow: float = 2.0  # below, one post
     high: float = 2.0  # above this clearance, one post
@@ -55,7 +53,7 @@ class _Billboard:
 
 @dataclass(frozen=True, slots=True)
 class _Gantry:
-    """Sign bridges [m]: estimates of ours."""
+    """Sign bridges [m]: estimates."""
 
     post_depth: float = 0.5  # at most
     truss: tuple[float, float] = (0.8, 1.2)  # depth and height at most
@@ -67,7 +65,7 @@ class _Gantry:
 
 
 _SIGN, _BILLBOARD, _GANTRY = _Sign(), _Billboard(), _Gantry()
-# Shapes of single plates, and how often: estimates of ours.
+# Shapes of single plates, and how often: estimates.
 _PLATES = {"disc": 0.4, "triangle": 0.2, "square": 0.36, "octagon": 0.04}
 _UPPER_PLATES = ("disc", "triangle")  # of two, one over the other
 # Corners of a plate, and the angle to the first in shares of that between two.

@@ -12,11 +12,9 @@ from functools import lru_cache
 import numpy as np
 
 from lidardraft.objects.cars import sample_paint
-from lidardraft.objects.mesh import box, frustum, frustum_corners, join, loft
-from lidardraft.objects.mesh_template import MeshTemplate
-from lidardraft.objects.object_builder import ObjectBuilder
+from lidardraft.objects.mesh import MeshTemplate, box, frustum, frustum_corners, join, loft
+from lidardraft.objects.object_builder import ObjectBuilder, sample_name
 from lidardraft.objects.placed_object import PlacedObject
-from lidardraft.objects.shares import sample_name
 from lidardraft.objects.vehicle_bodies import VehicleBody, add_axle, add_mirrors, add_vehicle
 from lidardraft.scene.layout import Primitive
 
@@ -26,7 +24,7 @@ _CAB = VehicleBody(
     wheel_diameter=_WHEEL, side_windows=((0.42, 0.90),), rear_windows=(), window_rise=(0.05, 0.68), roof_width=0.96,
     clearance=0.38, taper=0.06,
 )  # fmt: skip
-# What a rigid and an articulated truck carry, and how often: estimates of ours.
+# What a rigid and an articulated truck carry, and how often: estimates.
 _LOADS = {
     "rigid": {"box": 0.38, "tarpaulin": 0.22, "tank": 0.1, "flatbed": 0.16, "tipper": 0.14},
     "articulated": {"box": 0.34, "tarpaulin": 0.4, "tank": 0.1, "flatbed": 0.08, "tipper": 0.08},
@@ -36,7 +34,7 @@ _GOODS = ("wood", "concrete", "metal", "rusty-metal", "plastic")  # materials of
 
 @dataclass(frozen=True, slots=True)
 class _Rigid:
-    """Rigid trucks, small and large ones [m]; estimates of ours."""
+    """Rigid trucks, small and large ones [m]; estimates."""
 
     small_below: float = 3.1
     floor: tuple[float, float] = (0.85, 1.1)  # height of the load's floor, of small and large ones
@@ -54,7 +52,7 @@ class _Rigid:
 
 @dataclass(frozen=True, slots=True)
 class _Articulated:
-    """Tractors with semi-trailers [m]; estimates of ours."""
+    """Tractors with semi-trailers [m]; estimates."""
 
     floor: float = 1.25
     cab: float = 2.3  # its length
@@ -70,7 +68,7 @@ class _Articulated:
 class _Chassis:
     """Frames and what is on them [m], `*_share` of the width; protection and markings after UN Regulations 58 and 104.
 
-    Other numbers are estimates of ours.
+    Other numbers are estimates.
     """
 
     inset: float = 0.05  # from the rear
@@ -93,7 +91,7 @@ class _Chassis:
 
 @dataclass(frozen=True, slots=True)
 class _Loads:
-    """What stands on a chassis [m], `*_share` of the load's length, width or height; estimates of ours."""
+    """What stands on a chassis [m], `*_share` of the load's length, width or height; estimates."""
 
     coloured_p: float = 0.25  # boxes that are not white
     tank_height: float = 0.85  # share of the width, at most

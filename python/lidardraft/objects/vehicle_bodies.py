@@ -10,15 +10,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from lidardraft.objects.mesh import Triangles, box, frustum_corners, join, quads, window_frame
-from lidardraft.objects.mesh_template import MeshTemplate
+from lidardraft.objects.mesh import MeshTemplate, Triangles, box, frustum_corners, join, quads, window_frame
 from lidardraft.objects.object_builder import ObjectBuilder
 from lidardraft.objects.placed_object import Vector
 
 TYRE = 0.125  # of the width: 0.22 m of 1.8 m (cars), 0.31 m of 2.5 m (trucks)
 PLATE = (0.52, 0.113)  # m, width and height of a number plate in the EU
 _PLATE_DEPTH = 0.03  # m
-# Estimates of ours.
+# Estimates.
 _BELT_WIDTH = 0.94  # of the vehicle, how wide the cabin is at its foot
 _ARCH = 0.05  # m between a tyre and its arch
 _ROOF_EDGE = 0.965  # of the height; the middle of a roof is higher

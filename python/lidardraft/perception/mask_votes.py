@@ -8,7 +8,7 @@ import numpy as np
 
 from lidardraft.semantics import CLASSES
 
-# Estimates of ours.
+# Estimates.
 _MAJORITY = 0.5  # of the pixels of a mask have its class
 _NEW = 0.5  # of the pixels of a mask are of no better mask
 THINGS = np.array([row.is_thing for row in CLASSES])

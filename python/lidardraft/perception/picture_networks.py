@@ -25,7 +25,7 @@ _FILES = "--depth FILE, --semantics FILE and --masks FILE need no network"
 _DEPTH, _SEMANTIC, _MASK = "depth network", "semantic network", "mask network"
 _PATIENCE = 10.0  # s, that the hub has to answer
 _SATURATED = 0.95  # of the largest depth that a network knows; it does not tell what is further away
-# Estimates of ours, but for the score, which is a little less than that of SAM's own generator of masks.
+# Estimates, but for the score, which is a little less than that of SAM's own generator of masks.
 _SPACING = 16  # pixels between points that are asked for
 _MOST_POINTS = 128
 _POINTS_AT_ONCE = 16
@@ -73,7 +73,7 @@ class SemanticNetwork:
 
     @classmethod
     def from_pretrained(cls, name: str | os.PathLike[str], *, device: str = "cpu") -> SemanticNetwork:
-        """That of an id or in a folder; raises `CheckpointError`, also for one whose labels name no class of ours.
+        """That of an id or in a folder; raises `CheckpointError`, also for one whose labels name no known class.
 
         EoMT, Mask2Former, OneFormer, SegFormer and others; what its labels are called says their classes, and 19 labels
         without a name are the train ids of Cityscapes.
@@ -88,7 +88,7 @@ class SemanticNetwork:
 
     @torch.inference_mode()
     def __call__(self, pixels: np.ndarray) -> np.ndarray:
-        """Class ids u8 [H, W] of pixels u8 [H, W, 3]; 0 for the sky and for labels that are no class of ours."""
+        """Class ids u8 [H, W] of pixels u8 [H, W, 3]; 0 for the sky and for labels that name no known class."""
         task = {"task_inputs": ["semantic"]} if hasattr(self.processor, "tokenizer") else {}
         inputs = self.processor(images=pixels, return_tensors="pt", **task)
         offsets = inputs.pop("patch_offsets", None)  # of the squares that EoMT cuts a wide picture into
@@ -105,7 +105,7 @@ def _classes(name: str, labels: dict[int, str]) -> np.ndarray:
         if len(found) == 19:
             return CLASS_FROM_TRAIN_ID[:19]
         shown = ", ".join(list(labels.values())[:3])
-        raise CheckpointError(f"{_SEMANTIC} {name!r}: its {len(labels)} labels ({shown}, ...) name no class of ours")
+        raise CheckpointError(f"{_SEMANTIC} {name!r}: its {len(labels)} labels ({shown}, ...) name no known class")
     return np.array([BY_NAME[one].id if one else 0 for one in found], dtype=np.uint8)
 
 

@@ -16,7 +16,7 @@ from lidardraft.streets.placement.occupancy import Occupancy
 EGO_SPACE = (4.5, 2.2, 1.6)  # m that stay free around the ego vehicle
 _WHEELBASE, _TRACK = 2.7, 1.6  # m, as is usual for cars
 
-# Where it is: estimates of ours.
+# Where it is: estimates.
 _NEAR = 0.45  # of the half length of the street that it is from the middle at most
 _SPREAD, _WIDENED = 14.0, 0.1  # m from the middle (deviation), and what is added when a place is not free
 _ACROSS = 0.6  # how much m across count, against m along
@@ -25,18 +25,18 @@ _OFF_MIDDLE, _MOST_OFF = 0.15, 0.4  # m off the middle of the lane: deviation an
 _OFF_LANE = 0.02  # rad against the lane, deviation
 _ATTEMPTS = 1000
 
-# How fast it is, in shares of the limit: estimates of ours.
+# How fast it is, in shares of the limit: estimates.
 _SELDOM = 0.15  # how often it stands or crawls on a fast road, against others: there it does so in a jam only
 _CRAWLS, _CRAWLING = 0.2, (0.1, 0.5)  # how often, and how fast
 _FLOWING, _SLOWEST, _FASTEST = (0.9, 0.12), 0.4, 1.1  # mean and deviation, limits
 
 # How a car leans: 3 to 7 degrees of roll per g sideways (Gillespie, Fundamentals of Vehicle Dynamics); 2 degrees of
-# pitch per g of braking is an estimate of ours. Comfortable braking and cornering stay within 0.3 g.
+# pitch per g of braking is an estimate. Comfortable braking and cornering stay within 0.3 g.
 _ROLL, _PITCH = math.radians(5.0) / 9.81, math.radians(2.0) / 9.81
 _BRAKING, _CORNERING = 1.2, 3.0  # m/s2: deviation and limit
-_ROAD_NOISE = 0.003  # rad, deviation: an estimate of ours
+_ROAD_NOISE = 0.003  # rad, deviation: an estimate
 
-# How its sensor is mounted: a little askew, and loads and tyres change its height. Deviations, estimates of ours.
+# How its sensor is mounted: a little askew, and loads and tyres change its height. Deviations, estimates.
 _MOUNT_ANGLE, _MOUNT_HEIGHT = 0.003, 0.03  # rad, m
 
 

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from planned import frame_corners, occupancies, overlap
+from planned import empty, frame_corners, occupancies, overlap
 
 from lidardraft.scene.road import PavedArea, Road
-from lidardraft.streets.ground.ground import Ground
-from lidardraft.streets.placement.occupancy import Occupancy, box_space, touch
+from lidardraft.streets.placement.occupancy import box_space, touch
 
 PRIVATE = {"fence", "garden_wall", "hedge", "mesh_fence", "house", "block", "shed"}
 RIDDEN = ("cyclist", "motorcyclist")
@@ -14,7 +13,7 @@ RIDDEN = ("cyclist", "motorcyclist")
 
 def test_what_has_no_room_is_refused():
     road = Road()
-    occupancy = Occupancy(road, Ground(road, np.random.default_rng(0)))
+    occupancy = empty(road)
     car = (4.0, 1.8, 1.5)
     assert occupancy.place("suv", 0.0, 1.75, car)
     assert not occupancy.place("suv", 3.0, 1.75, car)
@@ -26,7 +25,7 @@ def test_what_has_no_room_is_refused():
 
 def test_a_car_may_stand_under_a_crown_but_not_in_a_trunk():
     road = Road()
-    occupancy = Occupancy(road, Ground(road, np.random.default_rng(0)))
+    occupancy = empty(road)
     assert occupancy.place("tree", 0.0, 12.0, (6.0, 6.0, 9.0), clearance=2.5)
     assert not occupancy.place("suv", 0.0, 12.0, (4.0, 1.8, 1.5))
     assert occupancy.place("suv", 0.0, 14.0, (4.0, 1.8, 1.5))
@@ -86,7 +85,7 @@ def test_objects_stand_where_the_ground_is():
 
 def test_private_objects_keep_off_driveways():
     road = Road()
-    occupancy = Occupancy(road, Ground(road, np.random.default_rng(0)))
+    occupancy = empty(road)
     fence = (4.0, 0.1, 1.0)
     at = (10.0, road.verge + 3.0)
     occupancy.add_driveway(PavedArea((8.0, 12.0), (road.verge, road.verge + 6.0)))
@@ -96,7 +95,7 @@ def test_private_objects_keep_off_driveways():
 
 def test_what_is_free_and_private_is_what_place_says():
     road = Road()
-    occupancy = Occupancy(road, Ground(road, np.random.default_rng(0)))
+    occupancy = empty(road)
     assert occupancy.place("suv", 0.0, 0.0, (4.0, 1.8, 1.5))
     x, y, yaw = road.at(3.0, 0.0)
     assert not occupancy.is_free(x, y, yaw, (4.0, 1.8, 1.5))
@@ -109,6 +108,6 @@ def test_what_is_free_and_private_is_what_place_says():
 
 def test_nothing_is_placed_beyond_the_ground():
     road = Road()
-    occupancy = Occupancy(road, Ground(road, np.random.default_rng(0)))
+    occupancy = empty(road)
     assert not occupancy.place("tree", 1000.0, 0.0, (4.0, 4.0, 8.0), clearance=2.0)
     assert occupancy.objects == []

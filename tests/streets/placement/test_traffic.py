@@ -1,17 +1,120 @@
-"""Vehicles in their lanes and along the kerb."""
+"""Where is driven, what is painted there, and the vehicles in lanes, along the kerb and in car parks."""
 
 import itertools
 import math
 
 import numpy as np
-from planned import plans
+import pytest
+from planned import empty, occupancies, plans
 
+from lidardraft import Layout, Raycaster
+from lidardraft.scene.layout import primitive_mesh
 from lidardraft.scene.road import LEFT, RIGHT, Road
-from lidardraft.streets.ground.ground import Ground
-from lidardraft.streets.placement.district import DISTRICTS
-from lidardraft.streets.placement.lanes import driven_lanes
-from lidardraft.streets.placement.occupancy import Occupancy
+from lidardraft.streets.placement.car_parks import AISLE_WIDTH, BAY_LENGTH, BAY_WIDTH, sample_car_park
+from lidardraft.streets.placement.district import DISTRICTS, PARKING_STRIP
+from lidardraft.streets.placement.lanes import MAIN_ROAD, ROUNDABOUT, SIDE_ROAD, Lane, driven_lanes
+from lidardraft.streets.placement.markings import road_markings
 from lidardraft.streets.placement.traffic import place_parked_vehicles, place_traffic
+
+
+def test_lanes_lie_on_the_road():
+    for occupancy, lanes, _ in plans():
+        for lane in lanes:
+            places = np.array([lane.at(share * lane.length)[:2] for share in np.linspace(0.02, 0.98, 25)])
+            assert (occupancy.ground.kinds(*places.T) == 0).all(), (occupancy.road, lane)
+
+
+def test_an_arc_is_followed():
+    ring = Lane(kind=ROUNDABOUT, along=3.0, across=0.0, angle=math.pi / 2, length=20 * math.pi, speed=8.0, bend=0.1)
+    assert ring.at(0.0) == pytest.approx((3.0, 0.0, math.pi / 2))
+    # half way around a circle of 10 m about (-7, 0)
+    assert ring.at(10 * math.pi)[:2] == pytest.approx((-17.0, 0.0))
+    assert ring.at(5 * math.pi, 1.0)[:2] == pytest.approx((-7.0, 9.0))
+
+
+def lanes_of(road: Road, parking: tuple[int, ...] = (), *, oneway: bool = False, lights: bool = False) -> list[Lane]:
+    return list(driven_lanes(road, DISTRICTS["urban"], parking, None, oneway=oneway, lights=lights))
+
+
+def test_traffic_keeps_to_the_right_but_in_a_one_way_street():
+    for lane in lanes_of(Road(lanes=2)):
+        assert math.cos(lane.angle) * lane.across < 0
+    assert all(math.cos(lane.angle) > 0 for lane in lanes_of(Road(), oneway=True))
+
+
+def test_parked_cars_take_room_from_the_lanes():
+    road = Road(lane_width=3.0 + PARKING_STRIP / 2)
+    free, narrow = lanes_of(road), lanes_of(road, (RIGHT,))
+    assert len(free) == len(narrow) == 2
+    assert narrow[0].across == pytest.approx(free[0].across + 0.75 * PARKING_STRIP)
+    # of several lanes they take the outermost
+    assert len(lanes_of(Road(lanes=2), (LEFT, RIGHT))) == 2
+
+
+def test_traffic_stops_before_the_junction_at_lights_only():
+    road = Road(junction=10.0)
+    assert all(lane.stop is None for lane in lanes_of(road))
+    stopping = [lane for lane in lanes_of(road, lights=True) if lane.stop is not None]
+    assert {lane.kind for lane in stopping} == {MAIN_ROAD, SIDE_ROAD}
+    for lane in stopping:
+        along, across, _ = lane.at(lane.stop)
+        assert road.verge + 1.5 <= max(abs(along - 10.0), abs(across)) + 1e-9 <= road.verge + 3.6
+    # a roundabout has none
+    around = lanes_of(Road(junction=10.0, roundabout_radius=18.0), lights=True)
+    assert all(lane.stop is None for lane in around)
+    assert [lane.kind for lane in around].count(ROUNDABOUT) == 1
+
+
+def test_markings_lie_on_the_road():
+    painted = 0
+    for occupancy in occupancies()[::3]:
+        surfaces = {p.id: p for p in occupancy.ground.surfaces()}
+        if "markings" not in surfaces:
+            continue
+        painted += 1
+        assert surfaces["markings"].label == "road"
+        bare = Raycaster(Layout(primitives=tuple(p for name, p in surfaces.items() if name != "markings")))
+        corners = primitive_mesh(surfaces["markings"]).vertices
+        inner = corners.reshape(-1, 4, 3).mean(axis=1)
+        hits = bare.cast(inner + np.array([0.0, 0.0, 5.0]), np.tile([0.0, 0.0, -1.0], (len(inner), 1)))
+        assert (hits.label == 1).all(), occupancy.road
+        over = hits.distance - 5.0
+        assert over.min() > 0.002
+        assert over.max() < 0.012
+    assert painted > 20
+
+
+def painted(road: Road, speed: float, *, lights: bool = False) -> np.ndarray:
+    lanes = driven_lanes(road, DISTRICTS["urban"], (), None, oneway=False, lights=lights)
+    return road_markings(road, lanes, None, speed, np.random.default_rng(4))
+
+
+def test_dashes_and_gaps_are_those_of_the_guide():
+    for road, speed, dash, gap, width in (
+        (Road(sidewalk=0.0), 14.0, 3.0, 6.0, 0.12),
+        (Road(sidewalk=0.0), 28.0, 4.0, 8.0, 0.12),
+        (Road(lanes=2, sidewalk=0.0, median=4.0), 36.0, 6.0, 12.0, 0.15),
+    ):
+        spans = painted(road, speed)
+        dashes = spans[np.isclose(spans[:, 1] - spans[:, 0], dash)]
+        one = dashes[dashes[:, 2] == dashes[0, 2]]
+        assert np.allclose(np.diff(one[:, 0]), dash + gap)
+        assert np.allclose(one[:, 3] - one[:, 2], width)
+
+
+def test_fast_roads_alone_have_edge_lines():
+    whole = 2 * Road().half_length
+    for speed, count in ((14.0, 0), (28.0, 2)):
+        spans = painted(Road(sidewalk=0.0), speed)
+        assert (np.isclose(spans[:, 1] - spans[:, 0], whole)).sum() == count
+
+
+def test_stop_lines_are_before_lights_only():
+    road = Road(junction=10.0, sidewalk=0.0)
+    without, spans = painted(road, 14.0), painted(road, 14.0, lights=True)
+    assert len(spans) == len(without) + 4
+    extents = np.stack([spans[:, 1] - spans[:, 0], spans[:, 3] - spans[:, 2]], axis=1)
+    assert np.isclose(extents.min(axis=1), 0.5).sum() == 4
 
 
 def test_traffic_drives_on_the_road():
@@ -33,10 +136,6 @@ def test_traffic_keeps_its_distance():
             spans = sorted((p.along - p.size[0] / 2, p.along + p.size[0] / 2) for p in inside)
             gaps = [after[0] - before[1] for before, after in itertools.pairwise(spans)]
             assert all(gap > 1.9 for gap in gaps)
-
-
-def empty(road: Road) -> Occupancy:
-    return Occupancy(road, Ground(road, np.random.default_rng(0)))
 
 
 def test_parked_vehicles_stand_at_the_kerb_and_clear_of_the_junction():
@@ -82,3 +181,49 @@ def test_vehicles_wait_at_the_line_of_a_red_light():
                 waiting += math.hypot(placed.along - along, placed.across - across) < 0.6
     # two lanes have a red light; by chance alone there would be few
     assert waiting > 25
+
+
+def test_cars_in_a_car_park_stand_in_bays():
+    seen = 0
+    for occupancy in occupancies():
+        for area in occupancy.road.paved_areas[:1]:
+            for placed in occupancy._placed:
+                turned = abs(math.sin(placed.angle)) > 0.9
+                if turned and area.along[0] < placed.along < area.along[1] and placed.kind in ("suv", "hatchback"):
+                    if not area.across[0] < placed.across < area.across[1]:
+                        continue
+                    share = (placed.along - area.along[0]) / BAY_WIDTH - 0.5
+                    assert abs(share - round(share)) < 0.3
+                    into = (abs(placed.across) - min(map(abs, area.across))) % (2 * BAY_LENGTH + AISLE_WIDTH)
+                    assert min(abs(into - BAY_LENGTH / 2), abs(into - 1.5 * BAY_LENGTH - AISLE_WIDTH)) < 0.5
+                    seen += 1
+    assert seen > 50
+
+
+@pytest.mark.parametrize("modules", [1, 2])
+def test_a_car_park_lies_behind_the_verge_and_its_way_in_leads_to_the_road(modules: int):
+    road = Road()
+    for seed in range(20):
+        car_park = sample_car_park(road, modules, np.random.default_rng(seed))
+        near, far = sorted(map(abs, car_park.paved_area.across))
+        assert near > road.verge
+        assert far - near == pytest.approx(modules * (2 * BAY_LENGTH + AISLE_WIDTH))
+        assert np.sign(car_park.paved_area.across).tolist() == [car_park.side] * 2
+        assert sorted(map(abs, car_park.access.across)) == pytest.approx([road.edge, near])
+        assert car_park.paved_area.along[0] < car_park.access.along[0] < car_park.access.along[1]
+        assert car_park.access.along[1] < car_park.paved_area.along[1]
+        assert len(car_park.aisles) == modules
+        for across, toward in car_park.rows:
+            # an aisle is where each row says
+            assert (
+                min(abs(across + toward * (BAY_LENGTH + AISLE_WIDTH) / 2 - aisle) for aisle in car_park.aisles) < 1e-9
+            )
+
+
+def test_a_car_park_is_clear_of_side_roads():
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        assert sample_car_park(Road(junction=5.0, side_roads=(RIGHT,)), 1, rng).side == LEFT
+        road = Road(junction=5.0)
+        start, end = sample_car_park(road, 1, rng).paved_area.along
+        assert start > 5.0 + road.verge or end < 5.0 - road.verge

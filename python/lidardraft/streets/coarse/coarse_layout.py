@@ -22,7 +22,7 @@ from lidardraft.streets.coarse.visible import VisibleObjects
 
 _RIDER = BY_NAME["rider"].id
 _IS_THING = np.array([row.is_thing for row in CLASSES])
-_NOTICED = 5  # returns of an object that is noticed in a picture: an estimate of ours
+_NOTICED = 5  # returns of an object that is noticed in a picture: an estimate
 _SHARES = (0.3, 0.35, 0.2, 0.15)  # how often each is sampled
 _HAS_SIDEWALKS, _HAS_POLES, _IS_NUMBERED, _IS_FLAT = 0.85, 0.85, 0.5, 0.5  # how often
 _MOST_OMITTED = 0.3  # of small objects, in one of three pictures
@@ -196,7 +196,7 @@ def _check_limits(style: Any, **limits: tuple[float, float]) -> None:
 
 Style: TypeAlias = TextStyle | ClusterStyle | PictureStyle | BoxStyle
 
-# All numbers below are estimates of ours of what people bring.
+# All numbers below are estimates of what people bring.
 _STYLES = (TextStyle, ClusterStyle, PictureStyle, BoxStyle)
 
 

@@ -16,12 +16,12 @@ _BANKED = 0.05  # RAL: cross fall in bends up to 7 %
 _STEEPEST = 0.06  # RASt 06 and RAL allow 4.5 to 8 %
 _DITCH = (0.3, 0.6)  # m deep: the German guide to road drainage (RAS-Ew) has 0.5 m
 _BANK = (0.4, 2.2)  # m; slopes of 1 : 1.5 and less (RAL)
-_BANKED_EACH = 12.0  # m: cross fall times radius of the bend, up to `_BANKED`: an estimate of ours
+_BANKED_EACH = 12.0  # m: cross fall times radius of the bend, up to `_BANKED`: an estimate
 # Two waves of crests and sags along the road: the shortest and longest of each [m], as vertical curves of some 100 m
-# are usual (RAL), and how steep the second is against the first, an estimate of ours.
+# are usual (RAL), and how steep the second is against the first, an estimate.
 _WAVELENGTHS = ((120.0, 55.0), (320.0, 140.0))
 _WAVES = (1.0, 0.45)
-# The land beside the road: estimates of ours.
+# The land beside the road: estimates.
 _STEEPEST_HILL = 0.12
 _HILL_BEGINS = 20.0  # m from the verge, where a hillside has half of its slope
 _ROLLING = (0.3, 1.0)  # how high its waves are, in shares of what the district has

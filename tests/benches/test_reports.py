@@ -1,0 +1,299 @@
+"""Reports beside recordings: on recordings where there are some, on streets and made layouts where not."""
+
+import math
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import recordings
+import report_detail
+import report_streets
+import report_two_sample
+from cases import Case, CaseSet, street_set
+from lidardraft import RangeImage, layout_from_cloud, layout_from_text, raycast, simulate
+from lidardraft.drafting.cloud.clustering import FittedBox
+from lidardraft.metrics.sweep import Sweep
+from lidardraft.scan import save_observed
+from lidardraft.scene.sensor import PRESETS, Sensor
+from lidardraft.semantics import BY_NAME, CLASSES, GROUND
+from lidardraft.streets import StreetConfig, streets
+from markdown_table import digits, table
+from object_labels import LabelledBoxes, iou, recovered
+from recordings import Recordings
+from report_cloud import Group, by_class, measure
+from report_detail import SENTENCES, new_counts, of_recording, of_sentences, of_streets
+from report_simulate import EQUAL, losses, markdown, report, table_of
+
+needs_recordings = pytest.mark.skipif(
+    not os.environ.get("LIDARDRAFT_DATA") or not Path(os.environ["LIDARDRAFT_DATA"], "kitti/odometry_00").is_dir(),
+    reason="LIDARDRAFT_DATA has no recordings",
+)
+
+
+def data() -> Path:
+    return Path(os.environ["LIDARDRAFT_DATA"])
+
+
+def street_sweeps(seed: int, count: int) -> list[Sweep]:
+    pairs = streets(seed, StreetConfig(sensor=PRESETS["vlp16"], poses_per_street=count))
+    return [Sweep.from_image(next(pairs).scan) for _ in range(count)]
+
+
+def test_other_streets_are_as_lifelike_as_streets() -> None:
+    groups = {"a": street_sweeps(1, 3), "b": street_sweeps(3, 3)}
+    real = Recordings(sensor="vlp16", plain=groups, labelled=groups)
+    lines, pooled = report_streets.report(real, PRESETS["vlp16"], 8)
+    ratios = {line.name: line.ratio for line in lines}
+    assert set(ratios) >= {"return rate by laser", "intensity (JSD)", "roughness of road (JSD)", "share of road"}
+    assert 0.3 < np.nanmedian(list(ratios.values())) < 3.0
+    known = [line.ratio for line in lines if not np.isnan(line.ratio)]
+    assert known == sorted(known, reverse=True)
+    assert set(pooled["range (JSD)"]) == {"a", "b", "streets"}
+
+
+def test_what_the_recording_car_hides_is_hidden() -> None:
+    sensor = PRESETS["vlp16"]
+    points = np.ones((*sensor.shape, 3), dtype=np.float32)
+    points[15, 100:200] = 0  # down, always
+    points[0, 300:400] = 0  # up: sky
+    shown = report_streets.unhidden({"a": [Sweep(points)]}, sensor, None)
+    assert not shown[15, 100:200].any()
+    assert shown.sum() == shown.size - 100
+
+
+def test_a_group_is_left_out_wherever_it_is() -> None:
+    sweep = Sweep(np.ones((2, 8, 3), dtype=np.float32))
+    plain = {"a": [sweep], "b": [sweep]}
+    real = Recordings(sensor="vlp16", plain=plain, labelled={"a": [sweep]}, shares={"c": np.ones(3)})
+    left = report_streets.without_group(real, "a")
+    assert (list(left.plain), list(left.labelled), list(left.shares)) == (["b"], [], ["c"])
+    assert not report_streets.without_group(real, "c").shares
+    with pytest.raises(SystemExit, match="--without is 'raw'; the groups are a, b, c"):
+        report_streets.without_group(real, "raw")
+
+
+@needs_recordings
+def test_kitti_fills_its_rows() -> None:
+    sweeps = recordings.hdl64e(data(), 1024)
+    assert set(sweeps.plain) == {"raw 0005", "odometry 00", "object"}
+    every = [sweep for group in sweeps.plain.values() for sweep in group]
+    for sweep in every:
+        assert sweep.depth.shape == (64, 1024)
+        elevation = np.arctan2(sweep.points[..., 2], np.hypot(sweep.points[..., 0], sweep.points[..., 1]))
+        middle = [np.median(elevation[row][sweep.valid[row]]) for row in range(64)]
+        assert np.all(np.diff(middle) < 0)
+    # what looks at the road near by and is not hidden by the car returns
+    assert np.mean([sweep.valid[36:42] for sweep in every]) > 0.95
+    labels = sweeps.labelled["00, left"][0].label
+    assert labels is not None
+    assert np.isin([BY_NAME["road"].id, BY_NAME["building"].id], labels).all()
+    assert sweeps.shares["all of SemanticKITTI"].sum() == pytest.approx(0.98, abs=0.02)
+
+
+@needs_recordings
+def test_hesai_rows_are_those_of_the_laser_table() -> None:
+    sweeps = recordings.pandar64(data(), 1800)
+    assert len(sweeps.plain) == 3
+    assert {name: len(group) for name, group in sweeps.labelled.items()} == {"PandaSet 001": 2, "PandaSet 002": 10}
+    for sweep in sweeps.labelled["PandaSet 001"]:
+        assert sweep.label is not None
+        assert sweep.valid[48:60].mean() > 0.9  # the road; rows here are fitted
+
+
+def test_scans_of_a_folder_are_as_they_were_made(tmp_path: Path) -> None:
+    image = next(streets(3, StreetConfig(sensor=PRESETS["hdl64e"], poses_per_street=1))).scan
+    save_observed(image, tmp_path / "00")
+    (read,) = report_two_sample.scans_in(tmp_path)
+    made = Sweep.from_image(image)
+    assert (read.valid == made.valid).mean() > 0.999
+    both = read.valid & made.valid
+    assert np.abs(read.points[both] - made.points[both]).max() < 1e-3
+
+
+def test_frames_of_many_drives_are_parted() -> None:
+    sweep = Sweep(np.zeros((1, 1, 3), np.float32))
+    parts = report_two_sample.parted({"a": [sweep], "object": [sweep] * 7})
+    assert {name: len(sweeps) for name, sweeps in parts.items()} == {
+        "a": 1,
+        "object 0": 3,
+        "object 1": 2,
+        "object 2": 2,
+    }
+
+
+@needs_recordings
+def test_streets_are_told_from_recordings(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr("sys.argv", ["report_two_sample.py", "--num", "8", "--sensor", "hdl64e"])
+    report_two_sample.main()
+    table = capsys.readouterr().out.splitlines()
+    assert table[0] == "| scans | all | content | drop | noise | shape | intensity |"
+    assert table[2].startswith("| streets, hdl64e | ")
+
+
+SENSOR = PRESETS["hdl64e"]
+
+
+def test_a_scan_held_against_itself_agrees_in_all_rows() -> None:
+    layout = layout_from_text("two cars ahead, trees on the left and a building on the right", seed=3)
+    recorded = Sweep.by_azimuth(simulate(layout, SENSOR, seed=0).image)
+    cases = CaseSet(
+        [Case(recorded, layout, SENSOR, SENSOR.pose())], Sweep.by_azimuth, np.ones(SENSOR.shape, bool), True
+    )
+    table = report(cases)
+    for row, cells in table.items():
+        assert cells["simulated"] == (pytest.approx(0.0, abs=1e-6) if "JSD" in row or "MMD" in row else 1.0) or (
+            row.startswith("dropped")
+        ), row
+    assert {"near, on car", "IoU of vegetation", "intensity of building (JSD)", "drop recall"} <= set(table)
+    assert table["dropped"]["simulated"] == table["dropped in recording"]["cast"] > 0.0
+    assert table["IoU of car"]["+ sensor model"] < 0.8
+    assert max(losses(table).values()) < EQUAL
+    assert ", 0 worse." in markdown(table)
+
+
+def test_scans_of_a_case_have_one_road() -> None:
+    points = np.zeros((2, 400, 3), dtype=np.float32)
+    points[..., 0] = 6.0
+    points[0, :, 2], points[1, :, 2] = -1.72, -1.98
+    label = np.ones((2, 400), dtype=np.uint8)
+
+    def without(row: int) -> Sweep:
+        return Sweep(np.where((np.arange(2) == row)[:, None, None] & (np.arange(400) < 9)[:, None], 0, points), label)
+
+    # the commonest height is the one of either row: by a road of its own, all of a scan would lie 0.25 m off
+    table = table_of([{"recorded": without(1), "cast": without(0), "simulated": without(0)}], firings=True)
+    assert table["height over the road (JSD)"]["simulated"] < 0.02
+
+
+def test_details_bring_coarse_layouts_nearer_to_their_streets() -> None:
+    table = report(street_set(4))
+    assert table["IoU of car"]["simulated"] > table["IoU of car"]["+ sensor model"] + 0.05
+    name = "intensity of vegetation (JSD)"
+    assert table[name]["simulated"] < 0.5 * table[name]["+ sensor model"]
+
+
+@needs_recordings
+@pytest.mark.parametrize(
+    ("images", "grid"),
+    [
+        (recordings.kitti_images, PRESETS["hdl64e-linear"]),
+        (recordings.nuscenes_images, recordings.NUSCENES_GRID),
+    ],
+)
+def test_images_of_recordings_are_on_their_grid(images: object, grid: Sensor) -> None:
+    assert callable(images)
+    for sweep in images(Path(os.environ["LIDARDRAFT_DATA"])):
+        image = RangeImage.project(sweep.points[sweep.valid], grid)
+        same = (image.valid & sweep.valid).sum() / sweep.valid.sum()
+        assert same > 0.97
+        assert set(np.unique(sweep.label[~sweep.valid])) <= {0}
+
+
+OBJECTS = [row.id for row in CLASSES[1:] if row.name not in GROUND]
+
+
+def test_details_obey_a_coarse_layout_as_well_as_the_street_that_it_is_of() -> None:
+    counts = new_counts()
+    for number in range(2):
+        of_streets(counts, number)
+    near, total = np.array([found[:, OBJECTS].sum(axis=1) for found in counts.values()]).T
+    shares = dict(zip(counts, near / total, strict=True))
+    for style in ("text", "cloud", "picture", "boxes"):
+        assert shares[style] > shares[f"{style}: street"], style
+        assert 0.6 < shares[style] < 0.95
+
+
+def test_the_details_of_sentences_obey_and_the_table_says_so() -> None:
+    counts = new_counts()
+    times = of_sentences(counts, SENTENCES[2:3], 1)
+    assert len(times) == 1
+    found = counts["sentences"]
+    assert found[0, OBJECTS].sum() / found[1, OBJECTS].sum() > 0.7
+    lines = report_detail.report(counts).splitlines()
+    assert lines[0] == "| | sentences | returns |"
+    assert next(line for line in lines if line.startswith("| road")).split(" | ")[1] == "1.00"
+    assert lines[-1].startswith("| all objects | 0.")
+
+
+def test_a_sweep_is_held_against_the_casts_of_its_clustering() -> None:
+    sensor = PRESETS["pandar64"]
+    scan = raycast(layout_from_text("three cars ahead and a building on the left", seed=1), sensor)
+    points = np.zeros((*sensor.shape, 3), np.float32)
+    points[scan.valid] = scan.points()
+    counts = new_counts()
+    layout = of_recording(counts, Sweep(points, scan.label, np.zeros(sensor.shape, np.float32)), sensor)
+    assert layout.provenance["source"] == "point cloud"
+    assert counts["bare"][1].sum() == counts["detailed"][1].sum() == pytest.approx(scan.valid.sum(), rel=0.02)
+    assert (counts["detailed"][0, 1:4] > 0.5 * counts["detailed"][1, 1:4]).all()
+
+
+CAR = BY_NAME["car"].id
+
+
+@pytest.fixture(scope="module")
+def group() -> Group:
+    layout = layout_from_text("two cars ahead, trees on the left and a building on the right", seed=3)
+    sweep = Sweep.by_azimuth(raycast(layout, SENSOR))
+    return Group([sweep], SENSOR, Sweep.by_azimuth, np.ones(SENSOR.shape, dtype=bool))
+
+
+def test_the_layout_of_a_cast_comes_near_it(group: Group) -> None:
+    row = measure(group, "fine")
+    assert row["near"] > 0.97
+    assert 0.9 < row["near on objects"] < row["near"]
+    assert row["holes"] == 0.0
+    assert row["empty"] < 0.02
+    assert abs(row["along rays"] - row["near"]) < 0.02
+    assert measure(group, "objects")["primitives"] < row["primitives"]
+
+
+def test_classes_are_told_apart_and_add_up(group: Group) -> None:
+    rows = by_class(group, "fine")
+    assert sum(cells["of all returns"] for cells in rows.values()) == pytest.approx(1.0)
+    for cells in rows.values():
+        assert sum(cells[name] for name in ("near", "empty", "too near", "too far")) == pytest.approx(1.0)
+    assert rows["car"]["primitives"] == 2
+    assert "| car | " in table(rows)
+
+
+def box(x: float, y: float, length: float = 4.0, width: float = 2.0, yaw: float = 0.0) -> FittedBox:
+    return FittedBox(center=np.array([x, y, 0.0]), size=np.array([length, width, 1.5]), yaw=yaw)
+
+
+@pytest.mark.parametrize(
+    ("other", "expected"),
+    [
+        (box(0, 0), 1.0),
+        (box(2, 0), 1 / 3),
+        (box(0, 0, 2.0, 4.0, math.pi / 2), 1.0),
+        (box(0, 0, 4.0, 2.0, math.pi / 2), 4 / 12),
+        (box(30, 0), 0.0),
+    ],
+)
+def test_intersection_over_union_from_above(other: FittedBox, expected: float) -> None:
+    assert iou(box(0, 0), other) == pytest.approx(expected, abs=0.02)
+
+
+def test_a_car_is_found_where_its_points_make_a_box() -> None:
+    side = [[x, 6.0, z] for x in np.arange(8, 12.2, 0.1) for z in np.arange(-1.6, -0.3, 0.1)]
+    back = [[8.0, y, z] for y in np.arange(6, 7.8, 0.1) for z in np.arange(-1.6, -0.3, 0.1)]
+    points = np.array(side + back)
+    cars = [FittedBox(center=np.array([10.1, 6.9, -0.95]), size=np.array([4.2, 1.8, 1.5]), yaw=math.pi)]
+    frame = LabelledBoxes(points, np.full(len(points), CAR, dtype=np.uint8), cars, 1.73)
+    assert recovered(frame, layout_from_cloud(points, frame.labels)) == (1, 1)
+    assert recovered(frame, layout_from_cloud(points, np.full(len(points), BY_NAME["building"].id))) == (1, 0)
+    assert recovered(frame, layout_from_cloud(points, frame.labels), least_points=10_000) == (0, 0)
+
+
+def test_columns_are_those_of_all_rows() -> None:
+    lines = table({"one": {"a": 1.0}, "two": {"b": 0.1234, "a": math.nan}}).splitlines()
+    assert lines == ["| | a | b |", "|---|---:|---:|", "| one | 1 | - |", "| two | - | 0.123 |"]
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(0.012345, "0.0123"), (-12.34, "-12.3"), (999.4, "999"), (25431.2, "25431"), (math.nan, "-")]
+)
+def test_three_digits_or_all_before_the_point(value: float, text: str) -> None:
+    assert digits(value) == text

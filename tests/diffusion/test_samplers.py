@@ -1,0 +1,285 @@
+"""Noise levels, the sampler and annealed Langevin dynamics against denoisers that are known exactly."""
+
+import argparse
+import inspect
+import itertools
+from typing import Any
+
+import pytest
+import torch
+from torch import Tensor
+
+from lidardraft.cli.arguments import add_weights
+from lidardraft.diffusion.codec import CONDITION_CHANNELS, CONDITION_PARTS, STATE_CHANNELS, encode_rays
+from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.diffusion.denoiser_config import DenoiserConfig
+from lidardraft.diffusion.langevin import langevin_step, sample_langevin
+from lidardraft.diffusion.noise import add_noise, geometric_levels, karras_levels, score_from_denoised, training_levels
+from lidardraft.diffusion.sampler import Denoise, sample, sample_multistep
+from lidardraft.diffusion.sampling_defaults import STEPS
+from lidardraft.errors import LidarDraftError, SensorError
+from lidardraft.networks.precision import reduced_precision
+from lidardraft.pipeline import Pipeline
+from lidardraft.scene.sensor import Sensor
+
+
+def test_karras_levels_fall_from_sigma_max_to_sigma_min_and_zero() -> None:
+    levels = karras_levels(10, sigma_min=0.01, sigma_max=50.0)
+    assert levels[0] == pytest.approx(50.0)
+    assert levels[-2] == pytest.approx(0.01)
+    assert levels[-1] == 0.0
+    assert all(high > low for high, low in itertools.pairwise(levels))
+    assert karras_levels(1) == pytest.approx([20.0, 0.0])
+    with pytest.raises(LidarDraftError, match="steps is 0; it must be at least 1"):
+        karras_levels(0)
+
+
+def test_training_levels_are_log_normal_and_stratified() -> None:
+    sigma = training_levels(1000, torch.Generator().manual_seed(0), mean=-1.0, std=1.4)
+    assert sigma.log().mean().item() == pytest.approx(-1.0, abs=0.01)
+    assert sigma.log().std().item() == pytest.approx(1.4, abs=0.02)
+    # One sample in each half, whatever the seed: without strata this fails every other time.
+    for seed in range(20):
+        low, high = sorted(training_levels(2, torch.Generator().manual_seed(seed), mean=-1.0, std=1.4).log().tolist())
+        assert low <= -1.0 <= high
+
+
+def test_the_score_of_a_gaussian_is_known() -> None:
+    # Clean data N(2, 0.3^2): D = (s^2 x + sigma^2 2) / (s^2 + sigma^2), and the score of N(2, s^2 + sigma^2).
+    x, sigma, variance = torch.tensor([[0.5], [3.0]]), torch.tensor([0.4, 2.0]), 0.3**2
+    denoised = (variance * x + sigma[:, None] ** 2 * 2) / (variance + sigma[:, None] ** 2)
+    score = score_from_denoised(x, denoised, sigma)
+    torch.testing.assert_close(score, (2 - x) / (variance + sigma[:, None] ** 2))
+
+
+def test_noise_is_added_per_sample_and_given_back_by_the_score() -> None:
+    clean, noise = torch.zeros(2, 3, 4, 4), torch.ones(2, 3, 4, 4)
+    sigma = torch.tensor([0.5, 3.0])
+    x = add_noise(clean, sigma, noise)
+    assert x[0].unique().tolist() == [0.5]
+    assert x[1].unique().tolist() == [3.0]
+    # S = -noise / sigma
+    torch.testing.assert_close(score_from_denoised(x, clean, sigma), -noise / sigma[:, None, None, None])
+
+
+MEAN, STD = 0.3, 0.5
+
+
+def of_a_gaussian(x: Tensor, sigma: Tensor) -> Tensor:
+    """D for clean data N(MEAN, STD^2), closed form."""
+    variance = (sigma**2).reshape(-1, *[1] * (x.dim() - 1))
+    return (STD**2 * x + variance * MEAN) / (STD**2 + variance)
+
+
+def of_points(points: Tensor) -> Denoise:
+    """D for clean data that is one of `points` [N, C]: their mean under the posterior."""
+
+    def denoise(x: Tensor, sigma: Tensor) -> Tensor:
+        distance = ((x[:, None] - points) ** 2).sum(dim=-1)
+        return torch.softmax(-distance / (2 * sigma[:, None] ** 2), dim=1) @ points
+
+    return denoise
+
+
+def error(steps: int) -> float:
+    """Distance between the sampler's end and the ODE's, which scales x - MEAN by the falling spread."""
+    sigmas = karras_levels(steps, sigma_min=1e-4, sigma_max=10.0)
+    x = sigmas[0] * torch.randn(64, 1, dtype=torch.float64, generator=torch.Generator().manual_seed(0))
+    *_, end = sample_multistep(of_a_gaussian, x, sigmas)
+    exact = MEAN + (x - MEAN) * STD / (STD**2 + sigmas[0] ** 2) ** 0.5
+    return (end - exact).abs().max().item()
+
+
+def test_the_sampler_converges_with_the_second_order() -> None:
+    coarse, middle, fine = error(16), error(32), error(64)
+    assert coarse < 0.1
+    assert 3.0 < coarse / middle < 5.5
+    assert 3.0 < middle / fine < 5.5
+
+
+def test_the_sampler_calls_once_and_yields_once_a_step() -> None:
+    seen: list[float] = []
+
+    def denoise(x: Tensor, sigma: Tensor) -> Tensor:
+        seen.append(sigma[0].item())
+        return of_a_gaussian(x, sigma)
+
+    assert len(list(sample_multistep(denoise, torch.randn(2, 3), karras_levels(8)))) == 8
+    assert seen == pytest.approx(karras_levels(8)[:-1])
+
+
+def test_samples_of_a_finite_data_set_are_its_points_in_their_shares() -> None:
+    points = torch.tensor([[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    sigmas = karras_levels(20, sigma_min=0.002)
+    x = sigmas[0] * torch.randn(600, 2, generator=torch.Generator().manual_seed(0))
+    *_, end = sample_multistep(of_points(points), x, sigmas)
+    distance, nearest = (end[:, None] - points).norm(dim=-1).min(dim=1)
+    assert distance.max() < 1e-3
+    assert (torch.bincount(nearest, minlength=3) / 600 - 1 / 3).abs().max() < 0.08
+
+
+@pytest.mark.parametrize(("langevin", "near"), [(None, 2e-3), (2, 5e-3)])
+@torch.no_grad()
+def test_sample_k_does_not_depend_on_the_batch(langevin: int | None, near: float) -> None:
+    torch.manual_seed(0)
+    shape: dict[str, Any] = {"cell": (2, 4), "widths": (8, 8), "strides": (1, 2), "dilations": (1, 1)}
+    config = DenoiserConfig(**shape, condition=("depth", "class"), controlnet=True)
+    denoiser = Denoiser.from_config(config).eval()
+    with torch.no_grad():
+        for weight in denoiser.parameters():
+            weight += 0.05 * torch.randn_like(weight)
+    sensor = Sensor(name="small", elevations=(0.1, 0.0, -0.1, -0.2), columns=16)
+    condition = torch.rand(1, CONDITION_CHANNELS, *sensor.shape)
+    *_, together = sample(denoiser, sensor, seeds=[5, 6, 7], condition=condition, steps=3, langevin=langevin)
+    *_, alone = sample(denoiser, sensor, seeds=[6], condition=condition, steps=3, langevin=langevin)
+    assert together.shape == (3, STATE_CHANNELS, 4, 16)
+    torch.testing.assert_close(together[1:2], alone, atol=near, rtol=0)
+    assert not torch.allclose(together[0], together[1], atol=1e-2)
+    *_, free = sample(denoiser, sensor, seeds=[6], steps=3, langevin=langevin)
+    assert not torch.allclose(free, alone, atol=1e-2)
+
+
+def test_a_sensor_that_cannot_be_cut_into_cells_is_refused() -> None:
+    config = DenoiserConfig(cell=(2, 4), widths=(8,), strides=(1,), dilations=(1,))
+    sensor = Sensor(name="odd", elevations=(0.1, 0.0, -0.1), columns=16)
+    with pytest.raises(SensorError, match=r"odd is \(3, 16\); these weights need multiples of \(2, 4\)"):
+        sample(Denoiser.from_config(config), sensor, seeds=[0])
+
+
+@torch.no_grad()
+def test_whether_the_columns_wrap_follows_from_the_sensor() -> None:
+    torch.manual_seed(0)
+    config = DenoiserConfig(cell=(2, 4), widths=(8,), strides=(1,), dilations=(1,))
+    denoiser = Denoiser.from_config(config).eval()
+    with torch.no_grad():
+        for weight in denoiser.parameters():
+            weight += 0.05 * torch.randn_like(weight)
+    elevations = (0.1, 0.0, -0.1, -0.2)
+    ring = Sensor(name="ring", elevations=elevations, columns=16)
+    sector = Sensor(name="sector", elevations=elevations, columns=16, azimuth_start=1.0, azimuth_span=2.0)
+    ends = [list(sample(denoiser, sensor, seeds=[3], steps=3))[-1] for sensor in (ring, sector)]
+    for end, wraps in zip(ends, (True, False), strict=True):
+        sigmas = karras_levels(3)
+        rays = torch.from_numpy(encode_rays(ring if wraps else sector))
+        x = sigmas[0] * torch.randn((1, STATE_CHANNELS, 4, 16), generator=torch.Generator().manual_seed(3))
+        with reduced_precision(torch.device("cpu")):
+            *_, expected = sample_multistep(lambda x, s, r=rays, w=wraps: denoiser.denoise(x, s, r, wraps=w), x, sigmas)
+        assert torch.equal(end, expected)
+    assert not torch.allclose(ends[0], ends[1], atol=1e-3)
+
+
+@torch.no_grad()
+def test_a_processor_with_bfloat16_samples_the_same_scan_within_a_hundredth(monkeypatch: pytest.MonkeyPatch) -> None:
+    torch.manual_seed(0)
+    config = DenoiserConfig(cell=(2, 4), widths=(16, 16), strides=(1, 2), dilations=(1, 1))
+    denoiser = Denoiser.from_config(config).eval()
+    torch.nn.init.normal_(denoiser.network.head.weight, std=0.02)
+    sensor = Sensor(name="ring", elevations=(0.1, 0.0, -0.1, -0.2), columns=64)
+    ends = []
+    for capabilities in ({}, {"avx512_bf16": True}):
+        monkeypatch.setattr(torch.cpu, "get_capabilities", lambda found=capabilities: found, raising=False)
+        ends.append(list(sample(denoiser, sensor, seeds=[3], steps=20))[-1])
+    exact, rough = ends
+    assert rough.dtype == torch.float32
+    assert 0 < (rough - exact).square().mean().sqrt() < 0.01 * exact.std()
+
+
+@torch.no_grad()
+def test_a_completed_sample_is_the_simulated_scan_where_nothing_is_open() -> None:
+    config = DenoiserConfig(cell=(2, 4), widths=(8,), strides=(1,), dilations=(1,), condition=("simulated", "open"))
+    denoiser = Denoiser.from_config(config).eval()
+    sensor = Sensor(name="small", elevations=(0.1, 0.0, -0.1, -0.2), columns=16)
+    condition = torch.rand(1, CONDITION_CHANNELS, *sensor.shape)
+    condition[:, CONDITION_PARTS["open"], :, :8] = 0
+    *_, end = sample(denoiser, sensor, seeds=[3], condition=condition, steps=3)
+    simulated = condition[:, CONDITION_PARTS["simulated"]]
+    torch.testing.assert_close(end[..., :8], simulated[..., :8])
+    assert (end[..., 8:] - simulated[..., 8:]).abs().median() > 0.1
+
+
+MEAN, STD = 0.3, 0.5
+
+
+@pytest.mark.parametrize(
+    ("sigma_max", "levels", "updates", "published"),
+    [(50, 232, 5, 6.2e-6), (90, 500, 5, 3.3e-6), (190, 1086, 3, 1.8e-6), (348, 2311, 3, 0.9e-6)],
+)
+def test_the_step_is_what_ncsnv2_publishes(sigma_max: float, levels: int, updates: int, published: float) -> None:
+    # CIFAR-10 (LiDARGen's), CelebA, LSUN bedroom and tower, FFHQ; step sizes at the last level, 0.01
+    above, below = geometric_levels(levels, sigma_max=sigma_max)[:2]
+    assert langevin_step(above / below, updates) * 0.01**2 == pytest.approx(published, rel=0.02)
+
+
+def test_levels_fall_geometrically() -> None:
+    levels = geometric_levels(232)
+    assert (levels[0], levels[-1]) == pytest.approx((50.0, 0.01))
+    ratios = [above / below for above, below in itertools.pairwise(levels)]
+    assert ratios == pytest.approx([5000 ** (1 / 231)] * 231)
+    assert geometric_levels(1) == [50.0]
+    with pytest.raises(LidarDraftError, match="steps is 0"):
+        geometric_levels(0)
+    with pytest.raises(LidarDraftError, match=r"starts at the noise level 0\.01; it must be greater than 0\.01"):
+        geometric_levels(3, sigma_max=0.01)
+
+
+def spread_of_a_gaussian(sigmas: list[float]) -> float:
+    """The standard deviation that the updates leave, in closed form: each is linear in x, with independent noise."""
+    step, variance = langevin_step(sigmas[0] / sigmas[1], 5), sigmas[0] ** 2
+    for sigma in sigmas:
+        for _ in range(5):
+            size = step * sigma**2
+            variance = (1 - size / (STD**2 + sigma**2)) ** 2 * variance + 2 * size
+    return float(variance**0.5 * STD**2 / (STD**2 + sigmas[-1] ** 2))
+
+
+def test_a_gaussian_is_sampled_with_its_mean_and_the_spread_that_the_updates_leave() -> None:
+    sigmas = geometric_levels(60, sigma_max=10.0)
+    generator = torch.Generator().manual_seed(0)
+    x = sigmas[0] * torch.randn(20_000, 1, generator=generator)
+    *_, end = sample_langevin(of_a_gaussian, x, sigmas, lambda: torch.randn(x.shape, generator=generator))
+    assert end.mean().item() == pytest.approx(MEAN, abs=0.015)
+    assert end.std().item() == pytest.approx(spread_of_a_gaussian(sigmas), rel=0.015)
+
+
+def test_fewer_levels_leave_more_spread_than_the_data_have() -> None:
+    few, lidargens, more = (spread_of_a_gaussian(geometric_levels(levels)) / STD for levels in (30, 232, 2000))
+    assert (few, lidargens, more) == pytest.approx((1.17, 1.067, 1.055), abs=0.005)
+
+
+def test_points_are_sampled_in_their_shares() -> None:
+    points = torch.tensor([[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0]])
+    sigmas = geometric_levels(60, sigma_max=10.0)
+    generator = torch.Generator().manual_seed(0)
+    x = sigmas[0] * torch.randn(2000, 2, generator=generator)
+
+    def denoise(x: Tensor, sigma: Tensor) -> Tensor:
+        return of_points(points)(x, sigma)
+
+    *_, end = sample_langevin(denoise, x, sigmas, lambda: torch.randn(x.shape, generator=generator))
+    distance, nearest = (end[:, None] - points[:3]).norm(dim=-1).min(dim=1)
+    assert distance.max() < 1e-3  # without the last denoising it would be some hundredths
+    shares = torch.bincount(nearest, minlength=3) / 2000
+    assert (shares - torch.tensor([0.25, 0.25, 0.5])).abs().max() < 0.05
+
+
+def test_a_level_takes_its_updates_and_the_last_one_call_more() -> None:
+    seen: list[float] = []
+
+    def denoise(x: Tensor, sigma: Tensor) -> Tensor:
+        seen.append(sigma[0].item())
+        return of_a_gaussian(x, sigma)
+
+    sigmas = geometric_levels(4)
+    x = torch.randn(2, 1)
+    assert len(list(sample_langevin(denoise, x, sigmas, lambda: torch.randn(2, 1), updates=3))) == 4
+    assert seen == pytest.approx([sigma for sigma in sigmas for _ in range(3)] + [sigmas[-1]])
+    with pytest.raises(LidarDraftError, match="updates is 0; it must be at least 1"):
+        next(sample_langevin(denoise, x, sigmas, lambda: x, updates=0))
+
+
+@pytest.mark.parametrize("function", [Pipeline, Pipeline.from_pretrained])
+def test_python_and_the_command_line_sample_alike(function: object) -> None:
+    parser = argparse.ArgumentParser()
+    add_weights(parser)
+    assert parser.parse_args([]).steps == STEPS
+    assert inspect.signature(function).parameters["steps"].default == STEPS

@@ -1,0 +1,242 @@
+"""Fences, furniture, poles, signs and plants."""
+
+import numpy as np
+import pytest
+from built_objects import all_vertices, build, cast, extinction_along, placed, vertices
+
+from lidardraft.objects import fences, plants
+from lidardraft.objects.plants import trunk_diameter
+from lidardraft.objects.poles import LAMP_ARM
+
+
+def test_rays_pass_between_palings():
+    fence = build(placed("fence", 1), 0)
+    rng = np.random.default_rng(0)
+    x = np.column_stack([rng.uniform(-6, 6, 600), np.zeros(600), np.full(600, 0.9)])
+    open_share = np.mean([(cast(fence, (float(a), 8.0, 0.9), x[k : k + 1]) < 0)[0] for k, (a, _, _) in enumerate(x)])
+    assert 0.05 < open_share < 0.9
+
+
+def test_one_in_eight_rays_meets_a_wire():
+    mesh = [p for p in build(placed("mesh_fence", 1), 0) if p.extinction is not None]
+    assert len(mesh) == 1
+    assert extinction_along(mesh[0]) == pytest.approx(0.12, abs=1e-6)
+
+
+def test_walls_reach_into_the_ground():
+    for kind in ("garden_wall", "wall"):
+        for seed in range(8):
+            lowest = min(p.center[2] - p.size[2] / 2 for p in build(placed(kind, seed), seed))
+            assert lowest <= -0.2 + 1e-9
+
+
+def test_some_garden_walls_carry_an_iron_fence_if_they_are_high_enough():
+    def fenced(variant: int) -> list[bool]:
+        return [any(p.label == "fence" for p in build(placed("garden_wall", variant), seed)) for seed in range(60)]
+
+    assert not any(fenced(0))
+    assert 5 < sum(fenced(1)) < 35
+
+
+def test_barriers_are_of_steel_or_from_a_height_on_of_concrete():
+    assert {p.material for p in build(placed("barrier", 2), 0)} == {"concrete"}
+    assert "concrete" not in {p.material for p in build(placed("barrier", 0), 0)}
+    rails = [sum(p.size[2] == pytest.approx(0.31) for p in build(placed("barrier", v), 0)) for v in (0, 1)]
+    assert rails == [1, 2]  # a wide one has rails on both sides
+
+
+def test_a_dense_fence_has_close_palings_of_wood():
+    made = placed("fence")
+    for seed in range(20):
+        parts = fences.fence(made, np.random.default_rng(seed), dense=True)
+        assert {p.material for p in parts} == {"wood"}
+        palings = next(p for p in parts if p.size[1] == 0.0)
+        assert palings.mesh is not None
+        widths = np.ptp(palings.mesh.vertices.reshape(-1, 4, 3)[..., 0], axis=1) * palings.size[0]
+        assert widths.sum() == pytest.approx(0.9 * made.size[0])
+
+
+def test_a_shelter_is_open_to_its_left_and_behind_panes_elsewhere():
+    made = placed("shelter")
+    shelter = build(made, 1)
+    panes = [p for p in shelter if p.material == "glass"]
+    assert len(panes) == 3
+    assert all(p.extinction is not None for p in panes)
+    assert all(p.center[1] < 0.0 for p in panes)
+    rng = np.random.default_rng(0)
+    at = np.column_stack([rng.uniform(-1.0, 1.0, 200), np.full(200, -0.6), rng.uniform(1.0, 1.6, 200)])
+    found = cast(shelter, (0.0, 6.0, 1.3), at)
+    assert {shelter[index].material for index in found if index >= 0} <= {"glass", "metal"}
+
+
+def test_low_bins_are_round_and_high_ones_have_wheels():
+    for variant in range(3):
+        made = placed("bin", variant)
+        bin = build(made, 0)
+        assert [p.shape for p in bin] == (["cylinder"] if made.size[2] < 0.95 else ["mesh", "mesh"])
+
+
+def test_most_benches_have_a_back():
+    counts = [len(build(placed("bench"), seed)) for seed in range(60)]
+    assert set(counts) == {3, 5}
+    assert counts.count(5) > 35
+
+
+def test_the_sleeve_of_a_cone_reflects_on_its_outside():
+    cone = build(placed("cone"), 0)
+    at = np.array([[0.0, 0.0, 0.3]])
+    assert cone[cast(cone, (5.0, 0.0, 0.3), at)[0]].material == "retroreflector"
+    assert cone[cast(cone, (5.0, 0.0, 0.45), np.array([[0.0, 0.0, 0.45]]))[0]].material == "plastic"
+
+
+@pytest.mark.parametrize("kind", ["letterbox", "hydrant", "cabinet"])
+def test_what_stands_on_the_sidewalk_reaches_into_the_ground(kind: str):
+    lowest = min(p.center[2] - p.size[2] / 2 for p in build(placed(kind), 0))
+    assert lowest == pytest.approx(-0.3, abs=0.06)
+
+
+def test_the_arm_of_a_lamp_is_on_its_left_and_no_longer_than_its_room():
+    for seed in range(40):
+        lamp = build(placed("lamp", 1), seed)
+        luminaire = next(p for p in lamp if p.material == "plastic")
+        assert luminaire.center[1] > 0.5
+        assert luminaire.center[1] + luminaire.size[1] / 2 <= LAMP_ARM + 1e-9
+
+
+def test_low_lamps_are_lanterns_or_have_arms():
+    counts = {len(build(placed("lamp", 0), seed)) for seed in range(40)}
+    assert counts == {2, 3, 4}
+
+
+def test_high_and_thick_poles_are_of_wood_and_bollards_reflect():
+    assert build(placed("pole", 1), 0)[0].material == "wood"
+    assert build(placed("pole", 0), 0)[0].material == "metal"
+    bands = [len(build(placed("pole", 0), seed)) for seed in range(40)]
+    assert set(bands) == {1, 2}
+
+
+def test_a_wide_traffic_light_hangs_from_an_arm_and_has_another_on_its_mast():
+    made = placed("traffic_light", 1)
+    lights = [p for p in build(made, 0) if p.material == "plastic"]
+    assert [p.center[1] for p in lights] == pytest.approx([made.size[1] / 2 - 0.2, -made.size[1] / 2 + 0.15])
+    top = lights[0].center[2] + lights[0].size[2] / 2
+    assert top == pytest.approx(made.size[2])
+    assert len([p for p in build(placed("traffic_light", 0), 0) if p.material == "plastic"]) == 1
+
+
+def test_lenses_look_forward():
+    for variant in (0, 1):
+        primitives = build(placed("traffic_light", variant), 0)
+        housings = [p for p in primitives if p.material == "plastic"]
+        lenses = [p for p in primitives if p.material == "glass"]
+        for housing, lens in zip(housings, lenses, strict=True):
+            assert lens.center[0] > housing.center[0]
+
+
+def test_signs_reflect_to_the_front_and_are_grey_behind():
+    for seed in range(12):
+        made = placed("sign", seed % 2)
+        primitives = build(made, seed)
+        middle = np.array([[0.0, 0.0, made.size[2] - 0.2]])
+        plates = [p for p in primitives if p.label == "traffic-sign"]
+        for x, material in ((6.0, "retroreflector"), (-6.0, "sign-back")):
+            assert plates[cast(plates, (x, 0.05, made.size[2] - 0.2), middle)[0]].material == material
+
+
+def test_a_wide_sign_stands_on_two_posts():
+    posts = [[p for p in build(placed("sign", v), 0) if p.label == "pole"] for v in (0, 2)]
+    assert [len(row) for row in posts] == [1, 2]
+
+
+def test_plates_have_the_outlines_of_the_road_code():
+    corners = set()
+    for seed in range(300):
+        plates = [p for p in build(placed("sign", 0), seed) if p.material == "retroreflector"]
+        corners |= {len(p.mesh.vertices) for p in plates}
+    assert corners == {3, 4, 8, 12}
+
+
+def test_two_plates_are_one_over_the_other():
+    for seed in range(30):
+        plates = [p for p in build(placed("sign", 1), seed) if p.material == "retroreflector"]
+        assert len(plates) in (1, 2)
+        if len(plates) == 2:
+            upper, lower = plates
+            assert upper.center[2] - upper.size[2] / 2 >= lower.center[2] + lower.size[2] / 2
+
+
+def test_billboards_stand_on_one_post_or_two():
+    posts = [sum(p.size[0] == pytest.approx(0.16) for p in build(placed("billboard", v), 0)) for v in (0, 1)]
+    assert posts == [2, 1]
+
+
+def test_nothing_of_a_gantry_is_lower_than_its_clearance_between_the_posts():
+    for seed in range(10):
+        made = placed("gantry", seed)
+        primitives = build(made, seed)
+        boards = [p for p in primitives if p.label == "traffic-sign"]
+        assert boards
+        every = all_vertices(primitives)
+        between = np.abs(every[:, 1]) < made.size[1] / 2 - 0.6
+        ends = np.abs(every[:, 1]) >= made.size[1] / 2 - 1e-6
+        assert np.sort(every[ends, 2])[0] < 0.0  # the posts reach into the ground
+        truss = vertices(next(p for p in primitives if p.shape == "mesh" and p.label == "pole"))
+        assert truss[:, 2].min() >= made.clearance - 1e-9
+        assert between.any()
+        assert every[between, 2].min() >= made.clearance - 1e-9
+
+
+def test_plants_are_media_and_let_some_rays_through():
+    for kind in ("tree", "bush", "hedge"):
+        for seed in range(20):
+            leaves = [p for p in build(placed(kind, seed % 2), seed) if p.label == "vegetation"]
+            assert leaves
+            assert all(p.extinction is not None and 0.0 < p.extinction < 25.0 for p in leaves)
+            assert all(p.shape in ("ellipsoid", "box") for p in leaves)
+    assert all(p.extinction is not None for p in build(placed("grass", 1), 0))
+
+
+def test_trunks_are_solid_and_grow_with_the_height():
+    for variant in range(4):
+        made = placed("tree", variant)
+        trunk = build(made, 0)[0]
+        assert (trunk.label, trunk.shape, trunk.extinction) == ("trunk", "cylinder", None)
+        assert trunk.size[0] == pytest.approx(trunk_diameter(made.size[2]))
+        assert trunk.center[2] - trunk.size[2] / 2 == pytest.approx(-0.3)
+    assert (trunk_diameter(4.5), trunk_diameter(13.0)) == pytest.approx((0.2, 0.39), abs=0.01)
+
+
+def test_crowns_begin_at_the_clearance():
+    for seed in range(30):
+        made = placed("tree", seed)
+        leaves = [p for p in build(made, seed) if p.label == "vegetation"]
+        assert min(p.center[2] - p.size[2] / 2 for p in leaves) >= made.clearance - 0.02 * made.size[2]
+
+
+def test_bare_trees_stop_a_fifth_of_the_light_and_are_few():
+    densities = []
+    for seed in range(400):
+        made = placed("tree", 1)
+        crown = made.size[2] - made.clearance
+        densities.append(max(p.extinction or 0.0 for p in build(made, seed)) * crown)
+    bare = [density for density in densities if density < 1.0]
+    assert 0.02 < len(bare) / len(densities) < 0.13
+
+
+def test_the_middle_of_a_verge_has_the_height_of_the_grass():
+    made = placed("grass", 1)
+    heights = [p.size[2] for p in build(made, 0)]
+    assert max(heights) == made.size[2]
+    assert len(heights) == 4
+
+
+def test_whether_a_tree_is_bare_can_be_said():
+    made = placed("tree", 1)
+
+    def light(seed: int, bare: bool | None) -> float:
+        parts = plants.tree(made, np.random.default_rng(seed), bare=bare)
+        return max(p.extinction for p in parts if p.extinction is not None)
+
+    assert all(light(seed, False) > 0.15 for seed in range(60))
+    assert sum(light(seed, True) < 0.15 for seed in range(60)) > 50  # conifers are never bare
+    assert light(3, None) == max(p.extinction for p in build(made, 3) if p.extinction is not None)
