@@ -106,7 +106,7 @@ def test_a_row_counts_what_was_found_and_what_is_close():
         [report_image.Recovered(0.1, 1.0), report_image.Recovered(1.0, 1.0)],
         [report_image.Recovered(*[math.nan] * 2)],
     ]
-    assert report_image.line("some", rows) == "| some | 3 | 2 | 1 | 0.55 / 0.96 | 1.00 / 1.00 | 0 |"
+    assert report_image.line("some", rows) == "| some | 3 | 2 | 1 | 0.55 / 0.95 | 1.00 / 1.00 | 0 |"
     assert report_image.line("none", []).startswith("| none | 0 | 0 | - |")
 
 
