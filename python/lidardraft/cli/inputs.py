@@ -27,6 +27,7 @@ _GOES_WITH = {
     "metres_per_pixel": ("sketch",),
     "scale_bar": ("sketch",),
     "classes": ("obj", "glb", "blender"),
+    "strict": ("blender",),
     "up": ("obj", "glb"),
     "scale": ("obj",),
     **dict.fromkeys(
@@ -84,6 +85,8 @@ def add_inputs(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
         help="class of the objects, materials or collections of that name in --obj, --glb or --blender, where their "
         "names say none or another; repeatable",
     )
+    text = "refuse a --blender script in which the names of an object say no class, in place of a note"
+    group.add_argument("--strict", action="store_true", default=None, help=text)
     group.add_argument("--up", choices=("y", "z"), help="axis that points up in --obj (default z) or --glb (default y)")
     group.add_argument("--scale", type=number, metavar="M", help="length of a unit of --obj, in metres (default 1)")
     _add_image_options(group)
@@ -262,7 +265,7 @@ def _from_blender(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.blender.layout import layout_from_blender
 
     path = Path(arguments.blender)
-    layout = layout_from_blender(path, classes=_classes(arguments))
+    layout = layout_from_blender(path, classes=_classes(arguments), strict=bool(arguments.strict))
     if layout.provenance.get("source") == path.name:  # and not that of a layout that was written as a script
         for note in layout.provenance["notes"]:
             say("lidardraft", f"{path}: {note}")

@@ -34,25 +34,28 @@ def layout_from_blender(
     script: str | os.PathLike[str],
     *,
     classes: Mapping[str, str] | None = None,
+    strict: bool = False,
     limits: Limits = _DEFAULT_LIMITS,
 ) -> Layout:
     """The layout of the scene that a Blender Python script makes: its text, or the path of its file, NAME.py.
 
     Blender's frame is taken as the layout's: x forward, y left, z up, the ego vehicle at the origin. The scene starts
     empty. Classes are those of `classes`, by names of objects, materials or collections, or else what these names say
-    ("Car.001", "mat_building"). Upright cubes, spheres, cylinders and planes become the layout's own shapes, all else
-    meshes. Numbers of `random` are those of Python's generator for the script's seed, or for 0.
+    ("Car.001", "mat_building"); an object without one is "other", with a note. Upright cubes, spheres, cylinders and
+    planes become the layout's own shapes, all else meshes. Numbers of `random` are those of Python's generator for the
+    script's seed, or for 0.
 
     What was passed over because no shape depends on it is in `provenance["notes"]`. Raises `ScriptError` naming the
-    line of what is not understood or more than `limits`, and `LayoutError` listing the names that say no class.
+    line of what is not understood or more than `limits`, and, where `strict`, `LayoutError` listing the names that say
+    no class.
     """
     check_type("script", script, str, os.PathLike)
     if isinstance(script, str) and ("\n" in script or not script.endswith(".py")):
-        return _layout(script, classes or {}, limits, {"source": "blender"})
+        return _layout(script, classes or {}, strict, limits, {"source": "blender"})
     if (size := regular_size(script)) > 4 * limits.file:
         raise FormatError(f"{os.fspath(script)} has {size} bytes; scripts of up to {4 * limits.file} are read")
     with named(script):
-        return _layout(_decoded(read_bytes(script)), classes or {}, limits, {"source": Path(script).name})
+        return _layout(_decoded(read_bytes(script)), classes or {}, strict, limits, {"source": Path(script).name})
 
 
 def _decoded(data: bytes) -> str:
@@ -64,7 +67,7 @@ def _decoded(data: bytes) -> str:
         raise ScriptError(f"line {line}: no text in UTF-8: byte {error.start} of the file is wrong") from None
 
 
-def _layout(text: str, classes: Mapping[str, str], limits: Limits, source: dict[str, Any]) -> Layout:
+def _layout(text: str, classes: Mapping[str, str], strict: bool, limits: Limits, source: dict[str, Any]) -> Layout:
     check_classes(classes)
     script = Script(limits)
     scene = Scene(script)
@@ -75,7 +78,7 @@ def _layout(text: str, classes: Mapping[str, str], limits: Limits, source: dict[
         with np.errstate(all="ignore"):  # what is not finite is refused where it is used
             read(text, script)
             scene.leave_edit_mode()
-            primitives = primitives_of(scene, classes)
+            primitives = primitives_of(scene, classes, strict=strict)
     except RefusalError as refusal:
         raise ScriptError(f"line {refusal.line or script.line}: {refusal}") from None
     notes = [f"line {line}: {note}" for note, line in script.notes.items()]

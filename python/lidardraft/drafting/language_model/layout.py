@@ -76,7 +76,7 @@ def layout_from_llm(
     replies, limit = ReplyCache(kept), TimeLimit(timeout)
     if blender:
         script = Request(server, blender_prompt(), text, {"seed": seed})
-        drawn = converse(script, lambda reply: layout_from_blender(code_of(reply)), replies, limit)
+        drawn = converse(script, lambda reply: layout_from_blender(code_of(reply), strict=True), replies, limit)
         said = {"seed": seed, "findings": [finding.message for finding in check(drawn.result)]}
         return _with_provenance(drawn.result, drawn, said)
     schema = {"name": "scene_spec", "strict": True, "schema": scene_spec_schema()}

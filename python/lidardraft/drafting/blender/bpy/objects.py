@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -80,7 +79,7 @@ class SceneObject(Block):
         self.data = object_data
         self.location = Vector([0.0, 0.0, 0.0])
         self.rotation = Euler([0.0, 0.0, 0.0])
-        self.unused_rotation = Euler([0.0, 0.0, 0.0])  # the angles, while the rotation is a quaternion
+        self.quaternion = Quaternion([1.0, 0.0, 0.0, 0.0])  # which counts where that is the mode
         self.scale = Vector([1.0, 1.0, 1.0])
         self.parent: SceneObject | None = None
         self.parent_inverse = IDENTITY
@@ -92,7 +91,20 @@ class SceneObject(Block):
 
     def local(self) -> np.ndarray:
         """parent_from_object [4, 4], without the inverse of the parent."""
-        return affine(rotation_matrix(self.rotation.numbers) * self.scale.numbers, np.array(self.location.numbers))
+        return affine(self.turned() * self.scale.numbers, np.array(self.location.numbers))
+
+    def turned(self) -> np.ndarray:
+        """parent_from_object [3, 3], without the scale."""
+        if self.mode == "XYZ":
+            return rotation_matrix(self.rotation.numbers)
+        return of_quaternion(self.quaternion.numbers)
+
+    def turn(self, rotation: np.ndarray) -> None:
+        """Turn it so that `turned()` is the rotation [3, 3]."""
+        if self.mode == "XYZ":
+            self.rotation.change(angles_of(rotation))
+        else:
+            self.quaternion.change(quaternion_of(rotation))
 
     def world(self) -> np.ndarray:
         """world_from_object [4, 4]."""
@@ -138,7 +150,7 @@ class SceneObject(Block):
             raise RefusalError("a matrix that shears an object")
         self.location.change(matrix[:3, 3].tolist())
         self.scale.change(scale.tolist())
-        self.rotation.change(angles_of(rotation))
+        self.turn(rotation)
 
     def set_parent(self, parent: Value) -> None:
         """Make it a part of another object, or of none."""
@@ -156,7 +168,7 @@ class SceneObject(Block):
         self.script.take_steps(_STEPS)
         self.script.take_cells(3 * len(self.properties))
         other: SceneObject = self.owner.new(self.name, self.data)
-        for name in ("location", "rotation", "unused_rotation", "scale"):
+        for name in ("location", "rotation", "quaternion", "scale"):
             getattr(other, name).change(getattr(self, name).numbers)
         other.parent, other.parent_inverse = self.parent, self.parent_inverse
         other.properties, other.mode = dict(self.properties), self.mode
@@ -193,35 +205,22 @@ class SceneObject(Block):
     def _type(self) -> str:
         return "MESH" if isinstance(self.data, Mesh) else "EMPTY" if self.data is None else self.data.kind
 
-    def _angles(self) -> Vector:
-        return self.rotation if self.mode == "XYZ" else self.unused_rotation
-
     def _set_angles(self, value: Value) -> None:
         if self.mode != "XYZ":
             self.script.note(f"rotation_euler is passed over: the rotation mode is {self.mode!r}")
-        self._angles().change(reals(value, 3, "the rotation"))
-
-    def _quaternion(self) -> Vector:
-        self.script.take_steps(_STEPS)
-        found = Quaternion(quaternion_of(rotation_matrix(self.rotation.numbers)))
-
-        def write(numbers: Sequence[float]) -> None:
-            found.change(numbers)
-            self._set_quaternion(found)
-
-        return LiveVector(lambda: found.numbers, write)
+        self.rotation.change(reals(value, 3, "the rotation"))
 
     def _set_quaternion(self, value: Value) -> None:
-        if self.mode == "QUATERNION":
-            self.rotation.change(angles_of(of_quaternion(reals(value, 4, "the quaternion"))))
-        else:
+        if self.mode != "QUATERNION":
             self.script.note(f"rotation_quaternion is passed over: the rotation mode is {self.mode!r}")
+        self.quaternion.change(reals(value, 4, "the quaternion"))
 
     def _set_mode(self, value: Value) -> None:
         if value not in ("XYZ", "QUATERNION"):
             raise RefusalError(f"the rotation mode {describe(value)} is not supported; 'XYZ' and 'QUATERNION' are")
-        self.mode = value
-        self.unused_rotation.change(self.rotation.numbers)
+        self.script.take_steps(_STEPS)
+        rotation, self.mode = self.turned(), value
+        self.turn(rotation)
 
     def _dimensions(self) -> Vector:
         extents = self.extents()
@@ -291,9 +290,9 @@ class SceneObject(Block):
         "data": lambda self: self.data,
         "type": _type,
         "location": lambda self: self.location,
-        "rotation_euler": _angles,
+        "rotation_euler": lambda self: self.rotation,
         "rotation_mode": lambda self: self.mode,
-        "rotation_quaternion": _quaternion,
+        "rotation_quaternion": lambda self: self.quaternion,
         "scale": lambda self: self.scale,
         "parent": lambda self: self.parent,
         "matrix_world": lambda self: Matrix(self.charged_world(), self.set_world),

@@ -339,7 +339,7 @@ def _apply(item: SceneObject, location: bool, rotation: bool, scale: bool) -> No
     if location:
         item.location.change(_ORIGIN)
     if rotation:
-        item.rotation.change(_ORIGIN)
+        item.turn(np.eye(3))
     if scale:
         item.scale.change((1.0, 1.0, 1.0))
     item.data.matrix = _inverse(item.local(), item.name[:60]) @ before @ item.data.matrix

@@ -7,6 +7,7 @@ import dataclasses
 import math
 import re
 from collections.abc import Mapping
+from itertools import takewhile
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from lidardraft.drafting.blender.bpy.scene import Scene
 from lidardraft.drafting.blender.script.limits import RefusalError
 from lidardraft.errors import LayoutError
 from lidardraft.scene.box import THINNEST
-from lidardraft.scene.class_names import class_of, id_of, words_of
+from lidardraft.scene.class_names import class_of, id_of, without_number, words_of
 from lidardraft.scene.layout import Primitive
 from lidardraft.scene.placed_mesh import in_unit_box, placed_mesh
 from lidardraft.semantics import BY_NAME
@@ -27,14 +28,52 @@ from lidardraft.semantics import BY_NAME
 _STEPS = 20  # that a copy costs
 _LONGEST_CLASS = 100
 _MOST_NAMES = 50  # in one message
-_NUMBERED_PART = re.compile(r"(.*?\d+)[._ -]+(\D.*)", re.DOTALL)  # "Car_1_Wheel" is a part of "Car_1"
+_REMEDY = "say which by --class NAME=CLASS (`classes` in Python)"
+_NUMBERED_PART = re.compile(r"(.*?\d+)[._ -]+(\D.*)", re.DOTALL)  # "Car_1_Lamp" is a part of "Car_1"
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+_BODIES = ("body", "chassis", "hull", "base", "main", "frame", "torso")  # parts of which a thing has one
+_PARTS = (
+    *(
+        "wheel",
+        "tire",
+        "tyre",
+        "rim",
+        "hub",
+        "axle",
+        "cabin",
+        "cab",
+        "roof",
+        "hood",
+        "bonnet",
+        "door",
+        "trunk",
+        "window",
+    ),
+    *("windshield", "windscreen", "glass", "bumper", "fender", "grille", "headlight", "taillight", "light", "mirror"),
+    *(
+        "spoiler",
+        "seat",
+        "saddle",
+        "handlebar",
+        "fork",
+        "pedal",
+        "plate",
+        "head",
+        "arm",
+        "leg",
+        "hand",
+        "foot",
+        "helmet",
+    ),
+)
+_STEPS_OF_PLACE = 2
 
 
-def primitives_of(scene: Scene, classes: Mapping[str, str]) -> list[Primitive]:
+def primitives_of(scene: Scene, classes: Mapping[str, str], *, strict: bool) -> list[Primitive]:
     """The primitives of all objects that are linked to the scene and have a surface, in the order of their making.
 
-    Raises `LayoutError` listing the names that say no class, and `RefusalError` for too many vertices and for what is
-    too far away or too large.
+    An object whose names say no class is "other", with a note. Raises `LayoutError` listing these where `strict`, and
+    `RefusalError` for too many vertices and for what is too far away or too large.
     """
     meshes = _meshes_of(scene)
     limit = scene.script.limits.vertices
@@ -42,19 +81,23 @@ def primitives_of(scene: Scene, classes: Mapping[str, str]) -> list[Primitive]:
         raise RefusalError(f"the scene has {count} vertices; {limit} are the most", 1)
     labels = [_class_of(item, classes) for item, _, _ in meshes]
     nameless = {item.name: item.line for (item, _, _), label in zip(meshes, labels, strict=True) if label is None}
-    if nameless:
+    if nameless and strict:
         names = ", ".join(f"{name:.60} (line {line})" for name, line in sorted(nameless.items())[:_MOST_NAMES])
         more = f" and {len(nameless) - _MOST_NAMES} more" if len(nameless) > _MOST_NAMES else ""
-        raise LayoutError(f"no class for {names}{more}; say which by --class NAME=CLASS (`classes` in Python)")
+        raise LayoutError(f"no class for {names}{more}; {_REMEDY}")
+    for name, line in nameless.items():
+        scene.script.note(f"no class for {without_number(name):.60}: it becomes 'other'; {_REMEDY}", line)
+    things = _Things(
+        scene, classes, [item for (item, *_), label in zip(meshes, labels, strict=True) if _is_thing(label)]
+    )
     numbers = _Instances([item.properties.get("instance") for item, _, _ in meshes])
     ids: dict[str, int] = {}
     primitives = []
-    for (item, mesh, shape), label in zip(meshes, labels, strict=True):
-        assert label is not None
-        whole, part = _whole_and_part(item, label, classes)
+    for (item, mesh, shape), said in zip(meshes, labels, strict=True):
+        label = said or "other"
+        whole, part = things.whole_and_part(item, label)
         fields: dict[str, Any] = {"label": label, "id": item.properties.get("id") or _distinct(whole, part, ids)}
-        is_thing = label in BY_NAME and BY_NAME[label].is_thing
-        fields["instance"] = numbers.of(item, whole) if is_thing else item.properties.get("instance", 0)
+        fields["instance"] = numbers.of(item, whole) if _is_thing(label) else item.properties.get("instance", 0)
         fields |= {
             name: item.properties[name] for name in ("material", "extinction", "open") if name in item.properties
         }
@@ -126,23 +169,85 @@ def _class_of(item: SceneObject, classes: Mapping[str, str]) -> str | None:
     return class_of(item.class_names(), classes) or class_of([item.data.name], classes)
 
 
-def _whole_and_part(item: SceneObject, label: str, classes: Mapping[str, str]) -> tuple[str, str]:
-    """The names of the object that it is a part of and of the part; that is "" where it is an object of its own.
+def _is_thing(label: Any) -> bool:
+    return label in BY_NAME and BY_NAME[label].is_thing
 
-    It is a part of the uppermost parent of its class, or else of "Car_1" if its name is "Car_1_Wheel".
-    """
-    top, parent = item, item.parent
-    while parent is not None:
-        if class_of([parent.name], classes) in (label, None) and not isinstance(parent.data, Mesh):
-            top = parent  # an empty holds the parts of one object together
-        elif isinstance(parent.data, Mesh) and _class_of(parent, classes) == label:
-            top = parent
-        parent = parent.parent
-    match = _NUMBERED_PART.fullmatch(top.name[:200])
-    whole = match.group(1) if match else top.name
-    if item is top:
-        return whole + item.suffix, match.group(2) if match else ""
-    return whole + item.suffix, item.name.removeprefix(whole).lstrip("._ -") or item.name
+
+class _Name:
+    """What the name of a thing says: of which whole it is ("Car_Red" of "Car_Red_Wheel_FL"), the part that it is of
+    that, and the numbers behind the part, of which the first may be the whole's ("Car_Wheel_0_1")."""
+
+    def __init__(self, name: str) -> None:
+        plain = without_number(name)[:200]
+        words = list(_WORD.finditer(plain))
+        said = [word.group().lower() for word in words]
+        place = next((k for k in range(len(said) - 1, 0, -1) if said[k].removesuffix("s") in _BODIES + _PARTS), None)
+        numbers = [] if place is None else list(takewhile(str.isdigit, said[place + 1 :]))
+        self.is_part = place is not None and said[place].removesuffix("s") in _PARTS
+        self.whole, self.part = name, ""
+        if place is not None:
+            start = plain[: words[place].start()].rstrip("._ -")
+            own = numbers[: len(numbers) - 1] if self.is_part else numbers
+            self.whole, self.part = "_".join([start, *own]), name[words[place].start() :]
+            if not self.is_part:
+                self.whole += name[len(plain) :]  # the number that tells one body from another
+        self.keys = [(*said[:place], *numbers[:count]) for count in range(len(numbers), -1, -1)]
+
+
+class _Things:
+    """The things of a scene, and which of its objects are parts of them: by their parents, or else by their names."""
+
+    def __init__(self, scene: Scene, classes: Mapping[str, str], items: list[SceneObject]) -> None:
+        self._script = scene.script
+        self._classes = classes
+        self._known: dict[
+            tuple[str, ...], list[SceneObject]
+        ] = {}  # those that are no part, by the words of their names
+        self._places: dict[tuple[str, ...], np.ndarray] = {}
+        for item in items:
+            name = _Name(item.name)
+            if not name.is_part:
+                self._known.setdefault(name.keys[0], []).append(item)
+
+    def whole_and_part(self, item: SceneObject, label: str) -> tuple[str, str]:
+        """The names of the object that it is a part of and of the part; that is "" where it is an object of its own.
+
+        It is a part of the uppermost parent of its class, or else of "Car_1" if its name is "Car_1_Wheel".
+        """
+        top, parent = item, item.parent
+        while parent is not None:
+            if class_of([parent.name], self._classes) in (label, None) and not isinstance(parent.data, Mesh):
+                top = parent  # an empty holds the parts of one object together
+            elif isinstance(parent.data, Mesh) and _class_of(parent, self._classes) == label:
+                top = parent
+            parent = parent.parent
+        whole, part = self._named(top) if _is_thing(label) else _own(top, None)
+        if item is top:
+            return whole, part
+        return whole + item.suffix, item.name.removeprefix(whole).lstrip("._ -") or item.name
+
+    def _named(self, item: SceneObject) -> tuple[str, str]:
+        name = _Name(item.name)
+        key = next((key for key in name.keys if key in self._known), None)
+        if not name.is_part or key is None:
+            return _own(item, name)
+        known = self._known[key]
+        if key not in self._places:
+            self._places[key] = np.array([each.charged_world()[:3, 3] for each in known])
+        self._script.take_steps(_STEPS_OF_PLACE + len(known) // 100)
+        place = (
+            item.charged_world()[:3, 3] if len(known) > 1 else 0.0
+        )  # of several of one name, it is the nearest one's
+        nearest = known[int(np.argmin(((self._places[key] - place) ** 2).sum(axis=1)))]
+        return _own(nearest, _Name(nearest.name))[0], name.part + item.suffix
+
+
+def _own(item: SceneObject, name: _Name | None) -> tuple[str, str]:
+    """What a name says by itself: the whole and the part."""
+    if name is not None and name.part:
+        return name.whole + item.suffix, name.part
+    match = _NUMBERED_PART.fullmatch(item.name[:200])
+    return (match.group(1) + item.suffix, match.group(2)) if match else (item.name + item.suffix, "")
 
 
 class _Instances:
@@ -190,7 +295,12 @@ def _placed_shape(item: SceneObject, mesh: Mesh, shape: MeshShape, **fields: Any
     An object that is only moved, scaled and turned about z keeps its numbers to the last digit. Raises `LayoutError`
     for what is too far away or too large.
     """
-    if item.parent is None and item.rotation.numbers[:2] == [0.0, 0.0] and min(item.scale.numbers) >= 0:
+    if (
+        item.parent is None
+        and item.mode == "XYZ"
+        and item.rotation.numbers[:2] == [0.0, 0.0]
+        and min(item.scale.numbers) >= 0
+    ):
         exact = _placed_exactly(item, mesh, shape, **fields)
         if exact is not None:
             return exact

@@ -74,10 +74,10 @@ class Script:
         self.generators: Container[ast.AST] = ()  # its functions with a `yield`
         self.handled: RaisedError | None = None  # what a bare `raise` raises again
 
-    def note(self, message: str) -> None:
+    def note(self, message: str, line: int | None = None) -> None:
         """Keep a line about what is passed over."""
         if len(self.notes) < _MOST_NOTES:
-            self.notes.setdefault(message, self.line)
+            self.notes.setdefault(message, line or self.line)
 
     def take_steps(self, count: int) -> None:
         """Count so many evaluated nodes, or what takes as long; a number below 0 is 0."""
