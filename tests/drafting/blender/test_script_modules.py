@@ -1,8 +1,158 @@
+"""The modules that scripts may import: those that compute, and those that stand for a script's surroundings."""
+
 import math
 import random
 
 import pytest
 from script_reading import agrees, reads, refuses
+
+from lidardraft.drafting.blender.script.limits import Limits, RefusalError
+from lidardraft.drafting.blender.script.values import Outside, describe
+
+SCRIPT = """
+import argparse, sys
+parser = argparse.ArgumentParser(description="a street")
+group = parser.add_argument_group("sizes")
+parser.add_argument("--count", "-n", type=int, default=3, help="how many")
+group.add_argument("--road-width", type=float, default=7.5)
+group.add_argument("--wet", action="store_true")
+group.add_argument("--no-trees", dest="trees", action="store_false")
+parser.add_argument("-s")
+parser.add_argument("rest", nargs="*")
+"""
+AGREED: list[str] = [
+    # they give what python gives
+    "from collections import defaultdict\nd = defaultdict(list)\nd['a'].append(1)\nd['a'].append(2)\n"
+    "assert d['a'] == [1, 2] and 'b' not in d and d.get('b') is None and len(d) == 1",
+    "from collections import Counter, OrderedDict\nc = Counter('abca')\nc['d'] += 1\n"
+    "assert c['a'] == 2 and c['d'] == 1\n"
+    "assert list(OrderedDict([('x', 1)]).items()) == [('x', 1)]",
+    "from collections import namedtuple\nP = namedtuple('P', 'x y')\np = P(1, y=2)\na, b = p\n"
+    "assert p.x + p[1] == a + b == 3",
+    "from functools import partial, reduce\nf = partial(max, 5, key=abs)\nassert f(3) == 5\n"
+    "assert reduce(lambda a, b: a * b, [2, 3, 4]) == 24 and reduce(lambda a, b: a + b, [], 7) == 7",
+    "from collections import Counter\nc = Counter({'a': 2})\nc.update(['a', 'b'])\nc.update({'b': 5})\n"
+    "assert c['a'] == 3 and c['b'] == 6 and c['none'] == 0 and 'none' not in c\n"
+    "assert c.most_common(1) == [('b', 6)] and c.most_common() == [('b', 6), ('a', 3)] and sum(c.values()) == 9",
+    "from collections import deque\nd = deque([1, 2, 3])\nd.append(4)\nd.appendleft(0)\n"
+    "assert d.popleft() == 0 and d.pop() == 4 and len(d) == 3 and list(d) == [1, 2, 3] and d[-1] == 3",
+    "from functools import cache, lru_cache\nmade = []\n@lru_cache(maxsize=None)\ndef f(x, y=1):\n"
+    "    made.append(x)\n    return x + y\n@cache\ndef g(x):\n    made.append(x)\n    return -x\n"
+    "assert f(1) == f(1) == 2 and f(1, y=2) == 3 and g(5) == g(5) == -5 and made == [1, 1, 5]",
+    "from abc import ABC, abstractmethod\nclass A(ABC):\n    @abstractmethod\n    def f(self):\n        pass\n"
+    "class B(A):\n    def f(self):\n        return 1\nassert B().f() == 1",
+    # they give what pythons do
+    "from itertools import product\n"
+    "assert list(product([1, 2], 'ab')) == [(1, 'a'), (1, 'b'), (2, 'a'), (2, 'b')]\n"
+    "assert len(list(product(range(3), repeat=2))) == 9",
+    "from itertools import combinations, permutations\n"
+    "assert list(combinations([1, 2, 3], 2)) == [(1, 2), (1, 3), (2, 3)]\n"
+    "assert len(list(permutations('abc'))) == 6",
+    "from itertools import chain\n"
+    "assert list(chain([1], (2, 3))) == list(chain.from_iterable([[1, 2], [3]])) == [1, 2, 3]",
+    "from itertools import count, cycle, repeat, islice\n"
+    "assert list(zip('ab', count(10, 2))) == [('a', 10), ('b', 12)]\n"
+    "assert list(islice(cycle([1, 2]), 5)) == [1, 2, 1, 2, 1] and list(repeat(0, 3)) == [0, 0, 0]\n"
+    "c = count(5)\nassert next(c) == 5 and next(c) == 6\nfor k in c:\n    if k > 9:\n        break\nassert k == 10",
+    "from itertools import accumulate, pairwise, islice\nassert list(accumulate([1, 2, 3])) == [1, 3, 6]\n"
+    "assert list(accumulate([1, 2, 3], lambda a, b: a * b)) == [1, 2, 6] and list(pairwise('abc')) == [('a', "
+    "'b'), ('b', 'c')]\n"
+    "assert list(islice(range(9), 1, 6, 2)) == [1, 3, 5]",
+    "from itertools import accumulate, chain, count, cycle, islice, pairwise\nmade = []\n"
+    "def f():\n    for k in count():\n        made.append(k)\n        yield k\n"
+    "for part in (islice(f(), 5), chain(f(), [9]), accumulate(f()), pairwise(f()), cycle(f())):\n"
+    "    for x in part:\n        break\n    assert len(made) < 3, made\n    made.clear()\n"
+    "assert list(islice(chain([7], f()), 3)) == [7, 0, 1] and list(islice(accumulate(f()), 4)) == [0, 1, 3, 6]\n"
+    "assert list(islice(pairwise(f()), 2)) == [(0, 1), (1, 2)] and list(accumulate([], initial=4)) == [4]\n"
+    "assert list(islice(cycle(x for x in 'ab'), 5)) == list('ababa')",
+    # a copy shares what pythons does
+    "import copy\na = {'x': [1, 2], 'y': (3, [4])}\nb = copy.deepcopy(a)\nc = copy.copy(a)\na['x'].append(5)\n"
+    "a['y'][1].append(6)\nassert b == {'x': [1, 2], 'y': (3, [4])} and c['x'] is a['x'] and c is not a",
+    "from copy import deepcopy\nx = []\na = [x, x]\nb = deepcopy(a)\nassert b[0] is b[1] and b[0] is not x",
+    "from copy import copy, deepcopy\nfrom dataclasses import dataclass\n@dataclass\nclass A:\n    x: list\n"
+    "a = A([1])\nb, c = copy(a), deepcopy(a)\nb.x.append(2)\nassert a.x == [1, 2] and c.x == [1] and c is not a",
+    "from copy import deepcopy\nfrom collections import defaultdict\nd = defaultdict(list)\nd[1].append(2)\n"
+    "e = deepcopy(d)\ne[3].append(4)\nassert e == {1: [2], 3: [4]} and d == {1: [2]}",
+    "from copy import deepcopy\nfrom enum import Enum\nclass E(Enum):\n    A = 1\nassert deepcopy(E.A) is E.A\n"
+    "assert deepcopy(len) is len and deepcopy(5) == 5 and deepcopy(None) is None",
+    # data is read and written as python does
+    'import json\nd = json.loads(\'{"a": [1, 2.5, null, true], "b": {"c": "d"}}\')\n'
+    "assert d == {'a': [1, 2.5, None, True], 'b': {'c': 'd'}}",
+    "import json\nassert json.dumps({'a': [1, (2, 3)], 'b': None}) == '{\"a\": [1, [2, 3]], \"b\": null}'",
+    "import json\nassert json.loads(json.dumps(['\U0001f600', 'é'])) == ['\U0001f600', 'é']",
+    "import json\nassert json.dumps({'b': 1, 'a': 2}, indent=2, sort_keys=True).splitlines()[1] == '  \"a\": 2,'",
+    "import json\ntry:\n    json.loads('{')\n    assert False\nexcept ValueError:\n    pass\n"
+    "try:\n    json.loads('')\n    assert False\nexcept json.JSONDecodeError:\n    pass",
+    # a default that is a text becomes its type
+    "import argparse\nparser = argparse.ArgumentParser()\n"
+    "parser.add_argument('--count', type=int, default='3')\n"
+    "parser.add_argument('--size', type=lambda s: [float(part) for part in s.split('x')], default='2x3.5')\n"
+    "parser.add_argument('--names', nargs='*', default=None)\nparser.add_argument('--kind', type=str, default=5)\n"
+    "parser.add_argument('first', nargs='?', type=float, default='1.5')\nparser.add_argument('rest', nargs='*')\n"
+    "args = parser.parse_args([])\nassert args.count == 3 and args.size == [2.0, 3.5] and args.names is None\n"
+    "assert args.kind == 5 and args.first == 1.5 and args.rest == []",
+    # names of files are what python makes of them
+    "import os\nassert os.path.join('/a', 'b', 'c.glb') == '/a/b/c.glb' and os.path.basename('/a/b.py') == 'b.py'",
+    "from os.path import dirname, splitext\nassert dirname('/a/b') == '/a' and splitext('a.py') == ('a', '.py')",
+    "from pathlib import Path\np = Path('/a') / 'b' / 'c.tar.gz'\n"
+    "assert str(p) == '/a/b/c.tar.gz' and p.name == 'c.tar.gz' and p.stem == 'c.tar' and p.suffix == '.gz'\n"
+    "assert str(p.parent) == '/a/b' and str(p.parents[1]) == '/a' and p == Path('/a', 'b/c.tar.gz')\n"
+    "assert str(p.with_suffix('.py')) == '/a/b/c.tar.py' and f'{p.with_name(\"d\")}' == '/a/b/d'\n"
+    "assert repr(Path('a')) == \"PosixPath('a')\"",
+    "import sys\nsys.path.append('/lib')\nargs = sys.argv[sys.argv.index('--') + 1:] if '--' in sys.argv else []\n"
+    "assert args == [] and sys.version_info >= (3, 8) and sys.maxsize > 1",
+    "import os\nassert os.environ.get('LIDARDRAFT_NOT_SET', '5') == os.getenv('LIDARDRAFT_NOT_SET', '5') == '5'",
+    # what is said to nobody is passed over
+    "import gc, logging, sys, traceback, warnings\nlogging.basicConfig(level=logging.WARNING)\n"
+    "log = logging.getLogger(__name__)\nlog.setLevel(logging.ERROR)\nlog.info('made %d', 3)\n"
+    "log.addHandler(logging.StreamHandler(sys.stderr))\nlog.propagate = False\nlogging.debug('x')\n"
+    "warnings.simplefilter('ignore')\nwarnings.warn('old')\nsys.stdout.flush()\ngc.collect()\n"
+    "assert logging.INFO == 20",
+]
+REFUSED: list[tuple[str, str, int]] = [
+    # what they refuse
+    ("[1].popleft()", "a list has no 'popleft' that is supported", 1),
+    ("from functools import singledispatch\nsingledispatch(1)", "a call of functools.singledispatch", 2),
+    ("from functools import cache\n@cache\ndef f(x):\n    pass\nf([])", "of what cannot be a key", 5),
+    ("from collections import namedtuple\nnamedtuple('A', '_x')", "namedtuple of '_x' is not supported", 2),
+    ("from functools import reduce\nreduce(max, [])", "reduce of nothing", 2),
+    # what is too much is refused
+    ("import copy\na = []\nfor i in range(60):\n    a = [a]\ncopy.deepcopy(a)", "more than 30 levels deep", 5),
+    ("import copy\na = 1\nfor i in range(25):\n    a = (a, a)\ncopy.deepcopy(a)", "more than 175000 steps", 5),
+    (
+        "import copy\na = [0] * 9000\nwhile True:\n    copy.copy(a)",
+        "all values together have more than 1000000 elements",
+        4,
+    ),
+    # a default that is a text becomes its type
+    ("import argparse\nargparse.ArgumentParser().add_argument('--a', type=int, default='x')", "int: invalid", 2),
+    # what is no time is refused
+    ("from datetime import datetime\ndatetime.now() + 1", "a moment", 2),
+    ("from datetime import timedelta\ntimedelta(days=1)", "a call of datetime.timedelta", 2),
+    ("import time\ntime.strftime(5)", "the format is 5", 2),
+    # a path that grows is refused
+    (
+        "from pathlib import Path\np = Path('a')\nwhile True:\n    p = p / p",
+        "a text of .* characters; 2000000 are the most",
+        4,
+    ),
+    ("import os\np = 'a'\nwhile True:\n    p = os.path.join(p, p)", "a text of .* characters; 2000000 are the most", 4),
+    # what writes a file is refused
+    ("import logging\nlogging.basicConfig(filename='/tmp/a')", "a log that is written to a file", 2),
+    ("import logging\nlogging.FileHandler('/tmp/a')", "logging.FileHandler is not supported", 2),
+    ("import sys\nsys.stdout.buffer", "sys.stdout has no 'buffer'", 2),
+    ("import logging\nlogging.getLogger().handlers", "a logger has no 'handlers'", 2),
+]
+
+
+@pytest.mark.parametrize("script", AGREED)
+def test_it_is_what_python_makes_of_it(script: str) -> None:
+    agrees(script)
+
+
+@pytest.mark.parametrize(("script", "said", "line"), REFUSED)
+def test_it_is_refused(script: str, said: str, line: int) -> None:
+    refuses(script, said, line)
 
 
 @pytest.mark.parametrize(
@@ -61,3 +211,146 @@ def test_the_functions_of_math_are_those_of_python() -> None:
 )
 def test_what_they_refuse(call: str, said: str) -> None:
     refuses(f"import math, random\n{call}", said, 2)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        ("product(range(999), range(999))", "more than 175000 steps"),
+        ("permutations(range(17))", "the number of elements at a time is 17; it must be 0 to 16"),
+        ("combinations(range(99), 9)", "more than 175000 steps"),
+        ("list(islice(count(), 10**9))", "more than 175000 steps"),
+        ("list(islice(count(), None))", "more than 175000 steps"),
+        ("list(zip(count(), count()))", "more than 175000 steps"),
+        ("list(chain(count(), [1]))", "more than 175000 steps"),
+        ("list(accumulate(count()))", "more than 175000 steps"),
+        ("list(islice(range(10**10), 10**9, None))", "10000000000 elements"),
+        ("all(range(1, 10**10))", "9999999999 elements"),
+        ("all(count(1))", "more than 175000 steps"),
+        ("list(cycle(x for x in [1, 2]))", "more than 175000 steps"),
+    ],
+)
+def test_what_is_too_much_is_refused_before_it_is_made(call: str, said: str) -> None:
+    refuses(f"from itertools import *\n{call}", said, 2)
+
+
+def test_what_is_no_data_or_too_much_is_refused() -> None:
+    refuses("import json\njson.load('a.json')", "json.load is not supported", 2)
+    refuses("import json\njson.loads('1' * 30)", "a whole number of more than 63 bits", 2)
+    refuses("import json\njson.loads('1' * 5000)", "a number of 5000 digits", 2)
+    refuses("import json\njson.loads('[' * 9000 + ']' * 9000)", "nested too deeply", 2)
+    refuses('import json\njson.loads(r\'[{"a": "\\ud83d"}]\')', "half a character", 2)
+    refuses("import json\njson.dumps([1], indent=10**9)", "the indent is 1000000000; it must be 0 to 8", 2)
+    refuses("import json\njson.dumps(json)", "json.dumps.. does not take the arguments .json", 2)
+    refuses(
+        "import json\ns = '[' + '1,' * 50000 + '1]'\nwhile True:\n    json.loads(s)",
+        "all values together have more than 1000000 elements",
+        4,
+    )
+    reads("import json")
+
+
+def test_all_arguments_have_their_defaults() -> None:
+    reads(
+        f"{SCRIPT}args = parser.parse_args()\nassert (args.count, args.road_width, args.wet, args.trees) == "
+        "(3, 7.5, False, True)\nassert args.s is None and args.rest == []\n"
+        "args, more = parser.parse_known_args([])\nassert more == []"
+    )
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        ("add_argument('--a', required=True)", "the argument '--a' has no default"),
+        ("add_argument('a')", "the argument 'a' has no default"),
+        ("add_argument()", "a parser of no argument"),
+        ("add_argument('--a', action='version')", "the action 'version' of an argument is not supported"),
+        ("parse_args(['--count', '5'])", "arguments that a script gives itself are not supported"),
+        ("print_help()", "an ArgumentParser has no 'print_help'"),
+    ],
+)
+def test_an_argument_that_needs_the_command_is_refused(call: str, said: str) -> None:
+    refuses(f"{SCRIPT}parser.{call}", said, 11)
+
+
+def test_the_clock_stands_still() -> None:
+    assert reads("import time\nassert time.time() == time.perf_counter()").notes == {"the time is taken as 0": 2}
+    script = (
+        "import datetime as d\nfrom datetime import datetime\nstart = datetime.now()\nx = d.datetime.now() - start\n"
+        "assert x.total_seconds() == 0 and x.seconds == 0 and start.year == 1970\n"
+        "assert f'{start}' == '1970-01-01 00:00:00' and datetime.now().isoformat() == '1970-01-01T00:00:00'\n"
+        "assert str(x) == '0:00:00'"
+    )
+    assert list(reads(script).notes) == ["the time is taken as 0"]
+
+
+def test_a_time_is_written_in_the_format_that_is_asked_for() -> None:
+    reads(
+        "from datetime import datetime\nimport time\nassert int(datetime.now().strftime('%Y')) == 1970\n"
+        "assert time.strftime('%y%m%d_%H-%M-%S') == '700101_00-00-00'\nassert time.strftime('100%% x') == '100% x'"
+    )
+    refuses("import time\ntime.strftime('%Y %B')", "'%B' in the format of a time is not supported; %Y, ", 2)
+    refuses("import time\ntime.strftime('%')", "'%' in the format of a time is not supported", 2)
+    refuses("import time\ntime.strftime('%Y' * 51)", "a format of 102 characters; 100 are the most", 2)
+
+
+def test_nobody_waits() -> None:
+    agrees("import time\nassert time.sleep(0) is None")
+    reads("import time\ntime.sleep(10**6)")
+
+
+def test_no_file_is_looked_at() -> None:
+    notes = reads("import os\nassert not os.path.exists('/')\nassert not os.path.isdir(os.getcwd())").notes
+    assert list(notes) == [f"no file is looked at: os.path.{name} says False" for name in ("exists", "isdir")]
+    notes = reads("from pathlib import Path\nassert not Path(__file__).parent.resolve().exists()").notes
+    assert list(notes) == ["no file is looked at: Path.exists says False"]
+    notes = reads("from pathlib import Path\nassert not Path('a').is_file() and not Path('a').is_dir()").notes
+    assert list(notes) == [f"no file is looked at: Path.{name} says False" for name in ("is_file", "is_dir")]
+    notes = reads("import os\nassert os.environ.get('HOME') is None").notes
+    assert list(notes) == ["no variable of the environment is read"]
+
+
+@pytest.mark.parametrize("code", ["", "0", "None"])
+def test_a_script_may_end_itself(code: str) -> None:
+    reads(f"import sys\ntry:\n    sys.exit({code})\nexcept Exception:\n    assert False\nassert False")
+    reads("raise SystemExit")
+    reads("try:\n    raise SystemExit(0)\nfinally:\n    x = 1")
+
+
+@pytest.mark.parametrize(
+    ("script", "said"),
+    [
+        ("import sys\nsys.exit(1)", "the script ends itself here"),
+        ("import sys\nsys.exit('no road')", "the script ends itself here"),
+        ("import os\nos.makedirs('/tmp/x')", "os.makedirs is not supported"),
+        ("import os\nos.environ['HOME']", "os.environ has no item 'HOME'"),
+        ("import os\nos.listdir('.')", "os.listdir is not supported"),
+        ("import os\nos.path.getsize('a')", "os.path.getsize is not supported"),
+        ("from pathlib import Path\nPath('a').write_text('b')", "a path has no 'write_text'"),
+        ("from pathlib import Path\nPath('a').open()", "a path has no 'open'"),
+        ("from pathlib import Path\nlist(Path('/').iterdir())", "a path has no 'iterdir'"),
+        ("import sys\nsys.modules['os']", "sys.modules is not supported"),
+    ],
+)
+def test_what_reaches_outside_is_refused_where_it_is_called(script: str, said: str) -> None:
+    refuses(script, said, 2)
+
+
+def test_a_comparison_of_paths_counts_their_characters() -> None:
+    script = "from pathlib import Path\np, q = Path('a/' * 9999), Path('a/' * 9999)\nassert p == q and p != Path('a')\n"
+    refuses(f"{script}for _ in range(9):\n    p == q", "more than 20000 steps", 5, Limits(steps=20_000))
+    reads(f"{script}p == q", Limits(steps=20_000))
+
+
+def test_a_name_is_all_that_is_known_of_it() -> None:
+    part = Outside("socket").attribute("create_connection")
+    assert describe(part) == "socket.create_connection"
+    assert len(describe(part.attribute("a" * 10**6))) == 60
+    with pytest.raises(RefusalError, match=r"a call of socket\.create_connection: a script is read, not run"):
+        part.call([], {})
+    reads("import socket\nx = [socket, socket.a, socket.b]\nassert x[0] is socket and x[1] is not None")
+
+
+@pytest.mark.parametrize("use", ["m == 1", "m != m.a", "not m", "1 if m.x else 2", "f'{m}'", "str(m.x)", "m[0]"])
+def test_its_value_is_never_taken_for_one(use: str) -> None:
+    refuses(f"import socket as m\n{use}", "socket", 2)

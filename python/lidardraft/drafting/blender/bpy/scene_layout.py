@@ -31,40 +31,11 @@ _MOST_NAMES = 50  # in one message
 _REMEDY = "say which by --class NAME=CLASS (`classes` in Python)"
 _NUMBERED_PART = re.compile(r"(.*?\d+)[._ -]+(\D.*)", re.DOTALL)  # "Car_1_Lamp" is a part of "Car_1"
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
-_BODIES = ("body", "chassis", "hull", "base", "main", "frame", "torso")  # parts of which a thing has one
-_PARTS = (
-    *(
-        "wheel",
-        "tire",
-        "tyre",
-        "rim",
-        "hub",
-        "axle",
-        "cabin",
-        "cab",
-        "roof",
-        "hood",
-        "bonnet",
-        "door",
-        "trunk",
-        "window",
-    ),
-    *("windshield", "windscreen", "glass", "bumper", "fender", "grille", "headlight", "taillight", "light", "mirror"),
-    *(
-        "spoiler",
-        "seat",
-        "saddle",
-        "handlebar",
-        "fork",
-        "pedal",
-        "plate",
-        "head",
-        "arm",
-        "leg",
-        "hand",
-        "foot",
-        "helmet",
-    ),
+_BODY = re.compile("body|chassis|hull|base|main|frame|torso")  # the part of which a thing has one
+_PART = re.compile(
+    "(?:wheel|tire|tyre|rim|hub|axle|cabin|cab|roof|hood|bonnet|door|trunk|window|windshield|windscreen|glass|bumper"
+    "|fender|grille|headlight|taillight|light|mirror|spoiler|seat|saddle|handlebar|fork|pedal|plate|head|arm|leg|hand"
+    "|foot|helmet)s?"
 )
 _STEPS_OF_PLACE = 2
 
@@ -181,9 +152,10 @@ class _Name:
         plain = without_number(name)[:200]
         words = list(_WORD.finditer(plain))
         said = [word.group().lower() for word in words]
-        place = next((k for k in range(len(said) - 1, 0, -1) if said[k].removesuffix("s") in _BODIES + _PARTS), None)
+        kinds = [_PART.fullmatch(word) or _BODY.fullmatch(word) for word in said]
+        place = next((k for k in range(len(said) - 1, 0, -1) if kinds[k]), None)
         numbers = [] if place is None else list(takewhile(str.isdigit, said[place + 1 :]))
-        self.is_part = place is not None and said[place].removesuffix("s") in _PARTS
+        self.is_part = place is not None and _PART.fullmatch(said[place]) is not None
         self.whole, self.part = name, ""
         if place is not None:
             start = plain[: words[place].start()].rstrip("._ -")
@@ -200,14 +172,13 @@ class _Things:
     def __init__(self, scene: Scene, classes: Mapping[str, str], items: list[SceneObject]) -> None:
         self._script = scene.script
         self._classes = classes
-        self._known: dict[
-            tuple[str, ...], list[SceneObject]
-        ] = {}  # those that are no part, by the words of their names
-        self._places: dict[tuple[str, ...], np.ndarray] = {}
+        # Those that are no part, by the words of their names and the suffix of a copy, and where they are [N, 3].
+        self._known: dict[tuple[tuple[str, ...], str], list[SceneObject]] = {}
+        self._places: dict[tuple[tuple[str, ...], str], np.ndarray] = {}
         for item in items:
             name = _Name(item.name)
             if not name.is_part:
-                self._known.setdefault(name.keys[0], []).append(item)
+                self._known.setdefault((name.keys[0], item.suffix), []).append(item)
 
     def whole_and_part(self, item: SceneObject, label: str) -> tuple[str, str]:
         """The names of the object that it is a part of and of the part; that is "" where it is an object of its own.
@@ -228,7 +199,8 @@ class _Things:
 
     def _named(self, item: SceneObject) -> tuple[str, str]:
         name = _Name(item.name)
-        key = next((key for key in name.keys if key in self._known), None)
+        keys = [(key, suffix) for key in name.keys for suffix in (item.suffix, "")]
+        key = next((key for key in keys if key in self._known), None)
         if not name.is_part or key is None:
             return _own(item, name)
         known = self._known[key]
@@ -239,7 +211,7 @@ class _Things:
             item.charged_world()[:3, 3] if len(known) > 1 else 0.0
         )  # of several of one name, it is the nearest one's
         nearest = known[int(np.argmin(((self._places[key] - place) ** 2).sum(axis=1)))]
-        return _own(nearest, _Name(nearest.name))[0], name.part + item.suffix
+        return _own(nearest, _Name(nearest.name))[0], name.part + item.suffix.removeprefix(key[1])
 
 
 def _own(item: SceneObject, name: _Name | None) -> tuple[str, str]:

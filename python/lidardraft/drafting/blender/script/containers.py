@@ -92,8 +92,14 @@ class Lazy(Record):
 
 
 def iterate(value: Value, script: Script) -> Iterator[Value]:
-    """What takes one value after the other out of it; an iterator that is shared goes on for all who share it."""
-    return value.rest() if isinstance(value, Lazy) else iter(elements(value, script))
+    """What takes one value after the other out of it: a list may change meanwhile; all who share an iterator go on with
+    it."""
+    if isinstance(value, Lazy):
+        return value.rest()
+    if not isinstance(value, list):
+        return iter(elements(value, script))
+    script.take_cells(len(value))
+    return iter(value)
 
 
 class Set(Record):

@@ -356,7 +356,9 @@ def _set_item(owner: Value, key: Value, value: Value, script: Script) -> None:
         items = elements(value, script)
         script.take_cells(len(owner) + len(items))
         owner[key] = items
-    elif isinstance(owner, list) and isinstance(key, int) and -len(owner) <= key < len(owner):
+    elif isinstance(owner, list) and isinstance(key, int):
+        if not -len(owner) <= key < len(owner):
+            raise RaisedError("IndexError", f"a list of {len(owner)} has no place {key}")
         owner[key] = value
     else:
         raise RefusalError(f"{describe(owner)} has no place {describe(key)} that can be set")

@@ -208,10 +208,14 @@ def _delete(node: ast.Delete, frame: Frame) -> None:
             raise not_supported(node)
         place = Place(target, frame)
         owner, key = place.owner, place.key
-        if isinstance(owner, list) and (isinstance(key, slice) or -len(owner) <= whole(key, "a place") < len(owner)):
+        if isinstance(owner, list):
+            if not isinstance(key, slice) and not -len(owner) <= whole(key, "a place") < len(owner):
+                raise RaisedError("IndexError", f"a list of {len(owner)} has no place {key}")
             take_moved(owner, key, frame.script)
-        elif not isinstance(owner, dict) or dict_key(key) not in owner:
-            raise RefusalError(f"{describe(owner)} has no place {describe(key)}")
+        elif not isinstance(owner, dict):
+            raise not_supported(node)
+        elif dict_key(key) not in owner:
+            raise RaisedError("KeyError", f"the key {describe(key)} is not in the dict")
         del owner[key]
 
 
