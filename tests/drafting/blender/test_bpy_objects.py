@@ -34,10 +34,7 @@ REFUSED: list[tuple[str, str]] = [
     ("car.parent = 5", "the parent is 5; it must be an object"),
     ("car.matrix_world = Matrix(((1, 1, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)))", "a matrix that shears"),
     ("car.constraints.new('COPY_LOCATION')", "constraints of objects are not supported"),
-    (
-        "car.matrix_world = Matrix.Scale(1e299, 4) @ Matrix.Scale(1e299, 4)",
-        "a matrix with a number that is not finite",
-    ),
+    ("car.matrix_world = Matrix.Scale(1e299, 4) @ Matrix.Scale(1e299, 4)", "a matrix with a number that is not finite"),
     (
         "bpy.ops.object.empty_add()\nempty = bpy.context.object\nempty.scale = (0, 0, 0)\ncar.parent = empty\n"
         "car.matrix_world = Matrix()",
@@ -48,10 +45,7 @@ REFUSED: list[tuple[str, str]] = [
     # what they refuse
     ("car.modifiers.new('a', 'ARRAY').count = 1001", "the count of an array is 1001; it must be 1 to 1000"),
     ("car.modifiers.new('a', 'ARRAY').fit_type = 'FIT_LENGTH'", "'fit_type' of an array modifier cannot be set"),
-    (
-        "for i in range(2):\n    car.modifiers.new('a', 'ARRAY').count = 99",
-        "^line 3: .* make 9801 copies; 1000 are",
-    ),
+    ("for i in range(2):\n    car.modifiers.new('a', 'ARRAY').count = 99", "^line 3: .* make 9801 copies; 1000 are"),
     ("for i in range(99):\n    car.modifiers.new('a', 'ARRAY')", "an object with more than 8 modifiers"),
     # other operators are refused
     ("bpy.ops.import_scene.obj(filepath='a.obj')", "^line 6: bpy.ops.import_scene.obj is not supported"),
@@ -486,3 +480,10 @@ def test_curves_pass_and_are_no_shapes() -> None:
         "bpy.ops.curve.subdivide is passed over",
         "SURFACE is passed over",
     ]
+
+
+def test_lists_are_gone_through_by_names_where_they_have_some() -> None:
+    with_car(
+        "assert car.data.vertices.items() == [] and bpy.data.objects.keys() == ['Car']\n"
+        "assert [name for name, item in bpy.context.collection.objects.items() if item is car] == ['Car']"
+    )

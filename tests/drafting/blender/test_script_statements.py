@@ -183,11 +183,7 @@ REFUSED: list[tuple[str, str, int]] = [
     ("class A:\n    pass\nclass B(A, A):\n    pass", "derived from several", 3),
     ("class A(1):\n    pass", "a class derived from 1 is not supported", 1),
     ("with 1:\n    pass", "`with` of 1 is not supported", 1),
-    (
-        "def d(f):\n    return f\n@d\nclass A:\n    pass",
-        "a function of the script as a decorator is not supported",
-        3,
-    ),
+    ("def d(f):\n    return f\n@d\nclass A:\n    pass", "a function of the script as a decorator is not supported", 3),
     # errors that are suppressed
     ("from contextlib import suppress\nwith suppress(KeyError):\n    [][1]", "has no place 1", 3),
     ("from contextlib import suppress\nwith suppress(5):\n    pass", "no class of errors", 2),
@@ -204,18 +200,10 @@ REFUSED: list[tuple[str, str, int]] = [
     ),
     ("class A:\n    pass\nA().__class__ = A", "'__class__' of an instance of the class A cannot be set", 3),
     ("class A:\n    pass\nfor i in range(20):\n    class A(A):\n        pass", "derived from more than 16", 4),
-    (
-        "from dataclasses import dataclass\n@dataclass\nclass A:\n    x: int\nA()",
-        "the class A is not given 'x'",
-        5,
-    ),
+    ("from dataclasses import dataclass\n@dataclass\nclass A:\n    x: int\nA()", "the class A is not given 'x'", 5),
     ("from dataclasses import dataclass\n@dataclass\nclass A:\n    x: int\nA(1, 2)", "other arguments than x", 5),
     ("from enum import Enum\nclass K(Enum):\n    A = 1\nK(2)", "the class K has no such member", 4),
-    (
-        "class A:\n    def __str__(self):\n        return 1\nstr(A())",
-        "what __str__ gives is 1; it must be a text",
-        4,
-    ),
+    ("class A:\n    def __str__(self):\n        return 1\nstr(A())", "what __str__ gives is 1; it must be a text", 4),
     ("class A:\n    def __str__(self):\n        return str(self)\nstr(A())", "nested", 3),
     ("super().f()", r"super\(\) outside of a method", 1),
     # a generator that is not read or goes on too long is refused
@@ -226,11 +214,7 @@ REFUSED: list[tuple[str, str, int]] = [
     (_EACH_OTHER, "a generator that goes on with itself", 7),
     ("def f():\n    yield from g\ng = f()\nlist(g)", "a generator that goes on with itself", 2),
     ("def f():\n    yield 1\nlen(f())", "a generator has no length", 3),
-    (
-        "def f():\n    yield 1\nx = []\nwhile True:\n    x.append(f())",
-        "more than 175000 steps",
-        5,
-    ),
+    ("def f():\n    yield 1\nx = []\nwhile True:\n    x.append(f())", "more than 175000 steps", 5),
     ("x = lambda: (yield)\nx()", "is not supported in a script", 1),
     ("def f():\n    yield 1 / 0\n\nlist(f())", "division by zero", 2),
     # what is not read or too much is not caught

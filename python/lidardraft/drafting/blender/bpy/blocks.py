@@ -62,15 +62,18 @@ class Listed(Record):
     def truth(self) -> bool:
         return self.length() > 0
 
+    def _items(self) -> list[tuple[str, Value]]:
+        return [(each.name, each) for each in self.elements() if hasattr(each, "name")]
+
     def _get(self, name: Value, default: Value = None) -> Value:
         found = self.named(text(name, "a name"))
         return default if found is None else found
 
     methods: ClassVar[Methods] = {
         "get": _get,
-        "keys": lambda self: [each.name for each in self.elements()],
+        "keys": lambda self: [name for name, _ in self._items()],
         "values": lambda self: self.elements(),
-        "items": lambda self: [(each.name, each) for each in self.elements()],
+        "items": _items,
     }
 
 
