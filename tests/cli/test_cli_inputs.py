@@ -333,7 +333,7 @@ def test_what_is_wrong_with_a_blender_script(refused: Callable[..., str]) -> Non
     draft = ("draft", "-o", "layout.json", "--blender", "scene.py")
     assert "scene.py: No such file" in refused(*draft)
     Path("scene.py").write_text(SCRIPT)
-    assert "scene.py: no class for Blob (line 2); say which by --class" in refused(*draft)
+    assert "scene.py: no class for Blob (line 2); say which by --class" in refused(*draft, "--strict")
     assert "did you mean 'car'?" in refused(*draft, "--class", "Blob=cra")
     Path("scene.py").write_text("import bpy\nimport os\nos.system('ls')\n")
     assert "scene.py: line 3: os.system is not supported" in refused(*draft)
