@@ -147,16 +147,6 @@ def test_numbered_parts_are_one_thing(tmp_path):
     ]
 
 
-@pytest.mark.parametrize(
-    "names",
-    [("car_A4_red", "car_A4_blue"), ("Lane1_Car_a", "Lane1_Car_b"), ("Tesla_car_Model_3_l", "Tesla_car_Model_3_r")],
-)
-def test_other_numbers_in_names_join_nothing(tmp_path, names):
-    corners = "v 0 0 0\nv 1 0 0\nv 0 0 1\n"
-    (tmp_path / "a.obj").write_text("".join(f"o {name}\n{corners}f -3 -2 -1\n" for name in names))
-    assert [p.instance for p in layout_from_obj(tmp_path / "a.obj")] == [1, 2]
-
-
 def test_an_endless_file_of_the_system_is_empty():
     endless = Path("/proc/self/pagemap")  # a regular file of no size
     if not endless.exists():

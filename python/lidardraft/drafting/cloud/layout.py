@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from operator import attrgetter
 
 import numpy as np
 
@@ -88,7 +89,8 @@ def layout_from_cloud(
     others = [_primitive(*shape, str(index), index) for index, shape in enumerate(shapes)]
     pieces = refined(pieces, rays, [*others, *ground.primitives()], DETAILS[detail])
     objects = [[shape] for shape in shapes]
-    for _, parts in itertools.groupby(sorted(pieces, key=_cluster_of), key=_cluster_of):
+    cluster_of = attrgetter("label", "cluster")
+    for _, parts in itertools.groupby(sorted(pieces, key=cluster_of), key=cluster_of):
         boxes = [(piece, _grounded(piece.box, piece.label, ground)) for piece in parts]
         objects.append(
             [(piece.shape, box if DETAILS[detail].grounded else piece.box, piece.label) for piece, box in boxes]
@@ -267,10 +269,6 @@ def _groups(
         strays = np.delete(rest, np.concatenate([*found, np.zeros(0, dtype=int)]))
         found = cluster(points[strays], reach=2 * reach, min_points=detail.least_points)
         yield from (strays[members] for members in found)
-
-
-def _cluster_of(piece: Piece) -> tuple[int, int]:
-    return piece.label, piece.cluster
 
 
 def _numbered(objects: list[list[Shape]]) -> Iterator[Primitive]:

@@ -99,7 +99,9 @@ def _layout(
     place: tuple[float, float, float],
     fill: bool,
 ) -> Layout:
-    pixels = _checked_pixels(picture.pixels)
+    pixels = picture.pixels
+    if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3 or not pixels.size:
+        raise LayoutError(f"the picture is {pixels.dtype} {list(pixels.shape)}; it must be uint8 [H, W, 3]")
     height, width = pixels.shape[:2]
     camera = _camera(width, height, intrinsics, hfov, picture.film_focal_length)
     _check_numbers(camera_height, place)
@@ -161,12 +163,6 @@ def _over_edges(points: np.ndarray, labels: np.ndarray, instances: np.ndarray, r
         over[mine] = True
         over[max(parts, key=lambda part: rays[part].sum())] = False
     return over
-
-
-def _checked_pixels(image: np.ndarray) -> np.ndarray:
-    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or not image.size:
-        raise LayoutError(f"the picture is {image.dtype} {list(image.shape)}; it must be uint8 [H, W, 3]")
-    return image
 
 
 def _camera(
@@ -235,42 +231,27 @@ def _seen(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Depth, classes and numbers of objects: arrays of the whole picture, or what networks see in the small one."""
     if not isinstance(semantics, np.ndarray):
-        semantics = _semantic_network(semantics)(small)
+        semantics = _network("SemanticNetwork", semantics)(small)
     if not isinstance(depth, np.ndarray):
-        depth = _depth_network(depth)(small)
+        depth = _network("DepthNetwork", depth)(small)
     semantics, depth = _resized(semantics, small), np.minimum(_resized(depth, small).astype(np.float64), _BEYOND)
     if isinstance(masks, np.ndarray):
         few = np.array([_resized(mask, small) for mask in (masks if masks.ndim == 3 else masks[None])])
         semantics, instances = number_objects(semantics, few if masks.ndim == 3 else few[0])
     elif masks is not None:
-        semantics, instances = _mask_network(masks)(small, semantics)
+        semantics, instances = _network("MaskNetwork", masks)(small, semantics)
     elif instances is None:
         instances = np.zeros_like(semantics)
     return depth, semantics, _resized(instances, small)
 
 
-def _depth_network(given: PathLike | Network) -> Network:
+def _network(kind: str, given: Any) -> Any:
+    """A function as it is given, or the network of that kind that an id or a folder names."""
     if callable(given):
         return given
-    from lidardraft.perception.picture_networks import DepthNetwork
+    from lidardraft.perception import picture_networks
 
-    return DepthNetwork.from_pretrained(given)
-
-
-def _semantic_network(given: PathLike | Network) -> Network:
-    if callable(given):
-        return given
-    from lidardraft.perception.picture_networks import SemanticNetwork
-
-    return SemanticNetwork.from_pretrained(given)
-
-
-def _mask_network(given: PathLike | MaskNetwork) -> MaskNetwork:
-    if callable(given):
-        return given
-    from lidardraft.perception import picture_networks  # its MaskNetwork takes classes too
-
-    return picture_networks.MaskNetwork.from_pretrained(given)
+    return getattr(picture_networks, kind).from_pretrained(given)
 
 
 def _resized(array: np.ndarray, like: np.ndarray) -> np.ndarray:

@@ -1,0 +1,385 @@
+"""Pictures: cameras, points, the plane of the road, and what stands behind the camera."""
+
+import math
+
+import numpy as np
+import pytest
+
+from lidardraft.drafting.picture.camera import Pinhole
+from lidardraft.drafting.picture.points import pseudo_cloud
+from lidardraft.drafting.picture.road import RoadPlane, corrected_depth, find_road_plane
+from lidardraft.drafting.picture.surroundings import mirrored_surroundings
+from lidardraft.errors import LayoutError
+from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.raycast import Raycaster
+from lidardraft.semantics import BY_NAME
+
+K = np.array([[700.0, 0, 400], [0, 710.0, 300], [0, 0, 1]])
+
+
+def test_rays_of_a_matrix_worked_out_by_hand():
+    camera = Pinhole.from_matrix(K, 800, 600)
+    rays = camera.rays(np.array([300, 300, 371]), np.array([400, 470, 400]))
+    np.testing.assert_allclose(rays, [(1, 0, 0), (1, -0.1, 0), (1, 0, -0.1)])
+
+
+def test_a_field_of_view_is_the_angle_between_the_edges():
+    camera = Pinhole.from_hfov(math.radians(80), 640, 480)
+    right, left = camera.rays(np.array(239.5), np.array([639.5, -0.5]))
+    assert math.degrees(math.atan2(left[1], left[0])) == pytest.approx(40)
+    assert math.degrees(math.atan2(right[1], right[0])) == pytest.approx(-40)
+    assert camera.fx == camera.fy
+
+
+def test_a_focal_length_of_film():
+    """A picture of 3 : 2, the shape of the film: 36 mm see as wide as the film, 53 degrees."""
+    camera = Pinhole.from_film(36.0, 300, 200)
+    assert 2 * math.degrees(math.atan(150 / camera.fx)) == pytest.approx(53.13, abs=0.01)
+
+
+def test_a_resized_picture_has_the_same_edges():
+    camera = Pinhole.from_matrix(K, 800, 600)
+    small = camera.resized(200, 100)
+    for whole, part in (((-0.5, -0.5), (-0.5, -0.5)), ((599.5, 799.5), (99.5, 199.5))):
+        np.testing.assert_allclose(camera.rays(*map(np.array, whole)), small.rays(*map(np.array, part)))
+
+
+def test_intrinsics_come_in_three_forms():
+    projection = np.column_stack([K, [44.0, 0.2, 0.0]])
+    camera = Pinhole.from_matrix(K, 800, 600)
+    assert Pinhole.from_matrix(projection, 800, 600) == Pinhole.from_matrix((700, 710, 400, 300), 800, 600) == camera
+
+
+@pytest.mark.parametrize(
+    ("intrinsics", "said"),
+    [
+        ((700, 710, 400), r"shape \(3,\)"),
+        ("K", "shape"),
+        (None, "shape"),
+        ((700, -1, 400, 300), "fx and fy greater than 0"),
+        ((700, math.nan, 400, 300), "must be finite"),
+        ((700, 700, 900, 300), r"principal point \(900, 300\) lies outside the picture of 800 x 600"),
+        ((20, 20, 400, 300), "fx is 20 pixels, so 800 pixels are 174 degrees; a pinhole sees 5 to 170"),
+        ((20000, 20000, 400, 300), "a pinhole sees 5 to 170"),
+    ],
+)
+def test_intrinsics_that_cannot_be(intrinsics, said):
+    with pytest.raises(LayoutError, match=said):
+        Pinhole.from_matrix(intrinsics, 800, 600)
+
+
+@pytest.mark.parametrize("degrees", [0, -80, 200, 175, 1, math.nan, math.inf])
+def test_fields_of_view_that_cannot_be(degrees):
+    with pytest.raises(LayoutError, match=r"hfov is .*a pinhole sees 5 to 170 degrees"):
+        Pinhole.from_hfov(math.radians(degrees), 800, 600)
+
+
+def test_degrees_given_for_radians_are_told():
+    with pytest.raises(LayoutError, match=r"hfov is 80 rad \(4584 degrees\)"):
+        Pinhole.from_hfov(80, 800, 600)
+
+
+ROAD, TERRAIN, CAR, POLE, BUILDING = (BY_NAME[name].id for name in ("road", "terrain", "car", "pole", "building"))
+
+
+FINE_CAMERA = Pinhole.from_hfov(math.radians(8), 100, 60)  # a pixel is one cell
+
+
+NONE = np.zeros((60, 100), dtype=np.int64)
+
+
+def test_points_lie_where_the_rays_end():
+    depth = np.full((60, 100), 10.0)
+    cloud = pseudo_cloud(depth, NONE + BUILDING, NONE + 3, FINE_CAMERA)
+    assert len(cloud.points) == 6000
+    np.testing.assert_allclose(cloud.points[:, 0], 10)
+    assert cloud.points[:, 1].max() == -cloud.points[:, 1].min() > 0
+    assert cloud.points[0, 1] > 0 > cloud.points[99, 1]  # the left of the picture is on the left
+    assert cloud.points[0, 2] > 0 > cloud.points[-1, 2]
+    assert set(cloud.instances) == {3}
+
+
+def test_what_has_no_depth_or_no_class_has_no_point():
+    depth, labels = np.full((60, 100), 10.0), NONE + BUILDING
+    depth[:30], labels[:, :50] = 0, 0
+    cloud = pseudo_cloud(depth, labels, NONE, FINE_CAMERA)
+    assert len(cloud.points) == 30 * 50
+    assert cloud.points[:, 1].max() < 0.05
+    assert cloud.points[:, 2].max() < 0
+
+
+def test_a_fine_picture_is_thinned_and_a_sparse_one_keeps_what_it_has():
+    camera = FINE_CAMERA.resized(400, 240)
+    dense = pseudo_cloud(np.full((240, 400), 10.0), np.full((240, 400), BUILDING), np.zeros((240, 400), int), camera)
+    assert len(dense.points) == 60 * 100
+    sparse = np.zeros((240, 400))
+    rows, columns = np.indices((60, 100)) * 4 + np.random.default_rng(0).integers(0, 4, (2, 60, 100))
+    sparse[rows, columns] = 10.0
+    kept = pseudo_cloud(sparse, np.full((240, 400), BUILDING), np.zeros((240, 400), int), camera)
+    assert len(kept.points) == 60 * 100
+
+
+def test_a_smooth_edge_leaves_nothing_between_two_surfaces():
+    depth = np.full((60, 100), 10.0)
+    depth[:, 50:] = 30
+    depth[:, 47:53] = np.geomspace(10, 30, 6)
+    labels = NONE + BUILDING
+    cloud = pseudo_cloud(depth, labels, NONE, FINE_CAMERA)
+    between = (cloud.points[:, 0] > 13) & (cloud.points[:, 0] < 25)
+    assert not between.any()
+    assert (cloud.points[:, 0] == 10).sum() > 60 * 40
+    assert (cloud.points[:, 0] == 30).sum() > 60 * 40
+
+
+def test_a_road_is_kept_however_flat_it_is_seen():
+    rows = np.arange(60) + 1.0
+    depth = np.broadcast_to((1.65 * FINE_CAMERA.fx / rows)[:, None], (60, 100))
+    assert len(pseudo_cloud(depth, NONE + ROAD, NONE, FINE_CAMERA).points) == 6000
+
+
+def test_a_class_that_reaches_over_the_edge_of_its_object_is_cut():
+    depth, labels = np.full((60, 100), 30.0), NONE + BUILDING
+    depth[20:40, 30:60] = 10
+    labels[18:42, 28:62] = CAR  # two pixels too wide
+    cloud = pseudo_cloud(depth, labels, NONE, FINE_CAMERA)
+    cars = cloud.points[cloud.labels == CAR]
+    assert len(cars) >= 20 * 30
+    assert (
+        cars[:, 0] > 20
+    ).sum() <= 4 * 2 * 2  # the corners, from where the object is straight neither across nor down
+
+
+def test_the_last_rows_of_a_roof_seen_at_a_flat_angle_are_left_out():
+    """They would be an object of their own; the rows of a wall, and one row alone, are kept."""
+    depth, labels = np.full((60, 100), 30.0), NONE + BUILDING
+    depth[30:40, 20:40], labels[30:40, 20:40] = 10, CAR
+    depth[29, 20:40], labels[29, 20:40] = 10.8, CAR
+    depth[50, 20:40], labels[50, 20:40] = 10, CAR
+    cloud = pseudo_cloud(depth, labels, NONE, FINE_CAMERA)
+    cars = cloud.points[cloud.labels == CAR]
+    assert set(cars[:, 0]) == {10.0}
+    assert len(cars) == 11 * 20
+
+
+def test_a_thin_object_before_another_class_is_kept_whole():
+    depth, labels = np.full((60, 100), 30.0), NONE + BUILDING
+    depth[:, 50], labels[:, 50] = 8, POLE
+    cloud = pseudo_cloud(depth, labels, NONE, FINE_CAMERA)
+    assert (cloud.labels == POLE).sum() == 60
+
+
+def ground(height=1.65, number=2000, seed=0):
+    rng = np.random.default_rng(seed)
+    return np.column_stack([rng.uniform(4, 40, number), rng.uniform(-8, 8, number), np.full(number, -height)])
+
+
+def tilted(points, pitch, roll):
+    """The points as a camera sees them that is turned down by `pitch` and to the right by `roll`."""
+    cp, sp, cr, sr = math.cos(pitch), math.sin(pitch), math.cos(roll), math.sin(roll)
+    return points @ np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]]) @ np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+
+
+@pytest.mark.parametrize(("pitch", "roll"), [(0.0, 0.0), (0.2, 0.0), (-0.15, 0.05), (0.3, -0.2)])
+def test_height_and_tilt_are_found_among_points_that_are_wrong(pitch, roll):
+    rng = np.random.default_rng(1)
+    points = ground() + rng.normal(0, 0.01, (2000, 3))
+    points[:500] += rng.uniform(0, 3, (500, 3))  # a quarter lies elsewhere
+    plane = find_road_plane(tilted(points, pitch, roll), np.full(2000, ROAD))
+    assert plane.height == pytest.approx(1.65, abs=0.02)
+    np.testing.assert_allclose(plane.level @ plane.level.T, np.eye(3), atol=1e-12)
+    assert np.linalg.det(plane.level) == pytest.approx(1)
+    level = tilted(points, pitch, roll) @ plane.level.T
+    np.testing.assert_allclose(level[500:, 2], -1.65, atol=0.06)
+    ahead = tilted(np.array([[1.0, 0, 0]]), 0, 0) @ plane.level.T  # the axis of the camera stays ahead
+    assert abs(ahead[0, 1]) < 1e-9
+
+
+def test_the_scale_of_the_points_is_the_scale_of_the_height():
+    one, other = (find_road_plane(scale * ground(), np.full(2000, ROAD)) for scale in (1.0, 30.0))
+    assert other.height == pytest.approx(30 * one.height)
+
+
+def test_the_road_counts_before_the_grass_beside_it():
+    grass = ground(1.2, 3000)
+    points = np.concatenate([ground(1.65, 400), grass])
+    labels = np.repeat([ROAD, TERRAIN], [400, 3000])
+    assert find_road_plane(points, labels).height == pytest.approx(1.65)
+    assert find_road_plane(points[100 + 300 :], labels[400:]).height == pytest.approx(1.2)
+
+
+def test_no_ground_is_said():
+    with pytest.raises(
+        LayoutError, match="no ground is visible: 0 points of the picture are road, sidewalk or terrain"
+    ):
+        find_road_plane(ground(), np.full(2000, CAR))
+
+
+def test_a_ground_that_is_no_plane_is_said():
+    points = np.random.default_rng(0).uniform((2, -20, -9), (40, 20, 0), (2000, 3))
+    with pytest.raises(
+        LayoutError, match=r"no plane of the ground is found: .* of 2000 points of the ground lie on one"
+    ):
+        find_road_plane(points, np.full(2000, ROAD))
+
+
+def test_a_picture_upside_down_is_said():
+    with pytest.raises(LayoutError, match="is the depth metric, and the picture upright"):
+        find_road_plane(ground() * (1, -1, -1), np.full(2000, ROAD))
+
+
+def test_all_points_at_one_place():
+    with pytest.raises(LayoutError, match="no plane of the ground"):
+        find_road_plane(np.ones((300, 3)), np.full(300, ROAD))
+
+
+CAMERA = Pinhole.from_hfov(math.radians(60), 300, 200)
+
+
+HEIGHT = 1.65  # m
+
+
+PLANE = RoadPlane(level=np.eye(3), height=HEIGHT)
+
+
+def flat_road() -> tuple[np.ndarray, np.ndarray]:
+    """Depth and classes of a flat road, with nothing over the horizon."""
+    up = CAMERA.rays(*np.indices((200, 300)))[..., 2]
+    depth = np.where(up < -0.02, HEIGHT / np.maximum(-up, 0.02), 0.0)
+    return depth, np.where(depth > 0, ROAD, 0)
+
+
+def test_exact_depth_stays():
+    depth, labels = flat_road()
+    np.testing.assert_allclose(corrected_depth(depth, labels, CAMERA, PLANE, HEIGHT), depth)
+
+
+def test_a_patch_that_is_off_is_brought_to_the_plane_and_what_stands_on_it_with_it():
+    true, labels = flat_road()
+    foot = int(np.argmin(np.abs(true[:, 150] - 10.0)))
+    true[foot - 40 : foot, 120:180], labels[foot - 40 : foot, 120:180] = 10.0, CAR
+    depth = true * 1.05
+    near = (true > 0) & (true < 11)
+    better = corrected_depth(depth, labels, CAMERA, PLANE, HEIGHT)
+    assert np.abs(better[near] / true[near] - 1).max() < 0.03
+    wall = better[foot - 40 : foot, 120:180]
+    assert np.ptp(wall) < 0.03 * wall.mean()  # it keeps its shape
+
+
+@pytest.mark.parametrize("times", [0.8, 1.3])
+def test_what_is_far_off_the_plane_is_a_slope(times):
+    depth, labels = flat_road()
+    np.testing.assert_allclose(corrected_depth(times * depth, labels, CAMERA, PLANE, HEIGHT), times * depth)
+
+
+def test_far_depth_is_moved_less():
+    """A rise of 4 cm looks like depth that is 2.4 % too long, and a rise is the likelier the further away it is."""
+    true, labels = flat_road()
+    moved = 1 - corrected_depth(1.024 * true, labels, CAMERA, PLANE, HEIGHT) / np.where(true > 0, 1.024 * true, 1)
+    near, far = (moved[np.abs(true - depth) < 0.1 * depth].mean() for depth in (6.0, 60.0))
+    assert near > 4 * far > 0
+
+
+def test_without_a_road_nothing_moves():
+    depth, labels = flat_road()
+    np.testing.assert_allclose(corrected_depth(depth, labels * 0 + CAR, CAMERA, PLANE, HEIGHT), depth)
+
+
+@pytest.mark.parametrize("unit", [0.3, 2.0, 100.0])
+def test_the_unit_of_depth_makes_no_difference(unit):
+    true, labels = flat_road()
+    depth = 1.024 * true
+    metres = corrected_depth(depth, labels, CAMERA, PLANE, HEIGHT)
+    plane = RoadPlane(level=np.eye(3), height=HEIGHT / unit)
+    np.testing.assert_allclose(corrected_depth(depth / unit, labels, CAMERA, plane, HEIGHT) * unit, metres)
+
+
+COVERAGE = (-math.radians(40), math.radians(40))
+
+
+def box(id, center, size, label="car", yaw=0.0, **fields):
+    return Primitive(shape="box", center=center, size=size, label=label, id=id, yaw=yaw, **fields)
+
+
+CARS = (
+    box("car_1", (18, 3, 0.75), (4, 2, 1.5), yaw=0.3, instance=1),
+    box("car_2", (30, -3, 0.75), (4, 2, 1.5), instance=2),
+)
+
+
+def filled(*objects, slope=0.0):
+    x, y = np.meshgrid(np.arange(6, 60, 0.5), np.arange(-20, 20, 0.5))
+    seen = np.abs(np.arctan2(y, x)) < COVERAGE[1]
+    points = np.column_stack([x[seen], y[seen], slope * x[seen] - 1.7])
+    labels = np.where(np.abs(points[:, 1]) < 4, BY_NAME["road"].id, BY_NAME["terrain"].id)
+    layout = Layout(objects, {"source": "image"}, COVERAGE)
+    return mirrored_surroundings(layout, points, labels, 1.7)
+
+
+def test_what_the_picture_shows_stays_as_it_is():
+    layout = filled(*CARS)
+    assert [primitive for primitive in layout if primitive.id in ("car_1", "car_2")] == list(CARS)
+    assert layout.coverage == COVERAGE
+
+
+def test_objects_are_mirrored_about_where_the_picture_begins():
+    """That is at its edge or, near to the axis, where the ground comes out from below it."""
+    house = box("house", (24, 12, 2), (6, 6, 4), "building", yaw=0.3)
+    layout = filled(*CARS, house)
+    mirrored = layout["mirrored_house"]
+    np.testing.assert_allclose(mirrored.center, (2 * 12 / math.tan(COVERAGE[1]) - 24, 12, 2))
+    assert mirrored.yaw == -0.3
+    assert mirrored.size == house.size
+    np.testing.assert_allclose(layout["mirrored_car_2"].center, (2 * 6 - 30, -3, 0.75), atol=1.1)
+    assert [b.instance for b in layout.boxes()] == [1, 2, 3, 4]
+    assert layout["mirrored_car_2"].center[1] == -3  # no side is changed for the other
+
+
+def test_the_road_goes_on_under_and_behind_the_ego_vehicle():
+    layout = filled(slope=0.02)
+    x, y = (axis.ravel() for axis in np.meshgrid(np.arange(-25.25, 50, 2), [-12.25, -8.25, -1.25, 2.25, 9.25]))
+    origins = np.column_stack([x, y, np.full(len(x), 50.0)])
+    hits = Raycaster(layout).cast(origins, np.tile([0.0, 0, -1], (len(x), 1)))
+    names = np.where(np.abs(y) < 4, BY_NAME["road"].id, BY_NAME["terrain"].id)
+    np.testing.assert_array_equal(hits.label, names)
+    edge = np.maximum(np.abs(y) / math.tan(COVERAGE[1]), 6)
+    height = 50 - hits.distance
+    np.testing.assert_allclose(height, 0.02 * (edge + np.abs(x - edge)), atol=0.15)
+
+
+def test_what_touches_stays_together():
+    """Parts at other distances from the axis are not torn apart: a crown stays round."""
+    crown = [
+        Primitive(shape="ellipsoid", center=(25 + dx, 9 + dy, 3), size=(1.5,) * 3, label="vegetation", id=f"v{dx}{dy}")
+        for dx in (0, 1)
+        for dy in (0, 1, 2)
+    ]
+    layout = filled(*crown)
+    mirrored = np.array([layout[f"mirrored_{part.id}"].center for part in crown])
+    shifts = mirrored[:, 0] + [part.center[0] for part in crown]
+    np.testing.assert_allclose(shifts, 2 * 10 / math.tan(COVERAGE[1]))
+    np.testing.assert_allclose(mirrored[:, 1], [part.center[1] for part in crown])
+
+
+@pytest.mark.parametrize(
+    "primitive",
+    [
+        box("house", (9, 0, 2), (40, 3, 4), "building"),  # over the ego vehicle, as its mirror image is
+        box("car", (4.2, 3.5, 0.75), (4, 2, 1.5), instance=1),  # at the edge: half of it in the picture
+    ],
+)
+def test_no_mirror_image_stands_in_the_picture_or_on_the_ego_vehicle(primitive):
+    layout = filled(primitive)
+    assert [p.id for p in layout if p.id.startswith("mirrored")] == []
+
+
+def test_the_mirror_image_of_a_mesh_is_the_same_from_the_other_side():
+    vertices = np.array([(20.0, 8, 0), (24, 8, 0), (24, 10, 0), (20, 8, 3)])
+    faces = np.array([(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)])
+    mesh = Primitive.from_mesh(vertices, faces, label="building", id="roof", yaw=0.0)
+    mirrored = filled(mesh)["mirrored_roof"]
+    assert mirrored.mesh.is_closed()
+    half = np.array(mirrored.size) / 2
+    corner = mirrored.mesh.vertices[3] * mirrored.size + mirrored.center
+    edge = 9 / math.tan(COVERAGE[1])
+    np.testing.assert_allclose(corner, (2 * edge - 20, 8, 3))
+    assert half[0] == 2
