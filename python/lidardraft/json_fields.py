@@ -11,6 +11,7 @@ import numpy as np
 
 from lidardraft.errors import FormatError
 
+_LONGEST = 2**26  # bytes or letters of a text
 _MOST_BRACKETS = 3_000_000  # lists and objects of a text, which take a hundred bytes each once they are read
 _MOST_FIELDS = 1_500_000  # of all objects, which take twice as much and twice as long
 
@@ -61,7 +62,9 @@ def check_fields(fields: Iterable[str], required: Iterable[str], optional: Itera
 
 
 def check_brackets(text: str | bytes) -> None:
-    """Raises `FormatError` where a text has more lists, objects or fields than are read."""
+    """Raises `FormatError` where a text is longer, or has more lists, objects or fields, than is read."""
+    if len(text) > _LONGEST:
+        raise FormatError(f"{len(text)} bytes of JSON; up to {_LONGEST} are read")
     opened, begun, fields = map(text.count, "[{:") if isinstance(text, str) else map(text.count, (b"[", b"{", b":"))
     check_lists(opened + begun)
     if fields > _MOST_FIELDS:
