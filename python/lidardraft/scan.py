@@ -26,7 +26,7 @@ class Scan:
     """A labelled scan and the layout it was made of.
 
     `pose` is the world_from_sensor [4, 4] it was taken from; of a sensor that moves along its x axis with `speed` [m/s]
-    it is that in the middle of the sweep.
+    it is the pose in the middle of the sweep.
     """
 
     image: RangeImage
@@ -63,7 +63,7 @@ class Scan:
         return self.image.intensity[self.image.valid]
 
     def labels(self) -> np.ndarray:
-        """Class ids of `points()`, uint8 [N]; 0 for what is not of the layout."""
+        """Class ids of `points()`, uint8 [N]; 0 for points of nothing in the layout."""
         return self.image.label[self.image.valid]
 
     def instances(self) -> np.ndarray:

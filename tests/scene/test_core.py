@@ -279,6 +279,22 @@ def test_a_moved_scene_and_the_old_one() -> None:
     assert (after["depth"] != before["depth"]).any()
 
 
+RAYS = np.ones((3, 3))
+
+
+@pytest.mark.parametrize(
+    ("origins", "directions", "error", "said"),
+    [
+        (RAYS[:, :2].copy(), RAYS, LayoutError, r"origins has the shape \[3, 2\]; it must be \[R, 3\]"),
+        (RAYS.astype(np.float32), RAYS, TypeError, "origins must be .* it is float32"),
+        (RAYS, np.asfortranarray(RAYS), TypeError, "directions must be .* a strided view"),
+    ],
+)
+def test_rays_of_another_form(origins: np.ndarray, directions: np.ndarray, error: type[Exception], said: str) -> None:
+    with pytest.raises(error, match=said):
+        _core.Scene(**BALL).cast(origins, directions)
+
+
 ONE, TWO = np.zeros(1, np.uint32), np.zeros(2, np.uint32)
 
 

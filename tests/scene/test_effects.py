@@ -8,7 +8,7 @@ import pytest
 from observed_walls import IDEAL, SENSOR, THRESHOLD, seen, wall
 
 from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
-from lidardraft.errors import LayoutError, SensorError
+from lidardraft.errors import SensorError
 from lidardraft.scene.effects import observe, sub_rays
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.scanner import Scanner
@@ -66,8 +66,6 @@ def test_errors():
         observe(raycast(layout, SENSOR), layout, seed=0)
     with pytest.raises(SensorError, match="the image shows primitive 0; the layout has 0"):
         observe(image, Layout(), seed=0)
-    with pytest.raises(LayoutError, match="ring: material is 'cheese'; it must be one of asphalt, "):
-        observe(image, wall(10.0, "cheese"), seed=0)
     with pytest.raises(SensorError, match="the image is of small; sub_rays of small are small x 3"):
         observe(image, layout, seed=0, sensor=SENSOR)
 

@@ -126,6 +126,7 @@ def test_boxes_come_in_the_order_of_instances():
         ({"yaw": "north"}, r"car_1: yaw is 'north'; it must be a finite number of radians"),
         ({"instance": 65536}, r"car_1: instance is 65536; it must be 0 to 65535"),
         ({"instance": -1}, r"car_1: instance is -1; it must be 0 to 65535"),
+        ({"material": "cheese"}, r"car_1: material is 'cheese'; it must be one of asphalt, "),
         ({"open": 1}, r"car_1: open is 1; it must be true or false"),
         ({"id": ""}, r"id is ''; it must be a non-empty string"),
         ({"id": "car_\ud800"}, r"id is 'car_.ud800'; it must be a non-empty string of printable"),
@@ -142,21 +143,18 @@ TRIANGLE = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
 @pytest.mark.parametrize(
     ("vertices", "faces", "message"),
     [
-        (TRIANGLE * [1, np.nan, 1], [[0, 1, 2]], r"vertex 0 of a mesh is \[0.0, nan, 0.0\]; every coordinate"),
-        (
-            TRIANGLE + np.array([0, 0, np.inf]),
-            [[0, 1, 2]],
-            r"vertex 0 of a mesh is \[0.0, 0.0, inf\]; every coordinate",
-        ),
-        (TRIANGLE, [[0, 1, 3]], r"face 0 is \[0, 1, 3\]; the mesh has 3 vertices"),
+        (TRIANGLE[:, :2], [[0, 1, 2]], r"vertices \[V, 3\] and at least one face \[F, 3\]; got \(3, 2\)"),
+        ([[0, 0, 0], [np.nan, 0, 0], [1, 0, 0]], [[0, 1, 2]], r"vertex 1 of a mesh is \[nan, 0.0, 0.0\]; every"),
+        (TRIANGLE + np.array([0, 0, np.inf]), [[0, 1, 2]], r"vertex 0 of a mesh is \[0.0, 0.0, inf\]; every"),
+        (TRIANGLE, [[0, 1, 2], [0, 1, 3]], r"face 1 is \[0, 1, 3\]; the mesh has 3 vertices"),
         (TRIANGLE, [[0, 1, -1]], r"face 0 is \[0, 1, -1\]; the mesh has 3 vertices"),
         (TRIANGLE, np.zeros((0, 3)), r"at least one face \[F, 3\]; got \(3, 3\) and \(0, 3\)"),
-        (1e300 * TRIANGLE, [[0, 1, 2]], r"m: center is .*; no number may be larger than 1e.09 m"),
+        (1e300 * TRIANGLE, [[0, 1, 2]], r"m: the mesh reaches 1e.300 m from the origin; the limit is 1e.09 m"),
     ],
 )
 def test_a_mesh_that_cannot_be(vertices, faces, message):
     with pytest.raises(LayoutError, match=message):
-        Primitive.from_mesh(vertices, np.array(faces), label="road", id="m")
+        Primitive.from_mesh(np.array(vertices), np.array(faces), label="road", id="m")
 
 
 @pytest.mark.parametrize("extent", [-2.0, 0.0, 5e-324, 1e-160, 1e-30, 1e-7, 1.1e9, math.nan, math.inf])
@@ -282,17 +280,6 @@ def test_text_that_is_no_layout(tmp_path, text, message):
         Layout.load(tmp_path / "a.json")
 
 
-def test_a_file_of_bytes_is_no_layout(tmp_path):
-    (tmp_path / "a.json").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(FormatError, match=r"a.json is no text in UTF-8: byte 0 is wrong"):
-        Layout.load(tmp_path / "a.json")
-
-
-def test_a_missing_file_is_no_layout(tmp_path):
-    with pytest.raises(FormatError, match=r"none.json: No such file or directory"):
-        Layout.load(tmp_path / "none.json")
-
-
 def test_a_box_around_a_turned_part_bounds_it():
     long = Primitive(shape="box", center=(0, 0, 0.5), size=(4, 2, 1), label="car", id="a", instance=1)
     turned = Primitive(
@@ -396,23 +383,6 @@ def test_mesh_primitive_comes_back() -> None:
     mesh = primitive_mesh(Primitive.from_mesh(vertices, faces, label="building", id="a"))
     np.testing.assert_allclose(mesh.vertices, vertices)
     assert mesh == TriangleMesh(mesh.vertices, faces)
-
-
-@pytest.mark.parametrize(
-    ("vertices", "faces", "message"),
-    [
-        ([[0, 0, 0]], [], "at least one face"),
-        ([[0, 0]], [[0, 0, 0]], "vertices [V, 3]"),
-        ([[0, 0, 0], [math.nan, 0, 0], [1, 0, 0]], [[0, 1, 2]], "vertex 1 of a mesh is [nan, 0.0, 0.0]"),
-        ([[0, 0, 0], [math.inf, 0, 0], [1, 0, 0]], [[0, 1, 2]], "every coordinate must be finite"),
-        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 1, 3]], "face 1 is [0, 1, 3]; the mesh has 3 vertices"),
-        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, -1]], "face 0 is [0, 1, -1]"),
-    ],
-)
-def test_wrong_meshes(vertices: list[list[float]], faces: list[list[int]], message: str) -> None:
-    with pytest.raises(LayoutError) as caught:
-        TriangleMesh(np.array(vertices), np.array(faces))
-    assert message in str(caught.value)
 
 
 def test_meshes_are_compared_by_value_and_read_only() -> None:

@@ -4,7 +4,6 @@ import dataclasses
 import json
 import math
 import pickle
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -13,8 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lidardraft import Layout, Primitive, Raycaster, detail, raycast
-from lidardraft.errors import FormatError, LidarDraftError, SensorError
-from lidardraft.scene import beam_tables
+from lidardraft.errors import LidarDraftError, SensorError
 from lidardraft.scene.effects import observe, sub_rays
 from lidardraft.scene.range_image import IMAGES
 from lidardraft.scene.raycast import with_vehicle
@@ -34,11 +32,10 @@ def test_columns_wrap_where_they_make_a_full_turn():
 
 
 @pytest.mark.parametrize("name", sorted(PRESETS))
-def test_presets_have_their_name_and_descending_beams(name):
+def test_presets_have_their_name_and_a_file(name):
     sensor = Sensor.preset(name)
     assert sensor.name == name
     assert sensor.shape == (len(sensor.elevations), sensor.columns)
-    assert (np.diff(sensor.elevations) < 0).all()
     assert Sensor.from_json(sensor.to_json()) == sensor
 
 
@@ -92,8 +89,6 @@ def test_a_sensor_of_ones_own_is_a_json_file(tmp_path):
     assert sensor == Sensor(name="mine", elevations=(0.1, -0.1), columns=16)
     sensor.save(tmp_path / "saved.json")
     assert Sensor.load(tmp_path / "saved.json") == sensor
-    with pytest.raises(FormatError, match=r"a.json cannot be written"):
-        sensor.save(tmp_path / "nowhere" / "a.json")
 
 
 @pytest.mark.parametrize(
@@ -130,9 +125,7 @@ def test_a_file_that_is_no_sensor(tmp_path, text, message):
         Sensor.load(tmp_path / "mine.json")
 
 
-def test_a_missing_file_and_an_unknown_name(tmp_path):
-    with pytest.raises(FormatError, match=r"none.json: No such file"):
-        Sensor.load(tmp_path / "none.json")
+def test_an_unknown_name():
     with pytest.raises(
         SensorError, match=r"sensor is 'hdl65e'; it must be one of hdl64e, hdl64e-linear, .*`Sensor.load` reads a file"
     ):
@@ -263,21 +256,6 @@ def test_each_column_looks_to_one_azimuth_and_each_pixel_is_there_once(name: str
     middle = azimuth[np.argmax(inside, axis=0), np.arange(rows.shape[1])]
     apart = np.abs((azimuth - middle + math.pi) % (2 * math.pi) - math.pi)
     assert apart[inside].max() <= step * 1.001
-
-
-def tables() -> dict[str, tuple[float, ...]]:
-    return {name: table for name, table in vars(beam_tables).items() if name.isupper()}
-
-
-def test_every_elevation_table_falls_and_has_as_many_azimuths():
-    elevations = {name: table for name, table in tables().items() if name.endswith("_ELEVATIONS")}
-    assert len(elevations) >= 3
-    for name, table in elevations.items():
-        assert (np.diff(table) < 0).all(), name
-        assert max(map(abs, table)) < 90.0
-        azimuths = tables().get(name.replace("_ELEVATIONS", "_AZIMUTHS"))
-        assert azimuths is None or len(azimuths) == len(table), name
-        assert len(table) == int(re.findall(r"\d+", name.removesuffix("C_ELEVATIONS"))[-1]), name
 
 
 OPEN = Sensor(name="roof", elevations=(0.1, -0.1, -0.3), columns=360, azimuth_offsets=(0.2, 0.0, 0.0))

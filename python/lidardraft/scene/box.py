@@ -1,4 +1,4 @@
-"""Boxes around objects, and the checks of what they share with the shapes of a layout."""
+"""Boxes around objects, and the checks that they share with the shapes of a layout."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from lidardraft.errors import LayoutError, one_of
 from lidardraft.json_fields import are_numbers, is_number
 from lidardraft.semantics import BY_NAME
 
-THINNEST = 1e-6  # m, the least extent of a shape; rays miss shapes a millionth of that
+THINNEST = 1e-6  # m, the least extent of a shape; rays miss shapes a millionth as thick
 FURTHEST = 1e9  # m, the limit of coordinates and extents: that of the core, which squares them in float32
 
 
@@ -20,7 +20,7 @@ FURTHEST = 1e9  # m, the limit of coordinates and extents: that of the core, whi
 class Box:
     """An oriented box around one object: center and size (length, width, height, each >= 0) [m], yaw [rad].
 
-    Raises `LayoutError` naming the box and the value that cannot be.
+    Raises `LayoutError` naming the box and the invalid value.
     """
 
     id: str
@@ -50,13 +50,13 @@ class Box:
 
 
 def check_id(id: object) -> None:
-    """Raise `LayoutError` on what is no name, or one that steers the terminal it is printed on."""
+    """Raise `LayoutError` unless an id is a non-empty string that cannot steer the terminal it is printed on."""
     if not (isinstance(id, str) and id and id.isprintable()):
         raise LayoutError(f"id is {id!r}; it must be a non-empty string of printable characters")
 
 
 def checked_vector(id: str, name: str, values: Any, length: int = 3, limit: float = FURTHEST) -> Any:
-    """So many finite numbers as a tuple of floats; `LayoutError` on anything else."""
+    """The values as a tuple of `length` finite floats; `LayoutError` on anything else."""
     if not are_numbers(values, length):
         raise LayoutError(f"{id}: {name} is {values!r}; it must be {length} finite numbers")
     if max(map(abs, values)) > limit:
@@ -65,7 +65,7 @@ def checked_vector(id: str, name: str, values: Any, length: int = 3, limit: floa
 
 
 def checked_yaw(id: str, yaw: Any) -> float:
-    """A finite number of radians; `LayoutError` on anything else."""
+    """The yaw as a finite float [rad]; `LayoutError` on anything else."""
     if not is_number(yaw):
         raise LayoutError(f"{id}: yaw is {yaw!r}; it must be a finite number of radians")
     return float(yaw)

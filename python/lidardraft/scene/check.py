@@ -1,4 +1,4 @@
-"""Named checks on any layout: what is wrong, with whom, by how much. A layout that fails them can still be cast."""
+"""Checks of a layout that name each fault, its objects and its size. A layout that fails them can still be cast."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Finding:
 
 
 def check(layout: Layout) -> list[Finding]:
-    """The findings of all checks, in the order of CHECKS; none when all is well."""
+    """The findings of all checks, in the order of CHECKS."""
     return [finding for test in CHECKS for finding in test(layout)]
 
 
@@ -167,7 +167,7 @@ class Solid:
 
 
 def penetration(a: Solid, b: Solid) -> float:
-    """How far two solids must be moved apart to touch no more [m]; 0 where they do not touch.
+    """How far two solids must be moved apart until they no longer touch [m]; 0 where they do not touch.
 
     Separating axis theorem: two convex outlines are apart exactly when an edge normal of one of them separates them.
     """

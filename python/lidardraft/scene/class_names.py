@@ -1,4 +1,4 @@
-"""What names of modelled objects, materials and collections say: a class, and which names are parts of one object."""
+"""Names of modelled objects, materials and collections: the class that they say, and which are parts of one object."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _WORDS = {
     "other cone": "cone",
 }
 _MEANING = {word: meaning for meaning, words in _WORDS.items() for word in words.split()}
-# Two words that mean something else than the last of them.
+# Pairs of words that mean something else than their last word.
 _PAIRS = {
     ("traffic", "light"): "traffic-light",
     ("traffic", "lights"): "traffic-light",
@@ -61,9 +61,9 @@ _PAIRS = {
     ("fire", "hydrant"): "other",
     ("traffic", "cone"): "other cone",
 }
-# Words for parts, and the words after which they say nothing new: the wall of a house is a building.
+# Words for parts, and the words after which they add nothing: the wall of a house is a building.
 _PARTS = {"wall": ("building", "house", "garage", "shop", "office", "tower"), "gate": ("house",), "post": ("sign",)}
-_MANY = ("people",)  # words of a class that no -s makes many
+_MANY = ("people",)  # plurals without -s
 _PLURAL = re.compile(r"(?<=[a-z]{2})(?:(?<=ch|sh|ss)es|(?<!s)s)$")
 _NUMBERED = re.compile(r"(?<![A-Za-z])([A-Za-z]+)[\d._ -]*\d(?=[._ -]+\D)")  # a word, its number, and more behind
 OUTRIGHT = "class:"  # before the class, in a name that says nothing else
@@ -71,7 +71,7 @@ PROPERTIES = ("class", "id", "instance", "material", "extinction")  # that an ob
 
 
 def check_classes(classes: Mapping[str, str]) -> None:
-    """Raises `LayoutError` for a name that is given a class that is none."""
+    """Raises `LayoutError` where `classes` gives a name an unknown class."""
     check_type("classes", classes, Mapping)
     for key, value in classes.items():
         if value not in BY_NAME or value == "none":
@@ -79,7 +79,7 @@ def check_classes(classes: Mapping[str, str]) -> None:
 
 
 def class_of(names: Iterable[str], classes: Mapping[str, str]) -> str | None:
-    """The class that the first telling one of some names says; None where none does.
+    """The class that the first name with a class says; None where none has one.
 
     `classes` says it of whole names, with or without Blender's number behind them, and comes before all words; then
     comes a name that says it outright, "class:car".
@@ -113,16 +113,15 @@ def without_number(name: str) -> str:
 
 
 def id_of(name: str) -> str:
-    """The id of an object of that name: a dot before a number is no sign of a part, as "Car.001" is another car, and
-    control characters are spelled out."""
+    """The id of an object of that name: control characters are spelled out, and a dot before a number becomes "_", as
+    "Car.001" is another car and not a part of one."""
     return re.sub(r"\.(?=\d+$)", "_", printable(name))
 
 
 def whole_of(identifier: str) -> str:
-    """What an id is the id of a part of, or itself: "car_1.body" is a part of car_1, and so is "car_1_wheel".
+    """The object that an id is a part of, or the id itself: "car_1.body" and "car_1_wheel" are parts of car_1.
 
-    "Lane1_Car_a" is no part of a lane, as it says another class, and "car_A4_red" none of "car_A4", which is no number
-    of a car.
+    "Lane1_Car_a" says another class than a lane and is not a part of it; A4 in "car_A4_red" does not number a car.
     """
     whole, *part = re.split(r"\.(?=\D)", identifier, maxsplit=1)
     numbered = [match for match in _NUMBERED.finditer(whole[:200]) if class_of_last_word(match[1])]
@@ -135,7 +134,7 @@ def whole_of(identifier: str) -> str:
 
 
 def says_many(name: str) -> bool:
-    """Whether a word of the name says many of a class: "Parked cars", "People"."""
+    """Whether a word of the name is the plural of a class: "Parked cars", "People"."""
     return any(word in _MANY or (word not in _MEANING and _singular(word) in _MEANING) for word in words_of(name))
 
 

@@ -79,7 +79,7 @@ def move(
 def replace(layout: Layout, pattern: str, **fields: Any) -> Layout:
     """With new values for `fields` of the primitives that match, as in `replace(layout, "car_1", label="truck")`.
 
-    Raises `LayoutError` where none matches, and for a field or a value that cannot be.
+    Raises `LayoutError` where none matches, and for an unknown field or an invalid value.
     """
     names = [field.name for field in dataclasses.fields(Primitive)]
     unknown = set(fields) - set(names)

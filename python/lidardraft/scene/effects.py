@@ -1,4 +1,4 @@
-"""What a real sensor makes of clean returns: `observe` applies the effects of a `SensorModel`.
+"""From clean returns to those that a real sensor reports: `observe` applies the effects of a `SensorModel`.
 
 The effects are in the core, `rust/core/sensor_model/effects.rs` and `receiver.rs`: one function an effect, in the order
 of the light.
@@ -16,7 +16,7 @@ import numpy as np
 from lidardraft import _core
 from lidardraft.errors import SensorError
 from lidardraft.scene.layout import Layout
-from lidardraft.scene.range_image import IMAGES, RangeImage, blank_pixels
+from lidardraft.scene.range_image import IMAGES, RangeImage, blank_pixels, images_of
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel, beam_fan
 from lidardraft.scene.surfaces import Surfaces
@@ -45,8 +45,7 @@ def observe(
     often (and holds the wetness of its ground). `threads` is how many threads may be used, by default as many as there
     are cores; the scan is the same for any number.
 
-    Raises `SensorError` for an image of another sensor or without primitive and incidence, and for a seed below 0;
-    `LayoutError` for a material that is unknown.
+    Raises `SensorError` for an image of another sensor or without primitive and incidence, and for a seed below 0.
     """
     if not isinstance(seed, np.random.Generator) and seed < 0:
         raise SensorError(f"seed is {seed}; it must be 0 or more")
@@ -75,7 +74,7 @@ def observe(
         threads=threads or 0,
     )
     if sensor.blocked:  # fog has an echo where the cast has none, and casts of others do not know the vehicle
-        blank_pixels(vars(scan), sensor.blocked_pixels)
+        blank_pixels(images_of(scan), sensor.blocked_pixels)
     return scan
 
 
@@ -115,9 +114,9 @@ def sub_rays(sensor: Sensor, model: SensorModel) -> Sensor:
 
 
 def beam_tilts(sensor: Sensor, model: SensorModel) -> np.ndarray:
-    """By how much each beam of this unit looks higher than the table of its sensor says, f64 [H], rad.
+    """The angle by which each beam of this unit looks higher than the table of its sensor says, f64 [H], rad.
 
-    `tilt_spread` is that of beams a degree or more apart; closer ones are less wrong in proportion.
+    `tilt_spread` holds for beams a degree or more apart; the tilts of closer beams shrink in proportion.
     """
     steps = -np.diff(sensor.elevations)
     step = np.minimum(np.append(steps, np.inf), np.append(np.inf, steps))

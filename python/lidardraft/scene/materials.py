@@ -13,16 +13,16 @@ Sources of `MATERIALS`, by column; where several are named the value is typical 
 - `specular`, `rms_slope`: Fresnel reflectance at normal incidence (0.04 for an index of 1.5, clear coats and glass; 0.6
   for chromium) and root mean square slope of the facets, as in the laser radar cross-sections of Steinvall (Applied
   Optics 39, 2000). Metallic paint (mid-paint) is a lobe of flakes, fitted to PandaSet's cars; other slopes are
-  estimates of ours.
+  our estimates.
 - `transmission`: float glass of 4 to 6 mm at 905 nm, two-way for what is seen behind; solar control coatings take more.
   Car glass absorbs heat: of visible light at least 0.70 passes (UN regulation 43), at 905 nm less; 0.45, its diffuse
   share and that of rays that end in cabins (objects/vehicle_bodies.py) are such that PandaSet's holes in cars come out.
 - `retroreflection`: the coefficients of EN 12899-1 (class RA2, white, 0.2 and 5 degrees: 250 cd/lx/m2); a white surface
   that faces the sensor has 1 / pi of these units.
 - `rms_height`: of grass from the rows of terrain in PandaSet within 15 m, whose returns lie 4 mm off the line between
-  their neighbours in height (5 mm root mean square) and 38 mm in range (8 to 17 mm); of bark, gravel and soil estimates
-  of ours.
-- `variation`, `grain`: the spread between objects of one material (dirt, age, colour), an estimate of ours, and within
+  their neighbours in height (5 mm root mean square) and 38 mm in range (8 to 17 mm); of bark, gravel and soil our
+  estimates.
+- `variation`, `grain`: the spread between objects of one material (dirt, age, colour), our estimate, and within
   one, from the local scatter of PandaSet's intensities (walls 0.09, roads 0.18, leaves 0.22).
 """
 

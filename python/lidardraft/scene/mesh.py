@@ -11,7 +11,7 @@ from lidardraft import _core
 from lidardraft.errors import LayoutError
 from lidardraft.files import regular_size
 
-_LINE = 1e-12  # m2 of a triangle that is no line, for each square metre that the mesh may cover
+_LINE = 1e-12  # m2 of a triangle, per square metre of the mesh's extent, below which it is only a line
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,6 +72,14 @@ class TriangleMesh:
         return bool((count == 1).all()) and np.array_equal(edges, np.unique(back))
 
 
+def unit_vertices(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Middle [3] and extents [3] of vertices [V, 3], and the vertices where the box around them is the unit box."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    middle, extent = (low + high) / 2, high - low
+    # Clipped by rounding alone: in a mesh that is flat along an axis the extent is as small as the rounding.
+    return middle, extent, np.clip((vertices - middle) / np.where(extent > 0, extent, 1.0), -0.5, 0.5)
+
+
 def has_surface(vertices: np.ndarray, faces: np.ndarray) -> bool:
     """Whether any of the triangles [F, 3] of vertices [V, 3] [m] is more than a point or a line."""
     least = _LINE * max(1.0, float(np.ptp(vertices, axis=0).max())) ** 2
@@ -93,7 +101,7 @@ def read_obj(path: str | PathLike[str]) -> list[tuple[str, str, TriangleMesh]]:
 
 
 def unit_mesh(shape: str) -> TriangleMesh:
-    """The triangles of a shape that is no mesh, within the unit box; round ones as polyhedra with vertices on them."""
+    """The triangles of a box, plane, cylinder or ellipsoid within the unit box; vertices of round ones lie on them."""
     return _UNIT_MESHES[shape]
 
 

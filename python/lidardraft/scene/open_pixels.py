@@ -1,4 +1,4 @@
-"""What a layout leaves open: the pixels of a scan in which nobody has said what there is."""
+"""The pixels of a scan that a layout leaves open, because its source does not say what is there."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from lidardraft.scene.range_image import RangeImage
 
 
 def open_pixels(layout: Layout, condition_image: RangeImage, pose: np.ndarray) -> np.ndarray:
-    """Where a layout leaves open what a sensor at world_from_sensor `pose` [4, 4] sees, bool [H, W].
+    """The pixels that a layout leaves open to a sensor at world_from_sensor `pose` [4, 4], bool [H, W].
 
     A pixel is open where the ray of `condition_image`, the cast with the image `primitive`, hits a shape that is `open`
-    or, in a layout that has one, no shape at all; and outside the layout's coverage. What the vehicle hides is not.
+    or, in a layout that has one, no shape at all; and outside the layout's coverage. Pixels that the vehicle hides are
+    never open.
     """
     if condition_image.primitive is None:
         raise LayoutError("the condition image has no primitives; cast it with primitive=True")

@@ -10,7 +10,7 @@ import numpy as np
 from lidardraft.errors import LayoutError
 from lidardraft.scene.box import FURTHEST, THINNEST
 from lidardraft.scene.layout import Primitive
-from lidardraft.scene.mesh import TriangleMesh, has_surface
+from lidardraft.scene.mesh import TriangleMesh, has_surface, unit_vertices
 
 _LEAN = 1e-6  # the sine of the angle by which a shape may lean, or its axes miss the right angle, and be upright
 _OFF = 1e-4  # of its extents, by which vertices may miss a shape: files hold them in float32
@@ -24,8 +24,8 @@ def placed_mesh(
 ) -> Primitive | None:
     """The primitive of vertices [V, 3] and triangles [F, 3] under the map `matrix` [4, 4]; None if it has no surface.
 
-    `shape` is the one that they are known to be; else it is found out. `fields` are those of a primitive: label, id and
-    the like. Raises `LayoutError` for what is too far away or too large.
+    `shape` is theirs where it is known; else it is recognised. `fields` are those of a primitive: label, id and so on.
+    Raises `LayoutError` where a coordinate or an extent exceeds `FURTHEST`.
     """
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     middle, extent = (low + high) / 2, high - low
@@ -68,9 +68,7 @@ def recognised_shape(vertices: np.ndarray, faces: np.ndarray) -> str:
     """The shape that vertices [V, 3] and triangles [F, 3] are but for place and size; large meshes are none."""
     if len(vertices) > MOST_RECOGNISED:
         return "mesh"
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    extent = high - low
-    return shape_of((vertices - (low + high) / 2) / np.where(extent > 0, extent, 1.0), faces)
+    return shape_of(unit_vertices(vertices)[2], faces)
 
 
 def shape_of(unit: np.ndarray, faces: np.ndarray) -> str:

@@ -1,4 +1,4 @@
-"""Range images: what a sensor saw, cast or generated alike; one, or many in one array each."""
+"""Range images, cast and generated alike: one scan, or a batch with one array for each image."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ class RangeImage:
     sensor. No return is depth 0, label 0, instance 0, intensity 0, incidence 0, primitive -1, normal 0, and False in
     `valid`.
 
-    In an image taken with a pose for each column (rolling shutter), what is in the sensor frame is in that of its own
-    column: `points()` are as skewed as those of a real sensor on the move.
+    In an image taken with a pose for each column (rolling shutter), the sensor frame is that of each column: `points()`
+    are as skewed as those of a real sensor on the move.
     """
 
     sensor: Sensor
@@ -55,11 +55,11 @@ class RangeImage:
     normal: np.ndarray | None = None
 
     def __post_init__(self) -> None:
-        check_images(self.sensor, vars(self))
+        _check_images(self)
 
     @classmethod
     def unchecked(cls, sensor: Sensor, **images: np.ndarray) -> RangeImage:
-        """The image of arrays that are known to fit `sensor`: a look at every pixel would take longer than the scan."""
+        """The image of arrays that are known to fit `sensor`; checking every pixel would take longer than the scan."""
         image = object.__new__(cls)
         image.__dict__.update(images, sensor=sensor)
         return image
@@ -91,13 +91,9 @@ class RangeImage:
 
     def keep(self, where: np.ndarray) -> RangeImage:
         """The image with returns only where the mask [H, W] is True."""
-        images = {name: getattr(self, name) for name in IMAGES}
-        kept = {
-            name: np.where(where if pixels.ndim == 2 else where[..., None], pixels, -1 if name == "primitive" else 0)
-            for name, pixels in images.items()
-            if pixels is not None
-        }
-        return RangeImage.unchecked(self.sensor, **{name: p.astype(IMAGES[name]) for name, p in kept.items()})
+        kept = {name: image.copy() for name, image in images_of(self).items()}
+        blank_pixels(kept, ~where)
+        return RangeImage.unchecked(self.sensor, **kept)
 
     def times(self) -> np.ndarray:
         """How long after the first column each return was taken, f32 [N], s, in the order of `points`."""
@@ -107,7 +103,7 @@ class RangeImage:
     def beams(self) -> np.ndarray:
         """The beam (ring) of each return, u16 [N], in the order of `points`; beam 0 is the highest, the image's row 0.
 
-        Other software often counts rings from the lowest: theirs is H - 1 - ours.
+        Other software often counts rings from the lowest beam: there this ring is H - 1 - ring.
         """
         return np.nonzero(self.valid)[0].astype(np.uint16)
 
@@ -159,13 +155,13 @@ class RangeImage:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write sensor and images to a .npz file."""
-        images = {name: getattr(self, name) for name in IMAGES if getattr(self, name) is not None}
+        arrays: dict[str, Any] = {"sensor": np.array(self.sensor.to_json()), **images_of(self)}
         with written_whole(path) as temporary, temporary.open("wb") as file:
-            np.savez_compressed(file, sensor=np.array(self.sensor.to_json()), **images)
+            np.savez_compressed(file, **arrays)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> RangeImage:
-        """Raises `FormatError` where the file is no range image, `SensorError` where its images hold what cannot be."""
+        """Raises `FormatError` where the file is not a range image, `SensorError` on an invalid value in an image."""
         with image_archive.opened(path) as archive:
             sensor = Sensor.from_json(image_archive.read_text(archive, "sensor"))
             images = {
@@ -194,7 +190,7 @@ class RangeImageBatch:
     def __post_init__(self) -> None:
         if self.depth.ndim != 3:
             raise SensorError(f"depth has shape {self.depth.shape}; a batch of {self.sensor.name} needs [N, H, W]")
-        check_images(self.sensor, vars(self), self.depth.shape[:1])
+        _check_images(self, self.depth.shape[:1])
 
     @classmethod
     def unchecked(cls, sensor: Sensor, **images: np.ndarray) -> RangeImageBatch:
@@ -217,29 +213,28 @@ class RangeImageBatch:
 
     def __getitem__(self, i: int) -> RangeImage:
         i = index(i)
-        images = {name: getattr(self, name, None) for name in IMAGES}
-        return RangeImage.unchecked(self.sensor, **{k: array[i] for k, array in images.items() if array is not None})
+        return RangeImage.unchecked(self.sensor, **{name: array[i] for name, array in images_of(self).items()})
 
     def __iter__(self) -> Iterator[RangeImage]:
         return (self[i] for i in range(len(self)))
 
 
-def check_images(sensor: Sensor, images: Mapping[str, np.ndarray | None], count: tuple[int, ...] = ()) -> None:
-    """Raises `SensorError` where `images` [*count, H, W] do not fit the sensor or hold what cannot be."""
-    for name, dtype in IMAGES.items():
-        image = images.get(name)
-        if image is None:
-            continue
-        shape = (*count, *_shape(sensor, name))
-        if image.shape != shape or image.dtype != dtype:
-            raise SensorError(f"{name} is {image.dtype} {image.shape}; {sensor.name} needs {dtype} {shape}")
-    depth, label = images["depth"], images["label"]
-    assert depth is not None
-    assert label is not None
-    if not np.isfinite(depth).all() or depth.min(initial=0) < 0:
-        raise SensorError("depth holds what is no distance; it must be finite and 0 or more")
-    if label.max(initial=0) >= NUM_CLASSES:
-        raise SensorError(f"label holds {label.max()}; class ids are 0 to {NUM_CLASSES - 1}")
+def images_of(scan: RangeImage | RangeImageBatch) -> dict[str, np.ndarray]:
+    """The images that there are, by name."""
+    return {name: image for name in IMAGES if (image := getattr(scan, name, None)) is not None}
+
+
+def _check_images(scan: RangeImage | RangeImageBatch, count: tuple[int, ...] = ()) -> None:
+    """Raises `SensorError` where images [*count, H, W] do not fit the sensor or hold impossible values."""
+    for name, image in images_of(scan).items():
+        shape = (*count, *_shape(scan.sensor, name))
+        if image.shape != shape or image.dtype != IMAGES[name]:
+            raise SensorError(f"{name} is {image.dtype} {image.shape}; {scan.sensor.name} needs {IMAGES[name]} {shape}")
+    if not np.isfinite(scan.depth).all() or scan.depth.min(initial=0) < 0:
+        wrong = scan.depth[~(np.isfinite(scan.depth) & (scan.depth >= 0))]
+        raise SensorError(f"depth holds {wrong[0]}; it must be finite and 0 or more")
+    if scan.label.max(initial=0) >= NUM_CLASSES:
+        raise SensorError(f"label holds {scan.label.max()}; class ids are 0 to {NUM_CLASSES - 1}")
 
 
 def _shape(sensor: Sensor, name: str) -> tuple[int, ...]:
@@ -257,18 +252,10 @@ def new_images(shape: tuple[int, ...], primitive: bool, incidence: bool, normal:
     # back to the system, which takes longer to make new pages of zeros than the core to scan.
     block = np.empty(pixels * (9 + 4 * primitive + 4 * incidence + 12 * normal) + _LINE, np.uint8)
     images, start = {}, -block.__array_interface__["data"][0] % _LINE
-    # The label comes last: what is one byte wide would leave the others askew.
-    for name, wanted in (
-        ("depth", True),
-        ("instance", True),
-        ("primitive", primitive),
-        ("incidence", incidence),
-        ("normal", normal),
-        ("label", True),
-    ):
-        if wanted:
-            image = np.ndarray((*shape, 3) if name == "normal" else shape, IMAGES[name], block, start)
-            images[name], start = image, start + image.nbytes
+    optional = [n for n, wanted in (("primitive", primitive), ("incidence", incidence), ("normal", normal)) if wanted]
+    for name in ("depth", "instance", *optional, "label"):  # the label is one byte wide and would leave others askew
+        image = np.ndarray((*shape, 3) if name == "normal" else shape, IMAGES[name], block, start)
+        images[name], start = image, start + image.nbytes
     return images
 
 
@@ -280,9 +267,8 @@ def blank_images(shape: tuple[int, ...], primitive: bool, incidence: bool, norma
     return images
 
 
-def blank_pixels(images: Mapping[str, Any], pixels: np.ndarray) -> None:
-    """Write no return into the arrays [..., H, W] and [..., H, W, 3] of `images` where `pixels` [H, W] is True."""
+def blank_pixels(images: Mapping[str, np.ndarray], pixels: np.ndarray) -> None:
+    """Write no return into `images` [..., H, W] and [..., H, W, 3] where `pixels` [H, W] is True."""
     for name, image in images.items():
-        if isinstance(image, np.ndarray):
-            where = pixels[..., None] if name == "normal" else pixels
-            np.copyto(image, image.dtype.type(-1 if name == "primitive" else 0), where=where)
+        where = pixels[..., None] if name == "normal" else pixels
+        np.copyto(image, image.dtype.type(-1 if name == "primitive" else 0), where=where)

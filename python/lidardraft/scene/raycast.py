@@ -1,8 +1,9 @@
-"""A layout as a sensor sees it. The rays are in the core."""
+"""Casts of a layout: scans of sensors and any rays. The rays are in the core."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from zlib import crc32
@@ -13,15 +14,15 @@ from lidardraft import _core
 from lidardraft.errors import LayoutError, SensorError, check_type
 from lidardraft.scene.layout import SHAPES, Layout, Primitive, box_around, object_of
 from lidardraft.scene.pose import as_array, finite_array, inverse, upright
-from lidardraft.scene.range_image import IMAGES, RangeImage, RangeImageBatch, blank_pixels, new_images
+from lidardraft.scene.range_image import RangeImage, RangeImageBatch, blank_pixels, images_of, new_images
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME
 
 _OPTIONAL = ("primitive", "incidence", "normal")
-_NEAREST = 1e-3  # m: what is too near to be measured hides as well
+_NEAREST = 1e-3  # m: surfaces too near to be measured hide others too
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Hits:
     """The closest hits of R rays, in the world frame.
 
@@ -74,15 +75,10 @@ class Raycaster:
         primitives = layout.primitives
         self.layout = layout
         self._scene = _core.Scene(
-            shapes=np.array([SHAPES.index(p.shape) for p in primitives], dtype=np.uint8),
-            centers=np.array([p.center for p in primitives], dtype=np.float64).reshape(-1, 3),
-            sizes=np.array([p.size for p in primitives], dtype=np.float64).reshape(-1, 3),
-            yaws=np.array([p.yaw for p in primitives], dtype=np.float64),
-            labels=np.array([BY_NAME[p.label].id for p in primitives], dtype=np.uint8),
-            instances=np.array([p.instance for p in primitives], dtype=np.uint32),
+            **columns_of(primitives),
             meshes=[(p.mesh.vertices, p.mesh.faces) for p in primitives if p.mesh is not None],
             extinctions=np.array([p.extinction or 0.0 for p in primitives], dtype=np.float64),
-            media=_hashed_ids(primitives) if by_id else None,
+            media=np.array([crc32(p.id.encode()) for p in primitives], dtype=np.uint32) if by_id else None,
         )
 
     def scan(
@@ -152,22 +148,10 @@ class Raycaster:
         else:
             origins = as_array("origins", origins, "R", 3)
         if len(origins) != len(directions):
-            raise LayoutError(
-                f"there are {len(origins)} origins and {len(directions)} directions; a ray has one of each"
-            )
+            raise LayoutError(f"{len(origins)} origins and {len(directions)} directions; a ray has one of each")
         _check_seed(seed)
-        distance, label, instance, hit, normal = self._scene.cast(
-            origins, directions, max_range=max_range, seed=seed, threads=threads or 0
-        )
-        return Hits(
-            origins=origins,
-            directions=directions,
-            distance=distance,
-            label=label,
-            instance=instance,
-            primitive=hit,
-            normal=normal,
-        )
+        found = self._scene.cast(origins, directions, max_range=max_range, seed=seed, threads=threads or 0)
+        return Hits(origins, directions, *found)
 
     def move(self, id: str, pose: np.ndarray) -> None:
         """Let an object (all parts that share `id` up to the dot), or the one primitive `id`, stand elsewhere.
@@ -200,8 +184,16 @@ class Raycaster:
         return parts
 
 
-def _hashed_ids(primitives: tuple[Primitive, ...]) -> np.ndarray:
-    return np.array([crc32(p.id.encode()) if p.extinction else 0 for p in primitives], dtype=np.uint32)
+def columns_of(primitives: Sequence[Primitive]) -> dict[str, np.ndarray]:
+    """What the core knows of each of P shapes: a column [P] or [P, 3] of each field but meshes and media."""
+    return {
+        "shapes": np.array([SHAPES.index(p.shape) for p in primitives], dtype=np.uint8),
+        "centers": np.array([p.center for p in primitives], dtype=np.float64).reshape(-1, 3),
+        "sizes": np.array([p.size for p in primitives], dtype=np.float64).reshape(-1, 3),
+        "yaws": np.array([p.yaw for p in primitives], dtype=np.float64),
+        "labels": np.array([BY_NAME[p.label].id for p in primitives], dtype=np.uint8),
+        "instances": np.array([p.instance for p in primitives], dtype=np.uint32),
+    }
 
 
 def raycast(
@@ -283,7 +275,7 @@ def cast_scans(
             threads=threads or 0,
         )
     if sensor.blocked:
-        blank_pixels(vars(out), sensor.blocked_pixels)
+        blank_pixels(images_of(out), sensor.blocked_pixels)
     return out
 
 
@@ -320,8 +312,7 @@ def _batch_of_one(out: RangeImage) -> RangeImageBatch:
     check_type("out", out, RangeImage)
     if out.intensity is not None:
         raise SensorError("out has an intensity; a scan writes none, and would leave that of another scan")
-    images = {name: array[None] for name in IMAGES if (array := getattr(out, name)) is not None}
-    return RangeImageBatch.unchecked(out.sensor, **images)
+    return RangeImageBatch.unchecked(out.sensor, **{name: array[None] for name, array in images_of(out).items()})
 
 
 def _check_out(out: RangeImageBatch, sensor: Sensor, asked: tuple[bool, bool, bool]) -> None:

@@ -15,7 +15,7 @@ from lidardraft.scene.layout import Primitive
 LEFT, RIGHT = 1, -1  # sides of a road: the sign of `across`
 TERRAIN_HEIGHT = -0.05  # below the road, so that the road covers it
 KERB_HEIGHT = 0.12  # usual European kerb face, 10 to 15 cm
-_STRAIGHT = 1e-9  # 1/m, a bend that is none
+_STRAIGHT = 1e-9  # 1/m, the curvature below which a road is straight
 _SEGMENT = 2.0  # m; the chord of a 50 m bend leaves the arc by 1 cm
 _EXTENT = 200.0
 _LIMITS = {
@@ -26,7 +26,7 @@ _LIMITS = {
     "median": (0, 20),
     "half_length": (1, 10_000),
 }
-_SEEN_MEDIAN = 1.0  # m, a narrower one is no surface of its own
+_SEEN_MEDIAN = 1.0  # m, the width of a median from which it has a surface of its own
 RING = 8.0  # m, the width of a roundabout's lane: 6.5 to 9 m in the German guide of 2006 (FGSV 242)
 
 

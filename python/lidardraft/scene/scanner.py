@@ -43,10 +43,7 @@ class Scanner:
         threads: int | None = None,
     ) -> Scanner:
         """`model` is by default `sensor.assumed_model`, `weather` a clear and dry day. With `by_id` a
-        primitive keeps its brightness and its free paths when it is moved, and when others come and go.
-
-        Raises `LayoutError` for a material that is unknown.
-        """
+        primitive keeps its brightness and its free paths when it is moved, and when others come and go."""
         weather = weather or Weather()
         surfaces = Surfaces.from_layout(layout, wetness=weather.wetness, by_id=by_id)
         model = model or sensor.assumed_model

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -21,10 +20,6 @@ from lidardraft.scene import beam_tables
 from lidardraft.scene.pose import finite_array, rotations, upright
 from lidardraft.scene.sensor_model import MODELS, SensorModel
 
-# Noise of strong echoes: that of Ouster's sample of an OS1 (benches/fit_sensor.py); an OS0's is in steps of 8 mm.
-_OS0: dict[str, Any] = {"max_range": 100.0, "range_sigma": 0.0015}
-_OS1: dict[str, Any] = {"max_range": 120.0, "range_sigma": 0.0015}
-_OS2: dict[str, Any] = {"min_range": 1.0, "max_range": 240.0, "range_sigma": 0.0015}
 # Where a beam starts: the columns of the core's `origins` [H, 3].
 _ORIGINS = ("origin_forwards", "origin_lefts", "origin_heights")
 _QUANTITIES = ("azimuth_start", "azimuth_span", "min_range", "max_range", "mount_height", "range_sigma", "sweep_time")
@@ -50,9 +45,9 @@ class Sensor:
     one value a beam, or nothing for zeros. A whole sweep of all columns takes `sweep_time` [s]; 0 is a flash.
     `mount_height` is the height of the sensor's origin over the road; `range_sigma` the standard deviation of its
     range noise. `blocked` are, for each beam, intervals of azimuth [rad] from a start counter-clockwise to an end, in
-    which the vehicle is in the way and nothing returns. `model` is what one unit makes of light, if it is known.
+    which the vehicle is in the way and nothing returns. `model` holds the optics and receiver of one unit, if known.
 
-    Raises `SensorError` naming the value that cannot be.
+    Raises `SensorError` naming the invalid value.
     """
 
     name: str
@@ -79,14 +74,14 @@ class Sensor:
         for table in ("elevations", "azimuth_offsets", *_ORIGINS):
             object.__setattr__(self, table, self._checked_table(table))
         for quantity in _QUANTITIES:
-            if not is_number(getattr(self, quantity)):
-                raise SensorError(f"{self.name}: {quantity} is {getattr(self, quantity)!r}; it must be a finite number")
-            object.__setattr__(self, quantity, float(getattr(self, quantity)))
+            value = getattr(self, quantity)
+            if not is_number(value):
+                raise SensorError(f"{self.name}: {quantity} is {value!r}; it must be a finite number")
+            if value < 0 and quantity in ("range_sigma", "sweep_time"):
+                raise SensorError(f"{self.name}: {quantity} is {value}; it must be 0 or more")
+            object.__setattr__(self, quantity, float(value))
         if abs(self.mount_height) > _HIGHEST:
             raise SensorError(f"{self.name}: mount_height is {self.mount_height} m; it must be up to {_HIGHEST:g} m")
-        for quantity in ("range_sigma", "sweep_time"):
-            if getattr(self, quantity) < 0:
-                raise SensorError(f"{self.name}: {quantity} is {getattr(self, quantity)}; it must be 0 or more")
         if isinstance(self.columns, bool) or not isinstance(self.columns, int | np.integer):
             raise SensorError(f"{self.name}: columns is {self.columns!r}; it must be a whole number")
         object.__setattr__(self, "columns", int(self.columns))
@@ -150,8 +145,8 @@ class Sensor:
         """Row and column [H, W'] of each pixel of a grid whose columns look to one azimuth, and whether there is one.
 
         Beams with offsets in azimuth look past each other in one column of the image, by up to 10 degrees. Where the
-        sensor wraps W' is W; else the grid is as much wider as the beams look past each other, and some of it is not in
-        the image.
+        sensor wraps, W' is W; else the grid is wider by the columns that beams look past each other, and parts of it
+        lie outside the image.
         """
         beams, width = self.shape
         offsets = np.array(self.azimuth_offsets or [0.0] * beams)
@@ -165,7 +160,7 @@ class Sensor:
     def assumed_model(self) -> SensorModel:
         """The sensor's own model, that of its preset (`is_preset`), or typical values for any other.
 
-        Beams of another sensor that are close together are as much narrower than typical ones as keeps them apart.
+        Where beams of another sensor are close together, they are narrower than typical ones, so that they stay apart.
         """
         if self.model is not None:
             return self.model
@@ -176,7 +171,7 @@ class Sensor:
 
     @property
     def is_preset(self) -> bool:
-        """Whether it is the sensor of the preset of its name: as many beams, each within 1 mrad of the preset's.
+        """Whether it has the name and the beams of a preset, each within 1 mrad.
 
         Columns, azimuths, origins, range limits and mounting may differ: they are settings of a sensor, or calibrated
         for one unit.
@@ -214,7 +209,7 @@ class Sensor:
 
         It stands at `pose` (by default on its mount) in the middle of the sweep, after half of `sweep_time`. It moves
         with `velocity` [m/s, in the world] and turns with `angular_velocity` [rad/s, about its own axes], both
-        constant. Raises `LayoutError` on what is not finite or of another shape.
+        constant. Raises `LayoutError` on arrays of another shape or with numbers that are not finite.
         """
         pose = self.pose() if pose is None else finite_array("pose", pose, 4, 4)
         velocity = finite_array("velocity", velocity, 3)
@@ -228,17 +223,12 @@ class Sensor:
 
     def to_json(self) -> str:
         """All fields as JSON text, `blocked` and `model` where they are known; `from_json` gives an equal sensor."""
-        fields = dataclasses.asdict(replace(self, model=None))
-        del fields["model"]
-        if not self.blocked:
-            del fields["blocked"]
-        if self.model is not None:
-            fields["model"] = self.model.to_dict()
-        return json.dumps(fields)
+        fields = self.__getstate__() | {"model": self.model and self.model.to_dict()}
+        return json.dumps({name: value for name, value in fields.items() if value or name not in ("blocked", "model")})
 
     @classmethod
     def from_json(cls, text: str) -> Sensor:
-        """Raises `FormatError` where the text has not a sensor's fields, `SensorError` where one of them cannot be."""
+        """Raises `FormatError` where the text lacks a sensor's fields, `SensorError` where a value is invalid."""
         fields = parse_object(text)
         check_fields(fields, ("name", "elevations", "columns"), cls.__dataclass_fields__)
         if fields.get("model") is not None:
@@ -267,7 +257,7 @@ class Sensor:
 def _checked_blocked(name: str, blocked: Any, beams: int) -> Blocked:
     """For each beam its intervals of azimuth [rad] from a start counter-clockwise to an end; nothing for none at all.
 
-    Raises `SensorError` naming the interval of the sensor `name` that cannot be.
+    Raises `SensorError` naming the sensor `name` and the invalid interval.
     """
     if not isinstance(blocked, list | tuple) or len(blocked) not in (0, beams):
         raise SensorError(
@@ -296,7 +286,12 @@ def _turned(degrees: Sequence[float] | np.ndarray) -> tuple[float, ...]:
 
 
 def _ouster(
-    name: str, elevations: tuple[float, ...], azimuths: Sequence[float] | np.ndarray, forward: float, **fields: Any
+    name: str,
+    elevations: tuple[float, ...],
+    azimuths: Sequence[float] | np.ndarray,
+    forward: float,
+    nearest: float,
+    furthest: float,
 ) -> Sensor:
     """An Ouster; `forward` is how far ahead of the axis its beams start [m] (lidar_origin_to_beam_origin_mm).
 
@@ -309,7 +304,9 @@ def _ouster(
         origin_forwards=(forward,) * len(elevations),
         columns=1024,
         mount_height=1.8,
-        **fields,
+        min_range=nearest,
+        max_range=furthest,
+        range_sigma=0.0015,  # of strong echoes in a sample of an OS1 (benches/fit_sensor.py); OS0's has steps of 8 mm
     )
 
 
@@ -374,10 +371,10 @@ PRESETS: dict[str, Sensor] = {
             range_sigma=0.0045,
         ),
         # Ouster data sheets: ranges, precision; 1024 columns at 10 Hz.
-        _ouster("os0-128", _table(beam_tables.OS0_128_ELEVATIONS), beam_tables.OS0_128_AZIMUTHS, 0.02767, **_OS0),
+        _ouster("os0-128", _table(beam_tables.OS0_128_ELEVATIONS), beam_tables.OS0_128_AZIMUTHS, 0.02767, 0.5, 100.0),
         # OS1-128: 45 degrees of elevation; the four columns of lasers look 2.82 degrees apart.
-        _ouster("os1-128", _beams(22.5, -22.5, 128), np.resize([4.23, 1.41, -1.41, -4.23], 128), 0.015806, **_OS1),
-        _ouster("os1-32", _table(beam_tables.OS1_32_ELEVATIONS), beam_tables.OS1_32_AZIMUTHS, 0.015806, **_OS1),
-        _ouster("os2-128", _table(beam_tables.OS2_128_ELEVATIONS), beam_tables.OS2_128_AZIMUTHS, 0.013762, **_OS2),
+        _ouster("os1-128", _beams(22.5, -22.5, 128), np.resize([4.23, 1.41, -1.41, -4.23], 128), 0.015806, 0.5, 120.0),
+        _ouster("os1-32", _table(beam_tables.OS1_32_ELEVATIONS), beam_tables.OS1_32_AZIMUTHS, 0.015806, 0.5, 120.0),
+        _ouster("os2-128", _table(beam_tables.OS2_128_ELEVATIONS), beam_tables.OS2_128_AZIMUTHS, 0.013762, 1.0, 240.0),
     )
 }

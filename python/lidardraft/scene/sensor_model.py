@@ -1,4 +1,4 @@
-"""What a sensor makes of light: the constants of its optics, receiver and output, and those of known sensors."""
+"""Models of sensors: the constants of optics, receiver and output, and those of known sensors."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class SensorModel:
     """The effects of one sensor; a number of 0 (or as its line says) switches an effect off.
 
     A response of 1 is that of a white surface that faces the sensor; an echo whose power is 1 is just detected.
-    Raises `SensorError` naming the value that cannot be.
+    Raises `SensorError` naming the invalid value.
     """
 
     # This is the one place that names the numbers and their defaults: checks, files and the core follow the fields.
@@ -148,7 +148,7 @@ class SensorModel:
     def from_dict(cls, value: Any) -> SensorModel:
         """The inverse of `to_dict`; missing fields have their defaults.
 
-        Raises `FormatError` on an unknown field, `SensorError` on a value that cannot be.
+        Raises `FormatError` on an unknown field, `SensorError` on an invalid value.
         """
         given = check_object(value)
         check_fields(given, (), cls.__dataclass_fields__)

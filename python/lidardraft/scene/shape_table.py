@@ -1,4 +1,4 @@
-"""Shapes as columns of numbers: what a layout is where there are hundreds of shapes a millisecond."""
+"""Shapes as columns of numbers: layouts for where hundreds of shapes are made in a millisecond."""
 
 from __future__ import annotations
 
@@ -15,23 +15,30 @@ from lidardraft.scene.layout import SHAPES, Layout, Primitive
 from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.scene.pose import as_array
 from lidardraft.scene.range_image import RangeImage
-from lidardraft.scene.raycast import cast_scans
+from lidardraft.scene.raycast import cast_scans, columns_of
 from lidardraft.scene.sensor import Sensor
-from lidardraft.semantics import BY_NAME, CLASSES, NUM_CLASSES
+from lidardraft.semantics import CLASSES, NUM_CLASSES
 
 _MESH = SHAPES.index("mesh")
-_COLUMNS = ("shapes", "centers", "sizes", "yaws", "labels", "instances")
+_COLUMNS: dict[str, tuple[type[np.generic], tuple[int, ...]]] = {
+    "shapes": (np.uint8, ()),
+    "centers": (np.float64, (3,)),
+    "sizes": (np.float64, (3,)),
+    "yaws": (np.float64, ()),
+    "labels": (np.uint8, ()),
+    "instances": (np.uint32, ()),
+}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class ShapeTable:
-    """P solid shapes, a column each for what a `Primitive` has.
+    """P solid shapes, with a column for each field of a `Primitive`.
 
     `shapes` u8 [P] indices of `SHAPES`, `centers` and `sizes` f64 [P, 3] [m], `yaws` f64 [P] [rad], `labels` u8 [P]
     class ids, `instances` u32 [P], `ids` distinct names, `meshes` those of the shapes that are meshes, in their order.
 
-    Columns of different lengths, labels that are no class and ids that are not distinct raise `LayoutError` here, and
-    numbers that are no shape when it is cast: the core looks at every one of them. `layout` checks all of it again.
+    Columns of different lengths, unknown labels and repeated ids raise `LayoutError` here; impossible sizes and places
+    raise it in `scan`, where the core checks every number, and in `layout`.
     """
 
     shapes: np.ndarray
@@ -45,12 +52,11 @@ class ShapeTable:
 
     def __post_init__(self) -> None:
         count = len(self.ids)
-        for name, shape in (("centers", (count, 3)), ("sizes", (count, 3)), ("yaws", (count,))):
-            object.__setattr__(self, name, np.ascontiguousarray(getattr(self, name), dtype=np.float64))
-            self._check_column(name, shape)
-        for name, dtype in (("shapes", np.uint8), ("labels", np.uint8), ("instances", np.uint32)):
-            object.__setattr__(self, name, np.ascontiguousarray(getattr(self, name), dtype=dtype))
-            self._check_column(name, (count,))
+        for name, (dtype, axes) in _COLUMNS.items():
+            column = np.ascontiguousarray(getattr(self, name), dtype=dtype)
+            if column.shape != (count, *axes):
+                raise LayoutError(f"{name} has shape {column.shape}; {count} ids need {(count, *axes)}")
+            object.__setattr__(self, name, column)
         bad = np.flatnonzero((self.labels == 0) | (self.labels >= NUM_CLASSES))
         if len(bad):
             raise LayoutError(f"{self.ids[bad[0]]}: label is {self.labels[bad[0]]}; it must be 1 to {NUM_CLASSES - 1}")
@@ -62,11 +68,6 @@ class ShapeTable:
         if meshes != len(self.meshes):
             raise LayoutError(f"{meshes} shapes are meshes; there are {len(self.meshes)} meshes for them")
 
-    def _check_column(self, name: str, shape: tuple[int, ...]) -> None:
-        found = getattr(self, name).shape
-        if found != shape:
-            raise LayoutError(f"{name} has shape {found}; {len(self.ids)} ids need {shape}")
-
     def __len__(self) -> int:
         return len(self.ids)
 
@@ -74,16 +75,8 @@ class ShapeTable:
     def from_primitives(cls, primitives: Iterable[Primitive]) -> ShapeTable:
         """The columns of primitives; materials are not among them."""
         rows = list(primitives)
-        return cls(
-            shapes=np.array([SHAPES.index(p.shape) for p in rows], dtype=np.uint8),
-            centers=np.array([p.center for p in rows], dtype=np.float64).reshape(-1, 3),
-            sizes=np.array([p.size for p in rows], dtype=np.float64).reshape(-1, 3),
-            yaws=np.array([p.yaw for p in rows], dtype=np.float64),
-            labels=np.array([BY_NAME[p.label].id for p in rows], dtype=np.uint8),
-            instances=np.array([p.instance for p in rows], dtype=np.uint32),
-            ids=tuple(p.id for p in rows),
-            meshes=tuple(p.mesh for p in rows if p.mesh is not None),
-        )
+        meshes = tuple(p.mesh for p in rows if p.mesh is not None)
+        return cls(**columns_of(rows), ids=tuple(p.id for p in rows), meshes=meshes)
 
     @classmethod
     def join(cls, *tables: ShapeTable) -> ShapeTable:
@@ -100,24 +93,15 @@ class ShapeTable:
         return ShapeTable(**columns, ids=ids, meshes=tuple(meshes))
 
     def seen_from(self, x: float, y: float, yaw: float) -> ShapeTable:
-        """The shapes in the frame of who stands upright at (x, y) [m] and looks along `yaw` [rad]."""
+        """The shapes in the frame that stands upright at (x, y) [m] and looks along `yaw` [rad]."""
         cos, sin = math.cos(yaw), math.sin(yaw)
         turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
         return replace(self, centers=(self.centers - (x, y, 0.0)) @ turn, yaws=self.yaws - yaw)
 
     def layout(self, provenance: dict[str, Any], coverage: tuple[float, float] | None = None) -> Layout:
-        """The same shapes as a layout; raises `LayoutError` on the first that is none."""
+        """The same shapes as a layout; raises `LayoutError` on the first invalid one."""
         meshes = iter(self.meshes)
-        columns = zip(
-            self.shapes.tolist(),
-            self.centers.tolist(),
-            self.sizes.tolist(),
-            self.yaws.tolist(),
-            self.labels.tolist(),
-            self.instances.tolist(),
-            self.ids,
-            strict=True,
-        )
+        columns = [getattr(self, name).tolist() for name in _COLUMNS]
         primitives = (
             Primitive(
                 shape=SHAPES[shape],
@@ -129,24 +113,14 @@ class ShapeTable:
                 id=id,
                 mesh=next(meshes) if shape == _MESH else None,
             )
-            for shape, center, size, yaw, label, instance, id in columns
+            for shape, center, size, yaw, label, instance, id in zip(*columns, self.ids, strict=True)
         )
         return Layout(primitives=tuple(primitives), provenance=provenance, coverage=coverage)
 
     def scan(self, sensor: Sensor, poses: np.ndarray, *, threads: int | None = None) -> RangeImage:
-        """What `sensor` sees from one pose [4, 4] or from one for each column [W, 4, 4].
-
-        It is what `raycast` has of `self.layout({})`, bit for bit.
-        """
+        """As `raycast` of `self.layout({})`, bit for bit, from one pose [4, 4] or one for each column [W, 4, 4]."""
         axes = ("N", 4, 4) if np.ndim(poses) == 3 else (4, 4)
         poses = as_array("poses", poses, *axes)
-        scene = _core.Scene(
-            shapes=self.shapes,
-            centers=self.centers,
-            sizes=self.sizes,
-            yaws=self.yaws,
-            labels=self.labels,
-            instances=self.instances,
-            meshes=[(mesh.vertices, mesh.faces) for mesh in self.meshes],
-        )
+        columns = {name: getattr(self, name) for name in _COLUMNS}
+        scene = _core.Scene(**columns, meshes=[(mesh.vertices, mesh.faces) for mesh in self.meshes])
         return cast_scans(scene, sensor, poses.reshape(1, -1, 4, 4), threads=threads)[0]

@@ -1,4 +1,4 @@
-"""The surfaces of a layout as a table: what primitive sends back how much, at which incidence."""
+"""The surfaces of a layout as a table: how much each primitive sends back at each incidence."""
 
 from __future__ import annotations
 
@@ -7,13 +7,11 @@ from zlib import crc32
 
 import numpy as np
 
-from lidardraft.errors import LayoutError, SensorError, one_of
+from lidardraft.errors import SensorError
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.materials import (
     CLASS_MATERIALS,
-    MATERIAL_BY_NAME,
     MATERIALS,
-    Material,
     fresnel,
     leaf_response,
     response,
@@ -23,7 +21,7 @@ from lidardraft.semantics import BY_NAME
 _BINS = 128  # of incidence, as many as the core looks up; 0.9 degrees each
 _FACTORS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
 _INDEX = {material.name: i for i, material in enumerate(MATERIALS)}
-# A film of water fills the pores of what is porous: it sends back about half as much (Lekner and Dorf, Applied Optics
+# A film of water fills the pores of porous ground, which sends back about half as much (Lekner and Dorf, Applied Optics
 # 27, 1988), and what the film mirrors never comes back to a sensor that does not face it.
 _WET_SHARE = 0.5
 _WETTED = frozenset({"asphalt", "concrete", "paving", "gravel", "soil", "road-paint", "stone"})
@@ -51,10 +49,11 @@ class Surfaces:
 
         Without `variation` the primitives of one material are all alike. It follows from where a primitive stands or,
         with `by_id`, from its id: then one that is moved looks as before.
-        Raises `LayoutError` for a material that is unknown, `SensorError` for a `wetness` that is no share.
+        Raises `SensorError` where `wetness` is not 0 to 1.
         """
         primitives = layout.primitives
-        index = np.array([_INDEX[_material(p).name] for p in primitives], dtype=np.intp)
+        names = [p.material or CLASS_MATERIALS[BY_NAME[p.label].id].name for p in primitives]
+        index = np.array([_INDEX[name] for name in names], dtype=np.intp)
         media = np.array([p.extinction is not None for p in primitives], dtype=bool)
         keys = _keys_from_ids(primitives) if by_id else _keys_from_places(primitives)
         return cls._made_of(index, media, keys if variation else None, wetness)
@@ -64,7 +63,7 @@ class Surfaces:
         """Surfaces of `materials` [P], indices of `MATERIALS`; foliage is a medium, whose leaves face every way.
 
         How one differs from others of its material follows from `keys` u64 [P]; with 0 it is the typical one. Raises
-        `SensorError` for a `wetness` that is no share.
+        `SensorError` where `wetness` is not 0 to 1.
         """
         return cls._made_of(materials, materials == _INDEX["foliage"], keys, wetness)
 
@@ -80,21 +79,10 @@ class Surfaces:
             spread = np.array([m.variation for m in MATERIALS])[index]
             scatter = np.where(keys == 0, 0.0, _nearly_normal(keys))
             table[1:] *= np.exp(spread * scatter).astype(np.float32)[:, None]
-        transmission, grain, rms_height = np.zeros((3, len(index) + 1), np.float32)
-        transmission[1:] = np.array([m.transmission for m in MATERIALS])[index]
-        grain[1:] = np.array([m.grain for m in MATERIALS])[index]
-        rms_height[1:] = np.where(media, 0.0, np.array([m.rms_height for m in MATERIALS])[index])
-        return cls(table, transmission, grain, rms_height)
-
-
-def _material(primitive: Primitive) -> Material:
-    if primitive.material is None:
-        return CLASS_MATERIALS[BY_NAME[primitive.label].id]
-    try:
-        return MATERIAL_BY_NAME[primitive.material]
-    except KeyError:
-        known = one_of(MATERIAL_BY_NAME, primitive.material)
-        raise LayoutError(f"{primitive.id}: material is {primitive.material!r}; it must be {known}") from None
+        columns = np.zeros((3, len(index) + 1), np.float32)
+        columns[:, 1:] = np.array([(m.transmission, m.grain, m.rms_height) for m in MATERIALS])[index].T
+        columns[2, 1:][media] = 0.0
+        return cls(table, *columns)
 
 
 def _responses(wetness: float) -> np.ndarray:

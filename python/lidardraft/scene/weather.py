@@ -21,11 +21,11 @@ _WAVELENGTH = 905.0  # nm
 _PER_DECIBEL_KM = math.log(10.0) / 10.0 / 1000.0  # dB/km to 1/m
 _OVERLAP = 0.95  # m before which the receiver does not see the beam (Hahner et al., 2021: 0.9 to 1.0)
 _APERTURE = 0.011  # m, width of the beam at the window (12.7 x 9.5 mm in Velodyne's VLP-16 manual, 9.5 mm of an OS1)
-_LENS = 0.025  # m, width of the receiver's: an estimate of ours
+_LENS = 0.025  # m, width of the receiver's: our estimate
 _REACH = 40.0  # m beyond which no raindrop or snowflake is bright enough alone
 # Light that comes straight back, over that of a white disc of the same width. Of a raindrop it is what its front and,
 # focused by the drop, its back reflect: R / 4 and R (1 - R)^2 (n / (2 - n))^2 / 4 with n = 1.33, R = 0.02. Of a
-# snowflake it is an estimate of ours.
+# snowflake it is our estimate.
 _WATER, _ICE = 0.024, 0.8
 
 
@@ -33,7 +33,7 @@ _WATER, _ICE = 0.024, 0.8
 class Weather:
     """`rain` and `snow` [mm/h of water], `visibility` in fog [m] (inf: none), `wetness` of the ground, 0 to 1.
 
-    Raises `SensorError` naming the value that cannot be.
+    Raises `SensorError` naming the invalid value.
     """
 
     rain: float = 0.0
