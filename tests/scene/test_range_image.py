@@ -115,21 +115,6 @@ def test_saving_and_loading(tmp_path):
             np.testing.assert_array_equal(getattr(again, name), array)
 
 
-def test_a_file_saved_before_sensors_had_a_sweep_is_loaded(tmp_path):
-    image = filled(SMALL, 2)
-    text = (
-        '{"name": "small", "elevations": [0.2, 0.1, 0.0, -0.1], "columns": 16, "azimuth_offsets": [], '
-        '"origin_heights": [], "azimuth_start": 3.141592653589793, "azimuth_span": 6.283185307179586, '
-        '"min_range": 0.5, "max_range": 120.0, "mount_height": 1.73, "range_sigma": 0.02}'
-    )
-    images = {name: getattr(image, name) for name in ("depth", "label", "instance", "intensity")}
-    np.savez_compressed(tmp_path / "old.npz", sensor=np.array(text), **images)
-    again = RangeImage.load(tmp_path / "old.npz")
-    assert again.sensor == SMALL
-    assert again.normal is None
-    np.testing.assert_array_equal(again.depth, image.depth)
-
-
 def test_times_and_beams_come_in_the_order_of_the_points():
     image = filled(dataclasses.replace(SMALL, sweep_time=0.4), 3)
     beams, times = image.beams(), image.times()
