@@ -86,7 +86,7 @@ def has_surface(vertices: np.ndarray, faces: np.ndarray) -> bool:
     for some in (faces[:8], faces):  # the first triangles mostly tell
         a, b, c = vertices[some.T]
         (x, y, z), (u, v, w) = (b - a).T, (c - a).T
-        if max(abs(y * w - z * v).max(), abs(z * u - x * w).max(), abs(x * v - y * u).max()) > least:
+        if np.abs((y * w - z * v, z * u - x * w, x * v - y * u)).max() > least:
             return True
     return False
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 from zlib import crc32
 
 import numpy as np
@@ -261,21 +262,11 @@ def cast_scans(
         _check_out(out, sensor, optional)
         if len(out) != count:
             raise SensorError(f"out holds {len(out)} images; there are {count} poses")
+    images: dict[str, Any] = images_of(out)
     if count:  # images without a pixel all lie at one address, which looks like memory that is shared
-        scene.scan(
-            sensor.pattern,
-            world_from_sensor,
-            depth=out.depth,
-            label=out.label,
-            instance=out.instance,
-            primitive=out.primitive,
-            incidence=out.incidence,
-            normal=out.normal,
-            seed=seed,
-            threads=threads or 0,
-        )
+        scene.scan(sensor.pattern, world_from_sensor, **images, seed=seed, threads=threads or 0)
     if sensor.blocked:
-        blank_pixels(images_of(out), sensor.blocked_pixels)
+        blank_pixels(images, sensor.blocked_pixels)
     return out
 
 
