@@ -3,7 +3,8 @@
 import json
 import math
 import pickle
-from dataclasses import replace
+from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -238,6 +239,11 @@ def test_a_model_that_is_none(fields, message):
     text = json.dumps(json.loads(SENSOR.to_json()) | {"model": fields})
     with pytest.raises(LidarDraftError, match=message):
         Sensor.from_json(text)
+
+
+def test_the_page_explains_every_number():
+    page = (Path(__file__).parents[2] / "docs" / "sensor-model.md").read_text()
+    assert not [field.name for field in fields(SensorModel) if f"`{field.name}`" not in page]
 
 
 def test_no_model_is_none():
