@@ -69,7 +69,7 @@ def test_round_things_have_no_corners() -> None:
 poses = st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-math.pi, math.pi))
 
 
-@settings(max_examples=60)
+@settings(max_examples=60, deadline=None)
 @given(poses, poses, st.floats(-math.pi, math.pi))
 def test_penetration_is_symmetric_and_turns_with_the_scene(
     a: tuple[float, float, float], b: tuple[float, float, float], turn: float
@@ -86,7 +86,7 @@ def test_penetration_is_symmetric_and_turns_with_the_scene(
     assert depth(turn, False) == pytest.approx(depth(0.0, False), abs=1e-6)
 
 
-@settings(max_examples=60)
+@settings(max_examples=60, deadline=None)
 @given(poses, poses)
 def test_boxes_with_a_point_of_one_in_the_other_overlap(
     a: tuple[float, float, float], b: tuple[float, float, float]

@@ -20,13 +20,13 @@ roads = st.builds(
 )
 
 
-@settings(max_examples=50)
+@settings(max_examples=50, deadline=None)
 @given(roads)
 def test_the_ego_is_at_the_origin(road: Road) -> None:
     assert road.at(0.0, road.lane(road.ego_lane)) == pytest.approx((0, 0, 0), abs=1e-9)
 
 
-@settings(max_examples=50)
+@settings(max_examples=50, deadline=None)
 @given(roads, st.floats(-60, 60), st.floats(-20, 20))
 def test_the_frame_is_square_and_its_heading_true(road: Road, along: float, across: float) -> None:
     x, y, heading = road.at(along, across)
@@ -37,7 +37,7 @@ def test_the_frame_is_square_and_its_heading_true(road: Road, along: float, acro
     np.testing.assert_allclose(ahead, [math.cos(heading), math.sin(heading)], atol=1e-4)
 
 
-@settings(max_examples=50)
+@settings(max_examples=50, deadline=None)
 @given(roads, st.lists(st.tuples(st.floats(-60, 60), st.floats(-20, 20)), min_size=1, max_size=5))
 def test_many_places_are_those_of_each_and_lead_back(road: Road, places: list[tuple[float, float]]) -> None:
     along, across = np.array(places).T
@@ -117,7 +117,7 @@ def test_junctions() -> None:
     assert arm.center[1] - arm.size[0] / 2 == pytest.approx(road.edge - road.lane(0))
 
 
-@settings(max_examples=20)
+@settings(max_examples=20, deadline=None)
 @given(roads)
 def test_surfaces_reach_where_the_frame_says(road: Road) -> None:
     surfaces = {p.id: p for p in road.surfaces()}
