@@ -202,7 +202,7 @@ def test_a_layout_that_is_built_can_be_read(tmp_path):
 @pytest.mark.parametrize(
     ("provenance", "message"),
     [
-        ({"sentence": "a" * 2**26}, r"layout.json would have 671089\d\d bytes; such files of up to 67108864 are read"),
+        ({"sentence": "a" * 2**26}, r"layout.json: 671089\d\d bytes of JSON; up to 67108864 are read"),
         ({"parts": [[]] * 3_000_000}, r"layout.json: 30000\d\d lists and objects; JSON of up to 3000000 is read"),
     ],
 )
