@@ -307,3 +307,9 @@ def test_any_text_is_read_or_refused(text: str) -> None:
 def test_each_group_has_the_words_that_asked_for_it() -> None:
     spec = spec_from_text("three flurbed cars grok on the left, a snark and two vans")
     assert [group.words for group in spec.groups] == ["three flurbed cars grok on the left", "two vans"]
+
+
+@pytest.mark.parametrize("text", ["bus!!! 20 metres!!! ahead!!!", "There is a bus. Twenty metres ahead."])
+def test_a_distance_in_a_sentence_of_its_own_is_that_of_the_object_before_it(text: str) -> None:
+    (group,) = spec_from_text(text, strict=True).groups
+    assert group.places == ("front",)

@@ -8,9 +8,8 @@ from collections.abc import Iterable
 from lark import Token
 
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
-from lidardraft.drafting.text.mention import Mention
+from lidardraft.drafting.text.mention import SIZES, Mention
 from lidardraft.drafting.text.number_words import COUNT_TYPES, exact_count, unclear_counts
-from lidardraft.drafting.text.object_qualities import SIZES
 from lidardraft.drafting.text.positions import Position
 from lidardraft.drafting.text.sentence_chunks import KIND_OF, LINKS, LISTED, ROAD_OF, SETTINGS, STATES, Chunk
 from lidardraft.drafting.text.sentence_notes import SentenceNotes

@@ -6,9 +6,8 @@ import dataclasses
 
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.text.chunk_reader import END
-from lidardraft.drafting.text.mention import Mention
+from lidardraft.drafting.text.mention import SCALES, Mention, add_qualities
 from lidardraft.drafting.text.number_words import COUNT_TYPES, Count, count_of, exact_count, number, unclear_counts
-from lidardraft.drafting.text.object_qualities import SCALES, add_qualities
 from lidardraft.drafting.text.position_reader import PositionReader
 from lidardraft.drafting.text.positions import Position
 from lidardraft.drafting.text.references import is_one_of_several, meant_by

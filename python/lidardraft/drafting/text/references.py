@@ -5,9 +5,8 @@ from __future__ import annotations
 from lark import Token
 
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
-from lidardraft.drafting.text.mention import Mention
+from lidardraft.drafting.text.mention import Mention, add_qualities
 from lidardraft.drafting.text.number_words import count_of, exact_count
-from lidardraft.drafting.text.object_qualities import add_qualities
 from lidardraft.drafting.text.sentence_chunks import KIND_OF, Chunk
 
 _RELATION_OF = {

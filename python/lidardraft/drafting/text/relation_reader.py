@@ -9,9 +9,8 @@ from lark import Token
 
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.text.chunk_reader import ChunkReader
-from lidardraft.drafting.text.mention import Mention, depends
+from lidardraft.drafting.text.mention import Mention, add_qualities, depends
 from lidardraft.drafting.text.number_words import count_of, is_plural
-from lidardraft.drafting.text.object_qualities import add_qualities
 from lidardraft.drafting.text.positions import DISTANCES, LANE_WORDS, SET_BACK, Position, read_position
 from lidardraft.drafting.text.references import known_mention, mention_of
 from lidardraft.drafting.text.sentence_chunks import KIND_OF, ROAD_OF, Chunk

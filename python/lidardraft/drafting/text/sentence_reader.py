@@ -10,9 +10,8 @@ import dataclasses
 import itertools
 
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
-from lidardraft.drafting.text.mention import Mention, hosted_count
+from lidardraft.drafting.text.mention import Mention, add_qualities, hosted_count
 from lidardraft.drafting.text.number_words import COUNT_TYPES, exact_count
-from lidardraft.drafting.text.object_qualities import add_qualities
 from lidardraft.drafting.text.part_reader import PartReader
 from lidardraft.drafting.text.positions import Position
 from lidardraft.drafting.text.references import known_mention, meant_by, mention_of
