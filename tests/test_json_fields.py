@@ -62,3 +62,5 @@ def test_what_is_no_number(value: object) -> None:
 def test_more_fields_than_are_read() -> None:
     with pytest.raises(FormatError, match="1500001 fields; JSON of up to 1500000 is read"):
         parse_object("{" + '"a":1,' * 1_500_000 + '"a":1}')
+    with pytest.raises(FormatError, match="67108865 bytes of JSON; up to 67108864 are read"):
+        parse_object(b" " * (2**26 + 1))
