@@ -112,24 +112,16 @@ def test_the_file_that_is_wrong_is_named(tmp_path: Path, name: str, content: byt
         layout_from_sketch(tmp_path / name)
 
 
-@pytest.mark.parametrize("options", [{"metres_per_pixel": 0.0}, {"metres_per_pixel": math.nan}, {"scale_bar": -1.0}])
-def test_scales_that_are_none(options: dict[str, float]) -> None:
-    with pytest.raises(LayoutError, match=f"{next(iter(options))} is"):
-        layout_from_sketch(painted([CAR]), **options)
-
-
-def test_pixels_that_are_none() -> None:
-    for pixels in (np.zeros((4, 4), np.uint8), np.zeros((4, 4, 3)), np.zeros((0, 4, 3), np.uint8)):
-        with pytest.raises(LayoutError, match=r"they must be uint8 \[H, W, 3\]"):
-            layout_from_sketch(pixels, metres_per_pixel=0.1)
-
-
-def test_a_blank_sheet_shows_nothing() -> None:
-    with pytest.raises(LayoutError, match="shows nothing of a class"):
-        layout_from_sketch(np.full((60, 60, 3), 255, np.uint8), metres_per_pixel=0.1)
-
-
-@pytest.mark.parametrize("seed", [-1, 1.5, "a"])
-def test_seeds_that_are_none(seed: object) -> None:
-    with pytest.raises(LayoutError, match="seed is"):
-        layout_from_sketch(np.zeros((9, 9, 3), np.uint8), metres_per_pixel=1.0, seed=seed)  # type: ignore[arg-type]
+@pytest.mark.parametrize(
+    ("pixels", "options", "said"),
+    [
+        *((painted([CAR]), {"metres_per_pixel": wrong}, "metres_per_pixel is") for wrong in (0.0, math.nan)),
+        (painted([CAR]), {"scale_bar": -1.0}, "scale_bar is"),
+        *((painted([CAR]), {"seed": seed}, "seed is") for seed in (-1, 1.5, "a")),
+        *((np.zeros(shape), {}, r"must be uint8 \[H, W, 3\]") for shape in ((4, 4), (4, 4, 3), (0, 4, 3))),
+        (np.full((60, 60, 3), 255, np.uint8), {}, "shows nothing of a class"),
+    ],
+)
+def test_what_cannot_be_drawn(pixels: np.ndarray, options: dict[str, float], said: str) -> None:
+    with pytest.raises(LayoutError, match=said):
+        layout_from_sketch(pixels, **{"metres_per_pixel": 0.1} | options)  # type: ignore[arg-type]

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image, ImageDraw
 from scipy import ndimage
 
-from lidardraft.drafting.sketch.centre_lines import CentreLine, branch_points, centre_lines, thinned
+from lidardraft.drafting.sketch.centre_lines import CentreLine, centre_lines, thinned
 from lidardraft.drafting.sketch.masks import shapes_of_mask
 from lidardraft.drafting.sketch.shapes import Blob, SketchFrame, Stroke, resampled, smooth, without_bumps
 from lidardraft.errors import FormatError
@@ -72,21 +72,16 @@ def test_where_strokes_cross_one_is_whole_and_the_others_end_at_its_edge() -> No
     np.testing.assert_allclose(ends, [0, 185, 215, 330], atol=6)
 
 
-def test_a_road_that_leaves_another_is_one_more_stroke() -> None:
-    mask = painted_lines([(0, 200), (400, 200)], [(250, 200), (250, 400)], width=26)
-    long, short = sorted(centre_lines(mask), key=lambda line: -np.ptp(line.points, axis=0).max())
-    assert np.abs(long.points[:, 0] - 200).max() < 3
-    assert short.points[:, 0].min() == pytest.approx(213, abs=5)
-    assert np.abs(short.points[:, 1] - 250).max() < 3
-
-
-def test_a_thick_stroke_that_ends_at_another_reaches_its_edge() -> None:
+@pytest.mark.parametrize("width", [26, 74])
+def test_a_stroke_that_leaves_another_reaches_its_edge(width: int) -> None:
     """The middle line of the two is drawn towards the one that ends, by a third of its width."""
-    mask = painted_lines([(200, 0), (200, 399)], [(200, 150), (399, 150)], width=74)
-    through, side = sorted(centre_lines(mask), key=lambda line: -np.ptp(line.points[:, 0]))
-    assert np.ptp(through.points[:, 0]) > 390
-    ends = side.points[:, 1].min()
-    assert 200 < ends < 200 + 37
+    mask = painted_lines([(0, 200), (399, 200)], [(250, 200), (250, 399)], width=width)
+    through, side = sorted(centre_lines(mask), key=lambda line: -np.ptp(line.points[:, 1]))
+    assert np.ptp(through.points[:, 1]) > 390
+    assert 200 < side.points[:, 0].min() < 200 + width / 2 + 5
+    if width < 30:
+        assert np.abs(through.points[:, 0] - 200).max() < 3
+        assert np.abs(side.points[:, 1] - 250).max() < 3
 
 
 def test_four_roads_at_a_ring_leave_no_gap() -> None:
@@ -109,17 +104,12 @@ def _stroke(a: np.ndarray, b: np.ndarray, half: float, size: int) -> np.ndarray:
 
 
 def test_more_than_can_be_read_is_refused() -> None:
-    mask = np.zeros((1000, 1000), dtype=bool)
-    mask[::4] = True
-    mask[:, 0] = True
-    with pytest.raises(FormatError, match="up to 60000 are read"):
-        list(centre_lines(mask))
-
-
-def test_a_maze_is_refused() -> None:
-    cells = np.random.default_rng(3).integers(0, 2, (160, 160))
-    with pytest.raises(FormatError, match=r"strokes of one colour meet \d+ times, in \d+ pieces; up to 2000 are read"):
-        list(centre_lines(np.kron(cells, np.ones((6, 6))) > 0))
+    comb = np.zeros((1000, 1000), dtype=bool)
+    comb[::4] = comb[:, :1] = True
+    maze = np.kron(np.random.default_rng(3).integers(0, 2, (160, 160)), np.ones((6, 6))) > 0
+    for mask, said in ((comb, "up to 60000 are read"), (maze, r"meet \d+ times, in \d+ pieces; up to 2000 are read")):
+        with pytest.raises(FormatError, match=said):
+            list(centre_lines(mask))
 
 
 def test_a_long_line_takes_no_more_memory_than_its_length() -> None:
@@ -135,18 +125,6 @@ def test_a_long_line_takes_no_more_memory_than_its_length() -> None:
     tracemalloc.stop()
 
 
-EIGHT = np.ones((3, 3))
-
-
-def test_a_thick_bar_becomes_its_middle_line() -> None:
-    mask = np.zeros((20, 60), dtype=bool)
-    mask[5:14, 4:56] = True
-    thin = thinned(mask)
-    rows, columns = np.nonzero(thin)
-    assert set(rows[(columns > 12) & (columns < 48)]) == {9}
-    assert not branch_points(thin)[:, 15:45].any()
-
-
 def test_what_is_in_one_piece_stays_in_one_piece_with_its_holes() -> None:
     rng = np.random.default_rng(0)
     mask = ndimage.gaussian_filter(rng.normal(size=(120, 120)), 4) > 0
@@ -154,59 +132,37 @@ def test_what_is_in_one_piece_stays_in_one_piece_with_its_holes() -> None:
     thin = thinned(mask)
     assert thin.sum() < 0.2 * mask.sum()
     assert not (thin & ~mask).any()
-    assert ndimage.label(thin, EIGHT)[1] == ndimage.label(mask, EIGHT)[1]
+    assert ndimage.label(thin, np.ones((3, 3)))[1] == ndimage.label(mask, np.ones((3, 3)))[1]
     assert (
         ndimage.label(np.pad(~thin, 1, constant_values=True))[1]
         == ndimage.label(np.pad(~mask, 1, constant_values=True))[1]
     )
 
 
-def test_lines_that_meet_have_a_branch_point_there() -> None:
-    mask = np.zeros((41, 41), dtype=bool)
-    mask[18:23] = mask[:, 18:23] = True
-    down, right = np.nonzero(branch_points(thinned(mask)))
-    assert len(down)
-    assert np.abs(down - 20).max() <= 3
-    assert np.abs(right - 20).max() <= 3
-
-
-CORNER = np.array([(0.0, 0.0), (10.0, 0.0), (10.0, 0.0), (10.0, 10.0)])
-TURNS = np.linspace(0, math.tau, 61)
-RING = np.stack([20 * np.cos(TURNS), 20 * np.sin(TURNS)], axis=1)
-
-
 def test_points_are_evenly_apart() -> None:
-    line, spacing = resampled(CORNER, 0.7)
+    corner = np.array([(0.0, 0.0), (10.0, 0.0), (10.0, 0.0), (10.0, 10.0)])
+    line, spacing = resampled(corner, 0.7)
     assert spacing == pytest.approx(20 / 29)
-    np.testing.assert_allclose(line[[0, -1]], CORNER[[0, -1]])
-    away = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    assert np.sort(away)[1:] == pytest.approx(spacing)  # one step goes over the corner
-    assert len(resampled(CORNER, 100.0)[0]) == 4
+    np.testing.assert_allclose(line[[0, -1]], corner[[0, -1]])
+    assert np.sort(np.linalg.norm(np.diff(line, axis=0), axis=1))[1:] == pytest.approx(
+        spacing
+    )  # one goes over the corner
+    assert len(resampled(corner, 100.0)[0]) == 4
 
 
-def test_a_point_is_a_line_of_no_length() -> None:
-    line, _ = resampled(np.zeros((2, 2)), 1.0)
-    np.testing.assert_array_equal(smooth(without_bumps(line, 3, False), 0.5, False), 0.0)
-
-
-@pytest.mark.parametrize("deviation", [0.5, 3.0])
-def test_a_straight_line_stays_as_it_is(deviation: float) -> None:
-    line = np.linspace((0.0, 0.0), (30.0, 10.0), 40)
-    np.testing.assert_allclose(smooth(line, deviation, False), line, atol=1e-9)
-    np.testing.assert_allclose(without_bumps(line, 15, False), line, atol=1e-9)
-
-
-def test_a_ring_stays_closed_and_hardly_shrinks() -> None:
-    for ring in (smooth(RING, 2.0, True), without_bumps(RING, 5, True)):
-        np.testing.assert_array_equal(ring[0], ring[-1])
-        assert np.abs(np.linalg.norm(ring, axis=1) - 20).max() < 0.6
-
-
-def test_a_bump_shorter_than_half_the_window_is_gone() -> None:
-    line = np.linspace((0.0, 0.0), (60.0, 0.0), 61)
-    line[20:28, 1] = 5.0
-    assert np.abs(without_bumps(line, 19, False)[:, 1]).max() == 0
-    assert np.abs(without_bumps(line, 11, False)[:, 1]).max() == 5
+def test_smoothing_takes_bumps_and_leaves_straight_lines_points_and_rings() -> None:
+    line = np.linspace((0.0, 0.0), (60.0, 20.0), 61)
+    for same in (line, np.zeros((4, 2))):
+        for smoothed in (smooth(same, 0.5, False), smooth(same, 3.0, False), without_bumps(same, 3, False)):
+            np.testing.assert_allclose(smoothed, same, atol=1e-9)
+    bumped = line * (1, 0)
+    bumped[20:28, 1] = 5.0
+    assert [without_bumps(bumped, window, False)[:, 1].max() for window in (19, 11)] == [0, 5]
+    turns = np.linspace(0, math.tau, 61)
+    ring = 20 * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    for smoothed in (smooth(ring, 2.0, True), without_bumps(ring, 5, True)):
+        np.testing.assert_array_equal(smoothed[0], smoothed[-1])
+        assert np.abs(np.linalg.norm(smoothed, axis=1) - 20).max() < 0.6
 
 
 FRAME = SketchFrame(np.array([100.0, 100.0]), 0.1)

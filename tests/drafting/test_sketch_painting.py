@@ -56,14 +56,13 @@ def test_a_large_picture_is_read_coarsely() -> None:
     np.testing.assert_allclose(found.blobs[0].center, CAR.center, atol=0.1)
 
 
-@pytest.mark.parametrize(("label", "other"), [("bus", "train"), ("train", "bus")])
-def test_like_colours_are_told_apart_by_the_whole_piece(label: str, other: str) -> None:
+@pytest.mark.parametrize("label", ["bus", "train"])
+def test_like_colours_are_told_apart_by_the_whole_piece(label: str) -> None:
     pixels = painted([DrawnBox(label, (0.0, 0.0), 12.0, 2.6, 0.0)])
     noise = np.random.default_rng(0).normal(0, 9, pixels.shape)
     noisy = np.clip(pixels + noise, 0, 255).astype(np.uint8)
     found = read_painting(noisy, 0.1, None)
     assert [blob.label for blob in found.blobs] == [label]
-    assert other != label
 
 
 def test_what_has_no_colour_of_a_class_is_told() -> None:

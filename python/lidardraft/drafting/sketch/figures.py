@@ -11,7 +11,7 @@ import numpy as np
 from lidardraft.drafting.sketch.masks import STROKE_CLASSES, shapes_of_mask
 from lidardraft.drafting.sketch.painting import nearest_colour
 from lidardraft.drafting.sketch.shapes import FURTHEST, Blob, Sketch, SketchFrame, Stroke, resampled
-from lidardraft.drafting.sketch.svg import Figure, read_page
+from lidardraft.drafting.sketch.svg import Figure, middle_of, read_page
 from lidardraft.errors import LayoutError
 from lidardraft.scene.class_names import class_of, words_of
 from lidardraft.semantics import CLASSES, NUM_CLASSES
@@ -36,12 +36,10 @@ def read_svg(text: str, metres_per_unit: float | None) -> Sketch:
     unless `metres_per_unit` [m] of a CSS pixel is given; one named "ego" says where the ego vehicle is.
     """
     page = read_page(text)
-    marks = [
-        figure for figure in page.figures if any(word in _EGO for name in figure.all_names for word in words_of(name))
-    ]
+    marks = [figure for figure in page.figures if _says(figure, _EGO)]
     bars = [figure for figure in page.figures if _scale_said(figure) is not None]
     scale = metres_per_unit or _scale_of(bars)
-    frame = SketchFrame(_middle(marks) if marks else page.middle(), scale)
+    frame = SketchFrame(middle_of(marks) if marks else page.middle(), scale)
     sketch = Sketch(scale, bool(marks), ignored=page.ignored)
     if metres_per_unit and bars:
         sketch.ignored.append("the scale bar: the scale is given in metres per pixel")
@@ -51,13 +49,17 @@ def read_svg(text: str, metres_per_unit: float | None) -> Sketch:
     share = math.sqrt(min(1.0, _MASK_PIXELS / max(wanted, 1.0)))
     for figure in shown:
         label = _label(figure)
-        if label == "road" and any(word in _MARKINGS for name in figure.all_names for word in words_of(name)):
+        if label == "road" and _says(figure, _MARKINGS):
             sketch.ignored.append(f"{figure.where}: markings are not read")
         elif label is None:
             sketch.ignored.append(f"{figure.where}: neither a name nor a colour says its class")
         elif label != "terrain":
             sketch.add(_shapes(figure, label, frame, share))
     return sketch
+
+
+def _says(figure: Figure, words: tuple[str, ...]) -> bool:
+    return any(word in words for name in figure.all_names for word in words_of(name))
 
 
 def _scale_said(figure: Figure) -> float | None:
@@ -77,12 +79,6 @@ def _scale_of(bars: list[Figure]) -> float:
     if not said or long <= 0:
         raise LayoutError(f"{bars[0].where}: a scale of {said} m that is {long} units long")
     return said / long
-
-
-def _middle(figures: list[Figure]) -> np.ndarray:
-    points = np.concatenate([points for figure in figures for points, _ in figure.pieces])
-    middle: np.ndarray = (points.min(axis=0) + points.max(axis=0)) / 2
-    return middle
 
 
 def _label(figure: Figure) -> str | None:

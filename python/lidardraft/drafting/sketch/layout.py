@@ -14,7 +14,7 @@ import numpy as np
 from lidardraft.drafting.sketch.figures import read_svg
 from lidardraft.drafting.sketch.objects import NotDrawnError, Placed, objects_of_blob, objects_of_stroke
 from lidardraft.drafting.sketch.painting import read_painting
-from lidardraft.drafting.sketch.shapes import Sketch
+from lidardraft.drafting.sketch.shapes import Blob, Sketch, Stroke
 from lidardraft.drafting.sketch.surfaces import (
     DrawnSurface,
     Nearest,
@@ -124,20 +124,17 @@ def _layout(sketch: Sketch, source: str, seed: int) -> Layout:
 
 def _objects(sketch: Sketch, surfaces: list[DrawnSurface], rng: np.random.Generator) -> Iterator[Placed]:
     roads = Nearest(surfaces, "road")
-    for blob in sketch.blobs:
-        if blob.label in GROUND:
+    shapes: list[Blob | Stroke] = [*sketch.blobs, *sketch.strokes]
+    for shape in shapes:
+        if shape.label in GROUND:
             continue
         try:
-            yield from objects_of_blob(blob, heading(blob, roads), rng)
+            if isinstance(shape, Blob):
+                yield from objects_of_blob(shape, heading(shape, roads), rng)
+            else:
+                yield from objects_of_stroke(shape, rng)
         except NotDrawnError as error:
-            sketch.ignored.append(f"{blob.where}: {error}")
-    for stroke in sketch.strokes:
-        if stroke.label in GROUND:
-            continue
-        try:
-            yield from objects_of_stroke(stroke, rng)
-        except NotDrawnError as error:
-            sketch.ignored.append(f"{stroke.where}: {error}")
+            sketch.ignored.append(f"{shape.where}: {error}")
 
 
 def _terrain(sketch: Sketch) -> Primitive:

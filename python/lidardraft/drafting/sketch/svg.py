@@ -10,6 +10,7 @@ import re
 from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import islice
+from typing import NamedTuple
 from xml.etree.ElementTree import Element, TreeBuilder
 
 import numpy as np
@@ -101,13 +102,14 @@ class Page:
 
     def middle(self) -> np.ndarray:
         """The middle [2] of the page, or of what is on it where its size is not known."""
-        if self.size is not None:
-            return self.size / 2
-        points = np.concatenate(
-            [points for figure in self.figures for points, _ in figure.pieces] or [np.zeros((1, 2))]
-        )
-        middle: np.ndarray = (points.min(axis=0) + points.max(axis=0)) / 2
-        return middle
+        return self.size / 2 if self.size is not None else middle_of(self.figures)
+
+
+def middle_of(figures: list[Figure]) -> np.ndarray:
+    """The middle [2] of the rectangle around figures."""
+    points = np.concatenate([points for figure in figures for points, _ in figure.pieces] or [np.zeros((1, 2))])
+    middle: np.ndarray = (points.min(axis=0) + points.max(axis=0)) / 2
+    return middle
 
 
 def read_page(text: str) -> Page:
@@ -254,6 +256,14 @@ def _flattened(segment: Line | Curve) -> np.ndarray:
     return places
 
 
+class _Within(NamedTuple):
+    """What an element is in: a matrix [3, 3] to the page, a style, and the names of groups, the innermost first."""
+
+    matrix: np.ndarray
+    style: Style
+    groups: tuple[str, ...]
+
+
 class _Reader:
     """Goes through the elements of a page."""
 
@@ -271,7 +281,7 @@ class _Reader:
             self.by_id.setdefault(element.get("id", ""), element)
             if element.tag == "style":
                 self._read_sheet((element.text or "")[:_LONGEST_SHEET])
-        self.read_children(root, matrix, self._inside({}, root), ())
+        self.read_children(root, _Within(matrix, self._inside({}, root), ()))
 
     def _read_sheet(self, text: str) -> None:
         """Add the rules of a style sheet; later ones come before earlier ones."""
@@ -286,37 +296,36 @@ class _Reader:
                 else:
                     self._ignore(f"style rule {selector!r:.60}: not read")
 
-    def read(self, element: Element, matrix: np.ndarray, style: Style, groups: tuple[str, ...]) -> None:
-        """Read an element and what is in it, under a matrix [3, 3], in a style, and in groups of these names."""
-        names = _names_of(element)
+    def read(self, element: Element, within: _Within) -> None:
+        """Read an element and what is in it."""
         if element.tag in _SILENT:
             return
         if self.used:
             self.count_of_used += 1
             if self.count_of_used > _MOST_USED:
                 raise FormatError(f"<use> shows more than {_MOST_USED} elements; up to so many are read")
-        where = f"{element.tag} {names[0]!r}" if names else element.tag
         if element.tag not in (*_SHAPES, *_GROUPS, "use"):
-            self._ignore(f"{where}: not read")
+            self._ignore(f"{_called(element)}: not read")
             return
-        with named(where):
-            style = self._inside(style, element)
+        with named(_called(element)):
+            matrix, style = within.matrix, self._inside(within.style, element)
             if style.get("display") == "none" or _is_zero(style.get("opacity")):
-                self._ignore(f"{where}: hidden")
+                self._ignore(f"{_called(element)}: hidden")
                 return
             if "transform" in element.attrib:
                 matrix = matrix @ transform(element.attrib["transform"])
             if element.tag in _SHAPES:
-                self._add(element, matrix, style, names, groups, where)
+                self._add(element, _Within(matrix, style, within.groups))
+        inner = _Within(matrix, style, _names_of(element) + within.groups)
         if element.tag == "use":
-            self._use(element, matrix, style, names + groups)
+            self._use(element, inner)
         elif element.tag in _GROUPS:
-            self.read_children(element, matrix, style, names + groups)
+            self.read_children(element, inner)
 
-    def read_children(self, element: Element, matrix: np.ndarray, style: Style, groups: tuple[str, ...]) -> None:
+    def read_children(self, element: Element, within: _Within) -> None:
         """Read what is in an element."""
         for child in element:
-            self.read(child, matrix, style, groups)
+            self.read(child, within)
 
     def _inside(self, style: Style, element: Element) -> Style:
         """The style of an element within what has a style: by its attributes, the style sheets, and its own rules."""
@@ -336,22 +345,23 @@ class _Reader:
             said["stroke-width"] = repr(length(said["stroke-width"], "stroke-width", self._whole("stroke-width"), em))
         return style | said
 
-    def _use(self, element: Element, matrix: np.ndarray, style: Style, groups: tuple[str, ...]) -> None:
+    def _use(self, element: Element, within: _Within) -> None:
         """Read the element that a <use> shows once more, in its place."""
         id = element.get("href", "").strip().removeprefix("#")
         target = self.by_id.get(id) if id else None
         if target is None or id in self.used:
             self._ignore(f"use of {id!r:.60}: {'there is no such shape' if target is None else 'it is in itself'}")
             return
-        x, y = (self._length(element, name, style) for name in ("x", "y"))
-        matrix = matrix @ np.array([[1, 0, x], [0, 1, y], [0, 0, 1]])
+        x, y = (self._length(element, name, within.style) for name in ("x", "y"))
+        matrix = within.matrix @ np.array([[1, 0, x], [0, 1, y], [0, 0, 1]])
         self.used.append(id)
         if target.tag == "symbol":
             sides = {name: element.attrib[name] for name in ("width", "height") if name in element.attrib}
-            _, inner = _page_size(Element("symbol", target.attrib | sides))
-            self.read_children(target, matrix @ inner, self._inside(style, target), _names_of(target) + groups)
+            matrix = matrix @ _page_size(Element("symbol", target.attrib | sides))[1]
+            style, groups = self._inside(within.style, target), _names_of(target) + within.groups
+            self.read_children(target, _Within(matrix, style, groups))
         else:
-            self.read(target, matrix, style, groups)
+            self.read(target, within._replace(matrix=matrix))
         self.used.pop()
 
     def _length(self, element: Element, name: str, style: Style) -> float:
@@ -361,39 +371,28 @@ class _Reader:
         """What a length of an attribute is a percentage of."""
         if self.extent is None:
             return None
+        across, down = self.extent.tolist()
         if name in ("x", "cx", "rx", "x1", "x2", "width"):
-            return float(self.extent[0])
-        if name in ("y", "cy", "ry", "y1", "y2", "height"):
-            return float(self.extent[1])
-        return math.hypot(*self.extent.tolist()) / math.sqrt(2)
+            return across
+        return down if name in ("y", "cy", "ry", "y1", "y2", "height") else math.hypot(across, down) / math.sqrt(2)
 
-    def _add(
-        self,
-        element: Element,
-        matrix: np.ndarray,
-        style: Style,
-        names: tuple[str, ...],
-        groups: tuple[str, ...],
-        where: str,
-    ) -> None:
+    def _add(self, element: Element, within: _Within) -> None:
+        matrix, style, groups = within
         fill, stroke = (_paint(style, name) for name in _PAINTS)
         hidden = {fill, stroke} <= {"none", "clear"} or (fill == "clear" and stroke == "")
         if hidden or style.get("visibility") in ("hidden", "collapse"):
-            self._ignore(f"{where}: hidden")
+            self._ignore(f"{_called(element)}: hidden")
             return
-        pieces = [
-            (points @ matrix[:2, :2].T + matrix[:2, 2], closed)
-            for points, closed in self._pieces(element, style)
-            if len(points) > 1
-        ]
+        pieces = [(points, closed) for points, closed in self._pieces(element, style) if len(points) > 1]
         if not pieces:
-            self._ignore(f"{where}: empty")
+            self._ignore(f"{_called(element)}: empty")
             return
         if len(self.page.figures) >= _MOST_FIGURES:
             raise FormatError(f"more than {_MOST_FIGURES} shapes; sketches of up to so many are read")
+        pieces = [(points @ matrix[:2, :2].T + matrix[:2, 2], closed) for points, closed in pieces]
         width = float(style.get("stroke-width", "1")) * math.sqrt(abs(float(np.linalg.det(matrix[:2, :2]))))
         nonzero = style.get("fill-rule") != "evenodd"
-        self.page.figures.append(Figure(names, groups, element.tag, pieces, fill, stroke, width, nonzero))
+        self.page.figures.append(Figure(_names_of(element), groups, element.tag, pieces, fill, stroke, width, nonzero))
 
     def _pieces(self, element: Element, style: Style) -> list[Piece]:
         def of(*attributes: str) -> list[float]:
@@ -448,6 +447,11 @@ def _names_of(element: Element) -> tuple[str, ...]:
     titles = [(child.text or "").strip() for child in element if child.tag == "title"]
     given = [element.get("label", ""), *titles, *(element.get(name, "") for name in _NAMES)]
     return tuple(name[:_LONGEST_NAME] for name in given if name)
+
+
+def _called(element: Element) -> str:
+    """What messages call an element."""
+    return " ".join([element.tag, *(repr(name) for name in _names_of(element)[:1])])
 
 
 def _declarations(text: str) -> Style:
