@@ -60,6 +60,11 @@ class _Graph:
     middles: dict[int, np.ndarray]
     halves: dict[int, float]
 
+    def met_at(self, number: int, end: int) -> int | None:
+        """The node at an end of a branch, if others meet it there."""
+        node = self.branches[number].nodes[end]
+        return node if node is not None and len(self.ends_at(node)) > 1 else None
+
     def ends_at(self, node: int) -> list[tuple[int, int]]:
         return [(k, end) for k, branch in self.branches.items() for end in (0, 1) if branch.nodes[end] == node]
 
@@ -101,10 +106,7 @@ def _recentred(mask: np.ndarray, points: np.ndarray, closed: bool, half: float) 
     if not between.any():
         return CentreLine(line, 2.0 * half, closed)
     known, places = np.flatnonzero(between), np.arange(len(line))
-    after = np.searchsorted(known, places)
-    before, after = known[np.maximum(after - 1, 0)], known[np.minimum(after, len(known) - 1)]
-    nearest = np.where(np.abs(places - before) <= np.abs(after - places), before, after)
-    left, right = (reach[nearest] for reach in reaches)
+    left, right = (np.interp(places, known, reach[known]) for reach in reaches)
     window = 2 * round(_BUMP * half / spacing) + 1
     middle = without_bumps(line + ((right - left) / 2)[:, None] * aside, window, closed)
     return CentreLine(middle, float(np.median(left + right)) - _RAY_STEP, closed)
@@ -168,9 +170,8 @@ def _prune(graph: _Graph, step: int) -> None:
     while True:
         spurs = []
         for number, branch in graph.branches.items():
-            node = branch.nodes[0] or branch.nodes[1]
-            grown = node is not None and None in branch.nodes and len(graph.ends_at(node)) > 1
-            if grown and branch.length < _SPUR * graph.halves[node or 0] + 2 * step:
+            node = graph.met_at(number, 0) or graph.met_at(number, 1)
+            if node and None in branch.nodes and branch.length < _SPUR * graph.halves[node] + 2 * step:
                 spurs.append((branch.length, number))
         if not spurs:
             return
@@ -214,14 +215,11 @@ def _through_lines(graph: _Graph, depth: np.ndarray) -> Iterator[tuple[np.ndarra
             at = onward
         points = np.concatenate(pieces)
         closed = onward == begin
-        alone = len(pieces) == 1 and graph.branches[number].nodes == [None, None]
-        if alone and len(points) > 8 and np.linalg.norm(points[0] - points[-1]) < 4.0 * _at(depth, points[:1])[0] / 2:
-            closed = True
+        if len(pieces) == 1 and graph.branches[number].nodes == [None, None] and len(points) > 8:
+            closed |= bool(np.linalg.norm(points[0] - points[-1]) < 2.0 * _at(depth, points[:1])[0])
         if len(points) > 1:
-            yield (
-                (np.concatenate([points, points[:1]]) if closed else _lengthened(points, begin, at, graph, depth)),
-                closed,
-            )
+            whole = np.concatenate([points, points[:1]]) if closed else _lengthened(points, begin, at, graph, depth)
+            yield whole, closed
 
 
 def _straightest(graph: _Graph, node: int) -> tuple[tuple[int, int], tuple[int, int]] | None:
@@ -240,11 +238,17 @@ def _straightest(graph: _Graph, node: int) -> tuple[tuple[int, int], tuple[int, 
 def _direction(graph: _Graph, number: int, end: int, half: float) -> np.ndarray:
     """The unit vector along a branch away from its end, further from the node than its surface is bent by it."""
     points = graph.branches[number].points[:: 1 if end == 0 else -1]
-    away = np.linalg.norm(points - points[0], axis=1)
-    near, far = points[np.argmax(away >= min(half, away.max()))], points[np.argmax(away >= min(4 * half, away.max()))]
+    near, far = (_beyond(points, points[0], reach) for reach in (half, 4 * half))
     off = far - (near if np.any(far != near) else points[0])
     length = float(np.linalg.norm(off))
     return off / length if length else np.zeros(2)
+
+
+def _beyond(points: np.ndarray, place: np.ndarray, reach: float) -> np.ndarray:
+    """The first of points [N, 2] that is as far from a place [2], or the one that is furthest."""
+    away = np.linalg.norm(points - place, axis=1)
+    first: np.ndarray = points[np.argmax(away >= min(reach, away.max()))]
+    return first
 
 
 def _trimmed(graph: _Graph, number: int, joined: Joined, depth: np.ndarray) -> np.ndarray:
@@ -252,14 +256,12 @@ def _trimmed(graph: _Graph, number: int, joined: Joined, depth: np.ndarray) -> n
     at the edge of a stroke that goes on there."""
     branch = graph.branches[number]
     keep = np.ones(len(branch.points), dtype=bool)
-    for end in (0, 1):
-        node = branch.nodes[end]
-        if node is not None and len(graph.ends_at(node)) > 1:
-            keep &= np.linalg.norm(branch.points - graph.middles[node], axis=1) > graph.halves[node]
+    met = [graph.met_at(number, end) for end in (0, 1)]
+    for each in filter(None, met):
+        keep &= np.linalg.norm(branch.points - graph.middles[each], axis=1) > graph.halves[each]
     points = branch.points[keep]
-    for end in (0, 1):
-        node = branch.nodes[end]
-        if node is None or (number, end) in joined or not len(points) or len(graph.ends_at(node)) < 2:
+    for end, node in enumerate(met):
+        if node is None or (number, end) in joined or not len(points):
             continue
         through = [other for other in joined if graph.branches[other[0]].nodes[other[1]] == node]
         edge = _edge_of(graph, node, through, points[-end], depth) if through else graph.middles[node]
@@ -275,11 +277,8 @@ def _edge_of(
     The stroke runs between its parts on both sides of the node, whose own middle is drawn towards what meets there.
     """
     half = float(np.mean([np.median(_at(depth, graph.branches[number].points)) for number, _ in through]))
-    sides = []
-    for number, end in through:
-        points = graph.branches[number].points[:: -1 if end else 1]
-        away = np.linalg.norm(points - graph.middles[node], axis=1)
-        sides.append(points[np.argmax(away >= min(2.0 * half, away.max()))])
+    lines = [graph.branches[number].points[:: -1 if end else 1] for number, end in through]
+    sides = [_beyond(line, graph.middles[node], 2.0 * half) for line in lines]
     ahead = sides[1] - sides[0]
     share = float((graph.middles[node] - sides[0]) @ ahead) / max(float(ahead @ ahead), 1e-9)
     middle = sides[0] + share * ahead
@@ -294,15 +293,11 @@ def _lengthened(
     """The line with its free ends moved out to where the mask ends, from which thinning draws them in."""
     ends = []
     for (number, end), row in ((begin, points), ((last[0], 1 - last[1]), points[::-1])):
-        node = graph.branches[number].nodes[end]
-        if node is not None and len(graph.ends_at(node)) > 1:
-            ends.append(row[:0])
-            continue
         half = float(_at(depth, row[:1])[0])
-        away = np.linalg.norm(row - row[0], axis=1)
-        off = row[0] - row[np.argmax(away >= min(3 * half + 2, away.max()))]
+        off = row[0] - _beyond(row, row[0], 3 * half + 2)
         length = float(np.linalg.norm(off))
-        ends.append((row[0] + off / length * (half - 0.5))[None] if length else row[:0])
+        free = graph.met_at(number, end) is None and length > 0
+        ends.append((row[0] + off / length * (half - 0.5))[None] if free else row[:0])
     return np.concatenate([ends[0], points, ends[1]])
 
 
