@@ -121,7 +121,7 @@ def test_a_long_stroke_of_cars_is_a_row_of_them() -> None:
 
 @pytest.mark.parametrize(("label", "length", "width"), [("car", 30.0, 20.0), ("pole", 80.0, 7.0), ("person", 9.0, 1.0)])
 def test_what_no_object_is_as_large_as_is_told(label: str, length: float, width: float) -> None:
-    with pytest.raises(NotDrawnError, match=rf"{length} x {width} m is no {label}"):
+    with pytest.raises(NotDrawnError, match=rf"{length} x {width} m is too large for a {label}"):
         of_blob(label, length, width)
 
 

@@ -33,7 +33,7 @@ _AS_DRAWN = ("building", "vegetation", "wall", "fence")  # classes whose footpri
 _LEAST = 0.6  # of the smallest extent of a class: what is drawn smaller is a mark, and has the usual size
 _LARGEST_MARK = 8.0  # m across, of what stands for a person, a pole or a sign
 _MOST_AREAS = 4.0  # times the largest footprint of a vehicle: no vehicle
-_GAP = 1.0  # m between vehicles that were drawn as one stroke; estimate of ours
+_GAP = 1.0  # m between vehicles that were drawn as one stroke; an estimate
 _ROUND = 2 / math.sqrt(3)  # diameters of a disc to a side of the square with the same moments
 _CROWN = (1.0, 14.0)  # m across; wider vegetation is several trees
 _STAND_CROWN = 6.0  # m across, of the trees of a stand
@@ -82,7 +82,7 @@ def objects_of_blob(blob: Blob, yaw: float, rng: np.random.Generator) -> Iterato
             footprint = (_ROUND * math.sqrt(footprint[0] * footprint[1]),) * 2
         yield _placed(kind.name, _resized(kind, footprint, rng), blob.center, yaw)
     elif max(blob.length, blob.width) > _LARGEST_MARK:
-        raise NotDrawnError(f"{blob.length:.1f} x {blob.width:.1f} m is no {kind.name}")
+        raise NotDrawnError(f"{blob.length:.1f} x {blob.width:.1f} m is too large for a {kind.name}")
     else:
         parts = kind.sample_parts(rng, parked=blob.label != "rider")
         yield _placed(kind.name, parts, blob.center, yaw)
@@ -122,7 +122,7 @@ def _placed(kind: str, parts: list[ObjectPart], place: np.ndarray, yaw: float) -
 def _vehicles(blob: Blob, kind: SentenceKind, yaw: float, rng: np.random.Generator) -> Iterator[Placed]:
     smallest, largest = SIZE_RANGES[blob.label]
     if blob.length * blob.width > _MOST_AREAS * largest[0] * largest[1] and blob.width > 1.6 * largest[1]:
-        raise NotDrawnError(f"{blob.length:.1f} x {blob.width:.1f} m is no {blob.label}")
+        raise NotDrawnError(f"{blob.length:.1f} x {blob.width:.1f} m is too large for a {blob.label}")
     usual = extents(kind.sample_parts(rng, parked=True))
     count = max(1, round(blob.length / (usual[0] + _GAP))) if blob.length > largest[0] else 1
     share = blob.length / count - (_GAP if count > 1 else 0.0)

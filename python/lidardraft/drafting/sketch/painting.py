@@ -26,7 +26,7 @@ _REACH = 3  # pixels that an edge is blurred over, to either side
 _DARK = 96  # of 255: on paper darker than this, the scale bar is white
 _LIGHT, _GREY = 180, 30  # of 255: paper is as light, or differs as little from grey
 _MOST_PAPER = 0.4  # of the pixels along the edges have one colour if it is that of the paper
-_MOST_TOLD, _LEAST_TOLD = 8, 0.002  # colours of no class that are told, and the share of the pixels that each has
+_MOST_REPORTED, _LEAST_REPORTED = 8, 0.002  # colours without a class, and the share of the pixels that each has
 _LEAST_PAPER = 0.15  # of all pixels
 _SAME = 2 ** (8 - _BITS)  # in each channel: a colour that the table does not tell from another
 _SUPPORTED = 5  # of the eight pixels around, of the same class: no edge
@@ -150,7 +150,7 @@ def _likely(name: str, colours: np.ndarray) -> str:
 def paper_of(pixels: np.ndarray) -> Colour:
     """The colour of the paper of pixels u8 [H, W, 3]: white, or that of most of its edges if it is light or grey.
 
-    The colour of a class is none, as city blocks may reach the edges.
+    The colour of a class is never taken for paper, as city blocks may reach the edges.
     """
     edges = np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]])
     codes = (edges >> (8 - _BITS)).astype(np.int64) @ [1, 2**_BITS, 4**_BITS]
@@ -251,9 +251,9 @@ def unknown_colours(pixels: np.ndarray, found: np.ndarray) -> list[str]:
     codes = (unknown >> (8 - _BITS)).astype(np.int64) @ [1, 2**_BITS, 4**_BITS]
     values, counts = np.unique(codes, return_counts=True)
     lines = []
-    for index in np.argsort(-counts, kind="stable")[:_MOST_TOLD].tolist():
+    for index in np.argsort(-counts, kind="stable")[:_MOST_REPORTED].tolist():
         share = counts[index] / found.size
-        if share >= _LEAST_TOLD:
+        if share >= _LEAST_REPORTED:
             colour = " ".join(f"{value:.0f}" for value in np.median(unknown[codes == values[index]], axis=0))
             lines.append(f"colour {colour}, {share:.1%} of the pixels: no class has it")
     return lines
