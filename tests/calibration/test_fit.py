@@ -111,7 +111,7 @@ def test_sweeps_have_the_lasers_in_the_rows_of_the_table(fitted):
 
 @needs_data
 def test_a_recorded_hdl64e_loses_no_point_to_another_laser():
-    paths = sorted(Path(DATA).glob("kitti/object/*/velodyne/*.bin"))[:2]  # whose motion was not taken out
+    paths = sorted(Path(DATA).glob("kitti/object/*/velodyne/*.bin"))[:1]  # whose motion was not taken out
     if not paths:
         pytest.skip("no scans under kitti/object")
     scans = [read_recording(path) for path in paths]
