@@ -69,7 +69,7 @@ def stub_modules(script: Script) -> dict[str, Value]:
     loggers = dict.fromkeys(("getLogger", "StreamHandler", "Formatter"), lambda *_, **__: logger)
     silence = dict.fromkeys((*_MESSAGES, "disable", "captureWarnings"), nothing)
     levels = {"DEBUG": 10, "INFO": 20, "WARNING": 30, "ERROR": 40, "CRITICAL": 50}
-    file_path = PathType(script)
+    file_path = PathType("Path", _path(script))
     modules: dict[str, dict[str, Value]] = {
         "os": {"path": path, "environ": environ, "name": "posix", "sep": "/", "linesep": "\n"}
         | builtins("os.", {"getenv": getenv, "getcwd": lambda: "/"}),
@@ -137,31 +137,19 @@ def _name_of(value: Value) -> str:
     return str(value.pure) if isinstance(value, FilePath) else text(value, "the name of a file")
 
 
-class PathType(Record):
+def _path(script: Script) -> Callable[..., Value]:
+    def path(*parts: Value) -> FilePath:
+        names = [_name_of(part) for part in parts]
+        script.take_steps(sum(map(len, names)) // 8 + 8)  # a path is split at its slashes
+        return FilePath(PurePosixPath(*names), script)
+
+    return path
+
+
+class PathType(Builtin):
     """`pathlib.Path`."""
 
-    kind = "pathlib.Path"
-
-    def __init__(self, script: Script) -> None:
-        self.script = script
-
-    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
-        if keywords:
-            raise RefusalError("Path takes no named arguments")
-        return self.joined(PurePosixPath(), arguments)
-
-    def joined(self, pure: PurePosixPath, parts: list[Value]) -> FilePath:
-        """The path of some parts behind another one."""
-        names = [_name_of(part) for part in parts]
-        self.script.take_steps(sum(map(len, names)) // 8 + 8)  # a path is split at its slashes
-        return self.made(pure.joinpath(*names))
-
-    def made(self, pure: PurePosixPath) -> FilePath:
-        """The path of that name."""
-        self.script.take_text(8 * len(str(pure)))
-        return FilePath(pure, self)
-
-    methods: ClassVar[Methods] = dict.fromkeys(("cwd", "home"), lambda self: self.made(PurePosixPath("/")))
+    methods: ClassVar[Methods] = dict.fromkeys(("cwd", "home"), lambda self: self._call("/"))
 
 
 class FilePath(Record):
@@ -170,42 +158,44 @@ class FilePath(Record):
     kind = "a path"
     weight = 4
 
-    def __init__(self, pure: PurePosixPath, paths: PathType) -> None:
+    def __init__(self, pure: PurePosixPath, script: Script) -> None:
+        script.take_text(8 * len(str(pure)))
         self.pure = pure
-        self._paths = paths
+        self._script = script
 
-    def _asked(self, name: str) -> bool:
-        return _no_file(f"Path.{name}", self._paths.script)
+    def _other(self, pure: PurePosixPath) -> FilePath:
+        return FilePath(pure, self._script)
+
+    def _joined(self, *parts: Value) -> Value:
+        return _path(self._script)(self, *parts)
 
     fields: ClassVar[Methods] = {
-        "name": lambda self: self.pure.name,
-        "stem": lambda self: self.pure.stem,
-        "suffix": lambda self: self.pure.suffix,
-        "parent": lambda self: self._paths.made(self.pure.parent),
-        "parents": lambda self: [self._paths.made(parent) for parent in list(self.pure.parents)[:_MOST_PARENTS]],
+        **{name: lambda self, name=name: getattr(self.pure, name) for name in ("name", "stem", "suffix")},
+        "parent": lambda self: self._other(self.pure.parent),
+        "parents": lambda self: [self._other(parent) for parent in list(self.pure.parents)[:_MOST_PARENTS]],
     }
     methods: ClassVar[Methods] = {
-        "joinpath": lambda self, *parts: self._paths.joined(self.pure, list(parts)),
-        "with_suffix": lambda self, suffix: self._paths.made(self.pure.with_suffix(text(suffix, "the suffix"))),
-        "with_name": lambda self, name: self._paths.made(self.pure.with_name(text(name, "the name"))),
-        "resolve": lambda self: self._paths.made(PurePosixPath("/") / self.pure),
-        "absolute": lambda self: self._paths.made(PurePosixPath("/") / self.pure),
+        "joinpath": _joined,
+        "with_suffix": lambda self, suffix: self._other(self.pure.with_suffix(text(suffix, "the suffix"))),
+        "with_name": lambda self, name: self._other(self.pure.with_name(text(name, "the name"))),
+        **dict.fromkeys(("resolve", "absolute"), lambda self: self._other(PurePosixPath("/") / self.pure)),
         "expanduser": lambda self: self,
         "as_posix": lambda self: str(self.pure),
-        "exists": lambda self: self._asked("exists"),
-        "is_file": lambda self: self._asked("is_file"),
-        "is_dir": lambda self: self._asked("is_dir"),
+        **{
+            name: lambda self, name=name: _no_file(f"Path.{name}", self._script)
+            for name in ("exists", "is_file", "is_dir")
+        },
     }
 
     def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
         if operator is not ast.Div or reflected or not isinstance(other, str | FilePath):
             return super().binary(operator, other, reflected=reflected)
-        return self._paths.joined(self.pure, [other])
+        return self._joined(other)
 
     def equals(self, other: Value) -> bool:
         if not isinstance(other, FilePath):
             return False
-        self._paths.script.take_steps((len(str(self.pure)) + len(str(other.pure))) // 8 + 8)
+        self._script.take_steps((len(str(self.pure)) + len(str(other.pure))) // 8 + 8)
         return self.pure == other.pure
 
     def text(self, as_repr: bool) -> str:
