@@ -41,7 +41,7 @@ def test_a_fresh_controlnet_leaves_the_base_bit_identical() -> None:
         assert torch.equal(copy, original)
         assert copy.data_ptr() != original.data_ptr()
         assert (copy.requires_grad, original.requires_grad) == (True, False)
-    assert [name for name, _ in controlled.controlnet.zero_convs()] == ["leave.0", "leave.1"]
+    assert [name for name, _ in controlled.controlnet.zero_convs()] == ["leave.0", "leave.1", "leave.2"]
 
 
 @torch.no_grad()

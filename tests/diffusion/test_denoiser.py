@@ -15,7 +15,7 @@ from lidardraft.diffusion.codec import (
     STATE_CHANNELS,
     VALIDITY,
 )
-from lidardraft.diffusion.denoiser import SIGMA_DATA, Denoiser
+from lidardraft.diffusion.denoiser import SIGMA_DATA, SIGMA_TURN, Denoiser, spread, weight
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.errors import CheckpointError
 
@@ -149,12 +149,19 @@ def test_a_condition_needs_a_place_and_a_place_a_condition() -> None:
 
 
 @torch.no_grad()
-def test_an_untrained_network_is_the_best_guess_for_white_data_and_loses_one() -> None:
+def test_an_untrained_network_loses_the_spread_of_white_data_at_every_level() -> None:
     denoiser = Denoiser.from_config(TINY).eval()
     clean = SIGMA_DATA * a_state(4)
     clean[:, VALIDITY] = clean[:, VALIDITY].abs() + 1e-3  # every pixel has a return
     noise, sigma = torch.randn_like(clean), torch.tensor([0.02, 0.2, 1.0, 10.0])
-    torch.testing.assert_close(denoiser.loss(clean, sigma, noise, BEAMS, wraps=True), torch.ones(4), atol=0.1, rtol=0)
+    lost = denoiser.loss(clean, sigma, noise, BEAMS, wraps=True)
+    torch.testing.assert_close(lost / (weight(sigma) * spread(sigma) ** 2), torch.ones(4), atol=0.1, rtol=0)
+
+
+def test_errors_weigh_as_in_karras_et_al_down_to_where_the_network_turns() -> None:
+    sigma = torch.tensor([0.1, 0.5, 2.0, 20.0])
+    torch.testing.assert_close(weight(sigma), (sigma**2 + SIGMA_DATA**2) / (sigma * SIGMA_DATA) ** 2, rtol=0.05, atol=0)
+    assert weight(torch.tensor(0.0)) < 2 * weight(torch.tensor(SIGMA_TURN))
 
 
 @torch.no_grad()

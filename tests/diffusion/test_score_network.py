@@ -70,9 +70,12 @@ def test_bfloat16_sees_the_state_and_the_context_in_float32() -> None:
 
 
 @torch.no_grad()
-def test_control_is_added_to_the_skips() -> None:
+def test_control_is_added_to_the_skips_and_to_what_the_head_sees() -> None:
     network = small()
-    nothing = [torch.zeros_like(skip) for skip in network.encoder(X, LEVEL, CONTEXT, True)]
+    skips = [torch.zeros_like(skip) for skip in network.encoder(X, LEVEL, CONTEXT, True)]
+    nothing = [*skips, skips[0]]
     plain = network(X, LEVEL, CONTEXT, True)
     assert torch.equal(network(X, LEVEL, CONTEXT, True, nothing), plain)
-    assert not torch.allclose(network(X, LEVEL, CONTEXT, True, [skip + 1 for skip in nothing]), plain)
+    for place in range(len(nothing)):
+        control = [told + 1 if place == other else told for other, told in enumerate(nothing)]
+        assert not torch.allclose(network(X, LEVEL, CONTEXT, True, control), plain)

@@ -8,15 +8,16 @@ from collections.abc import Iterator
 
 from torch import Tensor, nn
 
+from lidardraft.diffusion.codec import STATE_CHANNELS
 from lidardraft.diffusion.score_network import EMBEDDING, Encoder
-from lidardraft.networks.convolution import zero_conv
+from lidardraft.networks.convolution import fold, zero_conv
 
 _LEVEL = math.log(0.05) / 4  # what the copy is told of the noise in a cast, which has none
 
 
 class ControlNet(nn.Module):
-    """A copy of the encoder that sees the layout's cast in the place of the noisy scan, and adds to the decoder's
-    inputs through zero convolutions.
+    """A copy of the encoder that sees the layout's cast in the place of the noisy scan, and adds to all that the
+    decoder sees of the noisy scan, through zero convolutions: the outputs of the stages, and the pixels at the head.
 
     A cast is a range image as a scan is, in the same numbers, so what the copy says of it is in the words that the
     decoder knows from the first step on. It does not depend on the noise; how much of it counts at which level does.
@@ -25,18 +26,22 @@ class ControlNet(nn.Module):
     def __init__(self, encoder: Encoder) -> None:
         super().__init__()
         self.encoder = copy.deepcopy(encoder)
+        pixels = encoder.cell[0] * encoder.cell[1]
         self.leave = nn.ModuleList(zero_conv(width, width) for width in encoder.widths)
-        self.gain = nn.ModuleList(nn.Linear(EMBEDDING, width) for width in encoder.widths)
+        self.leave.append(zero_conv(STATE_CHANNELS * pixels, encoder.widths[0]))
+        self.gain = nn.ModuleList(nn.Linear(EMBEDDING, conv.out_channels) for conv in self.leave)
         for gain in self.gain:
             nn.init.zeros_(gain.weight)  # type: ignore[arg-type]
             nn.init.ones_(gain.bias)  # type: ignore[arg-type]
 
     def read(self, cast: Tensor, context: Tensor, wraps: bool) -> list[Tensor]:
-        """What the copy says of the state of a cast [B, 8, H, W], whatever the noise: each stage's output."""
-        return self.encoder(cast, cast.new_full((len(cast),), _LEVEL), context, wraps)
+        """What the copy says of the state of a cast [B, 8, H, W], whatever the noise: each stage's output, and the
+        folded cast itself."""
+        outputs = self.encoder(cast, cast.new_full((len(cast),), _LEVEL), context, wraps)
+        return [*outputs, fold(cast, self.encoder.cell)]
 
     def forward(self, outputs: list[Tensor], level: Tensor) -> list[Tensor]:
-        """What to add to the decoder's inputs at the noise `level` [B], for what `read` gives."""
+        """What to add to the decoder's inputs and to the head's at the noise `level` [B], for what `read` gives."""
         embedding = self.encoder.embedding(level)
         return [
             leave(h) * gain(embedding)[:, :, None, None]

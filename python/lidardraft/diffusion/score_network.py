@@ -86,20 +86,25 @@ class ScoreNetwork(nn.Module):
         width, pixels = config.widths[0], config.cell[0] * config.cell[1]
         self.norm = group_norm(width, config.groups)
         self.modulation = nn.Linear(EMBEDDING, 2 * width)
+        self.gain = nn.Linear(EMBEDDING, STATE_CHANNELS * pixels)
         self.head = zero_conv(width + STATE_CHANNELS * pixels, STATE_CHANNELS * pixels)
 
     def forward(
         self, x: Tensor, level: Tensor, context: Tensor, wraps: bool, control: Sequence[Tensor] | None = None
     ) -> Tensor:
         """The output [B, 8, H, W] for x [B, 8, H, W] at the noise `level` [B] and its context [B, channels, H, W];
-        `control` is added to the decoder's skips, stage by stage."""
+        `control` is added to the decoder's skips, stage by stage, and its last to what the head sees."""
         skips = self.encoder(x, level, context, wraps)
         if control is not None:
-            skips = [skip + residual for skip, residual in zip(skips, control, strict=True)]
+            skips = [skip + residual for skip, residual in zip(skips, control[:-1], strict=True)]
         h = None
         for refine, skip in zip(self.refine, reversed(skips), strict=True):
             h = refine(skip, h, wraps)
-        features = functional.silu(modulated(self.norm(h), self.modulation(self.encoder.embedding(level))))
-        cell = self.encoder.cell
-        # For the finest detail, the head sees the input again.
-        return unfold(self.head(torch.cat([features, fold(x, cell).to(features)], dim=1)), cell)
+        embedding, cell = self.encoder.embedding(level), self.encoder.cell
+        features = functional.silu(modulated(self.norm(h), self.modulation(embedding)))
+        if control is not None:
+            features = features + control[-1]
+        # For the finest detail, the head sees the input again, in float32 as the stem does.
+        with torch.autocast(x.device.type, enabled=False):
+            seen = fold(x, cell) * self.gain(embedding.float())[:, :, None, None]
+            return unfold(self.head(torch.cat([features.float(), seen], dim=1)), cell)
