@@ -59,7 +59,7 @@ def compare_seeds(pipeline: Pipeline, sensor: Sensor, number: int) -> Iterator[s
     The same half is open everywhere, or halves would differ by where they lie.
     """
     pairs = unseen_streets(SEEDS, sensor=sensor)
-    (is_open,) = half_opened(pairs[:1])
+    (is_open,) = half_opened([pairs[0].scan])
     chosen = pairs[: min(number, STREETS)]
 
     def mean_spread(scans: Sequence[Sequence[RangeImage]]) -> Row:

@@ -77,7 +77,7 @@ def evaluate(
     scans of the same layouts passed through, the pipeline's scans, and those of the same network untrained; `on_scan`
     is called after each generated scan. Weights that complete are given a half of each street, and in place of the
     condition image stands the given half beside a lawn."""
-    opened = half_opened(pairs) if pipeline.denoiser.config.completes else None
+    opened = half_opened([pair.scan for pair in pairs]) if pipeline.denoiser.config.completes else None
     others = (pair.scan for pair in unseen_streets(len(pairs), sensor=pairs[0].scan.sensor, seed=_OTHER_STREETS))
     yield score("detailed scan", pairs, (pair.scan for pair in pairs), opened)
     yield score("other streets", pairs, others, opened)
@@ -102,13 +102,13 @@ def evaluate(
         yield score(name, pairs, _counted(made, on_scan), opened)
 
 
-def half_opened(pairs: Sequence[StreetPair]) -> list[np.ndarray]:
-    """Half of the columns of each street, all around one after the other street, bool [H, W] each."""
+def half_opened(scans: Sequence[RangeImage]) -> list[np.ndarray]:
+    """Half of the columns of each scan, all around one after the other scan, bool [H, W] each."""
     found = []
-    for number, pair in enumerate(pairs):
-        rows, columns = pair.scan.sensor.shape
-        place = (np.arange(columns) + columns * number / len(pairs)) % columns
-        found.append(np.broadcast_to(place < columns / 2, (rows, columns)) & ~pair.scan.sensor.blocked_pixels)
+    for number, scan in enumerate(scans):
+        rows, columns = scan.sensor.shape
+        place = (np.arange(columns) + columns * number / len(scans)) % columns
+        found.append(np.broadcast_to(place < columns / 2, (rows, columns)) & ~scan.sensor.blocked_pixels)
     return found
 
 
@@ -128,8 +128,9 @@ def sample_scans(
 @torch.inference_mode()
 def loss_by_other_layouts(denoiser: Denoiser, scans: list[RangeImage], condition_images: list[RangeImage]) -> float:
     """The loss of scans, each by the condition image of the next one, over that by their own: 1 is a denoiser that does
-    not heed what it is given. It shows long before scans do."""
+    not heed what it is given. It shows long before scans do. Weights that complete are given half of the columns."""
     device = next(denoiser.parameters()).device
+    opened = half_opened(scans) if denoiser.config.completes else None
     losses = dict.fromkeys((0, 1), 0.0)
     for seed, scan in enumerate(scans):
         sigma = torch.tensor(_HEEDED_LEVELS, device=device)
@@ -137,8 +138,9 @@ def loss_by_other_layouts(denoiser: Denoiser, scans: list[RangeImage], condition
         noise = torch.randn(clean.shape, generator=torch.Generator().manual_seed(seed)).to(device)
         rays = torch.from_numpy(encode_rays(scan.sensor)).to(device)
         for shift in losses:
-            image = condition_images[(seed + shift) % len(scans)]
-            condition = torch.from_numpy(encode_condition(image, image)).to(device).expand(len(sigma), -1, -1, -1)
+            other = (seed + shift) % len(scans)
+            encoded = encode_condition(condition_images[other], scans[other], opened and opened[seed])
+            condition = torch.from_numpy(encoded).to(device).expand(len(sigma), -1, -1, -1)
             with reduced_precision(device):
                 loss = denoiser.loss(clean, sigma, noise, rays, condition, wraps=scan.sensor.wraps)
             losses[shift] += loss.mean().item()

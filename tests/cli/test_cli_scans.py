@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lidardraft import Layout, RangeImage, Sensor, observe_cast, pipeline, simulate
+from lidardraft import Layout, RangeImage, Sensor, layout_from_text, observe_cast, pipeline, simulate
 from lidardraft.cli import main as cli
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.carla import carla_sensor
@@ -169,6 +169,17 @@ def test_the_speed_of_the_sensor_is_that_of_the_scan() -> None:
     with pytest.warns(UserWarning, match="its scans may be poor"):
         expected = pipeline.Pipeline.from_pretrained(steps=2)(text, sensor=Sensor.load("small.json"), speed=20.0)
     np.testing.assert_array_equal(kitti.read_bin("out/000000.bin")[0], expected.points())
+
+
+def test_guidance_is_that_of_the_pipeline() -> None:
+    layout = layout_from_text("a car ahead")
+    for guidance in (1.0, 3.0):
+        options = ["--weights", "paper", "--guidance", str(guidance), "-o", "out", *QUICK]
+        assert cli.main(["generate", "--text", "a car ahead", *options]) == 0
+        paper = pipeline.Pipeline.from_pretrained("paper", steps=2, guidance=guidance)
+        with pytest.warns(UserWarning, match="its scans may be poor"):
+            expected = paper(layout, sensor=Sensor.load("small.json"))
+        np.testing.assert_array_equal(kitti.read_bin("out/000000.bin")[0], expected.points())
 
 
 @pytest.fixture

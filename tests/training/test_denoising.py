@@ -99,7 +99,7 @@ def test_at_first_only_the_zero_convolutions_learn(pairs: PairFolder, base: Path
         torch.manual_seed(config.seed)
         fresh = begin.with_controlnet(config.denoiser).state_dict()
     changed = {name for name in fresh if not torch.equal(fresh[name], after[name])}
-    assert changed == {f"controlnet.leave.{stage}.{part}" for stage in range(4) for part in ("weight", "bias")}
+    assert changed == {f"controlnet.leave.{stage}.{part}" for stage in range(5) for part in ("weight", "bias")}
     # and then all of them
     list(train_denoiser(dataclasses.replace(config, steps=6), pairs, tmp_path, begin=weight_file.load(base, Denoiser)))
     later = load_file(tmp_path / "weights.safetensors")

@@ -23,7 +23,7 @@ DENOISER = DenoiserConfig(
     dilations=(1, 1, 1, 2),
     condition=("depth", "class"),
 )
-CONFIG = DenoisingConfig(denoiser=DENOISER, steps=100, batch=8, learning_rate=0.02, warmup=20, ema=0.98)
+CONFIG = DenoisingConfig(denoiser=DENOISER, steps=100, batch=8, learning_rate=0.02, warmup=20)
 HEEDS = 1.01  # of the loss by other layouts over that by their own
 
 

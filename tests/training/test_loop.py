@@ -20,7 +20,7 @@ from lidardraft.training.learner import LearningConfig
 from lidardraft.training.loop import Batch, Measures, Report, device_for_training, prefetched, train
 from lidardraft.training.pairs import PairFolder
 
-CONFIG = LearningConfig(steps=8, batch=4, learning_rate=0.1, warmup=1, report_every=1, save_every=3, ema=0.5)
+CONFIG = LearningConfig(steps=8, batch=4, learning_rate=0.1, warmup=1, report_every=1, save_every=3)
 
 
 @dataclasses.dataclass
@@ -106,12 +106,12 @@ def test_reports_hold_means_since_the_last_one(pairs: PairFolder, tmp_path: Path
         assert report.measures["never"] is None
 
 
-def test_the_average_is_short_at_first_and_then_the_configs(pairs: PairFolder, tmp_path: Path) -> None:
+def test_the_average_is_over_about_a_tenth_of_the_training(pairs: PairFolder, tmp_path: Path) -> None:
     expected, seen = None, []
-    for report in run(dataclasses.replace(CONFIG, save_every=1, ema=0.2), pairs, tmp_path):
+    for report in run(dataclasses.replace(CONFIG, save_every=1), pairs, tmp_path):
         number = load_file(tmp_path / "state.safetensors")["network.number"].item()
         count = report.step - 1
-        decay = min(0.2, (1 + count) / (10 + count))
+        decay = (1 + count) / (10 + count)
         expected = number if expected is None else decay * expected + (1 - decay) * number
         seen.append((load_file(tmp_path / "weights.safetensors")["number"].item(), expected))
     assert [average for average, _ in seen] == pytest.approx([value for _, value in seen])
@@ -146,8 +146,8 @@ def test_a_run_goes_on_with_the_pairs_that_it_began_with(tmp_path: Path) -> None
 
 def test_a_run_goes_on_with_its_config_and_is_no_other_file(pairs: PairFolder, tmp_path: Path) -> None:
     list(run(dataclasses.replace(CONFIG, steps=2), pairs, tmp_path))
-    with pytest.raises(TrainingError, match=r"state\.safetensors .* with another config: its ema is 0\.5, not 0\.6"):
-        list(run(dataclasses.replace(CONFIG, ema=0.6), pairs, tmp_path))
+    with pytest.raises(TrainingError, match=r"state\.safetensors .* with another config: its decay is 0\.3, not 0\.6"):
+        list(run(dataclasses.replace(CONFIG, decay=0.6), pairs, tmp_path))
     (tmp_path / "state.safetensors").write_bytes(b"half a fi")
     with pytest.raises(TrainingError, match="is no state of a run"):
         list(run(CONFIG, pairs, tmp_path))

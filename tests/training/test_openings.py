@@ -1,5 +1,6 @@
 """What of a street is left open at random, against the classes of its condition image."""
 
+import dataclasses
 from collections import Counter
 
 import numpy as np
@@ -65,3 +66,12 @@ def test_an_opening_has_the_pixels_of_its_image_and_is_the_same_for_the_same_num
         assert (opening.shape, opening.dtype) == (SENSOR.shape, bool)
         np.testing.assert_array_equal(opening, again)
     assert not np.array_equal(*(sample_opening(image, np.random.default_rng(seed)) for seed in (0, 1)))
+
+
+def test_a_narrow_sensor_is_never_all_open_by_sectors_and_never_all_given(image: RangeImage) -> None:
+    narrow = RangeImage.unchecked(
+        dataclasses.replace(SENSOR, azimuth_span=np.pi / 6), depth=image.depth, label=image.label
+    )
+    open_shares = [sample_opening(narrow, np.random.default_rng(seed)).mean() for seed in range(200)]
+    assert sum(share == 1 for share in open_shares) < 200 * 0.2  # of all, one in ten
+    assert min(open_shares) > 0

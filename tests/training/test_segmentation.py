@@ -28,7 +28,6 @@ TINY = SegmentationConfig(
     steps=6,
     learning_rate=0.05,
     warmup=2,
-    ema=0.5,
     report_every=2,
     save_every=100,
 )

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lidardraft.diffusion.sampling_defaults import STEPS
+from lidardraft.diffusion.sampling_defaults import GUIDANCE, STEPS
 from lidardraft.errors import FormatError, SensorError, one_of
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.scene.weather import Weather
@@ -119,7 +119,7 @@ def add_training_device(parser: Options) -> None:
 
 
 def add_weights(parser: Options) -> None:
-    """What runs the diffusion model: --weights, --steps, --device."""
+    """What runs the diffusion model: --weights, --steps, --guidance, --device."""
     parser.add_argument(
         "--weights",
         default="street",
@@ -128,6 +128,8 @@ def add_weights(parser: Options) -> None:
     )
     text = f"steps of denoising, a call of the network each, two with `paper` (default {STEPS})"
     parser.add_argument("--steps", type=whole_number(1), default=STEPS, metavar="N", help=text)
+    text = f"how many times what a ControlNet says counts; 1 takes one call a step (default {GUIDANCE:g})"
+    parser.add_argument("--guidance", type=positive, default=GUIDANCE, metavar="W", help=text)
     parser.add_argument("--device", default="cpu", help="where torch runs the model: cpu, cuda, ... (default cpu)")
 
 

@@ -38,7 +38,9 @@ def evaluate(arguments: argparse.Namespace) -> None:
     from lidardraft.pipeline import Pipeline
 
     sensor, num = read_sensor(arguments.sensor), arguments.num
-    pipeline = Pipeline.from_pretrained(arguments.weights, device=arguments.device, steps=arguments.steps)
+    pipeline = Pipeline.from_pretrained(
+        arguments.weights, device=arguments.device, steps=arguments.steps, guidance=arguments.guidance
+    )
     pairs = unseen_streets(num, sensor, arguments.seed)
     half = ", half of each open" * pipeline.denoiser.config.completes
     print(f"{num} street{'s' * (num > 1)}, {sensor.name}{half}, {arguments.steps} steps")

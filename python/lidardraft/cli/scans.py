@@ -83,6 +83,7 @@ def generate(arguments: argparse.Namespace) -> None:
         arguments.weights,
         device=arguments.device,
         steps=arguments.steps,
+        guidance=arguments.guidance,
         langevin=arguments.langevin,
     )
     _write_scans(arguments, _generated(pipeline, arguments, sensor, layout))

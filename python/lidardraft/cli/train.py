@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from lidardraft.streets import StreetPair
     from lidardraft.training.denoising import DenoisingConfig, PairSource
     from lidardraft.training.loop import Report
-    from lidardraft.training.sources import StreetSource
 
 _RECIPES = ("small", "paper", "small-paper", "tiny", "tiny-paper")
 _FURTHER_RATE = 0.3  # of the recipe's learning rate: weights that are good already would be lost with more
@@ -152,11 +151,7 @@ def street_options(parser: argparse.ArgumentParser) -> None:
     """The options of `street`."""
     text = "size of the network and length of the training (default small)"
     parser.add_argument("--recipe", choices=_RECIPES, default="small", help=text)
-    text = (
-        "pairs to learn from: `streets`, made as they are needed (default), or a folder of `lidardraft streets -o`; "
-        "repeatable, each with its share as =WEIGHT"
-    )
-    parser.add_argument("--data", action="append", metavar="NAME", help=text)
+    _add_data(parser)
     add_sensor(parser, default=None, of=" of streets (default: another one at each step, drawn at random)")
     text = "go on from these weights: packaged ones by name, or a .safetensors file"
     parser.add_argument("--init", metavar="NAME", help=text)
@@ -175,6 +170,14 @@ def street_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--work", default="out/street", metavar="FOLDER", help=text)
     text = "where the weight file goes (default street.safetensors)"
     parser.add_argument("-o", "--output", default="street.safetensors", metavar="WEIGHTS", help=text)
+
+
+def _add_data(parser: argparse.ArgumentParser) -> None:
+    text = (
+        "pairs to learn from: `streets`, made as they are needed (default), or a folder of `lidardraft streets -o`; "
+        "repeatable, each with its share as =WEIGHT"
+    )
+    parser.add_argument("--data", action="append", metavar="NAME", help=text)
 
 
 def segmenter(arguments: argparse.Namespace) -> None:
@@ -221,25 +224,26 @@ def ablation(arguments: argparse.Namespace) -> None:
     )
     # what is short has time to learn all of the ControlNet as well
     control = dataclasses.replace(control, zero_conv_steps=min(control.zero_conv_steps, control.steps // 10))
-    recipe = recipes.Recipe(stages=(base, control))
-    source = StreetSource(seed=arguments.seed, sensor=sensor)
     base.check([sensor])
+    begin = _initial(arguments.base)
+    source = _source(arguments)
+    from_above = StreetSource(seed=arguments.seed, sensor=sensor, from_above=True)
     check_run_folder(arguments.work)
     device_for_training(arguments.device)
     pairs = evaluate.unseen_streets(num, sensor)
     others = [pair.scan for pair in evaluate.unseen_streets(num, sensor, _OTHER_STREETS)]
-    print(f"{num} street{'s' * (num > 1)}, {sensor.name}; base {base.steps} steps, each arm {control.steps}")
+    learned = arguments.base or f"{base.steps} steps"
+    print(f"{num} street{'s' * (num > 1)}, {sensor.name}; base {learned}, each arm {control.steps} steps")
     print(f"{'':28}{'objects':>9}{'drop':>9}{'BEV JSD':>9}{'MMD 1e-4':>10}{'heeded':>9}", flush=True)
     _row("other streets", pairs, others)
     cast = [pair.condition_image for pair in pairs]
-    from_above = [top_view(pair.layout, sensor, pair.pose) for pair in pairs]
-    unconditional = _trained_arm(arguments, base, source, "base")
+    seen_from_above = [top_view(pair.layout, sensor, pair.pose) for pair in pairs]
+    unconditional = begin.base() if begin else _trained_arm(arguments, base, source, "base")
     _row("no condition", pairs, _sampled(unconditional, cast))
     for name, arm in ARMS.items():
-        seen = dataclasses.replace(source, from_above=arm.from_above)
-        begin = copy.deepcopy(unconditional) if arm.controlnet else None  # it is frozen under a ControlNet
-        denoiser = _trained_arm(arguments, arm.stage(recipe), seen, name, begin)
-        images = from_above if arm.from_above else cast
+        learned_from, images = (from_above, seen_from_above) if arm.from_above else (source, cast)
+        begin = copy.deepcopy(unconditional)  # it is frozen under a ControlNet
+        denoiser = _trained_arm(arguments, arm.stage(control), learned_from, name, begin)
         heeded = loss_by_other_layouts(denoiser, [pair.scan for pair in pairs], images)
         _row(name, pairs, _sampled(denoiser, images), heeded)
 
@@ -247,7 +251,7 @@ def ablation(arguments: argparse.Namespace) -> None:
 def _trained_arm(
     arguments: argparse.Namespace,
     config: DenoisingConfig,
-    source: StreetSource,
+    source: PairSource,
     name: str,
     begin: Denoiser | None = None,
 ) -> Denoiser:
@@ -289,6 +293,9 @@ def ablation_options(parser: argparse.ArgumentParser) -> None:
         "would get."
     )
     add_sensor(parser)
+    _add_data(parser)
+    text = "the base of these weights, packaged ones by name, or a .safetensors file (default: one is trained first)"
+    parser.add_argument("--base", metavar="NAME", help=text)
     text = "steps that the base learns, which knows no condition (default 8000)"
     parser.add_argument("--base-steps", type=whole_number(1), default=8000, metavar="N", help=text)
     text = "steps that each arm learns (default 2000)"

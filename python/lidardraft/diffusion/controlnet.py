@@ -25,7 +25,7 @@ class ControlNet(nn.Module):
 
     def __init__(self, encoder: Encoder) -> None:
         super().__init__()
-        self.encoder = copy.deepcopy(encoder)
+        self.encoder = copy.deepcopy(encoder).requires_grad_(True)
         pixels = encoder.cell[0] * encoder.cell[1]
         self.leave = nn.ModuleList(zero_conv(width, width) for width in encoder.widths)
         self.leave.append(zero_conv(STATE_CHANNELS * pixels, encoder.widths[0]))

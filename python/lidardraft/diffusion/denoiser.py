@@ -25,14 +25,17 @@ _DEPTH_WEIGHT, _CLASS_WEIGHT = 8.0, 0.2  # in the loss, by which each part adds 
 
 
 class Denoiser(Network):
-    """D(x, sigma): the clean state expected behind x = clean + sigma * noise, with or without a condition."""
+    """D(x, sigma): the clean state expected behind x = clean + sigma * noise, with or without a condition.
+
+    What is under a ControlNet does not learn.
+    """
 
     SCHEMA = "lidardraft.denoiser/2"
 
     def __init__(self, config: DenoiserConfig, network: ScoreNetwork, controlnet: ControlNet | None) -> None:
         super().__init__()
         self.config: DenoiserConfig = config
-        self.network = network
+        self.network = network.requires_grad_(controlnet is None)
         self.controlnet = controlnet
 
     @classmethod
@@ -59,13 +62,7 @@ class Denoiser(Network):
 
     def with_controlnet(self, config: DenoiserConfig) -> Denoiser:
         """The same network, frozen, with a fresh ControlNet of `config` that starts as a copy of its encoder."""
-        return Denoiser(config, self.network, _controlnet(config, self.network)).freeze_base()
-
-    def freeze_base(self) -> Denoiser:
-        """Itself, where all learns but for what is under a ControlNet."""
-        self.requires_grad_(True)
-        self.network.requires_grad_(self.controlnet is None)
-        return self
+        return Denoiser(config, self.network, _controlnet(config, self.network))
 
     def with_condition(self, config: DenoiserConfig) -> Denoiser:
         """A network of `config`, which sees a condition beside the state, that begins as one that ignores it."""

@@ -5,16 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from lidardraft.training.denoising import DenoisingConfig
-from lidardraft.training.recipes import Recipe
 
 
 @dataclass(frozen=True, kw_only=True)
 class Arm:
     """What one row of the table changes of the paper's form.
 
-    The parts of the condition; whether it enters through a ControlNet or beside the state; whether the ControlNet's
-    copy of the encoder learns, or its zero convolutions alone; whether the layout is seen from above (`top_view`) in
-    place of its cast.
+    The parts of the condition; whether it enters through a ControlNet, or beside the state of a base that learns on;
+    whether the ControlNet's copy of the encoder learns, or its zero convolutions alone; whether the layout is seen from
+    above (`top_view`) in place of its cast.
     """
 
     condition: tuple[str, ...] = ("depth", "class")
@@ -22,16 +21,9 @@ class Arm:
     tuned: bool = True
     from_above: bool = False
 
-    def stage(self, recipe: Recipe) -> DenoisingConfig:
-        """The last stage of this arm, with the budget of the paper's `recipe`.
-
-        With a ControlNet it stands on the recipe's base; without one it learns from fresh weights, for as many steps as
-        both stages have.
-        """
-        *_, base, control = recipe.stages
+    def stage(self, control: DenoisingConfig) -> DenoisingConfig:
+        """What this arm learns on the base in place of the paper's `control`, in as many steps."""
         denoiser = replace(control.denoiser, condition=self.condition, controlnet=self.controlnet)
-        if not self.controlnet:
-            return replace(base, denoiser=denoiser, steps=base.steps + control.steps)
         alone = control.zero_conv_steps if self.tuned else control.steps
         return replace(control, denoiser=denoiser, zero_conv_steps=alone, watch_every=0)
 

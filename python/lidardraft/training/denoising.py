@@ -68,7 +68,7 @@ class DenoisingConfig(LearningConfig):
     zero_conv_steps: int = 0
     watch_every: int = 0
     thinnings: tuple[int, ...] = (1,)
-    sigma_mean: float = -0.5
+    sigma_mean: float = -0.8
     sigma_std: float = 1.6
 
     @property
@@ -144,7 +144,7 @@ def _beginning(config: DenoisingConfig, begin: Denoiser | None) -> Denoiser:
         if begin.config != needed:
             begin = begin.base()
         if begin.config == needed:
-            return begin.freeze_base()
+            return begin
         if begin.config != base:
             raise TrainingError(f"the weights to begin with are of a {begin.config}; this recipe needs a {needed}")
         return begin.with_controlnet(needed) if needed.controlnet else begin.with_condition(needed)

@@ -36,7 +36,8 @@ def sample_opening(condition_image: RangeImage, rng: np.random.Generator) -> np.
 
 
 def _sector(shape: tuple[int, ...], span: float, width: float, rng: np.random.Generator) -> np.ndarray:
-    """The columns of a sector `width` [rad] wide, anywhere in an image that spans `span` [rad]."""
-    columns = max(round(shape[1] * width / span), 1)
+    """The columns of a sector `width` [rad] wide, anywhere in an image that spans `span` [rad], of which it is at most
+    three quarters."""
+    columns = max(round(shape[1] * min(width / span, 0.75)), 1)
     inside = (np.arange(shape[1]) + rng.integers(shape[1])) % shape[1] < columns
     return np.broadcast_to(inside, shape)

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.training.denoising import DenoisingConfig
+
+
+# Noise levels at which a network learns what a condition says: at lower ones the noisy scan says it all.
+_CONDITIONED: dict[str, Any] = {"sigma_mean": 0.5, "sigma_std": 1.4}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,7 +31,7 @@ def small() -> Recipe:
     """What ships, for two CPU cores: the base of `small_paper`, and then a network that completes simulated scans."""
     *base, last = _small_base()
     denoiser = replace(last.denoiser, condition=("simulated", "open"))
-    return Recipe(stages=(*base, last, replace(last, denoiser=denoiser, steps=8_000)))
+    return Recipe(stages=(*base, last, replace(last, denoiser=denoiser, steps=8_000, **_CONDITIONED)))
 
 
 def paper() -> Recipe:
@@ -45,7 +50,7 @@ def paper() -> Recipe:
         pools=2,
         groups=8,
     )
-    base = DenoisingConfig(denoiser=denoiser, steps=100_000, batch=24, learning_rate=0.01, ema=0.999)
+    base = DenoisingConfig(denoiser=denoiser, steps=100_000, batch=24, learning_rate=0.01)
     return _with_controlnet((base,), steps=5_000, zero_conv_steps=500)
 
 
@@ -62,7 +67,7 @@ def tiny_paper() -> Recipe:
 
 def _small_base() -> tuple[DenoisingConfig, ...]:
     denoiser = DenoiserConfig(cell=(2, 4), widths=(64, 96, 128, 128), strides=(1, 2, 2, 1), dilations=(1, 1, 1, 2))
-    coarse = DenoisingConfig(denoiser=denoiser, steps=20_000, batch=2, learning_rate=0.01, ema=0.999, thinnings=(2,))
+    coarse = DenoisingConfig(denoiser=denoiser, steps=20_000, batch=2, learning_rate=0.01, thinnings=(2,))
     return coarse, replace(coarse, steps=10_000, thinnings=(1, 2))
 
 
@@ -70,10 +75,12 @@ def _with_controlnet(base: tuple[DenoisingConfig, ...], *, steps: int, zero_conv
     """A base, which learns scans without a condition, and then its ControlNet."""
     last = base[-1]
     denoiser = replace(last.denoiser, condition=("depth", "class"), controlnet=True)
-    control = replace(last, denoiser=denoiser, steps=steps, zero_conv_steps=zero_conv_steps, watch_every=250)
+    control = replace(
+        last, denoiser=denoiser, steps=steps, zero_conv_steps=zero_conv_steps, watch_every=250, **_CONDITIONED
+    )
     return Recipe(stages=(*base, control))
 
 
 def _tiny(stage: DenoisingConfig) -> DenoisingConfig:
     denoiser = replace(stage.denoiser, widths=(8, 8, 16, 16))
-    return replace(stage, denoiser=denoiser, steps=20, batch=4, warmup=5, ema=0.9, watch_every=0)
+    return replace(stage, denoiser=denoiser, steps=20, batch=4, warmup=5, watch_every=0)

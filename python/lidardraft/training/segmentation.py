@@ -34,7 +34,6 @@ class SegmentationConfig(LearningConfig):
     learning_rate: float = 0.02
     decay: float = 0.5
     weight_decay: float = 0.02
-    ema: float = 0.99
     save_every: int = 100
 
 
