@@ -8,7 +8,6 @@ from typing import Any
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.training.denoising import DenoisingConfig
 
-
 # Noise levels at which a network learns what a condition says: at lower ones the noisy scan says it all.
 _CONDITIONED: dict[str, Any] = {"sigma_mean": 0.5, "sigma_std": 1.4}
 

@@ -1,0 +1,35 @@
+"""The pictures of weights side by side, of what people bring and of unseen streets."""
+
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+import generated_pictures
+from lidardraft import Sensor
+from lidardraft.scene.open_pixels import open_pixels
+from lidardraft.scene.raycast import raycast
+
+
+def test_twenty_drafts_leave_something_open() -> None:
+    sensor = Sensor.preset("vlp16")
+    drafts = dict(generated_pictures.drafts())
+    assert len(drafts) == 20
+    for name, layout in drafts.items():
+        pose = sensor.pose()
+        assert open_pixels(layout, raycast(layout, sensor, pose=pose, primitive=True), pose).any(), name
+
+
+@pytest.mark.parametrize("name", ["street", "paper"])
+def test_a_row_each_layout_and_a_column_each_weights(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sizes = []
+    for weights in ([name], [name, name]):
+        file = tmp_path / "look.png"
+        argv = ["generated_pictures.py", *weights, "--steps", "1", "-n", "1", "-o", str(file)]
+        monkeypatch.setattr("sys.argv", argv)
+        generated_pictures.main()
+        sizes.append(Image.open(file).size)
+    assert sizes[0][0] > 1000
+    assert sizes[1] == sizes[0]  # the same weights once more are the same column
