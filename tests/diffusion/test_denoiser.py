@@ -15,7 +15,7 @@ from lidardraft.diffusion.codec import (
     STATE_CHANNELS,
     VALIDITY,
 )
-from lidardraft.diffusion.denoiser import SIGMA_DATA, SIGMA_TURN, Denoiser, spread, weight
+from lidardraft.diffusion.denoiser import SIGMA_DATA, SIGMA_TURN, Denoiser, error, spread, weight
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.errors import CheckpointError
 
@@ -155,7 +155,27 @@ def test_an_untrained_network_loses_the_spread_of_white_data_at_every_level() ->
     clean[:, VALIDITY] = clean[:, VALIDITY].abs() + 1e-3  # every pixel has a return
     noise, sigma = torch.randn_like(clean), torch.tensor([0.02, 0.2, 1.0, 10.0])
     lost = denoiser.loss(clean, sigma, noise, BEAMS, wraps=True)
-    torch.testing.assert_close(lost / (weight(sigma) * spread(sigma) ** 2), torch.ones(4), atol=0.1, rtol=0)
+    errors = spread(sigma) * torch.randn(100_000, 4)
+    square, range_error = error_of(errors, INTENSITY), error_of(errors, DEPTH)
+    # ranges count 40, each of the five bits of the class 0.2
+    expected = (40 * range_error + 3 * square) / 43
+    torch.testing.assert_close(lost / weight(sigma), expected, rtol=0.1, atol=0)
+
+
+def error_of(errors: torch.Tensor, channel: int) -> torch.Tensor:
+    """The mean `error` [4] of these errors [N, 4] in a channel."""
+    made = torch.zeros(*errors.shape, 1, STATE_CHANNELS).movedim(-1, 1)
+    made[:, channel, :, 0] = errors
+    return error(made, torch.zeros_like(made))[:, channel, :, 0].mean(0)
+
+
+def test_a_large_error_of_a_range_counts_in_proportion_and_all_else_as_its_square() -> None:
+    made = torch.zeros(1, STATE_CHANNELS, 1, 3)
+    made[:] = torch.tensor([0.001, 1.0, 2.0])
+    lost = error(made, torch.zeros_like(made))[0, :, 0]
+    torch.testing.assert_close(lost[DEPTH, 0], torch.tensor(1e-6), rtol=0.01, atol=0)
+    torch.testing.assert_close(lost[DEPTH, 2] / lost[DEPTH, 1], torch.tensor(2.0), rtol=0.1, atol=0)
+    torch.testing.assert_close(lost[[c for c in range(STATE_CHANNELS) if c != DEPTH]], made[0, 1:, 0] ** 2)
 
 
 def test_errors_weigh_as_in_karras_et_al_down_to_where_the_network_turns() -> None:

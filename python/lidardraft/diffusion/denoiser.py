@@ -21,7 +21,10 @@ SIGMA_DATA = 0.5  # standard deviation of a state
 # SIGMA_DATA here; but pixels that are folded leave no room for their noise, while a scan is smooth (Li and He, Back to
 # Basics, 2025), and a decoder that renders scans can be told what to render. 0.02 is 1.7 % of the range.
 SIGMA_TURN = 0.02
-_DEPTH_WEIGHT, _CLASS_WEIGHT = 8.0, 0.2  # in the loss, by which each part adds about as much; what is measured counts 1
+_DEPTH_WEIGHT, _CLASS_WEIGHT = 40.0, 0.2  # in the loss; validity and intensity count 1
+# The error of a range, 9 % of it, from which the loss grows in proportion to it. By their squares the errors at edges,
+# which nobody can foresee to the pixel, would outweigh all precision elsewhere.
+_DEPTH_BEND = 0.1
 
 
 class Denoiser(Network):
@@ -129,7 +132,7 @@ class Denoiser(Network):
         *,
         wraps: bool,
     ) -> Tensor:
-        """The loss of each sample [B]: the squared error of D over the pixels that count, as `weight` weights it.
+        """The loss of each sample [B]: the `error` of D over the pixels that count, as `weight` weights it.
 
         With D - x = sigma^2 S this is about the paper's sigma^2 |S - target|^2 where the noise is low. Range, intensity
         and class count only where the scan has a return; of weights that see what is open, nothing counts elsewhere.
@@ -139,8 +142,8 @@ class Denoiser(Network):
             clean = torch.where(is_open(condition), clean, condition[:, CONDITION_PARTS["simulated"]])
             counts = counts * is_open(condition)
         denoised = self.denoise(add_noise(clean, sigma, noise), sigma, rays, condition, wraps=wraps)
-        error = ((denoised - clean) ** 2 * counts).sum(dim=(1, 2, 3)) / counts.sum(dim=(1, 2, 3)).clamp(min=1)
-        return weight(sigma) * error
+        lost = (error(denoised, clean) * counts).sum(dim=(1, 2, 3)) / counts.sum(dim=(1, 2, 3)).clamp(min=1)
+        return weight(sigma) * lost
 
 
 def spread(sigma: Tensor) -> Tensor:
@@ -153,6 +156,14 @@ def weight(sigma: Tensor) -> Tensor:
     """How much an error counts at each noise level: 1 / sigma^2 + 1 / SIGMA_DATA^2 (Karras et al.), below SIGMA_TURN
     as there."""
     return 1 / (sigma**2 + SIGMA_TURN**2) + 1 / SIGMA_DATA**2
+
+
+def error(denoised: Tensor, clean: Tensor) -> Tensor:
+    """The error of each number of states [B, 8, H, W]: its square; of a large error of a range, the pseudo-Huber loss
+    (Charbonnier et al., 1997), which for diffusion Song and Dhariwal (ICLR 2024) have."""
+    square = (denoised - clean) ** 2
+    ranges = 2 * _DEPTH_BEND * ((square[:, DEPTH : DEPTH + 1] + _DEPTH_BEND**2).sqrt() - _DEPTH_BEND)
+    return torch.cat([square[:, :DEPTH], ranges, square[:, DEPTH + 1 :]], dim=1)
 
 
 def has_return(clean: Tensor) -> Tensor:
