@@ -1,6 +1,6 @@
 """What weights make of fixed layouts, side by side: the looks of a training's hours.
 
-    python benches/generated_pictures.py WEIGHTS... -o PICTURE [--steps N] [-n ROWS]
+    python benches/generated_pictures.py WEIGHTS... -o PICTURE [--steps N] [--rows K ...]
 
 A row each layout. Weights that make whole scans are given unseen streets, between the layout's cast and the detailed
 scan. Weights that complete are given what people bring, beside its simulated scan: twelve sentences, the boxes of the
@@ -56,20 +56,22 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("weights", nargs="+", help="packaged weights by name, or .safetensors files")
     parser.add_argument("--steps", type=whole_number(1), default=STEPS, metavar="N", help="steps of denoising")
-    parser.add_argument("-n", "--num", type=whole_number(1), default=4, metavar="N", help="layouts (default 4)")
+    text = "which layouts, counted from 1 (default 1 2 3 4)"
+    parser.add_argument("--rows", type=whole_number(1), nargs="+", default=[1, 2, 3, 4], metavar="K", help=text)
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="PICTURE", help="a .png file")
     given = parser.parse_args()
     pipelines = {name: Pipeline.from_pretrained(name, steps=given.steps) for name in given.weights}
     if len({pipeline.denoiser.config.completes for pipeline in pipelines.values()}) > 1:
         parser.error("some of these weights complete, others make whole scans")
     completes = next(iter(pipelines.values())).denoiser.config.completes
-    rows = (completed if completes else whole)(pipelines, Sensor.preset("hdl64e"), given.num)
+    rows = (completed if completes else whole)(pipelines, Sensor.preset("hdl64e"), given.rows)
     view.save_png(given.output, view.stack([view.stack(row, across=True) for row in rows]))
 
 
-def whole(pipelines: dict[str, Pipeline], sensor: Sensor, num: int) -> Iterator[list[np.ndarray]]:
+def whole(pipelines: dict[str, Pipeline], sensor: Sensor, numbers: list[int]) -> Iterator[list[np.ndarray]]:
     """A row of pictures each street."""
-    for pair in unseen_streets(num, sensor=sensor):
+    streets = unseen_streets(max(numbers), sensor=sensor)
+    for pair in (streets[number - 1] for number in numbers):
         assert pair.simulated is not None
         scans = {"layout": pair.condition_image}
         for name, pipeline in pipelines.items():
@@ -77,9 +79,10 @@ def whole(pipelines: dict[str, Pipeline], sensor: Sensor, num: int) -> Iterator[
         yield row(scans | {"detailed scan": pair.scan}, pair.pose)
 
 
-def completed(pipelines: dict[str, Pipeline], sensor: Sensor, num: int) -> Iterator[list[np.ndarray]]:
+def completed(pipelines: dict[str, Pipeline], sensor: Sensor, numbers: list[int]) -> Iterator[list[np.ndarray]]:
     """A row of pictures each draft."""
-    for seed, (name, layout) in enumerate(itertools.islice(drafts(), num)):
+    known = dict(enumerate(itertools.islice(drafts(), max(numbers)), start=1))
+    for seed, (name, layout) in ((number, known[number]) for number in numbers):
         simulated = simulate(layout, sensor, seed=seed)
         scans = {name: simulated.image}
         for weights, pipeline in pipelines.items():

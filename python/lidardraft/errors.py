@@ -17,31 +17,13 @@ def did_you_mean(names: Iterable[str], value: object) -> str:
 
 
 def nearest_name(names: Iterable[str], value: object) -> str | None:
-    """The one of `names` that a misspelled `value` most probably means; None where none is near enough.
+    """The one of `names` that a misspelled `value` most probably means, which begins as it does; None where none is."""
+    import difflib  # only what has gone wrong waits for it
 
-    A misspelled name begins as it should and has one error, or two in ten letters.
-    """
     typed = str(value).lower()
-    most = 1 if len(typed) < 10 else 2
-    known = [name for name in names if name[:1].lower() == typed[:1] and abs(len(name) - len(typed)) <= most]
-    near = [(_errors(typed, name.lower()), name[-1:].lower() != typed[-1:], name) for name in known]
-    errors, _, nearest = min(near, default=(most + 1, True, None))
-    return nearest if errors <= most else None
-
-
-def _errors(typed: str, word: str) -> int:
-    """The letters of a word that are missing, doubled, swapped or wrong; one that is not in it at all counts twice."""
-    rows = [list(range(len(word) + 1))]
-    for i, letter in enumerate(typed):
-        wrong = 1 if letter in word else 2
-        row = [i + 1]
-        for j, other in enumerate(word):
-            errors = min(rows[-1][j + 1] + 1, row[j] + 1, rows[-1][j] + wrong * (letter != other))
-            if i and j and (letter, typed[i - 1]) == (word[j - 1], other):
-                errors = min(errors, rows[-2][j - 1] + 1)
-            row.append(errors)
-        rows.append(row)
-    return rows[-1][-1]
+    known = {name.lower(): name for name in names if name[:1].lower() == typed[:1]}
+    similar = difflib.get_close_matches(typed, known, n=1, cutoff=0.7)
+    return known[similar[0]] if similar else None
 
 
 def check_type(name: str, value: object, *types: type) -> None:

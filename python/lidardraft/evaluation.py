@@ -139,7 +139,7 @@ def loss_by_other_layouts(denoiser: Denoiser, scans: list[RangeImage], condition
         rays = torch.from_numpy(encode_rays(scan.sensor)).to(device)
         for shift in losses:
             other = (seed + shift) % len(scans)
-            encoded = encode_condition(condition_images[other], scans[other], opened and opened[seed])
+            encoded = encode_condition(condition_images[other], scans[other], None if opened is None else opened[seed])
             condition = torch.from_numpy(encoded).to(device).expand(len(sigma), -1, -1, -1)
             with reduced_precision(device):
                 loss = denoiser.loss(clean, sigma, noise, rays, condition, wraps=scan.sensor.wraps)

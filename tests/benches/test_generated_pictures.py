@@ -27,9 +27,10 @@ def test_a_row_each_layout_and_a_column_each_weights(
     sizes = []
     for weights in ([name], [name, name]):
         file = tmp_path / "look.png"
-        argv = ["generated_pictures.py", *weights, "--steps", "1", "-n", "1", "-o", str(file)]
+        argv = ["generated_pictures.py", *weights, "--steps", "1", "--rows", "2", "-o", str(file)]
         monkeypatch.setattr("sys.argv", argv)
         generated_pictures.main()
-        sizes.append(Image.open(file).size)
+        with Image.open(file) as picture:
+            sizes.append(picture.size)
     assert sizes[0][0] > 1000
     assert sizes[1] == sizes[0]  # the same weights once more are the same column

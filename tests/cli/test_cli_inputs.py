@@ -59,7 +59,7 @@ def test_what_is_wrong_with_an_obj_file(refused: Callable[..., str]) -> None:
     draft = ("draft", "-o", "layout.json", "--obj", "scene.obj")
     assert "scene.obj: no class for Cube.001" in refused(*draft)
     assert "--class" in refused(*draft)
-    assert "did you mean 'car'?" in refused(*draft, "--class", "Cube.001=cra")
+    assert "did you mean 'car'?" in refused(*draft, "--class", "Cube.001=carr")
     assert "--class is 'Cube.001'; it must be NAME=CLASS" in refused(*draft, "--class", "Cube.001")
     assert "scale is 0" in refused(*draft, "--class", "Cube.001=car", "--scale", "0")
     assert "nowhere.obj" in refused("draft", "-o", "layout.json", "--obj", "nowhere.obj")
@@ -334,7 +334,7 @@ def test_what_is_wrong_with_a_blender_script(refused: Callable[..., str]) -> Non
     assert "scene.py: No such file" in refused(*draft)
     Path("scene.py").write_text(SCRIPT)
     assert "scene.py: no class for Blob (line 2); say which by --class" in refused(*draft, "--strict")
-    assert "did you mean 'car'?" in refused(*draft, "--class", "Blob=cra")
+    assert "did you mean 'car'?" in refused(*draft, "--class", "Blob=carr")
     Path("scene.py").write_text("import bpy\nimport os\nos.system('ls')\n")
     assert "scene.py: line 3: os.system is not supported" in refused(*draft)
 

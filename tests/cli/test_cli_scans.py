@@ -174,7 +174,7 @@ def test_the_speed_of_the_sensor_is_that_of_the_scan() -> None:
 def test_guidance_is_that_of_the_pipeline() -> None:
     layout = layout_from_text("a car ahead")
     for guidance in (1.0, 3.0):
-        options = ["--weights", "paper", "--guidance", str(guidance), "-o", "out", *QUICK]
+        options = ["--weights", "paper", "--guidance", str(guidance), "--overwrite", "-o", "out", *QUICK]
         assert cli.main(["generate", "--text", "a car ahead", *options]) == 0
         paper = pipeline.Pipeline.from_pretrained("paper", steps=2, guidance=guidance)
         with pytest.warns(UserWarning, match="its scans may be poor"):

@@ -206,7 +206,7 @@ def test_the_table_has_a_row_for_each_arm(monkeypatch: pytest.MonkeyPatch, capsy
             pairs = zip(arm.network.parameters(), base.network.parameters(), strict=True)
             assert all(torch.equal(one, other) for one, other in pairs)
     assert steps == dict.fromkeys(steps, 2)
-    assert len(steps) == len(ARMS)
+    assert len(steps) == len(ARMS) + 1  # and the base
     assert weight_file.read_card("work/top-view-not-cast/weights.safetensors")["data"].endswith("from above")
     assert train.main([*ABLATION, "--base", "work/base/weights.safetensors"]) == 0  # all of it is there already
     assert capsys.readouterr().out.splitlines()[1:] == shown.splitlines()[1:]

@@ -74,8 +74,8 @@ def test_the_first_telling_name_counts_and_what_is_given_comes_before_all() -> N
 
 
 def test_classes_that_are_none() -> None:
-    with pytest.raises(LayoutError, match=r"classes\['a'\] is 'cra'; it must be one of .*did you mean 'car'"):
-        check_classes({"a": "cra"})
+    with pytest.raises(LayoutError, match=r"classes\['a'\] is 'carr'; it must be one of .*did you mean 'car'"):
+        check_classes({"a": "carr"})
     with pytest.raises(LayoutError, match="'none'"):
         check_classes({"a": "none"})
 

@@ -177,7 +177,7 @@ def at(image: np.ndarray, value: float) -> np.ndarray:
         ({"label": CAST.label * 1.0}, "label is float64; it must hold whole numbers"),
         ({"instance": at(CAST.instance, -1)}, "instance is -1 in row 3, column 7; it must be 0 to 4294967295"),
         ({"incidence": at(CAST.incidence, 57.0)}, "incidence is 57.0 in row 3, column 7; a cosine is -1 to 1"),
-        ({"materials": {"cra": "metal"}}, "materials names the class 'cra'; it must be .*; did you mean 'car'?"),
+        ({"materials": {"carr": "metal"}}, "materials names the class 'carr'; it must be .*; did you mean 'car'?"),
         ({"materials": {"car": "cheese"}}, "the material of car is 'cheese'; it must be one of asphalt, "),
         ({"materials": np.full(SENSOR.shape, 99)}, "materials is 99 in row 0, column 0; it must be -1 to 29"),
         ({"depth": [[1.0, 2.0], [3.0]]}, "depth is no array; the sensor's images have"),

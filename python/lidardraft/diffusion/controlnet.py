@@ -29,10 +29,11 @@ class ControlNet(nn.Module):
         pixels = encoder.cell[0] * encoder.cell[1]
         self.leave = nn.ModuleList(zero_conv(width, width) for width in encoder.widths)
         self.leave.append(zero_conv(STATE_CHANNELS * pixels, encoder.widths[0]))
-        self.gain = nn.ModuleList(nn.Linear(EMBEDDING, conv.out_channels) for conv in self.leave)
-        for gain in self.gain:
-            nn.init.zeros_(gain.weight)  # type: ignore[arg-type]
-            nn.init.ones_(gain.bias)  # type: ignore[arg-type]
+        gains = [nn.Linear(EMBEDDING, width) for width in (*encoder.widths, encoder.widths[0])]
+        for gain in gains:
+            nn.init.zeros_(gain.weight)
+            nn.init.ones_(gain.bias)
+        self.gain = nn.ModuleList(gains)
 
     def read(self, cast: Tensor, context: Tensor, wraps: bool) -> list[Tensor]:
         """What the copy says of the state of a cast [B, 8, H, W], whatever the noise: each stage's output, and the
