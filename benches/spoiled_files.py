@@ -19,6 +19,7 @@ import numpy as np
 from PIL import Image
 
 import lidardraft
+from lidardraft.array_files import read_npy
 from lidardraft.errors import LidarDraftError
 from lidardraft.files import named
 from lidardraft.formats.blender_script import write_blender_script
@@ -37,7 +38,6 @@ from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.picture import read_picture
 from lidardraft.formats.recording import read_points, read_recording, returns
 from lidardraft.formats.semantickitti import read_label, write_label
-from lidardraft.scene.image_archive import read_npy
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor

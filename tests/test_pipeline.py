@@ -1,6 +1,7 @@
 """The pipeline, with small networks that have not learned."""
 
 import dataclasses
+import math
 import warnings
 
 import numpy as np
@@ -10,9 +11,9 @@ import torch
 from lidardraft import Layout, Pipeline, RangeImage, Sensor, layout_from_text, raycast, simulate
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
+from lidardraft.diffusion.sensor_limits import SensorLimits
 from lidardraft.pipeline import merged
 from lidardraft.scene.open_pixels import open_pixels
-from lidardraft.scene.sensor_limits import SensorLimits
 from lidardraft.training import recipes
 
 SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=128)
@@ -181,3 +182,30 @@ def test_a_merged_scan_is_one_where_it_is_open_and_the_other_elsewhere() -> None
     image = merged(plain(4, 2), plain(7, 5), open_)
     for name, given, made in (("depth", 4, 7), ("label", 2, 5), ("instance", 2, 5), ("intensity", 0.4, 0.7)):
         np.testing.assert_array_equal(getattr(image, name), np.where(open_, np.float32(made), np.float32(given)))
+
+
+THREE_BEAMS = Sensor(name="small", elevations=(0.1, 0.0, -0.1), columns=100, mount_height=1.5)
+
+
+def test_a_sensor_is_within_its_own_limits() -> None:
+    limits = SensorLimits.from_sensor(THREE_BEAMS)
+    assert limits.difference(THREE_BEAMS) is None
+    assert SensorLimits.from_dict(limits.to_dict()) == limits
+
+
+def test_what_is_outside_is_said_with_the_limits() -> None:
+    limits = SensorLimits(beams=(2, 4), columns=(50, 200), elevation=(-10.0, 10.0), mount_height=(1.0, 2.0))
+    assert limits.difference(THREE_BEAMS) is None
+    for change, words in (
+        ({"columns": 300}, "columns of 50 to 200, and small has 300"),
+        ({"mount_height": 2.5}, "mount height of 1 to 2, and small has 2.5"),
+        ({"elevations": (0.2, 0.0)}, "elevation of -10 to 10, and small has 0 to 11.46"),
+        ({"elevations": (0.1,)}, "beams of 2 to 4, and small has 1"),
+    ):
+        assert limits.difference(dataclasses.replace(THREE_BEAMS, **change)) == words
+
+
+def test_columns_are_those_of_a_full_turn() -> None:
+    sector = dataclasses.replace(THREE_BEAMS, azimuth_start=math.pi / 4, azimuth_span=math.pi / 2)
+    limits = SensorLimits(beams=(3, 3), columns=(390, 410), elevation=(-10.0, 10.0), mount_height=(1.0, 2.0))
+    assert limits.difference(sector) is None

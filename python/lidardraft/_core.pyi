@@ -19,6 +19,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from lidardraft.scene import sensor_model
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.surfaces import Surfaces
 
@@ -157,41 +158,10 @@ def read_obj(
 class SensorModel:
     """The effects of one unit of a sensor, checked: `SensorError` names a number that cannot be, and its limit.
 
-    The numbers are those of `lidardraft.scene.sensor_model.SensorModel`.
+    `numbers` is read by its attributes; the sub-rays of a beam have `shares` [S], 1 to 32, of its power.
     """
 
-    def __new__(
-        cls,
-        *,
-        shares: list[float],  # [S], 1 to 32, of the power of a beam: those of its sub-rays
-        pulse_duration: float,  # s, > 0
-        detection_threshold: float,  # 1/m2
-        last_return: bool,
-        glass_transmission: bool,
-        speckle: float,
-        texture: float,
-        material_noise: bool,
-        dust: float,
-        fading: float,
-        drop_exponent: float,  # 0 to 1
-        edge_drop: float,
-        unit: int,
-        range_offsets: list[float],  # m, of each beam or none
-        offset_spread: float,  # m
-        gain_spread: float,
-        jitter: float,  # m
-        range_step: float,  # m
-        full_scale: float,  # > 0
-        knee: float,  # (0, 1]
-        cutoff: float,  # 0 to 1
-        cutoff_spread: float,
-        levels: float,
-        compensation_range: float,  # m, > 0, inf for all ranges
-        # Responses, readings of each beam or of all, distances [m], gains of each beam or of all, cut-offs of each beam
-        # or none.
-        intensity_curve: tuple[list[float], list[list[float]], list[float], list[list[float]], list[float]]
-        | None = None,
-    ) -> SensorModel: ...
+    def __new__(cls, numbers: sensor_model.SensorModel, shares: list[float]) -> SensorModel: ...
     @property
     def pulse_length(self) -> float:
         """Echoes closer than this are one [m]."""

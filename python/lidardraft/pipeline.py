@@ -15,6 +15,7 @@ from lidardraft.diffusion.codec import decode_scan, encode_condition
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.sampler import sample
 from lidardraft.diffusion.sampling_defaults import GUIDANCE, STEPS
+from lidardraft.diffusion.sensor_limits import SensorLimits
 from lidardraft.drafting.text.layout import layout_from_text
 from lidardraft.errors import CheckpointError, check_type, one_of
 from lidardraft.networks import weight_file
@@ -25,7 +26,6 @@ from lidardraft.scene.open_pixels import open_pixels
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
-from lidardraft.scene.sensor_limits import SensorLimits
 from lidardraft.simulation.simulate import simulate
 
 WEIGHTS = Path(__file__).parent / "weights"

@@ -16,73 +16,59 @@ use crate::{SensorPattern, checked_seed, thread_count};
 #[pyclass(frozen, module = "lidardraft._core")]
 pub(crate) struct SensorModel(core::SensorModel);
 
-/// Responses and the readings of each beam, distances and the gains of each beam, cut-offs.
-type CurveTables = (Vec<f32>, Vec<Vec<f32>>, Vec<f32>, Vec<Vec<f32>>, Vec<f32>);
+/// The tables of Python's `IntensityCurve`.
+#[derive(FromPyObject)]
+struct CurveTables {
+    responses: Vec<f32>,
+    readings: Vec<Vec<f32>>,
+    distances: Vec<f32>,
+    distance_gains: Vec<Vec<f32>>,
+    cutoffs: Vec<f32>,
+}
+
+/// The attribute `name` of a Python object.
+fn attribute<'py, T: FromPyObjectOwned<'py>>(object: &Bound<'py, PyAny>, name: &str) -> PyResult<T> {
+    object.getattr(name)?.extract().map_err(Into::into)
+}
 
 #[pymethods]
 impl SensorModel {
     #[new]
-    #[pyo3(signature = (*, shares, pulse_duration, detection_threshold, last_return, glass_transmission, speckle, texture, material_noise, dust, fading, drop_exponent, edge_drop, unit, range_offsets, offset_spread, gain_spread, jitter, range_step, full_scale, knee, cutoff, cutoff_spread, levels, compensation_range, intensity_curve=None))]
-    #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
-    fn new(
-        shares: Vec<f32>,
-        pulse_duration: f64,
-        detection_threshold: f32,
-        last_return: bool,
-        glass_transmission: bool,
-        speckle: f32,
-        texture: f32,
-        material_noise: bool,
-        dust: f32,
-        fading: f32,
-        drop_exponent: f32,
-        edge_drop: f32,
-        unit: i64,
-        range_offsets: Vec<f32>,
-        offset_spread: f32,
-        gain_spread: f32,
-        jitter: f32,
-        range_step: f32,
-        full_scale: f32,
-        knee: f32,
-        cutoff: f32,
-        cutoff_spread: f32,
-        levels: f32,
-        compensation_range: f32,
-        intensity_curve: Option<CurveTables>,
-    ) -> CoreResult<Self> {
+    fn new(numbers: &Bound<'_, PyAny>, shares: Vec<f32>) -> PyResult<Self> {
+        let unit: i64 = attribute(numbers, "unit")?;
+        let curve: Option<CurveTables> = attribute(numbers, "intensity_curve")?;
+        let curve = curve.map(|tables| {
+            let CurveTables { responses, readings, distances, distance_gains, cutoffs } = tables;
+            core::IntensityCurve::new(&responses, &readings, &distances, &distance_gains, cutoffs)
+        });
         let model = core::SensorModel {
             shares,
-            pulse_duration,
-            detection_threshold,
-            last_return,
-            glass_transmission,
-            speckle,
-            texture,
-            material_noise,
-            dust,
-            fading,
-            drop_exponent,
-            edge_drop,
-            unit: u64::try_from(unit).map_err(|_| negative_unit(unit))?,
-            range_offsets,
-            offset_spread,
-            gain_spread,
-            jitter,
-            range_step,
-            full_scale,
-            knee,
-            cutoff,
-            cutoff_spread,
-            levels,
-            compensation_range,
-            intensity_curve: intensity_curve
-                .map(|(responses, readings, distances, gains, cutoffs)| {
-                    core::IntensityCurve::new(&responses, &readings, &distances, &gains, cutoffs)
-                })
-                .transpose()?,
+            unit: u64::try_from(unit).map_err(|_| CoreError::from(negative_unit(unit)))?,
+            intensity_curve: curve.transpose().map_err(CoreError::from)?,
+            pulse_duration: attribute(numbers, "pulse_duration")?,
+            detection_threshold: attribute(numbers, "detection_threshold")?,
+            last_return: attribute(numbers, "last_return")?,
+            glass_transmission: attribute(numbers, "glass_transmission")?,
+            speckle: attribute(numbers, "speckle")?,
+            texture: attribute(numbers, "texture")?,
+            material_noise: attribute(numbers, "material_noise")?,
+            dust: attribute(numbers, "dust")?,
+            fading: attribute(numbers, "fading")?,
+            drop_exponent: attribute(numbers, "drop_exponent")?,
+            edge_drop: attribute(numbers, "edge_drop")?,
+            range_offsets: attribute(numbers, "range_offsets")?,
+            offset_spread: attribute(numbers, "offset_spread")?,
+            gain_spread: attribute(numbers, "gain_spread")?,
+            jitter: attribute(numbers, "jitter")?,
+            range_step: attribute(numbers, "range_step")?,
+            full_scale: attribute(numbers, "full_scale")?,
+            knee: attribute(numbers, "knee")?,
+            cutoff: attribute(numbers, "cutoff")?,
+            cutoff_spread: attribute(numbers, "cutoff_spread")?,
+            levels: attribute(numbers, "levels")?,
+            compensation_range: attribute(numbers, "compensation_range")?,
         };
-        model.check()?;
+        model.check().map_err(CoreError::from)?;
         Ok(SensorModel(model))
     }
 

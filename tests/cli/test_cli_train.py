@@ -14,6 +14,7 @@ from lidardraft import evaluation
 from lidardraft.cli import main as cli
 from lidardraft.cli import train
 from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.diffusion.sensor_limits import SensorLimits
 from lidardraft.formats.pairs import Pair, write_pairs
 from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter
@@ -21,7 +22,6 @@ from lidardraft.pipeline import Pipeline
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
-from lidardraft.scene.sensor_limits import SensorLimits
 from lidardraft.streets import StreetPair
 from lidardraft.training import recipes
 from lidardraft.training.ablation import ARMS

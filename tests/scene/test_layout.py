@@ -86,10 +86,11 @@ def test_a_layout_is_a_sequence_with_names():
         layout["car_2"]
 
 
-def test_from_mesh_bounds_its_vertices():
-    mesh = Primitive.from_mesh(
-        np.array([[1.0, 2, 3], [5, 2, 3], [1, 4, 3]]), np.array([[0, 1, 2]]), label="road", id="m"
-    )
+@pytest.mark.parametrize("unused", [0, 1, 3])
+def test_from_mesh_bounds_the_vertices_of_its_faces(unused: int) -> None:
+    vertices = np.insert([[1.0, 2, 3], [5, 2, 3], [1, 4, 3]], unused, 99.0, axis=0)
+    faces = [[row for row in range(4) if row != unused]]
+    mesh = Primitive.from_mesh(vertices, np.array(faces), label="road", id="m")
     assert mesh.center == (3, 3, 3)
     assert mesh.size == (4, 2, 0)
     assert np.abs(mesh.mesh.vertices).max() <= 0.5

@@ -336,7 +336,7 @@ def _naming_options(arguments: argparse.Namespace, *names: str) -> Iterator[None
 
 def _depths(path: str) -> np.ndarray:
     """The depths [H, W] of a file, which is named where they are none."""
-    from lidardraft.scene.image_archive import read_npy
+    from lidardraft.array_files import read_npy
 
     depth = read_npy(path)
     if depth.ndim != 2 or not depth.size:

@@ -29,8 +29,8 @@ from lidardraft.scene.sensor import Sensor
 
 if TYPE_CHECKING:
     from lidardraft.diffusion.denoiser import Denoiser
+    from lidardraft.diffusion.sensor_limits import SensorLimits
     from lidardraft.scene.range_image import RangeImage
-    from lidardraft.scene.sensor_limits import SensorLimits
     from lidardraft.streets import StreetPair
     from lidardraft.training.denoising import DenoisingConfig, PairSource
     from lidardraft.training.loop import Report
@@ -126,7 +126,7 @@ def _source(arguments: argparse.Namespace) -> PairSource:
 
 
 def _limits(sensor: Sensor | None) -> SensorLimits:
-    from lidardraft.scene.sensor_limits import SensorLimits
+    from lidardraft.diffusion.sensor_limits import SensorLimits
     from lidardraft.training import sampled_sensor
 
     return sampled_sensor.LIMITS if sensor is None else SensorLimits.from_sensor(sensor)

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lidardraft.array_files import parse_npy
 from lidardraft.errors import FormatError, SensorError
 from lidardraft.files import named, read_bytes
 from lidardraft.formats.pcd import text_records
-from lidardraft.scene.image_archive import parse_npy
 from lidardraft.scene.materials import MATERIALS
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME

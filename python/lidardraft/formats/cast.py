@@ -10,8 +10,8 @@ import os
 
 import numpy as np
 
+from lidardraft import array_files
 from lidardraft.errors import FormatError
-from lidardraft.scene import image_archive
 from lidardraft.scene.sensor import Sensor
 
 _OPTIONAL = ("instance", "incidence", "materials")
@@ -22,10 +22,10 @@ def read_cast(path: str | os.PathLike[str], sensor: Sensor | None = None) -> tup
 
     Raises `FormatError` naming the file where it is broken, or its images are not of that sensor.
     """
-    with image_archive.opened(path) as archive:
-        if image_archive.holds(archive, "sensor"):
-            sensor = Sensor.from_json(image_archive.read_text(archive, "sensor"))
+    with array_files.opened(path) as archive:
+        if array_files.holds(archive, "sensor"):
+            sensor = Sensor.from_json(array_files.read_text(archive, "sensor"))
         if sensor is None:
             raise FormatError("it does not say by which sensor it is; give one")
-        names = ("depth", "label", *(name for name in _OPTIONAL if image_archive.holds(archive, name)))
-        return sensor, {name: image_archive.read_numbers(archive, name, sensor.shape) for name in names}
+        names = ("depth", "label", *(name for name in _OPTIONAL if array_files.holds(archive, name)))
+        return sensor, {name: array_files.read_numbers(archive, name, sensor.shape) for name in names}

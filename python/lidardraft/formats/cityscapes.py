@@ -6,10 +6,10 @@ import os
 
 import numpy as np
 
+from lidardraft.array_files import read_npy
 from lidardraft.errors import FormatError
 from lidardraft.files import named
 from lidardraft.formats.picture import opened_picture
-from lidardraft.scene.image_archive import read_npy
 from lidardraft.semantics import CLASSES
 
 _SKY = 10

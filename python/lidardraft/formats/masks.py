@@ -6,10 +6,10 @@ import os
 
 import numpy as np
 
+from lidardraft.array_files import opened, read_npy, read_numbers
 from lidardraft.errors import FormatError
 from lidardraft.files import named
 from lidardraft.formats.picture import opened_picture
-from lidardraft.scene.image_archive import opened, read_npy, read_numbers
 
 _NAME = "masks"
 _KINDS = ("L", "P", "I", "I;16")  # of pictures with one whole number a pixel

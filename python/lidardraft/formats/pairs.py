@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lidardraft import array_files
 from lidardraft.errors import FormatError
 from lidardraft.files import locked_folder, named, read_text, write_text, written_whole
 from lidardraft.json_fields import check_fields, check_object, parse_list, parse_object
-from lidardraft.scene import image_archive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import CLASSES
@@ -120,9 +120,9 @@ class PairIndex(NamedTuple):
     def shard(self, number: int) -> tuple[Images, Notes]:
         """The compact images [N, H, W] of a shard, and the note on each pair; raises `FormatError`."""
         shape = (self.counts[number], *self.sensor.shape)
-        with image_archive.opened(_shard_path(self.folder, number)) as archive:
+        with array_files.opened(_shard_path(self.folder, number)) as archive:
             images = {
-                name: image_archive.read_array(archive, name, np.dtype(dtype), shape) for name, dtype in IMAGES.items()
+                name: array_files.read_array(archive, name, np.dtype(dtype), shape) for name, dtype in IMAGES.items()
             }
             return images, _read_notes(archive, shape[0])
 
@@ -148,7 +148,7 @@ def notes_on_disk(directory: str | os.PathLike[str], sensor: Sensor, *, source: 
         raise FormatError(f"{index.folder} holds pairs of another {index.sensor.name}; use another folder")
     notes = []
     for number, count in enumerate(index.counts):
-        with image_archive.opened(_shard_path(index.folder, number)) as archive:
+        with array_files.opened(_shard_path(index.folder, number)) as archive:
             notes += _read_notes(archive, count)
     return notes
 
@@ -190,8 +190,8 @@ def write_pairs(
 
 def is_shard(path: str | os.PathLike[str]) -> bool:
     """Whether an .npz file is a shard of pairs, as far as its names of images tell; raises `FormatError`."""
-    with image_archive.opened(path) as archive:
-        return all(image_archive.holds(archive, name) for name in IMAGES)
+    with array_files.opened(path) as archive:
+        return all(array_files.holds(archive, name) for name in IMAGES)
 
 
 def read_shard(path: str | os.PathLike[str]) -> list[NotedPair]:

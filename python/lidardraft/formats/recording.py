@@ -14,13 +14,13 @@ from pathlib import Path
 
 import numpy as np
 
+from lidardraft import array_files
 from lidardraft.errors import FormatError
 from lidardraft.files import named
 from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.nuscenes import read_pcd_bin
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.semantickitti import read_label
-from lidardraft.scene import image_archive
 
 _NEAREST = 0.1  # m: what is nearer is no return (zeros stand for those of organised clouds)
 _MOST_LASERS = 512
@@ -81,8 +81,8 @@ def read_points(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.
 
 def is_points_file(path: str | os.PathLike[str]) -> bool:
     """Whether an .npz file holds points. Raises `FormatError` where it is no whole one."""
-    with image_archive.opened(path) as archive:
-        return image_archive.holds(archive, "xyz")
+    with array_files.opened(path) as archive:
+        return array_files.holds(archive, "xyz")
 
 
 def returns(points: np.ndarray, fields: Mapping[str, np.ndarray]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
@@ -173,7 +173,7 @@ def _from_pcd(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.nd
 
 
 def _from_npz(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    with image_archive.opened(path) as archive:
-        points = image_archive.read_numbers(archive, "xyz")
-        found = [field for field in _FIELDS if image_archive.holds(archive, field)]
-        return points, {field: image_archive.read_numbers(archive, field) for field in found}
+    with array_files.opened(path) as archive:
+        points = array_files.read_numbers(archive, "xyz")
+        found = [field for field in _FIELDS if array_files.holds(archive, field)]
+        return points, {field: array_files.read_numbers(archive, field) for field in found}

@@ -121,8 +121,14 @@ class Primitive:
 
     @classmethod
     def from_mesh(cls, vertices: np.ndarray, faces: np.ndarray, *, label: str, id: str, **fields: Any) -> Primitive:
-        """A mesh primitive from vertices [V, 3] in metres in the layout's frame; `center` and `size` are its bounds."""
+        """A mesh primitive from vertices [V, 3] in metres in the layout's frame; `center` and `size` are its bounds.
+
+        Vertices that no face uses are left out.
+        """
         mesh = TriangleMesh(vertices, faces)
+        used = np.bincount(mesh.faces.ravel(), minlength=len(mesh.vertices)) > 0
+        if not used.all():
+            mesh = TriangleMesh(mesh.vertices[used], (np.cumsum(used) - 1)[mesh.faces])
         if (furthest := float(np.abs(mesh.vertices).max())) > FURTHEST:
             raise LayoutError(f"{id}: the mesh reaches {furthest:g} m from the origin; the limit is {FURTHEST:g} m")
         center, size, unit = unit_vertices(mesh.vertices)

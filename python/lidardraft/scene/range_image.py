@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from lidardraft import array_files
 from lidardraft.errors import LayoutError, SensorError
 from lidardraft.files import written_whole
-from lidardraft.scene import image_archive
 from lidardraft.scene.pose import finite_array
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import NUM_CLASSES
@@ -162,12 +162,12 @@ class RangeImage:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> RangeImage:
         """Raises `FormatError` where the file is not a range image, `SensorError` on an invalid value in an image."""
-        with image_archive.opened(path) as archive:
-            sensor = Sensor.from_json(image_archive.read_text(archive, "sensor"))
+        with array_files.opened(path) as archive:
+            sensor = Sensor.from_json(array_files.read_text(archive, "sensor"))
             images = {
-                name: image_archive.read_array(archive, name, dtype, _shape(sensor, name))
+                name: array_files.read_array(archive, name, dtype, _shape(sensor, name))
                 for name, dtype in IMAGES.items()
-                if name in _REQUIRED or image_archive.holds(archive, name)
+                if name in _REQUIRED or array_files.holds(archive, name)
             }
             return cls(sensor=sensor, **images)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, astuple, dataclass, fields
+from dataclasses import asdict, dataclass, fields
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -14,7 +14,6 @@ from lidardraft.errors import SensorError
 from lidardraft.json_fields import check_fields, check_object, is_number
 
 _TURN = 0.17  # rad: sub-rays of a ring are turned a little, so that no two have one elevation
-_OF_SUB_RAYS = ("rays_per_beam", "divergence_h", "divergence_v", "tilt_spread")  # which say what is cast
 _NULLABLE = ("compensation_range", "intensity_curve")  # null in a file is their default
 
 
@@ -60,7 +59,7 @@ class SensorModel:
     Raises `SensorError` naming the invalid value.
     """
 
-    # This is the one place that names the numbers and their defaults: checks, files and the core follow the fields.
+    # This is the one place that names the numbers and their defaults: checks, files and the core read the fields.
     # Optics: a pulse of light in a Gaussian beam.
     rays_per_beam: int = 3  # sub-rays that stand for each beam: 3 to 19, or 1 for none
     divergence_h: float = 3.0e-3  # rad, the full width of a beam at 1 / e^2
@@ -116,11 +115,7 @@ class SensorModel:
     @cached_property
     def core(self) -> _core.SensorModel:
         """The model as the core has it."""
-        values = {field.name: getattr(self, field.name) for field in fields(self) if field.name not in _OF_SUB_RAYS}
-        curve = values.pop("intensity_curve")
-        return _core.SensorModel(
-            shares=beam_fan(self)[:, 2].tolist(), intensity_curve=None if curve is None else astuple(curve), **values
-        )
+        return _core.SensorModel(self, beam_fan(self)[:, 2].tolist())
 
     def __getstate__(self) -> dict[str, Any]:
         # the core's model cannot go to another process; it is made again there

@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
+from lidardraft.diffusion.sensor_limits import SensorLimits
 from lidardraft.scene.sensor import PRESETS, Sensor
-from lidardraft.scene.sensor_limits import SensorLimits
 
 ROWS = (16, 20, 24, 32, 40, 48, 64, 80, 96, 128)
 COLUMNS = (512, 768, 1024, 1200, 1440, 1800, 2048)

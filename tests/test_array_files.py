@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lidardraft import array_files
 from lidardraft.errors import FormatError, SensorError
-from lidardraft.scene import image_archive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 
@@ -40,8 +40,8 @@ def claims(shape: tuple[int, ...], dtype: str, data: bytes = b"") -> bytes:
 @pytest.mark.parametrize("array", [DEPTH, np.asfortranarray(DEPTH), DEPTH[:, ::-1]], ids=["C", "Fortran", "strided"])
 @pytest.mark.parametrize("version", [None, (2, 0)])
 def test_an_array_comes_back(tmp_path: Path, array: np.ndarray, version: tuple[int, int] | None) -> None:
-    with image_archive.opened(archive(tmp_path / "a.npz", depth=npy(array, version))) as file:
-        read = image_archive.read_array(file, "depth", np.dtype(np.float32), (2, 8))
+    with array_files.opened(archive(tmp_path / "a.npz", depth=npy(array, version))) as file:
+        read = array_files.read_array(file, "depth", np.dtype(np.float32), (2, 8))
     np.testing.assert_array_equal(read, array)
     read[:] = 0.0  # it is the caller's
 
@@ -61,8 +61,8 @@ def test_an_array_comes_back(tmp_path: Path, array: np.ndarray, version: tuple[i
 )
 def test_an_array_that_is_another_is_refused(tmp_path: Path, member: bytes, message: str) -> None:
     path = archive(tmp_path / "a.npz", depth=member)
-    with pytest.raises(FormatError, match=r"a.npz: " + message), image_archive.opened(path) as file:
-        image_archive.read_array(file, "depth", np.dtype(np.float32), (2, 8))
+    with pytest.raises(FormatError, match=r"a.npz: " + message), array_files.opened(path) as file:
+        array_files.read_array(file, "depth", np.dtype(np.float32), (2, 8))
 
 
 @pytest.mark.parametrize(
@@ -76,8 +76,8 @@ def test_an_array_that_is_another_is_refused(tmp_path: Path, member: bytes, mess
 )
 def test_a_text_that_is_none_is_refused(tmp_path: Path, member: bytes, message: str) -> None:
     path = archive(tmp_path / "a.npz", sensor=member)
-    with pytest.raises(FormatError, match=r"a.npz: " + message), image_archive.opened(path) as file:
-        image_archive.read_text(file, "sensor")
+    with pytest.raises(FormatError, match=r"a.npz: " + message), array_files.opened(path) as file:
+        array_files.read_text(file, "sensor")
 
 
 def test_a_range_image_that_claims_too_much_takes_no_memory(tmp_path: Path) -> None:
@@ -103,5 +103,5 @@ def test_a_range_image_of_wrong_values_is_named(tmp_path: Path) -> None:
 def test_what_numpy_does_not_pack_is_not_unpacked(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "a.npz", "w", zipfile.ZIP_LZMA) as archive:
         archive.writestr("depth.npy", npy(DEPTH))
-    with pytest.raises(FormatError, match="packed in a way"), image_archive.opened(tmp_path / "a.npz") as file:
-        image_archive.read_numbers(file, "depth")
+    with pytest.raises(FormatError, match="packed in a way"), array_files.opened(tmp_path / "a.npz") as file:
+        array_files.read_numbers(file, "depth")
