@@ -25,7 +25,7 @@ ALLOWED = {
     "formats": BASE | {"scene"},
     "drafting": BASE | {"scene", "formats", "perception"},
     "objects": BASE | {"scene"},
-    "streets": BASE | {"scene", "drafting", "objects", "simulation"},
+    "streets": BASE | {"scene", "drafting", "objects", "simulation", "scan"},
     "calibration": BASE | {"scene", "formats", "metrics", "streets"},
     "networks": BASE,
     "diffusion": BASE | {"scene", "networks"},
@@ -35,7 +35,8 @@ ALLOWED = {
     "training": BASE
     | {"scene", "streets", "formats", "drafting", "networks", "diffusion", "metrics", "perception"}
     | {"simulation"},
-    "view": BASE | {"scene", "formats"},
+    "camera": BASE | {"scene"},
+    "view": BASE | {"scene", "camera"},
     "scan": BASE | {"scene", "formats", "view"},
     "pipeline": BASE | {"scene", "drafting", "networks", "diffusion", "simulation", "scan"},
     "evaluation": BASE | {"scene", "streets", "networks", "diffusion", "metrics", "simulation", "pipeline"},
@@ -53,6 +54,7 @@ STREETS = {
     "street": ("placement", "coarse"),
     "worker_processes": (),
     "pairs": ("ground", "placement", "coarse", "ego", "street", "worker_processes"),
+    "scans": ("coarse", "pairs", "street"),
 }
 TORCH_ROOMS = {"networks", "diffusion", "perception", "training", "pipeline", "evaluation"}
 FORBIDDEN_NAMES = {"utils", "util", "helpers", "helper", "misc", "common", "tools", "base"}

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lidardraft import Layout, Primitive, Scan, Sensor, raycast, simulate
+from lidardraft import Layout, Primitive, RangeImageBatch, Scan, Sensor, raycast, simulate
 from lidardraft.errors import FormatError
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.scan import SCAN_ENDINGS
@@ -73,3 +73,18 @@ def test_points_of_a_moving_sensor_lie_in_their_boxes() -> None:
         assert len(points) > 10
         assert (np.abs(points - box.center) <= np.array(box.size) / 2 + 0.15).all()
     assert np.abs(scan.image.points()[mine] - points).max() > 0.5  # where the sweep begins and ends
+
+
+@pytest.mark.parametrize("name", ["image", "layout", "condition_image"])
+def test_a_scan_and_what_it_is_made_of_are_shown_in_one_line(scan: Scan, name: str) -> None:
+    part = repr(getattr(scan, name))
+    assert part in repr(scan) or name == "condition_image"
+    assert "16 x 128" in part or "2 shapes" in part
+    for shown in (scan, SMALL, RangeImageBatch.empty(SMALL, 3), LAYOUT, getattr(scan, name)):
+        assert len(repr(shown)) < 300
+        assert "\n" not in repr(shown)
+
+
+def test_a_scan_is_saved_without_a_picture(scan: Scan, tmp_path: Path) -> None:
+    scan.save(tmp_path / "0", picture=False)
+    assert {path.name for path in tmp_path.iterdir()} == {f"0{ending}" for ending in SCAN_ENDINGS} - {"0.png"}

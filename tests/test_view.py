@@ -5,8 +5,7 @@ import pytest
 from PIL import Image
 
 from lidardraft import Layout, Primitive, Sensor, raycast, view
-from lidardraft.errors import FormatError
-from lidardraft.scene.range_image import RangeImage
+from lidardraft.camera import Camera, Drawing
 
 CAR = Primitive(shape="box", center=(10, 0, 0.75), size=(4, 2, 1.5), label="car", id="car_1", instance=1)
 ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(100, 8, 0), label="road", id="road")
@@ -32,17 +31,57 @@ def test_points_are_rendered_where_the_layout_is() -> None:
     assert (car & around).sum() > 0.8 * car.sum()
 
 
-def test_a_layout_is_rendered_over_the_scan_from_above() -> None:
-    scan, pose = raycast(LAYOUT, SENSOR), SENSOR.pose()
-    picture, bare = (
-        view.render_top_view(scan, LAYOUT, pose, size=200),
-        view.render_top_view(scan, Layout((ROAD,)), pose, size=200),
-    )
-    rows, columns = np.nonzero((picture != bare).any(axis=2))
-    # 8 to 12 m ahead is 16 to 24 of 100 pixels up from the middle, 1 m to either side 2 pixels
-    assert (rows.min(), rows.max()) == (76, 84)
-    assert (columns.min(), columns.max()) == (98, 102)
-    assert (picture[76, 98:103] == view.PALETTE[13]).all()
+@pytest.mark.parametrize("seed", range(20))
+def test_an_eye_shows_all_that_it_is_asked_to(seed: int) -> None:
+    places = np.random.default_rng(seed).uniform((-14, -14, 0), (14, 14, 3), (6, 3))
+    camera = Camera.showing(places, width=400, height=240)
+    column, row, ahead = camera.seen(np.concatenate([places, np.zeros((1, 3))]))
+    assert (ahead > 1).all()
+    assert ((column > 0) & (column < 400) & (row > 0) & (row < 240)).all()
+    # and is no further off than it has to be
+    assert max(np.abs(column / 200 - 1).max(), np.abs(row / 120 - 1).max()) > 0.5
+
+
+def test_an_eye_over_the_origin_measures_metres() -> None:
+    camera = Camera.above(width=200, height=400, reach=50.0)  # 4 pixels a metre
+    column, row, _ = camera.seen(np.array([[10.0, 0, 0], [0.0, 20.0, 0], [-30.0, -5.0, 0]]))
+    np.testing.assert_allclose(np.stack([column, row]), [[100, 20, 120], [160, 200, 320]])
+    bare, ring = (Drawing(camera, rings).picture().astype(int) for rings in ((), (10,)))
+    rows, columns = np.nonzero((bare != ring).any(axis=2))
+    assert (rows.min(), rows.max(), columns.min()) == (160, 240, 60)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_near_points_hide_far_ones(order: int) -> None:
+    eye, near = view.BEHIND.pose[:3, 3], np.array([4.0, 0.0, 1.0])
+    points = np.stack([near, eye + 1.5 * (near - eye)])  # in the same pixel
+    colours = np.array([[255, 0, 0], [0, 255, 0]], dtype=np.uint8)
+    picture = view.render_points(points[::order], colours[::order])
+    assert (picture == (255, 0, 0)).all(axis=2).any()
+    assert not (picture == (0, 255, 0)).all(axis=2).any()
+
+
+def test_boxes_with_returns_are_drawn_around_them() -> None:
+    scan = raycast(Layout((CAR, ROAD)), SENSOR)
+    hidden = Primitive(shape="box", center=(18, 0, 0.75), size=(4, 2, 0.5), label="bus", id="bus_1", instance=2)
+    points, boxes = view.points_on_road(scan), Layout((CAR, hidden)).boxes()
+    with_boxes, with_hidden, bare = (view.render_returns(scan, points, boxes=some) for some in (boxes[:1], boxes, []))
+    np.testing.assert_array_equal(with_boxes, with_hidden)  # nothing returned from the bus
+    above = slice(986, None)  # the columns of the view from above: 560 rows are 100 m
+    rows, columns = np.nonzero((with_boxes[:560, above] != bare[:560, above]).any(axis=2))
+    assert rows.min() == pytest.approx(280 - 12.5 * 5.6, abs=1.5)  # the line to where it looks
+    assert rows.max() == pytest.approx(280 - 8 * 5.6, abs=1.5)
+    assert np.ptp(columns) == pytest.approx(2 * 5.6, abs=2)
+
+
+def test_objects_have_the_colours_of_classes_and_the_rest_those_of_heights() -> None:
+    scan = raycast(LAYOUT, SENSOR)
+    z = view.points_on_road(scan)[:, 2]
+    label = scan.label[scan.valid]
+    by_height, by_label = (view.colour_returns(scan, z, by_label=flag) for flag in (False, True))
+    assert (by_height[label == 13] == by_label[label == 13]).all()
+    assert (by_label[label == 1] == view.PALETTE[1]).all()
+    assert (by_height[label == 1] == view.colour_by_height(np.zeros(1))).all()
 
 
 @pytest.mark.parametrize("name", ["vlp32c", "os1-32"])
@@ -56,16 +95,6 @@ def test_a_pole_is_upright_in_a_range_image_whose_beams_look_aside(name: str) ->
     _, columns = np.nonzero((strip == view.PALETTE[6]).all(axis=2))
     assert len(columns) > 100
     assert np.ptp(columns) <= 12  # 0.3 m at 7.2 m are 12 of 1,800 columns, 7 of 1,024
-
-
-def test_a_top_view_reaches_as_far_as_it_is_asked_to() -> None:
-    empty = RangeImage.empty(SENSOR)
-    picture, bare = (
-        view.render_top_view(empty, layout, SENSOR.pose(), size=200, reach=25.0) for layout in (LAYOUT, Layout(()))
-    )
-    rows, _ = np.nonzero((picture != bare).any(axis=2))
-    # 8 to 12 m ahead is 32 to 48 of 100 pixels up from the middle
-    assert (rows.min(), rows.max()) == (52, 68)
 
 
 def test_a_layout_is_rendered_from_above() -> None:
@@ -87,23 +116,15 @@ def test_no_return_is_black_and_no_class_white() -> None:
     assert view.colour_by_label(np.array([0]))[0].tolist() == [255, 255, 255]
 
 
-def test_pictures_stack_and_are_saved(tmp_path: Path) -> None:
+def test_pictures_stack() -> None:
     first, second = np.zeros((4, 10, 3), np.uint8), np.full((6, 8, 3), 255, np.uint8)
     assert view.stack([first, second]).shape == (16, 10, 3)
     assert view.stack([first, second], across=True).shape == (6, 24, 3)
-    view.save_png(tmp_path / "a.png", view.caption(np.zeros((60, 200, 3), np.uint8), "scan"))
-    assert np.asarray(Image.open(tmp_path / "a.png")).max() == 255
+    assert view.sheet([first, first, second]).shape == (16, 26, 3)
+    assert view.caption(np.zeros((60, 200, 3), np.uint8), "scan").max() == 255
 
 
-@pytest.mark.parametrize("name", ["layout.json", "image.npz"])
-def test_files_are_rendered(tmp_path: Path, name: str) -> None:
-    LAYOUT.save(tmp_path / "layout.json")
-    raycast(LAYOUT, SENSOR).save(tmp_path / "image.npz")
-    picture = view.render_file(tmp_path / name, SENSOR)
-    assert picture.ndim == 3
-    assert picture.std() > 5
-
-
-def test_other_files_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match=r"there is no picture of \.txt; it must be \.bin, \.npz or \.json"):
-        view.render_file(tmp_path / "a.txt", SENSOR)
+def test_a_picture_is_saved_as_it_is(tmp_path: Path) -> None:
+    picture = np.random.default_rng(0).integers(0, 256, (7, 5, 3), dtype=np.uint8)
+    view.save_png(tmp_path / "a.png", picture)
+    np.testing.assert_array_equal(np.asarray(Image.open(tmp_path / "a.png").convert("RGB")), picture)

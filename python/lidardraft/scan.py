@@ -76,33 +76,43 @@ class Scan:
 
     def returns_per_box(self) -> list[int]:
         """How many points are of each of `boxes()`."""
-        return [int(np.count_nonzero(self.image.instance == box.instance)) for box in self.layout.boxes()]
+        counts = np.bincount(self.instances(), minlength=2**16)
+        return [int(counts[box.instance]) for box in self.layout.boxes()]
 
-    def picture(self) -> np.ndarray:
-        """Layout, condition image and scan side by side, over the range images of the latter two: uint8 [H, W, 3]."""
-        images = {"condition image": self.condition_image, "scan": self.image}
-        return view.render_scans_of_layout(self.layout, self.pose, images)
+    def picture(self, *, by_label: bool = False) -> np.ndarray:
+        """The points, with boxes, by an eye that shows the objects and from above, over the range images: uint8
+        [H, W, 3]. Objects have the colours of their classes, all else has those of heights, or also of classes."""
+        points = self.points() @ self.pose[:3, :3].T + self.pose[:3, 3]
+        title = str(self.layout.provenance.get("sentence", ""))
+        boxes = self.layout.boxes()
+        return view.render_returns(self.image, points, boxes=boxes, title=title, by_label=by_label)
 
-    def save(self, name: str | os.PathLike[str]) -> None:
+    def save(self, name: str | os.PathLike[str], *, picture: bool = True) -> None:
         """Write `NAME.bin`, `.label`, `.boxes.json`, `.layout.json`, `.sensor.json` and `.png` beside each other.
 
         Files of these names are replaced. Raises `FormatError` where one cannot be written; then all stay as they were.
         """
         with written_together(name) as stem:
-            _save_image(self.image, self.points(), self.picture(), stem)
+            _save_image(self.image, self.points(), stem)
             write_boxes(f"{stem}.boxes.json", self.boxes(), self.returns_per_box())
             self.layout.save(f"{stem}.layout.json")
+            if picture:
+                view.save_png(f"{stem}.png", self.picture())
+
+    def __repr__(self) -> str:
+        return f"Scan({self.image!r}, {self.layout!r}, seed {self.seed}, {self.speed:g} m/s)"
 
 
-def save_observed(image: RangeImage, name: str | os.PathLike[str]) -> None:
+def save_observed(image: RangeImage, name: str | os.PathLike[str], *, picture: bool = True) -> None:
     """Write an image with intensity as a `Scan` is saved, without the `.boxes.json` and `.layout.json` of a layout."""
     with written_together(name) as stem:
-        _save_image(image, image.points(), view.render_range_image(image), stem)
+        _save_image(image, image.points(), stem)
+        if picture:
+            view.save_png(f"{stem}.png", view.render_returns(image, view.points_on_road(image)))
 
 
-def _save_image(image: RangeImage, points: np.ndarray, picture: np.ndarray, stem: str) -> None:
+def _save_image(image: RangeImage, points: np.ndarray, stem: str) -> None:
     assert image.intensity is not None
     kitti.write_bin(f"{stem}.bin", points, image.intensity[image.valid])
     semantickitti.write_label(f"{stem}.label", image.label[image.valid], image.instance[image.valid])
     Path(f"{stem}.sensor.json").write_text(image.sensor.to_json())
-    view.save_png(f"{stem}.png", picture)

@@ -1,73 +1,55 @@
-"""Pictures, uint8 [H, W, 3], of layouts and range images. The camera is a sensor that casts and projects."""
+"""Pictures, uint8 [H, W, 3], of layouts and range images; all points are in the layout's frame."""
 
 from __future__ import annotations
 
 import math
 import os
-from pathlib import Path
+import struct
+import textwrap
+import zlib
+from collections.abc import Sequence
 
 import numpy as np
 from PIL import Image, ImageDraw
 
-from lidardraft.errors import FormatError
+from lidardraft.camera import Camera, Colour, Drawing, corners_of, font
 from lidardraft.files import written_whole
-from lidardraft.formats.kitti import read_bin
-from lidardraft.formats.semantickitti import read_label
+from lidardraft.scene.box import Box
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import RangeImage
-from lidardraft.scene.raycast import Raycaster, raycast
+from lidardraft.scene.raycast import Hits, Raycaster, raycast
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, CLASSES
 
+# Of Cityscapes, with brighter colours of what moves: those are for a white background.
 PALETTE = np.array([row.colour for row in CLASSES], dtype=np.uint8)
+for _name, _colour in {
+    "building": (150, 152, 164), "person": (255, 82, 110), "rider": (255, 120, 60), "car": (70, 170, 255),
+    "truck": (160, 130, 255), "bus": (0, 224, 224), "train": (0, 170, 190), "motorcycle": (255, 100, 220),
+    "bicycle": (255, 160, 120), "trunk": (170, 125, 90),
+}.items():  # fmt: skip
+    PALETTE[BY_NAME[_name].id] = _colour
+_IS_THING = np.array([row.is_thing for row in CLASSES])
 _BACKGROUND = np.array([24, 26, 32], dtype=np.uint8)
+_RANGES = (2.0, 80.0)  # m, of the ramp of ranges
 _RAMP = np.array(
     [[48, 18, 59], [70, 107, 227], [40, 188, 235], [50, 242, 152], [164, 252, 60], [249, 186, 56], [228, 69, 10]]
 )
+_LEVELS = (0.15, 0.8, 1.8, 3.2, 5.0, 8.0, 12.0)  # m over the road, and their colours
+_LEVEL_RAMP = np.array(
+    [[98, 110, 158], [50, 150, 170], [52, 196, 160], [130, 220, 110], [235, 222, 92], [252, 160, 70], [240, 92, 96]]
+)
+_DIM, _LIT = 0.5, 0.65  # how bright a return without intensity is, and how much more the strongest
 _GAP = 6
-_SKY = 1000.0  # m, the height from which a layout is looked at from above
-
-
-def _camera() -> Sensor:
-    """A sensor that looks along its x axis with rays as dense as a picture's, equal angles apart."""
-    width, height, field_of_view = 720, 480, math.radians(64)
-    half = field_of_view / 2 * height / width
-    return Sensor(
-        name="camera",
-        elevations=tuple(np.linspace(half, -half, height).tolist()),
-        columns=width,
-        azimuth_start=field_of_view / 2,
-        azimuth_span=field_of_view,
-        min_range=0.1,
-        max_range=500.0,
-    )
-
-
-def _camera_pose() -> np.ndarray:
-    """world_from_camera [4, 4]: 16 m behind and 11 m over the ego vehicle, looking 24 degrees down."""
-    cos, sin = math.cos(math.radians(24)), math.sin(math.radians(24))
-    return np.array([[cos, 0, sin, -16.0], [0, 1, 0, 0], [-sin, 0, cos, 11.0], [0, 0, 0, 1]], dtype=np.float64)
-
-
-def render_layout(layout: Layout) -> np.ndarray:
-    """The shapes of a layout, shaded, seen by the camera: uint8 [H, W, 3]."""
-    image = raycast(layout, _camera(), _camera_pose(), incidence=True)
-    assert image.incidence is not None
-    shade = 0.35 + 0.65 * image.incidence[..., None]
-    return np.where(image.valid[..., None], PALETTE[image.label] * shade, _BACKGROUND).astype(np.uint8)
-
-
-def render_points(points: np.ndarray, colours: np.ndarray) -> np.ndarray:
-    """Points [N, 3] of the layout's frame in their colours uint8 [N, 3], seen by the camera: uint8 [H, W, 3]."""
-    sensor, pose = _camera(), _camera_pose()
-    image = RangeImage.project((points - pose[:3, 3]) @ pose[:3, :3], sensor, instance=np.arange(1, len(points) + 1))
-    picture = np.broadcast_to(_BACKGROUND, (*sensor.shape, 3)).copy()
-    # A point is two pixels wide: the copies go first, so that no copy hides a point.
-    for down, right in ((1, 1), (0, 1), (1, 0), (0, 0)):
-        rows, columns = np.nonzero(image.valid)
-        target = np.minimum(rows + down, sensor.shape[0] - 1), np.minimum(columns + right, sensor.shape[1] - 1)
-        picture[target] = colours[image.instance[rows, columns] - 1]
-    return picture
+_VIEW_HEIGHT, _WIDE, _NARROW = 560, 7 / 4, 3 / 4  # rows of a large view; columns of the two views over rows
+_STRIP = 1 / 8  # rows of a range image over those of the view
+_REACH = 50.0  # m, what a view from above shows ahead and behind
+_SHOWN, _SHOWN_WITHIN, _SEEN = 10, 30.0, 5  # boxes that an eye shows: so many, within m, with so many returns
+_LEGEND_ROWS, _LONGEST_TITLE = 9, 120
+_EYE = np.array(  # 16 m behind and 11 m over the ego vehicle, looking 24 degrees down
+    [[0.9135, 0, 0.4067, -16.0], [0, 1, 0, 0], [-0.4067, 0, 0.9135, 11.0], [0, 0, 0, 1]]
+)
+BEHIND, _BEHIND_SMALL = Camera(_EYE, 576.0, 720, 480), Camera(_EYE, 384.0, 480, 320)
 
 
 def colour_by_label(label: np.ndarray) -> np.ndarray:
@@ -77,30 +59,190 @@ def colour_by_label(label: np.ndarray) -> np.ndarray:
 
 def colour_by_depth(depth: np.ndarray) -> np.ndarray:
     """A ramp over the logarithm of the range from 2 to 80 m, uint8 [..., 3]; black where there is no return."""
-    near, far = 2.0, 80.0
-    share = np.log(np.clip(depth, near, far) / near) / math.log(far / near) * (len(_RAMP) - 1)
-    colours = np.stack([np.interp(share, np.arange(len(_RAMP)), _RAMP[:, c]) for c in range(3)], axis=-1)
-    return np.where(depth[..., None] > 0, colours, 0).astype(np.uint8)
+    share = np.log(np.maximum(depth, _RANGES[0]) / _RANGES[0]) * (254 / math.log(_RANGES[1] / _RANGES[0]))
+    return _DEPTH_RAMP[np.where(depth > 0, np.minimum(share, 254).astype(np.uint8) + 1, 0)]
 
 
 def colour_by_height(z: np.ndarray) -> np.ndarray:
-    """A ramp over the height over the road from -0.5 to 7 m, uint8 [..., 3]."""
-    low, high = -0.5, 7.0
-    share = (np.clip(z, low, high) - low) / (high - low) * (len(_RAMP) - 2) + 1
-    return np.stack([np.interp(share, np.arange(len(_RAMP)), _RAMP[:, c]) for c in range(3)], axis=-1).astype(np.uint8)
+    """A ramp over the height over the road from 0 to 12 m, uint8 [..., 3]."""
+    return _HEIGHT_RAMP[np.clip(z * (255 / _LEVELS[-1]), 0, 255).astype(np.uint8)]
+
+
+def _ramp(places: Sequence[float] | np.ndarray, colours: np.ndarray, count: int) -> np.ndarray:
+    """`count` colours, uint8 [count, 3], of evenly spaced values from 0 to the last of the places."""
+    values = np.linspace(0.0, places[-1], count)
+    return np.stack([np.interp(values, places, colours[:, c]) for c in range(3)], axis=-1).astype(np.uint8)
+
+
+_DEPTH_RAMP = np.concatenate([np.zeros((1, 3), np.uint8), _ramp(np.arange(len(_RAMP)), _RAMP, 255)])
+_HEIGHT_RAMP = _ramp(_LEVELS, _LEVEL_RAMP, 256)
+
+
+def colour_returns(image: RangeImage, z: np.ndarray, *, by_label: bool = False) -> np.ndarray:
+    """The colours uint8 [N, 3] of a scan's returns at heights `z` [N]: objects that are counted by their class, the
+    rest by height, or all by class; the stronger the return, the brighter."""
+    label = image.label[image.valid]
+    colours = colour_by_height(z).astype(np.float32)
+    by_class = (label > 0) if by_label else _IS_THING[label]
+    colours[by_class] = PALETTE[label[by_class]]
+    if image.intensity is None:
+        return colours.astype(np.uint8)
+    intensity = image.intensity[image.valid]
+    most = max(float(np.percentile(intensity, 97)), 0.05) if len(intensity) else 1.0
+    bright = _DIM + _LIT * np.minimum(intensity / most, 1)
+    return np.minimum(colours * bright[:, None], 255).astype(np.uint8)
+
+
+def render_layout(layout: Layout, camera: Camera = BEHIND) -> np.ndarray:
+    """The shapes of a layout, shaded: uint8 [H, W, 3]."""
+    hits = _looked_at(layout, camera)
+    facing = np.abs(np.einsum("ij,ij->i", hits.normal, hits.directions))
+    return _shaded(hits, 0.35 + 0.65 * facing, Drawing(camera).picture())
+
+
+def render_points(points: np.ndarray, colours: np.ndarray, camera: Camera = BEHIND) -> np.ndarray:
+    """Points [N, 3] in their colours uint8 [N, 3]: uint8 [H, W, 3]."""
+    drawing = Drawing(camera)
+    drawing.points(points, colours)
+    return drawing.picture()
+
+
+def points_on_road(image: RangeImage) -> np.ndarray:
+    """The returns [N, 3] of a scan that was taken from its sensor's mount."""
+    return image.points() + np.array([0.0, 0.0, image.sensor.mount_height])
+
+
+def render_scan(image: RangeImage, pose: np.ndarray, *, by_label: bool = False, camera: Camera = BEHIND) -> np.ndarray:
+    """The returns of a scan taken from world_from_sensor `pose`: uint8 [H, W, 3]."""
+    points = image.points() @ pose[:3, :3].T + pose[:3, 3]
+    return render_points(points, colour_returns(image, points[:, 2], by_label=by_label), camera)
+
+
+def render_from_above(layout: Layout, *, size: int = 480, reach: float = _REACH) -> np.ndarray:
+    """The classes of a layout's shapes from above, what is higher being lighter: uint8 [size, size, 3].
+
+    Forward is up, the edge is `reach` [m] away, and a cross marks the ego vehicle.
+    """
+    camera = Camera.above(width=size, height=size, reach=reach)
+    hits = _looked_at(layout, camera)
+    height = np.clip(camera.pose[2, 3] - hits.distance, 0.0, 12.0)
+    background = np.broadcast_to(_BACKGROUND, (size, size, 3))
+    picture = _shaded(hits, 0.75 + 0.25 * height / 12.0, background)
+    middle = size // 2
+    picture[middle - 1 : middle + 1, middle - 5 : middle + 6] = 255
+    picture[middle - 8 : middle + 6, middle - 1 : middle + 1] = 255
+    return picture
+
+
+def _looked_at(layout: Layout, camera: Camera) -> Hits:
+    return Raycaster(layout).cast(*camera.rays(), max_range=2000.0)
+
+
+def _shaded(hits: Hits, shade: np.ndarray, background: np.ndarray) -> np.ndarray:
+    colours = (PALETTE[hits.label] * shade[:, None]).astype(np.uint8).reshape(background.shape)
+    return np.where(hits.valid.reshape(*background.shape[:2], 1), colours, background)
+
+
+def render_returns(
+    image: RangeImage,
+    points: np.ndarray,
+    *,
+    boxes: Sequence[Box] = (),
+    title: str = "",
+    by_label: bool = False,
+    height: int = _VIEW_HEIGHT,
+) -> np.ndarray:
+    """The returns `points` [N, 3] of a scan: by an eye that shows its boxes, from above, and as range images.
+
+    uint8 [1.4 height, 2.5 height, 3]. The legend says what the colours are (`colour_returns`); rings are 10 m
+    apart.
+    """
+    colours = colour_returns(image, points[:, 2], by_label=by_label)
+    counts = np.bincount(image.instance[image.valid], minlength=1)
+    boxes = [box for box in boxes if box.instance < len(counts) and counts[box.instance] >= _SEEN]
+    of_boxes = [_colour_of(BY_NAME[box.label].id) for box in boxes]
+    views: list[np.ndarray] = []
+    for camera in _cameras(boxes, height):
+        drawing = Drawing(camera)
+        drawing.points(points, colours)
+        drawing.boxes(boxes, of_boxes)
+        drawing.ego()
+        if not views:
+            _describe(drawing, image, boxes, title, by_label)
+        views.append(drawing.picture())
+    return _over_strips(stack(views, across=True), image)
+
+
+def _cameras(boxes: Sequence[Box], height: int) -> tuple[Camera, Camera]:
+    """One that shows the boxes, and one above."""
+    wide, narrow = round(height * _WIDE), round(height * _NARROW) - _GAP
+    return (
+        Camera.showing(_shown(boxes), width=wide, height=height),
+        Camera.above(width=narrow, height=height, reach=_REACH),
+    )
+
+
+def _shown(boxes: Sequence[Box]) -> np.ndarray:
+    """The corners [N, 3] of the boxes that are to be seen: the nearest ones."""
+    near = sorted(boxes, key=lambda box: math.hypot(*box.center[:2]))[:_SHOWN]
+    near = [box for number, box in enumerate(near) if not number or math.hypot(*box.center[:2]) < _SHOWN_WITHIN]
+    return corners_of(near).reshape(-1, 3)
+
+
+def _describe(drawing: Drawing, image: RangeImage, boxes: Sequence[Box], title: str, by_label: bool) -> None:
+    """What it is, what the colours mean, and how many objects of each class have a box."""
+    camera, line = drawing.camera, drawing.line
+    small, edge, step = 13 * line, 12 * line, 19 * line
+    row = float(edge)
+    if title:
+        drawing.text((edge, row), textwrap.shorten(title, _LONGEST_TITLE, placeholder=" ..."), 18 * line)
+        row += 26 * line
+    beams, columns = image.sensor.shape
+    drawing.text((edge, row), f"{image.sensor.name}, {beams} x {columns}, {int(image.valid.sum()):,} returns", small)
+    labels = np.bincount(image.label[image.valid], minlength=len(CLASSES))
+    numbers = [k for k in np.argsort(-labels).tolist() if k and labels[k] and (by_label or _IS_THING[k])][:_LEGEND_ROWS]
+    row = camera.height - edge - step * (len(numbers) + (not by_label))
+    drawing.swatch((0, row - edge / 2), (120 if by_label else 345) * line, camera.height)
+    for number in numbers:
+        count = sum(BY_NAME[box.label].id == number for box in boxes)
+        drawing.swatch((edge, row + 2 * line), 11 * line, 11 * line, _colour_of(number))
+        drawing.text((edge + 18 * line, row), f"{CLASSES[number].name} {count or ''}", small)
+        row += step
+    for place, (level, colour) in enumerate(zip(_LEVELS, _LEVEL_RAMP.tolist(), strict=True) if not by_label else ()):
+        column = edge + 46 * line * place
+        drawing.swatch((column, row + 2 * line), 11 * line, 11 * line, tuple(colour))
+        drawing.text((column + 15 * line, row), f"{level:.0f} m", small)
+
+
+def _colour_of(number: int) -> Colour:
+    red, green, blue = PALETTE[number].tolist()
+    return red, green, blue
+
+
+def _strips(image: RangeImage) -> dict[str, np.ndarray]:
+    """Range, class, and intensity where there is one, uint8 [H, W, 3] each: a column is one azimuth, also where beams
+    look aside from the column that they fire in."""
+    strips = {"range": colour_by_depth(image.depth), "class": PALETTE[image.label]}
+    if image.intensity is not None:
+        grey = (np.sqrt(np.clip(image.intensity, 0, 1)) * 255).astype(np.uint8)
+        strips["intensity"] = np.repeat(grey[..., None], 3, axis=2)
+    return {name: _by_azimuth(strip, image.sensor) for name, strip in strips.items()}
+
+
+def _over_strips(picture: np.ndarray, image: RangeImage) -> np.ndarray:
+    """The picture over the range images, which are as wide."""
+    size = picture.shape[1], round(picture.shape[0] * _STRIP)
+    strips = [
+        caption(np.asarray(Image.fromarray(strip).resize(size, Image.Resampling.NEAREST)), name, size=12)
+        for name, strip in _strips(image).items()
+    ]
+    return stack([picture, *strips])
 
 
 def render_image(image: RangeImage) -> np.ndarray:
-    """The range image itself, depth over label (over intensity, where it has one): uint8 [H', W, 3].
-
-    A column of the picture is one azimuth, also where beams look aside from the column that they fire in.
-    """
-    strips = [colour_by_depth(image.depth), PALETTE[image.label]]  # uint8 [H, W, 3] each
-    if image.intensity is not None:
-        grey = (np.sqrt(np.clip(image.intensity, 0, 1)) * 255).astype(np.uint8)
-        strips.append(np.repeat(grey[..., None], 3, axis=2))
+    """The range image itself, depth over label (over intensity, where it has one): uint8 [H', W, 3]."""
     scale = max(1, round(128 / image.sensor.shape[0]))
-    return stack([np.repeat(_by_azimuth(strip, image.sensor), scale, axis=0) for strip in strips])
+    return stack([np.repeat(strip, scale, axis=0) for strip in _strips(image).values()])
 
 
 def _by_azimuth(picture: np.ndarray, sensor: Sensor) -> np.ndarray:
@@ -110,68 +252,6 @@ def _by_azimuth(picture: np.ndarray, sensor: Sensor) -> np.ndarray:
     shifts = np.rint(np.array(sensor.azimuth_offsets) * sensor.columns / sensor.azimuth_span).astype(np.int64)
     columns = (np.arange(sensor.columns) + shifts[:, None]) % sensor.columns
     return np.take_along_axis(picture, columns[..., None], axis=1)
-
-
-def render_scan(image: RangeImage, pose: np.ndarray, *, by_label: bool = False) -> np.ndarray:
-    """The returns of a scan taken from world_from_sensor `pose`, seen by the camera: uint8 [H, W, 3]."""
-    points = image.points() @ pose[:3, :3].T + pose[:3, 3]
-    colours = colour_by_label(image.label[image.valid]) if by_label else colour_by_height(points[:, 2])
-    return render_points(points, colours)
-
-
-def render_top_view(
-    image: RangeImage, layout: Layout, pose: np.ndarray, *, size: int = 512, reach: float = 50.0
-) -> np.ndarray:
-    """The returns of a scan from above, coloured by height, with the outlines of the layout's shapes over them.
-
-    uint8 [size, size, 3]; forward is up, and the edge is `reach` [m] away.
-    """
-    points = image.points() @ pose[:3, :3].T + pose[:3, 3]
-    scale = size / 2 / reach
-
-    def pixels(xy: np.ndarray) -> np.ndarray:
-        return np.stack([size / 2 - xy[:, 1] * scale, size / 2 - xy[:, 0] * scale], axis=-1)
-
-    at = pixels(points[:, :2]).astype(np.int64)
-    inside = ((at >= 0) & (at < size)).all(axis=1)
-    order = np.argsort(points[inside, 2], kind="stable")  # what is high covers what is low
-    picture = np.broadcast_to(_BACKGROUND, (size, size, 3)).copy()
-    picture[at[inside, 1][order], at[inside, 0][order]] = colour_by_height(points[inside, 2][order])
-    canvas = Image.fromarray(picture)
-    pen = ImageDraw.Draw(canvas)
-    for primitive in layout.primitives:
-        if primitive.shape in ("plane", "mesh"):
-            continue
-        half = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)]) * primitive.size[:2] / 2
-        cos, sin = math.cos(primitive.yaw), math.sin(primitive.yaw)
-        corners = half @ np.array([[cos, sin], [-sin, cos]]) + primitive.center[:2]
-        colour = tuple(PALETTE[BY_NAME[primitive.label].id].tolist())
-        ring = pixels(corners)
-        if primitive.shape == "box":
-            pen.polygon([tuple(corner) for corner in ring.tolist()], outline=colour)
-        else:
-            middle, radius = pixels(np.array([primitive.center[:2]]))[0], max(primitive.size[:2]) / 2 * scale
-            pen.ellipse((*(middle - radius).tolist(), *(middle + radius).tolist()), outline=colour)
-    return np.asarray(canvas)
-
-
-def render_from_above(layout: Layout, *, size: int = 480, reach: float = 50.0) -> np.ndarray:
-    """The classes of a layout's shapes from above, what is higher being lighter: uint8 [size, size, 3].
-
-    Forward is up, the edge is `reach` [m] away, and a cross marks the ego vehicle.
-    """
-    middles = reach - (np.arange(size) + 0.5) * 2 * reach / size
-    origins = np.stack([*np.meshgrid(middles, middles, indexing="ij"), np.full((size, size), _SKY)], axis=-1)
-    origins = origins.reshape(-1, 3)
-    hits = Raycaster(layout).cast(origins, np.broadcast_to([0.0, 0.0, -1.0], origins.shape), max_range=2 * _SKY)
-    height = np.clip(_SKY - hits.distance, 0.0, 12.0)
-    shade = (0.75 + 0.25 * height / 12.0)[:, None]
-    colours = np.where((hits.label > 0)[:, None], PALETTE[hits.label] * shade, _BACKGROUND).astype(np.uint8)
-    canvas = Image.fromarray(colours.reshape(size, size, 3))
-    pen, middle = ImageDraw.Draw(canvas), size / 2
-    pen.line((middle - 5, middle, middle + 5, middle), fill=(255, 255, 255), width=2)
-    pen.line((middle, middle - 8, middle, middle + 5), fill=(255, 255, 255), width=2)
-    return np.asarray(canvas)
 
 
 def render_preview(layout: Layout, scan: RangeImage, pose: np.ndarray) -> np.ndarray:
@@ -188,76 +268,67 @@ def render_scans_of_layout(layout: Layout, pose: np.ndarray, images: dict[str, R
 
     The scans are shown beside the layout, and their range images below.
     """
-    scans = {name: render_scan(image, pose, by_label=True) for name, image in images.items()}
-    views = {"layout": render_layout(layout), **scans}
-    strips = {name: render_image(image) for name, image in images.items()}
-    rows = [[caption(picture, name) for name, picture in row.items()] for row in (views, strips)]
-    return stack([stack(row, across=True) for row in rows])
+    scans = [_over_strips(caption(render_scan(image, pose), name), image) for name, image in images.items()]
+    return stack([caption(render_layout(layout), "layout"), *scans], across=True)
+
+
+def render_layout_and_cast(layout: Layout, sensor: Sensor) -> np.ndarray:
+    """The shapes of a layout, by an eye that shows its objects and from above, over their cast: uint8 [H, W, 3]."""
+    views = [render_layout(layout, camera) for camera in _cameras(layout.boxes(), _VIEW_HEIGHT)]
+    return _over_strips(stack(views, across=True), raycast(layout, sensor))
 
 
 def render_pair(scan: RangeImage, condition_image: RangeImage) -> np.ndarray:
-    """A training pair, the condition image over the scan: uint8 [H, W, 3]."""
-    return stack([caption(render_image(condition_image), "condition image"), caption(render_image(scan), "scan")])
+    """A training pair, the condition image beside the scan, each over its range image: uint8 [H, W, 3]."""
+    views = [
+        _over_strips(caption(render_scan(image, image.sensor.pose(), camera=_BEHIND_SMALL), name), image)
+        for name, image in (("condition image", condition_image), ("scan", scan))
+    ]
+    return stack(views, across=True)
 
 
-def render_file(path: Path, sensor: Sensor) -> np.ndarray:
-    """The picture of a file, uint8 [H, W, 3]: a `.json` layout, seen by `sensor`; a `.bin` scan, taken by `sensor`,
-    with the `.label` beside it if there is one; an `.npz` range image. Raises `FormatError` for any other file."""
-    if path.suffix == ".json":
-        return _render_layout_and_cast(Layout.load(path), sensor)
-    if path.suffix == ".bin":
-        return render_range_image(_read_scan(path, sensor))
-    if path.suffix == ".npz":
-        return render_range_image(RangeImage.load(path))
-    kind = path.suffix or "a file without an ending"
-    raise FormatError(f"{path}: there is no picture of {kind}; it must be .bin, .npz or .json")
-
-
-def _render_layout_and_cast(layout: Layout, sensor: Sensor) -> np.ndarray:
-    image = raycast(layout, sensor)
-    views = [render_layout(layout), render_scan(image, sensor.pose(), by_label=True)]
-    return stack([stack(views, across=True), render_image(image)])
-
-
-def render_range_image(image: RangeImage) -> np.ndarray:
-    """A scan on its sensor's mount by height and by label, over the range image itself: uint8 [H, W, 3]."""
-    pose = image.sensor.pose()
-    views = [render_scan(image, pose), render_scan(image, pose, by_label=True)]
-    return stack([stack(views, across=True), render_image(image)])
-
-
-def _read_scan(path: Path, sensor: Sensor) -> RangeImage:
-    points, intensity = read_bin(path)
-    labels = path.with_suffix(".label")
-    label, instance = read_label(labels, len(points)) if labels.exists() else (None, None)
-    return RangeImage.project(points, sensor, label=label, instance=instance, intensity=intensity)
+def sheet(pictures: Sequence[np.ndarray], columns: int = 2) -> np.ndarray:
+    """Pictures of one size in rows of so many: uint8 [H, W, 3]."""
+    rows = [list(pictures[first : first + columns]) for first in range(0, len(pictures), columns)]
+    return stack([stack(row, across=True) for row in rows])
 
 
 def stack(pictures: list[np.ndarray], *, across: bool = False) -> np.ndarray:
     """Pictures below (or beside) each other, padded to one width (height): uint8 [H, W, 3]."""
-    axis, other = (1, 0) if across else (0, 1)
-    extent = max(picture.shape[other] for picture in pictures)
-    rows: list[np.ndarray] = []
+    along, other = (1, 0) if across else (0, 1)
+    shape = [0, 0, 3]
+    shape[along] = sum(picture.shape[along] for picture in pictures) + _GAP * (len(pictures) - 1)
+    shape[other] = max(picture.shape[other] for picture in pictures)
+    whole, start = np.zeros(shape, dtype=np.uint8), 0
     for picture in pictures:
-        padding = [(0, 0), (0, 0), (0, 0)]
-        padding[other] = (0, extent - picture.shape[other])
-        if rows:
-            padding[axis] = (_GAP, 0)
-        rows.append(np.pad(picture, padding))
-    return np.concatenate(rows, axis=axis)
+        height, width, _ = picture.shape
+        row, column = (0, start) if across else (start, 0)
+        whole[row : row + height, column : column + width] = picture
+        start += picture.shape[along] + _GAP
+    return whole
 
 
-def caption(picture: np.ndarray, text: str) -> np.ndarray:
-    """The picture with a line of text in its upper left corner."""
+def caption(picture: np.ndarray, text: str, *, size: int = 18) -> np.ndarray:
+    """The picture with a line of text, `size` pixels high, in its upper left corner."""
     image = Image.fromarray(picture)
-    pen = ImageDraw.Draw(image)
-    left, top, right, bottom = pen.textbbox((8, 6), text, font_size=18)
+    pen, place = ImageDraw.Draw(image), (size / 2, size / 3)
+    left, top, right, bottom = pen.textbbox(place, text, font=font(size))
     pen.rectangle((left - 4, top - 3, right + 4, bottom + 3), fill=(0, 0, 0))
-    pen.text((8, 6), text, fill=(255, 255, 255), font_size=18)
+    pen.text(place, text, fill=(255, 255, 255), font=font(size))
     return np.asarray(image)
 
 
 def save_png(path: str | os.PathLike[str], picture: np.ndarray) -> None:
     """Write the picture uint8 [H, W, 3]."""
+    height, width, _ = picture.shape
+    # The filters that Pillow tries for each row take three times as long, and make drawings larger.
+    rows = np.zeros((height, 1 + 3 * width), dtype=np.uint8)
+    rows[:, 1:] = picture.reshape(height, -1)
+    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    chunks = {b"IHDR": head, b"IDAT": zlib.compress(rows.tobytes(), 1), b"IEND": b""}
+    parts = [
+        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        for kind, data in chunks.items()
+    ]
     with written_whole(path) as temporary:
-        Image.fromarray(picture).save(temporary, format="png")
+        temporary.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(parts))

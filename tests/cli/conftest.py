@@ -8,6 +8,7 @@ import pytest
 from tqdm import tqdm
 
 from lidardraft import Sensor
+from lidardraft.cli import command
 from lidardraft.cli import main as cli
 
 
@@ -27,6 +28,7 @@ def shown_on_a_terminal(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
     def shown(*argv: str) -> str:
         monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
         monkeypatch.setattr(tqdm, "__init__", partialmethod(tqdm.__init__, mininterval=0))
+        monkeypatch.setattr(command, "_SHOWN_AFTER", 0.0)
         assert cli.main(argv) == 0
         return capsys.readouterr().err
 

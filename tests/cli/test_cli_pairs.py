@@ -19,9 +19,9 @@ Refused = Callable[..., str]
 RECORDED = ["pairs", "00", "--sensor", "small.json", "-o", "out"]
 
 
-def height(path: str) -> int:
+def width(path: str) -> int:
     with Image.open(path) as picture:
-        return picture.height
+        return picture.width
 
 
 def test_pairs_on_disk_go_on_where_they_stopped(capsys: pytest.CaptureFixture[str]) -> None:
@@ -68,7 +68,7 @@ def test_a_picture_to_look_at(capsys: pytest.CaptureFixture[str]) -> None:
     for num in ("1", "2"):
         assert cli.main([*STREETS, "-n", num, "--look", f"{num}.png"]) == 0
     assert capsys.readouterr().out == "1.png\n2.png\n"
-    assert height("2.png") > 1.9 * height("1.png")
+    assert width("2.png") > 1.9 * width("1.png")
 
 
 def test_a_picture_has_a_limit_and_a_place(refused: Callable[..., str]) -> None:

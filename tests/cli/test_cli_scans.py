@@ -10,9 +10,12 @@ import pytest
 from lidardraft import Layout, RangeImage, Sensor, layout_from_text, observe_cast, pipeline, simulate
 from lidardraft.cli import main as cli
 from lidardraft.formats import kitti, semantickitti
+from lidardraft.formats.boxes import read_boxes
 from lidardraft.formats.carla import carla_sensor
 from lidardraft.scan import SCAN_ENDINGS
-from lidardraft.semantics import BY_NAME
+from lidardraft.semantics import BY_NAME, CLASSES
+from lidardraft.streets import StreetConfig, StreetMix, street_scan
+from lidardraft.streets.placement.district import DISTRICTS
 
 SMALL = ["--sensor", "small.json"]
 QUICK = ["--sensor", "small.json", "--steps", "2"]
@@ -80,6 +83,78 @@ def test_a_layout_without_ground_is_said_in_one_line(capsys: pytest.CaptureFixtu
 
 def test_progress_is_shown(shown_on_a_terminal: Callable[..., str]) -> None:
     assert "2/2" in shown_on_a_terminal("simulate", "--text", "a car ahead", "-n", "2", "-o", "out", *SMALL)
+
+
+STREET = ["simulate", "--street", "residential", "--seed", "7", "--poses", "2", *SMALL]
+
+
+def test_streets_are_scanned(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([*STREET, "-n", "5", "--pictures", "2", "-o", "out"]) == 0
+    assert "each with .label and .boxes.json; the first 2 with .png" in capsys.readouterr().out
+    pictured = {f"00000{k}{end}" for k in range(5) for end in SCAN_ENDINGS if end != ".png" or k < 2}
+    assert names("out") == pictured
+    shares = {name: float(name == "residential") for name in DISTRICTS}
+    config = StreetConfig(sensor=Sensor.load("small.json"), poses_per_street=2, mix=StreetMix(**shares))
+    for number in (0, 3):
+        scan, layout = street_scan(7, number, config), Layout.load(f"out/00000{number}.layout.json")
+        points, _ = kitti.read_bin(f"out/00000{number}.bin")
+        np.testing.assert_array_equal(points, scan.points())
+        assert layout == scan.layout
+        assert layout.provenance["district"] == "residential"
+        label, instance = semantickitti.read_label(f"out/00000{number}.label", len(points))
+        boxes, counts = read_boxes(f"out/00000{number}.boxes.json")
+        assert counts == [np.count_nonzero(instance == box.instance) for box in boxes]
+        assert sum(counts) > 0.9 * np.isin(label, [row.id for row in CLASSES if row.is_thing]).sum() > 0
+
+
+def test_scans_do_not_depend_on_the_number_of_processes_or_of_scans(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("lines.txt").write_text("a car ahead\n\ntwo cars behind and a wibble\n")
+    commands = {
+        "street": STREET,
+        "lines": ["simulate", "--text-file", "lines.txt", *SMALL],
+        "text": SIMULATE[:3] + SMALL,
+    }
+    for name, command in commands.items():
+        for options in (["-n", "5", "--jobs", "2"], ["-n", "3", "--jobs", "1"]):
+            assert cli.main([*command, *options, "--no-picture", "-o", f"{name}-{options[1]}"]) == 0
+        few, many = Path(f"{name}-3"), Path(f"{name}-5")
+        assert names(str(many)) == {f"00000{k}{end}" for k in range(5) for end in SCAN_ENDINGS if end != ".png"}
+        for path in few.iterdir():
+            assert path.read_bytes() == (many / path.name).read_bytes()
+    err = capsys.readouterr().err
+    assert err.count("lidardraft: lines.txt, line 3: not understood: wibble") == 2  # once a call
+
+
+def test_every_sentence_of_a_file_becomes_a_scan(refused: Callable[..., str]) -> None:
+    Path("lines.txt").write_text("a car ahead\ntwo cars behind\n")
+    assert cli.main(["simulate", "--text-file", "lines.txt", "--seed", "4", "-o", "out", *SMALL]) == 0
+    layouts = [Layout.load(f"out/00000{k}.layout.json") for k in range(2)]
+    assert layouts == [layout_from_text("a car ahead", seed=4), layout_from_text("two cars behind", seed=5)]
+    assert not Path("out/000002.bin").exists()
+    Path("bad.txt").write_text("\nxyzzy\n")
+    assert "bad.txt, line 2: " in refused("simulate", "--text-file", "bad.txt", "-o", "new", *SMALL)
+    Path("empty.txt").write_text(" \n")
+    assert "empty.txt holds no sentence" in refused("generate", "--text-file", "empty.txt", "-o", "new", *SMALL)
+
+
+def test_bad_input_of_streets_is_one_line(refused: Callable[..., str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert "--speed goes with a layout" in refused(*STREET, "-o", "out", "--speed", "3")
+    assert "--clutter goes with a layout" in refused(*STREET, "-o", "out", "--clutter", "0.5")
+    assert "--poses goes with --street" in refused(*SIMULATE, "--poses", "3")
+    assert "--labels goes with --points" in refused(*STREET, "-o", "out", "--labels", "a.label")
+    with pytest.raises(SystemExit):
+        cli.main(["simulate", "--street", "residental", "-o", "out"])
+    assert "did you mean 'residential'?" in capsys.readouterr().err
+    for command in ("draft", "generate"):
+        with pytest.raises(SystemExit):
+            cli.main([command, "--street", "any", "-o", "out"])
+
+
+def test_it_rains_on_streets_too() -> None:
+    for name, options in {"dry": [], "rain": ["--weather", "fog:20m"]}.items():
+        assert cli.main([*STREET, "-o", name, "--no-picture", *options]) == 0
+    far = [np.linalg.norm(kitti.read_bin(f"{name}/000000.bin")[0], axis=1).max() for name in ("dry", "rain")]
+    assert far[1] < far[0]
 
 
 def names(folder: str) -> set[str]:

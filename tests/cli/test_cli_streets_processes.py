@@ -1,4 +1,4 @@
-"""`lidardraft streets` and the processes it starts, under real signals."""
+"""`lidardraft streets` and `simulate`, and the processes that they start, under real signals."""
 
 import contextlib
 import os
@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from processes import Command, wait_for
 
+from lidardraft.scan import SCAN_ENDINGS
 from lidardraft.training.pairs import PairFolder
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="there is no process table in /proc")
@@ -100,3 +101,20 @@ def test_two_that_start_together_leave_one_whole_folder(start: Callable[..., Com
     assert statuses == [0, 2]
     pairs = PairFolder("pairs")
     assert [note["index"] for note in pairs.notes] == list(range(128))
+
+
+@pytest.mark.parametrize(("send", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupted_simulation_leaves_whole_scans(
+    start: Callable[..., Command], send: signal.Signals, status: int
+) -> None:
+    command = start("simulate", "--street", "any", "--sensor", "small.json", "-n", "100000", "--jobs", "2", "-o", "out")
+    wait_for(Path("out/000020.bin").exists)
+    os.killpg(command.process.pid, send)
+    assert command.ended()[0] == status
+    wait_for(lambda: not command.members(), seconds=20)
+    files = [path.name for path in Path("out").iterdir()]
+    assert not [name for name in files if name.startswith(".")]
+    numbers = {name.partition(".")[0] for name in files}
+    assert len(numbers) > 20
+    for number in numbers:
+        assert {name.removeprefix(number) for name in files if name.startswith(number)} >= set(SCAN_ENDINGS) - {".png"}

@@ -9,13 +9,14 @@ from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
 from lidardraft.cli import main as cli
 from lidardraft.formats import kitti
 from lidardraft.formats.pairs import Pair, write_pairs
+from lidardraft.view import PALETTE
 
 ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(100, 8, 0), label="road", id="road")
 
 
-def height(path: str) -> int:
+def size(path: str) -> tuple[int, int]:
     with Image.open(path) as picture:
-        return picture.height
+        return picture.size
 
 
 @pytest.fixture
@@ -57,8 +58,9 @@ def test_training_pairs(image: RangeImage, capsys: pytest.CaptureFixture[str]) -
     assert cli.main(["view", "pairs/00000.npz"]) == 0
     assert "holds 7 pairs; the picture shows the first 6" in capsys.readouterr().err
     assert cli.main(["view", "pairs/00001.npz"]) == 0
-    heights = [height(f"pairs/0000{number}.view.png") for number in range(2)]
-    assert heights[0] > 5 * heights[1]
+    (width, height), (one_width, one_height) = (size(f"pairs/0000{number}.view.png") for number in range(2))
+    assert width == pytest.approx(2 * one_width, abs=10)  # two columns, three rows
+    assert height == pytest.approx(3 * one_height, abs=20)
 
 
 def test_bad_input_is_one_line(image: RangeImage, refused: Callable[..., str]) -> None:
@@ -69,3 +71,18 @@ def test_bad_input_is_one_line(image: RangeImage, refused: Callable[..., str]) -
     list(write_pairs("pairs", [(Pair(image, image, image), {})]))
     Path("pairs/index.json").unlink()
     assert "index.json" in refused("view", "pairs/00000.npz")
+
+
+def test_a_saved_scan_is_shown_with_its_boxes(capsys: pytest.CaptureFixture[str]) -> None:
+    text = "a parked bus on the right, 8 m ahead"
+    assert cli.main(["simulate", "--text", text, "--sensor", "small.json", "-o", "out"]) == 0
+    views = {}
+    for name, options in {"boxes": [], "classes": ["--classes"], "bare": []}.items():
+        if name == "bare":
+            Path("out/000000.boxes.json").unlink()
+        assert cli.main(["view", "out/000000.bin", "-o", f"{name}.png", *options]) == 0
+        views[name] = np.asarray(Image.open(f"{name}.png"))
+    assert capsys.readouterr().err == ""
+    bus = [(picture == PALETTE[15]).all(axis=2).sum() for picture in views.values()]
+    assert min(bus[:2]) > bus[2] + 100  # edges of boxes
+    assert (views["boxes"] != views["classes"]).any()

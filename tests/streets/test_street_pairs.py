@@ -17,7 +17,7 @@ import pytest
 from lidardraft import Sensor, raycast
 from lidardraft.errors import LayoutError, LidarDraftError
 from lidardraft.metrics.adherence import adherence
-from lidardraft.streets import StreetConfig, StreetPair, streets
+from lidardraft.streets import StreetConfig, StreetPair, street_scan, streets
 from lidardraft.streets.ego import EGO_SPACE
 from lidardraft.streets.worker_processes import _signals_held, worker_processes
 
@@ -86,6 +86,40 @@ def test_the_condition_image_is_the_cast_of_the_layout():
         again = raycast(pair.layout, pair.scan.sensor, poses=pair.poses())
         assert (again.depth == pair.condition_image.depth).all()
         assert (again.label == pair.condition_image.label).all()
+
+
+def test_a_pair_has_boxes_of_all_objects_around_their_points() -> None:
+    config = StreetConfig(poses_per_street=2)
+    inside = total = 0
+    for pair in take(5, config, 12):
+        boxes = {box.instance: box for box in pair.boxes()}
+        assert boxes.keys() >= {*np.unique(pair.scan.instance).tolist()} - {0}  # also where a sentence leaves some out
+        deskewed = (pair.scan.points(pair.poses()) - pair.pose[:3, 3]) @ pair.pose[:3, :3]
+        instance = pair.scan.instance[pair.scan.valid]
+        for number in np.unique(instance[instance > 0]).tolist():
+            box, points = boxes[number], deskewed[instance == number]
+            x, y, z = (points - box.center).T
+            cos, sin = np.cos(box.yaw), np.sin(box.yaw)
+            local = np.abs(np.stack([cos * x + sin * y, cos * y - sin * x, z], axis=1))
+            inside += np.count_nonzero((local <= np.array(box.size) / 2 + 0.25).all(axis=1))  # noise, mirrors, tilt
+            total += len(points)
+    assert inside > 0.9 * total > 1000
+
+
+def test_a_labelled_scan_of_a_street_is_that_of_its_pair() -> None:
+    pairs = take(3, SMALL, 3)
+    for number in (2, 0):
+        scan, pair = street_scan(3, number, SMALL), pairs[number]
+        for name in ("depth", "label", "instance", "intensity"):
+            np.testing.assert_array_equal(getattr(scan.image, name), getattr(pair.scan, name))
+        assert scan.boxes() == pair.boxes()
+        assert (scan.pose == pair.pose).all()
+        assert scan.speed == pair.speed
+        # the layout is the street: most of what the scan saw is there, with its class
+        card = adherence(scan.image, scan.condition_image)
+        assert card.overall > 0.7
+    with pytest.raises(LayoutError, match="index is -1"):
+        street_scan(3, -1, SMALL)
 
 
 def test_scan_and_condition_image_agree_on_most_objects():

@@ -20,6 +20,7 @@ from typing import Any, NoReturn
 from lidardraft.errors import LidarDraftError, did_you_mean, extra, one_of, printable
 
 Command = Callable[[argparse.Namespace], None]
+_SHOWN_AFTER = 1.0  # s
 
 
 class Parser(argparse.ArgumentParser):
@@ -128,6 +129,15 @@ def _clean_end() -> Iterator[None]:
         if not left:
             for number in heard:
                 signal.signal(number, before[number])
+
+
+def progress(total: int, unit: str, text: str = "", *, initial: int = 0, leave: bool = True) -> Any:
+    """A progress bar with rate and time left: only on a terminal, and only of what takes longer than a second."""
+    from tqdm import tqdm
+
+    return tqdm(
+        total=total, unit=unit, desc=text or None, initial=initial, leave=leave, disable=None, delay=_SHOWN_AFTER
+    )
 
 
 def say(prog: str, message: object) -> None:

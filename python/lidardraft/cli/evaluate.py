@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from lidardraft.cli.arguments import add_seed, add_sensor, add_weights, read_sensor, whole_number
+from lidardraft.cli.command import progress
 from lidardraft.scene.sensor import Sensor
 
 if TYPE_CHECKING:
@@ -59,21 +60,17 @@ def _by_class(values: dict[str, float]) -> str:
 
 def unseen_streets(num: int, sensor: Sensor, seed: int = _SEED) -> list[StreetPair]:
     """Streets to score on, made behind a progress bar."""
-    from tqdm import tqdm
-
     from lidardraft import evaluation
 
-    with tqdm(total=num, unit="street", desc="making streets", disable=None, leave=False) as bar:
+    with progress(num, "street", "making streets", leave=False) as bar:
         return evaluation.unseen_streets(num, sensor=sensor, seed=seed, on_street=bar.update)
 
 
 def scores(pipeline: Pipeline, pairs: list[StreetPair]) -> Iterator[Scores]:
     """The rows of scores, under a progress bar that is out of the way while one is printed."""
-    from tqdm import tqdm
-
     from lidardraft import evaluation
 
-    with tqdm(total=2 * len(pairs), unit="scan", desc="generating", disable=None, leave=False) as bar:
+    with progress(2 * len(pairs), "scan", "generating", leave=False) as bar:
         for row in evaluation.evaluate(pipeline, pairs, on_scan=bar.update):
             bar.clear()
             yield row

@@ -15,9 +15,10 @@ import numpy as np
 from lidardraft.cli.arguments import add_seed, assignments, number, read_sensor
 from lidardraft.cli.command import say
 from lidardraft.errors import FormatError, LidarDraftError
-from lidardraft.files import named
+from lidardraft.files import named, read_text
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import Sensor
+from lidardraft.streets.placement.district import DISTRICTS
 
 # Options that say more about an input, by the option that names the input.
 _GOES_WITH = {
@@ -34,7 +35,8 @@ _GOES_WITH = {
         ("depth", "semantics", "masks", "intrinsics", "hfov", "camera_height", "metric_depth", "fill"), ("image",)
     ),
 }
-_GOES_WITH |= {f"llm_{name}": ("text",) for name in ("url", "model", "blender", "cache", "timeout")}
+_GOES_WITH |= {f"llm_{name}": ("text", "text_file") for name in ("url", "model", "blender", "cache", "timeout")}
+_GOES_WITH["poses"] = ("street",)
 
 # Endings of the files of inputs.
 _PICTURES = (".png", ".jpg", ".jpeg", ".webp")
@@ -53,9 +55,16 @@ _MOST_NOTES = 10  # on a script that a language model wrote
 _URL = "LIDARDRAFT_LLM_URL"  # as in chat_server.py, which loads HTTP
 
 
-def add_inputs(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
-    """The inputs, of which a command takes one, in a group of their own."""
-    names = ", ".join(f"--{name}" for name in _READERS)
+# Inputs of many layouts, which some commands take: their values and what they are.
+_MANY = {
+    "text-file": ("FILE.txt", "sentences, one a line: a scan of each, and again with other seeds where -n is more"),
+    "street": ("DISTRICT", f"streets made up with all that stands and moves there: {', '.join(DISTRICTS)}, or any"),
+}
+
+
+def add_inputs(parser: argparse.ArgumentParser, *many: str) -> argparse._ArgumentGroup:
+    """The inputs, of which a command takes one, in a group of their own; `many` are those of `_MANY` that it takes."""
+    names = ", ".join(f"--{name}" for name in (*_READERS, *many))
     group = parser.add_argument_group(f"input (exactly one of {names})")
     one = group.add_mutually_exclusive_group(required=True)
     one.add_argument("--text", metavar="SENTENCE", help='what is on the road, in English: "two cars on the left"')
@@ -68,6 +77,10 @@ def add_inputs(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     one.add_argument("--glb", metavar="FILE.glb", help="a 3D model: binary glTF, as Blender exports it")
     one.add_argument("--blender", metavar="FILE.py", help="a Blender Python script; it is read as data, never run")
     one.add_argument("--layout", metavar="LAYOUT.json", help="a layout, as `lidardraft draft` writes it")
+    for option in many:
+        value, text = _MANY[option]
+        choices = (*DISTRICTS, "any") if option == "street" else None
+        one.add_argument(f"--{option}", metavar=value, choices=choices, help=text)
     text = "SemanticKITTI labels of --points (default: those in it, or the .label beside it or in ../labels)"
     group.add_argument("--labels", metavar="FILE.label", help=text)
     text = "weights of a segmenter, as `lidardraft-train segmenter` writes them, that labels --points"
@@ -95,13 +108,19 @@ def add_inputs(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     return group
 
 
-def read_layout(arguments: argparse.Namespace) -> Layout:
-    """The layout that the arguments ask for; what of an input is not understood or left out is said on stderr."""
+def check_inputs(arguments: argparse.Namespace) -> None:
+    """Raises `FormatError` where an option says more about an input that is not given."""
+    given = {name for name, value in vars(arguments).items() if value is not None}
     for name, inputs in _GOES_WITH.items():
-        if getattr(arguments, name) is not None and all(getattr(arguments, needed) is None for needed in inputs):
-            needed = " or ".join(f"--{each}" for each in inputs)
+        if name in given and not given & set(inputs):
+            needed = " or ".join(f"--{each.replace('_', '-')}" for each in inputs if hasattr(arguments, each))
             option = "class" if name == "classes" else name.replace("_", "-")
             raise FormatError(f"--{option} goes with {needed}")
+
+
+def read_layout(arguments: argparse.Namespace) -> Layout:
+    """The layout that the arguments ask for; what of an input is not understood or left out is said on stderr."""
+    check_inputs(arguments)
     name = _name_of_input(arguments)
     try:
         return _READERS[name](arguments)
@@ -143,13 +162,13 @@ def _classes(arguments: argparse.Namespace) -> dict[str, str]:
     return assignments(arguments.classes or [], "--class", "NAME=CLASS, as in Cube.001=car")
 
 
-def layout_of_text(arguments: argparse.Namespace, seed: int) -> Layout:
-    """The layout of --text for a seed; by the language model where one is named."""
+def layout_of_text(arguments: argparse.Namespace, sentence: str, seed: int) -> Layout:
+    """The layout of a sentence for a seed; by the language model where one is named."""
     if _asks_language_model(arguments):
         from lidardraft.drafting.language_model.layout import layout_from_llm
 
         return layout_from_llm(
-            arguments.text,
+            sentence,
             seed=seed,
             url=arguments.llm_url,
             model=arguments.llm_model,
@@ -159,21 +178,35 @@ def layout_of_text(arguments: argparse.Namespace, seed: int) -> Layout:
         )
     from lidardraft.drafting.text.layout import layout_from_text
 
-    return layout_from_text(arguments.text, seed=seed)
+    return layout_from_text(sentence, seed=seed)
+
+
+def notes_on(layout: Layout) -> list[str]:
+    """What of its sentence was not understood, and what had to be left out: a line each."""
+    told = layout.provenance
+    notes = [*told.get("notes", ()), *told.get("findings", ())]
+    if len(notes) > _MOST_NOTES:
+        notes[_MOST_NOTES:] = [f"and {len(notes) - _MOST_NOTES} more, in the layout's provenance"]
+    if told.get("not_understood"):
+        near = "".join(f"; did you mean {known!r}?" for known in told.get("nearest_words", {}).values())
+        notes.insert(0, f"not understood: {', '.join(told['not_understood'])}{near}")
+    return notes
 
 
 def _from_text(arguments: argparse.Namespace) -> Layout:
-    layout = layout_of_text(arguments, arguments.seed)
-    told = layout.provenance
-    if told.get("not_understood"):
-        near = "".join(f"; did you mean {known!r}?" for known in told.get("nearest_words", {}).values())
-        say("lidardraft", f"not understood: {', '.join(told['not_understood'])}{near}")
-    notes = [*told.get("notes", ()), *told.get("findings", ())]
-    for note in notes[:_MOST_NOTES]:
+    layout = layout_of_text(arguments, arguments.text, arguments.seed)
+    for note in notes_on(layout):
         say("lidardraft", note)
-    if len(notes) > _MOST_NOTES:
-        say("lidardraft", f"and {len(notes) - _MOST_NOTES} more, in the layout's provenance")
     return layout
+
+
+def read_sentences(path: str) -> list[tuple[str, str]]:
+    """The sentences of a file, one a line, and what messages call each; raises `FormatError` where there are none."""
+    lines = enumerate(read_text(path).splitlines(), start=1)
+    sentences = [(f"{path}, line {number}", line.strip()) for number, line in lines if line.strip()]
+    if not sentences:
+        raise FormatError(f"{path} holds no sentence; it must hold one a line")
+    return sentences
 
 
 def _from_points(arguments: argparse.Namespace) -> Layout:

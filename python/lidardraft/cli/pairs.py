@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import itertools
-import os
 import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
@@ -14,8 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lidardraft.cli.arguments import add_seed, add_sensor, check_empty, read_sensor, whole_number
-from lidardraft.cli.command import say
+from lidardraft.cli.command import progress, say
 from lidardraft.cli.inputs import sensor_beside
+from lidardraft.cli.scan_folder import cores
 from lidardraft.errors import FormatError, LidarDraftError
 from lidardraft.files import named, read_bytes
 from lidardraft.scene.sensor import Sensor
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 # A network learns more from another street than from another look at one; building it takes a third of the time then.
 _POSES = 4
-_ROWS = 100  # of a picture: one of all sensors stays below a gigabyte
+_SHOWN, _LOOK = 100, 320  # streets that a picture shows at most, and rows of the view of each
 _ENDINGS = (".bin", ".pcd", ".npz")
 _UNRELATED = 0.2  # of the beams' spacing: points that are of other beams are 0.25 off in the median
 Labeller = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
@@ -45,8 +45,6 @@ def streets(arguments: argparse.Namespace) -> None:
 
 def _fill(folder: Path, arguments: argparse.Namespace) -> None:
     """Fill a folder up to `num` pairs, with a progress bar; what is in it already is kept."""
-    from tqdm import tqdm
-
     from lidardraft.formats.pairs import Pair, pairs_on_disk, write_pairs
 
     num, seed, poses = arguments.num, arguments.seed, arguments.poses
@@ -60,7 +58,7 @@ def _fill(folder: Path, arguments: argparse.Namespace) -> None:
     if start:
         print(f"{folder}: goes on after the {start} pairs that are there", flush=True)
     pairs = pairs_of_streets(seed, config, start=start, workers=min(arguments.workers, -(-(num - start) // poses)))
-    with tqdm(total=num, initial=start, unit="pair", desc="streets", disable=None) as bar:
+    with progress(num, "pair", "streets", initial=start) as bar:
 
         def noted(pair: StreetPair) -> NotedPair:
             bar.update()
@@ -81,49 +79,45 @@ def _check_begun(folder: Path) -> None:
 
 
 def _look(arguments: argparse.Namespace) -> None:
-    """A sheet of streets: range image, label, intensity, and the top view with the layout over it."""
-    from tqdm import tqdm
-
+    """A sheet of streets, each with its boxes, from above and as range images."""
     from lidardraft import view
 
     num = arguments.num
-    if num > _ROWS:
-        raise FormatError(f"--num is {num}; a picture shows up to {_ROWS} streets")
+    if num > _SHOWN:
+        raise FormatError(f"--num is {num}; a picture shows up to {_SHOWN} streets")
     if not Path(arguments.look).parent.is_dir():
         raise FormatError(f"{arguments.look}: there is no folder {Path(arguments.look).parent}")
     config = StreetConfig(sensor=read_sensor(arguments.sensor), poses_per_street=1)
     pairs = pairs_of_streets(arguments.seed, config, workers=min(arguments.workers, num))
-    rows = []
-    for pair in tqdm(itertools.islice(pairs, num), total=num, unit="street", disable=None, leave=False):
-        images = view.caption(view.render_image(pair.scan), f"{pair.district}, {pair.style.source}")
-        top = view.render_top_view(pair.scan, pair.layout, pair.pose, size=len(images))
-        rows.append(view.stack([images, top], across=True))
-    view.save_png(arguments.look, view.stack(rows))
+    pictures = []
+    with progress(num, "street", leave=False) as bar:
+        for pair in itertools.islice(pairs, num):
+            boxes, points = pair.things.layout({}).boxes(), pair.scan.points(pair.poses())
+            pictures.append(view.render_returns(pair.scan, points, boxes=boxes, title=pair.district, height=_LOOK))
+            bar.update()
+    view.save_png(arguments.look, view.sheet(pictures))
     print(arguments.look)
 
 
 def streets_options(parser: argparse.ArgumentParser) -> None:
     """The options of `streets`."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     positive = whole_number(1)
     parser.add_argument("-n", "--num", type=positive, default=6, metavar="N", help="pairs in all (default 6)")
     text = f"scans of each street, from different places (default {_POSES})"
     parser.add_argument("--poses", type=positive, default=_POSES, metavar="N", help=text)
     add_sensor(parser)
     add_seed(parser)
-    text = f"processes that make streets (default {cores}, one a core)"
-    parser.add_argument("--workers", type=positive, default=cores, metavar="N", help=text)
+    text = f"processes that make streets (default {cores()}, one a core)"
+    parser.add_argument("--jobs", "--workers", dest="workers", type=positive, default=cores(), metavar="N", help=text)
     to = parser.add_mutually_exclusive_group(required=True)
     text = "fill a folder with pairs for lidardraft-train; a second call goes on"
     to.add_argument("-o", "--output", metavar="FOLDER", help=text)
-    text = "make a picture instead, with a row for each of N streets (default streets.png)"
+    text = "make a picture of N streets instead (default streets.png)"
     to.add_argument("--look", metavar="PICTURE.png", nargs="?", const="streets.png", help=text)
 
 
 def pairs(arguments: argparse.Namespace) -> None:
     """Make training pairs of your recorded scans: each scan, with the cast and the simulated scan of its layout."""
-    from tqdm import tqdm
-
     from lidardraft.formats.pairs import notes_on_disk, write_pairs
 
     folder, files = Path(arguments.output), _scan_files(arguments.scans)
@@ -136,7 +130,7 @@ def pairs(arguments: argparse.Namespace) -> None:
     if notes:
         print(f"{folder}: goes on after the {len(notes)} pairs that are there", flush=True)
     skipped = list[str]()
-    with tqdm(total=len(files), unit="scan", desc="recordings", disable=None) as bar:
+    with progress(len(files), "scan", "recordings") as bar:
 
         def made() -> Iterator[NotedPair]:
             for number, file in enumerate(files):

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from lidardraft.cli.arguments import (
     add_seed,
@@ -14,45 +14,139 @@ from lidardraft.cli.arguments import (
     add_weather,
     add_weights,
     assignments,
-    check_empty,
     number,
     read_sensor,
     read_weather,
     whole_number,
 )
-from lidardraft.cli.inputs import add_inputs, layout_of_text, read_layout
+from lidardraft.cli.command import progress
+from lidardraft.cli.inputs import add_inputs, check_inputs, layout_of_text, notes_on, read_layout, read_sentences
+from lidardraft.cli.scan_folder import ScanFolder, add_folder, add_jobs, check_output, jobs_of
 from lidardraft.errors import FormatError
 from lidardraft.files import named
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.weather import Weather
+from lidardraft.streets import StreetConfig, StreetMix
+from lidardraft.streets.placement.district import DISTRICTS
 
 if TYPE_CHECKING:
-    from lidardraft.cli.arguments import Options
-    from lidardraft.pipeline import Pipeline
     from lidardraft.scan import Scan
     from lidardraft.scene.range_image import RangeImage
-T = TypeVar("T")
+
+_POSES = 4  # scans of a street
+
+
+@dataclass(frozen=True, slots=True)
+class Layouts:
+    """The layout of each scan: `first` for all, or the sentences in turn, each for another seed; with a sentence goes
+    what messages call it."""
+
+    arguments: argparse.Namespace
+    first: Layout
+    sentences: list[tuple[str, str]]
+
+    @classmethod
+    def read(cls, arguments: argparse.Namespace) -> Layouts:
+        """Those that the arguments ask for."""
+        if arguments.text_file is None:
+            sentences = [] if arguments.text is None else [("--text", arguments.text)]
+            return cls(arguments, read_layout(arguments), sentences)
+        check_inputs(arguments)
+        sentences = read_sentences(arguments.text_file)
+        name, sentence = sentences[0]
+        with named(name):
+            return cls(arguments, layout_of_text(arguments, sentence, arguments.seed), sentences)
+
+    def of(self, number: int) -> tuple[int, Layout]:
+        """Seed and layout of scan `number`."""
+        seed = self.arguments.seed + number
+        if not (number and self.sentences):
+            return seed, self.first
+        name, sentence = self.sentences[number % len(self.sentences)]
+        with named(name):
+            return seed, layout_of_text(self.arguments, sentence, seed)
+
+    def notes(self, number: int, scan: Scan) -> list[str]:
+        """What there is to say of a sentence of a file, the first time that it is read."""
+        if self.arguments.text_file is None or number >= len(self.sentences):
+            return []
+        return [f"{self.sentences[number][0]}: {note}" for note in notes_on(scan.layout)]
+
+
+@dataclass(frozen=True, slots=True)
+class Simulations:
+    """Simulated scans of layouts."""
+
+    layouts: Layouts
+    sensor: Sensor
+    weather: Weather
+    threads: int | None
+
+    def __call__(self, number: int) -> Scan:
+        """Scan `number`."""
+        from lidardraft.simulation.simulate import simulate
+
+        seed, layout = self.layouts.of(number)
+        arguments = self.layouts.arguments
+        return simulate(
+            layout,
+            self.sensor,
+            seed=seed,
+            weather=self.weather,
+            clutter=arguments.clutter,
+            speed=arguments.speed,
+            threads=self.threads,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class StreetScans:
+    """Scans of streets."""
+
+    seed: int
+    config: StreetConfig
+    threads: int | None
+
+    def __call__(self, number: int) -> Scan:
+        """Scan `number`."""
+        from lidardraft.streets.scans import street_scan
+
+        return street_scan(self.seed, number, self.config, threads=self.threads)
 
 
 def simulate(arguments: argparse.Namespace) -> None:
-    """Make labelled LiDAR scans by physics alone, from a sentence, a layout, a 3D model or a labelled scan."""
-    _check_output(arguments)
+    """Make labelled LiDAR scans by physics alone, from a sentence, a layout, a 3D model, a labelled scan, or of
+    streets that are made up."""
+    from lidardraft.scan import Scan
+
+    check_output(arguments)
     sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
-    layout = read_layout(arguments)
-    _write_scans(arguments, _simulated(arguments, sensor, weather, layout))
-
-
-def _simulated(arguments: argparse.Namespace, sensor: Sensor, weather: Weather, layout: Layout) -> Iterator[Scan]:
-    from tqdm import tqdm
-
-    from lidardraft.simulation.simulate import Simulator
-
-    with tqdm(total=arguments.num, unit="scan", disable=None) as bar:
-        for seed, each in _layouts(arguments, layout):
-            simulator = Simulator(each, sensor, seed=seed, weather=weather, clutter=arguments.clutter)
-            yield simulator.scan(speed=arguments.speed, seed=seed)
+    output, pictures = Path(arguments.output), arguments.pictures
+    if arguments.street is None:
+        layouts = Layouts.read(arguments)
+        num = arguments.num or len(layouts.sentences) or 1
+        jobs, poses = jobs_of(arguments, num), 1
+        make = Simulations(layouts, sensor, weather, 1 if jobs > 1 else None)
+        folder = ScanFolder(output, pictures, make, Scan.save, layouts.notes)
+    else:
+        num, poses = arguments.num or 1, arguments.poses or _POSES
+        jobs = jobs_of(arguments, -(-num // poses) if arguments.jobs else num)
+        config = _street_config(arguments, sensor, weather, poses)
+        folder = ScanFolder(output, pictures, StreetScans(arguments.seed, config, 1 if jobs > 1 else None), Scan.save)
+    with progress(num, "scan") as bar:
+        for _ in folder.write(num, jobs=jobs, run=poses):
             bar.update()
+    _report(arguments, num, (".label", ".boxes.json"))
+
+
+def _street_config(arguments: argparse.Namespace, sensor: Sensor, weather: Weather, poses: int) -> StreetConfig:
+    check_inputs(arguments)
+    for option in ("speed", "clutter"):
+        if getattr(arguments, option):
+            raise FormatError(f"--{option} goes with a layout; --street decides what drives and stands there")
+    shares = {name: row.share if arguments.street in (name, "any") else 0.0 for name, row in DISTRICTS.items()}
+    return StreetConfig(sensor=sensor, poses_per_street=poses, mix=StreetMix(**shares), weather=weather)
 
 
 def simulate_options(parser: argparse.ArgumentParser) -> None:
@@ -62,22 +156,25 @@ def simulate_options(parser: argparse.ArgumentParser) -> None:
         "light and receiver makes returns, ranges and intensities of that. No weights are used; every label is that of "
         "the surface that was hit. A sensor without a model of its own gets typical values."
     )
-    add_inputs(parser)
+    inputs = add_inputs(parser, "text-file", "street")
+    text = f"scans of each --street in a row, from different places (default {_POSES})"
+    inputs.add_argument("--poses", type=whole_number(1), metavar="N", help=text)
     world = parser.add_argument_group("world")
     add_weather(world)
     add_speed(world)
     text = "what stands beside the roads and is not in the layout, from 0 (nothing) to 1 (default 0)"
     world.add_argument("--clutter", type=number, default=0.0, metavar="SHARE", help=text)
-    _add_scan_output(parser)
+    add_jobs(_add_scan_output(parser))
 
 
 def generate(arguments: argparse.Namespace) -> None:
     """Make labelled LiDAR scans with the diffusion model, from a sentence, a layout, a 3D model or a labelled scan."""
-    _check_output(arguments)
-    sensor = read_sensor(arguments.sensor)
-    layout = read_layout(arguments)
+    check_output(arguments)
+    sensor, layouts = read_sensor(arguments.sensor), Layouts.read(arguments)
+    num = arguments.num or len(layouts.sentences) or 1
 
     from lidardraft.pipeline import Pipeline
+    from lidardraft.scan import Scan
 
     pipeline = Pipeline.from_pretrained(
         arguments.weights,
@@ -86,16 +183,16 @@ def generate(arguments: argparse.Namespace) -> None:
         guidance=arguments.guidance,
         langevin=arguments.langevin,
     )
-    _write_scans(arguments, _generated(pipeline, arguments, sensor, layout))
+    with progress(num * arguments.steps, "step") as bar:
 
+        def make(number: int) -> Scan:
+            bar.set_description(f"scan {number + 1} of {num}")
+            seed, layout = layouts.of(number)
+            return pipeline(layout, sensor=sensor, seed=seed, speed=arguments.speed, on_step=bar.update)
 
-def _generated(pipeline: Pipeline, arguments: argparse.Namespace, sensor: Sensor, layout: Layout) -> Iterator[Scan]:
-    from tqdm import tqdm
-
-    with tqdm(total=arguments.num * arguments.steps, unit="step", disable=None) as bar:
-        for count, (seed, each) in enumerate(_layouts(arguments, layout), start=1):
-            bar.set_description(f"scan {count} of {arguments.num}")
-            yield pipeline(each, sensor=sensor, seed=seed, speed=arguments.speed, on_step=bar.update)
+        for _ in ScanFolder(Path(arguments.output), arguments.pictures, make, Scan.save, layouts.notes).write(num):
+            pass
+    _report(arguments, num, (".label", ".boxes.json"))
 
 
 def generate_options(parser: argparse.ArgumentParser) -> None:
@@ -108,7 +205,7 @@ def generate_options(parser: argparse.ArgumentParser) -> None:
         "paper does. Classes of what is made up are the network's. Weather and clutter are `simulate`'s alone: no "
         "weights have seen them."
     )
-    add_inputs(parser)
+    add_inputs(parser, "text-file")
     add_speed(parser.add_argument_group("world"))
     model = parser.add_argument_group("model")
     add_weights(model)
@@ -123,44 +220,47 @@ def generate_options(parser: argparse.ArgumentParser) -> None:
 def observe(arguments: argparse.Namespace) -> None:
     """Add ray drop, noise and intensity to the casts of another renderer, which keep their labels: range and class
     images, or clouds of CARLA's semantic LiDAR."""
-    _check_output(arguments)
+    from lidardraft.scan import save_observed
+
+    check_output(arguments)
     sensor = None if arguments.sensor is None else read_sensor(arguments.sensor)
     materials = assignments(arguments.materials, "--material", "CLASS=MATERIAL, as in car=dark-paint")
-    weather = read_weather(arguments.weather)
-    _write_observed(arguments, _observed(arguments, sensor, materials, weather))
+    weather, num = read_weather(arguments.weather), len(arguments.casts)
+
+    def make(number: int) -> RangeImage:
+        return _observed(arguments.casts[number], arguments.seed + number, sensor, materials, weather)
+
+    with progress(num, "cast") as bar:
+        for _ in ScanFolder(Path(arguments.output), arguments.pictures, make, save_observed).write(num):
+            bar.update()
+    _report(arguments, num, (".label",))
 
 
-def _observed(
-    arguments: argparse.Namespace, sensor: Sensor | None, materials: dict[str, str], weather: Weather
-) -> Iterator[RangeImage]:
-    from tqdm import tqdm
-
+def _observed(path: str, seed: int, sensor: Sensor | None, materials: dict[str, str], weather: Weather) -> RangeImage:
     from lidardraft.formats.carla import read_carla
     from lidardraft.formats.cast import read_cast
     from lidardraft.simulation.observe_cast import observe_cast, observe_points
 
-    for seed, path in enumerate(tqdm(arguments.casts, unit="cast", disable=None), start=arguments.seed):
-        if Path(path).suffix == ".npz":
-            of_cast, images = read_cast(path, sensor)
-            depth, label = images.pop("depth"), images.pop("label")
-            with named(path):
-                options = images if not materials else images | {"materials": materials}
-                yield observe_cast(depth, label, of_cast, seed=seed, weather=weather, **options)
-        elif sensor is None:
-            raise FormatError(f"{path} does not say by which sensor it is; give its --sensor")
-        else:
-            cloud = read_carla(path)
-            with named(path):
-                yield observe_points(
-                    cloud.points,
-                    cloud.label,
-                    sensor,
-                    instance=cloud.instance,
-                    incidence=cloud.incidence,
-                    materials=materials or cloud.materials,
-                    seed=seed,
-                    weather=weather,
-                )
+    if Path(path).suffix == ".npz":
+        of_cast, images = read_cast(path, sensor)
+        depth, label = images.pop("depth"), images.pop("label")
+        with named(path):
+            options = images if not materials else images | {"materials": materials}
+            return observe_cast(depth, label, of_cast, seed=seed, weather=weather, **options)
+    if sensor is None:
+        raise FormatError(f"{path} does not say by which sensor it is; give its --sensor")
+    cloud = read_carla(path)
+    with named(path):
+        return observe_points(
+            cloud.points,
+            cloud.label,
+            sensor,
+            instance=cloud.instance,
+            incidence=cloud.incidence,
+            materials=materials or cloud.materials,
+            seed=seed,
+            weather=weather,
+        )
 
 
 def observe_options(parser: argparse.ArgumentParser) -> None:
@@ -179,71 +279,23 @@ def observe_options(parser: argparse.ArgumentParser) -> None:
     )
     add_weather(parser)
     add_seed(parser)
-    _add_folder(parser)
+    add_folder(parser)
 
 
-def _add_scan_output(parser: argparse.ArgumentParser) -> None:
-    """--sensor, --num, --output and --overwrite, in a group of their own."""
+def _add_scan_output(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
+    """--sensor, --num and what `add_folder` adds, in a group of their own."""
     output = parser.add_argument_group("output")
     add_sensor(output, of=" to make scans of")
-    text = "scans to make, with seeds counting up (default 1)"
-    output.add_argument("-n", "--num", type=whole_number(1), default=1, metavar="N", help=text)
-    _add_folder(output)
+    text = "scans to make, with seeds counting up (default 1, or one of each sentence of --text-file)"
+    output.add_argument("-n", "--num", type=whole_number(1), metavar="N", help=text)
+    add_folder(output)
+    return output
 
 
-def _add_folder(parser: Options) -> None:
-    """--output and --overwrite."""
-    parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where scans go: new or empty")
-    parser.add_argument("--overwrite", action="store_true", help="replace the scans that are in FOLDER already")
-
-
-def _check_output(arguments: argparse.Namespace) -> None:
-    """Raises `FormatError` where the folder holds anything and --overwrite is not given."""
-    otherwise = ", or --overwrite to replace its scans"
-    check_empty(Path(arguments.output), otherwise, but=".*" if arguments.overwrite else "")
-
-
-def _layouts(arguments: argparse.Namespace, first: Layout) -> Iterator[tuple[int, Layout]]:
-    """Seed and layout of each scan: `first`, which a sentence replaces with another one for each further seed."""
-    yield arguments.seed, first
-    for seed in range(arguments.seed + 1, arguments.seed + arguments.num):
-        if arguments.text is None:
-            yield seed, first
-        else:
-            yield seed, layout_of_text(arguments, seed)
-
-
-def _write_scans(arguments: argparse.Namespace, scans: Iterable[Scan]) -> None:
-    """Save the scans, numbered from 0; those of an earlier call go when the first one is there."""
-    from lidardraft.scan import Scan
-
-    _write(arguments, scans, Scan.save, ".label, .boxes.json and .png")
-
-
-def _write_observed(arguments: argparse.Namespace, images: Iterable[RangeImage]) -> None:
-    """As `_write_scans`, of images without a layout."""
-    from lidardraft.scan import save_observed
-
-    _write(arguments, images, save_observed, ".label and .png")
-
-
-def _write(arguments: argparse.Namespace, scans: Iterable[T], save: Callable[[T, Path], None], beside: str) -> None:
-    folder, count = Path(arguments.output), 0
-    for count, scan in enumerate(scans, start=1):
-        if count == 1:
-            _clear(folder)
-        save(scan, folder / f"{count - 1:06d}")
-    last = f" to {count - 1:06d}.bin" if count > 1 else ""
-    print(f"{folder}: {count} scan{'s' * (count > 1)}, 000000.bin{last}, each with {beside}")
-
-
-def _clear(folder: Path) -> None:
-    """Make the folder, without the scans of an earlier call: numbers with a sensor beside them. The rest stays."""
-    from lidardraft.scan import SCAN_ENDINGS
-
-    folder.mkdir(parents=True, exist_ok=True)
-    for sensor in folder.glob("*.sensor.json"):
-        name = sensor.name.removesuffix(".sensor.json")
-        if name.isdigit():
-            for ending in SCAN_ENDINGS:
-                (folder / f"{name}{ending}").unlink(missing_ok=True)
+def _report(arguments: argparse.Namespace, num: int, beside: tuple[str, ...]) -> None:
+    """Say what is in the folder."""
+    last, pictures = f" to {num - 1:06d}.bin" if num > 1 else "", min(arguments.pictures, num)
+    each = [*beside, *[".png"] * (pictures == num)]
+    listed = " and ".join(filter(None, (", ".join(each[:-1]), each[-1])))
+    some = f"; the first {pictures} with .png" if 0 < pictures < num else ""
+    print(f"{arguments.output}: {num} scan{'s' * (num > 1)}, 000000.bin{last}, each with {listed}{some}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,9 @@ from lidardraft.cli.command import say
 from lidardraft.cli.inputs import sensor_beside
 from lidardraft.errors import FormatError
 from lidardraft.files import check_other_file, named
+from lidardraft.scene.box import Box
+from lidardraft.scene.layout import Layout
+from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 
 _PAIRS_SHOWN = 6
@@ -27,8 +31,7 @@ def view(arguments: argparse.Namespace) -> None:
         raise FormatError(f"{path} is a folder; give one of its .bin, .npz or .json files")
     output = Path(arguments.output) if arguments.output else path.with_suffix(".view.png")
     check_other_file(output, path)
-    picture = _pictured(path, arguments.sensor)
-    save_png(output, picture)
+    save_png(output, _pictured(path, arguments))
     print(output)
 
 
@@ -38,39 +41,51 @@ def view_options(parser: argparse.ArgumentParser) -> None:
     add_sensor(
         parser, default=None, of=f" that took a scan or sees a layout (default the scan's own, or {DEFAULT_SENSOR})"
     )
+    text = "colour the points by class, in place of height; objects always have the colours of their classes"
+    parser.add_argument("--classes", action="store_true", help=text)
     parser.add_argument("-o", "--output", metavar="PICTURE.png", help="where the picture goes (default FILE.view.png)")
 
 
-def _pictured(path: Path, name: str | None) -> np.ndarray:
+def _pictured(path: Path, arguments: argparse.Namespace) -> np.ndarray:
     from lidardraft.formats.pairs import is_shard, read_shard
     from lidardraft.formats.recording import is_points_file
-    from lidardraft.view import render_file, render_pair, stack
+    from lidardraft.view import points_on_road, render_layout_and_cast, render_pair, render_returns, sheet
 
-    if path.suffix in (".bin", ".pcd") or (path.suffix == ".npz" and is_points_file(path)):
-        return _pictured_points(path, name)
-    if path.suffix != ".npz":
-        return render_file(path, _sensor(path, name))
-    if name is not None:
+    name: str | None = arguments.sensor
+    if path.suffix == ".json":
+        return render_layout_and_cast(Layout.load(path), _sensor(path, name))
+    if path.suffix not in (".bin", ".pcd", ".npz"):
+        kind = path.suffix or "a file without an ending"
+        raise FormatError(f"{path}: there is no picture of {kind}; it must be .bin, .pcd, .npz or .json")
+    boxes = list[Box]()
+    if path.suffix != ".npz" or is_points_file(path):
+        image, boxes = _read_scan(path, _sensor(path, name))
+    elif name is not None:
         raise FormatError(f"{path} says by which sensor it is; --sensor is for .bin and .json files")
-    if not is_shard(path):
-        return render_file(path, Sensor.preset(DEFAULT_SENSOR))
-    pairs = read_shard(path)
-    if len(pairs) > _PAIRS_SHOWN:
-        say("lidardraft", f"{path} holds {len(pairs)} pairs; the picture shows the first {_PAIRS_SHOWN}")
-    return stack([render_pair(pair.scan, pair.condition_image) for pair, _ in pairs[:_PAIRS_SHOWN]])
+    elif is_shard(path):
+        pairs = read_shard(path)
+        if len(pairs) > _PAIRS_SHOWN:
+            say("lidardraft", f"{path} holds {len(pairs)} pairs; the picture shows the first {_PAIRS_SHOWN}")
+        return sheet([render_pair(pair.scan, pair.condition_image) for pair, _ in pairs[:_PAIRS_SHOWN]])
+    else:
+        image = RangeImage.load(path)
+    return render_returns(image, points_on_road(image), boxes=boxes, title=path.name, by_label=arguments.classes)
 
 
-def _pictured_points(path: Path, name: str | None) -> np.ndarray:
-    """The picture of a scan in any form that --points reads."""
+def _read_scan(path: Path, sensor: Sensor) -> tuple[RangeImage, list[Box]]:
+    """A scan in any form that --points reads, and the boxes of the .boxes.json beside it, over the road."""
+    from lidardraft.formats.boxes import read_boxes
     from lidardraft.formats.recording import read_points, returns
-    from lidardraft.scene.range_image import RangeImage
-    from lidardraft.view import render_range_image
 
     points, fields = read_points(path)
     with named(path):
         points, fields = returns(points, fields)
         known = {field: fields[field] for field in ("label", "instance", "intensity") if field in fields}
-        return render_range_image(RangeImage.project(points, _sensor(path, name), **known))
+        image = RangeImage.project(points, sensor, **known)
+    beside = path.with_suffix(".boxes.json")
+    boxes = read_boxes(beside)[0] if beside.exists() else []
+    x_y_z = (0.0, 0.0, sensor.mount_height)
+    return image, [replace(box, center=tuple(np.add(box.center, x_y_z).tolist())) for box in boxes]
 
 
 def _sensor(path: Path, name: str | None) -> Sensor:

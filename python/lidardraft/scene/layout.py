@@ -201,6 +201,10 @@ class Layout:
     def __len__(self) -> int:
         return len(self.primitives)
 
+    def __repr__(self) -> str:
+        objects = len({p.instance for p in self.primitives if p.instance and BY_NAME[p.label].is_thing})
+        return f"Layout({len(self)} shapes, {objects} objects with a box, from {self.provenance.get('source')})"
+
     def __getitem__(self, id: str) -> Primitive:
         for primitive in self.primitives:
             if primitive.id == id:

@@ -54,6 +54,9 @@ class TriangleMesh:
 
     __hash__ = None  # type: ignore[assignment]
 
+    def __repr__(self) -> str:
+        return f"TriangleMesh({len(self.vertices)} vertices, {len(self.faces)} faces)"
+
     @classmethod
     def unchecked(cls, vertices: np.ndarray, faces: np.ndarray) -> TriangleMesh:
         """A mesh of contiguous arrays of its types that are known to be right, for meshes by the ten thousand."""

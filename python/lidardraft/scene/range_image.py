@@ -71,6 +71,10 @@ class RangeImage:
         """An image without returns, with these optional images: buffers for `Raycaster.scan(out=...)`."""
         return cls.unchecked(sensor, **blank_images(sensor.shape, primitive, incidence, normal))
 
+    def __repr__(self) -> str:
+        returns = np.count_nonzero(self.depth)
+        return f"RangeImage({self.sensor!r}, {returns} returns with {', '.join(images_of(self))})"
+
     @property
     def valid(self) -> np.ndarray:
         """bool [H, W]: where there is a return."""
@@ -210,6 +214,9 @@ class RangeImageBatch:
 
     def __len__(self) -> int:
         return len(self.depth)
+
+    def __repr__(self) -> str:
+        return f"RangeImageBatch({len(self)} of {self.sensor!r} with {', '.join(images_of(self))})"
 
     def __getitem__(self, i: int) -> RangeImage:
         i = index(i)

@@ -123,6 +123,9 @@ class Sensor:
         # the core's pattern cannot go to another process; it is made again there
         return {name: value for name, value in vars(self).items() if name in self.__dataclass_fields__}
 
+    def __repr__(self) -> str:
+        return f"Sensor({self.name}, {len(self.elevations)} x {self.columns})"
+
     @cached_property
     def azimuths(self) -> np.ndarray:
         """Where each pixel looks, f64 [H, W], rad; read-only."""

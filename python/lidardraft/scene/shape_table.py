@@ -71,6 +71,9 @@ class ShapeTable:
     def __len__(self) -> int:
         return len(self.ids)
 
+    def __repr__(self) -> str:
+        return f"ShapeTable({len(self)} shapes)"
+
     @classmethod
     def from_primitives(cls, primitives: Iterable[Primitive]) -> ShapeTable:
         """The columns of primitives; materials are not among them."""

@@ -2,6 +2,7 @@
 
 from lidardraft.streets.pairs import StreetPair, streets
 from lidardraft.streets.placement.street_mix import StreetMix
+from lidardraft.streets.scans import street_scan
 from lidardraft.streets.street import Street, StreetConfig, make_street
 
-__all__ = ["Street", "StreetConfig", "StreetMix", "StreetPair", "make_street", "streets"]
+__all__ = ["Street", "StreetConfig", "StreetMix", "StreetPair", "make_street", "street_scan", "streets"]

@@ -13,6 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from lidardraft.errors import LayoutError
+from lidardraft.scene.box import Box
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import IMAGES, RangeImage
 from lidardraft.scene.scanner import Scanner
@@ -30,7 +31,7 @@ _SCAN = ("depth", "label", "instance", "intensity")
 _CONDITION_IMAGE = ("depth", "label", "instance")
 _SIMULATED = _SCAN
 _SCAN_STREAM = 1  # random numbers of a scan, apart from those that made its street
-_Rest = tuple[ShapeTable, np.ndarray, Style, str, float, int]
+_Rest = tuple[ShapeTable, np.ndarray, Style, str, float, int, ShapeTable]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,6 +43,7 @@ class StreetPair:
 
     All is in the frame of the ego vehicle in the middle of the sweep: `pose` is ego_from_sensor [4, 4], and the sensor
     moves ahead with `speed` [m/s]. `district` is where the street lies, `index` counts the pairs of one seed.
+    `things` are the objects that are counted, all of them and as they are, whatever `shapes` makes of them.
     `simulated`, where it was asked for, is what the same unit of the sensor reports of the coarse layout in detail.
     """
 
@@ -53,11 +55,16 @@ class StreetPair:
     district: str
     speed: float
     index: int
+    things: ShapeTable
     simulated: RangeImage | None = None
 
     def poses(self) -> np.ndarray:
         """The pose of each column [W, 4, 4]; both images are as uncorrected as what such a sensor sends."""
         return self.scan.sensor.poses_in_motion(self.pose, (self.speed, 0.0, 0.0))
+
+    def boxes(self) -> list[Box]:
+        """Boxes of the objects of the street in the sensor frame; their instances are those of `scan`."""
+        return [box.seen_from(self.pose) for box in self.things.layout({}).boxes()]
 
     @property
     def layout(self) -> Layout:
@@ -115,17 +122,19 @@ class _StreetRun:
         return range(self.number * poses + self.first, (self.number + 1) * poses)
 
     def pairs(self, threads: int | None) -> Iterator[StreetPair]:
-        street, scanner = _scanned_street(self.seed, self.config, self.number, threads)
+        street, scanner = scanned_street(self.seed, self.config, self.number, threads)
         return (_pair(street, scanner, self.config, index) for index in self.indices())
 
 
 @lru_cache(maxsize=1)
-def _scanned_street(seed: int, config: StreetConfig, number: int, threads: int | None) -> tuple[Street, Scanner]:
+def scanned_street(seed: int, config: StreetConfig, number: int, threads: int | None) -> tuple[Street, Scanner]:
     """A street, and what looks at it; the last one is kept for the next pair of its run."""
     street = make_street(seed, config, number=number)
     # another unit of the sensor for each street
     model = replace(config.sensor.assumed_model, unit=number)
-    return street, Scanner.from_layout(street.scene, config.sensor, model=model, threads=threads)
+    return street, Scanner.from_layout(
+        street.scene, config.sensor, model=model, weather=config.weather, threads=threads
+    )
 
 
 def _in_processes(runs: Iterator[_StreetRun], config: StreetConfig, workers: int) -> Generator[StreetPair, None, None]:
@@ -155,12 +164,12 @@ def _in_processes(runs: Iterator[_StreetRun], config: StreetConfig, workers: int
 
 def _pair_in_worker(run: _StreetRun, index: int) -> tuple[list[np.ndarray], _Rest]:
     """The images of a pair, and the rest of it."""
-    pair = _pair(*_scanned_street(run.seed, run.config, run.number, 1), run.config, index)
+    pair = _pair(*scanned_street(run.seed, run.config, run.number, 1), run.config, index)
     images = [getattr(pair.scan, name) for name in _SCAN]
     images += [getattr(pair.condition_image, name) for name in _CONDITION_IMAGE]
     if pair.simulated is not None:
         images += [getattr(pair.simulated, name) for name in _SIMULATED]
-    return images, (pair.shapes, pair.pose, pair.style, pair.district, pair.speed, pair.index)
+    return images, (pair.shapes, pair.pose, pair.style, pair.district, pair.speed, pair.index, pair.things)
 
 
 def sample_viewpoint(street: Street, sensor: Sensor, index: int) -> tuple[Ego, np.ndarray, np.random.Generator]:
@@ -186,17 +195,24 @@ def _pair(street: Street, scanner: Scanner, config: StreetConfig, index: int) ->
     shapes = coarse_layout(street.coarse, style, rng, ego.pose, visible)
     poses = scanner.sensor.poses_in_motion(visible.pose, (ego.speed, 0.0, 0.0))
     condition_image = shapes.scan(scanner.sensor, poses, threads=scanner.threads)
-    pair = StreetPair(
-        _as_sent(visible.scan), condition_image, shapes, visible.pose, style, street.district, ego.speed, index
-    )
+    things = street.coarse.standing(street.coarse.exact, street.coarse.instances > 0, ego.pose, relief=True)
+    about = (shapes, visible.pose, style, street.district, ego.speed, index, things)
+    pair = StreetPair(as_sent(visible.scan), condition_image, *about)
     if not config.simulated:
         return pair
     from lidardraft.simulation.simulate import Simulator  # pictures come with it, which pairs do not need
 
-    simulator = Simulator(pair.layout, scanner.sensor, seed=index, model=scanner.model, threads=scanner.threads)
-    return replace(pair, simulated=_as_sent(simulator.scan(pair.pose, speed=pair.speed, seed=index).image))
+    simulator = Simulator(
+        pair.layout,
+        scanner.sensor,
+        seed=index,
+        model=scanner.model,
+        weather=config.weather,
+        threads=scanner.threads,
+    )
+    return replace(pair, simulated=as_sent(simulator.scan(pair.pose, speed=pair.speed, seed=index).image))
 
 
-def _as_sent(scan: RangeImage) -> RangeImage:
+def as_sent(scan: RangeImage) -> RangeImage:
     """A scan without its primitives, which say nothing to who does not have the scene, and take time on the way."""
     return RangeImage.unchecked(scan.sensor, **{name: getattr(scan, name) for name in _SCAN})

@@ -11,6 +11,7 @@ from lidardraft.errors import LayoutError
 from lidardraft.objects.kinds import kind_of
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import PRESETS, Sensor
+from lidardraft.scene.weather import Weather
 from lidardraft.streets.coarse.coarse_layout import BoxStyle, as_boxes
 from lidardraft.streets.coarse.coarse_street import CoarseStreet
 from lidardraft.streets.placement.lanes import Lane
@@ -18,6 +19,7 @@ from lidardraft.streets.placement.occupancy import Occupancy
 from lidardraft.streets.placement.plan import plan_street
 from lidardraft.streets.placement.street_mix import USUAL_MIX, StreetMix
 
+_CLEAR = Weather()
 _PARALLEL = 0.01  # rad against the road that lanes along it may have
 
 
@@ -25,10 +27,10 @@ _PARALLEL = 0.01  # rad against the road that lanes along it may have
 class StreetConfig:
     """How streets are made and scanned.
 
-    `sensor` scans them, from `poses_per_street` places each. A street goes on `half_length` [m] either way of its
-    middle; `mix` says what streets are made of. With `simulated` a pair has the simulated scan of its coarse layout
-    too, which takes as long again. Raises `LayoutError` for less than one place, or a half length that is not 40 to
-    200 m.
+    `sensor` scans them in `weather`, from `poses_per_street` places each. A street goes on `half_length` [m] either way
+    of its middle; `mix` says what streets are made of. With `simulated` a pair has the simulated scan of its coarse
+    layout too, which takes as long again. Raises `LayoutError` for less than one place, or a half length that is not 40
+    to 200 m.
     """
 
     sensor: Sensor = PRESETS["hdl64e"]
@@ -36,6 +38,7 @@ class StreetConfig:
     half_length: float = 90.0
     mix: StreetMix = USUAL_MIX
     simulated: bool = False
+    weather: Weather = _CLEAR
 
     def __post_init__(self) -> None:
         if self.poses_per_street < 1:

@@ -19,7 +19,7 @@ from lidardraft.errors import FormatError, LidarDraftError, ScriptError
 from lidardraft.formats.blender_script import blender_script, write_blender_script
 from lidardraft.scene.check import check
 from lidardraft.scene.layout import primitive_mesh
-from lidardraft.view import render_file, save_png
+from lidardraft.view import render_layout_and_cast, save_png
 
 HERE = Path(__file__).parent
 SCRIPTS = sorted((HERE / "scripts").glob("*.py"))
@@ -48,8 +48,8 @@ def test_a_street_as_a_language_model_writes_it() -> None:
 
 def test_the_picture_of_the_docs_shows_what_is_read_now(tmp_path: Path) -> None:
     """docs/blender.png; where it is out of date, copy the file that the message names there."""
-    layout_from_blender(HERE / "scripts" / "street.py").save(tmp_path / "street.json")
-    picture = render_file(tmp_path / "street.json", Sensor.preset("hdl64e"))
+    layout = layout_from_blender(HERE / "scripts" / "street.py")
+    picture = render_layout_and_cast(layout, Sensor.preset("hdl64e"))
     save_png(tmp_path / "blender.png", picture)
     with Image.open(HERE.parents[2] / "docs" / "blender.png") as image:
         shown = np.asarray(image)

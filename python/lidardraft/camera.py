@@ -1,0 +1,188 @@
+"""An eye that looks at a layout or a scan, and draws points, lines and boxes as it sees them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from lidardraft.scene.box import Box
+
+Colour = tuple[int, int, int]
+_TEXT = (214, 221, 235)
+_RING, _RING_NAME, _EGO = (62, 76, 104), (128, 142, 172), (235, 239, 248)
+_TOP, _BOTTOM = (27, 34, 52), (11, 13, 21)  # the background, darker towards the eye
+_EGO_BOX = Box("ego", "car", 0, (0.0, 0.0, 0.8), (4.5, 1.9, 1.5), 0.0)
+_NEAR = 1.0  # m, what is nearer to the eye is not drawn
+_POINT, _LEAST, _MOST = 0.06, 2, 4  # m, how wide a point is; pixels of a picture of _USUAL rows, at least and at most
+_USUAL = 560
+_SKY = 1000.0  # m, the height of an eye that looks straight down
+_PITCHES = (32.0, 42.0)  # degrees down
+# Degrees around what it looks at, the best liked first: behind the ego vehicle and a little to the side.
+_BEARINGS = (195.0, 165.0, 180.0, 220.0, 140.0, 250.0, 110.0, 15.0, -15.0)
+_NEAREST, _FURTHEST = 17.0, 46.0  # m from what it looks at
+_FOCAL = 1.15  # times the height of the picture
+_MARGIN = 0.85  # of half the picture, which what is shown may fill
+_LIKED = 1.15  # times as near must another bearing be to be taken
+_AROUND = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
+_CORNERS = np.array([(*corner, up) for up in (-0.5, 0.5) for corner in _AROUND])
+_PATHS = ([0, 1, 2, 3, 0, 4, 5, 6, 7, 4], [1, 5], [2, 6], [3, 7], [8, 9])  # along the edges; 8 and 9 are where it looks
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A pinhole camera of `width` x `height` pixels that looks along the x axis of `pose`, world_from_camera [4, 4];
+    `focal` is in pixels."""
+
+    pose: np.ndarray
+    focal: float
+    width: int
+    height: int
+
+    @classmethod
+    def above(cls, *, width: int, height: int, reach: float) -> Camera:
+        """Straight down on the origin from far above; ahead is up, and the upper edge is `reach` [m] away."""
+        pose = np.array([[0, 0, 1.0, 0], [0, 1.0, 0, 0], [-1.0, 0, 0, _SKY], [0, 0, 0, 1.0]])
+        return cls(pose, _SKY * height / 2 / reach, width, height)
+
+    @classmethod
+    def showing(cls, places: np.ndarray, *, width: int, height: int) -> Camera:
+        """So near that `places` [N, 3] and the ego vehicle just fill the picture, from behind or from the nearest side.
+        Without places it looks ahead."""
+        places = np.concatenate([corners_of([_EGO_BOX])[0], places if len(places) else [[22.0, 0.0, 0.0]]])
+        target, focal = (places.min(axis=0) + places.max(axis=0)) / 2, _FOCAL * height
+        views = np.stack([_axes(bearing, pitch) for pitch in np.radians(_PITCHES) for bearing in np.radians(_BEARINGS)])
+        ahead, left, up = np.moveaxis((places - target) @ views, 2, 0)  # [number of views, N] each
+        needed = 2 * focal / _MARGIN * np.maximum(np.abs(left) / width, np.abs(up) / height) - ahead
+        distances = needed.max(axis=1).clip(_NEAREST, _FURTHEST)
+        best = int(np.argmax(distances <= _LIKED * distances.min()))
+        distance, axes = distances[best], views[best]
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = axes, target - distance * axes[:, 0]
+        return cls(pose, focal, width, height)
+
+    def rays(self) -> tuple[np.ndarray, np.ndarray]:
+        """Origins and unit directions [H W, 3] of the pixels' rays."""
+        rows, columns = np.mgrid[: self.height, : self.width] + 0.5
+        ahead = np.full(rows.shape, self.focal)
+        across = np.stack([ahead, self.width / 2 - columns, self.height / 2 - rows], axis=-1).reshape(-1, 3)
+        across /= np.linalg.norm(across, axis=1, keepdims=True)
+        return np.broadcast_to(self.pose[:3, 3], across.shape), across @ self.pose[:3, :3].T
+
+    def seen(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Column, row and distance ahead [m] of points [N, 3]; the first two mean something where that is positive."""
+        ahead, left, up = self.pose[:3, :3].T @ (points - self.pose[:3, 3]).T
+        scale = self.focal / np.maximum(ahead, _NEAR)
+        return self.width / 2 - left * scale, self.height / 2 - up * scale, ahead
+
+
+def _axes(bearing: float, pitch: float) -> np.ndarray:
+    """The axes [3, 3] of a camera at that bearing of what it looks at, `pitch` over the horizon [rad]."""
+    cos, sin = math.cos(bearing), math.sin(bearing)
+    ahead = np.array([-cos * math.cos(pitch), -sin * math.cos(pitch), -math.sin(pitch)])
+    left = np.array([sin, -cos, 0.0])
+    return np.stack([ahead, left, np.cross(ahead, left)], axis=1)
+
+
+class Drawing:
+    """What a camera sees, drawn in the order of the calls over a dark background with rings of the distance; lines are
+    `line` pixels wide."""
+
+    def __init__(self, camera: Camera, rings: Iterable[int] = (10, 20, 30, 40, 50, 60)) -> None:
+        self.camera, self.line = camera, max(1, round(camera.height / _USUAL))
+        share = np.linspace(0.0, 1.0, camera.height)[:, None] ** 0.7
+        rows = np.full((camera.height, 4), 255, dtype=np.uint8)
+        rows[:, :3] = np.rint(np.array(_TOP) * (1 - share) + np.array(_BOTTOM) * share)
+        self._canvas = Image.fromarray(np.repeat(rows[:, None], camera.width, axis=1))
+        self._pen = ImageDraw.Draw(self._canvas)
+        for radius in rings:
+            self._ring(radius)
+
+    def picture(self) -> np.ndarray:
+        """uint8 [H, W, 3]."""
+        return np.asarray(self._canvas)[..., :3]
+
+    def _ring(self, radius: int) -> None:
+        camera, angle = self.camera, np.linspace(0.0, math.tau, 121)
+        places = np.stack(camera.seen(radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)), axis=1)
+        behind = np.flatnonzero(places[:, 2] <= _NEAR)
+        if len(behind):  # the ring begins where it comes into sight
+            places = np.roll(places[:-1], -int(behind[-1]) - 1, axis=0)
+            places = places[places[:, 2] > _NEAR]
+        self._pen.line(places[:, :2].ravel().tolist(), fill=_RING, width=self.line)
+        inside = (places[:, :2] > 0) & (places[:, :2] < (camera.width - 44 * self.line, camera.height - 20))
+        if inside.all(axis=1).any():  # its name stands where it is furthest to the right
+            column, row, _ = max(places[inside.all(axis=1)].tolist())
+            self.text((column + 4, row), f"{radius} m", 12 * self.line, _RING_NAME)
+
+    def points(self, points: np.ndarray, colours: np.ndarray) -> None:
+        """Points [N, 3] in their colours uint8 [N, 3], the nearest over the others and larger."""
+        camera = self.camera
+        column, row, ahead = camera.seen(points)
+        inside = (ahead > _NEAR) & (column >= 0) & (column < camera.width) & (row >= 0) & (row < camera.height)
+        kept = np.flatnonzero(inside)
+        if not len(kept):
+            return
+        depth = ahead[kept]
+        # the furthest are written first; sixteen bits are sorted ten times as fast as floats
+        step = max(float(np.ptp(depth)), 1e-3) / 65535
+        kept = kept[np.argsort(((depth.max() - depth) / step).astype(np.uint16), kind="stable")]
+        wide = np.clip(camera.focal * _POINT / ahead[kept], _LEAST * self.line, _MOST * self.line).astype(np.int64)
+        pixel = row[kept].astype(np.int64) * camera.width + column[kept].astype(np.int64)
+        # a pixel is one number of four bytes: three bytes each take three times as long
+        opaque = np.full((len(kept), 4), 255, dtype=np.uint8)
+        opaque[:, :3] = colours[kept]
+        colour, flat = opaque.view(np.uint32)[:, 0], np.array(self._canvas).view(np.uint32).reshape(-1)
+        for size in range(int(wide.min()), int(wide.max()) + 1):  # those that are large are near
+            some = wide == size
+            for down, right in itertools.product(range(size), repeat=2):
+                at = pixel[some] + (down * camera.width + right)
+                flat[np.minimum(at, len(flat) - 1)] = colour[some]
+        self._canvas.frombytes(flat.tobytes())
+
+    def boxes(self, boxes: Sequence[Box], colours: Sequence[Colour]) -> None:
+        """The edges of boxes, and a line on the ground from the middle of each to where it looks."""
+        corners = corners_of(boxes)
+        floor, front = corners[:, :4].mean(axis=1, keepdims=True), corners[:, 1:3].mean(axis=1, keepdims=True)
+        points = np.concatenate([corners, floor, 1.25 * front - 0.25 * floor], axis=1)
+        column, row, ahead = self.camera.seen(points.reshape(-1, 3))
+        places = np.stack([column, row], axis=1).reshape(-1, 10, 2)
+        in_sight = np.flatnonzero((ahead > _NEAR).reshape(-1, 10).all(axis=1))
+        paths = [places[:, path].reshape(len(boxes), 2 * len(path)).tolist() for path in _PATHS]
+        for number in in_sight.tolist():
+            for path in paths:
+                self._pen.line(path[number], fill=colours[number], width=self.line)
+
+    def ego(self) -> None:
+        """The vehicle at the origin, on which the sensor stands."""
+        self.boxes([_EGO_BOX], [_EGO])
+
+    def text(self, place: tuple[float, float], text: str, size: int, colour: Colour = _TEXT) -> None:
+        """A line of text whose upper left corner is at `place`, column and row."""
+        self._pen.text(place, text, fill=colour, font=font(size))
+
+    def swatch(self, place: tuple[float, float], width: float, height: float, colour: Colour = _BOTTOM) -> None:
+        """A filled rectangle whose upper left corner is at `place`."""
+        column, row = place
+        self._pen.rectangle((column, row, column + width - 1, row + height - 1), fill=colour)
+
+
+def corners_of(boxes: Sequence[Box]) -> np.ndarray:
+    """The corners [M, 8, 3] of boxes: the four on the ground, from behind on the right around to the left, then the
+    four over them."""
+    sizes, centers = (np.array([getattr(box, name) for box in boxes]).reshape(-1, 1, 3) for name in ("size", "center"))
+    x, y, z = np.moveaxis(_CORNERS * sizes, 2, 0)
+    yaw = np.array([box.yaw for box in boxes])[:, None]
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    return np.stack([cos * x - sin * y, sin * x + cos * y, z], axis=2) + centers
+
+
+@lru_cache(maxsize=8)
+def font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    """The font of all pictures, `size` pixels high."""
+    return ImageFont.load_default(size)

@@ -1,0 +1,130 @@
+"""A folder of numbered scans, made and written by this process or by several."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import warnings
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from lidardraft.cli.arguments import check_empty, whole_number
+from lidardraft.cli.command import say
+
+if TYPE_CHECKING:
+    from lidardraft.cli.arguments import Options
+T = TypeVar("T")
+
+_MANY = 16  # scans from which on each core has a process of its own, which takes a second to start
+_PICTURES = 8  # that are made by default: one takes longer than a scan
+_AHEAD = 2  # runs of scans that a process has before it
+
+
+def add_folder(parser: Options) -> None:
+    """--output, --overwrite, --pictures and --no-picture."""
+    parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where scans go: new or empty")
+    parser.add_argument("--overwrite", action="store_true", help="replace the scans that are in FOLDER already")
+    text = f"make pictures of the first N scans (default {_PICTURES})"
+    parser.add_argument("--pictures", type=whole_number(0), default=_PICTURES, metavar="N", help=text)
+    parser.add_argument("--no-picture", dest="pictures", action="store_const", const=0, help="make none")
+
+
+def add_jobs(parser: Options) -> None:
+    """--jobs, which `jobs_of` reads."""
+    text = f"processes that make scans (default 1 for fewer than {_MANY} scans, else {cores()}, one a core)"
+    parser.add_argument("--jobs", type=whole_number(1), metavar="N", help=text)
+
+
+def jobs_of(arguments: argparse.Namespace, num: int) -> int:
+    """How many processes make `num` scans."""
+    return min(arguments.jobs or (cores() if num >= _MANY else 1), num)
+
+
+def cores() -> int:
+    """How many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def check_output(arguments: argparse.Namespace) -> None:
+    """Raises `FormatError` where the folder holds anything and --overwrite is not given."""
+    otherwise = ", or --overwrite to replace its scans"
+    check_empty(Path(arguments.output), otherwise, but=".*" if arguments.overwrite else "")
+
+
+@dataclass(frozen=True, slots=True)
+class ScanFolder(Generic[T]):
+    """Scan `number` is `make(number)`, written by `save` under its number, with a picture if it is one of the first
+    `pictures`; `notes` says in lines what a user may have to know of it. All can go to other processes."""
+
+    path: Path
+    pictures: int
+    make: Callable[[int], T]
+    save: Callable[..., None]
+    notes: Callable[[int, T], list[str]] | None = None
+
+    def write(self, num: int, *, jobs: int = 1, run: int = 1) -> Iterator[int]:
+        """Write scans 0 to `num` - 1, by `jobs` processes, each of which makes `run` scans in a row; gives the number
+        of each. Scans of an earlier call go when the first one is there."""
+        first = self.make(0)
+        _clear(self.path)
+        written = self._written(range(1, num)) if jobs == 1 else self._by_processes(num, jobs, run)
+        for number, notes in enumerate(_chained(self._saved(0, first), written)):
+            for note in notes:
+                say("lidardraft", note)
+            yield number
+
+    def _written(self, numbers: range) -> Iterator[list[str]]:
+        return (self._saved(number, self.make(number)) for number in numbers)
+
+    def _saved(self, number: int, scan: T) -> list[str]:
+        self.save(scan, self.path / f"{number:06d}", picture=number < self.pictures)
+        return [] if self.notes is None else self.notes(number, scan)
+
+    def _by_processes(self, num: int, jobs: int, run: int) -> Iterator[list[str]]:
+        from lidardraft.streets.worker_processes import worker_processes
+
+        with worker_processes(jobs, 0) as processes:
+            for begun in [process.submit(_begin, self) for process in processes]:
+                begun.result()
+            ahead = deque[Future[tuple[list[Any], list[str]]]]()
+            for number in range(1, num):
+                ahead.append(processes[number // run % jobs].submit(_write, number))
+                if len(ahead) > _AHEAD * run * jobs:
+                    yield ahead.popleft().result()[1]
+            for future in ahead:
+                yield future.result()[1]
+
+
+def _chained(first: list[str], rest: Iterator[list[str]]) -> Iterator[list[str]]:
+    yield first
+    yield from rest
+
+
+_folder: ScanFolder[Any]  # of this worker process
+
+
+def _begin(folder: ScanFolder[Any]) -> tuple[list[Any], None]:
+    global _folder
+    _folder = folder
+    warnings.simplefilter("ignore", UserWarning)  # they were said of the first scan
+    return [], None
+
+
+def _write(number: int) -> tuple[list[Any], list[str]]:
+    return [], next(_folder._written(range(number, number + 1)))
+
+
+def _clear(folder: Path) -> None:
+    """Make the folder, without the scans of an earlier call: numbers with a sensor beside them. The rest stays."""
+    from lidardraft.scan import SCAN_ENDINGS
+
+    folder.mkdir(parents=True, exist_ok=True)
+    for sensor in folder.glob("*.sensor.json"):
+        name = sensor.name.removesuffix(".sensor.json")
+        if name.isdigit():
+            for ending in SCAN_ENDINGS:
+                (folder / f"{name}{ending}").unlink(missing_ok=True)

@@ -1,0 +1,32 @@
+"""Labelled scans of procedural streets."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from lidardraft.streets.coarse.coarse_layout import BoxStyle, as_boxes
+from lidardraft.streets.pairs import as_sent, scan_street, scanned_street
+from lidardraft.streets.street import StreetConfig, check_number
+
+if TYPE_CHECKING:
+    from lidardraft.scan import Scan
+
+
+def street_scan(seed: int, index: int, config: StreetConfig | None = None, *, threads: int | None = None) -> Scan:
+    """The scan of pair `index` of `streets(seed, config)`, with everything that stands there as its layout.
+
+    `config.poses_per_street` scans in a row are of one street, which is built once. The layout holds simple shapes on
+    the ground as it rises and falls; what is scanned is the street in detail. Same arguments, same scan, for any number
+    of threads. Raises `LayoutError` for a number that is negative or no integer.
+    """
+    from lidardraft.scan import Scan  # pictures come with it, which pairs do not need
+
+    check_number("seed", seed)
+    check_number("index", index)
+    config = config or StreetConfig()
+    number = index // config.poses_per_street
+    street, scanner = scanned_street(seed, config, number, threads)
+    ego, visible, _ = scan_street(street, scanner, index)
+    provenance = {"source": "streets", "seed": seed, "index": index, "district": street.district}
+    layout = as_boxes(street.coarse, BoxStyle(relief=True), ego.pose).layout(provenance)
+    return Scan(image=as_sent(visible.scan), layout=layout, pose=visible.pose, seed=seed, speed=ego.speed)
