@@ -35,8 +35,8 @@ ALLOWED = {
     "training": BASE
     | {"scene", "streets", "formats", "drafting", "networks", "diffusion", "metrics", "perception"}
     | {"simulation"},
-    "camera": BASE | {"scene"},
-    "view": BASE | {"scene", "camera"},
+    "drawing": BASE | {"scene"},
+    "view": BASE | {"scene", "drawing"},
     "scan": BASE | {"scene", "formats", "view"},
     "pipeline": BASE | {"scene", "drafting", "networks", "diffusion", "simulation", "scan"},
     "evaluation": BASE | {"scene", "streets", "networks", "diffusion", "metrics", "simulation", "pipeline"},

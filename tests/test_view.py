@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 from lidardraft import Layout, Primitive, Sensor, raycast, view
-from lidardraft.camera import Camera, Drawing
+from lidardraft.drawing import Drawing, Eye
 
 CAR = Primitive(shape="box", center=(10, 0, 0.75), size=(4, 2, 1.5), label="car", id="car_1", instance=1)
 ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(100, 8, 0), label="road", id="road")
@@ -34,8 +34,8 @@ def test_points_are_rendered_where_the_layout_is() -> None:
 @pytest.mark.parametrize("seed", range(20))
 def test_an_eye_shows_all_that_it_is_asked_to(seed: int) -> None:
     places = np.random.default_rng(seed).uniform((-14, -14, 0), (14, 14, 3), (6, 3))
-    camera = Camera.showing(places, width=400, height=240)
-    column, row, ahead = camera.seen(np.concatenate([places, np.zeros((1, 3))]))
+    eye = Eye.showing(places, width=400, height=240)
+    column, row, ahead = eye.seen(np.concatenate([places, np.zeros((1, 3))]))
     assert (ahead > 1).all()
     assert ((column > 0) & (column < 400) & (row > 0) & (row < 240)).all()
     # and is no further off than it has to be
@@ -43,10 +43,10 @@ def test_an_eye_shows_all_that_it_is_asked_to(seed: int) -> None:
 
 
 def test_an_eye_over_the_origin_measures_metres() -> None:
-    camera = Camera.above(width=200, height=400, reach=50.0)  # 4 pixels a metre
-    column, row, _ = camera.seen(np.array([[10.0, 0, 0], [0.0, 20.0, 0], [-30.0, -5.0, 0]]))
+    eye = Eye.above(width=200, height=400, reach=50.0)  # 4 pixels a metre
+    column, row, _ = eye.seen(np.array([[10.0, 0, 0], [0.0, 20.0, 0], [-30.0, -5.0, 0]]))
     np.testing.assert_allclose(np.stack([column, row]), [[100, 20, 120], [160, 200, 320]])
-    bare, ring = (Drawing(camera, rings).picture().astype(int) for rings in ((), (10,)))
+    bare, ring = (Drawing(eye, rings).picture().astype(int) for rings in ((), (10,)))
     rows, columns = np.nonzero((bare != ring).any(axis=2))
     assert (rows.min(), rows.max(), columns.min()) == (160, 240, 60)
 

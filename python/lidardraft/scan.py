@@ -83,8 +83,7 @@ class Scan:
         """The points, with boxes, by an eye that shows the objects and from above, over the range images: uint8
         [H, W, 3]. Objects have the colours of their classes, all else has those of heights, or also of classes."""
         points = self.points() @ self.pose[:3, :3].T + self.pose[:3, 3]
-        title = str(self.layout.provenance.get("sentence", ""))
-        boxes = self.layout.boxes()
+        boxes, title = self.layout.boxes(), view.title_of(self.layout)
         return view.render_returns(self.image, points, boxes=boxes, title=title, by_label=by_label)
 
     def save(self, name: str | os.PathLike[str], *, picture: bool = True) -> None:

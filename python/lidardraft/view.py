@@ -7,12 +7,14 @@ import os
 import struct
 import textwrap
 import zlib
+from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from PIL import Image, ImageDraw
 
-from lidardraft.camera import Camera, Colour, Drawing, corners_of, font
+from lidardraft.drawing import Colour, Drawing, Eye, corners_of, font
 from lidardraft.files import written_whole
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import Layout
@@ -36,20 +38,21 @@ _RAMP = np.array(
     [[48, 18, 59], [70, 107, 227], [40, 188, 235], [50, 242, 152], [164, 252, 60], [249, 186, 56], [228, 69, 10]]
 )
 _LEVELS = (0.15, 0.8, 1.8, 3.2, 5.0, 8.0, 12.0)  # m over the road, and their colours
-_LEVEL_RAMP = np.array(
-    [[98, 110, 158], [50, 150, 170], [52, 196, 160], [130, 220, 110], [235, 222, 92], [252, 160, 70], [240, 92, 96]]
-)
+_LEVEL_COLOURS: list[Colour] = [
+    (98, 110, 158), (50, 150, 170), (52, 196, 160), (130, 220, 110), (235, 222, 92), (252, 160, 70), (240, 92, 96)
+]  # fmt: skip
 _DIM, _LIT = 0.5, 0.65  # how bright a return without intensity is, and how much more the strongest
 _GAP = 6
-_VIEW_HEIGHT, _WIDE, _NARROW = 560, 7 / 4, 3 / 4  # rows of a large view; columns of the two views over rows
+_VIEW_HEIGHT, _WIDE, _NARROW = 560, 7 / 4, 3 / 4  # rows of a view; columns of the two views over rows
+_LARGE = (1800, 900)  # columns and rows of a large picture
 _STRIP = 1 / 8  # rows of a range image over those of the view
 _REACH = 50.0  # m, what a view from above shows ahead and behind
 _SHOWN, _SHOWN_WITHIN, _SEEN = 10, 30.0, 5  # boxes that an eye shows: so many, within m, with so many returns
-_LEGEND_ROWS, _LONGEST_TITLE = 9, 120
+_LONGEST_TITLE = 120
 _EYE = np.array(  # 16 m behind and 11 m over the ego vehicle, looking 24 degrees down
     [[0.9135, 0, 0.4067, -16.0], [0, 1, 0, 0], [-0.4067, 0, 0.9135, 11.0], [0, 0, 0, 1]]
 )
-BEHIND, _BEHIND_SMALL = Camera(_EYE, 576.0, 720, 480), Camera(_EYE, 384.0, 480, 320)
+BEHIND, _BEHIND_SMALL = Eye(_EYE, 576.0, 720, 480), Eye(_EYE, 384.0, 480, 320)
 
 
 def colour_by_label(label: np.ndarray) -> np.ndarray:
@@ -75,7 +78,7 @@ def _ramp(places: Sequence[float] | np.ndarray, colours: np.ndarray, count: int)
 
 
 _DEPTH_RAMP = np.concatenate([np.zeros((1, 3), np.uint8), _ramp(np.arange(len(_RAMP)), _RAMP, 255)])
-_HEIGHT_RAMP = _ramp(_LEVELS, _LEVEL_RAMP, 256)
+_HEIGHT_RAMP = _ramp(_LEVELS, np.array(_LEVEL_COLOURS), 256)
 
 
 def colour_returns(image: RangeImage, z: np.ndarray, *, by_label: bool = False) -> np.ndarray:
@@ -93,18 +96,23 @@ def colour_returns(image: RangeImage, z: np.ndarray, *, by_label: bool = False) 
     return np.minimum(colours * bright[:, None], 255).astype(np.uint8)
 
 
-def render_layout(layout: Layout, camera: Camera = BEHIND) -> np.ndarray:
+def render_layout(layout: Layout, eye: Eye = BEHIND) -> np.ndarray:
     """The shapes of a layout, shaded: uint8 [H, W, 3]."""
-    hits = _looked_at(layout, camera)
+    hits = _looked_at(layout, eye)
     facing = np.abs(np.einsum("ij,ij->i", hits.normal, hits.directions))
-    return _shaded(hits, 0.35 + 0.65 * facing, Drawing(camera).picture())
+    return _shaded(hits, 0.35 + 0.65 * facing, Drawing(eye).picture())
 
 
-def render_points(points: np.ndarray, colours: np.ndarray, camera: Camera = BEHIND) -> np.ndarray:
+def render_points(points: np.ndarray, colours: np.ndarray, eye: Eye = BEHIND) -> np.ndarray:
     """Points [N, 3] in their colours uint8 [N, 3]: uint8 [H, W, 3]."""
-    drawing = Drawing(camera)
+    drawing = Drawing(eye)
     drawing.points(points, colours)
     return drawing.picture()
+
+
+def title_of(layout: Layout) -> str:
+    """The sentence of a layout, or the district of its street; nothing where it has neither."""
+    return str(layout.provenance.get("sentence") or layout.provenance.get("district") or "")
 
 
 def points_on_road(image: RangeImage) -> np.ndarray:
@@ -112,10 +120,10 @@ def points_on_road(image: RangeImage) -> np.ndarray:
     return image.points() + np.array([0.0, 0.0, image.sensor.mount_height])
 
 
-def render_scan(image: RangeImage, pose: np.ndarray, *, by_label: bool = False, camera: Camera = BEHIND) -> np.ndarray:
+def render_scan(image: RangeImage, pose: np.ndarray, *, by_label: bool = False, eye: Eye = BEHIND) -> np.ndarray:
     """The returns of a scan taken from world_from_sensor `pose`: uint8 [H, W, 3]."""
     points = image.points() @ pose[:3, :3].T + pose[:3, 3]
-    return render_points(points, colour_returns(image, points[:, 2], by_label=by_label), camera)
+    return render_points(points, colour_returns(image, points[:, 2], by_label=by_label), eye)
 
 
 def render_from_above(layout: Layout, *, size: int = 480, reach: float = _REACH) -> np.ndarray:
@@ -123,9 +131,9 @@ def render_from_above(layout: Layout, *, size: int = 480, reach: float = _REACH)
 
     Forward is up, the edge is `reach` [m] away, and a cross marks the ego vehicle.
     """
-    camera = Camera.above(width=size, height=size, reach=reach)
-    hits = _looked_at(layout, camera)
-    height = np.clip(camera.pose[2, 3] - hits.distance, 0.0, 12.0)
+    eye = Eye.above(width=size, height=size, reach=reach)
+    hits = _looked_at(layout, eye)
+    height = np.clip(eye.pose[2, 3] - hits.distance, 0.0, 12.0)
     background = np.broadcast_to(_BACKGROUND, (size, size, 3))
     picture = _shaded(hits, 0.75 + 0.25 * height / 12.0, background)
     middle = size // 2
@@ -134,8 +142,8 @@ def render_from_above(layout: Layout, *, size: int = 480, reach: float = _REACH)
     return picture
 
 
-def _looked_at(layout: Layout, camera: Camera) -> Hits:
-    return Raycaster(layout).cast(*camera.rays(), max_range=2000.0)
+def _looked_at(layout: Layout, eye: Eye) -> Hits:
+    return Raycaster(layout).cast(*eye.rays(), max_range=2000.0)
 
 
 def _shaded(hits: Hits, shade: np.ndarray, background: np.ndarray) -> np.ndarray:
@@ -157,28 +165,46 @@ def render_returns(
     uint8 [1.4 height, 2.5 height, 3]. The legend says what the colours are (`colour_returns`); rings are 10 m
     apart.
     """
+    boxes = _with_returns(boxes, image)
     colours = colour_returns(image, points[:, 2], by_label=by_label)
+    view, above = (_drawn(eye, points, colours, boxes) for eye in _eyes(boxes, height))
+    _describe(view, image, boxes, title, by_label)
+    return _over_strips(stack([view.picture(), above.picture()], across=True), image)
+
+
+def render_large(
+    image: RangeImage, points: np.ndarray, *, boxes: Sequence[Box] = (), title: str = "", by_label: bool = False
+) -> np.ndarray:
+    """As `render_returns`, the eye's view alone, large and smooth: uint8 [900, 1800, 3]."""
+    width, height = _LARGE
+    boxes = _with_returns(boxes, image)
+    eye = Eye.showing(_shown(boxes), width=2 * width, height=2 * height)
+    view = _drawn(eye, points, colour_returns(image, points[:, 2], by_label=by_label), boxes)
+    _describe(view, image, boxes, title, by_label)
+    smooth = Image.fromarray(np.ascontiguousarray(view.picture())).resize(_LARGE, Image.Resampling.BOX)
+    return np.asarray(smooth) & 0xFC  # nobody sees the last two bits, which make a file half as large again
+
+
+def _drawn(eye: Eye, points: np.ndarray, colours: np.ndarray, boxes: Sequence[Box]) -> Drawing:
+    drawing = Drawing(eye)
+    drawing.points(points, colours)
+    drawing.boxes(boxes, [_colour_of(BY_NAME[box.label].id) for box in boxes])
+    drawing.ego()
+    return drawing
+
+
+def _with_returns(boxes: Sequence[Box], image: RangeImage) -> list[Box]:
+    """Those boxes of objects that more than a stray return came from."""
     counts = np.bincount(image.instance[image.valid], minlength=1)
-    boxes = [box for box in boxes if box.instance < len(counts) and counts[box.instance] >= _SEEN]
-    of_boxes = [_colour_of(BY_NAME[box.label].id) for box in boxes]
-    views: list[np.ndarray] = []
-    for camera in _cameras(boxes, height):
-        drawing = Drawing(camera)
-        drawing.points(points, colours)
-        drawing.boxes(boxes, of_boxes)
-        drawing.ego()
-        if not views:
-            _describe(drawing, image, boxes, title, by_label)
-        views.append(drawing.picture())
-    return _over_strips(stack(views, across=True), image)
+    return [box for box in boxes if box.instance < len(counts) and counts[box.instance] >= _SEEN]
 
 
-def _cameras(boxes: Sequence[Box], height: int) -> tuple[Camera, Camera]:
+def _eyes(boxes: Sequence[Box], height: int) -> tuple[Eye, Eye]:
     """One that shows the boxes, and one above."""
     wide, narrow = round(height * _WIDE), round(height * _NARROW) - _GAP
     return (
-        Camera.showing(_shown(boxes), width=wide, height=height),
-        Camera.above(width=narrow, height=height, reach=_REACH),
+        Eye.showing(_shown(boxes), width=wide, height=height),
+        Eye.above(width=narrow, height=height, reach=_REACH),
     )
 
 
@@ -191,7 +217,7 @@ def _shown(boxes: Sequence[Box]) -> np.ndarray:
 
 def _describe(drawing: Drawing, image: RangeImage, boxes: Sequence[Box], title: str, by_label: bool) -> None:
     """What it is, what the colours mean, and how many objects of each class have a box."""
-    camera, line = drawing.camera, drawing.line
+    eye, line = drawing.eye, drawing.line
     small, edge, step = 13 * line, 12 * line, 19 * line
     row = float(edge)
     if title:
@@ -200,18 +226,13 @@ def _describe(drawing: Drawing, image: RangeImage, boxes: Sequence[Box], title: 
     beams, columns = image.sensor.shape
     drawing.text((edge, row), f"{image.sensor.name}, {beams} x {columns}, {int(image.valid.sum()):,} returns", small)
     labels = np.bincount(image.label[image.valid], minlength=len(CLASSES))
-    numbers = [k for k in np.argsort(-labels).tolist() if k and labels[k] and (by_label or _IS_THING[k])][:_LEGEND_ROWS]
-    row = camera.height - edge - step * (len(numbers) + (not by_label))
-    drawing.swatch((0, row - edge / 2), (120 if by_label else 345) * line, camera.height)
-    for number in numbers:
-        count = sum(BY_NAME[box.label].id == number for box in boxes)
-        drawing.swatch((edge, row + 2 * line), 11 * line, 11 * line, _colour_of(number))
-        drawing.text((edge + 18 * line, row), f"{CLASSES[number].name} {count or ''}", small)
-        row += step
-    for place, (level, colour) in enumerate(zip(_LEVELS, _LEVEL_RAMP.tolist(), strict=True) if not by_label else ()):
-        column = edge + 46 * line * place
-        drawing.swatch((column, row + 2 * line), 11 * line, 11 * line, tuple(colour))
-        drawing.text((column + 15 * line, row), f"{level:.0f} m", small)
+    numbers = [k for k in np.argsort(-labels).tolist() if k and labels[k] and (by_label or _IS_THING[k])]
+    counts = Counter(BY_NAME[box.label].id for box in boxes)
+    entries = [(f"{CLASSES[k].name} {counts[k] or ''}".strip(), _colour_of(k)) for k in numbers]
+    levels = [(f"{level:.0f} m", colour) for level, colour in zip(_LEVELS, _LEVEL_COLOURS, strict=True)]
+    rows = [some for some in (entries, [] if by_label else levels) if some]
+    for number, some in enumerate(rows):
+        drawing.legend((edge, eye.height - edge - step * (len(rows) - number)), some, small)
 
 
 def _colour_of(number: int) -> Colour:
@@ -269,19 +290,20 @@ def render_scans_of_layout(layout: Layout, pose: np.ndarray, images: dict[str, R
     The scans are shown beside the layout, and their range images below.
     """
     scans = [_over_strips(caption(render_scan(image, pose), name), image) for name, image in images.items()]
-    return stack([caption(render_layout(layout), "layout"), *scans], across=True)
+    eye = replace(BEHIND, height=max(len(picture) for picture in scans))
+    return sheet([caption(render_layout(layout, eye), "layout"), *scans])
 
 
 def render_layout_and_cast(layout: Layout, sensor: Sensor) -> np.ndarray:
     """The shapes of a layout, by an eye that shows its objects and from above, over their cast: uint8 [H, W, 3]."""
-    views = [render_layout(layout, camera) for camera in _cameras(layout.boxes(), _VIEW_HEIGHT)]
+    views = [render_layout(layout, eye) for eye in _eyes(layout.boxes(), _VIEW_HEIGHT)]
     return _over_strips(stack(views, across=True), raycast(layout, sensor))
 
 
 def render_pair(scan: RangeImage, condition_image: RangeImage) -> np.ndarray:
     """A training pair, the condition image beside the scan, each over its range image: uint8 [H, W, 3]."""
     views = [
-        _over_strips(caption(render_scan(image, image.sensor.pose(), camera=_BEHIND_SMALL), name), image)
+        _over_strips(caption(render_scan(image, image.sensor.pose(), eye=_BEHIND_SMALL), name), image)
         for name, image in (("condition image", condition_image), ("scan", scan))
     ]
     return stack(views, across=True)

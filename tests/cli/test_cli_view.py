@@ -77,12 +77,13 @@ def test_a_saved_scan_is_shown_with_its_boxes(capsys: pytest.CaptureFixture[str]
     text = "a parked bus on the right, 8 m ahead"
     assert cli.main(["simulate", "--text", text, "--sensor", "small.json", "-o", "out"]) == 0
     views = {}
-    for name, options in {"boxes": [], "classes": ["--classes"], "bare": []}.items():
+    for name, options in {"boxes": [], "classes": ["--classes"], "large": ["--large"], "bare": []}.items():
         if name == "bare":
             Path("out/000000.boxes.json").unlink()
         assert cli.main(["view", "out/000000.bin", "-o", f"{name}.png", *options]) == 0
         views[name] = np.asarray(Image.open(f"{name}.png"))
     assert capsys.readouterr().err == ""
-    bus = [(picture == PALETTE[15]).all(axis=2).sum() for picture in views.values()]
-    assert min(bus[:2]) > bus[2] + 100  # edges of boxes
+    edges = {name: (picture == PALETTE[15]).all(axis=2).sum() for name, picture in views.items()}
+    assert min(edges["boxes"], edges["classes"]) > edges["bare"] + 100
     assert (views["boxes"] != views["classes"]).any()
+    assert views["large"].shape == (900, 1800, 3)

@@ -43,13 +43,22 @@ def view_options(parser: argparse.ArgumentParser) -> None:
     )
     text = "colour the points by class, in place of height; objects always have the colours of their classes"
     parser.add_argument("--classes", action="store_true", help=text)
+    parser.add_argument("--large", action="store_true", help="one large and smooth view of a scan alone")
     parser.add_argument("-o", "--output", metavar="PICTURE.png", help="where the picture goes (default FILE.view.png)")
 
 
 def _pictured(path: Path, arguments: argparse.Namespace) -> np.ndarray:
     from lidardraft.formats.pairs import is_shard, read_shard
     from lidardraft.formats.recording import is_points_file
-    from lidardraft.view import points_on_road, render_layout_and_cast, render_pair, render_returns, sheet
+    from lidardraft.view import (
+        points_on_road,
+        render_large,
+        render_layout_and_cast,
+        render_pair,
+        render_returns,
+        sheet,
+        title_of,
+    )
 
     name: str | None = arguments.sensor
     if path.suffix == ".json":
@@ -69,7 +78,10 @@ def _pictured(path: Path, arguments: argparse.Namespace) -> np.ndarray:
         return sheet([render_pair(pair.scan, pair.condition_image) for pair, _ in pairs[:_PAIRS_SHOWN]])
     else:
         image = RangeImage.load(path)
-    return render_returns(image, points_on_road(image), boxes=boxes, title=path.name, by_label=arguments.classes)
+    render = render_large if arguments.large else render_returns
+    beside = path.with_suffix(".layout.json")
+    title = title_of(Layout.load(beside)) if beside.exists() else ""
+    return render(image, points_on_road(image), boxes=boxes, title=title or path.name, by_label=arguments.classes)
 
 
 def _read_scan(path: Path, sensor: Sensor) -> tuple[RangeImage, list[Box]]:

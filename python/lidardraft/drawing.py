@@ -1,4 +1,4 @@
-"""An eye that looks at a layout or a scan, and draws points, lines and boxes as it sees them."""
+"""An eye that looks at a layout or a scan, and drawings of the points and boxes that it sees."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ _BEARINGS = (195.0, 165.0, 180.0, 220.0, 140.0, 250.0, 110.0, 15.0, -15.0)
 _NEAREST, _FURTHEST = 17.0, 46.0  # m from what it looks at
 _FOCAL = 1.15  # times the height of the picture
 _MARGIN = 0.85  # of half the picture, which what is shown may fill
-_LIKED = 1.15  # times as near must another bearing be to be taken
+_LIKED = 1.4  # times as near must another bearing be to be taken
 _AROUND = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
 _CORNERS = np.array([(*corner, up) for up in (-0.5, 0.5) for corner in _AROUND])
 _PATHS = ([0, 1, 2, 3, 0, 4, 5, 6, 7, 4], [1, 5], [2, 6], [3, 7], [8, 9])  # along the edges; 8 and 9 are where it looks
 
 
 @dataclass(frozen=True, eq=False)
-class Camera:
+class Eye:
     """A pinhole camera of `width` x `height` pixels that looks along the x axis of `pose`, world_from_camera [4, 4];
     `focal` is in pixels."""
 
@@ -45,13 +45,13 @@ class Camera:
     height: int
 
     @classmethod
-    def above(cls, *, width: int, height: int, reach: float) -> Camera:
+    def above(cls, *, width: int, height: int, reach: float) -> Eye:
         """Straight down on the origin from far above; ahead is up, and the upper edge is `reach` [m] away."""
         pose = np.array([[0, 0, 1.0, 0], [0, 1.0, 0, 0], [-1.0, 0, 0, _SKY], [0, 0, 0, 1.0]])
         return cls(pose, _SKY * height / 2 / reach, width, height)
 
     @classmethod
-    def showing(cls, places: np.ndarray, *, width: int, height: int) -> Camera:
+    def showing(cls, places: np.ndarray, *, width: int, height: int) -> Eye:
         """So near that `places` [N, 3] and the ego vehicle just fill the picture, from behind or from the nearest side.
         Without places it looks ahead."""
         places = np.concatenate([corners_of([_EGO_BOX])[0], places if len(places) else [[22.0, 0.0, 0.0]]])
@@ -82,7 +82,7 @@ class Camera:
 
 
 def _axes(bearing: float, pitch: float) -> np.ndarray:
-    """The axes [3, 3] of a camera at that bearing of what it looks at, `pitch` over the horizon [rad]."""
+    """The axes [3, 3] of an eye at that bearing of what it looks at, `pitch` over the horizon [rad]."""
     cos, sin = math.cos(bearing), math.sin(bearing)
     ahead = np.array([-cos * math.cos(pitch), -sin * math.cos(pitch), -math.sin(pitch)])
     left = np.array([sin, -cos, 0.0])
@@ -90,15 +90,15 @@ def _axes(bearing: float, pitch: float) -> np.ndarray:
 
 
 class Drawing:
-    """What a camera sees, drawn in the order of the calls over a dark background with rings of the distance; lines are
+    """What an eye sees, drawn in the order of the calls over a dark background with rings of the distance; lines are
     `line` pixels wide."""
 
-    def __init__(self, camera: Camera, rings: Iterable[int] = (10, 20, 30, 40, 50, 60)) -> None:
-        self.camera, self.line = camera, max(1, round(camera.height / _USUAL))
-        share = np.linspace(0.0, 1.0, camera.height)[:, None] ** 0.7
-        rows = np.full((camera.height, 4), 255, dtype=np.uint8)
+    def __init__(self, eye: Eye, rings: Iterable[int] = (10, 20, 30, 40, 50, 60)) -> None:
+        self.eye, self.line = eye, max(1, round(eye.height / _USUAL))
+        share = np.linspace(0.0, 1.0, eye.height)[:, None] ** 0.7
+        rows = np.full((eye.height, 4), 255, dtype=np.uint8)
         rows[:, :3] = np.rint(np.array(_TOP) * (1 - share) + np.array(_BOTTOM) * share)
-        self._canvas = Image.fromarray(np.repeat(rows[:, None], camera.width, axis=1))
+        self._canvas = Image.fromarray(np.repeat(rows[:, None], eye.width, axis=1))
         self._pen = ImageDraw.Draw(self._canvas)
         for radius in rings:
             self._ring(radius)
@@ -108,23 +108,23 @@ class Drawing:
         return np.asarray(self._canvas)[..., :3]
 
     def _ring(self, radius: int) -> None:
-        camera, angle = self.camera, np.linspace(0.0, math.tau, 121)
-        places = np.stack(camera.seen(radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)), axis=1)
+        eye, angle = self.eye, np.linspace(0.0, math.tau, 121)
+        places = np.stack(eye.seen(radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)), axis=1)
         behind = np.flatnonzero(places[:, 2] <= _NEAR)
         if len(behind):  # the ring begins where it comes into sight
             places = np.roll(places[:-1], -int(behind[-1]) - 1, axis=0)
             places = places[places[:, 2] > _NEAR]
         self._pen.line(places[:, :2].ravel().tolist(), fill=_RING, width=self.line)
-        inside = (places[:, :2] > 0) & (places[:, :2] < (camera.width - 44 * self.line, camera.height - 20))
+        inside = (places[:, :2] > 0) & (places[:, :2] < (eye.width - 44 * self.line, eye.height - 20))
         if inside.all(axis=1).any():  # its name stands where it is furthest to the right
             column, row, _ = max(places[inside.all(axis=1)].tolist())
             self.text((column + 4, row), f"{radius} m", 12 * self.line, _RING_NAME)
 
     def points(self, points: np.ndarray, colours: np.ndarray) -> None:
         """Points [N, 3] in their colours uint8 [N, 3], the nearest over the others and larger."""
-        camera = self.camera
-        column, row, ahead = camera.seen(points)
-        inside = (ahead > _NEAR) & (column >= 0) & (column < camera.width) & (row >= 0) & (row < camera.height)
+        eye = self.eye
+        column, row, ahead = eye.seen(points)
+        inside = (ahead > _NEAR) & (column >= 0) & (column < eye.width) & (row >= 0) & (row < eye.height)
         kept = np.flatnonzero(inside)
         if not len(kept):
             return
@@ -132,8 +132,8 @@ class Drawing:
         # the furthest are written first; sixteen bits are sorted ten times as fast as floats
         step = max(float(np.ptp(depth)), 1e-3) / 65535
         kept = kept[np.argsort(((depth.max() - depth) / step).astype(np.uint16), kind="stable")]
-        wide = np.clip(camera.focal * _POINT / ahead[kept], _LEAST * self.line, _MOST * self.line).astype(np.int64)
-        pixel = row[kept].astype(np.int64) * camera.width + column[kept].astype(np.int64)
+        wide = np.clip(eye.focal * _POINT / ahead[kept], _LEAST * self.line, _MOST * self.line).astype(np.int64)
+        pixel = row[kept].astype(np.int64) * eye.width + column[kept].astype(np.int64)
         # a pixel is one number of four bytes: three bytes each take three times as long
         opaque = np.full((len(kept), 4), 255, dtype=np.uint8)
         opaque[:, :3] = colours[kept]
@@ -141,7 +141,7 @@ class Drawing:
         for size in range(int(wide.min()), int(wide.max()) + 1):  # those that are large are near
             some = wide == size
             for down, right in itertools.product(range(size), repeat=2):
-                at = pixel[some] + (down * camera.width + right)
+                at = pixel[some] + (down * eye.width + right)
                 flat[np.minimum(at, len(flat) - 1)] = colour[some]
         self._canvas.frombytes(flat.tobytes())
 
@@ -150,7 +150,7 @@ class Drawing:
         corners = corners_of(boxes)
         floor, front = corners[:, :4].mean(axis=1, keepdims=True), corners[:, 1:3].mean(axis=1, keepdims=True)
         points = np.concatenate([corners, floor, 1.25 * front - 0.25 * floor], axis=1)
-        column, row, ahead = self.camera.seen(points.reshape(-1, 3))
+        column, row, ahead = self.eye.seen(points.reshape(-1, 3))
         places = np.stack([column, row], axis=1).reshape(-1, 10, 2)
         in_sight = np.flatnonzero((ahead > _NEAR).reshape(-1, 10).all(axis=1))
         paths = [places[:, path].reshape(len(boxes), 2 * len(path)).tolist() for path in _PATHS]
@@ -166,10 +166,18 @@ class Drawing:
         """A line of text whose upper left corner is at `place`, column and row."""
         self._pen.text(place, text, fill=colour, font=font(size))
 
-    def swatch(self, place: tuple[float, float], width: float, height: float, colour: Colour = _BOTTOM) -> None:
-        """A filled rectangle whose upper left corner is at `place`."""
-        column, row = place
-        self._pen.rectangle((column, row, column + width - 1, row + height - 1), fill=colour)
+    def legend(self, place: tuple[float, float], entries: Sequence[tuple[str, Colour]], size: int) -> None:
+        """Names beside their colours, in one row on a dark ground from `place` on, as many as the picture has room
+        for."""
+        (column, row), letters = place, font(size)
+        for name, colour in entries:
+            width = 1.6 * size + letters.getlength(name)
+            if column + width > self.eye.width:
+                break
+            self._pen.rectangle((column - size, row - size / 3, column + width, row + 1.4 * size), fill=_BOTTOM)
+            self._pen.rectangle((column, row + size / 6, column + size, row + size), fill=colour)
+            self.text((column + 1.4 * size, row), name, size)
+            column += width + size
 
 
 def corners_of(boxes: Sequence[Box]) -> np.ndarray:
