@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import os
 import warnings
 from collections import deque
@@ -30,7 +31,8 @@ def add_folder(parser: Options) -> None:
     parser.add_argument("--overwrite", action="store_true", help="replace the scans that are in FOLDER already")
     text = f"make pictures of the first N scans (default {_PICTURES})"
     parser.add_argument("--pictures", type=whole_number(0), default=_PICTURES, metavar="N", help=text)
-    parser.add_argument("--no-picture", dest="pictures", action="store_const", const=0, help="make none")
+    text = "make no pictures of scans"
+    parser.add_argument("--no-picture", dest="pictures", action="store_const", const=0, help=text)
 
 
 def add_jobs(parser: Options) -> None:
@@ -71,14 +73,15 @@ class ScanFolder(Generic[T]):
         of each. Scans of an earlier call go when the first one is there."""
         first = self.make(0)
         _clear(self.path)
-        written = self._written(range(1, num)) if jobs == 1 else self._by_processes(num, jobs, run)
-        for number, notes in enumerate(_chained(self._saved(0, first), written)):
+        rest = map(self.written, range(1, num)) if jobs == 1 else self._by_processes(num, jobs, run)
+        for number, notes in enumerate(itertools.chain([self._saved(0, first)], rest)):
             for note in notes:
                 say("lidardraft", note)
             yield number
 
-    def _written(self, numbers: range) -> Iterator[list[str]]:
-        return (self._saved(number, self.make(number)) for number in numbers)
+    def written(self, number: int) -> list[str]:
+        """Make and write one scan; the notes on it."""
+        return self._saved(number, self.make(number))
 
     def _saved(self, number: int, scan: T) -> list[str]:
         self.save(scan, self.path / f"{number:06d}", picture=number < self.pictures)
@@ -99,11 +102,6 @@ class ScanFolder(Generic[T]):
                 yield future.result()[1]
 
 
-def _chained(first: list[str], rest: Iterator[list[str]]) -> Iterator[list[str]]:
-    yield first
-    yield from rest
-
-
 _folder: ScanFolder[Any]  # of this worker process
 
 
@@ -115,7 +113,7 @@ def _begin(folder: ScanFolder[Any]) -> tuple[list[Any], None]:
 
 
 def _write(number: int) -> tuple[list[Any], list[str]]:
-    return [], next(_folder._written(range(number, number + 1)))
+    return [], _folder.written(number)
 
 
 def _clear(folder: Path) -> None:

@@ -68,7 +68,7 @@ def _pictured(path: Path, arguments: argparse.Namespace) -> np.ndarray:
         raise FormatError(f"{path}: there is no picture of {kind}; it must be .bin, .pcd, .npz or .json")
     boxes = list[Box]()
     if path.suffix != ".npz" or is_points_file(path):
-        image, boxes = _read_scan(path, _sensor(path, name))
+        image, boxes = _read_scan(path, name)
     elif name is not None:
         raise FormatError(f"{path} says by which sensor it is; --sensor is for .bin and .json files")
     elif is_shard(path):
@@ -84,12 +84,13 @@ def _pictured(path: Path, arguments: argparse.Namespace) -> np.ndarray:
     return render(image, points_on_road(image), boxes=boxes, title=title or path.name, by_label=arguments.classes)
 
 
-def _read_scan(path: Path, sensor: Sensor) -> tuple[RangeImage, list[Box]]:
+def _read_scan(path: Path, name: str | None) -> tuple[RangeImage, list[Box]]:
     """A scan in any form that --points reads, and the boxes of the .boxes.json beside it, over the road."""
     from lidardraft.formats.boxes import read_boxes
     from lidardraft.formats.recording import read_points, returns
 
     points, fields = read_points(path)
+    sensor = _sensor(path, name)
     with named(path):
         points, fields = returns(points, fields)
         known = {field: fields[field] for field in ("label", "instance", "intensity") if field in fields}
