@@ -17,6 +17,7 @@ from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from functools import partial
 from statistics import median
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -128,6 +129,12 @@ def main() -> None:
     bare = steps["bare cast of the layout"]
     for step, spent in steps.items():
         print(f"{step:24} {spent:6.2f} ms {spent / bare:5.1f} x the bare cast")
+    scan = simulator.scan()
+    print(f"{'picture of a scan':24} {milliseconds(lambda _: scan.picture()):6.2f} ms")
+    with TemporaryDirectory() as folder:
+        for picture in (False, True):
+            saved = milliseconds(lambda k, p=picture: scan.save(f"{folder}/{k}", picture=p))
+            print(f"{'saved with a picture' if picture else 'saved':24} {saved:6.2f} ms")
     print(f"{'overhead of a scan':24} {overhead(simulator, scanner, sensor):6.2f} ms over cast and sensor model")
 
 

@@ -3,7 +3,8 @@
     python benches/bench_streets.py [--seconds 30] [--workers 2] [--sensor hdl64e] [--memory]
 
 A pair is complete when the consumer holds it: the street built, scanned and observed, its coarse layout made and cast.
-`--memory` prints the resident memory as the pairs pass by.
+A labelled scan is complete when its files are written, as `lidardraft simulate --street` does. `--memory`
+prints the resident memory as the pairs pass by.
 """
 
 from __future__ import annotations
@@ -15,12 +16,17 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
-from lidardraft import Sensor
+from lidardraft import Scan, Sensor
+from lidardraft.cli.scan_folder import ScanFolder
+from lidardraft.cli.scans import StreetScans
 from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.streets import StreetConfig, pairs, streets
+
+MANY = 10**6  # scans, more than are ever written
 
 # What is timed: the owners and names of the functions that do it. None of them calls another.
 STAGES: dict[str, tuple[tuple[Any, str], ...]] = {
@@ -85,6 +91,21 @@ def rate(seed: int, config: StreetConfig, workers: int, seconds: float, memory: 
         return count / (time.perf_counter() - start)
 
 
+def written(seed: int, config: StreetConfig, workers: int, seconds: float, *, picture: bool) -> float:
+    """Labelled scans a second in a folder, after the workers have started."""
+    with TemporaryDirectory() as name:
+        make = StreetScans(seed, config, 1)
+        folder = ScanFolder(Path(name), MANY if picture else 0, make, Scan.save)
+        with closing(folder.write(MANY, jobs=workers, run=config.poses_per_street)) as scans:
+            for _ in itertools.islice(scans, 2 * workers * config.poses_per_street):
+                pass
+            start = time.perf_counter()
+            for count, _ in enumerate(scans, start=1):
+                if time.perf_counter() - start >= seconds and count % config.poses_per_street == 0:
+                    return count / (time.perf_counter() - start)
+    raise AssertionError("so many scans are never written")
+
+
 def resident() -> float:
     """Resident memory of this process and its children [MB]."""
     children = Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()
@@ -106,6 +127,11 @@ def main() -> None:
     found = rate(arguments.seed, config, arguments.workers, arguments.seconds, arguments.memory)
     height, width = config.sensor.shape
     print(f"{found:.1f} pairs/s of {height} x {width}, {arguments.workers} workers, {config.poses_per_street} a street")
+    for picture in (False, True):
+        some = written(arguments.seed, config, arguments.workers, arguments.seconds / 3, picture=picture)
+        print(
+            f"{some:.1f} labelled scans/s written by {arguments.workers} jobs, {'with' if picture else 'no'} pictures"
+        )
     alone = rate(arguments.seed, config, 1, arguments.seconds / 3, False)
     print(f"{alone:.1f} pairs/s in one process; hand-over {1e3 * (arguments.workers / found - 1 / alone):.2f} ms")
     milliseconds = shares(arguments.seed, config, 6 * config.poses_per_street)

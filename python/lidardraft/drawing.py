@@ -30,8 +30,20 @@ _FOCAL = 1.15  # times the height of the picture
 _MARGIN = 0.85  # of half the picture, which what is shown may fill
 _LIKED = 1.4  # times as near must another bearing be to be taken
 _AROUND = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
+_AHEAD = np.array([(25.0, 10.0, 0.0), (25.0, -10.0, 0.0)])
 _CORNERS = np.array([(*corner, up) for up in (-0.5, 0.5) for corner in _AROUND])
 _PATHS = ([0, 1, 2, 3, 0, 4, 5, 6, 7, 4], [1, 5], [2, 6], [3, 7], [8, 9])  # along the edges; 8 and 9 are where it looks
+
+
+def _axes(bearing: float, pitch: float) -> np.ndarray:
+    """The axes [3, 3] of an eye at that bearing of what it looks at, `pitch` over the horizon [rad]."""
+    cos, sin = math.cos(bearing), math.sin(bearing)
+    ahead = np.array([-cos * math.cos(pitch), -sin * math.cos(pitch), -math.sin(pitch)])
+    left = np.array([sin, -cos, 0.0])
+    return np.stack([ahead, left, np.cross(ahead, left)], axis=1)
+
+
+_VIEWS = np.stack([_axes(bearing, pitch) for pitch in np.radians(_PITCHES) for bearing in np.radians(_BEARINGS)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,14 +66,13 @@ class Eye:
     def showing(cls, places: np.ndarray, *, width: int, height: int) -> Eye:
         """So near that `places` [N, 3] and the ego vehicle just fill the picture, from behind or from the nearest side.
         Without places it looks ahead."""
-        places = np.concatenate([corners_of([_EGO_BOX])[0], places if len(places) else [[22.0, 0.0, 0.0]]])
+        places = np.concatenate([corners_of([_EGO_BOX])[0], places if len(places) else _AHEAD])
         target, focal = (places.min(axis=0) + places.max(axis=0)) / 2, _FOCAL * height
-        views = np.stack([_axes(bearing, pitch) for pitch in np.radians(_PITCHES) for bearing in np.radians(_BEARINGS)])
-        ahead, left, up = np.moveaxis((places - target) @ views, 2, 0)  # [number of views, N] each
+        ahead, left, up = np.moveaxis((places - target) @ _VIEWS, 2, 0)  # [V, N] each
         needed = 2 * focal / _MARGIN * np.maximum(np.abs(left) / width, np.abs(up) / height) - ahead
         distances = needed.max(axis=1).clip(_NEAREST, _FURTHEST)
         best = int(np.argmax(distances <= _LIKED * distances.min()))
-        distance, axes = distances[best], views[best]
+        distance, axes = distances[best], _VIEWS[best]
         pose = np.eye(4)
         pose[:3, :3], pose[:3, 3] = axes, target - distance * axes[:, 0]
         return cls(pose, focal, width, height)
@@ -79,14 +90,6 @@ class Eye:
         ahead, left, up = self.pose[:3, :3].T @ (points - self.pose[:3, 3]).T
         scale = self.focal / np.maximum(ahead, _NEAR)
         return self.width / 2 - left * scale, self.height / 2 - up * scale, ahead
-
-
-def _axes(bearing: float, pitch: float) -> np.ndarray:
-    """The axes [3, 3] of an eye at that bearing of what it looks at, `pitch` over the horizon [rad]."""
-    cos, sin = math.cos(bearing), math.sin(bearing)
-    ahead = np.array([-cos * math.cos(pitch), -sin * math.cos(pitch), -math.sin(pitch)])
-    left = np.array([sin, -cos, 0.0])
-    return np.stack([ahead, left, np.cross(ahead, left)], axis=1)
 
 
 class Drawing:
@@ -116,8 +119,8 @@ class Drawing:
             places = places[places[:, 2] > _NEAR]
         self._pen.line(places[:, :2].ravel().tolist(), fill=_RING, width=self.line)
         inside = (places[:, :2] > 0) & (places[:, :2] < (eye.width - 44 * self.line, eye.height - 20))
-        if inside.all(axis=1).any():  # its name stands where it is furthest to the right
-            column, row, _ = max(places[inside.all(axis=1)].tolist())
+        if inside.all(axis=1).any():  # its name stands on the right, and so high that names do not touch
+            column, row, _ = max(places[inside.all(axis=1)].tolist(), key=lambda place: place[0] - place[1] / 2)
             self.text((column + 4, row), f"{radius} m", 12 * self.line, _RING_NAME)
 
     def points(self, points: np.ndarray, colours: np.ndarray) -> None:
@@ -143,7 +146,7 @@ class Drawing:
             for down, right in itertools.product(range(size), repeat=2):
                 at = pixel[some] + (down * eye.width + right)
                 flat[np.minimum(at, len(flat) - 1)] = colour[some]
-        self._canvas.frombytes(flat.tobytes())
+        self._canvas.frombytes(flat.view(np.uint8).data)
 
     def boxes(self, boxes: Sequence[Box], colours: Sequence[Colour]) -> None:
         """The edges of boxes, and a line on the ground from the middle of each to where it looks."""

@@ -37,11 +37,11 @@ _RANGES = (2.0, 80.0)  # m, of the ramp of ranges
 _RAMP = np.array(
     [[48, 18, 59], [70, 107, 227], [40, 188, 235], [50, 242, 152], [164, 252, 60], [249, 186, 56], [228, 69, 10]]
 )
-_LEVELS = (0.15, 0.8, 1.8, 3.2, 5.0, 8.0, 12.0)  # m over the road, and their colours
+_LEVELS = (0.0, 0.5, 1.0, 2.0, 3.5, 6.0, 12.0)  # m over the road, and their colours
 _LEVEL_COLOURS: list[Colour] = [
     (98, 110, 158), (50, 150, 170), (52, 196, 160), (130, 220, 110), (235, 222, 92), (252, 160, 70), (240, 92, 96)
 ]  # fmt: skip
-_DIM, _LIT = 0.5, 0.65  # how bright a return without intensity is, and how much more the strongest
+_DIM, _LIT = 0.6, 0.6  # how bright a return without intensity is, and how much more the strongest
 _GAP = 6
 _VIEW_HEIGHT, _WIDE, _NARROW = 560, 7 / 4, 3 / 4  # rows of a view; columns of the two views over rows
 _LARGE = (1800, 900)  # columns and rows of a large picture
@@ -229,7 +229,7 @@ def _describe(drawing: Drawing, image: RangeImage, boxes: Sequence[Box], title: 
     numbers = [k for k in np.argsort(-labels).tolist() if k and labels[k] and (by_label or _IS_THING[k])]
     counts = Counter(BY_NAME[box.label].id for box in boxes)
     entries = [(f"{CLASSES[k].name} {counts[k] or ''}".strip(), _colour_of(k)) for k in numbers]
-    levels = [(f"{level:.0f} m", colour) for level, colour in zip(_LEVELS, _LEVEL_COLOURS, strict=True)]
+    levels = [(f"{level:g} m", colour) for level, colour in zip(_LEVELS, _LEVEL_COLOURS, strict=True)]
     rows = [some for some in (entries, [] if by_label else levels) if some]
     for number, some in enumerate(rows):
         drawing.legend((edge, eye.height - edge - step * (len(rows) - number)), some, small)
@@ -250,12 +250,12 @@ def _strips(image: RangeImage) -> dict[str, np.ndarray]:
     return {name: _by_azimuth(strip, image.sensor) for name, strip in strips.items()}
 
 
-def _over_strips(picture: np.ndarray, image: RangeImage) -> np.ndarray:
-    """The picture over the range images, which are as wide."""
+def _over_strips(picture: np.ndarray, image: RangeImage, most: int = 3) -> np.ndarray:
+    """The picture over the first `most` of the range images, which are as wide."""
     size = picture.shape[1], round(picture.shape[0] * _STRIP)
     strips = [
         caption(np.asarray(Image.fromarray(strip).resize(size, Image.Resampling.NEAREST)), name, size=12)
-        for name, strip in _strips(image).items()
+        for name, strip in list(_strips(image).items())[:most]
     ]
     return stack([picture, *strips])
 
@@ -303,7 +303,7 @@ def render_layout_and_cast(layout: Layout, sensor: Sensor) -> np.ndarray:
 def render_pair(scan: RangeImage, condition_image: RangeImage) -> np.ndarray:
     """A training pair, the condition image beside the scan, each over its range image: uint8 [H, W, 3]."""
     views = [
-        _over_strips(caption(render_scan(image, image.sensor.pose(), eye=_BEHIND_SMALL), name), image)
+        _over_strips(caption(render_scan(image, image.sensor.pose(), eye=_BEHIND_SMALL), name), image, 2)
         for name, image in (("condition image", condition_image), ("scan", scan))
     ]
     return stack(views, across=True)
@@ -347,7 +347,7 @@ def save_png(path: str | os.PathLike[str], picture: np.ndarray) -> None:
     rows = np.zeros((height, 1 + 3 * width), dtype=np.uint8)
     rows[:, 1:] = picture.reshape(height, -1)
     head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    chunks = {b"IHDR": head, b"IDAT": zlib.compress(rows.tobytes(), 1), b"IEND": b""}
+    chunks = {b"IHDR": head, b"IDAT": zlib.compress(rows.data, 1), b"IEND": b""}
     parts = [
         struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
         for kind, data in chunks.items()

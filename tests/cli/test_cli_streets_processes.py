@@ -3,6 +3,8 @@
 import contextlib
 import os
 import signal
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -101,6 +103,34 @@ def test_two_that_start_together_leave_one_whole_folder(start: Callable[..., Com
     assert statuses == [0, 2]
     pairs = PairFolder("pairs")
     assert [note["index"] for note in pairs.notes] == list(range(128))
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_a_terminal_without_a_size_shows_progress_and_a_file_none(folder: Path, terminal: bool) -> None:
+    words = (
+        "simulate",
+        "--street",
+        "any",
+        "--sensor",
+        "small.json",
+        "-n",
+        "80",
+        "--no-picture",
+        "--jobs",
+        "1",
+        "-o",
+        "out",
+    )
+    end, stderr = os.openpty() if terminal else os.pipe()
+    process = subprocess.Popen([sys.executable, "-m", "lidardraft", *words], cwd=folder, stderr=stderr)
+    os.close(stderr)
+    shown = b""
+    with contextlib.suppress(OSError):  # the end of a terminal
+        while read := os.read(end, 4096):
+            shown += read
+    os.close(end)
+    assert process.wait(timeout=60) == 0
+    assert (b"80/80" in shown, b"scan/s" in shown) == (terminal, terminal)
 
 
 @pytest.mark.parametrize(("send", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])

@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import itertools
 import os
+import shutil
 import signal
 import sys
 import threading
@@ -20,7 +21,7 @@ from typing import Any, NoReturn
 from lidardraft.errors import LidarDraftError, did_you_mean, extra, one_of, printable
 
 Command = Callable[[argparse.Namespace], None]
-_SHOWN_AFTER = 1.0  # s
+_SHOWN_AFTER, _WIDEST = 1.0, 100  # s, columns
 
 
 class Parser(argparse.ArgumentParser):
@@ -135,8 +136,17 @@ def progress(total: int, unit: str, text: str = "", *, initial: int = 0, leave: 
     """A progress bar with rate and time left: only on a terminal, and only of what takes longer than a second."""
     from tqdm import tqdm
 
+    size = shutil.get_terminal_size()
     return tqdm(
-        total=total, unit=unit, desc=text or None, initial=initial, leave=leave, disable=None, delay=_SHOWN_AFTER
+        total=total,
+        unit=unit,
+        desc=text or None,
+        initial=initial,
+        leave=leave,
+        disable=None,
+        delay=_SHOWN_AFTER,
+        ncols=min(size.columns, _WIDEST),  # tqdm shows nothing on a terminal that says it has no columns or rows
+        nrows=size.lines,
     )
 
 

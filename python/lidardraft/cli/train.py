@@ -23,7 +23,7 @@ from lidardraft.cli.arguments import (
     read_sensor,
     whole_number,
 )
-from lidardraft.cli.command import Parser, commands_of, run
+from lidardraft.cli.command import Parser, commands_of, progress, run
 from lidardraft.errors import TrainingError
 from lidardraft.scene.sensor import Sensor
 
@@ -265,11 +265,9 @@ def _trained_arm(
 
 
 def _sampled(denoiser: Denoiser, images: list[RangeImage]) -> list[RangeImage]:
-    from tqdm import tqdm
-
     from lidardraft.evaluation import sample_scans
 
-    with tqdm(total=len(images), unit="scan", desc="generating", disable=None, leave=False) as bar:
+    with progress(len(images), "scan", "generating", leave=False) as bar:
         return sample_scans(denoiser, images, on_scan=bar.update)
 
 
