@@ -12,7 +12,6 @@ from pathlib import Path
 
 import numpy as np
 
-from lidardraft.drafting.cloud.clustering import FittedBox
 from lidardraft.formats.kitti import read_bin
 from lidardraft.scene.layout import Layout
 from lidardraft.semantics import BY_NAME
@@ -24,6 +23,24 @@ _PANDASET_CARS = ("Car",)
 _GROWTH = 0.1  # m around an annotated box, of which the points are the object's
 _STANDS = 0.25  # m over the lowest return of a cell of 2 m; what is lower is ground
 _CELL = 2.0
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FittedBox:
+    """An upright box: center [3], size [3] = (along yaw, across, up) in metres, yaw in (-pi/2, pi/2]."""
+
+    center: np.ndarray
+    size: np.ndarray
+    yaw: float
+
+    def to_local(self, points: np.ndarray) -> np.ndarray:
+        """Points [N, 3] in the frame of the box, its center at the origin."""
+        cos, sin = math.cos(self.yaw), math.sin(self.yaw)
+        return (points - self.center) @ np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+
+    def contains(self, points: np.ndarray, margin: float = 0.0) -> np.ndarray:
+        """bool [N]: above or below the box's footprint and further than `margin` from its edge; heights are ignored."""
+        return (np.abs(self.to_local(points)[:, :2]) < self.size[:2] / 2 - margin).all(axis=1)
 
 
 @dataclass(frozen=True)

@@ -144,6 +144,73 @@ class Scene:
         `LayoutError`.
         """
 
+@final
+class Cloud:
+    """The points of a scan, N of them, finite, and the rays to them from one place.
+
+    They are in a frame with z up whose z axis passes through the sensor. Columns with more or fewer than N entries
+    raise `LayoutError`. A box is a row of 7 numbers: its center, its size along its yaw, across and up [m], its yaw.
+    """
+
+    def __new__(
+        cls,
+        points: NDArray[np.float64],  # [N, 3], m
+        *,
+        origin: tuple[float, float, float],
+        most_rays: int,  # evenly chosen, that say what agrees with them, but for `passed`
+    ) -> Cloud: ...
+    def ground(self, labels: NDArray[np.uint8], classes: list[int]) -> HeightField:
+        """The ground that points with the labels [N] of some classes show."""
+    def passed(
+        self, weights: NDArray[np.float64], cores: NDArray[np.float64], boxes: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """How many rays, each counted as often as the `weights` [N] say, go through each of `cores` [B, 7] and end
+        behind or below it. Those that end over its box, of `boxes` [B, 7], above the core's bottom are not counted.
+        """
+    def refined(
+        self,
+        *,
+        clusters: NDArray[np.uint32],  # [N], the number of each point's cluster, from 1; 0 is left out
+        crowns: NDArray[np.bool_],  # [N], whether that becomes ellipsoids, and not boxes
+        boxes: NDArray[np.float64],  # [P, 7], what stays as it is
+        posts: NDArray[np.bool_],  # [P], whether these are cylinders
+        ground: HeightField,
+        most_pieces: int,
+        least_length: float,  # m; shorter pieces are not halved
+        worth: float,  # returns; nor are those that are wrong for fewer
+        grounded: bool,  # whether all are to stand on the ground: none is stacked, and none left out
+    ) -> tuple[NDArray[np.uint32], NDArray[np.float64]]:
+        """The pieces of clusters, halved until their cast agrees with the points: the cluster [Q] and box [Q, 7] of
+        each, cluster by cluster.
+        """
+
+@final
+class HeightField:
+    """The ground under a cloud: one height field in several classes, on a grid of cells of 1 m."""
+
+    def heights(self, places: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Heights [N] at places [N, 2], also where it was not seen, and how far off it was [m]; 0 and inf without."""
+    def grid(self) -> tuple[tuple[int, int], NDArray[np.float64], NDArray[np.uint8]]:
+        """The first cell, in cells from x = y = 0; the heights of the corners [X + 1, Y + 1], NaN where there is no
+        ground; the classes of the cells [X, Y], 0 there.
+        """
+
+def cluster(
+    points: NDArray[np.float64], *, reach: float, per_range: float, min_points: int
+) -> list[NDArray[np.uint32]]:
+    """DBSCAN: the indices of the points [N, 3] of each cluster, in order, the largest cluster first.
+
+    Two points are neighbours within the mean of their reaches: `reach` [m] and `per_range` (less than 0.1) of the
+    distance from x = y = 0. A cluster grows from points with `min_points` neighbours, themselves among them. Points
+    closer than a quarter of the reach are searched as one.
+    """
+
+def fit_box(points: NDArray[np.float64], outliers: float) -> list[float]:
+    """The box [7] around points [N, 3] whose sides lie closest to them; yaw is 0 to pi / 2.
+
+    `outliers` is the share of the points at either end of an extent that are strays.
+    """
+
 def read_obj(
     path: str | PathLike[str],
 ) -> list[tuple[str, str, NDArray[np.float64], NDArray[np.uint32]]]:

@@ -72,6 +72,9 @@ pub enum Error {
     /// A table of primitives that is longer or shorter than the others.
     #[error("{table} has {entries} entries; there are {primitives} primitives")]
     PrimitiveTable { table: &'static str, entries: usize, primitives: usize },
+    /// A table of points that is longer or shorter than the others.
+    #[error("{table} has {entries} entries; there are {points} points")]
+    PointTable { table: &'static str, entries: usize, points: usize },
     /// A table or an image whose rows have the wrong length.
     #[error("{table} has the shape {shape:?}; it must be {expected}")]
     TableShape { table: String, shape: Vec<usize>, expected: String },

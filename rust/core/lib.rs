@@ -42,6 +42,7 @@ mod body;
 mod bounds;
 mod bvh;
 mod cast;
+pub mod cloud;
 mod error;
 mod image;
 pub mod intersect;

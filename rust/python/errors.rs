@@ -55,6 +55,7 @@ impl From<CoreError> for PyErr {
             | Error::VertexNotFinite { .. }
             | Error::FaceIndex { .. }
             | Error::PrimitiveTable { .. }
+            | Error::PointTable { .. }
             | Error::TableShape { .. }
             | Error::ShapeCode { .. }
             | Error::MeshCount { .. }

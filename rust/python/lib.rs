@@ -1,6 +1,7 @@
 //! `lidardraft._core`: numpy arrays in, numpy arrays out. The stub file `_core.pyi` is its documentation.
 
 mod arrays;
+mod cloud;
 mod errors;
 mod images;
 mod poses;
@@ -275,7 +276,11 @@ fn triangle_mesh(
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<SensorPattern>()?;
     module.add_class::<Scene>()?;
+    module.add_class::<cloud::Cloud>()?;
+    module.add_class::<cloud::HeightField>()?;
     module.add_class::<sensor_model::SensorModel>()?;
+    module.add_function(wrap_pyfunction!(cloud::cluster, module)?)?;
+    module.add_function(wrap_pyfunction!(cloud::fit_box, module)?)?;
     module.add_function(wrap_pyfunction!(backends, module)?)?;
     module.add_function(wrap_pyfunction!(sensor_model::observe, module)?)?;
     module.add_function(wrap_pyfunction!(read_obj, module)?)?;

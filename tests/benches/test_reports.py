@@ -13,14 +13,13 @@ import report_streets
 import report_two_sample
 from cases import Case, CaseSet, street_set
 from lidardraft import RangeImage, layout_from_cloud, layout_from_text, raycast, simulate
-from lidardraft.drafting.cloud.clustering import FittedBox
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scan import save_observed
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
 from lidardraft.streets import StreetConfig, streets
 from markdown_table import digits, table
-from object_labels import LabelledBoxes, iou, recovered
+from object_labels import FittedBox, LabelledBoxes, iou, recovered
 from recordings import Recordings
 from report_cloud import Group, by_class, measure
 from report_detail import SENTENCES, new_counts, of_recording, of_sentences, of_streets

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
-from operator import attrgetter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from lidardraft.drafting.cloud.clustering import FittedBox, cluster, completions, fit_box, fit_post, is_length
-from lidardraft.drafting.cloud.ground import HeightField
-from lidardraft.drafting.cloud.rays import Rays
-from lidardraft.drafting.cloud.refinement import Piece, refined
+from lidardraft import _core
+from lidardraft.drafting.cloud.fitting import completions, contain, fit_box, fit_post, is_length
+from lidardraft.drafting.cloud.ground import GROUND_IDS, surfaces
 from lidardraft.drafting.cloud.rules import (
     DETAILS,
     HANGING_CLASSES,
@@ -23,12 +22,13 @@ from lidardraft.drafting.cloud.rules import (
     OTHER_REACH,
     POST_CLASSES,
     REACH,
+    REACH_PER_RANGE,
     Detail,
 )
 from lidardraft.errors import LayoutError, check_type, one_of
 from lidardraft.json_fields import is_number
 from lidardraft.scene.layout import Layout, Primitive
-from lidardraft.semantics import CLASSES, GROUND, NUM_CLASSES, SemanticClass
+from lidardraft.semantics import BY_NAME, CLASSES, GROUND, NUM_CLASSES, SemanticClass
 
 _STRAY = 10  # rays; as few that went through a box do not speak against it
 _MOST_RAYS_THROUGH = 2  # for each point of a cluster; with more it is no object, and its points have a wrong class
@@ -40,6 +40,9 @@ _CLEARANCE, _ROUNDED, _CORE = 0.3, 0.1, 0.8
 _NEIGHBOUR = 15.0  # m; objects no further apart are likely to be headed the same way
 _FURTHEST, _NEAREST = 1000.0, 1e-6  # m; no sensor sees further, or nearer
 _ROUNDING = 0.01  # m, more than rounding makes of a distance
+_KNOWN = 2.0  # m; so near to ground that was seen, its height is known
+_VEGETATION = BY_NAME["vegetation"].id
+_HANGING = np.isin([row.name for row in CLASSES], HANGING_CLASSES)
 
 
 def layout_from_cloud(
@@ -83,131 +86,140 @@ def layout_from_cloud(
         raise LayoutError(f"detail is {detail!r}; it must be {one_of(DETAILS, detail)}")
     _check_spread(points)
     points = points.astype(np.float64) + np.array([0.0, 0.0, sensor_height])
-    rays = Rays(points, np.array([0.0, 0.0, sensor_height]), weights)
-    ground = HeightField(rays, labels)
-    shapes, pieces = _clustered(rays, labels, instances, ground, DETAILS[detail], stray_share)
-    others = [_primitive(*shape, str(index), index) for index, shape in enumerate(shapes)]
-    pieces = refined(pieces, rays, [*others, *ground.primitives()], DETAILS[detail])
-    objects = [[shape] for shape in shapes]
-    cluster_of = attrgetter("label", "cluster")
-    for _, parts in itertools.groupby(sorted(pieces, key=cluster_of), key=cluster_of):
-        boxes = [(piece, _grounded(piece.box, piece.label, ground)) for piece in parts]
-        objects.append(
-            [(piece.shape, box if DETAILS[detail].grounded else piece.box, piece.label) for piece, box in boxes]
-        )
-    primitives = [*ground.primitives(), *_numbered(objects)]
-    return Layout(primitives=tuple(primitives), provenance={"source": source, "sensor_height": sensor_height})
+    weights = np.ones(len(points)) if weights is None else weights.astype(np.float64)
+    scan = _Scan(points, weights, sensor_height, labels, DETAILS[detail].most_rays)
+    found = _clustered(scan, instances, DETAILS[detail], stray_share)
+    return Layout(
+        primitives=(*surfaces(scan.ground), *_numbered(_refined(scan, found, DETAILS[detail]))),
+        provenance={"source": source, "sensor_height": sensor_height},
+    )
 
 
-Shape = tuple[str, FittedBox, int]  # the name of the shape, where it is, and the id of its class
+class _Scan:
+    """Points [N, 3] over the road with their classes, `labels` u8 [N], and numbers of rays, `weights` [N]; what their
+    rays tell, and the ground."""
+
+    def __init__(
+        self, points: np.ndarray, weights: np.ndarray, height: float, labels: np.ndarray, most_rays: int
+    ) -> None:
+        self.points, self.weights, self.labels = points, weights, labels.astype(np.uint8)
+        self.cloud = _core.Cloud(points, origin=(0.0, 0.0, height), most_rays=most_rays)
+        self.ground = self.cloud.ground(self.labels, list(GROUND_IDS))
+
+    def heights(self, boxes: np.ndarray) -> np.ndarray:
+        """Heights [B] of the ground under boxes [B, 7]."""
+        return self.ground.heights(np.ascontiguousarray(boxes[:, :2]))[0]
+
+    def grounded(self, boxes: np.ndarray, labels: np.ndarray) -> np.ndarray:
+        """Boxes [B, 7] let down to the ground where they begin less than 2.5 m over it: their foot was hidden."""
+        bottom, top = boxes[:, 2] - boxes[:, 5] / 2, boxes[:, 2] + boxes[:, 5] / 2
+        height = self.heights(boxes)
+        down = (height < bottom) & (bottom < height + HANGING_HEIGHT) & ~_HANGING[labels]
+        bottom = np.where(down, height, bottom)
+        return np.column_stack([boxes[:, :2], (bottom + top) / 2, boxes[:, 3:5], top - bottom, boxes[:, 6]])
 
 
-def _clustered(
-    rays: Rays,
-    labels: np.ndarray,
-    instances: np.ndarray,
-    ground: HeightField,
-    detail: Detail,
-    stray_share: float,
-) -> tuple[list[Shape], list[Piece]]:
-    """The objects that stay whole, and the clusters of what may be cut in pieces."""
-    points = rays.points
-    shapes: list[Shape] = []
-    pieces: list[Piece] = []
+@dataclass(frozen=True, slots=True, eq=False)
+class _Found:
+    """The objects that stay whole, each a shape, a box [7] and a class; and the clusters that may be cut in pieces:
+    the number of each point's, `clusters` u32 [N], from 1, and the class of each."""
+
+    clusters: np.ndarray
+    whole: list[tuple[str, np.ndarray, int]] = field(default_factory=list)
+    labels: list[int] = field(default_factory=lambda: [0])
+
+
+def _clustered(scan: _Scan, instances: np.ndarray, detail: Detail, stray_share: float) -> _Found:
+    points, found = scan.points, _Found(np.zeros(len(scan.points), dtype=np.uint32))
     for row in CLASSES:
-        mine = np.flatnonzero(labels == row.id)
+        mine = np.flatnonzero(scan.labels == row.id)
         if row.name == "none" or row.name in GROUND or not len(mine):
             continue
-        groups = _groups(row, points, mine, instances, detail)
+        groups = list(_groups(row, points, mine, instances, detail))
         if row.size is not None:
-            found = [("box", box) for box in _objects(row, list(groups), ground, rays, stray_share)]
+            found.whole.extend(("box", box, row.id) for box in _objects(row, groups, scan, stray_share))
         elif row.name in POST_CLASSES:
-            found = [("cylinder", fit_post(points[members])) for members in groups]
+            found.whole.extend(("cylinder", fit_post(points[members]), row.id) for members in groups)
         elif row.name == "traffic-sign":
-            found = [("box", fit_box(points[members])) for members in groups]
+            found.whole.extend(("box", fit_box(points[members]), row.id) for members in groups)
         else:
-            shape = "ellipsoid" if row.name == "vegetation" else "box"
-            for number, members in enumerate(groups):
-                pieces += Piece.from_points(points, members, row.id, shape, number).tiles(points)
-            continue
-        shapes += [(shape, _grounded(box, row.id, ground), row.id) for shape, box in found]
-    return shapes, pieces
+            for members in groups:
+                found.clusters[members] = len(found.labels)
+                found.labels.append(row.id)
+    return found
 
 
-def _objects(
-    row: SemanticClass, groups: list[np.ndarray], ground: HeightField, rays: Rays, stray_share: float
-) -> list[FittedBox]:
-    """A box around each group, with the sides that were not seen; none of what is flat or what rays went through."""
-    if row.size is None or not groups:
-        return []
-    seen = [fit_box(rays.points[members]) for members in groups]
-    headings = _headings(seen, row.size)
-    choices = [completions(box, row.size, heading) for box, heading in zip(seen, headings, strict=True)]
-    passed = np.array([_passed(boxes, row, ground, rays) for boxes in zip(*choices, strict=True)])
-    counts = np.array([rays.weights[members].sum() for members in groups])
-    strays = np.maximum(_STRAY, stray_share * counts)
-    # rays that pass through what was seen, as through windows, do not tell one choice from the other
-    best = np.argmin(np.maximum(passed - passed[-1], strays), axis=0)
-    unreal = _is_flat(seen, row.size[2], ground) | (
-        passed.min(axis=0) > np.maximum(_STRAY, _MOST_RAYS_THROUGH * counts)
+def _refined(scan: _Scan, found: _Found, detail: Detail) -> Iterator[list[tuple[str, np.ndarray, int]]]:
+    """The parts of each object, on the ground: whole ones have one."""
+    whole = np.array([box for _, box, _ in found.whole]).reshape(-1, 7)
+    whole = scan.grounded(whole, np.array([label for *_, label in found.whole], dtype=int))
+    yield from ([(shape, box, label)] for (shape, _, label), box in zip(found.whole, whole, strict=True))
+    grounds = len(np.unique(scan.labels[np.isin(scan.labels, GROUND_IDS)])) + 1
+    clusters, pieces = scan.cloud.refined(
+        clusters=found.clusters,
+        crowns=scan.labels == _VEGETATION,
+        boxes=whole,
+        posts=np.array([shape == "cylinder" for shape, *_ in found.whole], dtype=bool),
+        ground=scan.ground,
+        most_pieces=max(detail.most_shapes - len(whole) - grounds, 0),
+        least_length=detail.least_length,
+        worth=detail.worth,
+        grounded=detail.grounded,
     )
-    found: list[FittedBox] = []
-    places, reaches = np.empty((len(seen), 2)), np.empty(len(seen))  # of those found, so that only near ones are asked
+    labels = np.array(found.labels)[clusters]
+    if detail.grounded:
+        pieces = scan.grounded(pieces, labels)
+    rows = zip(clusters.tolist(), pieces, labels.tolist(), strict=True)
+    for _, parts in itertools.groupby(rows, key=lambda row: row[0]):
+        yield [("ellipsoid" if label == _VEGETATION else "box", box, label) for _, box, label in parts]
+
+
+def _objects(row: SemanticClass, groups: list[np.ndarray], scan: _Scan, stray_share: float) -> Iterator[np.ndarray]:
+    """A box [7] around each group with the sides that were not seen; none of what is flat or what rays went through."""
+    assert row.size is not None
+    if not groups:
+        return
+    seen = np.array([fit_box(scan.points[members]) for members in groups])
+    choices = completions(seen, row.size, _headings(seen, row.size))
+    passed = _passed(choices.reshape(-1, 7), scan).reshape(len(choices), -1)
+    counts = np.array([scan.weights[members].sum() for members in groups])
+    # rays that pass through what was seen, as through windows, do not tell one choice from the other
+    best = np.argmin(np.maximum(passed - passed[-1], np.maximum(_STRAY, stray_share * counts)), axis=0)
+    unreal = passed.min(axis=0) > np.maximum(_STRAY, _MOST_RAYS_THROUGH * counts)
+    height, away = scan.ground.heights(np.ascontiguousarray(seen[:, :2]))
+    unreal |= (seen[:, 2] + seen[:, 5] / 2 - height < _LEAST_RISE * row.size[2]) & (away <= _KNOWN)
     is_long = row.size[0] > 2 * row.size[1]  # people stand close to each other
     margin = -_TOUCHING * row.size[1] if is_long else 0.0
-    for box, boxes, choice, gone in zip(seen, choices, best.tolist(), unreal.tolist(), strict=True):
+    found, count = np.empty_like(seen), 0
+    for number in np.flatnonzero(~unreal).tolist():
         # A cluster in or on a larger object, such as a seat behind a window or a far corner, is a part of it.
-        number = len(found)
-        near = np.linalg.norm(places[:number] - box.center[:2], axis=1) <= reaches[:number]
-        if not gone and not any(found[other].contains(box.center[None], margin)[0] for other in np.flatnonzero(near)):
-            found.append(whole := boxes[choice])
-            places[number], reaches[number] = whole.center[:2], np.linalg.norm(whole.size[:2] / 2 - margin) + _ROUNDING
-    return found
+        if not contain(found[:count], seen[number, :2], margin).any():
+            found[count], count = choices[best[number], number], count + 1
+    yield from found[:count]
 
 
-def _headings(seen: list[FittedBox], size: tuple[float, float, float]) -> list[float | None]:
-    """For each box the heading [rad] of the nearest other one whose length was seen; None where there is none."""
-    sure = np.flatnonzero([is_length(max(box.size[:2]), size) for box in seen])
-    places = np.array([box.center[:2] for box in seen])
-    found: list[float | None] = []
-    for number, box in enumerate(seen):
-        others = sure[sure != number]
-        away = np.linalg.norm(places[others] - box.center[:2], axis=1)
-        nearest = seen[others[np.argmin(away)]] if away.min(initial=math.inf) < _NEIGHBOUR else None
-        turn = math.pi / 2 if nearest and nearest.size[1] > nearest.size[0] else 0.0
-        found.append(nearest.yaw + turn if nearest else None)
-    return found
+def _headings(seen: np.ndarray, size: tuple[float, float, float]) -> np.ndarray:
+    """For each of boxes [B, 7] the heading [rad] of the nearest other one whose length was seen; NaN without one."""
+    sure = np.flatnonzero(is_length(seen[:, 3:5].max(axis=1), size))
+    if not len(sure):
+        return np.full(len(seen), math.nan)
+    away, nearest = cKDTree(seen[sure, :2]).query(seen[:, :2], k=[1, 2], distance_upper_bound=_NEIGHBOUR)
+    nearest = np.append(sure, -1)[nearest]
+    other = (nearest[:, 0] == np.arange(len(seen))).astype(int)
+    away, nearest = (np.take_along_axis(values, other[:, None], axis=1)[:, 0] for values in (away, nearest))
+    turn = np.where(seen[nearest, 4] > seen[nearest, 3], math.pi / 2, 0.0)
+    return np.where(np.isfinite(away), seen[nearest, 6] + turn, math.nan)
 
 
-def _is_flat(boxes: Sequence[FittedBox], height: float, ground: HeightField) -> np.ndarray:
-    """Which boxes [N] of a class of that height hardly rise from ground that was seen."""
-    places = np.array([box.center[:2] for box in boxes])
-    tops = np.array([box.center[2] + box.size[2] / 2 for box in boxes])
-    flat: np.ndarray = tops - ground.height(places) < _LEAST_RISE * height
-    return flat & ground.is_known(places)
+def _passed(boxes: np.ndarray, scan: _Scan) -> np.ndarray:
+    """How many rays [B] went through each of boxes [B, 7] and ended behind or below it.
 
-
-def _passed(boxes: Sequence[FittedBox], row: SemanticClass, ground: HeightField, rays: Rays) -> np.ndarray:
-    """How many rays went through each box [N] of a class and ended behind or below it."""
-    heights = ground.height(np.array([box.center[:2] for box in boxes]))
-    cores = [_core(box, height) for box, height in zip(boxes, heights.tolist(), strict=True)]
-    hits = rays.cast([_primitive("box", core, row.id, str(index), 1) for index, core in enumerate(cores)])
-    passed = np.zeros(len(boxes))
-    for index in np.unique(hits.primitive[hits.too_near]):
-        ends = hits.chosen[hits.too_near & (hits.primitive == index)]
-        # What lies in the box, such as a windscreen behind its hood, is a part of the object.
-        bottom = cores[index].center[2] - cores[index].size[2] / 2
-        inside = boxes[index].contains(rays.points[ends]) & (rays.points[ends, 2] > bottom)
-        passed[index] = rays.weights[ends[~inside]].sum()
-    return passed
-
-
-def _core(box: FittedBox, height: float) -> FittedBox:
-    """What of a box, on ground of a height, no ray goes through if it is that of an object."""
-    top = box.center[2] + box.size[2] / 2 - _ROUNDED
-    bottom = min(height + _CLEARANCE, top - MIN_EXTENT)
-    center, size = [*box.center[:2], (bottom + top) / 2], [*(_CORE * box.size[:2]), top - bottom]
-    return replace(box, center=np.array(center), size=np.array(size))
+    Only through its core, on the ground: no ray goes through that if the box is that of an object.
+    """
+    top = boxes[:, 2] + boxes[:, 5] / 2 - _ROUNDED
+    bottom = np.minimum(scan.heights(boxes) + _CLEARANCE, top - MIN_EXTENT)
+    cores = np.column_stack([boxes[:, :2], (bottom + top) / 2, _CORE * boxes[:, 3:5], top - bottom, boxes[:, 6]])
+    return scan.cloud.passed(scan.weights, cores, boxes)
 
 
 def _check_points(points: np.ndarray) -> None:
@@ -216,13 +228,14 @@ def _check_points(points: np.ndarray) -> None:
         raise LayoutError(f"points have shape {points.shape}; they must be [N, 3] with N > 0")
     if points.dtype.kind not in "fiu":
         raise LayoutError(f"points hold {points.dtype}; they must hold numbers")
-    broken = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    reach = np.abs(points.T, order="C").max(axis=0)
+    broken = np.flatnonzero(~np.isfinite(reach))
     if len(broken):
         raise LayoutError(f"point {broken[0]} is {points[broken[0]].tolist()}; every coordinate must be finite")
-    far = np.flatnonzero(np.abs(points).max(axis=1) > _FURTHEST)
+    far = np.flatnonzero(reach > _FURTHEST)
     if len(far):
         raise LayoutError(f"point {far[0]} is {points[far[0]].tolist()}; a scan reaches {_FURTHEST:.0f} m")
-    near = np.flatnonzero((np.abs(points) < _NEAREST).all(axis=1))
+    near = np.flatnonzero(reach < _NEAREST)
     if len(near):
         raise LayoutError(
             f"point {near[0]} is {points[near[0]].tolist()}, in the sensor itself; leave out what is no return"
@@ -231,7 +244,9 @@ def _check_points(points: np.ndarray) -> None:
 
 def _check_spread(points: np.ndarray) -> None:
     """Raise `LayoutError` where several points lie in one spot or on one line, and so show the shape of nothing."""
-    variances = np.linalg.eigvalsh(np.cov(points.T.astype(np.float64), bias=True))
+    off = points.T.astype(np.float64, order="C")
+    off -= off.mean(axis=1, keepdims=True)
+    variances = np.linalg.eigvalsh(off @ off.T / len(points))
     if len(points) > 2 and variances[1] < _ROUNDING**2:
         where = "in one spot" if variances[2] < _ROUNDING**2 else "on one line"
         raise LayoutError(f"all {len(points)} points lie {where}; they show no shape")
@@ -258,48 +273,40 @@ def _groups(
 
     Of what has no typical size, small clusters of points further apart count too, if there is detail enough.
     """
-    for number in np.unique(instances[mine][instances[mine] > 0]):
-        yield mine[instances[mine] == number]
-    rest = mine[instances[mine] == 0]
+    order = mine[np.argsort(instances[mine], kind="stable")]
+    starts = np.flatnonzero(np.diff(instances[order], prepend=0))
+    rest, *numbered = np.split(order, starts)
+    yield from numbered
     reach, fewest = REACH.get(row.name, OTHER_REACH), max(MIN_POINTS, detail.least_points)
     whole = row.size is not None
-    found = cluster(points[rest], reach=reach, min_points=MIN_POINTS)
+    found = clusters_of(points[rest], reach, MIN_POINTS)
     yield from (rest[members] for members in found if whole or len(members) >= fewest)
     if not whole and detail.least_points < MIN_POINTS:
         strays = np.delete(rest, np.concatenate([*found, np.zeros(0, dtype=int)]))
-        found = cluster(points[strays], reach=2 * reach, min_points=detail.least_points)
-        yield from (strays[members] for members in found)
+        yield from (strays[members] for members in clusters_of(points[strays], 2 * reach, detail.least_points))
 
 
-def _numbered(objects: list[list[Shape]]) -> Iterator[Primitive]:
+def clusters_of(points: np.ndarray, reach: float, min_points: int) -> list[np.ndarray]:
+    """The indices of the points [N, 3] of each cluster, largest first; neighbours are within `reach` [m], and 1 % of
+    their range."""
+    return _core.cluster(points, reach=reach, per_range=REACH_PER_RANGE, min_points=min_points)
+
+
+def _numbered(objects: Iterator[list[tuple[str, np.ndarray, int]]]) -> Iterator[Primitive]:
     """The primitives, class by class, with a number for each object that is counted. Pieces are parts of one object."""
     number, index = 0, [0] * NUM_CLASSES
     for parts in sorted(objects, key=lambda parts: parts[0][2]):
-        label = parts[0][2]
-        number += CLASSES[label].is_thing
-        index[label] += 1
+        row = CLASSES[parts[0][2]]
+        number += row.is_thing
+        index[row.id] += 1
         for part, (shape, box, _) in enumerate(parts, start=1):
-            name = f"{index[label]}.{part}" if len(parts) > 1 else str(index[label])
-            yield _primitive(shape, box, label, name, number)
-
-
-def _primitive(shape: str, box: FittedBox, label: int, name: str, number: int) -> Primitive:
-    row = CLASSES[label]
-    center, size = box.center.round(3).tolist(), box.size.round(3).tolist()
-    instance = number if row.is_thing else 0
-    return Primitive(
-        shape=shape, center=center, size=size, yaw=box.yaw, label=row.name, id=f"{row.name}_{name}", instance=instance
-    )
-
-
-def _grounded(box: FittedBox, label: int, ground: HeightField) -> FittedBox:
-    """The box let down to the ground where it begins less than 2.5 m over it: its foot was hidden."""
-    if CLASSES[label].name in HANGING_CLASSES:
-        return box
-    bottom, top = box.center[2] - box.size[2] / 2, box.center[2] + box.size[2] / 2
-    height = float(ground.height(box.center[None, :2])[0])
-    if not height < bottom < height + HANGING_HEIGHT:
-        return box
-    center, size = box.center.copy(), box.size.copy()
-    center[2], size[2] = (height + top) / 2, top - height
-    return replace(box, center=center, size=size)
+            name = f"{index[row.id]}.{part}" if len(parts) > 1 else str(index[row.id])
+            yield Primitive(
+                shape=shape,
+                center=box[:3].round(3).tolist(),
+                size=box[3:6].round(3).tolist(),
+                yaw=float(box[6]),
+                label=row.name,
+                id=f"{row.name}_{name}",
+                instance=number if row.is_thing else 0,
+            )

@@ -1,6 +1,6 @@
-"""The rules by which a labelled cloud becomes shapes, for the code that applies them and for what imitates it.
+"""The rules by which a labelled cloud becomes shapes. Numbers without a source are estimates.
 
-Numbers without a source are estimates of ours. This module imports no scikit-learn.
+Those of the search itself stand where it is made, in `rust/core/cloud/`.
 """
 
 import math
@@ -24,7 +24,6 @@ SEEN_WHOLE = 0.7  # of the usual extent of a class: a side at least this long wa
 LONGER_THAN_WIDE = 1.25
 
 # Crowns.
-LONGEST_CROWN = 8.0  # m; longer hedges and rows of trees are tiled
 MIN_CROWN = 0.3  # m
 ELLIPSE_SCALE = math.sqrt(4 / math.pi)  # an ellipse this much larger than the rectangle around it has the same area
 
@@ -33,21 +32,18 @@ HANGING_HEIGHT = 2.5  # m; what begins higher over the ground than this does not
 GROUND_PLANE_DROP = 0.3  # m from the lowest ground that was seen down to the plane under all of it
 GROUND_PLANE_SIZE = 400.0  # m, length and width of that plane
 
-# Pieces of foliage and facades: rounds of halving, after each of which the useless ones go.
-ROUNDS = (11, 1, 1)
-BEAM_GAP = 0.006  # of the range, between neighbours among beams or firings
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Detail:
     """How finely foliage and facades are cut.
 
-    A layout has about `most_shapes` shapes; a piece is halved where it is longer than `least_length` [m] and wrong for
-    `worth` returns or more; of fewer points than `least_points` is made none. With `grounded` they all reach down to
-    the ground, and none is left out; without, a piece goes that shows fewer than two returns or hides more than it
-    shows.
+    At most `most_rays`, evenly chosen, say what agrees with them. A layout has about `most_shapes` shapes; a piece is
+    halved where it is longer than `least_length` [m] and wrong for `worth` returns or more; of fewer points than
+    `least_points` is made none. With `grounded` they all reach down to the ground, and none is left out; without, a
+    piece goes that shows fewer than two returns or hides more than it shows.
     """
 
+    most_rays: int
     most_shapes: int
     least_length: float
     worth: int
@@ -56,6 +52,6 @@ class Detail:
 
 
 DETAILS = {
-    "fine": Detail(most_shapes=850, least_length=0.0, worth=5, least_points=3, grounded=False),
-    "objects": Detail(most_shapes=150, least_length=4.0, worth=200, least_points=30, grounded=True),
+    "fine": Detail(most_rays=50_000, most_shapes=850, least_length=0.0, worth=5, least_points=3, grounded=False),
+    "objects": Detail(most_rays=15_000, most_shapes=150, least_length=4.0, worth=200, least_points=30, grounded=True),
 }

@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from lidardraft.drafting.cloud.clustering import cluster, thin
 from lidardraft.drafting.cloud.ground import GROUND_IDS
-from lidardraft.drafting.cloud.layout import layout_from_cloud
+from lidardraft.drafting.cloud.layout import clusters_of, layout_from_cloud
 from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.drafting.picture.points import PseudoCloud, pseudo_cloud
 from lidardraft.drafting.picture.road import RoadPlane, corrected_depth, find_road_plane
@@ -142,12 +141,20 @@ def _levelled_layout(
     kept = np.linalg.norm(points, axis=1) < _FURTHEST
     kept &= np.isin(cloud.labels, GROUND_IDS) | (np.abs(points[:, 2] + stands) > _FOOT)
     points, labels, instances = points[kept], cloud.labels[kept], cloud.instances[kept]
-    kept, _, rays = thin(points, _VOXEL)
+    kept, rays = _thinned(points)
     points, labels, instances = points[kept], labels[kept], instances[kept]
     labels[_over_edges(points, labels, instances, rays)] = 0
     layout = layout_from_cloud(points, labels, instances=instances, weights=rays, sensor_height=stands, source="image")
     layout = replace(layout, coverage=coverage)
     return mirrored_surroundings(layout, points, labels, stands) if fill else layout
+
+
+def _thinned(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The indices [M] of one point a cell, and how many points [M] a cell has."""
+    cells = np.floor((points - points.min(axis=0)) / _VOXEL).astype(np.int64)
+    x, y, _ = cells.max(axis=0) + 1
+    _, kept, count = np.unique(cells @ np.array([1, x, x * y]), return_index=True, return_counts=True)
+    return kept, count
 
 
 def _over_edges(points: np.ndarray, labels: np.ndarray, instances: np.ndarray, rays: np.ndarray) -> np.ndarray:
@@ -159,7 +166,7 @@ def _over_edges(points: np.ndarray, labels: np.ndarray, instances: np.ndarray, r
     objects = np.where(instances > 0, instances.astype(np.int64) * NUM_CLASSES + labels, 0)
     for number in np.unique(objects[objects > 0]):
         mine = np.flatnonzero(objects == number)
-        parts = [mine[part] for part in cluster(points[mine], reach=_TOGETHER, min_points=1)]
+        parts = [mine[part] for part in clusters_of(points[mine], _TOGETHER, min_points=1)]
         over[mine] = True
         over[max(parts, key=lambda part: rays[part].sum())] = False
     return over
