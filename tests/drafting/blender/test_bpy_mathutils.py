@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scene_reading import CUBE, refuses, scene, with_car
 
-from lidardraft.drafting.blender.bpy.rotations import about_axis, angles_of, rotation_matrix
+from lidardraft.drafting.blender.bpy.mathutils import about_axis, angles_of, rotation_matrix
 from lidardraft.drafting.blender.script.limits import RefusalError
 
 QUATERNION = "from mathutils import Quaternion\n"
@@ -38,7 +38,7 @@ REFUSED: list[tuple[str, str]] = [
     ("Vector((1, 2)) / 0", "a vector divided by zero"),
     ("1 / Vector((1, 2))", "1 / a Vector is not supported"),
     ("Vector((1, 2)).z", "a Vector has no 'z'"),
-    ("Vector((1, 2))[2]", "a Vector of 2 numbers has no place 2"),
+    ("Vector((1, 2))[2]", "a Vector of 2 has no place 2"),
     ("Euler((0, 0, 0), 'ZYX')", "only 'XYZ' is supported"),
     ("Matrix().to_euler('ZYX')", "angles in the order 'ZYX'; only 'XYZ' is supported"),
     ("Euler((0, 0, 1)).to_quaternion().to_euler('YXZ')", "angles in the order 'YXZ'"),

@@ -22,9 +22,9 @@ REFUSED: list[tuple[str, str]] = [
     ("bpy.app.handlers", "bpy.app.handlers is not supported"),
     # what they refuse
     ("bpy.context.collection.objects.link(car)", "the object 'Car' is in this collection already"),
-    ("bpy.context.collection.objects.link(5)", "5 is no object"),
+    ("bpy.context.collection.objects.link(5)", "what is linked is 5; it must be an object"),
     (TREES + "trees.objects.unlink(car)", "an object is not in this collection"),
-    (TREES + "trees.children.link(car)", "an object is no collection"),
+    (TREES + "trees.children.link(car)", "what is linked is an object; it must be a collection"),
     # what they refuse
     ("car.speed = 3", "'speed' of an object cannot be set to 3"),
     ("car.vertices", "an object has no 'vertices' that is supported"),

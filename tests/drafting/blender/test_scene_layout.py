@@ -7,7 +7,7 @@ import pytest
 from scene_reading import CUBE, scene, with_car
 
 from lidardraft.drafting.blender.bpy import mesh_shapes
-from lidardraft.drafting.blender.bpy.rotations import rotation_matrix
+from lidardraft.drafting.blender.bpy.mathutils import rotation_matrix
 from lidardraft.drafting.blender.layout import layout_from_blender
 from lidardraft.errors import LayoutError
 from lidardraft.scene.layout import primitive_mesh

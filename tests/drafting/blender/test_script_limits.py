@@ -6,7 +6,7 @@ import pytest
 from script_reading import reads, refuses
 
 from lidardraft.drafting.blender.script.limits import Limits, RefusalError, Script
-from lidardraft.drafting.blender.script.source import parse
+from lidardraft.drafting.blender.script.reading import parse
 
 
 def test_each_limit_is_a_whole_number() -> None:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import ClassVar
 
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
-from lidardraft.drafting.blender.script.values import Methods, Record, Value, describe, text
+from lidardraft.drafting.blender.script.values import Methods, Record, Value, describe, place, text
 
 _STEPS = 3  # that a block costs
 _MOST_PROPERTIES = 200  # of an object or a mesh
@@ -52,9 +52,7 @@ class Listed(Record):
                 raise RaisedError("KeyError", f"{self.kind} has no {describe(key)}")
             return one
         found = self.elements()
-        if isinstance(key, slice) or (isinstance(key, int) and -len(found) <= key < len(found)):
-            return found[key]
-        raise RaisedError("IndexError", f"{self.kind} has no {describe(key)}")
+        return found[key if isinstance(key, slice) else place(key, len(found), self.kind)]
 
     def contains(self, value: Value) -> bool:
         return self.named(value) is not None if isinstance(value, str) else value in self.elements()

@@ -9,10 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from lidardraft.drafting.blender.bpy.blocks import Listed, Unread, ignored
-from lidardraft.drafting.blender.bpy.mathutils import Matrix, Vector
+from lidardraft.drafting.blender.bpy.mathutils import IDENTITY, Matrix, Vector, affine, moved
 from lidardraft.drafting.blender.bpy.mesh_shapes import MeshShape, polygons_of, polyhedron, shape_of
 from lidardraft.drafting.blender.bpy.meshes import Mesh, Vertex
-from lidardraft.drafting.blender.bpy.rotations import IDENTITY, affine, moved
 from lidardraft.drafting.blender.bpy.scene import Scene
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
 from lidardraft.drafting.blender.script.values import (
@@ -25,6 +24,8 @@ from lidardraft.drafting.blender.script.values import (
     describe,
     elements,
     nothing,
+    of_kind,
+    place,
     reals,
 )
 
@@ -133,11 +134,10 @@ class EditedMesh(Record):
 
     def transform(self, matrix: Value, vertices: list[Vertex]) -> None:
         """Move vertices by a matrix of 3 or 4 rows."""
-        if not isinstance(matrix, Matrix):
-            raise RefusalError(f"vertices are moved by {describe(matrix)}; it must be a Matrix")
+        four_rows = of_kind(matrix, Matrix, "the matrix").four_rows()
         self.script.take_steps(_STEPS + len(vertices))
         if vertices:
-            places = moved(np.array([vertex.place.numbers for vertex in vertices]), matrix.four_rows())
+            places = moved(np.array([vertex.place.numbers for vertex in vertices]), four_rows)
             for vertex, place in zip(vertices, places.tolist(), strict=True):
                 vertex.place.change(place)
 
@@ -166,12 +166,12 @@ class EditedMesh(Record):
         self.script.take_steps(len(self.vertices) + len(self.faces))
         polygons = polygons_of(self._corners())
         self.script.take_steps(2 * len(polygons))
-        _mesh(mesh).shape = polyhedron(self._places(), polygons) if polygons else None
+        of_kind(mesh, Mesh, "the mesh").shape = polyhedron(self._places(), polygons) if polygons else None
         mesh.matrix = IDENTITY
 
     def take_mesh(self, mesh: Value, **_: Value) -> None:
         """Add what a mesh has."""
-        if (shape := _mesh(mesh).shape) is not None:
+        if (shape := of_kind(mesh, Mesh, "the mesh").shape) is not None:
             self.add_shape(shape, mesh.matrix)
 
     fields: ClassVar[Methods] = {
@@ -227,9 +227,7 @@ class _Parts(Listed):
         items = self.held()
         if isinstance(key, slice):
             self.mesh.script.take_cells(len(items))
-        elif not isinstance(key, int) or not -len(items) <= key < len(items):
-            return super().item(key)
-        return items[key]
+        return items[key if isinstance(key, slice) else place(key, len(items), self.kind)]
 
     def _remove(self, part: Value) -> None:
         items = self.held()
@@ -287,7 +285,7 @@ def bmesh_module(scene: Scene) -> Namespace:
     def from_edit_mesh(mesh: Value) -> EditedMesh:
         if not scene.edit_mode:
             raise RefusalError("from_edit_mesh outside of the edit mode")
-        if _mesh(mesh) not in scene.edited:
+        if of_kind(mesh, Mesh, "the mesh") not in scene.edited:
             scene.edited[mesh] = EditedMesh(script)
             scene.edited[mesh].take_mesh(mesh)
         return scene.edited[mesh]
@@ -301,7 +299,7 @@ def bmesh_module(scene: Scene) -> Namespace:
     functions: Methods = {
         "new": lambda **_: EditedMesh(script),
         "from_edit_mesh": from_edit_mesh,
-        "update_edit_mesh": lambda mesh, **_: _mesh(mesh) and None,
+        "update_edit_mesh": lambda mesh, **_: of_kind(mesh, Mesh, "the mesh") and None,
     }
     parts = {
         "types": Namespace("bmesh.types", {name: KindOfRecord(kind) for name, kind in kinds.items()}),
@@ -312,7 +310,7 @@ def bmesh_module(scene: Scene) -> Namespace:
 
 def _adding(name: str) -> Callable[..., Value]:
     def add(bm: Value, matrix: Value = None, **given: Value) -> Value:
-        mesh, shape = _edited(bm), shape_of(name, given)
+        mesh, shape = of_kind(bm, EditedMesh, "bm"), shape_of(name, given)
         if shape is None:
             raise RefusalError("a circle without cap_ends=True has no face")
         made = mesh.add_shape(shape)
@@ -325,7 +323,7 @@ def _adding(name: str) -> Callable[..., Value]:
 
 def _moves() -> Methods:
     def move(bm: Value, verts: Value, linear: np.ndarray, offset: np.ndarray, space: Value) -> None:
-        mesh, matrix = _edited(bm), affine(linear, offset)
+        mesh, matrix = of_kind(bm, EditedMesh, "bm"), affine(linear, offset)
         mesh.script.take_steps(_STEPS_OF_MATRIX)
         if isinstance(space, Matrix) and space.array.shape == (4, 4):
             mesh.script.take_steps(4 * _STEPS_OF_MATRIX)
@@ -341,19 +339,17 @@ def _moves() -> Methods:
     def rotate(
         bm: Value, cent: Value = _ORIGIN, matrix: Value = None, verts: Value = (), space: Value = None, **_: Value
     ) -> None:
-        if not isinstance(matrix, Matrix):
-            raise RefusalError(f"rotate by {describe(matrix)}; it must be a Matrix")
-        turn, middle = matrix.array[:3, :3], np.array(reals(cent, 3, "the centre"))
+        turn, middle = of_kind(matrix, Matrix, "the matrix").array[:3, :3], np.array(reals(cent, 3, "the centre"))
         move(bm, verts, turn, middle - turn @ middle, space)
 
     def transform(bm: Value, matrix: Value = None, verts: Value = (), **_: Value) -> None:
-        _edited(bm).transform(matrix, _vertices(bm, verts))
+        of_kind(bm, EditedMesh, "bm").transform(matrix, _vertices(bm, verts))
 
     return {"translate": translate, "scale": scale, "rotate": rotate, "transform": transform}
 
 
 def _extrude_face_region(bm: Value, geom: Value = (), **_: Value) -> Value:
-    mesh = _edited(bm)
+    mesh = of_kind(bm, EditedMesh, "bm")
     mesh.script.take_steps(_STEPS_OF_MATRIX)
     faces = [item for item in elements(geom, mesh.script) if isinstance(item, Face)]
     corners = list(dict.fromkeys(corner for face in faces for corner in face.corners))
@@ -371,7 +367,7 @@ def _extrude_face_region(bm: Value, geom: Value = (), **_: Value) -> Value:
 
 
 def _delete(bm: Value, geom: Value = (), context: Value = "VERTS", **_: Value) -> None:
-    mesh = _edited(bm)
+    mesh = of_kind(bm, EditedMesh, "bm")
     gone = set(elements(geom, mesh.script))
     if context not in ("VERTS", "FACES", "FACES_ONLY"):
         raise RefusalError(f"delete in the context {describe(context)} is not supported")
@@ -385,18 +381,6 @@ def _delete(bm: Value, geom: Value = (), context: Value = "VERTS", **_: Value) -
         kept = {corner for face in mesh.faces for corner in face.corners}
         gone = {corner for face in lost for corner in face.corners} - kept if context == "FACES" else set()
     mesh.vertices = [vertex for vertex in mesh.vertices if vertex not in gone]
-
-
-def _mesh(value: Value) -> Mesh:
-    if not isinstance(value, Mesh):
-        raise RefusalError(f"{describe(value)} is no mesh")
-    return value
-
-
-def _edited(value: Value) -> EditedMesh:
-    if not isinstance(value, EditedMesh):
-        raise RefusalError(f"{describe(value)} is no BMesh")
-    return value
 
 
 def _vertices(mesh: EditedMesh, value: Value) -> list[Vertex]:

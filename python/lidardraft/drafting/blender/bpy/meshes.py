@@ -8,18 +8,18 @@ from typing import ClassVar
 import numpy as np
 
 from lidardraft.drafting.blender.bpy.blocks import Block, Blocks, Listed, Unread, ignored
-from lidardraft.drafting.blender.bpy.mathutils import Matrix, Vector
+from lidardraft.drafting.blender.bpy.mathutils import IDENTITY, Matrix, Vector, moved
 from lidardraft.drafting.blender.bpy.mesh_shapes import MeshShape, Polygons, polygons_of, polyhedron
-from lidardraft.drafting.blender.bpy.rotations import IDENTITY, moved
 from lidardraft.drafting.blender.script.limits import RefusalError
 from lidardraft.drafting.blender.script.values import (
     Methods,
     Record,
     Value,
-    describe,
     elements,
     is_number,
     nothing,
+    of_kind,
+    place,
     reals,
     whole,
 )
@@ -75,9 +75,7 @@ class MaterialList(Listed):
 
 
 def _material(value: Value) -> Material | None:
-    if not isinstance(value, Material | None):
-        raise RefusalError(f"{describe(value)} is no material")
-    return value
+    return value if value is None else of_kind(value, Material, "the material")
 
 
 class Mesh(Block):
@@ -191,7 +189,7 @@ class MeshVertices(Listed):
 
     def item(self, key: Value) -> Value:
         vertices = self._mesh.vertices()
-        return vertices[key] if isinstance(key, int) and -len(vertices) <= key < len(vertices) else super().item(key)
+        return vertices[key if isinstance(key, slice) else place(key, len(vertices), self.kind)]
 
     def length(self) -> int:
         return self._mesh.shape.vertices if self._mesh.shape else 0

@@ -8,10 +8,10 @@ from typing import ClassVar
 import numpy as np
 
 from lidardraft.drafting.blender.bpy.blocks import Unread
+from lidardraft.drafting.blender.bpy.mathutils import IDENTITY, affine, moved, rotation_matrix
 from lidardraft.drafting.blender.bpy.mesh_shapes import polyhedron, shape_of
 from lidardraft.drafting.blender.bpy.meshes import Mesh, scale_of
 from lidardraft.drafting.blender.bpy.objects import SceneObject
-from lidardraft.drafting.blender.bpy.rotations import IDENTITY, affine, moved, rotation_matrix
 from lidardraft.drafting.blender.bpy.scene import Scene
 from lidardraft.drafting.blender.script.limits import RefusalError
 from lidardraft.drafting.blender.script.values import (

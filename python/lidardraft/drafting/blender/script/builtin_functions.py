@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from lidardraft.drafting.blender.script.classes import CLASS_NAMES, BoundMethod, Instance, ScriptClass
 from lidardraft.drafting.blender.script.containers import Lazy, Set, iterate, ordered, to_dict
+from lidardraft.drafting.blender.script.definitions import CLASS_NAMES, BoundMethod, Function, Instance, ScriptClass
 from lidardraft.drafting.blender.script.expressions import attribute_of
 from lidardraft.drafting.blender.script.formatting import to_repr, to_text
-from lidardraft.drafting.blender.script.functions import Function
 from lidardraft.drafting.blender.script.limits import RefusalError, Script
 from lidardraft.drafting.blender.script.operators import in_order
 from lidardraft.drafting.blender.script.values import (

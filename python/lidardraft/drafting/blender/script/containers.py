@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import ast
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from lidardraft.drafting.blender.script.formatting import brace_format, to_text
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
@@ -20,6 +21,7 @@ from lidardraft.drafting.blender.script.values import (
     describe,
     dict_key,
     elements,
+    place,
     text,
     truth,
     whole,
@@ -30,17 +32,38 @@ _CELLS_OF_ITERATOR = 50
 _MOVED_IN_A_STEP, _TAKEN_IN_A_STEP = 2000, 50  # elements of a list
 _SIMPLE = ("upper", "lower", "title", "capitalize", "strip", "lstrip", "rstrip", "isdigit", "isalpha", "isalnum")
 _SEARCHES = ("startswith", "endswith", "find", "rfind", "index", "count", "removeprefix", "removesuffix")
+_LINE_ENDS = "\n\r\v\f\x1c\x1d\x1e\x85\u2028\u2029"
 _END, _LAST = object(), object()
+_COMBINED: dict[str, Callable[[dict[Value, None], dict[Value, None]], Iterable[Value]]] = {  # members of two sets
+    "union": lambda left, right: [*left, *right],
+    "intersection": lambda left, right: [member for member in left if member in right],
+    "difference": lambda left, right: [member for member in left if member not in right],
+    "symmetric_difference": lambda left, right: [
+        *(member for member in left if member not in right),
+        *(member for member in right if member not in left),
+    ],
+}
+_SIGNS = {ast.BitOr: "union", ast.BitAnd: "intersection", ast.Sub: "difference", ast.BitXor: "symmetric_difference"}
 
 
 class DefaultDict(dict[Value, Value]):
     """A dict that gets what `factory()` gives for a key that it lacks."""
 
-    factory: Value = None
+    def __init__(self, factory: Value, pairs: dict[Value, Value], script: Script) -> None:
+        super().__init__(pairs)
+        self._factory = factory
+        self._script = script
 
+    def __missing__(self, key: Value) -> Value:
+        if self._factory is None:
+            raise RaisedError("KeyError", f"the key {describe(key)} is not in the dict")
+        self._script.take_cells(3)
+        return self.setdefault(key, call(self._factory, [], {}, self._script))
 
-class Counter(dict[Value, Value]):
-    """A dict of numbers, in which what it lacks has the number 0."""
+    def copy(self) -> DefaultDict:
+        return DefaultDict(self._factory, self, self._script)
+
+    __copy__ = copy
 
 
 class Deque(list[Value]):
@@ -134,30 +157,20 @@ class Set(Record):
         return f"{{{to_text(list(self._members), self._script)[1:-1]}}}" if self._members else "set()"
 
     def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
-        if not isinstance(other, Set) or operator not in _OPERATORS:
+        if not isinstance(other, Set) or operator not in _SIGNS:
             return super().binary(operator, other, reflected=reflected)
-        return _OPERATORS[operator](self, other)
+        return self._combined(_SIGNS[operator], other)
 
     def in_place(self, operator: type[ast.operator], other: Value) -> Value:
         self._members = self.binary(operator, other)._members
         return self
 
-    def _key(self, member: Value) -> Value:
-        self._script.take_compared(member)
-        return dict_key(member)
-
-    def _add(self, member: Value) -> None:
-        self._script.take_cells(3)
-        self._members[self._key(member)] = None
-
-    def _update(self, *others: Value) -> None:
+    def _combined(self, way: str, *others: Value) -> Set:
+        members: Iterable[Value] = self._members
         for other in others:
-            self._members |= self._of(other)
-
-    def _remove(self, member: Value) -> None:
-        if self._key(member) not in self._members:
-            raise RaisedError("KeyError", f"{describe(member)} is not in the set")
-        del self._members[member]
+            self._script.take_cells(len(self._members))
+            members = _COMBINED[way](dict.fromkeys(members), self._of(other))
+        return Set(members, self._script)
 
     def _of(self, other: Value) -> dict[Value, None]:
         found = elements(other, self._script)
@@ -165,35 +178,26 @@ class Set(Record):
         self._script.take_cells(3 * len(found))
         return dict.fromkeys(map(dict_key, found))
 
-    def _union(self, *others: Value) -> Set:
-        return Set([*self._members, *(item for each in others for item in self._of(each))], self._script)
+    def _key(self, member: Value) -> Value:
+        self._script.take_cells(3)
+        self._script.take_compared(member)
+        return dict_key(member)
 
-    def _filtered(self, other: Value, shared: bool) -> Set:
-        others = self._of(other)
-        self._script.take_cells(len(self._members))
-        return Set([member for member in self._members if (member in others) == shared], self._script)
+    def _update(self, *others: Value) -> None:
+        for other in others:
+            self._members |= self._of(other)
 
     methods: ClassVar[Methods] = {
-        "add": _add,
+        **{way: lambda self, *others, way=way: self._combined(way, *others) for way in _COMBINED},
+        "copy": lambda self: self._combined("union"),
+        "add": lambda self, member: self._members.setdefault(self._key(member)),
         "update": _update,
         "discard": lambda self, member: self._members.pop(self._key(member), None),
-        "remove": _remove,
+        "remove": lambda self, member: self._members.pop(self._key(member)),
         "clear": lambda self: self._members.clear(),
-        "copy": _union,
-        "union": _union,
-        "intersection": lambda self, other: self._filtered(other, True),
-        "difference": lambda self, other: self._filtered(other, False),
-        "issubset": lambda self, other: not self._filtered(other, False)._members,
-        "isdisjoint": lambda self, other: not self._filtered(other, True)._members,
+        "issubset": lambda self, other: not self._combined("difference", other)._members,
+        "isdisjoint": lambda self, other: not self._combined("intersection", other)._members,
     }
-
-
-_OPERATORS: dict[type[ast.operator], Callable[[Set, Set], Set]] = {
-    ast.BitOr: Set._union,
-    ast.BitAnd: lambda left, right: left._filtered(right, True),
-    ast.Sub: lambda left, right: left._filtered(right, False),
-    ast.BitXor: lambda left, right: left._filtered(right, False)._union(right._filtered(left, False)),
-}
 
 
 def take_moved(items: list[Value], places: Value, script: Script) -> None:
@@ -205,132 +209,61 @@ def take_moved(items: list[Value], places: Value, script: Script) -> None:
         script.take_steps(min(max(behind, 0), len(items)) // _MOVED_IN_A_STEP)
 
 
-def method(value: Value, name: str, script: Script) -> Builtin:
-    """The method of a text, list, tuple or dict."""
-    if name == "append" and isinstance(value, list):  # by far the most frequent
-        return Builtin(name, lambda item: _append(value, item, script))
-    table: Methods = {}
-    if isinstance(value, str):
-        table = _of_text(value, name, script)
-    elif isinstance(value, list):
-        table = _of_list(value, script)
-    elif isinstance(value, dict):
-        table = _of_dict(value, script)
-    elif isinstance(value, tuple):
-        table = _searches(value, script)
-    if name not in table:
-        raise RefusalError(f"{describe(value)} has no {name!r} that is supported")
-    return Builtin(name, table[name])
+def _take_pieces(script: Script, value: str, sep: str | None = None, *_: Value, **__: Value) -> None:
+    script.take_text(len(value))
+    script.take_cells(2 * (len(value) // 2 if sep is None else value.count(text(sep, "the separator"))) + 2)
 
 
-def _of_text(value: str, name: str, script: Script) -> Methods:
-    def counted(function: Callable[..., Value], rounds: int = 1) -> Callable[..., Value]:
-        def call_(*arguments: Value, **keywords: Value) -> Value:
-            for _ in range(rounds):
-                script.take_text(len(value))
-            return function(*arguments, **keywords)
-
-        return call_
-
-    if name in _SIMPLE or name in _SEARCHES:  # no longer than the text itself
-        return {name: counted(getattr(value, name), 2 if name in _SIMPLE else 1)}
-
-    def split(cut: Callable[..., list[str]]) -> Callable[..., list[str]]:
-        def call_(sep: str | None = None, maxsplit: int = -1) -> list[str]:
-            pieces = len(value) // 2 + 1 if sep is None else value.count(text(sep, "the separator")) + 1
-            script.take_cells(2 * pieces)
-            return cut(value, sep, maxsplit)
-
-        return call_
-
-    def join(parts: Value) -> str:
-        words = [text(part, "a part of a text") for part in elements(parts, script)]
-        script.take_text(sum(map(len, words)) + len(value) * len(words))
-        return value.join(words)
-
-    def replace(old: str, new: str, count: int = -1) -> str:
-        script.take_text(len(value) + value.count(old) * len(new) + (len(value) * len(new) if not old else 0))
-        return value.replace(old, new, count)
-
-    def padded(pad: Callable[..., str]) -> Callable[..., str]:
-        return lambda width, *fill: pad(value, whole(width, "the width", most=_WIDEST), *fill)
-
-    def lines() -> list[str]:
-        script.take_cells(2 * (value.count("\n") + value.count("\r") + 1))
-        return value.replace("\r\n", "\n").replace("\r", "\n").removesuffix("\n").split("\n") if value else []
-
-    table: Methods = {"split": split(str.split), "rsplit": split(str.rsplit), "splitlines": lines}
-    table |= {pad: padded(getattr(str, pad)) for pad in ("zfill", "ljust", "rjust", "center")}
-    table |= {"join": join, "replace": replace}
-    table["format"] = lambda *arguments, **keywords: brace_format(value, arguments, keywords, script)
-    return {name: counted(table[name])} if name in table else {}
+def _take_replaced(script: Script, value: str, old: str, new: str, *_: Value) -> None:
+    script.take_text(2 * len(value) + value.count(old) * len(new))
 
 
-def _searches(value: list[Value] | tuple[Value, ...], script: Script) -> Methods:
-    def index(wanted: Value) -> int:
-        script.take_steps(len(value) // 4)
-        for place, item in enumerate(value):
-            if equal(item, wanted, script):
-                return place
-        raise RaisedError("ValueError", f"{describe(wanted)} is not in the list")
-
-    def count(wanted: Value) -> int:
-        script.take_steps(len(value) // 4)
-        return sum(equal(item, wanted, script) for item in value)
-
-    return {"index": index, "count": count}
+def _take_padded(script: Script, value: str, width: Value, *_: Value) -> None:
+    script.take_text(len(value) + whole(width, "the width", most=_WIDEST))
 
 
-def _append(items: list[Value], item: Value, script: Script) -> None:
+def _join(script: Script, value: str, parts: Value) -> str:
+    words = [text(part, "a part of a text") for part in elements(parts, script)]
+    script.take_text(sum(map(len, words)) + len(value) * len(words))
+    return value.join(words)
+
+
+def _format(script: Script, value: str, /, *arguments: Value, **keywords: Value) -> str:
+    return brace_format(value, arguments, keywords, script)
+
+
+def _index(script: Script, value: list[Value] | tuple[Value, ...], wanted: Value) -> int:
+    script.take_steps(len(value) // 4)
+    for number, item in enumerate(value):
+        if equal(item, wanted, script):
+            return number
+    raise ValueError(f"{describe(wanted)} is not in the list")
+
+
+def _count(script: Script, value: list[Value] | tuple[Value, ...], wanted: Value) -> int:
+    script.take_steps(len(value) // 4)
+    return sum(equal(item, wanted, script) for item in value)
+
+
+def _extend(script: Script, value: list[Value], more: Value) -> None:
+    items = elements(more, script)
+    script.take_cells(len(value) + len(items))
+    value.extend(items)
+
+
+def _insert(script: Script, value: list[Value], where: Value, item: Value) -> None:
     script.take_cells(1)
-    items.append(item)
+    take_moved(value, whole(where, "a place"), script)
+    value.insert(where, item)
 
 
-def _of_list(value: list[Value], script: Script) -> Methods:
-    searches = _searches(value, script)
+def _pop(script: Script, value: list[Value], where: Value = -1) -> Value:
+    take_moved(value, place(where, len(value), "a list"), script)
+    return value.pop(where)
 
-    def extend(more: Value) -> None:
-        items = elements(more, script)
-        script.take_cells(len(value) + len(items))
-        value.extend(items)
 
-    def insert(place: Value, item: Value) -> None:
-        script.take_cells(1)
-        take_moved(value, whole(place, "a place"), script)
-        value.insert(place, item)
-
-    def pop(place: Value = -1) -> Value:
-        if not -len(value) <= whole(place, "a place") < len(value):
-            raise RaisedError("IndexError", f"a list of {len(value)} has no place {place}")
-        take_moved(value, place, script)
-        return value.pop(place)
-
-    def remove(item: Value) -> None:
-        pop(searches["index"](item))
-
-    def sort(*, key: Value = None, reverse: Value = False) -> None:
-        value[:] = ordered(value, key, reverse, script)
-
-    def copied() -> list[Value]:
-        script.take_cells(len(value))
-        return value.copy()
-
-    def reverse() -> None:
-        script.take_cells(len(value))
-        value.reverse()
-
-    left: Methods = {"popleft": lambda: pop(0), "appendleft": lambda item: insert(0, item)}
-    return (left if isinstance(value, Deque) else {}) | {
-        **searches,
-        "extend": extend,
-        "insert": insert,
-        "remove": remove,
-        "pop": pop,
-        "clear": value.clear,
-        "sort": sort,
-        "reverse": reverse,
-        "copy": copied,
-    }
+def _sort(script: Script, value: list[Value], *, key: Value = None, reverse: Value = False) -> None:
+    value[:] = ordered(value, key, reverse, script)
 
 
 def ordered(items: Value, key: Value, reverse: Value, script: Script) -> list[Value]:
@@ -341,49 +274,77 @@ def ordered(items: Value, key: Value, reverse: Value, script: Script) -> list[Va
     return [found[place] for place in in_order(partial(sorted, reverse=truth(reverse)), keys, script)]
 
 
-def _of_dict(value: dict[Value, Value], script: Script) -> Methods:
-    def as_key(key: Value) -> Value:
-        script.take_compared(dict_key(key))
-        return key
+def _take_key(script: Script, _: Value, key: Value, *__: Value) -> None:
+    script.take_cells(3)
+    script.take_compared(dict_key(key))
 
-    def setdefault(key: Value, default: Value = None) -> Value:
-        script.take_cells(3)
-        return value.setdefault(as_key(key), default)
 
-    def update(more: Value = (), **keywords: Value) -> None:
-        value.update(to_dict(more, keywords, script))
+def _listed(kind: Callable[[dict[Value, Value]], Iterable[Value]]) -> Callable[..., list[Value]]:
+    def call_(script: Script, value: dict[Value, Value]) -> list[Value]:
+        script.take_cells(2 * len(value))
+        return list(kind(value))
 
-    def listed(make: Callable[[], Iterable[Value]]) -> Callable[[], list[Value]]:
-        def call_() -> list[Value]:
-            script.take_cells(2 * len(value))
-            return list(make())
+    return call_
 
-        return call_
 
-    def copied() -> dict[Value, Value]:
-        script.take_cells(3 * len(value))
-        return value.copy()
+def _most_common(script: Script, value: Counter[Value], n: Value = None) -> list[Value]:
+    script.take_steps(len(value))
+    script.take_cells(3 * len(value))
+    return value.most_common(None if n is None else whole(n, "n"))
 
-    def most_common(n: Value = None) -> list[Value]:
-        script.take_steps(len(value))
-        script.take_cells(3 * len(value))
-        numbered = sorted(value.items(), key=lambda pair: pair[1], reverse=True)
-        return numbered if n is None else numbered[: max(whole(n, "n"), 0)]
 
-    table: Methods = {
-        "get": lambda key, default=None: value.get(as_key(key), default),
-        "keys": listed(value.keys),
-        "values": listed(value.values),
-        "items": listed(value.items),
-        "pop": lambda key, *default: value.pop(as_key(key), *default),
-        "setdefault": setdefault,
-        "update": update,
-        "clear": value.clear,
-        "copy": copied,
-    }
-    if isinstance(value, Counter):
-        table |= {"most_common": most_common, "update": lambda items=(): count_into(value, items, script)}
-    return table
+_OWN: dict[type, Methods] = {  # the methods that are written here, which get the script and the value first
+    str: {"join": _join, "format": _format},
+    Deque: {
+        "popleft": lambda script, value: _pop(script, value, 0),
+        "appendleft": lambda script, value, item: _insert(script, value, 0, item),
+    },
+    list: {
+        **{"index": _index, "count": _count, "extend": _extend, "insert": _insert, "pop": _pop, "sort": _sort},
+        "remove": lambda script, value, item: _pop(script, value, _index(script, value, item)),
+    },
+    tuple: {"index": _index, "count": _count},
+    Counter: {
+        "most_common": _most_common,
+        "update": lambda script, value, items=(): count_into(value, items, script),
+    },
+    dict: {
+        **{"keys": _listed(dict.keys), "values": _listed(dict.values), "items": _listed(dict.items)},
+        "update": lambda script, value, more=(), **named: value.update(to_dict(more, named, script)),
+    },
+}
+_COSTS: dict[type, Methods] = {  # what counts the cost of the methods of Python's own that are called after it
+    str: {
+        **dict.fromkeys(_SIMPLE, lambda script, value, *_: script.take_text(2 * len(value))),
+        **dict.fromkeys(_SEARCHES, lambda script, value, *_: script.take_text(len(value))),
+        **{"split": _take_pieces, "rsplit": _take_pieces, "replace": _take_replaced},
+        "splitlines": lambda script, value: script.take_cells(2 * sum(map(value.count, _LINE_ENDS)) + 2),
+        **dict.fromkeys(("zfill", "ljust", "rjust", "center"), _take_padded),
+    },
+    list: {
+        "append": lambda script, *_: script.take_cells(1),
+        **dict.fromkeys(("clear", "copy", "reverse"), lambda script, value: script.take_cells(len(value))),
+    },
+    dict: {
+        **dict.fromkeys(("get", "pop", "setdefault"), _take_key),
+        **dict.fromkeys(("clear", "copy"), lambda script, value: script.take_cells(3 * len(value))),
+    },
+}
+
+
+def method(value: Value, name: str, script: Script) -> Builtin:
+    """The method of a text, list, tuple or dict."""
+    for kind in type(value).__mro__:
+        if (own := _OWN.get(kind, {}).get(name)) is not None:
+            return Builtin(name, partial(own, script, value))
+        if (cost := _COSTS.get(kind, {}).get(name)) is not None:
+            return Builtin(name, partial(_counted, cost, getattr(value, name), script, value))
+    raise RefusalError(f"{describe(value)} has no {name!r} that is supported")
+
+
+def _counted(cost: Any, function: Any, script: Script, value: Value, /, *arguments: Value, **named: Value) -> Value:
+    cost(script, value, *arguments, **named)
+    return function(*arguments, **named)
 
 
 def to_dict(pairs: Value, keywords: dict[str, Value], script: Script) -> dict[Value, Value]:
@@ -399,7 +360,7 @@ def to_dict(pairs: Value, keywords: dict[str, Value], script: Script) -> dict[Va
     return {**found, **keywords}
 
 
-def count_into(counter: Counter, items: Value, script: Script) -> None:
+def count_into(counter: Counter[Value], items: Value, script: Script) -> None:
     """Add what there is of each of the items, or the numbers of another dict."""
     keys = elements(items, script)
     script.take_steps(len(keys) // 4)

@@ -7,13 +7,12 @@ import ast
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from lidardraft.drafting.blender.script.classes import Super
-from lidardraft.drafting.blender.script.containers import Counter, DefaultDict, Lazy, Set, iterate, method, to_dict
+from lidardraft.drafting.blender.script.containers import Lazy, Set, iterate, method, to_dict
+from lidardraft.drafting.blender.script.definitions import Frame, Function, Super
 from lidardraft.drafting.blender.script.formatting import format_value, to_repr, to_text
-from lidardraft.drafting.blender.script.functions import Frame, Function
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
 from lidardraft.drafting.blender.script.operators import binary, compare, unary
-from lidardraft.drafting.blender.script.source import lone_surrogate
+from lidardraft.drafting.blender.script.reading import lone_surrogate
 from lidardraft.drafting.blender.script.values import (
     Record,
     Value,
@@ -23,6 +22,7 @@ from lidardraft.drafting.blender.script.values import (
     elements,
     is_key,
     length,
+    place,
     text,
     truth,
     whole,
@@ -119,19 +119,14 @@ def item_of(owner: Value, key: Value, script: Script) -> Value:
         return owner.item(key)
     if isinstance(owner, dict):
         script.take_compared(dict_key(key))
-        if key not in owner:
-            if isinstance(owner, Counter):
-                return 0
-            if not isinstance(owner, DefaultDict) or owner.factory is None:
-                raise RaisedError("KeyError", f"the key {describe(key)} is not in the dict")
-            script.take_cells(3)
-            owner[key] = call(owner.factory, [], {}, script)
+        if key not in owner and not hasattr(owner, "__missing__"):
+            raise RaisedError("KeyError", f"the key {describe(key)} is not in the dict")
     elif not isinstance(owner, str | list | tuple | range):
         raise RefusalError(f"{describe(owner)} has no items")
     elif isinstance(key, slice):
         script.take_cells(len(range(*key.indices(length(owner)))))
-    elif not -length(owner) <= whole(key, "a place") < length(owner):
-        raise RaisedError("IndexError", f"{describe(owner)} of {length(owner)} has no place {key}")
+    else:
+        place(key, length(owner), describe(owner))
     return owner[key]
 
 
@@ -170,8 +165,8 @@ def _dict(node: ast.Dict, frame: Frame) -> Value:
         if key is None:
             found |= to_dict(value_of(value, frame), {}, frame.script)
         else:
-            place = dict_key(value_of(key, frame))
-            found[place] = value_of(value, frame)
+            known = dict_key(value_of(key, frame))
+            found[known] = value_of(value, frame)
     return found
 
 
@@ -357,8 +352,6 @@ def _set_item(owner: Value, key: Value, value: Value, script: Script) -> None:
         script.take_cells(len(owner) + len(items))
         owner[key] = items
     elif isinstance(owner, list) and isinstance(key, int):
-        if not -len(owner) <= key < len(owner):
-            raise RaisedError("IndexError", f"a list of {len(owner)} has no place {key}")
-        owner[key] = value
+        owner[place(key, len(owner), "a list")] = value
     else:
         raise RefusalError(f"{describe(owner)} has no place {describe(key)} that can be set")

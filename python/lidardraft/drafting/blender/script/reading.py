@@ -1,15 +1,96 @@
-"""A script, carried out value by value. Nothing of it is ever run by Python."""
+"""The text of a script becomes a syntax tree, if it is small enough to be parsed, which is carried out value by value.
+Nothing of it is ever run by Python."""
 
 from __future__ import annotations
 
+import ast
 import gc
+import re
+import warnings
+from itertools import islice
 
 from lidardraft.drafting.blender.script.builtin_functions import builtin_functions
-from lidardraft.drafting.blender.script.functions import Frame
-from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
-from lidardraft.drafting.blender.script.source import parse
+from lidardraft.drafting.blender.script.definitions import Frame
+from lidardraft.drafting.blender.script.limits import Limits, RaisedError, RefusalError, Script
 from lidardraft.drafting.blender.script.statements import generators_in, result_of
 from lidardraft.drafting.blender.script.stub_modules import SCRIPT_FILE
+
+# Code, a comment, or a string; one that does not end goes on to the end of its line or of the text. Whatever follows,
+# its end is found: it is never gone through a second time.
+_PART = re.compile(
+    r"""(?P<code>[^"'#]+)|(?P<comment>\#[^\n]*)"""
+    r"""|"{3}(?:[^"\\]+|\\.|"(?!""))*(?:"{3}|\\?\Z)|'{3}(?:[^'\\]+|\\.|'(?!''))*(?:'{3}|\\?\Z)"""
+    r"""|"(?:[^"\\\n]+|\\.)*(?:"|$|\\?\Z)|'(?:[^'\\\n]+|\\.)*(?:'|$|\\?\Z)""",
+    re.DOTALL | re.MULTILINE,
+)
+_SURROGATE = re.compile("[\ud800-\udfff]")
+_MARK = re.compile(r"""["'\\#]""")  # what takes time and memory in a text that is split into strings
+_IS_FORMATTED = re.compile(r"[fF][rR]?\Z")  # what stands before an f-string
+_TOKEN = re.compile(r"\s+|(\w+(?:\.\w+)?|[^\s\w])")
+_LONGEST_TOKEN = 40  # characters, with the spaces around it, on the average
+
+
+def parse(text: str, limits: Limits) -> tuple[ast.Module, int]:
+    """The syntax tree of a script and its number of tokens: names, numbers and signs outside strings.
+
+    Raises `RefusalError` naming the line where it is too long or no Python.
+    """
+    if len(text) > limits.file:
+        line = text.count("\n", 0, limits.file) + 1
+        raise RefusalError(f"the script has {len(text)} characters; {limits.file} are read", line)
+    if "\0" in text:
+        raise RefusalError("a null byte", text.count("\n", 0, text.index("\0")) + 1)
+    if (wrong := lone_surrogate(text)) is not None:
+        raise RefusalError(f"half a character, {text[wrong]!r}", text.count("\n", 0, wrong) + 1)
+    count = _count_tokens(text, limits)
+    try:
+        with warnings.catch_warnings():  # of escapes that will be wrong in a later Python
+            warnings.simplefilter("ignore")
+            return ast.parse(text), count
+    except SyntaxError as error:
+        raise RefusalError(f"not Python: {error.msg}", error.lineno or 1) from None
+    except (RecursionError, MemoryError, ValueError, OverflowError):
+        lines = text.split("\n")
+        longest = max(range(len(lines)), key=lambda k: len(lines[k]))
+        raise RefusalError("nested too deeply to be read", longest + 1) from None
+
+
+def lone_surrogate(text: str) -> int | None:
+    """The place of the first half of a character that stands alone, which no file in UTF-8 can hold."""
+    match = None if text.isascii() else _SURROGATE.search(text)
+    return match.start() if match else None
+
+
+def _count_tokens(text: str, limits: Limits) -> int:
+    marks = sum(map(text.count, "\"'\\#"))
+    if marks > limits.length:
+        last = next(islice(_MARK.finditer(text), limits.length, None))
+        line = text.count("\n", 0, last.start()) + 1
+        raise RefusalError(f"more than {limits.length} quotes, backslashes and number signs", line)
+    count, size = 0, 0
+    for part in _PART.finditer(text):
+        if part["comment"] is not None:
+            continue
+        if part["code"] is None and not _IS_FORMATTED.search(text, max(part.start() - 2, 0), part.start()):
+            count += 1
+            _check_count(count, text, part.start(), limits)
+            continue
+        size += part.end() - part.start()  # an f-string holds expressions
+        if (beyond := size - _LONGEST_TOKEN * limits.tokens) > 0:
+            line = text.count("\n", 0, part.end() - beyond) + 1
+            raise RefusalError(f"more than {_LONGEST_TOKEN * limits.tokens} characters of code", line)
+        for token in _TOKEN.finditer(part.group()):
+            if token.lastindex is not None:
+                count += 1
+                _check_count(count, text, part.start() + token.start(), limits)
+    return count
+
+
+def _check_count(count: int, text: str, place: int, limits: Limits) -> None:
+    if count > limits.tokens:
+        line = text.count("\n", 0, place) + 1
+        raise RefusalError(f'more than {limits.tokens} names, numbers and signs; put data into texts, as "1 2 3"', line)
+
 
 _STEPS_OF_TOKEN = 6  # what parsing it takes
 _STEPS_OF_WALK = 2  # what going once more through the tree takes, for a token

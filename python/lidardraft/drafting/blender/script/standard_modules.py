@@ -12,21 +12,12 @@ import json
 import math
 import random
 import re
+from collections import Counter
 from collections.abc import Callable, Iterator
 from typing import ClassVar
 
 from lidardraft.drafting.blender.script.builtin_functions import has
-from lidardraft.drafting.blender.script.classes import (
-    AutoValue,
-    BaseMarker,
-    Decorator,
-    FieldDefault,
-    Instance,
-    ScriptClass,
-    dataclass,
-)
 from lidardraft.drafting.blender.script.containers import (
-    Counter,
     DefaultDict,
     Deque,
     Lazy,
@@ -34,11 +25,20 @@ from lidardraft.drafting.blender.script.containers import (
     iterate,
     to_dict,
 )
+from lidardraft.drafting.blender.script.definitions import (
+    AutoValue,
+    BaseMarker,
+    ClassFrame,
+    Decorator,
+    FieldDefault,
+    Instance,
+    ScriptClass,
+    dataclass,
+)
 from lidardraft.drafting.blender.script.formatting import to_text
-from lidardraft.drafting.blender.script.functions import ClassFrame
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
 from lidardraft.drafting.blender.script.operators import binary
-from lidardraft.drafting.blender.script.source import lone_surrogate
+from lidardraft.drafting.blender.script.reading import lone_surrogate
 from lidardraft.drafting.blender.script.statements import Surroundings, is_caught
 from lidardraft.drafting.blender.script.values import (
     Builtin,
@@ -291,13 +291,11 @@ def _functools(script: Script) -> dict[str, Value]:
 
 def _collections(script: Script) -> Methods:
     def defaultdict(default_factory: Value = None, pairs: Value = (), **keywords: Value) -> DefaultDict:
-        found = DefaultDict(to_dict(pairs, keywords, script))
         script.take_cells(3)
-        found.factory = default_factory
-        return found
+        return DefaultDict(default_factory, to_dict(pairs, keywords, script), script)
 
-    def counter(items: Value = ()) -> Counter:
-        found = Counter()
+    def counter(items: Value = ()) -> Counter[Value]:
+        found: Counter[Value] = Counter()
         count_into(found, items, script)
         return found
 

@@ -11,8 +11,15 @@ import ast
 from collections.abc import Callable, Generator, Iterator
 from typing import Any
 
-from lidardraft.drafting.blender.script.classes import BaseMarker, Decorator, ScriptClass
 from lidardraft.drafting.blender.script.containers import Lazy, take_moved
+from lidardraft.drafting.blender.script.definitions import (
+    BaseMarker,
+    ClassFrame,
+    Decorator,
+    Frame,
+    Function,
+    ScriptClass,
+)
 from lidardraft.drafting.blender.script.expressions import (
     Place,
     assign,
@@ -23,7 +30,6 @@ from lidardraft.drafting.blender.script.expressions import (
     values_of,
 )
 from lidardraft.drafting.blender.script.formatting import to_text
-from lidardraft.drafting.blender.script.functions import ClassFrame, Frame, Function
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError
 from lidardraft.drafting.blender.script.operators import in_place
 from lidardraft.drafting.blender.script.values import (
@@ -33,8 +39,8 @@ from lidardraft.drafting.blender.script.values import (
     Value,
     describe,
     dict_key,
+    place,
     truth,
-    whole,
 )
 
 Going = Generator[Value, None, object]  # its values, and then what ends the statements around it early, or None
@@ -126,9 +132,9 @@ def _annotated(node: ast.AnnAssign, frame: Frame) -> None:
 
 
 def _augmented(node: ast.AugAssign, frame: Frame) -> None:
-    place = Place(node.target, frame)
-    before = place.get()
-    place.set(in_place(type(node.op), before, value_of(node.value, frame), frame.script))
+    target = Place(node.target, frame)
+    before = target.get()
+    target.set(in_place(type(node.op), before, value_of(node.value, frame), frame.script))
 
 
 def _if(node: ast.If, frame: Frame) -> Going:
@@ -206,11 +212,10 @@ def _delete(node: ast.Delete, frame: Frame) -> None:
             continue
         if not isinstance(target, ast.Subscript):
             raise not_supported(node)
-        place = Place(target, frame)
-        owner, key = place.owner, place.key
+        owner, key = (value_of(part, frame) for part in (target.value, target.slice))
         if isinstance(owner, list):
-            if not isinstance(key, slice) and not -len(owner) <= whole(key, "a place") < len(owner):
-                raise RaisedError("IndexError", f"a list of {len(owner)} has no place {key}")
+            if not isinstance(key, slice):
+                place(key, len(owner), "a list")
             take_moved(owner, key, frame.script)
         elif not isinstance(owner, dict):
             raise not_supported(node)

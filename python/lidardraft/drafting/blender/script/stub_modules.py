@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import PurePosixPath
 from typing import ClassVar
 
-from lidardraft.drafting.blender.script.classes import BaseMarker
+from lidardraft.drafting.blender.script.definitions import BaseMarker
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
 from lidardraft.drafting.blender.script.values import (
     Builtin,

@@ -8,7 +8,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
 
@@ -104,6 +104,9 @@ class Record:
     def text(self, _as_repr: bool) -> str:
         """What `str`, or `repr`, makes of it."""
         return f"<{self.kind}>"
+
+
+AnyRecord = TypeVar("AnyRecord", bound=Record)
 
 
 class Builtin(Record):
@@ -264,6 +267,20 @@ def whole(value: Value, what: str, least: int = -LARGEST, most: int = LARGEST) -
         )
         raise RefusalError(f"{what} is {value}; it must be {span}")
     return int(value)
+
+
+def place(value: Value, count: int, what: str) -> int:
+    """The value, which is a place among so many, counted from the end where it is below 0."""
+    if not -count <= whole(value, "a place") < count:
+        raise RaisedError("IndexError", f"{what} of {count} has no place {value}")
+    return int(value)
+
+
+def of_kind(value: Value, kind: type[AnyRecord], what: str) -> AnyRecord:
+    """The value, which is a record of that kind."""
+    if not isinstance(value, kind):
+        raise RefusalError(f"{what} is {describe(value)}; it must be {kind.kind}")
+    return value
 
 
 def real(value: Value, what: str) -> float:
