@@ -247,18 +247,23 @@ class Road:
             height = top - TERRAIN_HEIGHT
             center = (x, y, top - height / 2)
             return Primitive(shape="box", center=center, size=(*size, height), label=label, id=id)
-        profile = [(across[0], top), (across[1], top)]
-        if top > 0.0:
-            profile = [(across[0], TERRAIN_HEIGHT), *profile, (across[1], TERRAIN_HEIGHT)]
         stations = np.linspace(*span, max(2, math.ceil((span[1] - span[0]) / _SEGMENT) + 1))
-        vertices = [(*self.at(s, side)[:2], z) for s in stations for side, z in profile]
-        width = len(profile)
-        faces = []
-        for row in range(len(stations) - 1):
-            for edge in range(width - 1):
-                a, b = row * width + edge, row * width + edge + 1
-                faces += [(a, b, b + width), (a, b + width, a + width)]
-        return Primitive.from_mesh(np.array(vertices), np.array(faces), label=label, id=id)
+        profile = profile_of(*across, top)
+        return ribbon(np.array([[(*self.at(s, side)[:2], z) for side, z in profile] for s in stations]), label, id)
+
+
+def profile_of(low: float, high: float, top: float) -> list[tuple[float, float]]:
+    """The cross section of a strip from one side to the other: places across and heights, with kerbs if it is raised."""
+    flat = [(low, top), (high, top)]
+    return [(low, TERRAIN_HEIGHT), *flat, (high, TERRAIN_HEIGHT)] if top > 0.0 else flat
+
+
+def ribbon(rows: np.ndarray, label: str, id: str) -> Primitive:
+    """The mesh between cross sections float64 [N, P, 3] that follow each other."""
+    count, width, _ = rows.shape
+    a = (np.arange(count - 1)[:, None] * width + np.arange(width - 1)).ravel()
+    faces = np.stack([a, a + 1, a + 1 + width, a, a + 1 + width, a + width], axis=1)
+    return Primitive.from_mesh(rows.reshape(-1, 3), faces.reshape(-1, 3), label=label, id=id)
 
 
 def _functions(value: float | np.ndarray) -> ModuleType:

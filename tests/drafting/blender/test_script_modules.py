@@ -237,7 +237,7 @@ def test_what_is_too_much_is_refused_before_it_is_made(call: str, said: str) -> 
 def test_what_is_no_data_or_too_much_is_refused() -> None:
     refuses("import json\njson.load('a.json')", "json.load is not supported", 2)
     refuses("import json\njson.loads('1' * 30)", "a whole number of more than 63 bits", 2)
-    refuses("import json\njson.loads('1' * 5000)", "a number of 5000 digits", 2)
+    refuses("import json\njson.loads('1' * 5000)", "a whole number of more than 63 bits", 2)
     refuses("import json\njson.loads('[' * 9000 + ']' * 9000)", "nested too deeply", 2)
     refuses('import json\njson.loads(r\'[{"a": "\\ud83d"}]\')', "half a character", 2)
     refuses("import json\njson.dumps([1], indent=10**9)", "the indent is 1000000000; it must be 0 to 8", 2)
@@ -289,9 +289,8 @@ def test_a_time_is_written_in_the_format_that_is_asked_for() -> None:
         "from datetime import datetime\nimport time\nassert int(datetime.now().strftime('%Y')) == 1970\n"
         "assert time.strftime('%y%m%d_%H-%M-%S') == '700101_00-00-00'\nassert time.strftime('100%% x') == '100% x'"
     )
-    refuses("import time\ntime.strftime('%Y %B')", "'%B' in the format of a time is not supported; %Y, ", 2)
-    refuses("import time\ntime.strftime('%')", "'%' in the format of a time is not supported", 2)
-    refuses("import time\ntime.strftime('%Y' * 51)", "a format of 102 characters; 100 are the most", 2)
+    for form in ("'%Y %Z'", "'%'", "'%99999Y'", "'%Y' * 51"):
+        refuses(f"import time\ntime.strftime({form})", "the format '.*' of a time is not supported", 2)
 
 
 def test_nobody_waits() -> None:

@@ -6,7 +6,7 @@ All places are (down, right) in pixels.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -301,51 +301,36 @@ def _lengthened(
     return np.concatenate([ends[0], points, ends[1]])
 
 
-def _tables() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """By the code of the pixels around one: whether it goes in the first and the second step, and how many are set."""
-    codes = np.arange(256)
-    bits = ((codes[:, None] >> np.arange(8)) & 1).astype(bool)
-    n, ne, e, se, s, sw, w, nw = bits.T
-    pieces = sum((~a & (b | c)).astype(int) for a, b, c in ((n, ne, e), (e, se, s), (s, sw, w), (w, nw, n)))
-    pairs = [
-        sum((a | b).astype(int) for a, b in pairs)
-        for pairs in (((nw, n), (ne, e), (se, s), (sw, w)), ((n, ne), (e, se), (s, sw), (w, nw)))
-    ]
-    count = np.minimum(*pairs)
-    removable = (pieces == 1) & (count >= 2) & (count <= 3)
-    return removable & ~((s | sw | ~nw) & w), removable & ~((n | ne | ~se) & e), bits.sum(axis=1)
-
-
-_FIRST, _SECOND, _COUNT = _tables()
-
-
 def thinned(mask: np.ndarray) -> np.ndarray:
     """The middle lines bool [H, W], one pixel wide, of a mask bool [H, W] of thick strokes.
 
     Guo and Hall, "Parallel thinning with two-subiteration algorithms", Communications of the ACM 1989.
     """
-    thin = np.pad(mask, 1)
-    while True:
-        before = np.count_nonzero(thin)
-        for table in (_FIRST, _SECOND):
-            thin &= ~table[_codes(thin)]
-        if np.count_nonzero(thin) == before:
-            inner: np.ndarray = thin[1:-1, 1:-1]
-            return inner
+    padded = np.pad(mask, 1)
+    thin, around = padded[1:-1, 1:-1], _around(padded)
+    before = -1
+    while before != (before := int(np.count_nonzero(thin))):
+        for turned in (0, 4):  # from one side, then from the other
+            n, ne, e, se, s, sw, w, nw = around[turned:] + around[:turned]
+            pieces = _count(~a & (b | c) for a, b, c in ((n, ne, e), (e, se, s), (s, sw, w), (w, nw, n)))
+            pairs = np.minimum(_count([nw | n, ne | e, se | s, sw | w]), _count([n | ne, e | se, s | sw, w | nw]))
+            thin &= (pieces != 1) | (pairs < 2) | (pairs > 3) | ((s | sw | ~nw) & w)
+    return thin
 
 
 def branch_points(thin: np.ndarray) -> np.ndarray:
     """Where lines of one pixel meet, bool [H, W]."""
-    codes = _codes(np.pad(thin, 1))[1:-1, 1:-1]
-    meeting: np.ndarray = thin & (_COUNT[codes] >= 3)
+    meeting: np.ndarray = thin & (_count(_around(np.pad(thin, 1))) >= 3)
     return meeting
 
 
-def _codes(thin: np.ndarray) -> np.ndarray:
-    """Which of the pixels around each are set, as bits; none are around those at the edge."""
-    codes = np.zeros(thin.shape, dtype=np.uint8)
-    for bit, (down, right) in enumerate(_AROUND):
-        codes[1:-1, 1:-1] |= (
-            thin[1 + down : thin.shape[0] - 1 + down, 1 + right : thin.shape[1] - 1 + right].view(np.uint8) << bit
-        )
-    return codes
+def _around(padded: np.ndarray) -> list[np.ndarray]:
+    """What is above each pixel [H, W], and on clockwise: views of the image with an edge [H + 2, W + 2]."""
+    height, width = padded.shape[0] - 2, padded.shape[1] - 2
+    return [padded[1 + down :, 1 + right :][:height, :width] for down, right in _AROUND]
+
+
+def _count(masks: Iterable[np.ndarray]) -> np.ndarray:
+    """How many of some masks [H, W] are set, u8 [H, W]."""
+    count: np.ndarray = sum(mask.view(np.uint8) for mask in masks)  # type: ignore[assignment]
+    return count

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from functools import lru_cache
+from itertools import islice
 
 import numpy as np
 from scipy import ndimage
@@ -153,11 +155,8 @@ def paper_of(pixels: np.ndarray) -> Colour:
     The colour of a class is never taken for paper, as city blocks may reach the edges.
     """
     edges = np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]])
-    codes = (edges >> (8 - _BITS)).astype(np.int64) @ [1, 2**_BITS, 4**_BITS]
-    values, counts = np.unique(codes, return_counts=True)
-    mine = edges[codes == values[np.argmax(counts)]]
-    colour = np.median(mine, axis=0)
-    if len(mine) < _MOST_PAPER * len(edges) or not (colour.min() >= _LIGHT or np.ptp(colour) <= _GREY):
+    count, colour = next(_commonest(edges))
+    if count < _MOST_PAPER * len(edges) or not (colour.min() >= _LIGHT or np.ptp(colour) <= _GREY):
         return _WHITE
     if (np.abs(PALETTE[1:NUM_CLASSES] - colour) < _SAME).all(axis=1).any():
         return _WHITE
@@ -247,39 +246,32 @@ def _unmixed(
 
 def unknown_colours(pixels: np.ndarray, found: np.ndarray) -> list[str]:
     """A line for each of the commonest colours of pixels u8 [H, W, 3] that have no class."""
-    unknown = pixels[found == UNKNOWN]
-    codes = (unknown >> (8 - _BITS)).astype(np.int64) @ [1, 2**_BITS, 4**_BITS]
-    values, counts = np.unique(codes, return_counts=True)
     lines = []
-    for index in np.argsort(-counts, kind="stable")[:_MOST_REPORTED].tolist():
-        share = counts[index] / found.size
-        if share >= _LEAST_REPORTED:
-            colour = " ".join(f"{value:.0f}" for value in np.median(unknown[codes == values[index]], axis=0))
-            lines.append(f"colour {colour}, {share:.1%} of the pixels: no class has it")
+    for count, colour in islice(_commonest(pixels[found == UNKNOWN]), _MOST_REPORTED):
+        if (share := count / found.size) >= _LEAST_REPORTED:
+            said = " ".join(f"{value:.0f}" for value in colour)
+            lines.append(f"colour {said}, {share:.1%} of the pixels: no class has it")
     return lines
+
+
+def _commonest(pixels: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
+    """How many of some pixels u8 [N, 3] have nearly one colour, and that [3]; the commonest one comes first."""
+    codes = (pixels >> (8 - _BITS)).astype(np.int64) @ [1, 2**_BITS, 4**_BITS]
+    values, counts = np.unique(codes, return_counts=True)
+    for index in np.argsort(-counts, kind="stable").tolist():
+        yield counts[index], np.median(pixels[codes == values[index]], axis=0)
 
 
 def without_specks(found: np.ndarray, least: int) -> tuple[np.ndarray, int]:
     """Classes u8 [H, W] where lines of one pixel, pieces of fewer than `least` and what has no class got the class of
     the nearest other pixel; and how many pixels that were."""
-    speck = (found == UNKNOWN) | ~_in_squares(found)
-    found = np.where(speck, UNKNOWN, found).astype(np.uint8)
-    for value in np.unique(found[~speck]).tolist():
-        pieces, count = ndimage.label(found == value, np.ones((3, 3)))
-        if count:
-            small = np.bincount(pieces.ravel()) < least
-            small[0] = False
-            speck |= small[pieces]
+    speck = np.ones(found.shape, dtype=bool)
+    for value in np.unique(found[found != UNKNOWN]).tolist():
+        pieces, _ = ndimage.label(ndimage.binary_opening(found == value, np.ones((2, 2))), np.ones((3, 3)))
+        large = np.bincount(pieces.ravel()) >= least
+        large[0] = False
+        speck &= ~large[pieces]
     return filled(found, speck), int(np.count_nonzero(speck))
-
-
-def _in_squares(found: np.ndarray) -> np.ndarray:
-    """Which pixels are one of two by two of the same class, bool [H, W]."""
-    right, down = found[:, 1:] == found[:, :-1], found[1:] == found[:-1]
-    square = np.zeros((found.shape[0] + 1, found.shape[1] + 1), dtype=bool)
-    square[1:-1, 1:-1] = right[1:] & right[:-1] & down[:, 1:]
-    inside: np.ndarray = square[1:, 1:] | square[1:, :-1] | square[:-1, 1:] | square[:-1, :-1]
-    return inside
 
 
 def filled(found: np.ndarray, gone: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ import numpy as np
 
 from lidardraft.drafting.sketch.shapes import Blob, Sketch, Stroke
 from lidardraft.scene.layout import Primitive
-from lidardraft.scene.road import KERB_HEIGHT, TERRAIN_HEIGHT
+from lidardraft.scene.road import KERB_HEIGHT, TERRAIN_HEIGHT, profile_of, ribbon
 
 _NARROWEST = {"road": 2.0, "sidewalk": 0.5}  # m; a thinner stroke is a middle line, and the road as wide as usual
 _USUAL = {"road": 7.0, "sidewalk": 2.0}  # m, two lanes of 3.5 m; as in `Road`
@@ -173,13 +173,5 @@ def _surface(label: str, line: np.ndarray, width: float, id: str) -> Primitive:
         ahead[0] = ahead[-1] = line[1] - line[-2]
     ahead /= np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), 1e-9)
     left = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1) * width / 2
-    profile = [(-1.0, top), (1.0, top)]
-    if top > 0.0:
-        profile = [(-1.0, TERRAIN_HEIGHT), *profile, (1.0, TERRAIN_HEIGHT)]
-    rows = [np.column_stack([line + side * left, np.full(len(line), z)]) for side, z in profile]
-    vertices = np.stack(rows, axis=1).reshape(-1, 3)
-    count = len(profile)
-    corners = np.arange(len(line) - 1)[:, None] * count + np.arange(count - 1)
-    a, b = corners.ravel(), corners.ravel() + 1
-    faces = np.stack([np.stack([a, b, b + count], axis=1), np.stack([a, b + count, a + count], axis=1)], axis=1)
-    return Primitive.from_mesh(vertices, faces.reshape(-1, 3), label=label, id=id)
+    rows = [np.column_stack([line + side * left, np.full(len(line), z)]) for side, z in profile_of(-1.0, 1.0, top)]
+    return ribbon(np.stack(rows, axis=1), label, id)

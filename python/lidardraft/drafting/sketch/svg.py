@@ -17,7 +17,7 @@ import numpy as np
 from defusedxml import DefusedXmlException
 from defusedxml.ElementTree import ParseError, XMLParser
 from PIL import ImageColor
-from svgelements import Arc, Close, Curve, Line, Move, Path
+from svgelements import Arc, Close, Curve, Line, Matrix, Move, Path
 
 from lidardraft.errors import FormatError
 from lidardraft.files import named
@@ -49,7 +49,7 @@ _EM = 16.0  # pixels, the size of letters where a file does not say it
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _LENGTH = re.compile(rf"\s*({_NUMBER})\s*([a-zA-Z%]*)\s*")
 _NUMBERS = re.compile(_NUMBER)
-_TRANSFORM = re.compile(r"\s*,?\s*(\w+)\s*\(([^()]*)\)")
+_TRANSFORMS = {"matrix": (6,), "translate": (1, 2), "scale": (1, 2), "rotate": (1, 3), "skewX": (1,), "skewY": (1,)}
 _COMMAND = re.compile("[MmZzLlHhVvCcSsQqTtAa]")
 _TO_CLOSE = re.compile("[^Zz]*[Zz]?")
 _BARE_POINT = re.compile(r"(?<=\d)\.(?!\d)")  # "5." is a number, but not to svgelements
@@ -184,36 +184,19 @@ def numbers(text: str, name: str) -> np.ndarray:
 
 def transform(text: str) -> np.ndarray:
     """The matrix [3, 3] of a list of transforms, for columns (right, down, 1)."""
-    matrix, at = np.eye(3), 0
-    text = text.strip()
-    while at < len(text):
-        match = _TRANSFORM.match(text, at)
-        made = _single_transform(match[1], numbers(match[2], "transform").tolist()) if match else None
-        if match is None or made is None:
+    matrix = Matrix()
+    *parts, rest = text.split(")")
+    for name, _, inside in (part.strip(", \t\r\n").partition("(") for part in parts):
+        values = numbers(inside, "transform").tolist()
+        if len(values) not in _TRANSFORMS.get(name.strip(), ()):
             raise FormatError(f"transform is {text!r:.60}; a part of it is not known")
-        matrix, at = matrix @ made, match.end()
-        if not (np.abs(matrix) < LARGEST).all():
-            raise FormatError(f"transform is {text!r:.60}; it moves too far")
-    return matrix
-
-
-def _single_transform(name: str, values: list[float]) -> np.ndarray | None:
-    match name, values:
-        case "matrix", [a, b, c, d, e, f]:
-            return np.array([[a, c, e], [b, d, f], [0, 0, 1]])
-        case "translate", [x, *rest] if len(rest) < 2:
-            return np.array([[1, 0, x], [0, 1, *(rest or [0.0])], [0, 0, 1]])
-        case "scale", [x, *rest] if len(rest) < 2:
-            return np.diag([x, *(rest or [x]), 1.0])
-        case "rotate", [angle, *rest] if len(rest) in (0, 2):
-            cos, sin = math.cos(math.radians(angle)), math.sin(math.radians(angle))
-            x, y = rest or (0.0, 0.0)
-            return np.array([[cos, -sin, x - cos * x + sin * y], [sin, cos, y - sin * x - cos * y], [0, 0, 1]])
-        case "skewX", [angle]:
-            return np.array([[1, math.tan(math.radians(angle)), 0], [0, 1, 0], [0, 0, 1]])
-        case "skewY", [angle]:
-            return np.array([[1, 0, 0], [math.tan(math.radians(angle)), 1, 0], [0, 0, 1]])
-    return None
+        matrix.pre_cat(Matrix(f"{name}({','.join(map(repr, values))})"))
+    if rest.strip():
+        raise FormatError(f"transform is {text!r:.60}; a part of it is not known")
+    found = np.array([[matrix.a, matrix.c, matrix.e], [matrix.b, matrix.d, matrix.f], [0, 0, 1]])
+    if not (np.abs(found) < LARGEST).all():
+        raise FormatError(f"transform is {text!r:.60}; it moves too far")
+    return found
 
 
 def path_pieces(data: str) -> tuple[list[Piece], int]:

@@ -12,7 +12,6 @@ from lidardraft.drafting.blender.script.definitions import Frame, Function, Supe
 from lidardraft.drafting.blender.script.formatting import format_value, to_repr, to_text
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
 from lidardraft.drafting.blender.script.operators import binary, compare, unary
-from lidardraft.drafting.blender.script.reading import lone_surrogate
 from lidardraft.drafting.blender.script.values import (
     Record,
     Value,
@@ -22,6 +21,7 @@ from lidardraft.drafting.blender.script.values import (
     elements,
     is_key,
     length,
+    lone_surrogate,
     place,
     text,
     truth,

@@ -14,6 +14,7 @@ from lidardraft.drafting.blender.script.definitions import Frame
 from lidardraft.drafting.blender.script.limits import Limits, RaisedError, RefusalError, Script
 from lidardraft.drafting.blender.script.statements import generators_in, result_of
 from lidardraft.drafting.blender.script.stub_modules import SCRIPT_FILE
+from lidardraft.drafting.blender.script.values import lone_surrogate
 
 # Code, a comment, or a string; one that does not end goes on to the end of its line or of the text. Whatever follows,
 # its end is found: it is never gone through a second time.
@@ -23,7 +24,6 @@ _PART = re.compile(
     r"""|"(?:[^"\\\n]+|\\.)*(?:"|$|\\?\Z)|'(?:[^'\\\n]+|\\.)*(?:'|$|\\?\Z)""",
     re.DOTALL | re.MULTILINE,
 )
-_SURROGATE = re.compile("[\ud800-\udfff]")
 _MARK = re.compile(r"""["'\\#]""")  # what takes time and memory in a text that is split into strings
 _IS_FORMATTED = re.compile(r"[fF][rR]?\Z")  # what stands before an f-string
 _TOKEN = re.compile(r"\s+|(\w+(?:\.\w+)?|[^\s\w])")
@@ -53,12 +53,6 @@ def parse(text: str, limits: Limits) -> tuple[ast.Module, int]:
         lines = text.split("\n")
         longest = max(range(len(lines)), key=lambda k: len(lines[k]))
         raise RefusalError("nested too deeply to be read", longest + 1) from None
-
-
-def lone_surrogate(text: str) -> int | None:
-    """The place of the first half of a character that stands alone, which no file in UTF-8 can hold."""
-    match = None if text.isascii() else _SURROGATE.search(text)
-    return match.start() if match else None
 
 
 def _count_tokens(text: str, limits: Limits) -> int:

@@ -38,7 +38,6 @@ from lidardraft.drafting.blender.script.definitions import (
 from lidardraft.drafting.blender.script.formatting import to_text
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
 from lidardraft.drafting.blender.script.operators import binary
-from lidardraft.drafting.blender.script.reading import lone_surrogate
 from lidardraft.drafting.blender.script.statements import Surroundings, is_caught
 from lidardraft.drafting.blender.script.values import (
     Builtin,
@@ -52,6 +51,7 @@ from lidardraft.drafting.blender.script.values import (
     describe,
     elements,
     is_key,
+    lone_surrogate,
     text,
     whole,
 )
@@ -67,7 +67,7 @@ _DRAWS = (
     *("randint", "randrange"),
 )
 _STEPS_OF_SEED, _CELLS_OF_GENERATOR = 20, 1000
-_WIDEST, _DEEPEST_COPY, _DEEPEST_PARTIAL, _MOST_FIELDS = 16, 30, 8, 100
+_WIDEST, _DEEPEST_COPY, _MOST_FIELDS = 16, 30, 100
 _WIDEST_INDENT, _LONGEST_NUMBER = 8, 40  # of JSON
 _SIGN, _HALF_CHARACTER = re.compile(r"[,:\[{]"), re.compile(r"\\u[dD][89a-fA-F]")
 
@@ -191,6 +191,11 @@ def _itertools(script: Script) -> Methods:
     def count(start: Value = 0, step: Value = 1) -> Lazy:
         return Lazy(itertools.count(checked(start) + 0, checked(step) + 0), script)
 
+    def kept(items: Iterator[Value]) -> Iterator[Value]:
+        for item in items:
+            script.take_cells(1)
+            yield item
+
     def repeat(value: Value, times: Value = None) -> Lazy:
         return Lazy(itertools.repeat(value, *([] if times is None else [whole(times, "the times")])), script)
 
@@ -212,63 +217,12 @@ def _itertools(script: Script) -> Methods:
         "combinations": chosen(itertools.combinations, math.comb),
         "permutations": chosen(itertools.permutations, math.perm),
         "count": count,
-        "cycle": lambda items: Lazy(_cycled(items, script), script),
+        "cycle": lambda items: Lazy(itertools.cycle(kept(iterate(items, script))), script),
         "repeat": repeat,
         "islice": islice,
         "accumulate": accumulate,
         "pairwise": lambda items: Lazy(itertools.pairwise(iterate(items, script)), script),
     }
-
-
-def _cycled(items: Value, script: Script) -> Iterator[Value]:
-    found: list[Value] = []
-    for item in iterate(items, script):
-        script.take_cells(1)
-        found.append(item)
-        yield item
-    while found:
-        yield from found
-
-
-class Cached(Record):
-    """A function that is called once for the same arguments, as `functools.cache` makes it."""
-
-    kind = "a cached function"
-
-    def __init__(self, function: Value, script: Script) -> None:
-        self._function = function
-        self._script = script
-        self._results: dict[Value, Value] = {}
-
-    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
-        key = (*arguments, *keywords.items())
-        if not all(is_key(each) for each in (*arguments, *keywords.values())):
-            raise RefusalError("a cached function of what cannot be a key")
-        self._script.take_cells(3 + len(key))
-        if key not in self._results:
-            self._results[key] = call(self._function, arguments, keywords, self._script)
-        return self._results[key]
-
-
-class Partial(Record):
-    """A function with its first arguments, and some of its named ones."""
-
-    kind = "a partial function"
-
-    def __init__(
-        self, function: Value, arguments: tuple[Value, ...], keywords: dict[str, Value], script: Script
-    ) -> None:
-        script.take_cells(len(arguments) + 3 * len(keywords))
-        self._function = function
-        self._arguments = arguments
-        self._keywords = keywords
-        self._script = script
-        self.depth: int = 1 + (function.depth if isinstance(function, Partial) else 0)
-        if self.depth > _DEEPEST_PARTIAL:
-            raise RefusalError(f"partial of partial of more than {_DEEPEST_PARTIAL} functions")
-
-    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
-        return call(self._function, [*self._arguments, *arguments], self._keywords | keywords, self._script)
 
 
 def _functools(script: Script) -> dict[str, Value]:
@@ -282,11 +236,29 @@ def _functools(script: Script) -> dict[str, Value]:
             result = call(function, [result, item], {}, script)
         return result
 
-    def partial(function: Value, *arguments: Value, **keywords: Value) -> Partial:
-        return Partial(function, arguments, keywords, script)
+    def partial(function: Value, /, *first: Value, **named: Value) -> Builtin:
+        def call_(*arguments: Value, **keywords: Value) -> Value:
+            script.take_cells(len(first) + 3 * len(named))
+            return call(function, [*first, *arguments], named | keywords, script)
 
-    cached = Decorator(lambda function: Cached(function, script))
-    return builtins("", {"partial": partial, "reduce": reduce}) | {"cache": cached, "lru_cache": cached}
+        return Builtin("partial", call_)
+
+    def cached(function: Value) -> Builtin:
+        results: dict[Value, Value] = {}
+
+        def call_(*arguments: Value, **keywords: Value) -> Value:
+            key = (*arguments, *keywords.items())
+            if not all(is_key(each) for each in (*arguments, *keywords.values())):
+                raise RefusalError("a cached function of what cannot be a key")
+            script.take_cells(3 + len(key))
+            if key not in results:
+                results[key] = call(function, list(arguments), keywords, script)
+            return results[key]
+
+        return Builtin("a cached function", call_)
+
+    cache = Decorator(cached)
+    return builtins("", {"partial": partial, "reduce": reduce}) | {"cache": cache, "lru_cache": cache}
 
 
 def _collections(script: Script) -> Methods:
@@ -350,28 +322,23 @@ def _copy(script: Script) -> Methods:
         script.take_steps(2)
         if level > _DEEPEST_COPY:
             raise RefusalError(f"deepcopy of {describe(x)}, more than {_DEEPEST_COPY} levels deep")
-        if id(x) in known or not isinstance(x, list | tuple | dict | Record):
-            return known.get(id(x), x)
+        if not isinstance(x, list | tuple | dict | Record):
+            return x
         if isinstance(x, tuple):
             return tuple(deep(item, known, level + 1) for item in x)
-        known[id(x)] = other = shallow(x)
-        if isinstance(other, list):
-            other[:] = [deep(item, known, level + 1) for item in other]
-        elif isinstance(other, dict | Instance):
+        if id(x) not in known:
+            known[id(x)] = other = shallow(x)
             values = other.values if isinstance(other, Instance) else other
-            for key, item in values.items():
-                values[key] = deep(item, known, level + 1)
-        return other
+            if other is not x and isinstance(values, list):
+                values[:] = [deep(item, known, level + 1) for item in values]
+            elif other is not x and isinstance(values, dict):
+                values.update({key: deep(item, known, level + 1) for key, item in values.items()})
+        return known[id(x)]
 
     return {"copy": shallow, "deepcopy": lambda x: deep(x, {}, 0)}
 
 
 def _json(script: Script) -> Methods:
-    def whole_number(digits: str) -> int:
-        if len(digits) > _LONGEST_NUMBER:
-            raise RefusalError(f"a number of {len(digits)} digits")
-        return int(checked(int(digits)))
-
     def loads(s: Value) -> Value:
         written = text(s, "what json.loads is given")
         script.take_text(len(written))
@@ -379,7 +346,7 @@ def _json(script: Script) -> Methods:
         script.take_steps(signs // 4)
         script.take_cells(3 * signs)
         try:
-            found = json.loads(written, parse_int=whole_number)
+            found = json.loads(written, parse_int=lambda digits: int(checked(int(digits[:_LONGEST_NUMBER]))))
         except json.JSONDecodeError as error:
             raise RaisedError("JSONDecodeError", f"json.loads: {error}") from None
         if _HALF_CHARACTER.search(written) and lone_surrogate(json.dumps(found, ensure_ascii=False)) is not None:

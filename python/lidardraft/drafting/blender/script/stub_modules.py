@@ -7,6 +7,7 @@ import ast
 import posixpath
 import re
 from collections.abc import Callable
+from datetime import datetime, timedelta
 from pathlib import PurePosixPath
 from typing import ClassVar
 
@@ -31,8 +32,8 @@ SCRIPT_FILE = "/script.py"  # the name that a script sees of its own file
 _MOST_PARENTS = 16
 _MOST_ARGUMENTS = 100  # of one parser
 _DEFAULTS = {"store_true": False, "store_false": True, "store": None, "append": None, "count": None}
-_FIRST = "1970-01-01 00:00:00"
-_CODES = {"%Y": "1970", "%y": "70", "%m": "01", "%d": "01", "%H": "00", "%M": "00", "%S": "00", "%%": "%"}
+_FIRST = datetime(1970, 1, 1)  # the time that all clocks show
+_FORMAT = re.compile("(?:[^%]|%[YymdHMSBbAajp%])*")
 _LONGEST_FORMAT = 100  # characters
 _MESSAGES = ("debug", "info", "warning", "warn", "error", "critical", "exception", "log")
 _OF_LOGGERS = (*_MESSAGES, "setLevel", "addHandler", "removeHandler", "setFormatter", "flush", "close")
@@ -64,12 +65,12 @@ def stub_modules(script: Script) -> dict[str, Value]:
     path = Namespace("os.path", {"sep": "/", **builtins("os.path.", _os_path(script))})
     now = Namespace("datetime", builtins("datetime.", dict.fromkeys(("now", "today", "utcnow"), at_first(Moment()))))
     time = dict.fromkeys(("time", "perf_counter", "monotonic", "process_time"), at_first(0.0))
-    time |= dict.fromkeys(("ctime", "asctime"), at_first(_FIRST))
+    time |= dict.fromkeys(("ctime", "asctime"), at_first(_FIRST.ctime()))
     logger = Silent("a logger", *_OF_LOGGERS)
     loggers = dict.fromkeys(("getLogger", "StreamHandler", "Formatter"), lambda *_, **__: logger)
     silence = dict.fromkeys((*_MESSAGES, "disable", "captureWarnings"), nothing)
     levels = {"DEBUG": 10, "INFO": 20, "WARNING": 30, "ERROR": 40, "CRITICAL": 50}
-    file_path = PathType("Path", _path(script))
+    file_path = PathType("Path", lambda *parts: FilePath(script, *parts))
     modules: dict[str, dict[str, Value]] = {
         "os": {"path": path, "environ": environ, "name": "posix", "sep": "/", "linesep": "\n"}
         | builtins("os.", {"getenv": getenv, "getcwd": lambda: "/"}),
@@ -106,26 +107,20 @@ def _leave(code: Value = None) -> None:
     raise RaisedError("SystemExit", "the script ends itself here", said)
 
 
-def _os_path(script: Script) -> dict[str, Callable[..., Value]]:
-    def pure(function: Callable[[str], Value]) -> Callable[[Value], Value]:
-        def call_(path: Value) -> Value:
-            script.take_text(2 * len(_name_of(path)))
-            return function(_name_of(path))
+def _os_path(script: Script) -> Methods:
+    def counted(function: Callable[..., Value]) -> Callable[..., Value]:
+        def call_(*parts: Value) -> Value:
+            names = [_name_of(part) for part in parts]
+            script.take_text(2 * sum(map(len, names)) + len(names))
+            return function(*names)
 
         return call_
 
-    def join(*parts: Value) -> str:
-        names = [_name_of(part) for part in parts]
-        script.take_text(sum(map(len, names)) + len(names))
-        return posixpath.join(*names)
-
-    def abspath(path: Value) -> str:
-        return posixpath.normpath(join("/", path))
-
-    names = ("basename", "dirname", "splitext", "split", "normpath")
+    names = ("basename", "dirname", "splitext", "split", "normpath", "join")
+    absolute = dict.fromkeys(("abspath", "realpath"), lambda path: posixpath.normpath(posixpath.join("/", path)))
+    functions = {name: getattr(posixpath, name) for name in names} | absolute | {"expanduser": str}
     asked = {name: lambda _, name=name: _no_file(f"os.path.{name}", script) for name in ("exists", "isfile", "isdir")}
-    files = {"join": join, "abspath": abspath, "realpath": abspath, "expanduser": _name_of}
-    return {name: pure(getattr(posixpath, name)) for name in names} | asked | files
+    return {name: counted(function) for name, function in functions.items()} | asked
 
 
 def _no_file(asked: str, script: Script) -> bool:
@@ -135,15 +130,6 @@ def _no_file(asked: str, script: Script) -> bool:
 
 def _name_of(value: Value) -> str:
     return str(value.pure) if isinstance(value, FilePath) else text(value, "the name of a file")
-
-
-def _path(script: Script) -> Callable[..., Value]:
-    def path(*parts: Value) -> FilePath:
-        names = [_name_of(part) for part in parts]
-        script.take_steps(sum(map(len, names)) // 8 + 8)  # a path is split at its slashes
-        return FilePath(PurePosixPath(*names), script)
-
-    return path
 
 
 class PathType(Builtin):
@@ -158,16 +144,15 @@ class FilePath(Record):
     kind = "a path"
     weight = 4
 
-    def __init__(self, pure: PurePosixPath, script: Script) -> None:
-        script.take_text(8 * len(str(pure)))
-        self.pure = pure
+    def __init__(self, script: Script, *parts: Value) -> None:
+        names = [str(part) if isinstance(part, PurePosixPath) else _name_of(part) for part in parts]
+        script.take_steps(sum(map(len, names)) // 8 + 8)  # a path is split at its slashes
+        self.pure = PurePosixPath(*names)
         self._script = script
+        script.take_text(8 * len(str(self.pure)))
 
-    def _other(self, pure: PurePosixPath) -> FilePath:
-        return FilePath(pure, self._script)
-
-    def _joined(self, *parts: Value) -> Value:
-        return _path(self._script)(self, *parts)
+    def _other(self, *parts: Value) -> FilePath:
+        return FilePath(self._script, *parts)
 
     fields: ClassVar[Methods] = {
         **{name: lambda self, name=name: getattr(self.pure, name) for name in ("name", "stem", "suffix")},
@@ -175,7 +160,7 @@ class FilePath(Record):
         "parents": lambda self: [self._other(parent) for parent in list(self.pure.parents)[:_MOST_PARENTS]],
     }
     methods: ClassVar[Methods] = {
-        "joinpath": _joined,
+        "joinpath": lambda self, *parts: self._other(self, *parts),
         "with_suffix": lambda self, suffix: self._other(self.pure.with_suffix(text(suffix, "the suffix"))),
         "with_name": lambda self, name: self._other(self.pure.with_name(text(name, "the name"))),
         **dict.fromkeys(("resolve", "absolute"), lambda self: self._other(PurePosixPath("/") / self.pure)),
@@ -190,7 +175,7 @@ class FilePath(Record):
     def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
         if operator is not ast.Div or reflected or not isinstance(other, str | FilePath):
             return super().binary(operator, other, reflected=reflected)
-        return self._joined(other)
+        return self._other(self, other)
 
     def equals(self, other: Value) -> bool:
         if not isinstance(other, FilePath):
@@ -206,10 +191,12 @@ class Moment(Record):
     """A time, of which there is one: the beginning of 1970."""
 
     kind = "a moment"
-    fields: ClassVar[Methods] = {"year": lambda _: 1970, "month": lambda _: 1, "day": lambda _: 1}
-    fields |= dict.fromkeys(("hour", "minute", "second", "microsecond"), lambda _: 0)
+    fields: ClassVar[Methods] = {
+        name: lambda _, name=name: getattr(_FIRST, name)
+        for name in ("year", "month", "day", "hour", "minute", "second", "microsecond")
+    }
     methods: ClassVar[Methods] = {
-        "isoformat": lambda _, *__, **___: _FIRST.replace(" ", "T"),
+        "isoformat": lambda _, *__, **___: _FIRST.isoformat(),
         "strftime": lambda _, form: _written(form),
         "timestamp": lambda _: 0.0,
         "date": lambda self: self,
@@ -221,7 +208,7 @@ class Moment(Record):
         return Duration()
 
     def text(self, _as_repr: bool) -> str:
-        return _FIRST
+        return str(_FIRST)
 
 
 class Duration(Record):
@@ -232,17 +219,13 @@ class Duration(Record):
     methods: ClassVar[Methods] = {"total_seconds": lambda _: 0.0}
 
     def text(self, _as_repr: bool) -> str:
-        return "0:00:00"
+        return str(timedelta())
 
 
 def _written(form: Value) -> str:
-    """The time in a format, as `strftime` writes it."""
-    if len(text(form, "the format")) > _LONGEST_FORMAT:
-        raise RefusalError(f"a format of {len(form)} characters; {_LONGEST_FORMAT} are the most")
-    for code in re.findall("%.?", form):
-        if code not in _CODES:
-            raise RefusalError(f"{code!r} in the format of a time is not supported; {', '.join(_CODES)} are")
-    return re.sub("%.", lambda code: _CODES[code[0]], form)
+    if len(text(form, "the format")) > _LONGEST_FORMAT or not _FORMAT.fullmatch(form):
+        raise RefusalError(f"the format {form[:40]!r} of a time is not supported")
+    return _FIRST.strftime(form)
 
 
 class Parser(Record):

@@ -6,6 +6,7 @@ Nothing of Python itself is a value: an attribute is looked up in a table of the
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Callable
 from functools import partial
 from typing import Any, ClassVar, TypeVar
@@ -15,6 +16,7 @@ from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError,
 Value = Any  # one of the types above; mypy has no way to say it that helps here
 LARGEST = 2**63  # of whole numbers
 MOST_TYPES = 50  # that isinstance is asked for
+_SURROGATE = re.compile("[\ud800-\udfff]")
 _NUMBER = (int, float)  # asked for so often that a union, which is slower, shows
 _SEQUENCES = (str, list, tuple, dict, range)
 Methods = dict[str, Callable[..., Value]]
@@ -295,6 +297,12 @@ def text(value: Value, what: str) -> str:
     if not isinstance(value, str):
         raise RefusalError(f"{what} is {describe(value)}; it must be a text")
     return value
+
+
+def lone_surrogate(text: str) -> int | None:
+    """The place of the first half of a character that stands alone, which no file in UTF-8 can hold."""
+    match = None if text.isascii() else _SURROGATE.search(text)
+    return match.start() if match else None
 
 
 def reals(value: Value, count: int, what: str) -> tuple[float, ...]:
