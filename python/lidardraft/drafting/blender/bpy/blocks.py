@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import ClassVar
 
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
-from lidardraft.drafting.blender.script.values import Methods, Record, Value, describe, place, text
+from lidardraft.drafting.blender.script.values import Builtin, Methods, Record, Value, describe, place, text
 
 _STEPS = 3  # that a block costs
 _MOST_PROPERTIES = 200  # of an object or a mesh
@@ -42,26 +42,36 @@ class Unread(Record):
 class Listed(Record):
     """Values in an order, which are found by their places and, where they have a `name`, by that."""
 
+    def held(self) -> Sequence[Value]:
+        """Its values; whoever asks does not change them."""
+        raise NotImplementedError
+
+    def elements(self) -> list[Value]:
+        return list(self.held())
+
+    def length(self) -> int:
+        return len(self.held())
+
     def named(self, name: Value) -> Value:
         """The one of that name, or None."""
-        return next((each for each in self.elements() if getattr(each, "name", None) == name), None)
+        return next((each for each in self.held() if getattr(each, "name", None) == name), None)
 
     def item(self, key: Value) -> Value:
-        if isinstance(key, str):
-            if (one := self.named(key)) is None:
-                raise RaisedError("KeyError", f"{self.kind} has no {describe(key)}")
-            return one
-        found = self.elements()
-        return found[key if isinstance(key, slice) else place(key, len(found), self.kind)]
+        if not isinstance(key, str):
+            found = self.held()
+            return found[key if isinstance(key, slice) else place(key, len(found), self.kind)]
+        if (one := self.named(key)) is None:
+            raise RaisedError("KeyError", f"{self.kind} has no {describe(key)}")
+        return one
 
     def contains(self, value: Value) -> bool:
-        return self.named(value) is not None if isinstance(value, str) else value in self.elements()
+        return self.named(value) is not None if isinstance(value, str) else value in self.held()
 
     def truth(self) -> bool:
         return self.length() > 0
 
     def _items(self) -> list[tuple[str, Value]]:
-        return [(each.name, each) for each in self.elements() if hasattr(each, "name")]
+        return [(each.name, each) for each in self.held() if hasattr(each, "name")]
 
     def _get(self, name: Value, default: Value = None) -> Value:
         found = self.named(text(name, "a name"))
@@ -73,6 +83,21 @@ class Listed(Record):
         "values": lambda self: self.elements(),
         "items": _items,
     }
+
+
+class Listing(Listed):
+    """The list that something else has of its parts, with methods of its own beside those of all lists."""
+
+    def __init__(self, kind: str, held: Callable[[], Sequence[Value]], own: Methods) -> None:
+        self.kind = kind
+        self._held = held
+        self._own = own
+
+    def held(self) -> Sequence[Value]:
+        return self._held()
+
+    def attribute(self, name: str) -> Value:
+        return Builtin(name, self._own[name]) if name in self._own else super().attribute(name)
 
 
 class Blocks(Listed):
@@ -124,7 +149,7 @@ class Blocks(Listed):
         self.script.take_compared(name)
         return self.by_name.get(name)
 
-    def elements(self) -> list[Value]:
+    def held(self) -> list[Value]:
         self.script.take_cells(len(self.by_name))
         return list(self.by_name.values())
 

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from lidardraft.drafting.blender.bpy.blocks import Listed, Unread, ignored
+from lidardraft.drafting.blender.bpy.blocks import Listing, Unread, ignored
 from lidardraft.drafting.blender.bpy.mathutils import IDENTITY, Matrix, Vector, affine, moved
 from lidardraft.drafting.blender.bpy.mesh_shapes import MeshShape, polygons_of, polyhedron, shape_of
 from lidardraft.drafting.blender.bpy.meshes import Mesh, Vertex
@@ -25,7 +25,6 @@ from lidardraft.drafting.blender.script.values import (
     elements,
     nothing,
     of_kind,
-    place,
     reals,
 )
 
@@ -174,10 +173,39 @@ class EditedMesh(Record):
         if (shape := of_kind(mesh, Mesh, "the mesh").shape) is not None:
             self.add_shape(shape, mesh.matrix)
 
+    def _new_vertex(self, co: Value = _ORIGIN, *_: Value) -> Vertex:
+        self.charge(1)
+        self.vertices.append(Vertex(list(reals(co, 3, "a vertex"))))
+        return self.vertices[-1]
+
+    def _new_face(self, verts: Value, *_: Value) -> Face:
+        corners = [of_kind(corner, Vertex, "a corner of a face") for corner in elements(verts, self.script)]
+        self.script.take_steps(len(corners))
+        self.charge(1)
+        if len(corners) < 3 or len(set(corners)) < len(corners):
+            raise RaisedError("ValueError", f"a face of {len(set(corners))} vertices; it needs 3 or more, each once")
+        self.faces.append(Face(corners, self.script))
+        return self.faces[-1]
+
+    def _remove(self, parts: list[Value], part: Value) -> None:
+        self.script.take_steps(len(parts))
+        if part not in parts:
+            raise RefusalError(f"{describe(part)} is not in this part of the BMesh")
+        parts.remove(part)
+        self.faces = [face for face in self.faces if part not in face.corners]
+
+    def _verts(self) -> Listing:
+        own: Methods = {"new": self._new_vertex, "remove": lambda part: self._remove(self.vertices, part)}
+        return Listing("`verts` of a BMesh", lambda: self.vertices, own | _LOOKUP)
+
+    def _faces(self) -> Listing:
+        own: Methods = {"new": self._new_face, "remove": lambda part: self._remove(self.faces, part)}
+        return Listing("`faces` of a BMesh", lambda: self.faces, own | _LOOKUP)
+
     fields: ClassVar[Methods] = {
-        "verts": lambda self: Vertices(self),
-        "faces": lambda self: Faces(self),
-        "edges": lambda self: Edges(self),
+        "verts": _verts,
+        "faces": _faces,
+        "edges": lambda self: Listing("`edges` of a BMesh", self.edges, {**_LOOKUP, "new": nothing}),
         **{
             name: lambda self, name=name: Unread(f"{name} of a BMesh", self.script)
             for name in ("loops", "select_history", "select_mode")
@@ -191,91 +219,6 @@ class EditedMesh(Record):
         "clear": _clear,
         "copy": copy,
     }
-
-
-class Edges(Listed):
-    """The edges of a mesh that is being edited."""
-
-    kind = "`edges` of a BMesh"
-
-    def __init__(self, mesh: EditedMesh) -> None:
-        self._mesh = mesh
-
-    def elements(self) -> list[Value]:
-        return list(self._mesh.edges())
-
-    methods: ClassVar[Methods] = _LOOKUP | {"new": nothing}  # an edge of no face is in no shape
-
-
-class _Parts(Listed):
-    """The vertices, or the faces, of a mesh that is being edited."""
-
-    def __init__(self, mesh: EditedMesh) -> None:
-        self.mesh = mesh
-
-    def held(self) -> list[Value]:
-        """The list that the mesh has of them."""
-        raise NotImplementedError
-
-    def elements(self) -> list[Value]:
-        return list(self.held())
-
-    def length(self) -> int:
-        return len(self.held())
-
-    def item(self, key: Value) -> Value:
-        items = self.held()
-        if isinstance(key, slice):
-            self.mesh.script.take_cells(len(items))
-        return items[key if isinstance(key, slice) else place(key, len(items), self.kind)]
-
-    def _remove(self, part: Value) -> None:
-        items = self.held()
-        self.mesh.script.take_steps(len(items))
-        if part not in items:
-            raise RefusalError(f"{describe(part)} is not in {self.kind}")
-        items.remove(part)
-        self.mesh.faces = [face for face in self.mesh.faces if part not in face.corners]
-
-    methods: ClassVar[Methods] = _LOOKUP | {"remove": _remove}
-
-
-class Vertices(_Parts):
-    """The vertices of a mesh that is being edited."""
-
-    kind = "`verts` of a BMesh"
-
-    def held(self) -> list[Value]:
-        return self.mesh.vertices
-
-    def _new(self, co: Value = _ORIGIN, *_: Value) -> Vertex:
-        self.mesh.charge(1)
-        self.mesh.vertices.append(Vertex(list(reals(co, 3, "a vertex"))))
-        return self.mesh.vertices[-1]
-
-    methods: ClassVar[Methods] = _Parts.methods | {"new": _new}
-
-
-class Faces(_Parts):
-    """The faces of a mesh that is being edited."""
-
-    kind = "`faces` of a BMesh"
-
-    def held(self) -> list[Value]:
-        return self.mesh.faces
-
-    def _new(self, verts: Value, *_: Value) -> Face:
-        corners = elements(verts, self.mesh.script)
-        self.mesh.script.take_steps(len(corners))
-        self.mesh.charge(1)
-        if not all(isinstance(corner, Vertex) for corner in corners):
-            raise RefusalError("a face of what is no vertex")
-        if len(corners) < 3 or len(set(corners)) < len(corners):
-            raise RaisedError("ValueError", f"a face of {len(set(corners))} vertices; it needs 3 or more, each once")
-        self.mesh.faces.append(Face(corners, self.mesh.script))
-        return self.mesh.faces[-1]
-
-    methods: ClassVar[Methods] = _Parts.methods | {"new": _new}
 
 
 def bmesh_module(scene: Scene) -> Namespace:
@@ -294,7 +237,8 @@ def bmesh_module(scene: Scene) -> Namespace:
         return lambda *_, **__: script.note(f"bmesh.ops.{name} is passed over")
 
     kinds = {"BMVert": Vertex, "BMFace": Face, "BMesh": EditedMesh, "BMEdge": Edge}
-    operators = _moves() | {"extrude_face_region": _extrude_face_region, "delete": _delete}
+    operators: Methods = {"translate": _translate, "scale": _scale, "rotate": _rotate, "transform": _transform}
+    operators |= {"extrude_face_region": _extrude_face_region, "delete": _delete}
     operators |= {name: _adding(name) for name in _SHAPES} | {name: passed_over(name) for name in _PASSED_OVER}
     functions: Methods = {
         "new": lambda **_: EditedMesh(script),
@@ -321,31 +265,33 @@ def _adding(name: str) -> Callable[..., Value]:
     return add
 
 
-def _moves() -> Methods:
-    def move(bm: Value, verts: Value, linear: np.ndarray, offset: np.ndarray, space: Value) -> None:
-        mesh, matrix = of_kind(bm, EditedMesh, "bm"), affine(linear, offset)
-        mesh.script.take_steps(_STEPS_OF_MATRIX)
-        if isinstance(space, Matrix) and space.array.shape == (4, 4):
-            mesh.script.take_steps(4 * _STEPS_OF_MATRIX)
-            matrix = np.linalg.pinv(space.array) @ matrix @ space.array
-        mesh.transform(Matrix(matrix), _vertices(mesh, verts))
+def _move(bm: Value, verts: Value, linear: np.ndarray, offset: np.ndarray, space: Value) -> None:
+    mesh, matrix = of_kind(bm, EditedMesh, "bm"), affine(linear, offset)
+    mesh.script.take_steps(_STEPS_OF_MATRIX)
+    if isinstance(space, Matrix) and space.array.shape == (4, 4):
+        mesh.script.take_steps(4 * _STEPS_OF_MATRIX)
+        matrix = np.linalg.pinv(space.array) @ matrix @ space.array
+    _transform(mesh, Matrix(matrix), verts)
 
-    def translate(bm: Value, vec: Value = _ORIGIN, verts: Value = (), space: Value = None, **_: Value) -> None:
-        move(bm, verts, np.eye(3), np.array(reals(vec, 3, "the way")), space)
 
-    def scale(bm: Value, vec: Value = (1.0, 1.0, 1.0), verts: Value = (), space: Value = None, **_: Value) -> None:
-        move(bm, verts, np.diag(reals(vec, 3, "the scale")), np.zeros(3), space)
+def _translate(bm: Value, vec: Value = _ORIGIN, verts: Value = (), space: Value = None, **_: Value) -> None:
+    _move(bm, verts, np.eye(3), np.array(reals(vec, 3, "the way")), space)
 
-    def rotate(
-        bm: Value, cent: Value = _ORIGIN, matrix: Value = None, verts: Value = (), space: Value = None, **_: Value
-    ) -> None:
-        turn, middle = of_kind(matrix, Matrix, "the matrix").array[:3, :3], np.array(reals(cent, 3, "the centre"))
-        move(bm, verts, turn, middle - turn @ middle, space)
 
-    def transform(bm: Value, matrix: Value = None, verts: Value = (), **_: Value) -> None:
-        of_kind(bm, EditedMesh, "bm").transform(matrix, _vertices(bm, verts))
+def _scale(bm: Value, vec: Value = (1.0, 1.0, 1.0), verts: Value = (), space: Value = None, **_: Value) -> None:
+    _move(bm, verts, np.diag(reals(vec, 3, "the scale")), np.zeros(3), space)
 
-    return {"translate": translate, "scale": scale, "rotate": rotate, "transform": transform}
+
+def _rotate(
+    bm: Value, cent: Value = _ORIGIN, matrix: Value = None, verts: Value = (), space: Value = None, **_: Value
+) -> None:
+    turn, middle = of_kind(matrix, Matrix, "the matrix").array[:3, :3], np.array(reals(cent, 3, "the centre"))
+    _move(bm, verts, turn, middle - turn @ middle, space)
+
+
+def _transform(bm: Value, matrix: Value = None, verts: Value = (), **_: Value) -> None:
+    mesh = of_kind(bm, EditedMesh, "bm")
+    mesh.transform(matrix, [of_kind(vertex, Vertex, "what is moved") for vertex in elements(verts, mesh.script)])
 
 
 def _extrude_face_region(bm: Value, geom: Value = (), **_: Value) -> Value:
@@ -381,10 +327,3 @@ def _delete(bm: Value, geom: Value = (), context: Value = "VERTS", **_: Value) -
         kept = {corner for face in mesh.faces for corner in face.corners}
         gone = {corner for face in lost for corner in face.corners} - kept if context == "FACES" else set()
     mesh.vertices = [vertex for vertex in mesh.vertices if vertex not in gone]
-
-
-def _vertices(mesh: EditedMesh, value: Value) -> list[Vertex]:
-    found = elements(value, mesh.script)
-    if not all(isinstance(vertex, Vertex) for vertex in found):
-        raise RefusalError("vertices are moved that are none")
-    return found

@@ -103,6 +103,14 @@ def moved(points: np.ndarray, matrix: np.ndarray) -> np.ndarray:
     return np.asarray(points @ matrix[:3, :3].T + matrix[:3, 3])
 
 
+def inverse(matrix: np.ndarray, what: str) -> np.ndarray:
+    """The inverse of a matrix, which must have one."""
+    try:
+        return np.linalg.inv(matrix)
+    except np.linalg.LinAlgError:
+        raise RefusalError(f"{what} is scaled to nothing") from None
+
+
 def about_axis(axis: np.ndarray, angle: float) -> np.ndarray:
     """The rotation [3, 3] about an axis [3] by an angle [rad]."""
     length = np.linalg.norm(axis)
@@ -420,12 +428,6 @@ class Matrix(Record):
         self.change(product.array)
         return self
 
-    def _inverted(self) -> Matrix:
-        try:
-            return Matrix(np.linalg.inv(self.array))
-        except np.linalg.LinAlgError:
-            raise RefusalError("a matrix that has no inverse") from None
-
     def four_rows(self) -> np.ndarray:
         """The map [4, 4] that it is of points."""
         return affine(self.array[:3, :3], self.array[:3, 3] if len(self.array) == 4 else np.zeros(3))
@@ -439,7 +441,7 @@ class Matrix(Record):
     }
     methods: ClassVar[Methods] = {
         "copy": lambda self: Matrix(self.array),
-        "inverted": _inverted,
+        "inverted": lambda self: Matrix(inverse(self.array, "the matrix")),
         "transposed": lambda self: Matrix(self.array.T),
         "to_4x4": lambda self: Matrix(self.four_rows()),
         "to_3x3": lambda self: Matrix(self.array[:3, :3]),

@@ -49,17 +49,6 @@ def cube(size: float) -> MeshShape:
     return MeshShape("box", (abs(size),) * 3, 8, make)
 
 
-def plane(size: float) -> MeshShape:
-    """A square in z = 0."""
-
-    def make() -> tuple[np.ndarray, Polygons]:
-        half = abs(size) / 2
-        corners = [(-half, -half, 0.0), (half, -half, 0.0), (half, half, 0.0), (-half, half, 0.0)]
-        return np.array(corners), [np.arange(4)[None]]
-
-    return MeshShape("plane", (abs(size), abs(size), 0.0), 4, make)
-
-
 def grid(size: float, columns: int, rows: int) -> MeshShape:
     """A square in z = 0, cut into so many columns along x and rows along y."""
 
@@ -127,12 +116,9 @@ def icosphere(radius: float, subdivisions: int) -> MeshShape:
 
     def make() -> tuple[np.ndarray, Polygons]:
         high, wide = 1 / math.sqrt(5), 2 / math.sqrt(5)
-        angles = [math.radians(36 + 72 * k) for k in range(5)]
-        low = [
-            (-wide * math.cos(math.radians(72 * k)), -wide * math.sin(math.radians(72 * k)), -high) for k in range(5)
-        ]
-        upper = [(-wide * math.cos(a), -wide * math.sin(a), high) for a in angles]
-        vertices = np.array([(0.0, 0.0, -1.0), *low, *upper, (0.0, 0.0, 1.0)])
+        angles = [math.radians(72 * (k % 5) + 36 * (k > 4)) for k in range(10)]
+        rings = [(-wide * math.cos(a), -wide * math.sin(a), math.copysign(high, k - 4.5)) for k, a in enumerate(angles)]
+        vertices = np.array([(0.0, 0.0, -1.0), *rings, (0.0, 0.0, 1.0)])
         faces = []
         for k in range(5):
             a, b, c, d = 1 + k, 1 + (k + 1) % 5, 6 + k, 6 + (k + 1) % 5
@@ -167,7 +153,7 @@ def torus(major: float, minor: float, major_segments: int, minor_segments: int) 
 # What the operators of bpy and bmesh that add a shape call, and their arguments with their defaults, in its order.
 _SHAPES: dict[str, tuple[Callable[..., MeshShape | None], dict[str, Value]]] = {
     "cube": (cube, {"size": 2.0}),
-    "plane": (plane, {"size": 2.0}),
+    "plane": (lambda size: grid(size, 1, 1), {"size": 2.0}),
     "grid": (grid, {"size": 2.0, "x_subdivisions": 10, "y_subdivisions": 10}),
     "circle": (disc, {"radius": 1.0, "vertices": 32, "fill_type": "NOTHING"}),
     "cylinder": (

@@ -19,7 +19,6 @@ from lidardraft.drafting.blender.script.values import (
     is_number,
     nothing,
     of_kind,
-    place,
     reals,
     whole,
 )
@@ -60,8 +59,8 @@ class MaterialList(Listed):
             raise RefusalError(f"a mesh of more than {_MOST_MATERIALS} materials")
         self.materials.append(_material(material))
 
-    def elements(self) -> list[Value]:
-        return list(self.materials)
+    def held(self) -> list[Material | None]:
+        return self.materials
 
     def set_item(self, key: Value, value: Value) -> None:
         self.item(whole(key, "the place of a material"))
@@ -184,12 +183,8 @@ class MeshVertices(Listed):
     def __init__(self, mesh: Mesh) -> None:
         self._mesh = mesh
 
-    def elements(self) -> list[Value]:
-        return list(self._mesh.vertices())
-
-    def item(self, key: Value) -> Value:
-        vertices = self._mesh.vertices()
-        return vertices[key if isinstance(key, slice) else place(key, len(vertices), self.kind)]
+    def held(self) -> list[Vertex]:
+        return self._mesh.vertices()
 
     def length(self) -> int:
         return self._mesh.shape.vertices if self._mesh.shape else 0

@@ -17,6 +17,7 @@ from lidardraft.drafting.blender.bpy.mathutils import (
     Vector,
     affine,
     angles_of,
+    inverse,
     of_quaternion,
     quaternion_of,
     rotation_matrix,
@@ -116,8 +117,8 @@ class Modifiers(Listed):
         self._script.note(f"the modifier {kind:.40} is passed over{shape}")
         return Unread("modifiers", self._script)
 
-    def elements(self) -> list[Value]:
-        return list(self.arrays)
+    def held(self) -> list[ArrayModifier]:
+        return self.arrays
 
     def item(self, key: Value) -> Value:
         try:
@@ -258,10 +259,8 @@ class SceneObject(Block):
         """Place it so that `world()` is the matrix [4, 4]; raises `RefusalError` for one that shears."""
         self.script.take_steps(3 * _STEPS)
         if self.parent is not None:
-            try:
-                matrix = np.linalg.inv(self.parent.charged_world() @ self.parent_inverse) @ matrix
-            except np.linalg.LinAlgError:
-                raise RefusalError(f"the parent of {self.name!r:.60} is scaled to nothing") from None
+            parent = self.parent.charged_world() @ self.parent_inverse
+            matrix = inverse(parent, f"the parent of {self.name!r:.60}") @ matrix
         self.set_local(matrix)
 
     def set_local(self, matrix: np.ndarray) -> None:

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from lidardraft.drafting.blender.bpy.blocks import Unread
-from lidardraft.drafting.blender.bpy.mathutils import IDENTITY, affine, moved, rotation_matrix
+from lidardraft.drafting.blender.bpy.mathutils import IDENTITY, affine, inverse, moved, rotation_matrix
 from lidardraft.drafting.blender.bpy.mesh_shapes import polyhedron, shape_of
 from lidardraft.drafting.blender.bpy.meshes import Mesh, scale_of
 from lidardraft.drafting.blender.bpy.objects import SceneObject
@@ -26,7 +26,6 @@ from lidardraft.drafting.blender.script.values import (
     truth,
 )
 
-_DONE = ["FINISHED"]
 _ORIGIN = (0.0, 0.0, 0.0)
 _STEPS = 30  # that an object costs
 _ACTIONS = ("SELECT", "DESELECT", "INVERT", "TOGGLE")
@@ -53,31 +52,35 @@ _NAMES = {"uv_sphere": "Sphere", "ico_sphere": "Icosphere"}  # of objects that a
 class Operators(Record):
     """`bpy.ops`, or one of its groups: `name` is "" or, say, "mesh."."""
 
-    def __init__(self, scene: Scene, name: str = "", known: Methods | None = None) -> None:
+    def __init__(self, scene: Scene, name: str = "") -> None:
         self.kind = f"bpy.ops.{name}".rstrip(".")
         self._scene = scene
         self._name = name
-        groups = (_selecting, _adding, _copying, _transforming, _parenting)
-        self._known = known or {key: operator for group in groups for key, operator in group(scene).items()}
         self._made: dict[str, Value] = {}
 
     def attribute(self, name: str) -> Value:
         if name not in self._made:
-            is_group = not self._name
-            made = Operators(self._scene, f"{name}.", self._known) if is_group else self._operator(self._name + name)
+            made = self._operator(self._name + name) if self._name else Operators(self._scene, f"{name}.")
             self._made[name] = made
         return self._made[name]
 
     def _operator(self, name: str) -> Value:
         full, scene = f"bpy.ops.{name}", self._scene
-        if name in self._known:
-            return Operator(full, self._known[name])
         kind = next((kind for start, kind in _OTHER_OBJECTS.items() if name.startswith(start)), None)
-        if kind is not None and name.endswith("_add"):
-            return Operator(full, lambda **where: _add_placed(scene, kind, Unread(kind, scene.script), where))
-        if not name.startswith(_PASSED_OVER):
+        is_other = kind is not None and name.endswith("_add")
+        if not (is_other or name in _OPERATORS or name.startswith(_PASSED_OVER)):
             raise RefusalError(f"{full} is not supported")
-        return Operator(full, lambda **_: scene.script.note(f"{full} is passed over"))
+
+        def call(**arguments: Value) -> Value:
+            if name in _OPERATORS:
+                _OPERATORS[name](scene, **arguments)
+            elif is_other:
+                _add_placed(scene, str(kind), Unread(str(kind), scene.script), arguments)
+            else:
+                scene.script.note(f"{full} is passed over")
+            return ["FINISHED"]
+
+        return Operator(full, call)
 
 
 class Operator(Builtin):
@@ -86,184 +89,138 @@ class Operator(Builtin):
     methods: ClassVar[Methods] = {"poll": lambda _: True}
 
 
-def _selecting(scene: Scene) -> Methods:
-    objects = scene.objects
-
-    def checked(action: Value) -> None:
-        if action not in _ACTIONS:
-            raise RefusalError(f"the action is {describe(action)}; it must be one of {', '.join(_ACTIONS)}")
-
-    def select_all(action: Value = "TOGGLE") -> Value:
-        checked(action)
-        chosen = objects.all()
-        if action == "DESELECT" or (action == "TOGGLE" and objects.selection):
-            chosen = []
-        elif action == "INVERT":
-            chosen = [item for item in chosen if item not in objects.selection]
-        objects.selection = dict.fromkeys(chosen)
-        return _DONE
-
-    def select_vertices(action: Value = "TOGGLE") -> Value:
-        checked(action)
-        scene.edits_all = action == "SELECT" or (action != "DESELECT" and not scene.edits_all)
-        return _DONE
-
-    def select_by_type(type: Value = "MESH", extend: Value = False) -> Value:
-        found = [item for item in objects.all() if item.attribute("type") == type]
-        objects.selection = {**(objects.selection if truth(extend) else {}), **dict.fromkeys(found)}
-        return _DONE
-
-    def delete(**_: Value) -> Value:
-        for item in list(objects.selection):
-            objects.remove(item)
-        return _DONE
-
-    def mode_set(mode: Value = "OBJECT", **_: Value) -> Value:
-        if mode not in ("OBJECT", "EDIT"):
-            raise RefusalError(f"the mode {describe(mode)} is not supported")
-        if mode == "EDIT":
-            scene.edit_mode = scene.edits_all = True
-        else:
-            scene.leave_edit_mode()
-        return _DONE
-
-    def read_factory_settings(**_: Value) -> Value:
-        scene.clear()
-        return _DONE
-
-    return {
-        "object.select_all": select_all,
-        "object.select_by_type": select_by_type,
-        "object.delete": delete,
-        "object.mode_set": mode_set,
-        "mesh.select_all": select_vertices,
-        **dict.fromkeys(("wm.read_factory_settings", "wm.read_homefile"), read_factory_settings),
-    }
+def _checked(action: Value) -> Value:
+    if action not in _ACTIONS:
+        raise RefusalError(f"the action is {describe(action)}; it must be one of {', '.join(_ACTIONS)}")
+    return action
 
 
-def _adding(scene: Scene) -> Methods:
-    def primitive(name: str) -> Callable[..., Value]:
-        def add(
-            *,
-            location: Value = None,
-            rotation: Value = _ORIGIN,
-            scale: Value = None,
-            align: Value = "WORLD",
-            enter_editmode: Value = False,
-            **given: Value,
-        ) -> Value:
-            if align != "WORLD" or enter_editmode:
-                raise RefusalError(f"align={describe(align)} or enter_editmode is not supported")
-            shape = shape_of(name, {key: value for key, value in given.items() if key not in _OF_TEXTURES})
-            mesh: Mesh = scene.meshes.new(_NAMES.get(name, name.title()))
-            mesh.shape = shape
-            if scale is not None:
-                mesh.matrix = np.diag([*scale_of(scale), 1.0])
-            return _add_placed(scene, mesh.name, mesh, {"location": location, "rotation": rotation})
-
-        return add
-
-    shapes = ("cube", "plane", "grid", "circle", "cylinder", "cone", "uv_sphere", "ico_sphere", "torus")
-    table: Methods = {f"mesh.primitive_{name}_add": primitive(name) for name in shapes}
-    table["object.empty_add"] = lambda **where: _add_placed(scene, "Empty", None, where)
-    return table
+def _select_all(scene: Scene, action: Value = "TOGGLE") -> None:
+    chosen, before = scene.objects.all(), scene.objects.selection
+    if _checked(action) == "DESELECT" or (action == "TOGGLE" and before):
+        chosen = []
+    elif action == "INVERT":
+        chosen = [item for item in chosen if item not in before]
+    scene.objects.selection = dict.fromkeys(chosen)
 
 
-def _add_placed(scene: Scene, name: str, data: Value, where: dict[str, Value]) -> Value:
+def _select_vertices(scene: Scene, action: Value = "TOGGLE") -> None:
+    scene.edits_all = _checked(action) == "SELECT" or (action != "DESELECT" and not scene.edits_all)
+
+
+def _select_by_type(scene: Scene, type: Value = "MESH", extend: Value = False) -> None:
+    found = [item for item in scene.objects.all() if item.attribute("type") == type]
+    scene.objects.selection = {**(scene.objects.selection if truth(extend) else {}), **dict.fromkeys(found)}
+
+
+def _delete(scene: Scene, **_: Value) -> None:
+    for item in list(scene.objects.selection):
+        scene.objects.remove(item)
+
+
+def _mode_set(scene: Scene, mode: Value = "OBJECT", **_: Value) -> None:
+    if mode not in ("OBJECT", "EDIT"):
+        raise RefusalError(f"the mode {describe(mode)} is not supported")
+    if mode == "EDIT":
+        scene.edit_mode = scene.edits_all = True
+    else:
+        scene.leave_edit_mode()
+
+
+def _primitive(name: str) -> Callable[..., None]:
+    def add(
+        scene: Scene,
+        *,
+        location: Value = None,
+        rotation: Value = _ORIGIN,
+        scale: Value = None,
+        align: Value = "WORLD",
+        enter_editmode: Value = False,
+        **given: Value,
+    ) -> None:
+        if align != "WORLD" or enter_editmode:
+            raise RefusalError(f"align={describe(align)} or enter_editmode is not supported")
+        shape = shape_of(name, {key: value for key, value in given.items() if key not in _OF_TEXTURES})
+        mesh: Mesh = scene.meshes.new(_NAMES.get(name, name.title()))
+        mesh.shape = shape
+        if scale is not None:
+            mesh.matrix = np.diag([*scale_of(scale), 1.0])
+        _add_placed(scene, mesh.name, mesh, {"location": location, "rotation": rotation})
+
+    return add
+
+
+def _add_placed(scene: Scene, name: str, data: Value, where: dict[str, Value]) -> None:
     scene.script.take_steps(_STEPS)
     item = scene.add(name, data)
     location = where.get("location")
     item.location.change(reals(scene.cursor if location is None else location, 3, "the location"))
     item.rotation.change(reals(where.get("rotation", _ORIGIN), 3, "the rotation"))
-    return _DONE
 
 
-def _copying(scene: Scene) -> Methods:
-    def duplicate(linked: Value = False, **_: Value) -> Value:
-        copies = []
-        for item in list(scene.objects.selection):
-            scene.script.take_steps(_STEPS)
-            other = item.copy()
-            if not truth(linked) and isinstance(other.data, Mesh):
-                other.data = other.data.copy()
-            other.collections = dict(item.collections)
-            scene.script.take_cells(len(item.collections))
-            copies.append(other)
-            if scene.objects.active is item:
-                scene.objects.active = other
-        scene.objects.selection = dict.fromkeys(copies)
-        return _DONE
-
-    def duplicate_move(OBJECT_OT_duplicate: Value = None, TRANSFORM_OT_translate: Value = None, **_: Value) -> Value:
-        for given in (OBJECT_OT_duplicate, TRANSFORM_OT_translate):
-            if not isinstance(given, dict | None):
-                raise RefusalError(f"duplicate_move gets {describe(given)}; it must be a dict")
-        duplicate(**(OBJECT_OT_duplicate or {}))
-        _transforming(scene)["transform.translate"](**(TRANSFORM_OT_translate or {}))
-        return _DONE
-
-    def modifier_add(type: Value = "SUBSURF", **_: Value) -> Value:
-        if scene.objects.active is None:
-            raise RefusalError("there is no active object that could have a modifier")
-        name = text(type, "the modifier").title()
-        taken = [array.name for array in scene.objects.active.modifiers.arrays]
-        names = (name if not number else f"{name}.{number:03}" for number in range(len(taken) + 1))
-        scene.objects.active.modifiers.new(next(each for each in names if each not in taken), type)
-        return _DONE
-
-    return {
-        "object.duplicate": duplicate,
-        "object.duplicate_move": duplicate_move,
-        "object.modifier_add": modifier_add,
-        "object.modifier_apply": lambda **_: None,
-    }
+def _duplicate(scene: Scene, linked: Value = False, **_: Value) -> None:
+    copies = []
+    for item in list(scene.objects.selection):
+        scene.script.take_steps(_STEPS)
+        other = item.copy()
+        if not truth(linked) and isinstance(other.data, Mesh):
+            other.data = other.data.copy()
+        other.collections = dict(item.collections)
+        scene.script.take_cells(len(item.collections))
+        copies.append(other)
+        if scene.objects.active is item:
+            scene.objects.active = other
+    scene.objects.selection = dict.fromkeys(copies)
 
 
-def _transforming(scene: Scene) -> Methods:
-    def transform_apply(location: Value = True, rotation: Value = True, scale: Value = True, **_: Value) -> Value:
-        for item in scene.objects.selection:
-            scene.script.take_steps(2 * _STEPS)
-            _apply(item, truth(location), truth(rotation), truth(scale))
-        return _DONE
+def _duplicate_move(
+    scene: Scene, OBJECT_OT_duplicate: Value = None, TRANSFORM_OT_translate: Value = None, **_: Value
+) -> None:
+    for given in (OBJECT_OT_duplicate, TRANSFORM_OT_translate):
+        if not isinstance(given, dict | None):
+            raise RefusalError(f"duplicate_move gets {describe(given)}; it must be a dict")
+    _duplicate(scene, **(OBJECT_OT_duplicate or {}))
+    _translate(scene, **(TRANSFORM_OT_translate or {}))
 
-    def translate(value: Value = _ORIGIN, **_: Value) -> Value:
-        way = np.array(reals(value, 3, "the way"))
-        if scene.edit_mode:
-            _transform_vertices(scene, np.eye(3), way)
-            return _DONE
-        for item in _roots(scene):
-            world = item.charged_world()
-            world[:3, 3] += way
-            item.set_world(world)
-        return _DONE
 
-    def resize(value: Value = (1.0, 1.0, 1.0), **_: Value) -> Value:
-        _about_middle(scene, np.diag(reals(value, 3, "the scale")))
-        return _DONE
+def _modifier_add(scene: Scene, type: Value = "SUBSURF", **_: Value) -> None:
+    if scene.objects.active is None:
+        raise RefusalError("there is no active object that could have a modifier")
+    name = text(type, "the modifier").title()
+    taken = [array.name for array in scene.objects.active.modifiers.arrays]
+    names = (name if not number else f"{name}.{number:03}" for number in range(len(taken) + 1))
+    scene.objects.active.modifiers.new(next(each for each in names if each not in taken), type)
 
-    def rotate(value: Value = 0.0, orient_axis: Value = "Z", **_: Value) -> Value:
-        # Without a view, which is how scripts are run, the operator turns clockwise about the axis.
-        angles = [-real(value, "the angle") if axis == orient_axis else 0.0 for axis in "XYZ"]
-        _about_middle(scene, rotation_matrix(angles))
-        return _DONE
 
-    def origin_set(type: Value = "GEOMETRY_ORIGIN", center: Value = "MEDIAN", **_: Value) -> Value:
-        for item in scene.objects.selection:
-            scene.script.take_steps(_STEPS)
-            if isinstance(item.data, Mesh) and item.data.shape is not None:
-                origin = _origin(scene, item, text(type, "the type"), center)
-                item.data.matrix = affine(np.eye(3), -origin) @ item.data.matrix
-                if type != "GEOMETRY_ORIGIN":  # its surface stays where it is
-                    item.location.change((item.local() @ [*origin, 1.0])[:3].tolist())
-        return _DONE
+def _translate(scene: Scene, value: Value = _ORIGIN, **_: Value) -> None:
+    way = np.array(reals(value, 3, "the way"))
+    if scene.edit_mode:
+        _transform_vertices(scene, np.eye(3), way)
+        return
+    for item in _roots(scene):
+        world = item.charged_world()
+        world[:3, 3] += way
+        item.set_world(world)
 
-    return {
-        "object.origin_set": origin_set,
-        "object.transform_apply": transform_apply,
-        "transform.translate": translate,
-        "transform.resize": resize,
-        "transform.rotate": rotate,
-    }
+
+def _resize(scene: Scene, value: Value = (1.0, 1.0, 1.0), **_: Value) -> None:
+    _about_middle(scene, np.diag(reals(value, 3, "the scale")))
+
+
+def _rotate(scene: Scene, value: Value = 0.0, orient_axis: Value = "Z", **_: Value) -> None:
+    # Without a view, which is how scripts are run, the operator turns clockwise about the axis.
+    angles = [-real(value, "the angle") if axis == orient_axis else 0.0 for axis in "XYZ"]
+    _about_middle(scene, rotation_matrix(angles))
+
+
+def _origin_set(scene: Scene, type: Value = "GEOMETRY_ORIGIN", center: Value = "MEDIAN", **_: Value) -> None:
+    for item in scene.objects.selection:
+        scene.script.take_steps(_STEPS)
+        if isinstance(item.data, Mesh) and item.data.shape is not None:
+            origin = _origin(scene, item, text(type, "the type"), center)
+            item.data.matrix = affine(np.eye(3), -origin) @ item.data.matrix
+            if type != "GEOMETRY_ORIGIN":  # its surface stays where it is
+                item.location.change((item.local() @ [*origin, 1.0])[:3].tolist())
 
 
 def _origin(scene: Scene, item: SceneObject, type: str, center: Value) -> np.ndarray:
@@ -319,73 +276,89 @@ def _transform_vertices(scene: Scene, linear: np.ndarray, offset: np.ndarray) ->
     world = item.charged_world()
     middle = moved(vertices.mean(axis=0), world)
     change = affine(linear, middle - linear @ middle + offset)
-    item.data.matrix = _inverse(world, "the object") @ change @ world @ item.data.matrix
+    item.data.matrix = inverse(world, "the object") @ change @ world @ item.data.matrix
 
 
-def _inverse(matrix: np.ndarray, what: str) -> np.ndarray:
-    try:
-        return np.linalg.inv(matrix)
-    except np.linalg.LinAlgError:
-        raise RefusalError(f"{what} is scaled to nothing") from None
-
-
-def _apply(item: SceneObject, location: bool, rotation: bool, scale: bool) -> None:
-    """Move a part of an object's transform into its mesh."""
-    if not isinstance(item.data, Mesh):
-        return
-    if rotation and not scale and len(set(item.scale.numbers)) > 1:
-        raise RefusalError("a rotation that is applied without an uneven scale is not supported; apply both")
-    before = item.local()
-    if location:
-        item.location.change(_ORIGIN)
-    if rotation:
-        item.turn(np.eye(3))
-    if scale:
-        item.scale.change((1.0, 1.0, 1.0))
-    item.data.matrix = _inverse(item.local(), item.name[:60]) @ before @ item.data.matrix
-
-
-def _parenting(scene: Scene) -> Methods:
-    objects = scene.objects
-
-    def parent_set(type: Value = "OBJECT", **_: Value) -> Value:
-        active = objects.active
-        if active is None or type != "OBJECT":
-            raise RefusalError("there is no active object to be the parent, or it is no parent of objects")
-        for item in [item for item in objects.selection if item is not active]:
-            world = item.charged_world()
-            scene.script.take_steps(2 * _STEPS)
-            item.set_parent(active)
-            inverse = _inverse(active.charged_world(), "the parent") @ world
-            item.parent_inverse = inverse @ _inverse(item.local(), item.name[:60])
-        return _DONE
-
-    def parent_clear(type: Value = "CLEAR") -> Value:
-        for item in objects.selection:
-            world = item.charged_world()
-            item.parent, item.parent_inverse = None, IDENTITY
-            if type == "CLEAR_KEEP_TRANSFORM":
-                item.set_world(world)
-        return _DONE
-
-    def join() -> Value:
-        active = objects.active
-        if active is None or active not in objects.selection or not isinstance(active.data, Mesh):
-            raise RefusalError("the active object is no selected mesh that others can be joined to")
-        inverse = np.linalg.pinv(active.charged_world())
+def _transform_apply(
+    scene: Scene, location: Value = True, rotation: Value = True, scale: Value = True, **_: Value
+) -> None:
+    """Move parts of the transforms of the selected objects into their meshes."""
+    for item in scene.objects.selection:
         scene.script.take_steps(2 * _STEPS)
-        vertices, faces = [np.zeros((0, 3))], list[np.ndarray]()
-        for item in [active, *(other for other in list(objects.selection) if other is not active)]:
-            if not isinstance(item.data, Mesh) or item.data.shape is None:
-                continue
-            scene.script.take_steps(2 * item.data.shape.vertices + _STEPS)
-            points, polygons = item.data.shape.make()
-            faces += [each + sum(map(len, vertices)) for each in polygons]
-            vertices.append(moved(points, inverse @ item.charged_world() @ item.data.matrix))
-            if item is not active:
-                objects.remove(item)
-        if len(vertices) > 1:
-            active.data.shape, active.data.matrix = polyhedron(np.concatenate(vertices), faces), IDENTITY
-        return _DONE
+        if not isinstance(item.data, Mesh):
+            continue
+        if truth(rotation) and not truth(scale) and len(set(item.scale.numbers)) > 1:
+            raise RefusalError("a rotation that is applied without an uneven scale is not supported; apply both")
+        before = item.local()
+        if truth(location):
+            item.location.change(_ORIGIN)
+        if truth(rotation):
+            item.turn(np.eye(3))
+        if truth(scale):
+            item.scale.change((1.0, 1.0, 1.0))
+        item.data.matrix = inverse(item.local(), item.name[:60]) @ before @ item.data.matrix
 
-    return {"object.parent_set": parent_set, "object.parent_clear": parent_clear, "object.join": join}
+
+def _parent_set(scene: Scene, type: Value = "OBJECT", **_: Value) -> None:
+    active = scene.objects.active
+    if active is None or type != "OBJECT":
+        raise RefusalError("there is no active object to be the parent, or it is no parent of objects")
+    for item in [item for item in scene.objects.selection if item is not active]:
+        world = item.charged_world()
+        scene.script.take_steps(2 * _STEPS)
+        item.set_parent(active)
+        above = inverse(active.charged_world(), "the parent")
+        item.parent_inverse = above @ world @ inverse(item.local(), item.name[:60])
+
+
+def _parent_clear(scene: Scene, type: Value = "CLEAR") -> None:
+    for item in scene.objects.selection:
+        world = item.charged_world()
+        item.parent, item.parent_inverse = None, IDENTITY
+        if type == "CLEAR_KEEP_TRANSFORM":
+            item.set_world(world)
+
+
+def _join(scene: Scene) -> None:
+    objects, active = scene.objects, scene.objects.active
+    if active is None or active not in objects.selection or not isinstance(active.data, Mesh):
+        raise RefusalError("the active object is no selected mesh that others can be joined to")
+    own = np.linalg.pinv(active.charged_world())
+    scene.script.take_steps(2 * _STEPS)
+    vertices, faces = [np.zeros((0, 3))], list[np.ndarray]()
+    for item in [active, *(other for other in list(objects.selection) if other is not active)]:
+        if not isinstance(item.data, Mesh) or item.data.shape is None:
+            continue
+        scene.script.take_steps(2 * item.data.shape.vertices + _STEPS)
+        points, polygons = item.data.shape.make()
+        faces += [each + sum(map(len, vertices)) for each in polygons]
+        vertices.append(moved(points, own @ item.charged_world() @ item.data.matrix))
+        if item is not active:
+            objects.remove(item)
+    if len(vertices) > 1:
+        active.data.shape, active.data.matrix = polyhedron(np.concatenate(vertices), faces), IDENTITY
+
+
+_SHAPES = ("cube", "plane", "grid", "circle", "cylinder", "cone", "uv_sphere", "ico_sphere", "torus")
+_OPERATORS: dict[str, Callable[..., None]] = {
+    **{f"mesh.primitive_{name}_add": _primitive(name) for name in _SHAPES},
+    "mesh.select_all": _select_vertices,
+    "object.delete": _delete,
+    "object.duplicate": _duplicate,
+    "object.duplicate_move": _duplicate_move,
+    "object.empty_add": lambda scene, **where: _add_placed(scene, "Empty", None, where),
+    "object.join": _join,
+    "object.mode_set": _mode_set,
+    "object.modifier_add": _modifier_add,
+    "object.modifier_apply": lambda *_, **__: None,
+    "object.origin_set": _origin_set,
+    "object.parent_clear": _parent_clear,
+    "object.parent_set": _parent_set,
+    "object.select_all": _select_all,
+    "object.select_by_type": _select_by_type,
+    "object.transform_apply": _transform_apply,
+    "transform.resize": _resize,
+    "transform.rotate": _rotate,
+    "transform.translate": _translate,
+    **dict.fromkeys(("wm.read_factory_settings", "wm.read_homefile"), lambda scene, **_: scene.clear()),
+}

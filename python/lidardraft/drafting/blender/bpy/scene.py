@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, ClassVar
 
-from lidardraft.drafting.blender.bpy.blocks import Block, Blocks, Listed, Unread, ignored
+from lidardraft.drafting.blender.bpy.blocks import Block, Blocks, Listed, Listing, Unread, ignored
 from lidardraft.drafting.blender.bpy.mathutils import Vector
 from lidardraft.drafting.blender.bpy.meshes import Material, Mesh
 from lidardraft.drafting.blender.bpy.objects import Objects, SceneObject
@@ -52,9 +52,51 @@ class Collection(Block):
                 yield collection
                 waiting.extend(reversed(collection.children))
 
-    fields: ClassVar[Methods] = Block.fields | {
-        **dict.fromkeys(("objects", "all_objects"), lambda self: LinkedObjects(self)),
-        "children": lambda self: LinkedCollections(self),
+    def link(self, item: Value) -> None:
+        """Put an object into it."""
+        if self in of_kind(item, SceneObject, "what is linked").collections:
+            raise RaisedError("RuntimeError", f"the object {item.name!r:.60} is in this collection already")
+        self.all_objects.links += 1
+        item.collections[self] = self.all_objects.links
+
+    def _link_child(self, child: Value) -> None:
+        if of_kind(child, Collection, "what is linked") in self.children:
+            raise RaisedError("RuntimeError", f"the collection {child.name!r:.60} is in this collection already")
+        self.children[child] = None
+
+    def _unlink(self, item: Value) -> None:
+        links = item.collections if isinstance(item, SceneObject) else self.children
+        block = self if isinstance(item, SceneObject) else item
+        if not isinstance(item, Block) or block not in links:
+            raise RaisedError("RuntimeError", f"{describe(item)} is not in this collection")
+        del links[block]
+
+    def _set_all(self, attr: Value, seq: Value) -> None:
+        """Give three numbers to every object, one object after the other."""
+        items, numbers = self.members(), elements(seq, self.script)
+        if attr not in ("location", "scale", "rotation_euler") or len(numbers) != 3 * len(items):
+            raise RefusalError(f"foreach_set of {describe(attr)} for {len(items)} objects to {len(numbers)} numbers")
+        self.script.take_steps(3 * len(items) // 2)
+        values = reals(numbers, len(numbers), f"the {attr}")
+        for number, item in enumerate(items):
+            item.set_attribute(attr, values[3 * number : 3 * number + 3])
+
+    def _objects(self) -> Listing:
+        own: Methods = {"link": self.link, "unlink": self._unlink, "foreach_set": self._set_all}
+        return Listing("the list of objects of a collection", self.members, own)
+
+    def _children(self) -> Listing:
+        def held() -> list[Collection]:
+            self.script.take_steps(len(self.children) // 2 + 1)
+            return list(self.children)
+
+        own: Methods = {"link": self._link_child, "unlink": self._unlink}
+        return Listing("the list of collections within a collection", held, own)
+
+    fields: ClassVar[Methods] = {
+        **Block.fields,
+        **dict.fromkeys(("objects", "all_objects"), _objects),
+        "children": _children,
     }
     setters: ClassVar[Methods] = Block.setters | ignored("color_tag", "hide_viewport", "hide_render", "hide_select")
 
@@ -72,7 +114,7 @@ class LayerCollection(Listed):
             return super().set_attribute(name, value)
         self.collection.script.note("what hides collections is passed over")
 
-    def elements(self) -> list[Value]:
+    def held(self) -> list[LayerCollection]:
         self.collection.script.take_steps(len(self.collection.children) + 1)
         return [LayerCollection(child) for child in self.collection.children]
 
@@ -81,69 +123,6 @@ class LayerCollection(Listed):
         "children": lambda self: self,
         "name": lambda self: self.name,
     }
-
-
-class LinkedObjects(Listed):
-    """The objects of a collection."""
-
-    kind = "the list of objects of a collection"
-
-    def __init__(self, collection: Collection) -> None:
-        self._collection = collection
-
-    def link(self, item: Value) -> None:
-        """Put an object into the collection."""
-        if self._collection in of_kind(item, SceneObject, "what is linked").collections:
-            raise RaisedError("RuntimeError", f"the object {item.name!r:.60} is in this collection already")
-        self._collection.all_objects.links += 1
-        item.collections[self._collection] = self._collection.all_objects.links
-
-    def _unlink(self, item: Value) -> None:
-        if not isinstance(item, SceneObject) or self._collection not in item.collections:
-            raise RaisedError("RuntimeError", f"{describe(item)} is not in this collection")
-        del item.collections[self._collection]
-
-    def _set_all(self, attr: Value, seq: Value) -> None:
-        """Give three numbers to every object, one object after the other."""
-        items, script = self.elements(), self._collection.script
-        numbers = elements(seq, script)
-        if attr not in ("location", "scale", "rotation_euler") or len(numbers) != 3 * len(items):
-            raise RefusalError(f"foreach_set of {describe(attr)} for {len(items)} objects to {len(numbers)} numbers")
-        script.take_steps(3 * len(items) // 2)
-        values = reals(numbers, len(numbers), f"the {attr}")
-        for number, item in enumerate(items):
-            item.set_attribute(attr, values[3 * number : 3 * number + 3])
-
-    def elements(self) -> list[Value]:
-        return list(self._collection.members())
-
-    methods: ClassVar[Methods] = Listed.methods | {"link": link, "unlink": _unlink, "foreach_set": _set_all}
-
-
-class LinkedCollections(Listed):
-    """The collections within a collection."""
-
-    kind = "the list of collections within a collection"
-
-    def __init__(self, collection: Collection) -> None:
-        self._children = collection.children
-        self._script = collection.script
-
-    def _link(self, item: Value) -> None:
-        if of_kind(item, Collection, "what is linked") in self._children:
-            raise RaisedError("RuntimeError", f"the collection {item.name!r:.60} is in this collection already")
-        self._children[item] = None
-
-    def _unlink(self, item: Value) -> None:
-        if not isinstance(item, Collection) or item not in self._children:
-            raise RaisedError("RuntimeError", f"{describe(item)} is not in this collection")
-        del self._children[item]
-
-    def elements(self) -> list[Value]:
-        self._script.take_steps(len(self._children) // 2 + 1)
-        return list(self._children)
-
-    methods: ClassVar[Methods] = Listed.methods | {"link": _link, "unlink": _unlink}
 
 
 VERSION = (4, 5, 0)  # of Blender, for scripts that ask
@@ -184,7 +163,7 @@ class Scene:
         if self.edit_mode:
             raise RefusalError("objects are not added in the edit mode; leave it first")
         item: SceneObject = self.objects.new(name, data)
-        LinkedObjects(self.collection()).link(item)
+        self.collection().link(item)
         self.objects.select_only(item)
         return item
 
@@ -215,7 +194,7 @@ class Scene:
         blocks = (self.objects, self.meshes, self.materials, self.collections)
         data: dict[str, Value] = {each.kind.removeprefix("bpy.data."): each for each in blocks}
         data |= {name: OtherBlocks(name, self.script) for name in (*_PASSED_OVER, *_UNKNOWN)}
-        data |= {"scenes": Scenes(self.current), "filepath": ""}
+        data |= {"scenes": Listing("bpy.data.scenes", lambda: [self.current], {}), "filepath": ""}
         kinds = {"Object": SceneObject, "Mesh": Mesh, "Material": Material, "Collection": Collection}
         types = Namespace("bpy.types", {name: KindOfRecord(kind) for name, kind in kinds.items()})
         app = Namespace("bpy.app", {"version": VERSION, "version_string": "4.5.0", "background": True})
@@ -230,7 +209,7 @@ class OtherBlocks(Listed):
         self._name = name
         self._script = script
 
-    def elements(self) -> list[Value]:
+    def held(self) -> list[Value]:
         return []
 
     def _new(self, *_: Value, **__: Value) -> Unread:
@@ -240,18 +219,6 @@ class OtherBlocks(Listed):
         return Unread(kind, self._script)
 
     methods: ClassVar[Methods] = Listed.methods | {"new": _new, "remove": nothing}
-
-
-class Scenes(Listed):
-    """`bpy.data.scenes`, of which there is one."""
-
-    kind = "bpy.data.scenes"
-
-    def __init__(self, current: CurrentScene) -> None:
-        self._current = current
-
-    def elements(self) -> list[Value]:
-        return [self._current]
 
 
 class CurrentScene(Block):
@@ -357,8 +324,8 @@ class ViewLayer(Listed):
         else:
             super().set_attribute(name, value)
 
-    def elements(self) -> list[Value]:
-        return self._scene.objects.elements()
+    def held(self) -> list[Value]:
+        return self._scene.objects.held()
 
     fields: ClassVar[Methods] = {
         "objects": lambda self: self,

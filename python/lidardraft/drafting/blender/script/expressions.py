@@ -116,6 +116,7 @@ def item_of(owner: Value, key: Value, script: Script) -> Value:
     """What stands in square brackets behind a value."""
     if isinstance(owner, Record):
         script.take_steps(owner.weight)
+        script.take_cells(owner.length() if isinstance(key, slice) else 0)
         return owner.item(key)
     if isinstance(owner, dict):
         script.take_compared(dict_key(key))
