@@ -44,7 +44,7 @@ REFUSED: list[tuple[str, str]] = [
     ("Euler((0, 0, 1)).to_quaternion().to_euler('YXZ')", "angles in the order 'YXZ'"),
     ("Vector((1, 2)).rotate(Euler((0, 0, 1)))", "a vector that is turned is a Vector; it must be 3 numbers"),
     ("Matrix.Rotation(1, 4, 'W')", "the axis is 'W'"),
-    ("Matrix.Scale(0, 4).inverted()", "a matrix that has no inverse"),
+    ("Matrix.Scale(0, 4).inverted()", "the matrix is scaled to nothing"),
     ("Matrix(((1, 0), (0, 1)))", "it must be 3 or 4 rows"),
     # what it refuses
     (QUATERNION + "Quaternion((1, 2))", "the quaternion is a tuple; it must be 4 numbers"),

@@ -45,7 +45,7 @@ REFUSED: list[tuple[str, str]] = [
     ),
     (NEW + "bm.edges[0]", "`edges` of a BMesh of 0 has no place 0"),
     (NEW + "bm.faces.new([bm.verts.new((0, 0, 0))] * 3)", "a face of 1 vertices; it needs 3 or more, each once"),
-    (NEW + "bm.faces.new([1, 2, 3])", "a face of what is no vertex"),
+    (NEW + "bm.faces.new([1, 2, 3])", "a corner of a face is 1; it must be a vertex"),
     (NEW + "bm.verts[0]", "`verts` of a BMesh of 0 has no place 0"),
     (NEW + "bm.verts.new((0, 0))", "a vertex is a tuple; it must be 3 numbers"),
     (NEW + "bm.verts.new((0, 0, 0)).co = 1", "the place of a vertex is 1"),
@@ -60,7 +60,7 @@ REFUSED: list[tuple[str, str]] = [
     (NEW + "bmesh.ops.create_icosphere(bm, subdivisions=9)", "subdivisions is 9; it must be 1 to 8"),
     (NEW + "bmesh.ops.create_circle(bm, segments=8)", "a circle without cap_ends=True has no face"),
     (NEW + "bmesh.ops.create_cube(1)", "bm is 1; it must be a BMesh"),
-    (NEW + "bmesh.ops.translate(bm, vec=(1, 0, 0), verts=[1])", "vertices are moved that are none"),
+    (NEW + "bmesh.ops.translate(bm, vec=(1, 0, 0), verts=[1])", "what is moved is 1; it must be a vertex"),
     (NEW + "bmesh.ops.delete(bm, geom=[], context='EDGES')", "delete in the context 'EDGES' is not supported"),
 ]
 
@@ -124,7 +124,7 @@ def test_round_shapes_of_few_corners_are_meshes() -> None:
 
 
 def test_flat_shapes() -> None:
-    vertices, faces = shapes.plane(4.0).triangles()
+    vertices, faces = shapes.grid(4.0, 1, 1).triangles()
     assert np.ptp(vertices, axis=0).tolist() == [4, 4, 0]
     assert len(faces) == 2
     vertices, faces = shapes.disc(2.0, 6).triangles()

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 from lidardraft.drafting.blender.script.containers import Lazy, Set, iterate, method, to_dict
@@ -277,35 +278,17 @@ _EXPRESSIONS: dict[type[ast.expr], Callable[[Any, Frame], Value]] = {
 }
 
 
-class Place:
-    """Where an assignment goes: a name, an attribute or an item, whose owner and key are looked up once."""
-
-    def __init__(self, node: ast.expr, frame: Frame) -> None:
-        self._frame = frame
-        self._node = node
-        self.owner: Value = None
-        self.key: Value = None
-        if isinstance(node, ast.Attribute | ast.Subscript):
-            self.owner = value_of(node.value, frame)
-            self.key = node.attr if isinstance(node, ast.Attribute) else value_of(node.slice, frame)
-        elif not isinstance(node, ast.Name):
-            raise not_supported(node)
-
-    def get(self) -> Value:
-        """What is there."""
-        if isinstance(self._node, ast.Name):
-            return self._frame.get(self._node.id)
-        find = attribute_of if isinstance(self._node, ast.Attribute) else item_of
-        return find(self.owner, self.key, self._frame.script)
-
-    def set(self, value: Value) -> None:
-        """Put a value there."""
-        if isinstance(self._node, ast.Name):
-            self._frame.set(self._node.id, value)
-        elif isinstance(self._node, ast.Attribute):
-            _set_attribute(self.owner, self._node.attr, value)
-        else:
-            _set_item(self.owner, self.key, value, self._frame.script)
+def place_of(node: ast.expr, frame: Frame) -> tuple[Callable[[], Value], Callable[[Value], None]]:
+    """What reads the value where an assignment goes, and what sets it; owner and key are looked up once."""
+    if isinstance(node, ast.Name):
+        return partial(frame.get, node.id), partial(frame.set, node.id)
+    if not isinstance(node, ast.Attribute | ast.Subscript):
+        raise not_supported(node)
+    owner, script = value_of(node.value, frame), frame.script
+    if isinstance(node, ast.Attribute):
+        return partial(attribute_of, owner, node.attr, script), partial(_set_attribute, owner, node.attr)
+    key = value_of(node.slice, frame)
+    return partial(item_of, owner, key, script), partial(_set_item, owner, key, script)
 
 
 def assign(node: ast.expr, value: Value, frame: Frame) -> None:
@@ -318,7 +301,7 @@ def assign(node: ast.expr, value: Value, frame: Frame) -> None:
         if isinstance(node, ast.Tuple | ast.List):
             _unpack(node.elts, value, frame)
         else:
-            Place(node, frame).set(value)
+            place_of(node, frame)[1](value)
     finally:
         frame.script.levels -= 1
 
@@ -341,7 +324,7 @@ def _set_attribute(owner: Value, name: str, value: Value) -> None:
     owner.set_attribute(name, value)
 
 
-def _set_item(owner: Value, key: Value, value: Value, script: Script) -> None:
+def _set_item(owner: Value, key: Value, script: Script, value: Value) -> None:
     if isinstance(owner, Record):
         owner.set_item(key, value)
     elif isinstance(owner, dict) and is_key(key):

@@ -21,11 +21,11 @@ from lidardraft.drafting.blender.script.definitions import (
     ScriptClass,
 )
 from lidardraft.drafting.blender.script.expressions import (
-    Place,
     assign,
     defaults_of,
     loop_over,
     not_supported,
+    place_of,
     value_of,
     values_of,
 )
@@ -132,9 +132,8 @@ def _annotated(node: ast.AnnAssign, frame: Frame) -> None:
 
 
 def _augmented(node: ast.AugAssign, frame: Frame) -> None:
-    target = Place(node.target, frame)
-    before = target.get()
-    target.set(in_place(type(node.op), before, value_of(node.value, frame), frame.script))
+    read, write = place_of(node.target, frame)
+    write(in_place(type(node.op), read(), value_of(node.value, frame), frame.script))
 
 
 def _if(node: ast.If, frame: Frame) -> Going:
