@@ -169,13 +169,7 @@ class Road:
 
     def surfaces(self) -> list[Primitive]:
         """Terrain, road, sidewalks and crossing road as primitives with the ids "terrain", "road", "sidewalk_1" ..."""
-        size = (2 * _EXTENT, 2 * _EXTENT, 0.0)
-        surfaces = [
-            Primitive(
-                shape="plane", center=(0.0, 0.0, TERRAIN_HEIGHT), size=size, label="terrain", id="terrain", open=True
-            ),
-            *self._carriageways(),
-        ]
+        surfaces = [terrain(_EXTENT), *self._carriageways()]
         if self.sidewalk > 0:
             surfaces += [
                 self._strip(f"sidewalk_{number}", "sidewalk", span, across, KERB_HEIGHT)
@@ -226,14 +220,8 @@ class Road:
     def _side_road(self, side: int) -> Primitive:
         assert self.junction is not None
         x, y, heading = self.at(self.junction, side * (self.edge + self.half_length) / 2)
-        return Primitive(
-            shape="plane",
-            center=(x, y, 0.0),
-            size=(self.half_length - self.edge, 2 * self.edge, 0.0),
-            yaw=heading + math.pi / 2,
-            label="road",
-            id="road_left" if side == LEFT else "road_right",
-        )
+        length, turn, name = self.half_length - self.edge, heading + math.pi / 2, "left" if side == LEFT else "right"
+        return slab(x, y, length, 2 * self.edge, turn, 0.0, "road", f"road_{name}")
 
     def _strip(
         self, id: str, label: str, span: tuple[float, float], across: tuple[float, float], top: float
@@ -241,15 +229,23 @@ class Road:
         """The surface between two distances along and across: a plane or box where it is straight, else a mesh."""
         if self.curvature == 0.0:
             x, y, _ = self.at((span[0] + span[1]) / 2, (across[0] + across[1]) / 2)
-            size = (span[1] - span[0], across[1] - across[0])
-            if top == 0.0:
-                return Primitive(shape="plane", center=(x, y, 0.0), size=(*size, 0.0), label=label, id=id)
-            height = top - TERRAIN_HEIGHT
-            center = (x, y, top - height / 2)
-            return Primitive(shape="box", center=center, size=(*size, height), label=label, id=id)
+            return slab(x, y, span[1] - span[0], across[1] - across[0], 0.0, top, label, id)
         stations = np.linspace(*span, max(2, math.ceil((span[1] - span[0]) / _SEGMENT) + 1))
         profile = profile_of(*across, top)
         return ribbon(np.array([[(*self.at(s, side)[:2], z) for side, z in profile] for s in stations]), label, id)
+
+
+def terrain(reach: float) -> Primitive:
+    """The ground that everything lies on, so far [m] to each side of the ego vehicle."""
+    center, size = (0.0, 0.0, TERRAIN_HEIGHT), (2 * reach, 2 * reach, 0.0)
+    return Primitive(shape="plane", center=center, size=size, label="terrain", id="terrain", open=True)
+
+
+def slab(x: float, y: float, length: float, width: float, yaw: float, top: float, label: str, id: str) -> Primitive:
+    """A straight strip around x, y: a plane on the ground, or a box that rises from the terrain to `top` [m]."""
+    height = top - TERRAIN_HEIGHT if top > 0.0 else 0.0
+    shape, center, size = "box" if height else "plane", (x, y, top - height / 2), (length, width, height)
+    return Primitive(shape=shape, center=center, size=size, yaw=yaw, label=label, id=id)
 
 
 def profile_of(low: float, high: float, top: float) -> list[tuple[float, float]]:

@@ -29,7 +29,7 @@ from lidardraft.files import named, read_text
 from lidardraft.formats.picture import opened_picture
 from lidardraft.json_fields import is_number
 from lidardraft.scene.layout import Layout, Primitive
-from lidardraft.scene.road import TERRAIN_HEIGHT
+from lidardraft.scene.road import terrain
 from lidardraft.semantics import BY_NAME, GROUND
 
 _EXTENT = 200.0  # m of terrain to each side, or what the sketch needs
@@ -104,7 +104,7 @@ def _layout(sketch: Sketch, source: str, seed: int) -> Layout:
     counts = Counter(surface.label for surface in surfaces) + Counter(name for name, *_ in objects)
     if counts.total() > _MOST_OBJECTS:
         raise LayoutError(f"the sketch has {counts.total()} objects; up to {_MOST_OBJECTS} are read")
-    primitives = [_terrain(sketch), *ground_primitives(surfaces)]
+    primitives = [terrain(_reach(sketch)), *ground_primitives(surfaces)]
     numbers: Counter[str] = Counter()
     instances, walks = count(1), Nearest(surfaces, "sidewalk")
     for name, parts, place in objects:
@@ -137,18 +137,10 @@ def _objects(sketch: Sketch, surfaces: list[DrawnSurface], rng: np.random.Genera
             sketch.ignored.append(f"{shape.where}: {error}")
 
 
-def _terrain(sketch: Sketch) -> Primitive:
-    """The ground that everything else lies on."""
+def _reach(sketch: Sketch) -> float:
+    """How far the terrain goes to each side [m]."""
     places = [blob.center for blob in sketch.blobs] + [stroke.line for stroke in sketch.strokes]
-    reach = max(_EXTENT, max(float(np.abs(place).max()) for place in places) + 50.0)
-    return Primitive(
-        shape="plane",
-        center=(0.0, 0.0, TERRAIN_HEIGHT),
-        size=(2 * reach, 2 * reach, 0.0),
-        label="terrain",
-        id="terrain",
-        open=True,
-    )
+    return max(_EXTENT, max(float(np.abs(place).max()) for place in places) + 50.0)
 
 
 def _standing(

@@ -127,17 +127,14 @@ def _vehicles(blob: Blob, kind: SentenceKind, yaw: float, rng: np.random.Generat
     count = max(1, round(blob.length / (usual[0] + _GAP))) if blob.length > largest[0] else 1
     share = blob.length / count - (_GAP if count > 1 else 0.0)
     drawn = (share, blob.width)
-    footprint = [
+    length, width = (
         usual[axis] if drawn[axis] < _LEAST * smallest[axis] else min(max(drawn[axis], smallest[axis]), largest[axis])
         for axis in (0, 1)
-    ]
+    )
     ahead = np.array([math.cos(yaw), math.sin(yaw)])
     for number in range(min(count, _MOST_PARTS)):
         place = blob.center + ((number + 0.5) / count - 0.5) * blob.length * ahead
-        parts = kind.sample_parts(rng, parked=True)
-        size = extents(parts)
-        parts = resized(parts, (footprint[0] / size[0], footprint[1] / size[1], 1.0))
-        yield _placed(kind.name, parts, place, yaw)
+        yield _placed(kind.name, _resized(kind, (length, width), rng), place, yaw)
 
 
 def _trees(blob: Blob, yaw: float, rng: np.random.Generator) -> Iterator[Placed]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from lidardraft.drafting.sketch.shapes import Blob, Sketch, Stroke
 from lidardraft.scene.layout import Primitive
-from lidardraft.scene.road import KERB_HEIGHT, TERRAIN_HEIGHT, profile_of, ribbon
+from lidardraft.scene.road import KERB_HEIGHT, profile_of, ribbon, slab
 
 _NARROWEST = {"road": 2.0, "sidewalk": 0.5}  # m; a thinner stroke is a middle line, and the road as wide as usual
 _USUAL = {"road": 7.0, "sidewalk": 2.0}  # m, two lanes of 3.5 m; as in `Road`
@@ -159,15 +159,7 @@ def _surface(label: str, line: np.ndarray, width: float, id: str) -> Primitive:
     top = KERB_HEIGHT if label == "sidewalk" else 0.0
     if len(line) == 2:
         (x, y), (dx, dy) = line.mean(axis=0).tolist(), (line[1] - line[0]).tolist()
-        height = KERB_HEIGHT - TERRAIN_HEIGHT if label == "sidewalk" else 0.0
-        return Primitive(
-            shape="box" if height else "plane",
-            center=(x, y, top - height / 2),
-            size=(math.hypot(dx, dy), width, height),
-            yaw=math.atan2(dy, dx),
-            label=label,
-            id=id,
-        )
+        return slab(x, y, math.hypot(dx, dy), width, math.atan2(dy, dx), top, label, id)
     ahead = np.gradient(line, axis=0)
     if np.array_equal(line[0], line[-1]):  # the ends of a ring have one direction
         ahead[0] = ahead[-1] = line[1] - line[-2]

@@ -28,6 +28,8 @@ from lidardraft.drafting.blender.script.values import (
 
 IDENTITY = np.eye(4)
 IDENTITY.flags.writeable = False
+_STEPS_OF_MATRIX = 15  # steps that what is done with a small array costs
+_OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv}
 
 
 def rotation_matrix(angles: Sequence[float]) -> np.ndarray:
@@ -127,10 +129,6 @@ def about_named_axis(axis: Value, angle: Value) -> np.ndarray:
     if name not in ("x", "y", "z"):
         raise RefusalError(f"the axis is {describe(axis)}; it must be 'X', 'Y' or 'Z'")
     return rotation_matrix([turn if name == each else 0.0 for each in "xyz"])
-
-
-_STEPS_OF_MATRIX = 15  # steps that what is done with a small array costs
-_OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv}
 
 
 class Vector(Record):

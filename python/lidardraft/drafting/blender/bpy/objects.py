@@ -41,6 +41,16 @@ from lidardraft.drafting.blender.script.values import (
 _SMOOTHING = ("BEVEL", "SUBSURF", "EDGE_SPLIT", "WEIGHTED_NORMAL", "SMOOTH", "TRIANGULATE", "SMOOTH_BY_ANGLE")
 _MOST = 8  # modifiers of an object
 _MOST_COPIES = 1000  # that one array makes
+# What changes how an object is shown, and not where it is or what shape it has.
+_LOOKS = (
+    *("hide_render", "hide_viewport", "hide_select", "display_type", "show_name", "show_in_front", "show_wire"),
+    *("color", "pass_index", "cycles", "visible_shadow", "visible_camera", "show_axis", "show_bounds"),
+    *("show_transparent", "empty_display_size", "empty_display_type", "use_fake_user", "track_axis", "up_axis"),
+    "lock_location",
+)
+_LONGEST_CHAIN = 32  # of parents
+_STEPS = 20  # that a copy or a matrix costs
+_CORNERS = [(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 1, 1), (1, 1, 0)]
 
 
 class ArrayModifier(Record):
@@ -146,18 +156,6 @@ class Modifiers(Listed):
             extents = extents + abs(step) * (len(numbers) - 1)
             places = [place + number * step for number in numbers for place in places]
         return places
-
-
-# What changes how an object is shown, and not where it is or what shape it has.
-_LOOKS = (
-    *("hide_render", "hide_viewport", "hide_select", "display_type", "show_name", "show_in_front", "show_wire"),
-    *("color", "pass_index", "cycles", "visible_shadow", "visible_camera", "show_axis", "show_bounds"),
-    *("show_transparent", "empty_display_size", "empty_display_type", "use_fake_user", "track_axis", "up_axis"),
-    "lock_location",
-)
-_LONGEST_CHAIN = 32  # of parents
-_STEPS = 20  # that a copy or a matrix costs
-_CORNERS = [(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 1, 1), (1, 1, 0)]
 
 
 class Objects(Blocks):

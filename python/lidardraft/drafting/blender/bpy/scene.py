@@ -24,6 +24,20 @@ from lidardraft.drafting.blender.script.values import (
     reals,
 )
 
+VERSION = (4, 5, 0)  # of Blender, for scripts that ask
+# What may be made and is passed over: no shape depends on it, or it is a shape that is not read.
+_PASSED_OVER = ("lights", "cameras", "worlds", "curves", "fonts", "metaballs", "images", "textures", "actions")
+_UNKNOWN = (
+    *("armatures", "lattices", "node_groups", "particles", "linestyles", "palettes", "grease_pencils", "speakers"),
+    *("lightprobes", "brushes", "volumes"),
+)
+_OF_SCENES = (
+    *("render", "world", "cycles", "eevee", "display", "view_settings", "unit_settings", "display_settings", "camera"),
+    *("frame_start", "frame_end", "frame_current", "frame_set", "tool_settings", "use_nodes", "node_tree"),
+    *("view_layers", "sequencer_colorspace_settings", "timeline_markers", "gravity", "use_gravity"),
+)
+_OF_CONTEXT = ("area", "screen", "window", "window_manager", "space_data", "region", "evaluated_depsgraph_get")
+
 
 class Collection(Block):
     """A collection: objects, and collections within it."""
@@ -123,21 +137,6 @@ class LayerCollection(Listed):
         "children": lambda self: self,
         "name": lambda self: self.name,
     }
-
-
-VERSION = (4, 5, 0)  # of Blender, for scripts that ask
-# What may be made and is passed over: no shape depends on it, or it is a shape that is not read.
-_PASSED_OVER = ("lights", "cameras", "worlds", "curves", "fonts", "metaballs", "images", "textures", "actions")
-_UNKNOWN = (
-    *("armatures", "lattices", "node_groups", "particles", "linestyles", "palettes", "grease_pencils", "speakers"),
-    *("lightprobes", "brushes", "volumes"),
-)
-_OF_SCENES = (
-    *("render", "world", "cycles", "eevee", "display", "view_settings", "unit_settings", "display_settings", "camera"),
-    *("frame_start", "frame_end", "frame_current", "frame_set", "tool_settings", "use_nodes", "node_tree"),
-    *("view_layers", "sequencer_colorspace_settings", "timeline_markers", "gravity", "use_gravity"),
-)
-_OF_CONTEXT = ("area", "screen", "window", "window_manager", "space_data", "region", "evaluated_depsgraph_get")
 
 
 class Scene:

@@ -9,9 +9,17 @@ from lidardraft.drafting.blender.script.limits import RefusalError, Script
 from lidardraft.drafting.blender.script.operators import equal
 from lidardraft.drafting.blender.script.values import Builtin, Record, Type, Value, call, describe, nothing, place, text
 
-_STEPS = 10  # that making a function costs
+_STEPS_OF_FUNCTION = 10
 _MOST_ARGUMENTS = 100
 SPECIAL = ("__init__", "__post_init__", "__repr__", "__str__")  # methods that a class may have
+_DEEPEST, _MOST_NAMES = 16, 200  # classes of which one is derived from the other; names of a class
+_STEPS_OF_INSTANCE = 5
+_MISSING = object()
+_ERRORS = (
+    *("BaseException", "Exception", "ArithmeticError", "AssertionError", "AttributeError", "ImportError", "IndexError"),
+    *("KeyError", "LookupError", "NameError", "NotImplementedError", "OSError", "OverflowError", "RuntimeError"),
+    *("StopIteration", "SystemExit", "TypeError", "ValueError", "ZeroDivisionError"),
+)
 
 
 class Frame:
@@ -94,7 +102,7 @@ class Function(Record):
     def __init__(
         self, name: str, given: ast.arguments, defaults: list[Value], frame: Frame, run: Callable[[Frame], Value]
     ) -> None:
-        frame.script.take_steps(_STEPS)
+        frame.script.take_steps(_STEPS_OF_FUNCTION)
         self.name = name
         self.owner: Record | None = None  # the class that it is a method of
         # A method does not see the names beside it.
@@ -139,16 +147,6 @@ class Function(Record):
         if self.owner is not None and names:  # what `super()` needs
             found |= {"__class__": self.owner, "__self__": found[names[0]]}
         return found
-
-
-_DEEPEST, _MOST_NAMES = 16, 200  # classes of which one is derived from the other; names of a class
-_STEPS = 5  # that an instance costs
-_MISSING = object()
-_ERRORS = (
-    *("BaseException", "Exception", "ArithmeticError", "AssertionError", "AttributeError", "ImportError", "IndexError"),
-    *("KeyError", "LookupError", "NameError", "NotImplementedError", "OSError", "OverflowError", "RuntimeError"),
-    *("StopIteration", "SystemExit", "TypeError", "ValueError", "ZeroDivisionError"),
-)
 
 
 class Decorator(Record):
@@ -303,7 +301,7 @@ class ScriptClass(Type):
         return self.members[key]
 
     def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
-        self.script.take_steps(_STEPS + len(self.made_from or ()))
+        self.script.take_steps(_STEPS_OF_INSTANCE + len(self.made_from or ()))
         self.script.take_cells(3 + 3 * len(self.made_from or ()))
         if self.is_enumeration:
             for member in self.elements() if len(arguments) == 1 else []:

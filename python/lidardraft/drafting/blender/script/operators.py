@@ -66,18 +66,15 @@ def in_place(kind: type[ast.operator], left: Value, right: Value, script: Script
     if isinstance(left, Record):
         script.take_steps(left.weight)
         return left.in_place(kind, right)
-    if isinstance(left, list) and kind is ast.Add:
-        more = elements(right, script)
-        script.take_cells(len(left) + len(more))
-        left.extend(more)
-    elif isinstance(left, list) and kind is ast.Mult and isinstance(right, int):
-        script.take_cells(len(left) * max(right, 0))
-        left *= right
-    elif isinstance(left, dict) and kind is ast.BitOr and isinstance(right, dict):
-        script.take_cells(3 * (len(left) + len(right)))
-        left.update(right)
+    result = binary(
+        kind, left, elements(right, script) if isinstance(left, list) and kind is ast.Add else right, script
+    )
+    if isinstance(left, list):
+        left[:] = result
+    elif isinstance(left, dict):
+        left.update(result)
     else:
-        return binary(kind, left, right, script)
+        return result
     return left
 
 

@@ -7,6 +7,7 @@ import ast
 import gc
 import re
 import warnings
+from collections.abc import Iterator
 from itertools import islice
 
 from lidardraft.drafting.blender.script.builtin_functions import builtin_functions
@@ -27,6 +28,8 @@ _PART = re.compile(
 _MARK = re.compile(r"""["'\\#]""")  # what takes time and memory in a text that is split into strings
 _IS_FORMATTED = re.compile(r"[fF][rR]?\Z")  # what stands before an f-string
 _TOKEN = re.compile(r"\s+|(\w+(?:\.\w+)?|[^\s\w])")
+_STEPS_OF_TOKEN = 6  # what parsing it takes
+_STEPS_OF_WALK = 2  # what going once more through the tree takes, for a token
 _LONGEST_TOKEN = 40  # characters, with the spaces around it, on the average
 
 
@@ -61,33 +64,29 @@ def _count_tokens(text: str, limits: Limits) -> int:
         last = next(islice(_MARK.finditer(text), limits.length, None))
         line = text.count("\n", 0, last.start()) + 1
         raise RefusalError(f"more than {limits.length} quotes, backslashes and number signs", line)
-    count, size = 0, 0
+    places = list(islice(_tokens(text, _LONGEST_TOKEN * limits.tokens), limits.tokens + 1))
+    if len(places) > limits.tokens:
+        line = text.count("\n", 0, places[-1]) + 1
+        raise RefusalError(f'more than {limits.tokens} names, numbers and signs; put data into texts, as "1 2 3"', line)
+    return len(places)
+
+
+def _tokens(text: str, most: int) -> Iterator[int]:
+    """The places of strings, and of names, numbers and signs outside them, in up to so many characters of code."""
+    size = 0
     for part in _PART.finditer(text):
         if part["comment"] is not None:
             continue
         if part["code"] is None and not _IS_FORMATTED.search(text, max(part.start() - 2, 0), part.start()):
-            count += 1
-            _check_count(count, text, part.start(), limits)
+            yield part.start()
             continue
         size += part.end() - part.start()  # an f-string holds expressions
-        if (beyond := size - _LONGEST_TOKEN * limits.tokens) > 0:
-            line = text.count("\n", 0, part.end() - beyond) + 1
-            raise RefusalError(f"more than {_LONGEST_TOKEN * limits.tokens} characters of code", line)
+        if size > most:
+            line = text.count("\n", 0, part.end() - (size - most)) + 1
+            raise RefusalError(f"more than {most} characters of code", line)
         for token in _TOKEN.finditer(part.group()):
             if token.lastindex is not None:
-                count += 1
-                _check_count(count, text, part.start() + token.start(), limits)
-    return count
-
-
-def _check_count(count: int, text: str, place: int, limits: Limits) -> None:
-    if count > limits.tokens:
-        line = text.count("\n", 0, place) + 1
-        raise RefusalError(f'more than {limits.tokens} names, numbers and signs; put data into texts, as "1 2 3"', line)
-
-
-_STEPS_OF_TOKEN = 6  # what parsing it takes
-_STEPS_OF_WALK = 2  # what going once more through the tree takes, for a token
+                yield part.start() + token.start()
 
 
 def read(text: str, script: Script) -> None:
