@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scene_reading import refuses, scene, with_car
 
-from lidardraft.drafting.blender.bpy import mesh_shapes as shapes
-from lidardraft.drafting.blender.bpy.mesh_shapes import MeshShape
+from lidardraft.drafting.blender.bpy import meshes as shapes
+from lidardraft.drafting.blender.bpy.meshes import MeshShape
 from lidardraft.scene.layout import primitive_mesh
 from lidardraft.scene.mesh import TriangleMesh
 

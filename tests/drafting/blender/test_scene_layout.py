@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scene_reading import CUBE, scene, with_car
 
-from lidardraft.drafting.blender.bpy import mesh_shapes
+from lidardraft.drafting.blender.bpy import meshes
 from lidardraft.drafting.blender.bpy.mathutils import rotation_matrix
 from lidardraft.drafting.blender.layout import layout_from_blender
 from lidardraft.errors import LayoutError
@@ -164,12 +164,12 @@ def test_every_shape_keeps_its_place(kind: str, angles: tuple[float, ...], scale
         f"bpy.context.object.name = 'House'\nbpy.context.object.scale = {scale}"
     )
     shape = {
-        "cube": mesh_shapes.cube(2.0),
-        "cylinder": mesh_shapes.cone(1.0, 1.0, 2.0, 32),
-        "uv_sphere": mesh_shapes.sphere(1.0, 32, 16),
-        "plane": mesh_shapes.grid(2.0, 1, 1),
-        "cone": mesh_shapes.cone(1.0, 0.0, 2.0, 32),
-        "torus": mesh_shapes.torus(1.0, 0.25, 48, 12),
+        "cube": meshes.cube(2.0),
+        "cylinder": meshes.cone(1.0, 1.0, 2.0, 32),
+        "uv_sphere": meshes.sphere(1.0, 32, 16),
+        "plane": meshes.grid(2.0, 1, 1),
+        "cone": meshes.cone(1.0, 0.0, 2.0, 32),
+        "torus": meshes.torus(1.0, 0.25, 48, 12),
     }[kind]
     expected = shape.triangles()[0] * scale @ rotation_matrix(angles).T + (3, 4, 5)
     found = primitive_mesh(primitive).vertices

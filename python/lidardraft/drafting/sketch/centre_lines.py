@@ -138,8 +138,8 @@ def _graph(thin: np.ndarray, step: int, offset: int, depth: np.ndarray) -> _Grap
         found: list[int | None] = [int(near_node[tuple(path[end])]) or None for end in (0, -1)]
         if len(path) == 1:  # between two nodes
             down, right = path[0]
-            around = np.unique(node_of[max(down - 1, 0) : down + 2, max(right - 1, 0) : right + 2])
-            found = [int(node) for node in around if node]
+            beside = np.unique(node_of[max(down - 1, 0) : down + 2, max(right - 1, 0) : right + 2])
+            found = [int(node) for node in beside if node]
             found = [*found, None, None][:2]
         points = path * float(step) + offset
         ends = [[graph.middles[node]] if node else [] for node in found]
@@ -150,10 +150,10 @@ def _graph(thin: np.ndarray, step: int, offset: int, depth: np.ndarray) -> _Grap
 def _walked(pixels: np.ndarray) -> np.ndarray:
     """The pixels [N, 2] of a path from one end of it to the other."""
     left = set(map(tuple, pixels.tolist()))
-    around = sorted(_AROUND, key=lambda off: abs(off[0]) + abs(off[1]))
+    nearest = sorted(_AROUND, key=lambda off: abs(off[0]) + abs(off[1]))
 
     def neighbours(at: tuple[int, ...]) -> list[tuple[int, ...]]:
-        return [near for off in around if (near := (at[0] + off[0], at[1] + off[1])) in left]
+        return [near for off in nearest if (near := (at[0] + off[0], at[1] + off[1])) in left]
 
     at = next((pixel for pixel in sorted(left) if len(neighbours(pixel)) == 1), min(left))
     path = [at]
@@ -307,30 +307,30 @@ def thinned(mask: np.ndarray) -> np.ndarray:
     Guo and Hall, "Parallel thinning with two-subiteration algorithms", Communications of the ACM 1989.
     """
     padded = np.pad(mask, 1)
-    thin, around = padded[1:-1, 1:-1], _around(padded)
+    thin, near = padded[1:-1, 1:-1], around(padded)
     before = -1
     while before != (before := int(np.count_nonzero(thin))):
         for turned in (0, 4):  # from one side, then from the other
-            n, ne, e, se, s, sw, w, nw = around[turned:] + around[:turned]
-            pieces = _count(~a & (b | c) for a, b, c in ((n, ne, e), (e, se, s), (s, sw, w), (w, nw, n)))
-            pairs = np.minimum(_count([nw | n, ne | e, se | s, sw | w]), _count([n | ne, e | se, s | sw, w | nw]))
+            n, ne, e, se, s, sw, w, nw = near[turned:] + near[:turned]
+            pieces = how_many(~a & (b | c) for a, b, c in ((n, ne, e), (e, se, s), (s, sw, w), (w, nw, n)))
+            pairs = np.minimum(how_many([nw | n, ne | e, se | s, sw | w]), how_many([n | ne, e | se, s | sw, w | nw]))
             thin &= (pieces != 1) | (pairs < 2) | (pairs > 3) | ((s | sw | ~nw) & w)
     return thin
 
 
 def branch_points(thin: np.ndarray) -> np.ndarray:
     """Where lines of one pixel meet, bool [H, W]."""
-    meeting: np.ndarray = thin & (_count(_around(np.pad(thin, 1))) >= 3)
+    meeting: np.ndarray = thin & (how_many(around(np.pad(thin, 1))) >= 3)
     return meeting
 
 
-def _around(padded: np.ndarray) -> list[np.ndarray]:
+def around(padded: np.ndarray) -> list[np.ndarray]:
     """What is above each pixel [H, W], and on clockwise: views of the image with an edge [H + 2, W + 2]."""
     height, width = padded.shape[0] - 2, padded.shape[1] - 2
     return [padded[1 + down :, 1 + right :][:height, :width] for down, right in _AROUND]
 
 
-def _count(masks: Iterable[np.ndarray]) -> np.ndarray:
+def how_many(masks: Iterable[np.ndarray]) -> np.ndarray:
     """How many of some masks [H, W] are set, u8 [H, W]."""
     count: np.ndarray = sum(mask.view(np.uint8) for mask in masks)  # type: ignore[assignment]
     return count

@@ -10,6 +10,7 @@ from itertools import islice
 import numpy as np
 from scipy import ndimage
 
+from lidardraft.drafting.sketch.centre_lines import around, how_many
 from lidardraft.drafting.sketch.masks import shapes_of_mask
 from lidardraft.drafting.sketch.shapes import FURTHEST, MOST_SHAPES, Sketch, SketchFrame
 from lidardraft.errors import FormatError, LayoutError
@@ -208,13 +209,8 @@ def classes_of_pixels(pixels: np.ndarray, paper: Colour = _WHITE) -> np.ndarray:
 
 def _at_edges(found: np.ndarray) -> np.ndarray:
     """Where most of the eight pixels around are of another class, bool [H, W]."""
-    height, width = found.shape
-    padded = np.pad(found, 1, mode="edge")
-    same = np.zeros(found.shape, dtype=np.uint8)
-    for down in range(3):
-        for right in range(3):
-            same += padded[down : down + height, right : right + width] == found
-    alone: np.ndarray = same - 1 < _SUPPORTED
+    near = around(np.pad(found, 1, mode="edge"))
+    alone: np.ndarray = how_many(each == found for each in near) < _SUPPORTED
     return alone
 
 

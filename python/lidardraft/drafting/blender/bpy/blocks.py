@@ -208,3 +208,8 @@ class Block(Record):
 def ignored(*names: str) -> Methods:
     """What sets attributes that no shape depends on."""
     return dict.fromkeys(names, lambda *_: None)
+
+
+def unread(of: str, *names: str) -> Methods:
+    """What reads attributes of a part of Blender that no shape depends on."""
+    return {name: lambda self, name=name: Unread(f"{name} of {of}", self.script) for name in names}

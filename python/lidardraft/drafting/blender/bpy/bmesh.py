@@ -8,10 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from lidardraft.drafting.blender.bpy.blocks import Listing, Unread, ignored
+from lidardraft.drafting.blender.bpy.blocks import Listing, ignored, unread
 from lidardraft.drafting.blender.bpy.mathutils import IDENTITY, Matrix, Vector, affine, moved
-from lidardraft.drafting.blender.bpy.mesh_shapes import MeshShape, polygons_of, polyhedron, shape_of
-from lidardraft.drafting.blender.bpy.meshes import Mesh, Vertex
+from lidardraft.drafting.blender.bpy.meshes import Mesh, MeshShape, Vertex, polygons_of, polyhedron, shape_of
 from lidardraft.drafting.blender.bpy.scene import Scene
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
 from lidardraft.drafting.blender.script.values import (
@@ -206,10 +205,7 @@ class EditedMesh(Record):
         "verts": _verts,
         "faces": _faces,
         "edges": lambda self: Listing("`edges` of a BMesh", self.edges, {**_LOOKUP, "new": nothing}),
-        **{
-            name: lambda self, name=name: Unread(f"{name} of a BMesh", self.script)
-            for name in ("loops", "select_history", "select_mode")
-        },
+        **unread("a BMesh", "loops", "select_history", "select_mode"),
     }
     methods: ClassVar[Methods] = {
         "to_mesh": to_mesh,

@@ -9,8 +9,7 @@ import numpy as np
 
 from lidardraft.drafting.blender.bpy.blocks import Unread
 from lidardraft.drafting.blender.bpy.mathutils import IDENTITY, affine, inverse, moved, rotation_matrix
-from lidardraft.drafting.blender.bpy.mesh_shapes import polyhedron, shape_of
-from lidardraft.drafting.blender.bpy.meshes import Mesh, scale_of
+from lidardraft.drafting.blender.bpy.meshes import Mesh, polyhedron, scale_of, shape_of
 from lidardraft.drafting.blender.bpy.objects import SceneObject
 from lidardraft.drafting.blender.bpy.scene import Scene
 from lidardraft.drafting.blender.script.limits import RefusalError

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, ClassVar
 
-from lidardraft.drafting.blender.bpy.blocks import Block, Blocks, Listed, Listing, Unread, ignored
+from lidardraft.drafting.blender.bpy.blocks import Block, Blocks, Listed, Listing, Unread, ignored, unread
 from lidardraft.drafting.blender.bpy.mathutils import Vector
 from lidardraft.drafting.blender.bpy.meshes import Material, Mesh
 from lidardraft.drafting.blender.bpy.objects import Objects, SceneObject
@@ -242,7 +242,7 @@ class CurrentScene(Block):
         "collection": lambda self: self._scene.master,
         "objects": lambda self: self._scene.objects,
         "cursor": lambda self: Cursor(self._scene),
-        **{name: lambda self, name=name: Unread(f"{name} of the scene", self.script) for name in _OF_SCENES},
+        **unread("the scene", *_OF_SCENES),
     }
 
 

@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from lidardraft.drafting.blender.bpy.mathutils import Vector
-from lidardraft.drafting.blender.bpy.mesh_shapes import MeshShape
-from lidardraft.drafting.blender.bpy.meshes import Mesh
+from lidardraft.drafting.blender.bpy.meshes import Mesh, MeshShape
 from lidardraft.drafting.blender.bpy.objects import SceneObject
 from lidardraft.drafting.blender.bpy.scene import Scene
 from lidardraft.drafting.blender.script.limits import RefusalError

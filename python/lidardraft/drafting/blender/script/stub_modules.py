@@ -7,7 +7,7 @@ import ast
 import posixpath
 import re
 from collections.abc import Callable
-from datetime import datetime, timedelta
+from datetime import datetime
 from pathlib import PurePosixPath
 from typing import ClassVar
 
@@ -205,21 +205,11 @@ class Moment(Record):
     def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
         if operator is not ast.Sub or not isinstance(other, Moment):
             return super().binary(operator, other, reflected=reflected)
-        return Duration()
+        seconds = dict.fromkeys(("seconds", "days", "microseconds"), 0)
+        return Namespace("a duration", {**seconds, "total_seconds": Builtin("total_seconds", lambda: 0.0)})
 
     def text(self, _as_repr: bool) -> str:
         return str(_FIRST)
-
-
-class Duration(Record):
-    """The time between two moments, which is none."""
-
-    kind = "a duration"
-    fields: ClassVar[Methods] = dict.fromkeys(("seconds", "days", "microseconds"), lambda _: 0)
-    methods: ClassVar[Methods] = {"total_seconds": lambda _: 0.0}
-
-    def text(self, _as_repr: bool) -> str:
-        return str(timedelta())
 
 
 def _written(form: Value) -> str:
