@@ -450,25 +450,6 @@ class Matrix(Record):
     }
 
 
-class MatrixType(Record):
-    """`mathutils.Matrix` itself, which is called and has constructors."""
-
-    kind = "Matrix"
-    weight = _STEPS_OF_MATRIX
-
-    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
-        return Builtin("Matrix", Matrix.from_value).call(arguments, keywords)
-
-    methods: ClassVar[Methods] = {
-        "Translation": lambda _, vector: Matrix(affine(np.eye(3), np.array(reals(vector, 3, "the translation")))),
-        "Rotation": lambda _, angle, size, axis="Z": _rotated(angle, size, axis),
-        "Scale": lambda _, factor, size, axis=None: _scaled(factor, size, axis),
-        "Diagonal": lambda _, vector: _sized(np.diag(Vector.from_value(vector).numbers)),
-        "Identity": lambda _, size: _sized(np.eye(4), size),
-        "LocRotScale": lambda _, location, rotation, scale: _composed(location, rotation, scale),
-    }
-
-
 def _finite(array: np.ndarray) -> np.ndarray:
     if not np.isfinite(array).all():
         raise RefusalError("a matrix with a number that is not finite")
@@ -499,7 +480,7 @@ def _composed(location: Value, rotation: Value, scale: Value) -> Matrix:
     return Matrix(affine(turn * ((1.0, 1.0, 1.0) if scale is None else reals(scale, 3, "the scale")), offset))
 
 
-def _rotated(angle: Value, size: Value, axis: Value) -> Matrix:
+def _rotated(angle: Value, size: Value, axis: Value = "Z") -> Matrix:
     if isinstance(axis, Vector | tuple | list):
         turn = about_axis(np.array(reals(axis, 3, "the axis")), real(angle, "the angle"))
     else:
@@ -507,7 +488,7 @@ def _rotated(angle: Value, size: Value, axis: Value) -> Matrix:
     return _sized(affine(turn, np.zeros(3)), size)
 
 
-def _scaled(factor: Value, size: Value, axis: Value) -> Matrix:
+def _scaled(factor: Value, size: Value, axis: Value = None) -> Matrix:
     """What scales in all directions, or along an axis alone."""
     stretched = np.eye(3) * real(factor, "the factor")
     if axis is not None:
@@ -531,4 +512,13 @@ def mathutils_module() -> Namespace:
     """Vector, Euler, Matrix, Quaternion and Color."""
     vectors = builtins("", {"Vector": Vector.from_value, "Euler": Euler.from_value, "Color": Vector.from_value})
     quaternion = Builtin("Quaternion", Quaternion.from_value, 2 * _STEPS_OF_MATRIX)
-    return Namespace("mathutils", {**vectors, "Matrix": MatrixType(), "Quaternion": quaternion})
+    matrices: Methods = {
+        "Translation": lambda vector: Matrix(affine(np.eye(3), np.array(reals(vector, 3, "the translation")))),
+        "Rotation": _rotated,
+        "Scale": _scaled,
+        "Diagonal": lambda vector: _sized(np.diag(Vector.from_value(vector).numbers)),
+        "Identity": lambda size: _sized(np.eye(4), size),
+        "LocRotScale": _composed,
+    }
+    matrix = Builtin("Matrix", Matrix.from_value, _STEPS_OF_MATRIX, matrices)
+    return Namespace("mathutils", {**vectors, "Matrix": matrix, "Quaternion": quaternion})

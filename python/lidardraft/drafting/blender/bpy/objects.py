@@ -39,7 +39,7 @@ from lidardraft.drafting.blender.script.values import (
 
 # What changes a surface by little; the note on another says that the shape is that without it.
 _SMOOTHING = ("BEVEL", "SUBSURF", "EDGE_SPLIT", "WEIGHTED_NORMAL", "SMOOTH", "TRIANGULATE", "SMOOTH_BY_ANGLE")
-_MOST = 8  # modifiers of an object
+_MOST_MODIFIERS = 8  # modifiers of an object
 _MOST_COPIES = 1000  # that one array makes
 # What changes how an object is shown, and not where it is or what shape it has.
 _LOOKS = (
@@ -119,8 +119,8 @@ class Modifiers(Listed):
         """A new modifier; what is set in one that is passed over is passed over too."""
         kind = text(type, "the modifier")
         if kind == "ARRAY":
-            if len(self.arrays) >= _MOST:
-                raise RefusalError(f"an object with more than {_MOST} modifiers")
+            if len(self.arrays) >= _MOST_MODIFIERS:
+                raise RefusalError(f"an object with more than {_MOST_MODIFIERS} modifiers")
             self.arrays.append(ArrayModifier(text(name, "the name")))
             return self.arrays[-1]
         shape = "" if kind in _SMOOTHING else ": the shape is that without it"

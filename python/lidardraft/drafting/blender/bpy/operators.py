@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import ClassVar
 
 import numpy as np
 
@@ -15,7 +14,6 @@ from lidardraft.drafting.blender.bpy.scene import Scene
 from lidardraft.drafting.blender.script.limits import RefusalError
 from lidardraft.drafting.blender.script.values import (
     Builtin,
-    Methods,
     Record,
     Value,
     describe,
@@ -79,13 +77,7 @@ class Operators(Record):
                 scene.script.note(f"{full} is passed over")
             return ["FINISHED"]
 
-        return Operator(full, call)
-
-
-class Operator(Builtin):
-    """One operator, which can also be asked whether it may be called."""
-
-    methods: ClassVar[Methods] = {"poll": lambda _: True}
+        return Builtin(full, call, own={"poll": lambda: True})
 
 
 def _checked(action: Value) -> Value:

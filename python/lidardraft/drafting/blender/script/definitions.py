@@ -9,11 +9,11 @@ from lidardraft.drafting.blender.script.limits import RefusalError, Script
 from lidardraft.drafting.blender.script.operators import equal
 from lidardraft.drafting.blender.script.values import Builtin, Record, Type, Value, call, describe, nothing, place, text
 
-_STEPS_OF_FUNCTION = 10
+_STEPS_OF_FUNCTION = 10  # that making one costs
 _MOST_ARGUMENTS = 100
 SPECIAL = ("__init__", "__post_init__", "__repr__", "__str__")  # methods that a class may have
 _DEEPEST, _MOST_NAMES = 16, 200  # classes of which one is derived from the other; names of a class
-_STEPS_OF_INSTANCE = 5
+_STEPS_OF_INSTANCE = 5  # as well
 _MISSING = object()
 _ERRORS = (
     *("BaseException", "Exception", "ArithmeticError", "AssertionError", "AttributeError", "ImportError", "IndexError"),

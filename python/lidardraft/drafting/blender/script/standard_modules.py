@@ -77,7 +77,7 @@ def standard_modules(script: Script) -> dict[str, Value]:
     enum = {name: BaseMarker(name) for name in ("Enum", "IntEnum", "StrEnum")}
     modules: dict[str, dict[str, Value]] = {
         "math": _math(script),
-        "itertools": {**builtins("", _itertools(script)), "chain": Chain("chain", _chain(script))},
+        "itertools": {**builtins("", _itertools(script)), "chain": _chain(script)},
         "functools": _functools(script),
         "collections": builtins("", _collections(script)),
         "contextlib": {"suppress": Builtin("suppress", Suppressed)},
@@ -156,18 +156,12 @@ class RandomNumbers(Record):
     }
 
 
-class Chain(Builtin):
-    """`itertools.chain`, which can also be given one list of lists."""
-
-    methods: ClassVar[Methods] = {"from_iterable": lambda self, lists: self._call(*lists)}
-
-
-def _chain(script: Script) -> Callable[..., Value]:
+def _chain(script: Script) -> Builtin:
     def chain(*lists: Value) -> Value:
         script.take_steps(2 * len(lists))
         return Lazy((item for items in lists for item in iterate(items, script)), script)
 
-    return chain
+    return Builtin("chain", chain, own={"from_iterable": lambda lists: chain(*elements(lists, script))})
 
 
 def _itertools(script: Script) -> Methods:
@@ -204,13 +198,11 @@ def _itertools(script: Script) -> Methods:
         return Lazy(itertools.islice(iterate(items, script), *limits), script)
 
     def accumulate(items: Value, function: Value = None, *, initial: Value = None) -> Lazy:
-        def added(total: Value, item: Value) -> Value:
-            script.take_steps(2)
-            return (
-                binary(ast.Add, total, item, script) if function is None else call(function, [total, item], {}, script)
-            )
-
-        return Lazy(itertools.accumulate(iterate(items, script), added, initial=initial), script)
+        add = Builtin("add", lambda a, b: binary(ast.Add, a, b, script)) if function is None else function
+        made = itertools.accumulate(
+            iterate(items, script), lambda total, item: call(add, [total, item], {}, script), initial=initial
+        )
+        return Lazy(made, script)
 
     return {
         "product": product,

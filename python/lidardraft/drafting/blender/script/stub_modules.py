@@ -57,6 +57,9 @@ def stub_modules(script: Script) -> dict[str, Value]:
         if named.get("filename") is not None:
             raise RefusalError("a log that is written to a file")
 
+    def path_of(*parts: Value) -> FilePath:
+        return FilePath(script, *parts)
+
     def strftime(form: Value, *_: Value) -> str:
         script.note("the time is taken as 0")
         return _written(form)
@@ -70,7 +73,7 @@ def stub_modules(script: Script) -> dict[str, Value]:
     loggers = dict.fromkeys(("getLogger", "StreamHandler", "Formatter"), lambda *_, **__: logger)
     silence = dict.fromkeys((*_MESSAGES, "disable", "captureWarnings"), nothing)
     levels = {"DEBUG": 10, "INFO": 20, "WARNING": 30, "ERROR": 40, "CRITICAL": 50}
-    file_path = PathType("Path", lambda *parts: FilePath(script, *parts))
+    file_path = Builtin("Path", path_of, own=dict.fromkeys(("cwd", "home"), lambda: path_of("/")))
     modules: dict[str, dict[str, Value]] = {
         "os": {"path": path, "environ": environ, "name": "posix", "sep": "/", "linesep": "\n"}
         | builtins("os.", {"getenv": getenv, "getcwd": lambda: "/"}),
@@ -130,12 +133,6 @@ def _no_file(asked: str, script: Script) -> bool:
 
 def _name_of(value: Value) -> str:
     return str(value.pure) if isinstance(value, FilePath) else text(value, "the name of a file")
-
-
-class PathType(Builtin):
-    """`pathlib.Path`."""
-
-    methods: ClassVar[Methods] = dict.fromkeys(("cwd", "home"), lambda self: self._call("/"))
 
 
 class FilePath(Record):

@@ -112,14 +112,19 @@ AnyRecord = TypeVar("AnyRecord", bound=Record)
 
 
 class Builtin(Record):
-    """A function of the reader's; it gets what the script passes, and may raise what Python's functions raise."""
+    """A function of the reader's; it gets what the script passes, and may raise what Python's functions raise. `own`
+    are functions that stand behind a dot of it."""
 
     kind = "a function"
 
-    def __init__(self, name: str, call: Callable[..., Value], weight: int = 2) -> None:
+    def __init__(self, name: str, call: Callable[..., Value], weight: int = 2, own: Methods | None = None) -> None:
         self.name = name
         self.weight = weight
         self._call = call
+        self._own = own or {}
+
+    def attribute(self, name: str) -> Value:
+        return Builtin(name, self._own[name]) if name in self._own else super().attribute(name)
 
     def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
         """Its result. Raises `RefusalError` for wrong arguments, which cannot be caught: Python might take them."""
