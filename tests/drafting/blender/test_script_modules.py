@@ -23,7 +23,8 @@ parser.add_argument("rest", nargs="*")
 AGREED: list[str] = [
     # they give what python gives
     "from collections import defaultdict\nd = defaultdict(list)\nd['a'].append(1)\nd['a'].append(2)\n"
-    "assert d['a'] == [1, 2] and 'b' not in d and d.get('b') is None and len(d) == 1",
+    "assert d['a'] == [1, 2] and 'b' not in d and d.get('b') is None and len(d) == 1\n"
+    "e = d.copy()\ne['z'].append(3)\nassert e['z'] == [3] and 'z' not in d",
     "from collections import Counter, OrderedDict\nc = Counter('abca')\nc['d'] += 1\n"
     "assert c['a'] == 2 and c['d'] == 1\n"
     "assert list(OrderedDict([('x', 1)]).items()) == [('x', 1)]",
@@ -140,8 +141,8 @@ REFUSED: list[tuple[str, str, int]] = [
     # what writes a file is refused
     ("import logging\nlogging.basicConfig(filename='/tmp/a')", "a log that is written to a file", 2),
     ("import logging\nlogging.FileHandler('/tmp/a')", "logging.FileHandler is not supported", 2),
-    ("import sys\nsys.stdout.buffer", "sys.stdout has no 'buffer'", 2),
-    ("import logging\nlogging.getLogger().handlers", "a logger has no 'handlers'", 2),
+    ("import sys\nsys.stdout.buffer", "sys.stdout.buffer is not supported", 2),
+    ("import logging\nlogging.getLogger().handlers", "a logger.handlers is not supported", 2),
 ]
 
 
@@ -248,7 +249,7 @@ def test_what_is_no_data_or_too_much_is_refused() -> None:
 def test_all_arguments_have_their_defaults() -> None:
     reads(
         f"{SCRIPT}args = parser.parse_args()\nassert (args.count, args.road_width, args.wet, args.trees) == "
-        "(3, 7.5, False, True)\nassert args.s is None and args.rest == []\n"
+        "(3, 7.5, False, True)\nargs.count = 5\nassert args.count == 5 and args.s is None and args.rest == []\n"
         "args, more = parser.parse_known_args([])\nassert more == []"
     )
 

@@ -100,7 +100,7 @@ AGREED: list[str] = [
     "s = {1, 2, 3}\ns.discard(9)\ns.remove(1)\ns.update([5], (6,))\nassert sorted(s) == [2, 3, 5, 6] and sum(s) == 16",
     "s = {1, 2}\nt = s.copy()\nt.add(3)\nassert s.issubset(t) and not t.issubset(s)\n"
     "assert t.difference(s) == {3} and s.union([7], [8]) == {1, 2, 7, 8}\n"
-    "assert s.isdisjoint({5}) and s.intersection([2]) == {2}",
+    "assert s.isdisjoint({5}) and s.intersection([2]) == {2} and s.symmetric_difference([2, 3]) == {1, 3}",
     "try:\n    {1}.remove(2)\nexcept KeyError:\n    x = 1\n"
     "assert x == 1 and str(set()) == 'set()' and str({1}) == '{1}'",
     "s = {k % 3 for k in range(9)}\n"

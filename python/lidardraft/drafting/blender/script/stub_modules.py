@@ -18,7 +18,6 @@ from lidardraft.drafting.blender.script.values import (
     Methods,
     Namespace,
     Record,
-    Silent,
     Value,
     builtins,
     call,
@@ -69,9 +68,10 @@ def stub_modules(script: Script) -> dict[str, Value]:
     now = Namespace("datetime", builtins("datetime.", dict.fromkeys(("now", "today", "utcnow"), at_first(Moment()))))
     time = dict.fromkeys(("time", "perf_counter", "monotonic", "process_time"), at_first(0.0))
     time |= dict.fromkeys(("ctime", "asctime"), at_first(_FIRST.ctime()))
-    logger = Silent("a logger", *_OF_LOGGERS)
+    logger = Namespace("a logger", {"propagate": True, **builtins("", dict.fromkeys(_OF_LOGGERS, nothing))})
     loggers = dict.fromkeys(("getLogger", "StreamHandler", "Formatter"), lambda *_, **__: logger)
     silence = dict.fromkeys((*_MESSAGES, "disable", "captureWarnings"), nothing)
+    written = dict.fromkeys(("write", "writelines", "flush"), nothing)
     levels = {"DEBUG": 10, "INFO": 20, "WARNING": 30, "ERROR": 40, "CRITICAL": 50}
     file_path = Builtin("Path", path_of, own=dict.fromkeys(("cwd", "home"), lambda: path_of("/")))
     modules: dict[str, dict[str, Value]] = {
@@ -79,7 +79,7 @@ def stub_modules(script: Script) -> dict[str, Value]:
         | builtins("os.", {"getenv": getenv, "getcwd": lambda: "/"}),
         "sys": {"argv": ["blender"], "path": [], "platform": "linux", "maxsize": 2**63 - 1, "executable": "python"}
         | {"version": "3.11.0", "version_info": (3, 11, 0), "exit": Builtin("sys.exit", _leave)}
-        | {name: Silent(f"sys.{name}", "write", "writelines", "flush") for name in ("stdout", "stderr")},
+        | {name: Namespace(f"sys.{name}", builtins("", written)) for name in ("stdout", "stderr")},
         "pathlib": {"Path": file_path, "PurePath": file_path},
         "time": builtins("time.", {**time, "sleep": nothing, "strftime": strftime}),
         "datetime": {"datetime": now, "date": now},

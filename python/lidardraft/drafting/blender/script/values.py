@@ -200,20 +200,10 @@ class Namespace(Record):
             raise RefusalError(f"{self.kind}.{name} is not supported")
         return self.values[name]
 
-
-class Silent(Record):
-    """What has methods that do nothing, and return nothing."""
-
-    def __init__(self, kind: str, *methods: str) -> None:
-        self.kind = kind
-        self._methods = methods
-
-    def attribute(self, name: str) -> Value:
-        return Builtin(f"{self.kind}.{name}", nothing) if name in self._methods else super().attribute(name)
-
     def set_attribute(self, name: str, value: Value) -> None:
-        if name != "propagate":  # of a logger
+        if name not in self.values:
             super().set_attribute(name, value)
+        self.values[name] = value
 
 
 def nothing(*_: Value, **__: Value) -> None:
