@@ -249,7 +249,7 @@ def slab(x: float, y: float, length: float, width: float, yaw: float, top: float
 
 
 def profile_of(low: float, high: float, top: float) -> list[tuple[float, float]]:
-    """The cross section of a strip from one side to the other: places across and heights, with kerbs if it is raised."""
+    """The cross section of a strip, from side to side: places across and heights [m], with kerbs if it is raised."""
     flat = [(low, top), (high, top)]
     return [(low, TERRAIN_HEIGHT), *flat, (high, TERRAIN_HEIGHT)] if top > 0.0 else flat
 
