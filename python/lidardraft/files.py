@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import platform
 import secrets
+import shutil
 import stat
 import sys
 import tempfile
@@ -78,6 +79,29 @@ def written_together(name: str | os.PathLike[str]) -> Iterator[str]:
             _replace_all(new, old, target.parent)
     except OSError as error:
         raise FormatError(f"{target} cannot be written: {error.strerror or error}") from None
+
+
+@contextmanager
+def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """A hidden temporary folder beside `path`: renamed to it when the block ends well, removed when it raises.
+
+    Raises `FormatError` where `path` is there and not an empty folder, or where something cannot be written.
+    """
+    target = Path(os.path.abspath(path))
+    temporary = target.with_name(f".{target.name}.{secrets.token_hex(4)}.partial")
+    try:
+        if os.path.lexists(target) and (not target.is_dir() or any(target.iterdir())):
+            raise FormatError(f"{path} is there already; write to a new or empty folder")
+        target.parent.mkdir(parents=True, exist_ok=True)
+        temporary.mkdir()
+        yield temporary
+        temporary.replace(target)  # fails where another process has filled the folder meanwhile
+    except OSError as error:
+        shutil.rmtree(temporary, ignore_errors=True)
+        raise FormatError(f"{path} cannot be written: {error.strerror or error}") from None
+    except BaseException:
+        shutil.rmtree(temporary, ignore_errors=True)
+        raise
 
 
 def _replace_all(new: Path, old: Path, folder: Path) -> None:

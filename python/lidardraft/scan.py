@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from dataclasses import dataclass
 from functools import cached_property
@@ -9,16 +10,19 @@ from pathlib import Path
 
 import numpy as np
 
-from lidardraft import view
+from lidardraft import array_files, view
 from lidardraft.files import written_together
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
+from lidardraft.formats.frame import Annotation, Frame, with_riders_merged
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import Layout
+from lidardraft.scene.occlusion import occluded_shares
+from lidardraft.scene.pose import finite_array
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 
-SCAN_ENDINGS = (".bin", ".label", ".boxes.json", ".layout.json", ".sensor.json", ".png")  # of a saved scan's files
+SCAN_ENDINGS = (".bin", ".label", ".npz", ".boxes.json", ".layout.json", ".sensor.json", ".png")  # of a saved scan
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -79,6 +83,25 @@ class Scan:
         counts = np.bincount(self.instances(), minlength=2**16)
         return [int(counts[box.instance]) for box in self.layout.boxes()]
 
+    def frame(self) -> Frame:
+        """What data sets in other people's formats are written from."""
+        moved = (self.poses()[:, :3, 3] - self.pose[:3, 3]) @ self.pose[:3, :3]
+        boxes = self.boxes()
+        shares = occluded_shares(self.image, boxes, moved)
+        annotations = list(map(Annotation, boxes, self.returns_per_box(), shares))
+        return Frame(
+            sensor=self.image.sensor,
+            pose=self.pose,
+            points=self.points(),
+            intensity=self.intensities(),
+            ring=self.image.beams(),
+            time=self.image.times(),
+            label=self.labels(),
+            instance=self.instances(),
+            annotations=with_riders_merged(annotations),
+            world=json.dumps(self.layout.provenance, sort_keys=True),
+        )
+
     def picture(self, *, by_label: bool = False) -> np.ndarray:
         """The points, with boxes, by an eye that shows the objects and from above, over the range images: uint8
         [H, W, 3]. Objects have the colours of their classes, all else has those of heights, or also of classes."""
@@ -87,16 +110,34 @@ class Scan:
         return view.render_returns(self.image, points, boxes=boxes, title=title, by_label=by_label)
 
     def save(self, name: str | os.PathLike[str], *, picture: bool = True) -> None:
-        """Write `NAME.bin`, `.label`, `.boxes.json`, `.layout.json`, `.sensor.json` and `.png` beside each other.
+        """Write `NAME.bin`, `.label`, `.npz`, `.boxes.json`, `.layout.json`, `.sensor.json` and `.png`.
 
-        Files of these names are replaced. Raises `FormatError` where one cannot be written; then all stay as they were.
+        The `.npz` is the range image, with pose, speed and seed: `load` reads it and the layout. Files of these names
+        are replaced. Raises `FormatError` where one cannot be written; then all stay as they were.
         """
         with written_together(name) as stem:
             _save_image(self.image, self.points(), stem)
+            self.image.save(f"{stem}.npz", pose=self.pose, speed=np.float64(self.speed), seed=np.int64(self.seed))
             write_boxes(f"{stem}.boxes.json", self.boxes(), self.returns_per_box())
             self.layout.save(f"{stem}.layout.json")
             if picture:
                 view.save_png(f"{stem}.png", self.picture())
+
+    @classmethod
+    def load(cls, name: str | os.PathLike[str]) -> Scan:
+        """The scan that was saved as `NAME`; one of `save_observed` has an empty layout.
+
+        Raises `FormatError` where `NAME.npz` or `NAME.layout.json` is missing or broken.
+        """
+        file = f"{os.fspath(name)}.npz"
+        image = RangeImage.load(file)
+        with array_files.opened(file) as archive:
+            if not array_files.holds(archive, "pose"):
+                return cls(image=image, layout=Layout(()), pose=image.sensor.pose(), seed=0)
+            pose = finite_array("pose", array_files.read_numbers(archive, "pose", (4, 4)), 4, 4)
+            speed, seed = (array_files.read_numbers(archive, field, ()).item() for field in ("speed", "seed"))
+        layout = Layout.load(f"{os.fspath(name)}.layout.json")
+        return cls(image=image, layout=layout, pose=pose, seed=int(seed), speed=float(speed))
 
     def __repr__(self) -> str:
         return f"Scan({self.image!r}, {self.layout!r}, seed {self.seed}, {self.speed:g} m/s)"
@@ -106,6 +147,7 @@ def save_observed(image: RangeImage, name: str | os.PathLike[str], *, picture: b
     """Write an image with intensity as a `Scan` is saved, without the `.boxes.json` and `.layout.json` of a layout."""
     with written_together(name) as stem:
         _save_image(image, image.points(), stem)
+        image.save(f"{stem}.npz")
         if picture:
             view.save_png(f"{stem}.png", view.render_returns(image, view.points_on_road(image)))
 

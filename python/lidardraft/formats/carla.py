@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import os
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -17,7 +16,7 @@ import numpy as np
 from lidardraft.array_files import parse_npy
 from lidardraft.errors import FormatError, SensorError
 from lidardraft.files import named, read_bytes
-from lidardraft.formats.pcd import text_records
+from lidardraft.formats.ply import parse_ply
 from lidardraft.scene.materials import MATERIALS
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME
@@ -63,8 +62,6 @@ TAGS_BEFORE_0_9_14: dict[int, tuple[str, str | None]] = {
 }
 _FIELDS = ("x", "y", "z", "CosAngle", "ObjIdx", "ObjTag")
 _RECORD = np.dtype([(name, "<u4" if name.startswith("Obj") else "<f4") for name in _FIELDS])
-_PLY_TYPES = {"float32": "f", "float": "f", "uint32": "u", "uint": "u"}
-_LONGEST_HEADER = 100_000  # bytes; a real one has 200
 _INDEX = {material.name: i for i, material in enumerate(MATERIALS)}
 
 
@@ -141,18 +138,10 @@ def carla_sensor(
 
 
 def _from_ply(data: bytes) -> np.ndarray:
-    head, end, body = data[:_LONGEST_HEADER].partition(b"end_header\n")
-    lines = [line.split() for line in head.decode("latin-1").splitlines()]
-    if not end or ["format", "ascii", "1.0"] not in lines:
-        raise FormatError("no header of an ascii .ply file, as CARLA writes it")
-    body += data[_LONGEST_HEADER:]
-    elements = [line[1:] for line in lines if line[:1] == ["element"]]
-    fields = [(line[2], _PLY_TYPES.get(line[1])) for line in lines if line[:1] == ["property"] and len(line) == 3]
-    if fields != [(name, _RECORD[name].kind) for name in _FIELDS]:
+    hits = parse_ply(data)
+    if hits.dtype != _RECORD:
         raise FormatError(f"the fields of a hit must be {' '.join(_FIELDS)}, as the semantic LiDAR has them")
-    if len(elements) != 1 or not re.fullmatch("vertex [0-9]{1,9}", " ".join(elements[0])):
-        raise FormatError("the file must have one element, vertex, and how many there are")
-    return text_records(body, _RECORD, int(elements[0][1]))
+    return hits
 
 
 def _from_npy(data: bytes) -> np.ndarray:

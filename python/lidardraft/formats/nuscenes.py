@@ -10,7 +10,7 @@ import os
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import read_bytes
+from lidardraft.files import read_bytes, written_whole
 
 _POINT_BYTES = 20
 _MOST_RINGS = 512
@@ -31,6 +31,18 @@ def read_pcd_bin(path: str | os.PathLike[str]) -> tuple[np.ndarray, np.ndarray, 
     _check(name, sweep)
     points = np.stack([sweep[:, 1], -sweep[:, 0], sweep[:, 2]], axis=1)
     return points, sweep[:, 3] / np.float32(255), sweep[:, 4].astype(np.int64)
+
+
+def write_pcd_bin(
+    path: str | os.PathLike[str], points: np.ndarray, intensity: np.ndarray, ring: np.ndarray
+) -> None:
+    """Write points [N, 3] in our sensor frame, intensity [N] in [0, 1] and nuScenes' ring [N]; the inverse of
+    `read_pcd_bin`, with the same limits."""
+    right, ahead, up = -points[:, 1], points[:, 0], points[:, 2]
+    sweep = np.stack([right, ahead, up, intensity * np.float32(255), ring], axis=1).astype("<f4")
+    _check(os.fspath(path), sweep)
+    with written_whole(path) as temporary:
+        temporary.write_bytes(sweep.tobytes())
 
 
 def _check(name: str, sweep: np.ndarray) -> None:

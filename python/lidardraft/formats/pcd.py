@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import MAX_WHOLE, expecting, named, read_bytes
+from lidardraft.files import MAX_WHOLE, expecting, named, new_folder, read_bytes, written_whole
+from lidardraft.formats.frame import Drives, numbered, point_records
 
 _KEYS = ("FIELDS", "SIZE", "TYPE", "COUNT", "POINTS", "DATA")
 _TYPES = {
@@ -65,6 +66,35 @@ def parse_pcd(data: bytes) -> PointFile:
     }
     width, height = (_whole(header.get(key, [])) or 0 for key in ("WIDTH", "HEIGHT"))
     return PointFile(named_columns, width, height)
+
+
+def write_pcd(path: str | os.PathLike[str], records: np.ndarray) -> None:
+    """Write records [N] of float and unsigned fields as a binary file."""
+    names = records.dtype.names or ()
+    types = [records.dtype[name] for name in names]
+    header = {
+        "VERSION": ["0.7"],
+        "FIELDS": names,
+        "SIZE": [str(kind.itemsize) for kind in types],
+        "TYPE": [kind.kind.upper() for kind in types],
+        "COUNT": ["1"] * len(names),
+        "WIDTH": [str(len(records))],
+        "HEIGHT": ["1"],
+        "VIEWPOINT": ["0 0 0 1 0 0 0"],
+        "POINTS": [str(len(records))],
+        "DATA": ["binary"],
+    }
+    text = "".join(f"{key} {' '.join(values)}\n" for key, values in header.items())
+    with written_whole(path) as temporary:
+        temporary.write_bytes(text.encode() + records.tobytes())
+
+
+def write_pcd_folder(output: str | os.PathLike[str], drives: Drives) -> None:
+    """Write a file for each frame, with x y z intensity ring time label instance. Raises `FormatError` where `output`
+    is there already or cannot be written."""
+    with new_folder(output) as folder:
+        for name, frame in numbered(drives):
+            write_pcd(folder / f"{name}.pcd", point_records(frame))
 
 
 def text_records(text: bytes, record: np.dtype, count: int) -> np.ndarray:

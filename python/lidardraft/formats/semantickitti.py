@@ -1,4 +1,4 @@
-"""SemanticKITTI labels: .label files of one uint32 a point, class in the low 16 bits, instance in the high 16 bits.
+"""SemanticKITTI: .label files of one uint32 a point, class in the low 16 bits, instance in the high 16 bits.
 
 The tables follow semantic-kitti.yaml (Behley et al., ICCV 2019). Reading loses: moving or not; parking and lane marking
 (road); other ground (terrain); other vehicle (truck); bicyclist or motorcyclist (rider); other structure and other
@@ -9,11 +9,16 @@ SemanticKITTI does not have.
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
+from pathlib import Path
 
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import read_bytes, written_whole
+from lidardraft.files import new_folder, read_bytes, write_text, written_whole
+from lidardraft.formats.frame import Drives, Frame
+from lidardraft.formats.kitti import write_bin
+from lidardraft.scene.pose import inverse
 from lidardraft.semantics import BY_NAME, CLASSES, NUM_CLASSES
 
 CLASS_FROM_RAW: dict[int, str] = {
@@ -63,6 +68,7 @@ RAW_FROM_CLASS: dict[str, int] = {
 }
 
 _INSTANCE_LIMIT = 2**16 - 1
+_CAMERA = np.array([(0.0, -1, 0, 0), (0, 0, -1, 0), (1, 0, 0, 0), (0, 0, 0, 1)])  # camera_from_lidar
 
 
 def read_label(
@@ -102,3 +108,37 @@ def write_label(path: str | os.PathLike[str], label: np.ndarray, instance: np.nd
     words = table[label] | (instance.astype("<u4") << np.uint32(16))
     with written_whole(path) as temporary:
         temporary.write_bytes(words.astype("<u4").tobytes())
+
+
+def write_sequences(output: str | os.PathLike[str], drives: Drives) -> None:
+    """Write sequences/00, 01, ... of the drives: velodyne/, labels/, poses.txt, times.txt and calib.txt.
+
+    Poses are those of the camera relative to its first one, as KITTI's odometry has them; `Tr` says where it stands:
+    at the sensor, with x right, y down and z ahead. Raises `FormatError` where `output` is there already or cannot be
+    written.
+    """
+    with new_folder(output) as folder:
+        for number, drive in enumerate(drives):
+            _write_sequence(folder / "sequences" / f"{number:02d}", drive)
+
+
+def _write_sequence(folder: Path, drive: Iterable[Frame]) -> None:
+    for part in ("velodyne", "labels"):
+        (folder / part).mkdir(parents=True)
+    poses, times = list[np.ndarray](), list[float]()
+    for number, frame in enumerate(drive):
+        write_bin(folder / "velodyne" / f"{number:06d}.bin", frame.points, frame.intensity)
+        write_label(folder / "labels" / f"{number:06d}.label", frame.label, frame.instance)
+        poses.append(frame.pose)
+        times.append(number * frame.sensor.sweep_time)
+    if not poses:
+        raise FormatError("there are no scans to write")
+    of_camera = [_CAMERA @ inverse(poses[0]) @ pose @ _CAMERA.T for pose in poses]
+    write_text(folder / "poses.txt", "".join(f"{_row(pose)}\n" for pose in of_camera))
+    write_text(folder / "times.txt", "".join(f"{time:.6e}\n" for time in times))
+    flat = {**{f"P{camera}": np.eye(4) for camera in range(4)}, "Tr": _CAMERA}
+    write_text(folder / "calib.txt", "".join(f"{key}: {_row(matrix)}\n" for key, matrix in flat.items()))
+
+
+def _row(matrix: np.ndarray) -> str:
+    return " ".join(f"{value:.12e}" for value in matrix[:3].ravel())

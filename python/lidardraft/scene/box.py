@@ -48,6 +48,13 @@ class Box:
         yaw = self.yaw - math.atan2(pose[1, 0], pose[0, 0])
         return replace(self, center=tuple(center.tolist()), yaw=math.remainder(yaw, math.tau))
 
+    def corners(self) -> np.ndarray:
+        """f64 [8, 3]: four below, then the four above them, each from the left rear clockwise, seen from above."""
+        signs = np.array([(x, y, z) for z in (-1, 1) for x, y in ((-1, 1), (1, 1), (1, -1), (-1, -1))])
+        x, y, z = (signs * np.array(self.size) / 2).T
+        cos, sin = math.cos(self.yaw), math.sin(self.yaw)
+        return np.stack([cos * x - sin * y, sin * x + cos * y, z], axis=1) + self.center
+
 
 def check_id(id: object) -> None:
     """Raise `LayoutError` unless an id is a non-empty string that cannot steer the terminal it is printed on."""

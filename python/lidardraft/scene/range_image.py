@@ -157,9 +157,9 @@ class RangeImage:
             intensity=None if intensity is None else image("intensity", intensity),
         )
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write sensor and images to a .npz file."""
-        arrays: dict[str, Any] = {"sensor": np.array(self.sensor.to_json()), **images_of(self)}
+    def save(self, path: str | os.PathLike[str], **more: Any) -> None:
+        """Write sensor and images, and `more` arrays, to a .npz file."""
+        arrays: dict[str, Any] = {"sensor": np.array(self.sensor.to_json()), **images_of(self), **more}
         with written_whole(path) as temporary, temporary.open("wb") as file:
             np.savez_compressed(file, **arrays)
 

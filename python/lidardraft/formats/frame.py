@@ -1,0 +1,125 @@
+"""What the formats of other people's data sets are written from: frames, in drives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from lidardraft.errors import FormatError
+from lidardraft.files import write_text
+from lidardraft.scene.box import Box
+from lidardraft.scene.pose import upright
+from lidardraft.scene.sensor import Sensor
+
+VALIDATION_SHARE = 0.2  # of a data set's frames, its last ones
+_RECORD = np.dtype(
+    [(name, "<f4") for name in ("x", "y", "z", "intensity")]
+    + [("ring", "<u2"), ("time", "<f4"), ("label", "u1"), ("instance", "<u4")]
+)
+_RIDDEN = ("bicycle", "motorcycle")
+
+
+@dataclass(frozen=True, slots=True)
+class Annotation:
+    """A sensor-frame box, the number of points on its object, and the share of it that stands behind other things.
+
+    A rider and what is ridden are one object with the label rider; `ridden` is bicycle or motorcycle then.
+    """
+
+    box: Box
+    num_points: int
+    occlusion: float
+    ridden: str = ""
+
+
+def with_riders_merged(annotations: Sequence[Annotation]) -> tuple[Annotation, ...]:
+    """The annotations with one for each rider and what is ridden, as data sets count them: the parts ID.rider and
+    ID.bicycle of a layout become ID."""
+    vehicles = {a.box.id.partition(".")[0]: a for a in annotations if a.box.label in _RIDDEN and "." in a.box.id}
+    riders = {a.box.id.partition(".")[0]: a for a in annotations if a.box.label == "rider" and "." in a.box.id}
+    pairs = {name: (riders[name], vehicle) for name, vehicle in vehicles.items() if name in riders}
+    alone = [a for a in annotations if a.box.id.partition(".")[0] not in pairs]
+    return (*alone, *(_merged(name, *pair) for name, pair in pairs.items()))
+
+
+def _merged(name: str, rider: Annotation, vehicle: Annotation) -> Annotation:
+    corners = np.concatenate([_in_frame_of(vehicle.box, part.box.corners()) for part in (rider, vehicle)])
+    least, most = corners.min(axis=0), corners.max(axis=0)
+    pose = upright(vehicle.box.center, vehicle.box.yaw)
+    center = pose[:3, :3] @ ((least + most) / 2) + pose[:3, 3]
+    box = replace(rider.box, id=name, center=tuple(center.tolist()), size=tuple((most - least).tolist()))
+    return Annotation(
+        replace(box, yaw=vehicle.box.yaw),
+        rider.num_points + vehicle.num_points,
+        (rider.occlusion + vehicle.occlusion) / 2,
+        vehicle.box.label,
+    )
+
+
+def _in_frame_of(box: Box, points: np.ndarray) -> np.ndarray:
+    pose = upright(box.center, box.yaw)
+    return (points - pose[:3, 3]) @ pose[:3, :3]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Frame:
+    """One labelled scan, taken at `pose` (world_from_sensor [4, 4]) in the middle of its sweep.
+
+    Of each of N points, in the sensor frame: `points` f32 [N, 3] [m], `intensity` f32 [N] in 0 to 1, `ring` u16 [N]
+    (0 is the highest beam), `time` f32 [N] after the first column [s], `label` u8 [N] of `semantics.CLASSES`,
+    `instance` u32 [N]. Frames of one `world` show the same objects under the same ids.
+    """
+
+    sensor: Sensor
+    pose: np.ndarray
+    points: np.ndarray
+    intensity: np.ndarray
+    ring: np.ndarray
+    time: np.ndarray
+    label: np.ndarray
+    instance: np.ndarray
+    annotations: tuple[Annotation, ...] = ()
+    world: str = ""
+
+    def seen(self) -> list[Annotation]:
+        """The annotations of objects with at least one point."""
+        return [annotation for annotation in self.annotations if annotation.num_points]
+
+    def world_from_ego(self) -> np.ndarray:
+        """The pose [4, 4] of the road under the sensor."""
+        below = np.eye(4)
+        below[2, 3] = -self.sensor.mount_height
+        return self.pose @ below
+
+
+Drives = Iterable[Iterable[Frame]]  # a drive's frames follow one another, a sweep time apart
+
+
+def numbered(drives: Drives) -> Iterator[tuple[str, Frame]]:
+    """All frames with the names 000000, 000001, ..."""
+    frames = (frame for drive in drives for frame in drive)
+    for number, frame in enumerate(frames):
+        yield f"{number:06d}", frame
+
+
+def point_records(frame: Frame) -> np.ndarray:
+    """The points as records [N] of x y z intensity ring time label instance, packed."""
+    records = np.empty(len(frame.points), _RECORD)
+    records["x"], records["y"], records["z"] = frame.points.T
+    for field in ("intensity", "ring", "time", "label", "instance"):
+        records[field] = getattr(frame, field)
+    return records
+
+
+def write_image_sets(folder: Path, names: list[str]) -> None:
+    """Write ImageSets/train.txt, val.txt and trainval.txt; the last fifth of the frames, one at least, is for
+    validation. Raises `FormatError` where there are no frames."""
+    if not names:
+        raise FormatError("there are no scans to write")
+    split = min(len(names) - 1, round(len(names) * (1 - VALIDATION_SHARE)))
+    for part, those in (("train", names[:split]), ("val", names[split:]), ("trainval", names)):
+        (folder / "ImageSets").mkdir(exist_ok=True)
+        write_text(folder / "ImageSets" / f"{part}.txt", "".join(f"{name}\n" for name in those))

@@ -1,0 +1,164 @@
+"""KITTI's 3D object benchmark: velodyne/, label_2/, calib/ and image_2/ (Geiger et al., CVPR 2012).
+
+Boxes are in the frame of a camera: x right, y down, z ahead; the place is the middle of the bottom, the order height,
+width, length, and rotation_y is clockwise from x, seen from above. Readers leave out what no picture shows, which is
+all that is behind and beside a camera on the vehicle. So the camera stands far behind it, high and wide enough to see
+every point; the pictures are black.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import os
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from lidardraft.errors import FormatError
+from lidardraft.files import named, new_folder, read_text, write_text
+from lidardraft.formats.frame import Annotation, Drives, Frame, numbered, write_image_sets
+from lidardraft.formats.kitti import write_bin
+from lidardraft.scene.box import Box
+from lidardraft.scene.sensor import Sensor
+
+TYPE_OF_CLASS = {
+    "person": "Pedestrian",
+    "rider": "Cyclist",
+    "car": "Car",
+    "truck": "Truck",
+    "bus": "Misc",
+    "train": "Tram",
+    "motorcycle": "Misc",
+    "bicycle": "Misc",
+}
+CLASS_OF_TYPE = {
+    **{kitti: name for name, kitti in TYPE_OF_CLASS.items()},
+    "Van": "car",
+    "Person_sitting": "person",
+    "Misc": "other",
+}
+_CAMERA = np.array([(0.0, -1.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)])  # camera_from_lidar
+_AWAY = 4.0  # times the sensor's range that the camera stands behind it
+_MARGIN = 1.02  # of the range: noise, and the way a sensor moves in a sweep
+_CAR_HEIGHT, _LEAST_PIXELS = 1.5, 25.0  # a car at the end of the range is as high as the benchmark's limit
+_PARTLY, _LARGELY = 0.1, 0.5  # occluded shares from which an object counts as partly and largely occluded
+_LONGEST = 10_000  # lines of a label file
+
+
+def write_kitti_object(output: str | os.PathLike[str], drives: Drives) -> None:
+    """Write training/ with velodyne/, label_2/, calib/ and image_2/, and ImageSets/; objects without a point are left
+    out. Raises `FormatError` where `output` is there already or cannot be written."""
+    with new_folder(output) as folder:
+        for part in ("velodyne", "label_2", "calib", "image_2"):
+            (folder / "training" / part).mkdir(parents=True)
+        names = []
+        for name, frame in numbered(drives):
+            names.append(name)
+            _write_frame(folder / "training", name, frame)
+        write_image_sets(folder, names)
+
+
+def _write_frame(folder: Path, name: str, frame: Frame) -> None:
+    camera_from_lidar, projection, size = virtual_camera(frame.sensor)
+    write_bin(folder / "velodyne" / f"{name}.bin", frame.points, frame.intensity)
+    (folder / "image_2" / f"{name}.png").write_bytes(_black_picture(size))
+    rows = {f"P{camera}": projection for camera in range(4)}
+    rows |= {"R0_rect": np.eye(3), "Tr_velo_to_cam": camera_from_lidar[:3], "Tr_imu_to_velo": np.eye(4)[:3]}
+    lines = [f"{key}: {' '.join(f'{value:.12e}' for value in values.ravel())}\n" for key, values in rows.items()]
+    write_text(folder / "calib" / f"{name}.txt", "".join(lines))
+    labels = [_line(annotation, camera_from_lidar, projection, size) for annotation in frame.seen()]
+    write_text(folder / "label_2" / f"{name}.txt", "".join(labels))
+
+
+def virtual_camera(sensor: Sensor) -> tuple[np.ndarray, np.ndarray, tuple[int, int]]:
+    """camera_from_lidar [4, 4], projection P2 [3, 4], and width and height [px] of a picture with every point on it."""
+    reach = _MARGIN * sensor.max_range
+    away = _AWAY * reach
+    focal = _LEAST_PIXELS * (away + reach) / _CAR_HEIGHT
+    half_width = math.ceil(focal / math.sqrt(_AWAY**2 - 1))  # a circle's tangent
+    steepest = min(1.0, math.sin(max(map(abs, sensor.elevations))) + 0.02)
+    half_height = math.ceil(focal * steepest / (_AWAY - 1))
+    camera_from_lidar = np.eye(4)
+    camera_from_lidar[:3, :3] = _CAMERA
+    camera_from_lidar[2, 3] = away
+    projection = np.array([(focal, 0.0, half_width, 0.0), (0.0, focal, half_height, 0.0), (0.0, 0.0, 1.0, 0.0)])
+    return camera_from_lidar, projection, (2 * half_width, 2 * half_height)
+
+
+@lru_cache(maxsize=4)
+def _black_picture(size: tuple[int, int]) -> bytes:
+    buffer = io.BytesIO()
+    Image.new("L", size).save(buffer, "PNG")
+    return buffer.getvalue()
+
+
+def _line(annotation: Annotation, camera_from_lidar: np.ndarray, projection: np.ndarray, size: tuple[int, int]) -> str:
+    box = annotation.box
+    length, width, height = box.size
+    x, y, z = _CAMERA @ (np.array(box.center) - (0.0, 0.0, height / 2)) + camera_from_lidar[:3, 3]
+    turn = math.remainder(-box.yaw - math.pi / 2, math.tau)
+    alpha = math.remainder(turn - math.atan2(x, z), math.tau)
+    corners = box.corners() @ _CAMERA.T + camera_from_lidar[:3, 3]
+    seen = corners @ projection[:, :3].T
+    pixels = np.clip(seen[:, :2] / seen[:, 2:], 0, np.array(size) - 1)
+    occluded = int(annotation.occlusion >= _PARTLY) + int(annotation.occlusion >= _LARGELY)
+    numbers = (alpha, *pixels.min(axis=0), *pixels.max(axis=0), height, width, length, x, y, z, turn)
+    return f"{TYPE_OF_CLASS[box.label]} 0.00 {occluded} {' '.join(f'{number:.4f}' for number in numbers)}\n"
+
+
+def read_label_2(path: str | os.PathLike[str], calib: str | os.PathLike[str]) -> list[Box]:
+    """The boxes of a label_2 file in the frame of the LiDAR, by the calibration beside it; DontCare is left out.
+
+    Raises `FormatError` naming the file and the line that is not KITTI's.
+    """
+    text, lidar_from_camera = read_text(path), _lidar_from_camera(calib)
+    boxes = list[Box]()
+    with named(path):
+        lines = [line.split() for line in text.splitlines() if line.strip()]
+        if len(lines) > _LONGEST:
+            raise FormatError(f"{len(lines)} lines; up to {_LONGEST} are read")
+        for number, words in enumerate(lines, start=1):
+            with named(f"line {number}"):
+                if len(words) not in (15, 16) or words[0] not in (*CLASS_OF_TYPE, "DontCare"):
+                    raise FormatError(f"{' '.join(words)!r:.80} is no object of KITTI: a type and 14 numbers")
+                if words[0] != "DontCare":
+                    boxes.append(_box(len(boxes) + 1, words[0], _numbers(words[8:15], 7), lidar_from_camera))
+    return boxes
+
+
+def _box(number: int, kind: str, values: np.ndarray, lidar_from_camera: np.ndarray) -> Box:
+    height, width, length, *place, turn = values.tolist()
+    middle = np.array(place) - (0.0, height / 2, 0.0)
+    center = lidar_from_camera[:3, :3] @ middle + lidar_from_camera[:3, 3]
+    ahead = lidar_from_camera[:3, :3] @ (math.cos(turn), 0.0, -math.sin(turn))
+    label = CLASS_OF_TYPE[kind]
+    yaw = math.atan2(ahead[1], ahead[0])
+    return Box(f"{label}_{number}", label, number, tuple(center.tolist()), (length, width, height), yaw)
+
+
+def _lidar_from_camera(path: str | os.PathLike[str]) -> np.ndarray:
+    rows = dict(line.split(":", 1) for line in read_text(path).splitlines() if ":" in line)
+    with named(path):
+        if missing := [key for key in ("R0_rect", "Tr_velo_to_cam") if key not in rows]:
+            raise FormatError(f"there is no line {missing[0]}")
+        rectified, camera = np.eye(4), np.eye(4)
+        rectified[:3, :3] = _numbers(rows["R0_rect"].split(), 9).reshape(3, 3)
+        camera[:3] = _numbers(rows["Tr_velo_to_cam"].split(), 12).reshape(3, 4)
+        try:
+            back: np.ndarray = np.linalg.inv(rectified @ camera)
+        except np.linalg.LinAlgError:
+            raise FormatError("R0_rect or Tr_velo_to_cam is no rotation") from None
+        return back
+
+
+def _numbers(words: list[str], count: int) -> np.ndarray:
+    try:
+        values = np.array([float(word) for word in words])
+    except ValueError:
+        values = np.full(1, np.nan)
+    if len(values) != count or not np.isfinite(values).all():
+        raise FormatError(f"{' '.join(words)!r:.80} is not {count} finite numbers")
+    return values

@@ -1,0 +1,209 @@
+"""nuScenes: the relational tables of v1.0, LIDAR_TOP sweeps and lidarseg (Caesar et al., CVPR 2020; Fong et al., 2021).
+
+Every scan is a key frame. Its sensor has x to the right and y ahead, on a vehicle with x ahead; boxes are in the world,
+of size width, length, height, with quaternions w x y z. A scene is a drive, or the part of it that shows one world.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import math
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+from scipy.spatial.transform import Rotation
+
+from lidardraft.errors import FormatError
+from lidardraft.files import new_folder
+from lidardraft.formats.frame import Annotation, Drives, Frame
+from lidardraft.formats.nuscenes import write_pcd_bin
+from lidardraft.semantics import CLASSES
+
+VERSION = "v1.0-trainval"
+# In the order of lidarseg's indices; those without points are there as readers count them.
+CATEGORIES = (
+    "noise",
+    "animal",
+    "human.pedestrian.adult",
+    "human.pedestrian.child",
+    "human.pedestrian.construction_worker",
+    "human.pedestrian.personal_mobility",
+    "human.pedestrian.police_officer",
+    "human.pedestrian.stroller",
+    "human.pedestrian.wheelchair",
+    "movable_object.barrier",
+    "movable_object.debris",
+    "movable_object.pushable_pullable",
+    "movable_object.trafficcone",
+    "static_object.bicycle_rack",
+    "vehicle.bicycle",
+    "vehicle.bus.bendy",
+    "vehicle.bus.rigid",
+    "vehicle.car",
+    "vehicle.construction",
+    "vehicle.emergency.ambulance",
+    "vehicle.emergency.police",
+    "vehicle.motorcycle",
+    "vehicle.trailer",
+    "vehicle.truck",
+    "flat.driveable_surface",
+    "flat.other",
+    "flat.sidewalk",
+    "flat.terrain",
+    "static.manmade",
+    "static.other",
+    "static.vegetation",
+    "vehicle.ego",
+)
+CATEGORY_OF_CLASS = {
+    "none": "noise",
+    "road": "flat.driveable_surface",
+    "sidewalk": "flat.sidewalk",
+    "terrain": "flat.terrain",
+    **dict.fromkeys(("building", "wall", "fence", "pole", "traffic-light", "traffic-sign"), "static.manmade"),
+    **dict.fromkeys(("vegetation", "trunk"), "static.vegetation"),
+    "person": "human.pedestrian.adult",
+    "rider": "vehicle.bicycle",
+    "car": "vehicle.car",
+    "truck": "vehicle.truck",
+    "bus": "vehicle.bus.rigid",
+    "train": "vehicle.bus.bendy",
+    "motorcycle": "vehicle.motorcycle",
+    "bicycle": "vehicle.bicycle",
+    "other": "static.other",
+}
+_INDEX = np.array([CATEGORIES.index(CATEGORY_OF_CLASS[row.name]) for row in CLASSES], np.uint8)
+_CYCLES = ("bicycle", "motorcycle")
+_ATTRIBUTES = ("cycle.with_rider", "cycle.without_rider")
+_VISIBLE = (("4", "v80-100", 0.8), ("3", "v60-80", 0.6), ("2", "v40-60", 0.4), ("1", "v0-40", 0.0))
+_START = 1_600_000_000_000_000  # us, the first frame's time
+_EGO_FROM_LIDAR = np.array([(0.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0)])
+
+Tables = dict[str, list[dict[str, Any]]]
+
+
+def write_nuscenes(output: str | os.PathLike[str], drives: Drives) -> None:
+    """Write v1.0-trainval/*.json, samples/LIDAR_TOP/, lidarseg/ and maps/.
+
+    Raises `FormatError` where `output` is there already or cannot be written.
+    """
+    with new_folder(output) as folder:
+        for part in (VERSION, "samples/LIDAR_TOP", f"lidarseg/{VERSION}", "maps"):
+            (folder / part).mkdir(parents=True)
+        Image.new("L", (1, 1)).save(folder / "maps" / "none.png")
+        tables, number = _fixed_tables(), 0
+        scenes = (scene for drive in drives for _, scene in itertools.groupby(drive, lambda frame: frame.world))
+        for number, scene in enumerate(scenes, start=1):
+            _write_scene(folder, tables, f"scene-{number:04d}", scene)
+        if not number:
+            raise FormatError("there are no scans to write")
+        for name, rows in tables.items():
+            (folder / VERSION / f"{name}.json").write_text(json.dumps(rows, indent=0))
+
+
+def _token(*parts: object) -> str:
+    return hashlib.md5("/".join(map(str, parts)).encode(), usedforsecurity=False).hexdigest()
+
+
+def _fixed_tables() -> Tables:
+    log = {"token": _token("log"), "logfile": "", "vehicle": "lidardraft", "date_captured": "2020-09-13"}
+    return {
+        "category": [
+            {"token": _token("category", name), "name": name, "description": "", "index": index}
+            for index, name in enumerate(CATEGORIES)
+        ],
+        "attribute": [{"token": _token("attribute", name), "name": name, "description": ""} for name in _ATTRIBUTES],
+        "visibility": [{"token": token, "level": level, "description": ""} for token, level, _ in _VISIBLE],
+        "sensor": [{"token": _token("LIDAR_TOP"), "channel": "LIDAR_TOP", "modality": "lidar"}],
+        "log": [log | {"location": "lidardraft"}],
+        "map": [
+            {"token": _token("map"), "log_tokens": [log["token"]], "category": "", "filename": "maps/none.png"},
+        ],
+        **{name: [] for name in ("instance", "calibrated_sensor", "ego_pose", "scene", "sample", "sample_data")},
+        **{name: [] for name in ("sample_annotation", "lidarseg")},
+    }
+
+
+def _write_scene(folder: Path, tables: Tables, name: str, frames: Iterable[Frame]) -> None:
+    samples, tracks = list[dict[str, Any]](), dict[str, list[dict[str, Any]]]()
+    time = _START + 60_000_000 * len(tables["scene"])
+    for number, frame in enumerate(frames):
+        sample = {"token": _token(name, number), "timestamp": time, "scene_token": _token(name)}
+        samples.append(sample)
+        _write_sweep(folder, tables, sample, frame)
+        for annotation in frame.annotations:
+            _annotate(tracks.setdefault(annotation.box.id, []), name, sample, frame, annotation)
+        time += max(1, round(1e6 * frame.sensor.sweep_time))
+    tables["sample"] += _linked(samples)
+    tables["scene"].append(
+        {"token": _token(name), "log_token": _token("log"), "nbr_samples": len(samples), "name": name, "description": ""}
+        | {"first_sample_token": samples[0]["token"], "last_sample_token": samples[-1]["token"]}
+    )
+    sweeps = tables["sample_data"][-len(samples) :]
+    tables["sample_data"][-len(samples) :] = _linked(sweeps)
+    for track in tracks.values():
+        tables["instance"].append(
+            {"token": track[0]["instance_token"], "category_token": track[0]["category_token"]}
+            | {"nbr_annotations": len(track), "first_annotation_token": track[0]["token"]}
+            | {"last_annotation_token": track[-1]["token"]}
+        )
+        tables["sample_annotation"] += _linked(track)
+
+
+def _write_sweep(folder: Path, tables: Tables, sample: dict[str, Any], frame: Frame) -> None:
+    token, sensor = sample["token"], frame.sensor
+    sweep, labels = f"samples/LIDAR_TOP/{token}.pcd.bin", f"lidarseg/{VERSION}/{token}_lidarseg.bin"
+    write_pcd_bin(folder / sweep, frame.points, frame.intensity, len(sensor.elevations) - 1 - frame.ring.astype(int))
+    (folder / labels).write_bytes(_INDEX[frame.label].tobytes())
+    calibrated = _token(sensor.name, sensor.mount_height)
+    if calibrated not in {row["token"] for row in tables["calibrated_sensor"]}:
+        tables["calibrated_sensor"].append(
+            {"token": calibrated, "sensor_token": _token("LIDAR_TOP"), "camera_intrinsic": []}
+            | {"translation": [0.0, 0.0, sensor.mount_height], "rotation": _quaternion(_EGO_FROM_LIDAR)}
+        )
+    ego = frame.world_from_ego()
+    tables["ego_pose"].append(
+        {"token": token, "timestamp": sample["timestamp"], "rotation": _quaternion(ego[:3, :3])}
+        | {"translation": ego[:3, 3].tolist()}
+    )
+    tables["sample_data"].append(
+        {"token": token, "sample_token": token, "ego_pose_token": token, "calibrated_sensor_token": calibrated}
+        | {"timestamp": sample["timestamp"], "fileformat": "pcd", "is_key_frame": True, "height": 0, "width": 0}
+        | {"filename": sweep}
+    )
+    tables["lidarseg"].append({"token": token, "sample_data_token": token, "filename": labels})
+
+
+def _annotate(
+    track: list[dict[str, Any]], scene: str, sample: dict[str, Any], frame: Frame, annotation: Annotation
+) -> None:
+    box, label = annotation.box, annotation.ridden or annotation.box.label
+    length, width, height = box.size
+    turn = frame.pose[:3, :3] @ Rotation.from_euler("z", box.yaw).as_matrix()
+    attributes = [("cycle.with_rider" if annotation.ridden else "cycle.without_rider")] if label in _CYCLES else []
+    track.append(
+        {"token": _token(sample["token"], box.id), "sample_token": sample["token"]}
+        | {"instance_token": _token(scene, box.id), "category_token": _token("category", CATEGORY_OF_CLASS[label])}
+        | {"attribute_tokens": [_token("attribute", name) for name in attributes]}
+        | {"visibility_token": next(token for token, _, least in _VISIBLE if 1 - annotation.occlusion >= least)}
+        | {"translation": (frame.pose[:3, :3] @ box.center + frame.pose[:3, 3]).tolist()}
+        | {"size": [width, length, height], "rotation": _quaternion(turn)}
+        | {"num_lidar_pts": annotation.num_points, "num_radar_pts": 0}
+    )
+
+
+def _quaternion(rotation: np.ndarray) -> list[float]:
+    x, y, z, w = Rotation.from_matrix(rotation).as_quat().tolist()
+    return [w, x, y, z]
+
+
+def _linked(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The rows with the tokens of those before and after each."""
+    tokens = ["", *(row["token"] for row in rows), ""]
+    return [row | {"prev": tokens[i], "next": tokens[i + 2]} for i, row in enumerate(rows)]

@@ -1,0 +1,33 @@
+"""OpenPCDet's custom data sets: points/*.npy, labels/*.txt and ImageSets/, as its CUSTOM_DATASET_TUTORIAL has them.
+
+A point is float32 x y z intensity. A line of labels is x y z dx dy dz heading class, with the geometric centre and the
+heading counter-clockwise from x; classes have our names, and a rider includes what is ridden.
+"""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+
+from lidardraft.files import new_folder, write_text
+from lidardraft.formats.frame import Annotation, Drives, numbered, write_image_sets
+
+
+def write_openpcdet(output: str | os.PathLike[str], drives: Drives) -> None:
+    """Write a data set for `CustomDataset`; objects without a point are left out. Raises `FormatError` where `output`
+    is there already or cannot be written."""
+    with new_folder(output) as folder:
+        for part in ("points", "labels"):
+            (folder / part).mkdir()
+        names = []
+        for name, frame in numbered(drives):
+            names.append(name)
+            np.save(folder / "points" / f"{name}.npy", np.column_stack([frame.points, frame.intensity]))
+            write_text(folder / "labels" / f"{name}.txt", "".join(map(_line, frame.seen())))
+        write_image_sets(folder, names)
+
+
+def _line(annotation: Annotation) -> str:
+    box = annotation.box
+    return " ".join(f"{number:.4f}" for number in (*box.center, *box.size, box.yaw)) + f" {box.label}\n"

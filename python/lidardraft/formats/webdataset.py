@@ -1,0 +1,58 @@
+"""WebDataset shards: .tar files of samples, the files of each side by side under its name.
+
+`NAME.points.npy` f32 [N, 4] (x y z intensity), `NAME.ring.npy` u16 [N], `NAME.time.npy` f32 [N], `NAME.label.npy`
+u8 [N], `NAME.instance.npy` u32 [N] and `NAME.json`: sensor, pose, and boxes as in boxes.json. `index.json` counts the
+samples of each shard.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import io
+import itertools
+import json
+import os
+import tarfile
+from collections.abc import Iterator
+
+import numpy as np
+
+from lidardraft.errors import FormatError
+from lidardraft.files import new_folder
+from lidardraft.formats.frame import Drives, Frame, numbered
+
+SHARD = 256  # frames of a shard
+
+
+def write_webdataset(output: str | os.PathLike[str], drives: Drives) -> None:
+    """Write 000000.tar, 000001.tar, ... and index.json. Raises `FormatError` where `output` is there already or cannot
+    be written."""
+    with new_folder(output) as folder:
+        frames, counts = iter(numbered(drives)), dict[str, int]()
+        while first := next(frames, None):
+            shard = f"{len(counts):06d}.tar"
+            with tarfile.open(folder / shard, "w") as tar:
+                for count, (name, frame) in enumerate(itertools.chain([first], itertools.islice(frames, SHARD - 1)), 1):
+                    counts[shard] = count
+                    for ending, content in _files(frame):
+                        member = tarfile.TarInfo(f"{name}.{ending}")
+                        member.size = len(content)
+                        tar.addfile(member, io.BytesIO(content))
+        if not counts:
+            raise FormatError("there are no scans to write")
+        (folder / "index.json").write_text(json.dumps(counts))
+
+
+def _files(frame: Frame) -> Iterator[tuple[str, bytes]]:
+    yield "points.npy", _npy(np.column_stack([frame.points, frame.intensity]))
+    for field in ("ring", "time", "label", "instance"):
+        yield f"{field}.npy", _npy(getattr(frame, field))
+    boxes = [dataclasses.asdict(a.box) | {"num_points": a.num_points} for a in frame.annotations]
+    sensor = json.loads(frame.sensor.to_json())
+    yield "json", json.dumps({"boxes": boxes, "pose": frame.pose.tolist(), "sensor": sensor}).encode()
+
+
+def _npy(array: np.ndarray) -> bytes:
+    buffer = io.BytesIO()
+    np.save(buffer, array)
+    return buffer.getvalue()
