@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,6 +15,7 @@ from lidardraft.scene.box import Box
 from lidardraft.scene.pose import upright
 from lidardraft.scene.sensor import Sensor
 
+NO_SCANS = "there are no scans to write"
 VALIDATION_SHARE = 0.2  # of a data set's frames, its last ones
 _RECORD = np.dtype(
     [(name, "<f4") for name in ("x", "y", "z", "intensity")]
@@ -99,10 +101,12 @@ Drives = Iterable[Iterable[Frame]]  # a drive's frames follow one another, a swe
 
 
 def numbered(drives: Drives) -> Iterator[tuple[str, Frame]]:
-    """All frames with the names 000000, 000001, ..."""
-    frames = (frame for drive in drives for frame in drive)
-    for number, frame in enumerate(frames):
+    """All frames with the names 000000, 000001, ...; raises `FormatError` where there are none."""
+    number = -1
+    for number, frame in enumerate(itertools.chain.from_iterable(drives)):
         yield f"{number:06d}", frame
+    if number < 0:
+        raise FormatError(NO_SCANS)
 
 
 def point_records(frame: Frame) -> np.ndarray:
@@ -116,9 +120,7 @@ def point_records(frame: Frame) -> np.ndarray:
 
 def write_image_sets(folder: Path, names: list[str]) -> None:
     """Write ImageSets/train.txt, val.txt and trainval.txt; the last fifth of the frames, one at least, is for
-    validation. Raises `FormatError` where there are no frames."""
-    if not names:
-        raise FormatError("there are no scans to write")
+    validation."""
     split = min(len(names) - 1, round(len(names) * (1 - VALIDATION_SHARE)))
     for part, those in (("train", names[:split]), ("val", names[split:]), ("trainval", names)):
         (folder / "ImageSets").mkdir(exist_ok=True)

@@ -1,8 +1,8 @@
 """MMDetection3D's custom data sets: points/*.bin, labels/*.txt, semantic_mask/*.bin, ImageSets/ and infos.
 
-A point is float32 x y z intensity. Boxes are x y z dx dy dz yaw with the middle of the bottom, as `LiDARInstance3DBoxes`
-takes them, the yaw counter-clockwise from x. `lidardraft_infos_train.json` and `_val.json` are infos of version 2, which
-`Det3DDataset` and `Seg3DDataset` load as they are. Masks are int64 ids of our classes.
+A point is float32 x y z intensity. Boxes are x y z dx dy dz yaw with the middle of the bottom, as
+`LiDARInstance3DBoxes` takes them, the yaw counter-clockwise from x. `lidardraft_infos_train.json` and `_val.json` are
+infos of version 2, which `Det3DDataset` and `Seg3DDataset` load as they are. Masks are int64 ids of our classes.
 """
 
 from __future__ import annotations
@@ -11,8 +11,6 @@ import json
 import os
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from lidardraft.files import new_folder, write_text
 from lidardraft.formats.frame import Annotation, Drives, Frame, numbered, write_image_sets

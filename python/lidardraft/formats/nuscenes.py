@@ -33,9 +33,7 @@ def read_pcd_bin(path: str | os.PathLike[str]) -> tuple[np.ndarray, np.ndarray, 
     return points, sweep[:, 3] / np.float32(255), sweep[:, 4].astype(np.int64)
 
 
-def write_pcd_bin(
-    path: str | os.PathLike[str], points: np.ndarray, intensity: np.ndarray, ring: np.ndarray
-) -> None:
+def write_pcd_bin(path: str | os.PathLike[str], points: np.ndarray, intensity: np.ndarray, ring: np.ndarray) -> None:
     """Write points [N, 3] in our sensor frame, intensity [N] in [0, 1] and nuScenes' ring [N]; the inverse of
     `read_pcd_bin`, with the same limits."""
     right, ahead, up = -points[:, 1], points[:, 0], points[:, 2]

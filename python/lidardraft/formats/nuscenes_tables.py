@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
-import math
 import os
 from collections.abc import Iterable
 from pathlib import Path
@@ -21,7 +20,7 @@ from scipy.spatial.transform import Rotation
 
 from lidardraft.errors import FormatError
 from lidardraft.files import new_folder
-from lidardraft.formats.frame import Annotation, Drives, Frame
+from lidardraft.formats.frame import NO_SCANS, Annotation, Drives, Frame
 from lidardraft.formats.nuscenes import write_pcd_bin
 from lidardraft.semantics import CLASSES
 
@@ -102,7 +101,7 @@ def write_nuscenes(output: str | os.PathLike[str], drives: Drives) -> None:
         for number, scene in enumerate(scenes, start=1):
             _write_scene(folder, tables, f"scene-{number:04d}", scene)
         if not number:
-            raise FormatError("there are no scans to write")
+            raise FormatError(NO_SCANS)
         for name, rows in tables.items():
             (folder / VERSION / f"{name}.json").write_text(json.dumps(rows, indent=0))
 
@@ -142,7 +141,13 @@ def _write_scene(folder: Path, tables: Tables, name: str, frames: Iterable[Frame
         time += max(1, round(1e6 * frame.sensor.sweep_time))
     tables["sample"] += _linked(samples)
     tables["scene"].append(
-        {"token": _token(name), "log_token": _token("log"), "nbr_samples": len(samples), "name": name, "description": ""}
+        {
+            "token": _token(name),
+            "log_token": _token("log"),
+            "nbr_samples": len(samples),
+            "name": name,
+            "description": "",
+        }
         | {"first_sample_token": samples[0]["token"], "last_sample_token": samples[-1]["token"]}
     )
     sweeps = tables["sample_data"][-len(samples) :]

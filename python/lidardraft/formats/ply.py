@@ -68,8 +68,8 @@ def _record(lines: list[list[str]], order: str) -> tuple[np.dtype, int]:
 
 def write_ply(path: str | os.PathLike[str], records: np.ndarray) -> None:
     """Write records [N] of float32 and unsigned fields as the vertices of a binary file."""
-    fields = records.dtype.fields or {}
-    properties = "".join(f"property {_NAMES[kind.str[1:]]} {name}\n" for name, (kind, *_) in fields.items())
+    names = records.dtype.names or ()
+    properties = "".join(f"property {_NAMES[records.dtype[name].str[1:]]} {name}\n" for name in names)
     header = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(records)}\n{properties}end_header\n"
     with written_whole(path) as temporary:
         temporary.write_bytes(header.encode() + records.tobytes())

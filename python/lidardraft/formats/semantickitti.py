@@ -16,7 +16,7 @@ import numpy as np
 
 from lidardraft.errors import FormatError
 from lidardraft.files import new_folder, read_bytes, write_text, written_whole
-from lidardraft.formats.frame import Drives, Frame
+from lidardraft.formats.frame import NO_SCANS, Drives, Frame
 from lidardraft.formats.kitti import write_bin
 from lidardraft.scene.pose import inverse
 from lidardraft.semantics import BY_NAME, CLASSES, NUM_CLASSES
@@ -120,6 +120,8 @@ def write_sequences(output: str | os.PathLike[str], drives: Drives) -> None:
     with new_folder(output) as folder:
         for number, drive in enumerate(drives):
             _write_sequence(folder / "sequences" / f"{number:02d}", drive)
+        if not any(folder.iterdir()):
+            raise FormatError(NO_SCANS)
 
 
 def _write_sequence(folder: Path, drive: Iterable[Frame]) -> None:
@@ -132,7 +134,7 @@ def _write_sequence(folder: Path, drive: Iterable[Frame]) -> None:
         poses.append(frame.pose)
         times.append(number * frame.sensor.sweep_time)
     if not poses:
-        raise FormatError("there are no scans to write")
+        raise FormatError(NO_SCANS)
     of_camera = [_CAMERA @ inverse(poses[0]) @ pose @ _CAMERA.T for pose in poses]
     write_text(folder / "poses.txt", "".join(f"{_row(pose)}\n" for pose in of_camera))
     write_text(folder / "times.txt", "".join(f"{time:.6e}\n" for time in times))

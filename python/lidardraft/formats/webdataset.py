@@ -17,7 +17,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from lidardraft.errors import FormatError
 from lidardraft.files import new_folder
 from lidardraft.formats.frame import Drives, Frame, numbered
 
@@ -38,8 +37,6 @@ def write_webdataset(output: str | os.PathLike[str], drives: Drives) -> None:
                         member = tarfile.TarInfo(f"{name}.{ending}")
                         member.size = len(content)
                         tar.addfile(member, io.BytesIO(content))
-        if not counts:
-            raise FormatError("there are no scans to write")
         (folder / "index.json").write_text(json.dumps(counts))
 
 

@@ -14,7 +14,7 @@ _BEFORE = 0.1  # m: what is nearer to the box than this stands in it
 
 
 def occluded_shares(image: RangeImage, boxes: Sequence[Box], moved: np.ndarray | None = None) -> list[float]:
-    """For each box, the share of the rays towards it that return from something else before it; 1 where none goes there.
+    """For each box, the share of the rays towards it that return from something else before it; 1 without such rays.
 
     Boxes are in the sensor frame; `moved` [W, 3] is where the sensor stood in it at each column, if it moved.
     """
