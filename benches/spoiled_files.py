@@ -30,12 +30,14 @@ from lidardraft.formats.cityscapes import read_semantics
 from lidardraft.formats.glb import glb_bytes, write_glb
 from lidardraft.formats.intrinsics import read_intrinsics
 from lidardraft.formats.kitti import read_bin, write_bin
+from lidardraft.formats.kitti_object import read_label_2
 from lidardraft.formats.masks import read_masks
 from lidardraft.formats.nuscenes import read_pcd_bin
 from lidardraft.formats.obj import write_obj
 from lidardraft.formats.pairs import Pair, read_shard, write_pairs
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.picture import read_picture
+from lidardraft.formats.ply import read_ply, write_ply
 from lidardraft.formats.recording import read_points, read_recording, returns
 from lidardraft.formats.semantickitti import read_label, write_label
 from lidardraft.scene.layout import Layout, Primitive
@@ -62,6 +64,8 @@ end_header
 9.0000 1.0000 -1.5000 0.5000 7 14
 4.0 -2.0 -1.7 0.3 0 24
 """
+LABEL_2 = b"Car 0.00 0 1.55 614 181 727 284 1.57 1.73 4.15 1.00 1.75 13.22 1.62\n"
+CALIB = b"R0_rect: 1 0 0 0 1 0 0 0 1\nTr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 0\n"
 PCD = b"FIELDS x y\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n1 2\n3 4\n"
 
 
@@ -78,6 +82,25 @@ def _points(path: Path) -> object:
     points, fields = read_points(path)
     with named(path):
         return returns(points, fields)
+
+
+def _label_2(path: Path) -> object:
+    with tempfile.TemporaryDirectory() as folder:
+        calib = Path(folder, "calib.txt")
+        calib.write_bytes(CALIB)
+        return read_label_2(path, calib)
+
+
+def _calib(path: Path) -> object:
+    with tempfile.TemporaryDirectory() as folder:
+        label = Path(folder, "label.txt")
+        label.write_bytes(LABEL_2)
+        return read_label_2(label, path)
+
+
+def _binary_ply(points: np.ndarray) -> bytes:
+    records = points.view([(axis, "<f4") for axis in "xyz"])[:, 0]
+    return _written(lambda path: write_ply(path, records), ".ply")
 
 
 def _pairs(folder: str) -> Path:
@@ -134,6 +157,10 @@ def readers() -> dict[str, Reader]:
         "packed pcd": Reader(read_pcd, ".pcd", packed),
         "npy": Reader(read_carla, ".npy", buffer.getvalue()),
         "ply": Reader(read_carla, ".ply", PLY),
+        "ply vertices": Reader(read_ply, ".ply", PLY),
+        "ply points": Reader(_points, ".ply", _binary_ply(points)),
+        "label_2": Reader(_label_2, ".txt", LABEL_2),
+        "calib": Reader(_calib, ".txt", CALIB),
         "depth": Reader(read_npy, ".npy", _npy(points)),
         "points": Reader(_points, ".npz", _zip("xyz", _npy(points))),
         "recording": Reader(read_recording, ".npz", _zip("xyz", _npy(points), "ring", _npy(np.arange(100) // 10))),

@@ -31,7 +31,11 @@ def test_python(code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     page = ModuleType("__main__")  # where worker processes look for what a script defines
     monkeypatch.setitem(sys.modules, "__main__", page)
     exec(code, vars(page))
-    written = {".bin", ".label", ".json", ".png"} if "scan.save" in code else {".json"} & {*re.findall(r"\.\w+", code)}
+    written = (
+        {".bin", ".label", ".npz", ".json", ".png"}
+        if "scan.save" in code
+        else {".json"} & {*re.findall(r"\.\w+", code)}
+    )
     assert {path.suffix for path in tmp_path.iterdir()} == written
 
 

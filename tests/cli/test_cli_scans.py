@@ -19,7 +19,7 @@ from lidardraft.streets.placement.district import DISTRICTS
 
 SMALL = ["--sensor", "small.json"]
 QUICK = ["--sensor", "small.json", "--steps", "2"]
-OBSERVED = (".bin", ".label", ".sensor.json", ".png")
+OBSERVED = (".bin", ".label", ".npz", ".sensor.json", ".png")
 SIMULATE = ["simulate", "--text", "a car ahead", "-o", "out", "--sensor", "small.json"]
 
 

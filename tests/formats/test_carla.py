@@ -74,8 +74,8 @@ def test_the_tags_of_both_numberings_are_the_same_kinds(tmp_path: Path) -> None:
         (["9 2 -1 0.5 7 car"], HEADER, "car"),
         (["9 2 -1 0.5 7"], HEADER, "requires 6 columns but 5 were found"),
         (ROWS, HEADER.replace("CosAngle", "I"), "the fields of a hit must be x y z CosAngle ObjIdx ObjTag"),
-        (ROWS, HEADER.replace("ascii", "binary_little_endian"), "no header of an ascii .ply file"),
-        (ROWS, HEADER.replace("vertex", "face"), "one element, vertex"),
+        (ROWS, HEADER.replace("ascii", "binary"), "no header of a PLY file"),
+        (ROWS, HEADER.replace("vertex", "face"), "the first element must be vertex"),
     ],
 )
 def test_what_is_no_such_cloud_is_named(tmp_path: Path, rows: list[str], header: str, message: str) -> None:

@@ -6,13 +6,12 @@ import argparse
 import importlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from lidardraft.cli.command import progress
 from lidardraft.errors import FormatError
 
 if TYPE_CHECKING:
-    from tqdm import tqdm
-
     from lidardraft.formats.frame import Frame
 
 # The module of `formats` and the function that writes each format, and what it is.
@@ -30,13 +29,11 @@ FORMATS = {
 
 def export(arguments: argparse.Namespace) -> None:
     """Write folders of scans as one data set in a format that other people's readers open."""
-    from tqdm import tqdm
-
     module, function, _ = FORMATS[arguments.format]
     write: Callable[..., None] = getattr(importlib.import_module(f"lidardraft.formats.{module}"), function)
     drives = [_scans_in(Path(folder)) for folder in arguments.folders]
     count = sum(map(len, drives))
-    with tqdm(total=count, unit="scan", disable=None) as bar:
+    with progress(count, "scan") as bar:
         write(arguments.output, (_frames(drive, bar) for drive in drives))
     print(f"{arguments.output}: {count} scan{'s' * (count > 1)} as {arguments.format}")
 
@@ -63,7 +60,7 @@ def _scans_in(folder: Path) -> list[Path]:
     return [folder / name.removesuffix(".sensor.json") for name in endings]
 
 
-def _frames(scans: list[Path], bar: tqdm) -> Iterator[Frame]:
+def _frames(scans: list[Path], bar: Any) -> Iterator[Frame]:
     from lidardraft.scan import Scan
 
     for name in scans:

@@ -42,9 +42,9 @@ _GOES_WITH["poses"] = ("street",)
 _PICTURES = (".png", ".jpg", ".jpeg", ".webp")
 _ENDINGS = {
     "image": _PICTURES,
-    "points": (".bin", ".pcd", ".npz"),
+    "points": (".bin", ".pcd", ".ply", ".npz"),
     "sketch": (".svg", *_PICTURES),
-    "boxes": (".json",),
+    "boxes": (".json", ".txt"),
     "obj": (".obj",),
     "glb": (".glb", ".gltf"),
     "blender": (".py",),
@@ -69,7 +69,7 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str) -> argparse._Argumen
     one = group.add_mutually_exclusive_group(required=True)
     one.add_argument("--text", metavar="SENTENCE", help='what is on the road, in English: "two cars on the left"')
     one.add_argument("--image", metavar="PHOTO.jpg", help="a picture of a road: JPEG, PNG or WebP")
-    text = "a scan: KITTI .bin (float32 x y z [m] and intensity), nuScenes .pcd.bin, .pcd, or .npz"
+    text = "a scan: KITTI .bin (float32 x y z [m] and intensity), nuScenes .pcd.bin, .pcd, .ply or .npz"
     one.add_argument("--points", metavar="SCAN", help=text)
     one.add_argument("--sketch", metavar="FILE", help="a sketch from above: .svg, or a painted picture (.png, .jpg)")
     one.add_argument("--boxes", metavar="FILE.json", help="boxes around objects, as in the .boxes.json of a scan")
@@ -274,8 +274,10 @@ def _from_sketch(arguments: argparse.Namespace) -> Layout:
 def _from_boxes(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.boxes import layout_from_boxes
     from lidardraft.formats.boxes import read_boxes
+    from lidardraft.formats.kitti_object import read_label_2
 
-    boxes, _ = read_boxes(arguments.boxes)
+    is_kitti = arguments.boxes.endswith(".txt")
+    boxes = read_label_2(arguments.boxes) if is_kitti else read_boxes(arguments.boxes)[0]
     height = _sensor_height(arguments, arguments.boxes)
     with named(arguments.boxes):
         return layout_from_boxes(boxes, sensor_height=height)

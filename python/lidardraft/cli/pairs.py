@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 # A network learns more from another street than from another look at one; building it takes a third of the time then.
 _POSES = 4
 _SHOWN, _LOOK = 100, 320  # streets that a picture shows at most, and rows of the view of each
-_ENDINGS = (".bin", ".pcd", ".npz")
+_ENDINGS = (".bin", ".pcd", ".ply", ".npz")
 _UNRELATED = 0.2  # of the beams' spacing: points that are of other beams are 0.25 off in the median
 Labeller = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
 
@@ -174,8 +174,9 @@ def _scan_files(given: list[str]) -> list[Path]:
         if path.is_dir():
             inside = path / "velodyne" if (path / "velodyne").is_dir() else path
             found = sorted(file for file in inside.iterdir() if file.suffix in _ENDINGS)
+            found = [file for file in found if file.suffix != ".npz" or not file.with_suffix(".bin").exists()]
             if not found:
-                raise FormatError(f"{inside}: there is no .bin, .pcd or .npz file in this folder")
+                raise FormatError(f"{inside}: there is no .bin, .pcd, .ply or .npz file in this folder")
             files += found
         else:
             files.append(path)

@@ -29,13 +29,14 @@ TYPE_OF_CLASS = {
     "rider": "Cyclist",
     "car": "Car",
     "truck": "Truck",
-    "bus": "Misc",
+    "bus": "Truck",
     "train": "Tram",
     "motorcycle": "Misc",
     "bicycle": "Misc",
 }
 CLASS_OF_TYPE = {
     **{kitti: name for name, kitti in TYPE_OF_CLASS.items()},
+    "Truck": "truck",
     "Van": "car",
     "Person_sitting": "person",
     "Misc": "other",
@@ -109,12 +110,13 @@ def _line(annotation: Annotation, camera_from_lidar: np.ndarray, projection: np.
     return f"{TYPE_OF_CLASS[box.label]} 0.00 {occluded} {' '.join(f'{number:.4f}' for number in numbers)}\n"
 
 
-def read_label_2(path: str | os.PathLike[str], calib: str | os.PathLike[str]) -> list[Box]:
-    """The boxes of a label_2 file in the frame of the LiDAR, by the calibration beside it; DontCare is left out.
+def read_label_2(path: str | os.PathLike[str], calib: str | os.PathLike[str] | None = None) -> list[Box]:
+    """The boxes of a label_2 file in the frame of the LiDAR, by the file of its name in calib/; DontCare is left out.
 
     Raises `FormatError` naming the file and the line that is not KITTI's.
     """
-    text, lidar_from_camera = read_text(path), _lidar_from_camera(calib)
+    text = read_text(path)
+    lidar_from_camera = _lidar_from_camera(calib or Path(path).absolute().parent.parent / "calib" / Path(path).name)
     boxes = list[Box]()
     with named(path):
         lines = [line.split() for line in text.splitlines() if line.strip()]

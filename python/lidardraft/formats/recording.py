@@ -20,6 +20,7 @@ from lidardraft.files import named
 from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.nuscenes import read_pcd_bin
 from lidardraft.formats.pcd import read_pcd
+from lidardraft.formats.ply import read_ply
 from lidardraft.formats.semantickitti import read_label
 
 _NEAREST = 0.1  # m: what is nearer is no return (zeros stand for those of organised clouds)
@@ -49,9 +50,9 @@ class Recording:
 
 def read_recording(path: str | os.PathLike[str]) -> Recording:
     """A scan out of a file: `.bin` of KITTI, with SemanticKITTI's labels if they lie beside it, `.pcd.bin` of nuScenes,
-    `.pcd` or `.npz`.
+    `.pcd`, `.ply` or `.npz`.
 
-    A KITTI file has its points laser by laser. A PCD file has x, y, z and a field `ring` (or `channel`), or is
+    A KITTI file has its points laser by laser. A PCD or PLY file has x, y, z and a field `ring` (or `channel`), or is
     organised (its HEIGHT lasers are rows) or in KITTI's order; `intensity` in 0 to 1 or 0 to 255. An .npz file has
     `xyz` [N, 3], and `ring`, `intensity`, `label` (our classes), `instance`, `column` [N] where they are known. Raises
     `FormatError` where the file is something else, has no points, or where nothing says which laser took them.
@@ -74,9 +75,12 @@ def read_points(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.
         return points, {"intensity": intensity} | _labels_beside(Path(path), len(points))
     if suffix == ".pcd":
         return _from_pcd(path)
+    if suffix == ".ply":
+        vertices = read_ply(path)
+        return _from_columns(path, {name: vertices[name] for name in vertices.dtype.names or ()})
     if suffix == ".npz":
         return _from_npz(path)
-    raise FormatError(f"{os.fspath(path)}: a recorded scan is a .bin, .pcd.bin, .pcd or .npz file")
+    raise FormatError(f"{os.fspath(path)}: a recorded scan is a .bin, .pcd.bin, .pcd, .ply or .npz file")
 
 
 def is_points_file(path: str | os.PathLike[str]) -> bool:
@@ -159,17 +163,24 @@ def _labels_beside(path: Path, count: int) -> dict[str, np.ndarray]:
 
 def _from_pcd(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     file = read_pcd(path)
-    columns = file.columns
+    points, fields = _from_columns(path, file.columns)
+    if "ring" not in fields and file.height > 1 and file.width * file.height == len(points):
+        fields |= {"ring": np.arange(len(points)) // file.width, "column": np.arange(len(points)) % file.width}
+    return points, fields
+
+
+def _from_columns(
+    path: str | os.PathLike[str], columns: dict[str, np.ndarray]
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     missing = [axis for axis in "xyz" if axis not in columns or columns[axis].ndim != 1]
     if missing:
         raise FormatError(f"{os.fspath(path)}: there is no field {missing[0]} of one value a point")
     if "channel" in columns:
         columns.setdefault("ring", columns["channel"])
-    fields = {str(field): columns[field] for field in ("ring", "intensity") if field in columns}
-    points = np.stack([columns[axis] for axis in "xyz"], axis=1)
-    if "ring" not in fields and file.height > 1 and file.width * file.height == len(points):
-        fields |= {"ring": np.arange(len(points)) // file.width, "column": np.arange(len(points)) % file.width}
-    return points, fields
+    # labels of others count classes of their own; `lidardraft export` writes all four fields
+    ours = ("label", "instance") if {"ring", "time", "label", "instance"} <= columns.keys() else ()
+    fields = {field: columns[field] for field in ("ring", "intensity", *ours) if field in columns}
+    return np.stack([columns[axis] for axis in "xyz"], axis=1), fields
 
 
 def _from_npz(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
