@@ -407,7 +407,7 @@ def odd_paths(folder: Path, ending: str) -> Iterator[tuple[str, Path]]:
         elif name == "loop":
             path.symlink_to(path)
         elif name == "locked":
-            path.touch()
+            path.write_bytes(b"\0")
             path.chmod(0)
         elif name == "6 GB":
             path.touch()
