@@ -21,6 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lidardraft.arranging.district import PARKING_STRIP
 from lidardraft.drafting.cloud.layout import layout_from_cloud
 from lidardraft.drafting.solver.layout import layout_from_spec
 from lidardraft.drafting.solver.road_from_spec import road_from_spec
@@ -33,7 +34,6 @@ from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.semantics import CLASSES, GROUND
 from lidardraft.streets.coarse.coarse_layout import BoxStyle, ClusterStyle, TextStyle, as_boxes, as_clusters, as_text
 from lidardraft.streets.pairs import scan_street
-from lidardraft.streets.placement.district import PARKING_STRIP
 from lidardraft.streets.street import Street, StreetConfig, make_street
 from tallies import IN_PIECES, Tallies, Tally, add_all, append, drift, new_tallies, read, rows
 

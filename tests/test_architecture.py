@@ -25,13 +25,14 @@ ALLOWED = {
     "formats": BASE | {"scene"},
     "drafting": BASE | {"scene", "formats", "perception"},
     "objects": BASE | {"scene"},
-    "streets": BASE | {"scene", "drafting", "objects", "simulation", "scan"},
+    "arranging": BASE | {"scene", "objects"},
+    "streets": BASE | {"scene", "drafting", "objects", "arranging", "simulation", "scan"},
     "calibration": BASE | {"scene", "formats", "metrics", "streets"},
     "networks": BASE,
     "diffusion": BASE | {"scene", "networks"},
     "metrics": BASE | {"scene"},
     "perception": BASE | {"scene", "formats", "networks"},
-    "simulation": BASE | {"scene", "drafting", "objects", "formats", "scan"},
+    "simulation": BASE | {"scene", "drafting", "objects", "arranging", "formats", "scan"},
     "training": BASE
     | {"scene", "streets", "formats", "drafting", "networks", "diffusion", "metrics", "perception"}
     | {"simulation"},
@@ -42,18 +43,16 @@ ALLOWED = {
     "evaluation": BASE | {"scene", "streets", "networks", "diffusion", "metrics", "simulation", "pipeline"},
     "cli": BASE
     | {"scene", "formats", "drafting", "streets", "networks", "diffusion", "metrics", "view", "pipeline", "evaluation"}
-    | {"scan", "simulation", "training", "calibration", "perception"},
+    | {"scan", "simulation", "training", "calibration", "perception", "arranging"},
     "__main__": {"cli"},
 }
 # The rooms and modules of streets, and which others each may use.
 STREETS = {
-    "ground": (),
-    "placement": ("ground",),
-    "coarse": ("placement.district",),
-    "ego": ("placement",),
-    "street": ("placement", "coarse"),
+    "coarse": (),
+    "ego": (),
+    "street": ("coarse",),
     "worker_processes": (),
-    "pairs": ("ground", "placement", "coarse", "ego", "street", "worker_processes"),
+    "pairs": ("coarse", "ego", "street", "worker_processes"),
     "scans": ("coarse", "pairs", "street"),
 }
 TORCH_ROOMS = {"networks", "diffusion", "perception", "training", "pipeline", "evaluation"}

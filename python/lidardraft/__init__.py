@@ -24,6 +24,7 @@ _LAZY = {
     "observe_cast": "lidardraft.simulation.observe_cast",
     "observe_points": "lidardraft.simulation.observe_cast",
     "simulate": "lidardraft.simulation.simulate",
+    "surround": "lidardraft.simulation.surround",
     "layout_from_blender": "lidardraft.drafting.blender.layout",
     "layout_from_boxes": "lidardraft.drafting.boxes",
     "layout_from_cloud": "lidardraft.drafting.cloud.layout",
@@ -65,6 +66,7 @@ __all__ = [
     "observe_points",
     "raycast",
     "simulate",
+    "surround",
     "with_vehicle",
 ]
 

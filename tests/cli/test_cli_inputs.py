@@ -158,7 +158,8 @@ def test_a_sketch_is_read_and_what_is_ignored_is_said(capsys: pytest.CaptureFixt
     draft = ["draft", "--no-preview", "-o", "layout.json", "--sketch"]
     assert cli.main([*draft, "a.svg", "--metres-per-pixel", "0.5"]) == 0
     captured = capsys.readouterr()
-    assert captured.err == "lidardraft: a.svg: ignored: text: not read\n"
+    bare = "no street around it: it has no road under the ego vehicle that could be followed"
+    assert captured.err == f"lidardraft: a.svg: ignored: text: not read\nlidardraft: {bare}\n"
     (box,) = Layout.load("layout.json").boxes()
     np.testing.assert_allclose(box.center[:2], (8, 1.5), atol=0.05)
     pixels = np.full((100, 100, 3), 255, np.uint8)
@@ -218,7 +219,8 @@ def photo(folder: Path) -> list[str]:
 
 
 def test_a_picture_with_its_depth_and_classes_is_read(photo: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["draft", *photo, "--hfov", "80", "--no-preview", "-o", "layout.json"]) == 0
+    bare = ["--surroundings", "bare"]
+    assert cli.main(["draft", *photo, "--hfov", "80", *bare, "--no-preview", "-o", "layout.json"]) == 0
     said = "lidardraft: photo.png: depth times 0.91, so that the camera is 1.65 m over the road\n"
     assert capsys.readouterr().err == said
     layout = Layout.load("layout.json")

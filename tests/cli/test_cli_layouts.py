@@ -10,6 +10,7 @@ from PIL import Image
 
 from lidardraft import Layout, Primitive, RangeImage, Sensor, layout_from_text, simulate
 from lidardraft.cli import main as cli
+from lidardraft.scene import edit
 from lidardraft.semantics import BY_NAME
 from lidardraft.view import render_from_above, render_scan
 
@@ -18,14 +19,29 @@ def test_a_sentence_becomes_a_layout(capsys: pytest.CaptureFixture[str]) -> None
     assert cli.main(["draft", "--text", "a car ahead", "--seed", "0", "-o", "layout.json"]) == 0
     captured = capsys.readouterr()
     layout = Layout.load("layout.json")
-    assert [box.label for box in layout.boxes()] == ["car"]
-    said = ["layout.preview.png: the layout from above, and a simulated scan of it"]
-    assert captured.out.splitlines() == [f"layout.json: shapes: {len(layout)}, objects with a box: 1", *said]
+    assert [box.id for box in layout.boxes() if not box.id.startswith("around/")] == ["car_1"]
+    said, picture = captured.out.splitlines()
+    assert said.startswith(
+        f"layout.json: shapes: {len(layout)}, objects with a box: {len(layout.boxes())}, around it a"
+    )
+    assert "100% of the lines of sight are open" in said
+    assert picture == "layout.preview.png: the layout from above, and a simulated scan of it"
     assert captured.err == ""
+    bare = ["--surroundings", "bare", "--no-preview", "-o", "bare.json"]
+    assert cli.main(["draft", "--text", "a car ahead", "--seed", "0", *bare]) == 0
+    assert edit.remove(layout, "around/*").primitives == Layout.load("bare.json").primitives
+    assert "around it" not in capsys.readouterr().out
+    assert cli.main(["draft", "--layout", "bare.json", "--surroundings", "street", "-o", "again.json"]) == 0
+    assert Layout.load("again.json").primitives == layout.primitives
 
 
 def test_the_preview_shows_the_layout_and_a_scan_of_the_asked_sensor() -> None:
-    assert cli.main(["draft", "--text", "a car ahead", "--sensor", "small.json", "-o", "layout.py"]) == 0
+    assert (
+        cli.main(
+            ["draft", "--text", "a car ahead", "--sensor", "small.json", "--surroundings", "bare", "-o", "layout.py"]
+        )
+        == 0
+    )
     picture = np.asarray(Image.open("layout.py.preview.png"))
     assert picture.shape[1] > picture.shape[0]
     layout = layout_from_text("a car ahead", seed=0)

@@ -101,9 +101,9 @@ def test_so_are_a_command_and_an_option_before_it(capsys: pytest.CaptureFixture[
         assert message.count("\n") == 1
 
 
-def test_a_value_may_look_like_an_option(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_value_may_look_like_an_option() -> None:
     assert cli.main(["draft", "--text", "--two cars ahead", "--no-preview", "--out", "layout.json"]) == 0
-    assert "objects with a box: 2" in capsys.readouterr().out
+    assert len(lidardraft.Layout.load("layout.json").boxes()) >= 2
 
 
 def test_files_that_cannot_be_read_or_written(refused: Callable[..., str]) -> None:

@@ -23,7 +23,7 @@ bpy.context.object.name = "car_1"
 bpy.context.object.dimensions = (4.5, 1.8, 1.5)
 bpy.ops.render.render()
 ```"""
-DRAFT = ("draft", "--text", TEXT, "--no-preview", "-o", "layout.json")
+DRAFT = ("draft", "--text", TEXT, "--surroundings", "bare", "--no-preview", "-o", "layout.json")
 
 
 @pytest.fixture

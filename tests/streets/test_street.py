@@ -8,18 +8,18 @@ from functools import cache
 
 import numpy as np
 import pytest
-from planned import overlap, plans
 
 from lidardraft import CLASSES
+from lidardraft.arranging.district import DISTRICTS
+from lidardraft.arranging.lanes import AISLE, MAIN_ROAD, ROUNDABOUT, SIDE_ROAD
+from lidardraft.arranging.occupancy import Occupancy, box_space, spaces_of, touch
 from lidardraft.errors import LayoutError
 from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.streets import StreetConfig, make_street
 from lidardraft.streets.ego import EGO_SPACE, Ego, mount, sample_ego
-from lidardraft.streets.placement.district import DISTRICTS
-from lidardraft.streets.placement.lanes import AISLE, MAIN_ROAD, ROUNDABOUT, SIDE_ROAD
-from lidardraft.streets.placement.occupancy import Occupancy, box_space, spaces_of, touch
 from lidardraft.streets.street import Street
+from planned import overlap, plans
 
 STREETS = [make_street(seed) for seed in range(20)]
 

@@ -12,13 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
+from lidardraft.arranging.district import DISTRICTS
 from lidardraft.cli.arguments import add_seed, assignments, number, read_sensor
 from lidardraft.cli.command import say
 from lidardraft.errors import FormatError, LidarDraftError
 from lidardraft.files import named, read_text
-from lidardraft.scene.layout import Layout
+from lidardraft.scene.layout import AROUND, Layout
 from lidardraft.scene.sensor import Sensor
-from lidardraft.streets.placement.district import DISTRICTS
 
 # Options that say more about an input, by the option that names the input.
 _GOES_WITH = {
@@ -51,6 +51,7 @@ _ENDINGS = {
     "layout": (".json",),
 }
 
+_STREET_AROUND = ("text", "sketch", "boxes", "image")  # inputs that get one unless --surroundings says otherwise
 _MOST_NOTES = 10  # on a script that a language model wrote
 _URL = "LIDARDRAFT_LLM_URL"  # as in chat_server.py, which loads HTTP
 
@@ -62,8 +63,9 @@ _MANY = {
 }
 
 
-def add_inputs(parser: argparse.ArgumentParser, *many: str) -> argparse._ArgumentGroup:
-    """The inputs, of which a command takes one, in a group of their own; `many` are those of `_MANY` that it takes."""
+def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> argparse._ArgumentGroup:
+    """The inputs, of which a command takes one, in a group of their own; `many` are those of `_MANY` that it takes,
+    and `bare` is why it adds no street by default."""
     names = ", ".join(f"--{name}" for name in (*_READERS, *many))
     group = parser.add_argument_group(f"input (exactly one of {names})")
     one = group.add_mutually_exclusive_group(required=True)
@@ -103,6 +105,12 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str) -> argparse._Argumen
     group.add_argument("--up", choices=("y", "z"), help="axis that points up in --obj (default z) or --glb (default y)")
     group.add_argument("--scale", type=number, metavar="M", help="length of a unit of --obj, in metres (default 1)")
     _add_image_options(group)
+    usual = bare or f"street with {', '.join(f'--{name}' for name in _STREET_AROUND)}, else bare"
+    text = "street: buildings, plants, traffic and people around what is given, which stays as it is and in sight; "
+    text += f"their ids begin with {AROUND}; bare: nothing is added (default: {usual})"
+    group.add_argument(
+        "--surroundings", choices=("street", "bare"), default="bare" if bare else None, help=text.replace("%", "%%")
+    )
     add_seed(group)
     _add_language_model(parser)
     return group
@@ -123,9 +131,32 @@ def read_layout(arguments: argparse.Namespace) -> Layout:
     check_inputs(arguments)
     name = _name_of_input(arguments)
     try:
-        return _READERS[name](arguments)
+        layout = _READERS[name](arguments)
+        if name == "text":
+            return layout
+        usual = name in _STREET_AROUND and not arguments.fill
+        whole = _surrounded(arguments, layout, arguments.seed, usual=usual)
+        if whole is not layout and (note := whole.provenance["surroundings"].get("note")):
+            say("lidardraft", note)
+        return whole
     except LidarDraftError as error:
         raise type(error)(f"{error}{_other_option(name, getattr(arguments, name))}") from None
+
+
+def _surrounded(arguments: argparse.Namespace, layout: Layout, seed: int, *, usual: bool) -> Layout:
+    """The layout with a street around it where --surroundings wants one, or nothing is said and that is `usual`."""
+    if (arguments.surroundings or ("street" if usual else "bare")) == "bare":
+        return layout
+    from lidardraft.simulation.surround import surround
+
+    return surround(layout, seed)
+
+
+def around_it(layout: Layout) -> str:
+    """What stands around a layout, as the end of a line; "" without surroundings."""
+    said = layout.provenance.get("surroundings", {})
+    street = ", around it a street ({district}: {objects} objects; {in_sight:.0%} of the lines of sight are open)"
+    return street.format(**said) if "district" in said else ""
 
 
 def input_of(arguments: argparse.Namespace) -> str:
@@ -163,11 +194,11 @@ def _classes(arguments: argparse.Namespace) -> dict[str, str]:
 
 
 def layout_of_text(arguments: argparse.Namespace, sentence: str, seed: int) -> Layout:
-    """The layout of a sentence for a seed; by the language model where one is named."""
+    """The layout of a sentence for a seed, with its surroundings; by the language model where one is named."""
     if _asks_language_model(arguments):
         from lidardraft.drafting.language_model.layout import layout_from_llm
 
-        return layout_from_llm(
+        layout = layout_from_llm(
             sentence,
             seed=seed,
             url=arguments.llm_url,
@@ -176,15 +207,18 @@ def layout_of_text(arguments: argparse.Namespace, sentence: str, seed: int) -> L
             cache=arguments.llm_cache,
             timeout=120.0 if arguments.llm_timeout is None else arguments.llm_timeout,
         )
-    from lidardraft.drafting.text.layout import layout_from_text
+    else:
+        from lidardraft.drafting.text.layout import layout_from_text
 
-    return layout_from_text(sentence, seed=seed)
+        layout = layout_from_text(sentence, seed=seed)
+    return _surrounded(arguments, layout, seed, usual=not arguments.llm_blender)
 
 
 def notes_on(layout: Layout) -> list[str]:
     """What of its sentence was not understood, and what had to be left out: a line each."""
     told = layout.provenance
     notes = [*told.get("notes", ()), *told.get("findings", ())]
+    notes += [note] if (note := told.get("surroundings", {}).get("note")) else []
     if len(notes) > _MOST_NOTES:
         notes[_MOST_NOTES:] = [f"and {len(notes) - _MOST_NOTES} more, in the layout's provenance"]
     if told.get("not_understood"):

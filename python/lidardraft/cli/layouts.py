@@ -11,7 +11,7 @@ import numpy as np
 
 from lidardraft.cli.arguments import add_sensor, read_sensor
 from lidardraft.cli.command import say
-from lidardraft.cli.inputs import add_inputs, input_of, read_layout
+from lidardraft.cli.inputs import add_inputs, around_it, input_of, read_layout
 from lidardraft.errors import FormatError
 from lidardraft.files import check_other_file, named
 from lidardraft.scene.layout import Layout
@@ -36,7 +36,7 @@ def draft(arguments: argparse.Namespace) -> None:
         picture = None if arguments.no_preview else _preview(layout, sensor, arguments.seed)
     _writer(ending)(arguments.output, layout)
     objects = len(layout.boxes())
-    print(f"{arguments.output}: shapes: {len(layout)}, objects with a box: {objects}")
+    print(f"{arguments.output}: shapes: {len(layout)}, objects with a box: {objects}{around_it(layout)}")
     path = Path(arguments.output.removesuffix(".json") + ".preview.png")  # of x.glb, another than that of x.json
     if picture is not None:
         from lidardraft.view import save_png

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lidardraft.arranging.district import DISTRICTS
 from lidardraft.cli.arguments import (
     add_seed,
     add_sensor,
@@ -20,7 +21,15 @@ from lidardraft.cli.arguments import (
     whole_number,
 )
 from lidardraft.cli.command import progress
-from lidardraft.cli.inputs import add_inputs, check_inputs, layout_of_text, notes_on, read_layout, read_sentences
+from lidardraft.cli.inputs import (
+    add_inputs,
+    around_it,
+    check_inputs,
+    layout_of_text,
+    notes_on,
+    read_layout,
+    read_sentences,
+)
 from lidardraft.cli.scan_folder import ScanFolder, add_folder, add_jobs, check_output, jobs_of
 from lidardraft.errors import FormatError
 from lidardraft.files import named
@@ -28,7 +37,6 @@ from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.weather import Weather
 from lidardraft.streets import StreetConfig, StreetMix
-from lidardraft.streets.placement.district import DISTRICTS
 
 if TYPE_CHECKING:
     from lidardraft.scan import Scan
@@ -122,9 +130,10 @@ def simulate(arguments: argparse.Namespace) -> None:
 
     check_output(arguments)
     sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
-    output, pictures = Path(arguments.output), arguments.pictures
+    output, pictures, around = Path(arguments.output), arguments.pictures, ""
     if arguments.street is None:
         layouts = Layouts.read(arguments)
+        around = around_it(layouts.first)
         num = arguments.num or len(layouts.sentences) or 1
         jobs, poses = jobs_of(arguments, num), 1
         make = Simulations(layouts, sensor, weather, 1 if jobs > 1 else None)
@@ -137,7 +146,7 @@ def simulate(arguments: argparse.Namespace) -> None:
     with progress(num, "scan") as bar:
         for _ in folder.write(num, jobs=jobs, run=poses):
             bar.update()
-    _report(arguments, num, (".label", ".boxes.json"))
+    _report(arguments, num, (".label", ".boxes.json"), around)
 
 
 def _street_config(arguments: argparse.Namespace, sensor: Sensor, weather: Weather, poses: int) -> StreetConfig:
@@ -192,7 +201,7 @@ def generate(arguments: argparse.Namespace) -> None:
 
         for _ in ScanFolder(Path(arguments.output), arguments.pictures, make, Scan.save, layouts.notes).write(num):
             pass
-    _report(arguments, num, (".label", ".boxes.json"))
+    _report(arguments, num, (".label", ".boxes.json"), around_it(layouts.first))
 
 
 def generate_options(parser: argparse.ArgumentParser) -> None:
@@ -205,7 +214,7 @@ def generate_options(parser: argparse.ArgumentParser) -> None:
         "paper does. Classes of what is made up are the network's. Weather and clutter are `simulate`'s alone: no "
         "weights have seen them."
     )
-    add_inputs(parser, "text-file")
+    add_inputs(parser, "text-file", bare="bare, as the weights `street` make up what is left open")
     add_speed(parser.add_argument_group("world"))
     model = parser.add_argument_group("model")
     add_weights(model)
@@ -292,10 +301,10 @@ def _add_scan_output(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup
     return output
 
 
-def _report(arguments: argparse.Namespace, num: int, beside: tuple[str, ...]) -> None:
+def _report(arguments: argparse.Namespace, num: int, beside: tuple[str, ...], around: str = "") -> None:
     """Say what is in the folder."""
     last, pictures = f" to {num - 1:06d}.bin" if num > 1 else "", min(arguments.pictures, num)
     each = [*beside, *[".png"] * (pictures == num)]
     listed = " and ".join(filter(None, (", ".join(each[:-1]), each[-1])))
     some = f"; the first {pictures} with .png" if 0 < pictures < num else ""
-    print(f"{arguments.output}: {num} scan{'s' * (num > 1)}, 000000.bin{last}, each with {listed}{some}")
+    print(f"{arguments.output}: {num} scan{'s' * (num > 1)}, 000000.bin{last}, each with {listed}{some}{around}")

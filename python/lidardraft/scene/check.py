@@ -239,7 +239,7 @@ def _near_pairs(solids: Sequence[Solid]) -> Iterator[tuple[int, int]]:
 def _size_of(box: Box) -> Iterator[Finding]:
     smallest, largest = SIZE_RANGES[box.label]
     for name, value, low, high in zip(("length", "width", "height"), box.size, smallest, largest, strict=True):
-        if not low <= value <= high:
+        if not low - 1e-6 <= value <= high + 1e-6:
             message = f"{box.id} has {name} {value:.2f} m; a {box.label} has {low:g} to {high:g} m"
             yield Finding("size", (box.id,), message)
 

@@ -26,7 +26,8 @@ from lidardraft.semantics import BY_NAME
 SCHEMA = "lidardraft.layout/1"
 SHAPES = ("box", "ellipsoid", "cylinder", "plane", "mesh")
 _INSTANCE_LIMIT = 2**16 - 1  # a SemanticKITTI label file holds 16 bits of instance
-_MOST_PRIMITIVES = 100_000  # which are read in a second or two
+AROUND = "around/"  # what the ids of surroundings begin with (`surround`)
+MOST_PRIMITIVES = 100_000  # which are read in a second or two
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -301,5 +302,5 @@ def primitive_mesh(primitive: Primitive) -> TriangleMesh:
 
 
 def _check_number(primitives: Sized) -> None:
-    if len(primitives) > _MOST_PRIMITIVES:
-        raise LayoutError(f"{len(primitives)} primitives; a layout has {_MOST_PRIMITIVES} at most")
+    if len(primitives) > MOST_PRIMITIVES:
+        raise LayoutError(f"{len(primitives)} primitives; a layout has {MOST_PRIMITIVES} at most")

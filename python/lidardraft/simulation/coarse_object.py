@@ -10,13 +10,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lidardraft.objects.placed_object import Vector
+from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.scene.layout import Layout, Primitive, corners_around, object_of
 from lidardraft.semantics import BY_NAME, GROUND
 
 _MACHINES = ("bicycle", "motorcycle")
 _RIDES_WITHIN = 0.8  # m between the middles of a rider and of what is ridden: an estimate of ours
 _CROWN_OVER = 0.5  # m from the top of a trunk to the crown that is its own, at most: an estimate of ours
+_HALF_ROOF = 0.19  # of the width of a house: half the height of a usual roof, as streets have them
 _MOST_EMPTY = 2.0  # times the volume of parts that the box around one object has: an estimate of ours
 
 
@@ -85,12 +86,25 @@ class CoarseObject:
 
     @property
     def word(self) -> str:
-        """What its name begins with: `car` of `car_3`."""
-        return self.name.rpartition("_")[0]
+        """What its name begins with: `car` of `car_3`, and of `around/car_3`."""
+        return self.name.rpartition("/")[2].rpartition("_")[0]
 
     def box(self) -> UprightBox:
         """The box around all of it."""
         return UprightBox.around(self.parts)
+
+    def placed(self) -> PlacedObject:
+        """The object that its coarse shapes are of (`objects.coarse_shapes`): what hangs over others does so with its
+        clearance; of a house they have half of the roof."""
+        box = self.box()
+        length, width, height = box.size
+        clearance = max(part.center[2] - part.size[2] / 2 for part in self.parts) - box.bottom
+        if self.word == "house":
+            clearance, height = height - _HALF_ROOF * width, height + _HALF_ROOF * width
+        return PlacedObject(
+            kind=self.word, id=self.name, x=box.x, y=box.y, z=box.bottom, level=box.bottom, yaw=self.parts[0].yaw,
+            size=(length, width, height), clearance=clearance, instance=min(part.instance for part in self.parts),
+        )  # fmt: skip
 
     def labelled(self, label: str) -> list[Primitive]:
         """Its parts of one class."""

@@ -6,7 +6,8 @@ import dataclasses
 from collections.abc import Callable
 
 from lidardraft.errors import LayoutError, check_type
-from lidardraft.scene.layout import Layout, Primitive, object_of
+from lidardraft.objects.kinds import KINDS, kind_of
+from lidardraft.scene.layout import AROUND, Layout, Primitive, object_of
 from lidardraft.semantics import GROUND
 from lidardraft.simulation.buildings import building
 from lidardraft.simulation.clutter import clutter_around
@@ -56,9 +57,12 @@ def detail(layout: Layout, seed: int = 0, *, clutter: float = 0.0) -> Layout:
     surroundings = Surroundings.of(layout)
     detailed: dict[str, list[Primitive]] = {}
     for coarse in coarse_objects(layout, seed, clustered=surroundings.clustered):
-        rule = next(rule for label, rule in RULES.items() if label in coarse.owners)
         for part in coarse.parts:
             detailed.setdefault(object_of(part), [])
+        if coarse.name.startswith(AROUND) and coarse.word in KINDS:
+            detailed[coarse.name] += _as_placed(coarse)
+            continue
+        rule = next(rule for label, rule in RULES.items() if label in coarse.owners)
         for part in rule(coarse, surroundings):
             detailed[coarse.owners[part.label][0]].append(part)
     taken = {primitive.id for primitive in layout if primitive.label in GROUND}
@@ -74,6 +78,15 @@ def detail(layout: Layout, seed: int = 0, *, clutter: float = 0.0) -> Layout:
     if clutter:
         primitives += clutter_around(layout, surroundings.strips, seed, float(clutter))
     return dataclasses.replace(layout, primitives=tuple(primitives))
+
+
+def _as_placed(coarse: CoarseObject) -> list[Primitive]:
+    """What stands around a layout, built as in a street, with the instances that it has."""
+    parts = kind_of(coarse.word).build(coarse.placed(), coarse.rng)
+    for part in parts:
+        if part.instance:
+            object.__setattr__(part, "instance", coarse.owners[part.label][1])
+    return parts
 
 
 def _named(parts: list[Primitive], name: str, taken: set[str]) -> list[Primitive]:

@@ -20,7 +20,8 @@ from lidardraft.simulation.detail import detail as detailed
 
 
 class Simulator:
-    """A layout, or the layout of a sentence, made ready to be scanned by one sensor from many poses.
+    """A layout, or that of a sentence with the street around it (`surround`), made ready to be scanned by one sensor
+    from many poses.
 
     What is scanned is `scene`: `layout` in detail, with as much `clutter` (0 to 1) beside its roads; or `layout` itself
     without `detail`. `model` is by default that of the sensor: its preset, or typical values
@@ -87,7 +88,7 @@ def simulate(
     clutter: float = 0.0,
     threads: int | None = None,
 ) -> Scan:
-    """The scan of a layout or a sentence: `Simulator(layout, sensor, ...).scan(pose, ...)`.
+    """The scan of a layout, or of a sentence in its street: `Simulator(layout, sensor, ...).scan(pose, ...)`.
 
     Same arguments, same scan, for any number of threads; another seed gives another one.
     """
@@ -99,5 +100,6 @@ def simulate(
 
 def _from_text(sentence: str, seed: int) -> Layout:
     from lidardraft.drafting.text.layout import layout_from_text  # what has a layout need not wait for the grammar
+    from lidardraft.simulation.surround import surround
 
-    return layout_from_text(sentence, seed=seed)
+    return surround(layout_from_text(sentence, seed=seed), seed)

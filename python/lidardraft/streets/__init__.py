@@ -1,7 +1,7 @@
 """The endless procedural world: `for pair in streets(seed): ...`."""
 
+from lidardraft.arranging.street_mix import StreetMix
 from lidardraft.streets.pairs import StreetPair, streets
-from lidardraft.streets.placement.street_mix import StreetMix
 from lidardraft.streets.scans import street_scan
 from lidardraft.streets.street import Street, StreetConfig, make_street
 

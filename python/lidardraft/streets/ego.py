@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lidardraft.arranging.district import FAST
+from lidardraft.arranging.lanes import Lane
+from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.errors import LayoutError
 from lidardraft.scene.sensor import Sensor
-from lidardraft.streets.placement.district import FAST
-from lidardraft.streets.placement.lanes import Lane
-from lidardraft.streets.placement.occupancy import Occupancy
 
 EGO_SPACE = (4.5, 2.2, 1.6)  # m that stay free around the ego vehicle
 _WHEELBASE, _TRACK = 2.7, 1.6  # m, as is usual for cars

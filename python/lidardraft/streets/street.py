@@ -7,6 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lidardraft.arranging.lanes import Lane
+from lidardraft.arranging.occupancy import Occupancy
+from lidardraft.arranging.plan import plan_street
+from lidardraft.arranging.street_mix import USUAL_MIX, StreetMix
 from lidardraft.errors import LayoutError
 from lidardraft.objects.kinds import kind_of
 from lidardraft.scene.layout import Layout
@@ -14,10 +18,6 @@ from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.scene.weather import Weather
 from lidardraft.streets.coarse.coarse_layout import BoxStyle, as_boxes
 from lidardraft.streets.coarse.coarse_street import CoarseStreet
-from lidardraft.streets.placement.lanes import Lane
-from lidardraft.streets.placement.occupancy import Occupancy
-from lidardraft.streets.placement.plan import plan_street
-from lidardraft.streets.placement.street_mix import USUAL_MIX, StreetMix
 
 _CLEAR = Weather()
 _PARALLEL = 0.01  # rad against the road that lanes along it may have

@@ -16,6 +16,8 @@ from lidardraft.drafting.language_model.conversation import Conversation, Prompt
 from lidardraft.drafting.solver.layout import check_seed, layout_from_spec
 from lidardraft.drafting.solver.road_from_spec import MAX_DISTANCE
 from lidardraft.drafting.solver.scene_spec import (
+    ACTIVITIES,
+    DISTRICTS,
     EGO_LANES,
     HEADINGS,
     LANES,
@@ -93,6 +95,7 @@ def spec_prompt() -> Prompt:
     """The instructions for a spec; what names a field can have is filled in from the code that reads them."""
     names = {"roads": ROADS, "kinds": SENTENCE_KINDS, "counts": COUNTS, "places": PLACES, "lanes": LANES}
     names |= {"ego_lanes": EGO_LANES, "headings": HEADINGS, "relations": RELATIONS}
+    names |= {"districts": DISTRICTS, "activities": ACTIVITIES}
     texts = {name: ", ".join(values) for name, values in names.items()}
     return Prompt.from_file("scene_spec", farthest=f"{MAX_DISTANCE:g}", **texts)
 
@@ -106,7 +109,7 @@ def _spec_of(reply: str, text: str) -> SceneSpec:
     """The spec that a reply holds; it can be arranged, and quotes nothing that is not in the text."""
     with named("spec"):
         fields = parse_object(json_of(reply))
-        check_fields(fields, ("road", "groups"), ("absent", "not_understood"))
+        check_fields(fields, ("road", "groups"), ("absent", "not_around", "district", "activity", "not_understood"))
         spec = SceneSpec.from_dict(fields)
     if len(spec.groups) > MAX_GROUPS:
         raise LayoutError(f"the spec has {len(spec.groups)} groups; it may have {MAX_GROUPS}")
@@ -182,9 +185,10 @@ def scene_spec_schema() -> Schema:
         "relation": _or_null(_one_of(RELATIONS)),
         "references": _list_of({"type": "integer"}),
     }
-    absent, not_understood = _list_of(_one_of(SENTENCE_KINDS)), _list_of({"type": "string"})
-    spec = {"road": _object(road), "groups": _list_of(_object(group)), "absent": absent}
-    return _object(spec | {"not_understood": not_understood})
+    kinds = _list_of(_one_of(SENTENCE_KINDS))
+    spec = {"road": _object(road), "groups": _list_of(_object(group)), "absent": kinds, "not_around": kinds}
+    spec |= {"district": _or_null(_one_of(DISTRICTS)), "activity": _or_null(_one_of(ACTIVITIES))}
+    return _object(spec | {"not_understood": _list_of({"type": "string"})})
 
 
 def _object(fields: dict[str, Schema]) -> Schema:

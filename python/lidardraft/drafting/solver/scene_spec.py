@@ -32,6 +32,11 @@ HEADINGS = (
 LANES = ("own", "left", "middle", "right", "opposite", "each")
 EGO_LANES = ("left", "middle", "right")
 RELATIONS = ("behind", "in-front-of", "beside", "left-of", "right-of", "between", "opposite", "near")
+DISTRICTS = (
+    *("residential", "urban", "avenue", "retail", "country", "motorway"),
+    *("alley", "village", "industrial", "forest", "school", "roadworks"),
+)
+ACTIVITIES = ("empty", "quiet", "busy")
 MAX_COUNT = 5000
 MAX_LANES = 6  # in one direction
 MIN_SPACING = 0.1  # m
@@ -220,18 +225,28 @@ class SceneSpec:
     """What a scene holds, in relations and counts; `layout_from_spec` turns it into metres.
 
     `absent` are kinds that nothing in the scene may be; `not_understood` the parts of the source that say nothing here.
+    `district`, one of DISTRICTS, is where the road lies, and `activity`, one of ACTIVITIES, how much goes on there:
+    they decide what surrounds the scene (`surround`), not the scene. Nor are kinds in `not_around` added there: those
+    that are denied somewhere, or in some state, as parked cars are.
     """
 
     road: RoadSpec = field(default_factory=RoadSpec)
     groups: tuple[ObjectGroup, ...] = ()
     absent: tuple[str, ...] = ()
     not_understood: tuple[str, ...] = ()
+    district: str | None = None
+    activity: str | None = None
+    not_around: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        for name in ("groups", "absent", "not_understood"):
+        for name in ("groups", "absent", "not_understood", "not_around"):
             object.__setattr__(self, name, _items(name, getattr(self, name)))
-        for kind in self.absent:
-            _one_of("absent: kind", kind, tuple(SENTENCE_KINDS))
+        for name, names in (("district", DISTRICTS), ("activity", ACTIVITIES)):
+            if getattr(self, name) is not None:
+                _one_of(name, getattr(self, name), names)
+        for name in ("absent", "not_around"):
+            for kind in getattr(self, name):
+                _one_of(f"{name}: kind", kind, tuple(SENTENCE_KINDS))
         for part in self.not_understood:
             _require(type(part) is str, "not_understood: part", part, "text")
         for number, group in enumerate(self.groups):

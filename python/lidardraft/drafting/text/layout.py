@@ -15,6 +15,7 @@ from lidardraft.drafting.solver.scene_spec import SceneSpec, relations
 from lidardraft.drafting.text.number_words import LONE_NUMBER, NUMBER, NUMBERED_COMPOUND, UNIT
 from lidardraft.drafting.text.sentence_chunks import KIND_OF, chunks_of
 from lidardraft.drafting.text.sentence_reader import SentenceReader
+from lidardraft.drafting.text.setting import with_setting
 from lidardraft.errors import TextError, check_type, nearest_name
 from lidardraft.scene.layout import Layout
 
@@ -65,9 +66,10 @@ def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
     if notes.empty:
         parts = f" (unknown as a whole: {_listed(notes.not_understood)})" if notes.not_understood else ""
         raise TextError(f"nothing of {sentence!r} was understood{parts}; name a road, or objects and where they are")
-    if strict and notes.not_understood:
-        raise TextError(f"not understood: {_listed(notes.not_understood)}")
-    return notes.spec()
+    spec = with_setting(notes.spec(), text)
+    if strict and spec.not_understood:
+        raise TextError(f"not understood: {_listed(spec.not_understood)}")
+    return spec
 
 
 @cache
@@ -99,7 +101,7 @@ def _vocabulary(grammar: Lark) -> tuple[str, ...]:
     return tuple(sorted(words))
 
 
-def _listed(parts: list[str]) -> str:
+def _listed(parts: Iterable[str]) -> str:
     """Words that were not understood, with what may have been meant."""
     near = nearest_words(parts, grammar())
     meant = f" (nearest words: {', '.join(f'{known!r} for {word!r}' for word, known in near.items())})" if near else ""

@@ -95,6 +95,7 @@ class SentenceNotes:
             road=self._road_spec(any(group.surface == "sidewalk" or group.from_sidewalk for group in groups)),
             groups=tuple(groups),
             absent=tuple(sorted(absent)),
+            not_around=tuple(sorted({str(mention.kind) for mention in denied} - absent)),
             not_understood=tuple(self.not_understood),
         )
 

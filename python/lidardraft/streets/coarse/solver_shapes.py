@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from lidardraft.arranging.district import PARKING_STRIP
 from lidardraft.drafting.solver.object_shapes import (
     CROWN_BASE,
     TRUNK_DIAMETER,
@@ -25,7 +26,6 @@ from lidardraft.objects.coarse_shapes import CoarseShape, box_of
 from lidardraft.objects.kinds import Alignment, Kind, kind_of
 from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.road import Road
-from lidardraft.streets.placement.district import PARKING_STRIP
 
 # Sizes are changed by no more than this: a network that learned from layouts further off would learn to ignore them.
 _MOST_RESIZED, _ALWAYS_RESIZED = 0.25, 0.12  # share of the size; m that are always allowed

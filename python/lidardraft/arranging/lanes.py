@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+from lidardraft.arranging.car_parks import CarPark
+from lidardraft.arranging.district import PARKING_STRIP, District
 from lidardraft.scene.road import LEFT, RIGHT, RING, Road
-from lidardraft.streets.placement.car_parks import CarPark
-from lidardraft.streets.placement.district import PARKING_STRIP, District
 
 # Limits [m/s] of the German road code (StVO).
 _TOWN_SPEED = 50 / 3.6
@@ -99,21 +99,22 @@ def driven_lanes(
 
 def _offsets(road: Road, parking: tuple[int, ...], oneway: bool) -> list[tuple[float, int, bool]]:
     """Across [m], direction and whether outermost, of the lanes of the road itself."""
-    right = road.edge - (PARKING_STRIP if RIGHT in parking else 0.0)
-    left = road.edge - (PARKING_STRIP if LEFT in parking else 0.0)
+    strip = road.parking or PARKING_STRIP
+    right = road.edge - (strip if RIGHT in parking or road.parking else 0.0)
+    left = road.edge - (strip if LEFT in parking or road.parking else 0.0)
     if oneway:
         # all the room between the parked cars: one lane, or two where there is width for them
         middle, width = (left - right) / 2, left + right
         if width < _TWO_LANES:
             return [(middle, 1, True)]
         return [(middle - width / 4, 1, True), (middle + width / 4, 1, False)]
-    if road.lanes == 1 and not road.median:
+    if road.lanes == road.oncoming == 1 and not road.median:
         middle = (left - right) / 2
         return [((middle - right) / 2, 1, True), ((middle + left) / 2, -1, True)]
     offsets = []
-    for direction in (1, -1):
-        first = 1 if -direction in parking and road.lanes > 1 else 0
-        offsets += [(road.lane(number, direction), direction, number == first) for number in range(first, road.lanes)]
+    for direction, lanes in ((1, road.lanes), (-1, road.oncoming)):
+        first = 1 if -direction in parking and lanes > 1 else 0
+        offsets += [(road.lane(number, direction), direction, number == first) for number in range(first, lanes)]
     return offsets
 
 

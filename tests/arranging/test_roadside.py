@@ -7,14 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from planned import FLAT, empty
 
-from lidardraft.scene.road import LEFT, RIGHT, Road
-from lidardraft.streets.ground.ground import Ground
-from lidardraft.streets.placement.building_rows import place_buildings, sample_building
-from lidardraft.streets.placement.car_parks import sample_car_park
-from lidardraft.streets.placement.district import DISTRICTS, RoadEquipment
-from lidardraft.streets.placement.gardens import (
+from lidardraft.arranging.building_rows import place_buildings, sample_building
+from lidardraft.arranging.car_parks import sample_car_park
+from lidardraft.arranging.district import DISTRICTS, RoadEquipment
+from lidardraft.arranging.gardens import (
     place_driveways,
     place_front_fences,
     place_garden_plants,
@@ -22,20 +19,23 @@ from lidardraft.streets.placement.gardens import (
     place_thickets,
     place_yard_objects,
 )
-from lidardraft.streets.placement.occupancy import Occupancy, _Placement
-from lidardraft.streets.placement.road_equipment import place_road_equipment, place_traffic_lights
-from lidardraft.streets.placement.roadside import (
+from lidardraft.arranging.ground import Ground
+from lidardraft.arranging.occupancy import Occupancy, _Placement
+from lidardraft.arranging.road_equipment import place_road_equipment, place_traffic_lights
+from lidardraft.arranging.roadside import (
     place_high_grass,
     place_island_plants,
     place_street_furniture,
     place_street_trees,
 )
-from lidardraft.streets.placement.side_roads import (
+from lidardraft.arranging.side_roads import (
     SideRoadEdge,
     place_beside_side_roads,
     place_side_road_buildings,
 )
-from lidardraft.streets.placement.walkers import place_people
+from lidardraft.arranging.walkers import place_people
+from lidardraft.scene.road import LEFT, RIGHT, Road
+from planned import FLAT, empty
 
 
 def equipped(road: Road, equipment: RoadEquipment, seed: int = 0) -> Occupancy:

@@ -1,17 +1,15 @@
-"""The plan of one street, sampled from what the district it lies in has."""
+"""A street in two steps: a frame, sampled or given, and a fill that places everything else around what is there."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lidardraft.scene.road import Road
-from lidardraft.streets.ground.ground import Ground
-from lidardraft.streets.placement.building_rows import place_buildings
-from lidardraft.streets.placement.car_parks import CarPark, place_in_car_park, sample_car_park
-from lidardraft.streets.placement.district import DISTRICTS, SIDES, District, sample_road
-from lidardraft.streets.placement.gardens import (
+from lidardraft.arranging.building_rows import place_buildings
+from lidardraft.arranging.car_parks import CarPark, place_in_car_park, sample_car_park
+from lidardraft.arranging.district import DISTRICTS, SIDES, District, sample_road
+from lidardraft.arranging.gardens import (
     place_driveways,
     place_front_fences,
     place_garden_plants,
@@ -19,20 +17,22 @@ from lidardraft.streets.placement.gardens import (
     place_thickets,
     place_yard_objects,
 )
-from lidardraft.streets.placement.lanes import Lane, driven_lanes
-from lidardraft.streets.placement.markings import road_markings
-from lidardraft.streets.placement.occupancy import Occupancy
-from lidardraft.streets.placement.road_equipment import place_road_equipment, place_traffic_lights
-from lidardraft.streets.placement.roadside import (
+from lidardraft.arranging.ground import Ground
+from lidardraft.arranging.lanes import Lane, driven_lanes
+from lidardraft.arranging.markings import road_markings
+from lidardraft.arranging.occupancy import Occupancy
+from lidardraft.arranging.road_equipment import place_road_equipment, place_traffic_lights
+from lidardraft.arranging.roadside import (
     place_high_grass,
     place_island_plants,
     place_street_furniture,
     place_street_trees,
 )
-from lidardraft.streets.placement.side_roads import place_beside_side_roads, place_side_road_buildings
-from lidardraft.streets.placement.street_mix import USUAL_MIX, StreetMix
-from lidardraft.streets.placement.traffic import place_parked_vehicles, place_traffic
-from lidardraft.streets.placement.walkers import place_people
+from lidardraft.arranging.side_roads import place_beside_side_roads, place_side_road_buildings
+from lidardraft.arranging.street_mix import USUAL_MIX, StreetMix
+from lidardraft.arranging.traffic import place_parked_vehicles, place_traffic
+from lidardraft.arranging.walkers import place_people
+from lidardraft.scene.road import Road
 
 # Closed fronts behind front gardens: their share among closed fronts, and what is different there. Numbers without a
 # source are estimates of ours, here and below.
@@ -46,26 +46,63 @@ _CONCRETE_ROADS = 0.25  # share of motorways: about a quarter of the German ones
 _BARE_SOIL, _ASPHALT_WALKS = 0.2, 0.2  # share of land outside towns, and of all sidewalks
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """What a street is filled into: the road and its ground, with what stands there already, and the lanes driven in.
+
+    `parking` are the sides with parked cars, `lights` says whether the junction has traffic lights.
+    """
+
+    district: District
+    occupancy: Occupancy
+    lanes: tuple[Lane, ...]
+    parking: tuple[int, ...] = ()
+    car_park: CarPark | None = None
+    lights: bool = False
+
+
 def plan_street(
     rng: np.random.Generator, half_length: float, mix: StreetMix = USUAL_MIX
 ) -> tuple[Occupancy, tuple[Lane, ...], str]:
     """A street of some district with all its objects, the lanes that are driven in, and the name of the district."""
+    frame, name = sample_frame(rng, half_length, mix)
+    fill(frame, rng)
+    return frame.occupancy, frame.lanes, name
+
+
+def sample_frame(rng: np.random.Generator, half_length: float, mix: StreetMix) -> tuple[Frame, str]:
+    """The frame of a street that nothing is said of, and the name of its district."""
     name = mix.sample_district(rng)
-    district = DISTRICTS[name]
-    if district.closed_fronts and rng.random() < _GREEN:
-        district = replace(
-            district, setback=_GREEN_SETBACK, front_fences=_GREEN_FENCES, paved=0.0, thickets=_GREEN_THICKETS
-        )
-    district = mix.applied(district)
+    district = mix.applied(greened(DISTRICTS[name], rng))
     parking = tuple(side for side in SIDES if rng.random() < district.parked)
     oneway, wants_car_park = bool(rng.random() < district.oneway), bool(rng.random() < district.car_park)
     road = sample_road(district, parking, half_length, rng, oneway=oneway, car_park=wants_car_park)
     road, car_park = _with_car_park(road, rng) if wants_car_park else (road, None)
     occupancy = Occupancy(road, _sample_ground(road, district, rng))
-    lights = road.junction is not None and road.roundabout_radius is None and bool(rng.random() < district.lights)
+    lights = sample_lights(road, district, rng)
     lanes = driven_lanes(road, district, parking, car_park, oneway=oneway, lights=lights)
     occupancy.ground.paint(road_markings(road, lanes, car_park, district.speed, rng))
-    if lights:
+    return Frame(district, occupancy, lanes, parking, car_park, lights), name
+
+
+def greened(district: District, rng: np.random.Generator) -> District:
+    """The district, where some closed fronts stand behind front gardens."""
+    if district.closed_fronts and rng.random() < _GREEN:
+        return replace(
+            district, setback=_GREEN_SETBACK, front_fences=_GREEN_FENCES, paved=0.0, thickets=_GREEN_THICKETS
+        )
+    return district
+
+
+def sample_lights(road: Road, district: District, rng: np.random.Generator) -> bool:
+    """Whether the road has a junction with traffic lights."""
+    return road.junction is not None and road.roundabout_radius is None and bool(rng.random() < district.lights)
+
+
+def fill(frame: Frame, rng: np.random.Generator) -> None:
+    """Place in a frame all that stands in a street of its district, around what is there."""
+    occupancy, district, car_park = frame.occupancy, frame.district, frame.car_park
+    if frame.lights:
         place_traffic_lights(occupancy, rng)
     place_road_equipment(occupancy, district, rng)
     place_buildings(occupancy, district, car_park, rng)
@@ -78,15 +115,14 @@ def plan_street(
     place_island_plants(occupancy, rng)
     if car_park is not None:
         place_in_car_park(occupancy, car_park, rng)
-    place_parked_vehicles(occupancy, parking, car_park, rng)
-    place_traffic(occupancy, district, lanes, rng)
-    place_people(occupancy, district, lights, rng)
+    place_parked_vehicles(occupancy, frame.parking, car_park, rng)
+    place_traffic(occupancy, district, frame.lanes, rng)
+    place_people(occupancy, district, frame.lights, rng)
     place_yard_objects(occupancy, district, rng)
     place_shrub_beds(occupancy, district, rng)
     place_thickets(occupancy, district, rng)
     place_garden_plants(occupancy, district, rng)
     place_high_grass(occupancy, rng)
-    return occupancy, lanes, name
 
 
 def _with_car_park(road: Road, rng: np.random.Generator) -> tuple[Road, CarPark]:

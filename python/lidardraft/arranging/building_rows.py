@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
+from lidardraft.arranging.car_parks import CarPark
+from lidardraft.arranging.district import SIDES, District
+from lidardraft.arranging.occupancy import Occupancy
+from lidardraft.arranging.sizes import MESH_FENCE_WIDTH, Extents, Size
 from lidardraft.objects.buildings import STOREY
-from lidardraft.streets.placement.car_parks import CarPark
-from lidardraft.streets.placement.district import SIDES, District
-from lidardraft.streets.placement.occupancy import Occupancy
-from lidardraft.streets.placement.sizes import MESH_FENCE_WIDTH, Extents, Size
 
 # Numbers without a source are estimates of ours.
 BUILDING_MARGIN = 0.02  # m

@@ -5,16 +5,16 @@ import math
 
 import numpy as np
 import pytest
-from planned import empty, occupancies, plans
 
 from lidardraft import Layout, Raycaster
+from lidardraft.arranging.car_parks import AISLE_WIDTH, BAY_LENGTH, BAY_WIDTH, sample_car_park
+from lidardraft.arranging.district import DISTRICTS, PARKING_STRIP
+from lidardraft.arranging.lanes import MAIN_ROAD, ROUNDABOUT, SIDE_ROAD, Lane, driven_lanes
+from lidardraft.arranging.markings import road_markings
+from lidardraft.arranging.traffic import place_parked_vehicles, place_traffic
 from lidardraft.scene.layout import primitive_mesh
 from lidardraft.scene.road import LEFT, RIGHT, Road
-from lidardraft.streets.placement.car_parks import AISLE_WIDTH, BAY_LENGTH, BAY_WIDTH, sample_car_park
-from lidardraft.streets.placement.district import DISTRICTS, PARKING_STRIP
-from lidardraft.streets.placement.lanes import MAIN_ROAD, ROUNDABOUT, SIDE_ROAD, Lane, driven_lanes
-from lidardraft.streets.placement.markings import road_markings
-from lidardraft.streets.placement.traffic import place_parked_vehicles, place_traffic
+from planned import empty, occupancies, plans
 
 
 def test_lanes_lie_on_the_road():

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.objects.cars import sample_car
-from lidardraft.streets.placement.building_rows import BUILDING_MARGIN, sample_building
-from lidardraft.streets.placement.district import SIDES, District
-from lidardraft.streets.placement.occupancy import Occupancy
-from lidardraft.streets.placement.roadside import LAMP_OFF, LEAST_STEM, TREE_OFF, WIDE_SIDEWALK
-from lidardraft.streets.placement.sizes import (
+from lidardraft.arranging.building_rows import BUILDING_MARGIN, sample_building
+from lidardraft.arranging.district import SIDES, District
+from lidardraft.arranging.occupancy import Occupancy
+from lidardraft.arranging.roadside import LAMP_OFF, LEAST_STEM, TREE_OFF, WIDE_SIDEWALK
+from lidardraft.arranging.sizes import (
     FENCE_WIDTH,
     GARDEN_WALL_WIDTH,
     HEDGE_WIDTH,
@@ -21,6 +20,7 @@ from lidardraft.streets.placement.sizes import (
     sample_person,
     sample_tree,
 )
+from lidardraft.objects.cars import sample_car
 
 # All numbers are estimates of ours.
 _FAR = 75.0  # m from the middle of the road, up to where there is anything

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lidardraft.arranging.relief import Land
+from lidardraft.arranging.sizes import Range
 from lidardraft.scene.road import LEFT, RIGHT, RING, Road
-from lidardraft.streets.ground.relief import Land
-from lidardraft.streets.placement.sizes import Range
 
 PARKING_STRIP = 2.2  # m, the room of cars parked along the kerb: RASt 06 has 2.0 m and 0.25 m to moving traffic
 SIDES = (RIGHT, LEFT)
@@ -168,6 +168,18 @@ DISTRICTS: dict[str, District] = {
         equipment=_MOTORWAY,
     ),
 }  # fmt: skip
+
+_URBAN, _RESIDENTIAL, _RETAIL, _COUNTRY = (DISTRICTS[name] for name in ("urban", "residential", "retail", "country"))
+# What a sentence can say of where its road leads: districts, and others like them. All numbers are estimates.
+SETTINGS: dict[str, District] = {
+    **DISTRICTS,
+    "alley": replace(_URBAN, setback=(0.0, 0.2), street_trees=0.0, wild_trees=4, thickets=0.0, traffic_gap=120.0),
+    "village": replace(_RESIDENTIAL, setback=(1.0, 6.0), gap=(1.0, 7.0), built=0.75, front_fences=0.8),
+    "industrial": replace(_RETAIL, blocks=1.0, built=0.75, heavy=0.35, people=0.1, street_trees=0.3, wild_trees=14),
+    "forest": replace(_COUNTRY, built=0.0, front_fences=0.0, street_trees=0.0, thickets=14.0, wild_trees=240),
+    "school": replace(_RESIDENTIAL, people=3.0, blocks=0.7, setback=(6.0, 14.0)),
+    "roadworks": replace(_URBAN, equipment=RoadEquipment(cones=1.0)),
+}
 
 
 def sample_road(

@@ -6,12 +6,10 @@ import math
 
 import numpy as np
 
-from lidardraft.objects.cars import sample_car
-from lidardraft.scene.road import PavedArea
-from lidardraft.streets.placement.car_parks import CarPark
-from lidardraft.streets.placement.district import SIDES, District
-from lidardraft.streets.placement.occupancy import Occupancy
-from lidardraft.streets.placement.sizes import (
+from lidardraft.arranging.car_parks import CarPark
+from lidardraft.arranging.district import SIDES, District
+from lidardraft.arranging.occupancy import Occupancy
+from lidardraft.arranging.sizes import (
     BICYCLE,
     FENCE_WIDTH,
     GARDEN_LETTERBOX,
@@ -22,6 +20,8 @@ from lidardraft.streets.placement.sizes import (
     Size,
     sample_tree,
 )
+from lidardraft.objects.cars import sample_car
+from lidardraft.scene.road import PavedArea
 
 Driveway = tuple[int, float]  # side, and along [m] of its middle
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lidardraft.arranging.car_parks import BAY_LENGTH, BAY_WIDTH, CarPark
+from lidardraft.arranging.district import CALM, FAST, SIDES
+from lidardraft.arranging.lanes import MAIN_ROAD, SIDE_ROAD, Lane
 from lidardraft.scene.road import Road
-from lidardraft.streets.placement.car_parks import BAY_LENGTH, BAY_WIDTH, CarPark
-from lidardraft.streets.placement.district import CALM, FAST, SIDES
-from lidardraft.streets.placement.lanes import MAIN_ROAD, SIDE_ROAD, Lane
 
 Span = tuple[float, float, float, float]  # from and to along, from and to across [m]
 

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from lidardraft.streets.placement.district import SIDES, District
-from lidardraft.streets.placement.occupancy import Occupancy
-from lidardraft.streets.placement.sizes import (
+from lidardraft.arranging.district import SIDES, District
+from lidardraft.arranging.occupancy import Occupancy
+from lidardraft.arranging.sizes import (
     CONE,
     DELINEATOR,
     MESH_FENCE_WIDTH,

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lidardraft.arranging.occupancy import Occupancy
+from lidardraft.arranging.sizes import LAMP_WIDTH, sample_person
 from lidardraft.objects.cars import sample_car
 from lidardraft.scene.road import LEFT, RIGHT, PavedArea, Road
-from lidardraft.streets.placement.occupancy import Occupancy
-from lidardraft.streets.placement.sizes import LAMP_WIDTH, sample_person
 
 # EAR 05 and RASt 06: bays of 2.5 x 5.0 m at right angles to an aisle of 6.0 m.
 BAY_WIDTH, BAY_LENGTH, AISLE_WIDTH = 2.5, 5.0, 6.0

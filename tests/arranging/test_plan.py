@@ -6,17 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from planned import occupancies, plans
 
+from lidardraft.arranging import sizes
+from lidardraft.arranging.district import DISTRICTS, PARKING_STRIP, sample_road
+from lidardraft.arranging.lanes import MAIN_ROAD
+from lidardraft.arranging.plan import plan_street
+from lidardraft.arranging.sizes import STANDING, Extents, sample_person, sample_tree
+from lidardraft.arranging.street_mix import StreetMix
 from lidardraft.errors import LayoutError
 from lidardraft.scene.road import LEFT, RIGHT, Road
 from lidardraft.streets.ego import sample_ego
-from lidardraft.streets.placement import sizes
-from lidardraft.streets.placement.district import DISTRICTS, PARKING_STRIP, sample_road
-from lidardraft.streets.placement.lanes import MAIN_ROAD
-from lidardraft.streets.placement.plan import plan_street
-from lidardraft.streets.placement.sizes import STANDING, Extents, sample_person, sample_tree
-from lidardraft.streets.placement.street_mix import StreetMix
+from planned import occupancies, plans
 
 
 def test_every_district_and_every_form_of_road_occurs():

@@ -51,10 +51,11 @@ class Land:
 class Relief:
     """Heights over the frame (along, across) of one road, continuous everywhere.
 
-    `hillside` [2] holds the slopes that the land on the left and on the right comes to, away from the road.
+    With `level_road` all that is paved is flat. `hillside` [2] holds the slopes that the land on the left and on the
+    right comes to, away from the road.
     """
 
-    def __init__(self, road: Road, land: Land, rng: np.random.Generator) -> None:
+    def __init__(self, road: Road, land: Land, rng: np.random.Generator, *, level_road: bool = False) -> None:
         self.road = road
         self._camber = rng.uniform(0.0, _CAMBER)
         outside = road.sidewalk == 0.0
@@ -69,6 +70,9 @@ class Relief:
         self._rolling = rng.uniform(*_ROLLING) * land.rolling
         self._waves = rng.uniform(*_ROLLING_WAVES, (3, 3))
         self._mound = rng.uniform(*_MOUND)
+        self._level_road = level_road
+        if level_road:
+            self._camber, self._bank, self._mound, self._rise = 0.0, 0.0, 0.0, 0.0 * self._rise
 
     def grade(self, along: float) -> float:
         """The slope of the road along itself."""
@@ -87,6 +91,8 @@ class Relief:
         p, q, phase = self._waves.T
         waves = np.sin(along[..., None] * p + across[..., None] * q + phase).mean(axis=-1)
         relief = relief + section + self._rolling * np.minimum(away / _ROLLING_BEGINS, 1.0) * waves
+        if self._level_road:  # nor do side roads rise
+            relief = relief * np.minimum(away / np.maximum(side - road.verge, 1e-6), 1.0)
         if road.roundabout_radius is not None and road.junction is not None:
             inward = np.clip(1.0 - np.hypot(along - road.junction, across) / road.island, 0.0, 1.0)
             relief = relief + self._mound * inward * (2.0 - inward)

@@ -5,12 +5,12 @@ from functools import cache
 
 import numpy as np
 
+from lidardraft.arranging.ground import Ground
+from lidardraft.arranging.lanes import Lane
+from lidardraft.arranging.occupancy import Occupancy
+from lidardraft.arranging.plan import plan_street
+from lidardraft.arranging.relief import Land
 from lidardraft.scene.road import Road
-from lidardraft.streets.ground.ground import Ground
-from lidardraft.streets.ground.relief import Land
-from lidardraft.streets.placement.lanes import Lane
-from lidardraft.streets.placement.occupancy import Occupancy
-from lidardraft.streets.placement.plan import plan_street
 
 FLAT = Land(grade=0.0, hillside=0.0, rolling=0.0)
 

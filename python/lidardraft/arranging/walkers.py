@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from lidardraft.streets.placement.district import SIDES, District
-from lidardraft.streets.placement.occupancy import Occupancy
-from lidardraft.streets.placement.sizes import sample_person
+from lidardraft.arranging.district import SIDES, District
+from lidardraft.arranging.occupancy import Occupancy
+from lidardraft.arranging.sizes import sample_person
 
 # All numbers are estimates of ours.
 _MARGIN = 0.05  # m

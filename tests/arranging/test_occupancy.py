@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from planned import empty, frame_corners, occupancies, overlap
 
+from lidardraft.arranging.occupancy import box_space, touch
 from lidardraft.scene.road import PavedArea, Road
-from lidardraft.streets.placement.occupancy import box_space, touch
+from planned import empty, frame_corners, occupancies, overlap
 
 PRIVATE = {"fence", "garden_wall", "hedge", "mesh_fence", "house", "block", "shed"}
 RIDDEN = ("cyclist", "motorcyclist")

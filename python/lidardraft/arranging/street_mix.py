@@ -7,8 +7,8 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from lidardraft.arranging.district import DISTRICTS, District
 from lidardraft.errors import LayoutError
-from lidardraft.streets.placement.district import DISTRICTS, District
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
+from lidardraft.arranging.relief import SECTION, Land, Relief
 from lidardraft.objects.mesh import quads, stepped_grid
 from lidardraft.scene.layout import Primitive
 from lidardraft.scene.road import KERB_HEIGHT, TERRAIN_HEIGHT, PavedArea, Road
-from lidardraft.streets.ground.relief import SECTION, Land, Relief
 
 _RIM = 4.0  # m of land in the square beyond the sidewalk
 _RING_SHARES = (0.12, 0.3, 0.6)  # where the rings between the outermost circle and the square are, in shares of the way
@@ -124,7 +125,8 @@ class Ground:
     """The surface of one street over the road's frame (along, across): its class and height.
 
     `strip` [m] is the width of the grass between kerb and sidewalk; with `paved` the land beside the street is a
-    square or a yard.
+    square or a yard. Where the height of a `plain` [m] is given, the road is level as `Road.surfaces` has it, the plain
+    hides land that falls, and the relief comes to nothing where `share` f64 [...], of points x, y [..., 2], is 0.
     """
 
     def __init__(
@@ -135,15 +137,21 @@ class Ground:
         *,
         strip: float = 0.0,
         paved: bool = False,
+        plain: float | None = None,
+        share: Callable[[np.ndarray], np.ndarray] | None = None,
     ) -> None:
-        self.road, self.strip, self.paved = road, strip, paved
-        self.relief = Relief(road, land or Land(), rng)
+        self.road, self.strip, self.paved, self.plain = road, strip, paved, plain
+        self.relief = Relief(road, land or Land(), rng, level_road=plain is not None)
         # beside a sidewalk gardens are as high as it, beside a bare road the land is a little lower
         land_level = KERB_HEIGHT - _GARDEN_DROP if road.sidewalk > 0 else TERRAIN_HEIGHT
         self._levels = np.array([0.0, KERB_HEIGHT, land_level, max(land_level, KERB_HEIGHT - _GRASS_DROP)])
         self._roundabout = None if road.roundabout_radius is None else RoundaboutMesh(road)
         self._along, self._across = self._lines()
         self._lattice = self.relief.heights(self._along[:, None], self._across[None, :])
+        if share is not None:
+            self._lattice = self._lattice * share(road.points(self._along[:, None], self._across[None, :]))
+        if plain is not None:
+            self._lattice = np.maximum(self._lattice, 0.0)
         self.low = float(self._lattice.min())
         self._driveways: list[PavedArea] = []
         self._painted = np.zeros((0, 4))
@@ -177,11 +185,12 @@ class Ground:
             walk = (walk & (np.abs(along - self.road.junction) > self.road.roundabout_radius)) | (
                 off <= self.road.island
             )
-        return np.where(kinds == 0, 0.0, np.where(walk, KERB_HEIGHT, TERRAIN_HEIGHT))
+        plain = TERRAIN_HEIGHT if self.plain is None else self.plain
+        return np.where(kinds == 0, 0.0, np.where(walk, KERB_HEIGHT, plain))
 
     def heights(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
         """`height` of points [n], as the mesh has it."""
-        level = self._levels[self.kinds(along, across)]
+        level = self._levels[self.kinds(along, across)] if self.plain is None else self.levels(along, across)
         row = np.clip(np.searchsorted(self._along, along) - 1, 0, len(self._along) - 2)
         column = np.clip(np.searchsorted(self._across, across) - 1, 0, len(self._across) - 2)
         p = (along - self._along[row]) / (self._along[row + 1] - self._along[row])
@@ -193,7 +202,7 @@ class Ground:
         height = here + np.where(
             p >= q, p * (ahead - here) + q * (after - ahead), q * (beside - here) + p * (after - beside)
         )
-        if self._roundabout is not None:
+        if self._roundabout is not None and self.plain is None:
             height = np.where(self._roundabout.covers(along, across), self.relief.heights(along, across), height)
         heights: np.ndarray = level + height
         return heights
@@ -214,6 +223,18 @@ class Ground:
     def paint(self, spans: np.ndarray) -> None:
         """Add painted rectangles [n, 4], from and to along and from and to across [m], to the surfaces."""
         self._painted = np.concatenate([self._painted, spans])
+
+    def quads(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The cells around a level road: corners f64 [n, m, 4, 3] on the land, `kinds` and middles across [n, m]."""
+        assert self.plain is not None
+        along, across = self._along, self._across
+        middle = np.meshgrid((along[1:] + along[:-1]) / 2, (across[1:] + across[:-1]) / 2, indexing="ij")
+        xy = self.road.points(along[:, None], across[None, :])
+        corner = np.concatenate([xy, (self._lattice + self.plain)[..., None]], axis=-1)
+        corners = np.stack([corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]], axis=2)
+        kinds = self.kinds(*middle)
+        corners[kinds == 1, :, 2] += _PAVED / 2  # what is paved lies a little over the land
+        return corners, kinds, middle[1]
 
     def surfaces(self) -> list[Primitive]:
         """The ground as one mesh a class, and the land far away as a plane."""
@@ -241,7 +262,7 @@ class Ground:
             corners = self._coat(self._painted)
             primitives.append(Primitive.from_mesh(*quads(corners), label="road", id="markings", material=_PAINT))
         if self._driveways:
-            primitives.append(Primitive.from_mesh(*quads(self._paved()), label="sidewalk", id="drives"))
+            primitives.append(Primitive.from_mesh(*quads(self.drives()), label="sidewalk", id="drives"))
         return primitives
 
     def _coat(self, spans: np.ndarray) -> np.ndarray:
@@ -251,9 +272,9 @@ class Ground:
         height = self.heights(along.ravel(), across.ravel()).reshape(along.shape)
         return np.concatenate([self.road.points(along, across), (height + _COAT)[..., None]], axis=-1)
 
-    def _paved(self) -> np.ndarray:
+    def drives(self) -> np.ndarray:
         """Corners [Q, 4, 3] of the driveways, each in pieces that follow the land."""
-        ends = np.array([(area.along, area.across) for area in self._driveways])
+        ends = np.array([(area.along, area.across) for area in self._driveways]).reshape(-1, 2, 2)
         steps = np.linspace(0.0, 1.0, _PIECES + 1)
         share = np.stack([steps[:-1], steps[1:], steps[1:], steps[:-1]], axis=-1)
         across = ends[:, 1, 0, None, None] + share * np.diff(ends[:, 1])[:, :, None]
@@ -289,6 +310,8 @@ class Ground:
             kinds = self._roundabout.kinds(along, across, kinds)
             if self.paved:
                 kinds = np.where(self._roundabout.covers(along, across) & (kinds == 2), 1, kinds)
+        if self.plain is not None:
+            kinds = np.where(np.abs(along) > road.half_length, 2, kinds)
         return kinds
 
     def _lines(self) -> tuple[np.ndarray, np.ndarray]:

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from lidardraft.streets.placement.car_parks import CarPark
-from lidardraft.streets.placement.district import CALM, SIDES, District
-from lidardraft.streets.placement.occupancy import Occupancy
-from lidardraft.streets.placement.sizes import (
+from lidardraft.arranging.car_parks import CarPark
+from lidardraft.arranging.district import CALM, SIDES, District
+from lidardraft.arranging.occupancy import Occupancy
+from lidardraft.arranging.sizes import (
     BENCH,
     BICYCLE,
     BILLBOARD,

@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lidardraft.arranging.ground import Ground
 from lidardraft.objects.kinds import kind_of
 from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.road import PavedArea, Road
-from lidardraft.streets.ground.ground import Ground
 
 # x, y, cosine and sine of the yaw, half length, half width, bottom and top over the ground [m]
 Space = tuple[float, float, float, float, float, float, float, float]
@@ -41,16 +41,17 @@ class _Placement(NamedTuple):
 class Occupancy:
     """The road and ground of a street and what stands there: it places objects so that none goes through another.
 
-    Places are along and across the road [m], angles against it [rad].
+    Places are along and across the road [m], angles against it [rad]. Kinds in `denied` find no room at all; instances
+    count on from `instances`.
     """
 
-    def __init__(self, road: Road, ground: Ground) -> None:
-        self.road, self.ground = road, ground
+    def __init__(self, road: Road, ground: Ground, *, denied: frozenset[str] = frozenset(), instances: int = 0) -> None:
+        self.road, self.ground, self.denied = road, ground, denied
         self.stops: list[tuple[float, float]] = []  # along and side of bus stops
         self._placed: list[_Placement] = []
         self._objects: list[PlacedObject] = []
         self._names: Counter[str] = Counter()
-        self._instances = 0
+        self._instances = instances
         self._occupied, self._public = SpaceIndex(), SpaceIndex()
         for space in self._public_way():
             self._public.add(space)
@@ -78,7 +79,7 @@ class Occupancy:
 
         A `private` object keeps off the road and the sidewalks.
         """
-        if not self.ground.reaches(along, across):
+        if kind in self.denied or not self.ground.reaches(along, across):
             return False
         x, y, heading = self.road.at(along, across)
         yaw = math.remainder(heading + angle, 2 * math.pi)
@@ -96,6 +97,14 @@ class Occupancy:
             _Placement(kind, self._names[kind], instance, along, across, x, y, yaw, angle, size, clearance)
         )
         return True
+
+    def reserve(self, space: Space) -> None:
+        """Keep a space free from now on."""
+        self._occupied.add(space)
+
+    def keep_public(self, space: Space) -> None:
+        """Keep private objects off a space from now on."""
+        self._public.add(space)
 
     def add_driveway(self, area: PavedArea) -> None:
         """Pave a driveway, which private objects keep off from now on."""

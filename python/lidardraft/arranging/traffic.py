@@ -6,12 +6,11 @@ import math
 
 import numpy as np
 
-from lidardraft.objects.cars import sample_car
-from lidardraft.streets.placement.car_parks import CarPark
-from lidardraft.streets.placement.district import FAST, District
-from lidardraft.streets.placement.lanes import MAIN_ROAD, SIDE_ROAD, Lane
-from lidardraft.streets.placement.occupancy import Occupancy
-from lidardraft.streets.placement.sizes import (
+from lidardraft.arranging.car_parks import CarPark
+from lidardraft.arranging.district import FAST, District
+from lidardraft.arranging.lanes import MAIN_ROAD, SIDE_ROAD, Lane
+from lidardraft.arranging.occupancy import Occupancy
+from lidardraft.arranging.sizes import (
     BUS,
     CYCLIST,
     MOTORCYCLE,
@@ -22,6 +21,7 @@ from lidardraft.streets.placement.sizes import (
     TRUCK,
     Size,
 )
+from lidardraft.objects.cars import sample_car
 
 # Parked vehicles. Numbers without a source are estimates of ours, here and below.
 _TAKEN = (0.1, 0.75)  # share of the places along a kerb

@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from planned import frame_corners, occupancies
 
 from lidardraft import Layout, Primitive, Raycaster
+from lidardraft.arranging.ground import Ground, RoundaboutMesh, _cut
+from lidardraft.arranging.occupancy import Occupancy
+from lidardraft.arranging.relief import SECTION, Land, Relief
 from lidardraft.scene.road import LEFT, Road
-from lidardraft.streets.ground.ground import Ground, RoundaboutMesh, _cut
-from lidardraft.streets.ground.relief import SECTION, Land, Relief
-from lidardraft.streets.placement.occupancy import Occupancy
+from planned import frame_corners, occupancies
 
 
 def test_the_road_rises_and_falls():

@@ -1,0 +1,332 @@
+"""The street around a layout: what was asked for stays as it is, and a street of its district fills in around it."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from lidardraft.arranging.district import SETTINGS, SIDES, District
+from lidardraft.arranging.ground import Ground
+from lidardraft.arranging.lanes import driven_lanes
+from lidardraft.arranging.occupancy import Occupancy, Space, box_space
+from lidardraft.arranging.plan import Frame, fill, greened, sample_lights
+from lidardraft.arranging.street_mix import StreetMix
+from lidardraft.drafting.solver.scene_spec import SceneSpec
+from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
+from lidardraft.errors import LayoutError, check_type
+from lidardraft.objects.kinds import KINDS, kind_of
+from lidardraft.objects.mesh import quads
+from lidardraft.objects.placed_object import PlacedObject
+from lidardraft.scene.check import EGO_SIZE, VEHICLE_LABELS, LayoutGround, objects
+from lidardraft.scene.layout import AROUND, MOST_PRIMITIVES, Layout, Primitive
+from lidardraft.scene.raycast import Raycaster
+from lidardraft.scene.road import KERB_HEIGHT, Road
+from lidardraft.semantics import BY_NAME
+from lidardraft.simulation.street_frame import NoStreetError, StreetFrame, in_frame, inverse, placed, street_frame
+
+_STREAM = 5  # of random numbers, apart from those that made the layout
+# How often a street that nothing is said of lies in a district, by its lanes each way: estimates.
+_NARROW = {"residential": 0.55, "urban": 0.25, "avenue": 0.15, "retail": 0.05}
+_WIDE = {"urban": 0.35, "avenue": 0.5, "retail": 0.15}
+# Times the traffic and the people of the district, by what is said of the street: estimates.
+_ACTIVITY = {"busy": StreetMix(traffic=2.5, people=4.0), "quiet": StreetMix(traffic=0.3, people=0.4)}
+# What stands there, as others see it, keeps its distance [m]: estimates.
+_GAP = 0.3  # to all that was asked for
+_AHEAD, _ASIDE = 5.0, 1.0  # of traffic along its lane and beside it
+_SEEN_WIDTH = 4.0  # of a building, a hedge and the like that stays in sight, in the middle
+_UNSEEN, _LEVEL_SEEN = 0.2, 2.5  # m over the ground that may be hidden, and up to where most rays go
+_SENSOR = (1.5, 2.2)  # m over the road, lowest and highest
+_SIGHT_PIECE, _SIGHT_BEGINS, _MOST_SIGHTS = 8.0, 2.5, 200  # m of a piece, m from the ego, objects
+_HIGH = 50.0  # m over and under anything
+_REACH = 112.0  # m, a little less than sensors reach: beyond it nothing is added
+_OVER_ROAD, _BEYOND = 4.0, 80.0  # m over roads that stay free, m beyond the end of one
+_FLAT_AROUND, _RISES = 3.0, 12.0  # m around what was asked for that stay flat, and over which the land rises then
+
+
+def surround(layout: Layout, seed: int = 0) -> Layout:
+    """The layout with a street around it: buildings, plants, furniture, traffic and people as simple shapes.
+
+    All primitives of the layout stay as they are; those that come with the street have ids such as "around/tree_12",
+    and `edit.remove(layout, "around/*")` takes them away. What a sentence counts or denies is not added, nothing
+    touches what was asked for, and sight lines to it stay open. `provenance["surroundings"]` says the district, the
+    number of objects, and the share of the sight lines that is open; or in "note" why there is no street.
+
+    Raises `LayoutError` on a seed that is no integer >= 0, and where the layout has surroundings already.
+    """
+    check_type("layout", layout, Layout)
+    if type(seed) is not int or seed < 0:
+        raise LayoutError(f"seed is {seed!r}; it must be an integer >= 0")
+    if any(primitive.id.startswith(AROUND) for primitive in layout):
+        raise LayoutError(f'the layout has surroundings already; edit.remove(layout, "{AROUND}*") takes them away')
+    rng = np.random.default_rng([seed, _STREAM])
+    try:
+        scene = _Scene(layout, street_frame(layout))
+        frame, name = scene.frame(rng)
+        fill(frame, rng)
+        standing = scene.standing(frame.occupancy.objects)
+        around = list(placed([*scene.land(frame.occupancy.ground), *_shapes(standing)], scene.place))
+        if len(layout) + len(around) > MOST_PRIMITIVES:
+            raise NoStreetError(f"no street around it: it would have over {MOST_PRIMITIVES} shapes")
+    except NoStreetError as error:
+        return dataclasses.replace(layout, provenance=layout.provenance | {"surroundings": {"note": str(error)}})
+    whole = dataclasses.replace(layout, primitives=(*layout.primitives, *around))
+    said: dict[str, Any] = {"district": name, "seed": seed, "objects": len(standing)}
+    said["in_sight"] = _share_in_sight(whole, list(scene.watched))
+    return dataclasses.replace(whole, provenance=layout.provenance | {"surroundings": said})
+
+
+class _Scene:
+    """What is given of a street: all in the frame of the road, in which the ego vehicle stands at x, y, yaw `ego`."""
+
+    def __init__(self, layout: Layout, given: StreetFrame) -> None:
+        self.road, self.place, self.plain, self.lacks, paved, self.ends = given
+        self.ego = inverse(given.place)
+        self.paved = [one._replace(place=in_frame(one.place, self.ego)) for one in paved]
+        provenance = layout.provenance
+        self.spec = SceneSpec.from_dict(provenance.get("spec", {}))
+        self.given = list(placed(layout, self.ego) if any(given.place) else layout)
+        self.asked = objects(Layout(tuple(self.given)))
+        self.coverage = layout.coverage
+        self.counted = {p.label for p in layout} if "road" not in provenance and self.coverage is None else set()
+        many = {number for number, group in enumerate(self.spec.groups) if group.count in ("some", "many")}
+        free = {name for name, number in provenance.get("objects", {}).items() if number in many}
+        # more of "houses on both sides", or of what "downtown" implies, may well stand in front of them
+        self.watched = {
+            name: parts for name, parts in self.asked.items() if name not in free or BY_NAME[parts[0].label].is_thing
+        }
+
+    def frame(self, rng: np.random.Generator) -> tuple[Frame, str]:
+        """The frame to fill, with all that was asked for reserved, and the name of its district."""
+        road = self.road
+        name = self.spec.district or _sample_district(road, self.spec, rng)
+        district = SETTINGS[name] if self.spec.district else greened(SETTINGS[name], rng)
+        district = _ACTIVITY.get(str(self.spec.activity), StreetMix()).applied(district)
+        district = _beside_lots(district, road)
+        paved = bool(rng.random() < district.paved)
+        flat = self._flat
+        ground = Ground(road, rng, district.land, plain=self.plain, paved=paved, share=flat)
+        instances = max((primitive.instance for primitive in self.given), default=0)
+        occupancy = Occupancy(road, ground, denied=_denied(self.spec, self.counted), instances=instances)
+        for space in (*self._footprints(), *self._sights(), *self._view(), *self._beyond_ends()):
+            occupancy.reserve(space)
+        for area in road.paved_areas:
+            x, y, yaw = road.at(sum(area.along) / 2, sum(area.across) / 2)
+            occupancy.reserve(box_space(x, y, yaw, (np.ptp(area.along), np.ptp(area.across)), -_HIGH, _OVER_ROAD))
+        for place, size, label in self.paved:
+            space = box_space(*place, size, -_HIGH, _HIGH if label == "sidewalk" else _OVER_ROAD)
+            occupancy.keep_public(space) if label == "sidewalk" else occupancy.reserve(space)
+        parking = tuple(side for side in SIDES if road.parking > 0 and rng.random() < district.parked)
+        lights = sample_lights(road, district, rng)
+        lanes = driven_lanes(road, district, parking, None, oneway=False, lights=lights)
+        return Frame(district, occupancy, lanes, parking, None, lights), name
+
+    def _flat(self, points: np.ndarray) -> np.ndarray:
+        """How much of its relief the land has at points [..., 2]: none on what is paved, and none under what was asked
+        for beside the road and before it."""
+        least = np.full(points.shape[:-1], np.inf)
+        spots = [((x, y, yaw), size) for (x, y, yaw), size, _ in self.paved]
+        for parts in self.asked.values():
+            x, y, _ = parts[0].center
+            if abs(self.road.along_across(x, y)[1]) > self.road.verge - 2.0:
+                distance, reach = math.dist((x, y), self.ego[:2]), max(math.hypot(*part.size[:2]) for part in parts)
+                heading = math.atan2(y - self.ego[1], x - self.ego[0])
+                middle = ((x + self.ego[0]) / 2, (y + self.ego[1]) / 2, heading)
+                spots.append((middle, (distance + reach, reach)))
+        for (x, y, yaw), (length, width) in spots:
+            off = points - (x, y)
+            along = np.abs(off @ (math.cos(yaw), math.sin(yaw))) - length / 2
+            across = np.abs(off @ (-math.sin(yaw), math.cos(yaw))) - width / 2
+            least = np.minimum(least, np.hypot(np.maximum(along, 0.0), np.maximum(across, 0.0)))
+        flat: np.ndarray = np.clip((least - _FLAT_AROUND) / _RISES, 0.0, 1.0)
+        return flat
+
+    def land(self, ground: Ground) -> Iterator[Primitive]:
+        """The ground that the layout lacks, and the hills, paved yards and driveways beside the road."""
+        corners, kinds, across = ground.quads()
+        outside = self._is_outside(corners)
+        yards = (kinds == 1) & (np.abs(across) > self.road.verge)
+        rises = (corners[..., 2] > self.plain + 1e-3).any(axis=-1) | ("terrain" in self.lacks)
+        pieces = {"land": ("terrain", corners[(kinds == 2) & rises & outside]), "yards": ("sidewalk", corners[yards])}
+        if "road" in self.lacks:
+            flat = corners * (1.0, 1.0, 0.0)
+            pieces["road"] = ("road", flat[(kinds == 0) & outside])
+            pieces["sidewalks"] = ("sidewalk", flat[(kinds == 1) & ~yards & outside] + np.array([0, 0, KERB_HEIGHT]))
+        elif "sidewalk" in self.lacks:
+            walks = [surface for surface in self.road.surfaces() if surface.label == "sidewalk"]
+            yield from (dataclasses.replace(walk, id=AROUND + walk.id) for walk in walks)
+        pieces["drives"] = ("road", ground.drives())
+        for name, (label, quad) in pieces.items():
+            if len(quad):
+                yield Primitive.from_mesh(*quads(quad), label=label, id=AROUND + name)
+
+    def _footprints(self) -> Iterator[Space]:
+        """What stays free around the ego vehicle and what was asked for; of what is on the road, its lane as well."""
+        length, width, height = EGO_SIZE
+        yield box_space(*self.ego, (length + 2 * _AHEAD, width + _ASIDE), 0.0, height)
+        for primitive in itertools.chain.from_iterable(self.asked.values()):
+            x, y, z = primitive.center
+            length, width, height = primitive.size
+            low, high = z - height / 2, z + height / 2
+            yield box_space(x, y, primitive.yaw, (length + 2 * _GAP, width + 2 * _GAP), low - 1.0, high + _GAP)
+            along, across = self.road.along_across(x, y)
+            if abs(across) < self.road.edge and low < _SENSOR[1]:
+                size = (max(length, width) + 2 * _AHEAD, width + 2 * _ASIDE)
+                yield box_space(x, y, self.road.at(along, across)[2], size, 0.0, _SENSOR[1])
+
+    def _sights(self) -> Iterator[Space]:
+        """The space between the ego vehicle and each object, in pieces that widen towards it."""
+        eye = self.ego[:2]
+        nearest = sorted(self.watched.values(), key=lambda parts: math.dist(parts[0].center[:2], eye))
+        for parts in nearest[:_MOST_SIGHTS]:
+            x, y, distance, half, low, high = _silhouette(parts, eye)
+            heading, end = math.atan2(y - eye[1], x - eye[0]), distance - half
+            begin = _SIGHT_BEGINS
+            while begin < end:
+                stop = min(begin + _SIGHT_PIECE, end)
+                near, far = begin / distance, stop / distance
+                bottom = min(_SENSOR[0] * (1 - share) + low * share for share in (near, far))
+                top = max(_SENSOR[1] * (1 - share) + high * share for share in (near, far))
+                ahead = (begin + stop) / 2 / distance
+                place = (eye[0] + ahead * (x - eye[0]), eye[1] + ahead * (y - eye[1]), heading)
+                yield box_space(*place, (stop - begin, 2 * half * far + 0.2), bottom, top)
+                begin = stop
+
+    def _view(self) -> Iterator[Space]:
+        """What a picture shows, in which only what it shows is to stand."""
+        if self.coverage is None:
+            return
+        start, end = self.coverage
+        heading, half = (start + end) / 2, (end - start) / 2
+        for near in np.arange(0.0, _REACH, _SIGHT_PIECE).tolist():
+            middle, far = near + _SIGHT_PIECE / 2, near + _SIGHT_PIECE
+            place = (middle * math.cos(heading), middle * math.sin(heading), heading)
+            yield box_space(*place, (_SIGHT_PIECE, 2 * far * math.tan(half)), -_HIGH, _HIGH)
+
+    def _beyond_ends(self) -> Iterator[Space]:
+        """Where a drawn road would go on."""
+        for end in self.ends or ():
+            x, y, yaw = self.road.at(end + math.copysign(_BEYOND / 2, end), 0.0)
+            yield box_space(x, y, yaw, (_BEYOND, 2 * self.road.verge), -_HIGH, _HIGH)
+
+    def standing(self, objects: Sequence[PlacedObject]) -> list[PlacedObject]:
+        """The objects that sensors reach; on the ground that a drawn layout has, which need not be alike on both sides
+        of its road."""
+        objects = [one for one in objects if math.dist((one.x, one.y), self.ego[:2]) < _REACH]
+        if self.ends is None:
+            return objects
+        ground = LayoutGround(self.given)
+        return [dataclasses.replace(one, z=one.z - one.level + ground.height(one.x, one.y)) for one in objects]
+
+    def _is_outside(self, corners: np.ndarray) -> np.ndarray:
+        """Which quadrilaterals [..., 4, 3] a picture does not show."""
+        if self.coverage is None:
+            return np.ones(corners.shape[:-2], dtype=bool)
+        start, end = self.coverage
+        seen = (np.arctan2(corners[..., 1], corners[..., 0]) - start) % math.tau < end - start
+        outside: np.ndarray = ~seen.any(axis=-1)
+        return outside
+
+
+def _sample_district(road: Road, spec: SceneSpec, rng: np.random.Generator) -> str:
+    """The name of a district that such a road may lead through."""
+    if road.paved_areas:
+        return "retail"
+    if road.sidewalk == 0:
+        return "motorway" if road.median > 0 or spec.road.kind == "motorway" else "country"
+    shares = _NARROW if road.lanes == 1 else _WIDE
+    kinds = {group.kind for group in spec.groups}
+    if "house" in kinds:
+        return "residential"
+    return str(rng.choice(list(shares), p=list(shares.values())))
+
+
+def _beside_lots(district: District, road: Road) -> District:
+    """The district, with its buildings behind the parking lots of the road."""
+    depth = max((abs(edge) - road.verge for area in road.paved_areas for edge in area.across), default=0.0)
+    low, high = district.setback
+    return dataclasses.replace(district, setback=(low + depth, high + depth))
+
+
+def _denied(spec: SceneSpec, counted: set[str]) -> frozenset[str]:
+    """The kinds of objects of which one more would contradict a spec: it counts them, or says that there are none.
+
+    Sketches and boxes count the things of which they have any: they are those of the classes `counted`.
+    """
+    words = {
+        *spec.absent,
+        *spec.not_around,
+        *(group.kind for group in spec.groups if group.count not in ("some", "many")),
+    }
+    labels = {SENTENCE_KINDS[word].label for word in words} - {"vegetation", "trunk", "pole", "other"}
+    labels |= {label for label in counted if BY_NAME[label].is_thing}
+    if "vehicle" in words:
+        labels |= set(VEHICLE_LABELS)
+    if any(SENTENCE_KINDS[word].is_ridden for word in words):
+        labels.add("rider")
+    if spec.activity == "empty":
+        labels |= {name for name, row in BY_NAME.items() if row.is_thing}
+    denied = {name for name, kind in KINDS.items() if {name, kind.word} & words or labels.intersection(kind.labels)}
+    return frozenset(denied | {"grass"})  # of which a coarse layout has nothing
+
+
+def _silhouette(
+    parts: Sequence[Primitive], eye: tuple[float, float] = (0.0, 0.0)
+) -> tuple[float, float, float, float, float, float]:
+    """Middle x, y, distance, half width, and heights from and to [m], of what an `eye` is to see of an object."""
+    body = max(parts, key=lambda part: math.prod(part.size))
+    x, y, _ = body.center
+    distance = max(math.dist((x, y), eye), 1e-6)
+    turn = body.yaw - math.atan2(y - eye[1], x - eye[0])
+    half = (abs(math.sin(turn)) * body.size[0] + abs(math.cos(turn)) * body.size[1]) / 2
+    half = half if BY_NAME[body.label].is_thing else min(half, _SEEN_WIDTH / 2)
+    low = min(part.center[2] - part.size[2] / 2 for part in parts)
+    high = max(part.center[2] + part.size[2] / 2 for part in parts)
+    return x, y, distance, half, low + min(0.1 * (high - low), _UNSEEN), high
+
+
+def _shapes(standing: Sequence[PlacedObject]) -> Iterator[Primitive]:
+    """The coarse shapes of what was placed."""
+    for one in standing:
+        cos, sin = math.cos(one.yaw), math.sin(one.yaw)
+        shapes = [shape for shape in kind_of(one.kind).coarse(one) if shape.lobes in (0, 1)]
+        for number, shape in enumerate(shapes):
+            x, y, z = shape.center
+            yield Primitive.unchecked(
+                shape=shape.shape,
+                center=(one.x + cos * x - sin * y, one.y + sin * x + cos * y, one.z + z),
+                size=shape.size,
+                label=shape.label,
+                id=f"{AROUND}{one.id}.{number}" if number else f"{AROUND}{one.id}",
+                yaw=one.yaw,
+                instance=one.instance + shape.instance_offset if one.instance else 0,
+                material=None,
+                mesh=None,
+                extinction=None,
+                open=False,
+            )
+
+
+def _share_in_sight(layout: Layout, names: Sequence[str]) -> float:
+    """The share of the lines from the sensor to the objects of a layout that its surroundings leave open."""
+    found = objects(layout)
+    groups = {name: found[name] for name in names}
+    if not groups:
+        return 1.0
+    grid = np.array([(a, b) for a in (-0.7, 0.0, 0.7) for b in (0.15, 0.5, 0.85)])
+    targets = []
+    for parts in groups.values():
+        x, y, distance, half, low, high = _silhouette(parts)
+        aside = grid[:, :1] * half * np.array([-y, x]) / distance
+        up = low + grid[:, 1] * (min(high, low + _LEVEL_SEEN) - low)
+        targets.append(np.column_stack([x + aside[:, 0], y + aside[:, 1], up]))
+    ways = np.concatenate(targets) - (0.0, 0.0, sum(_SENSOR) / 2)
+    lengths = np.linalg.norm(ways, axis=1)
+    origins = np.tile([0.0, 0.0, sum(_SENSOR) / 2], (len(ways), 1))
+    hits = Raycaster(layout).cast(origins, ways / lengths[:, None], threads=1)
+    hides = np.array([*(primitive.id.startswith(AROUND) for primitive in layout), False])
+    return round(1.0 - float(np.mean(hides[hits.primitive] & (hits.distance < lengths))), 3)

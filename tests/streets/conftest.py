@@ -1,1 +1,0 @@
-"""Puts `planned` on the path of the tests below."""
