@@ -183,7 +183,7 @@ def test_boxes_are_read_from_the_height_of_their_sensor() -> None:
     """That of --sensor, or of the sensor that a scan was written with, which lies beside its boxes."""
     box = Box("car_1", "car", 1, (9.0, 2.0, -0.9), (4.0, 2.0, 1.6), 0.5)
     write_boxes("scan.boxes.json", [box], [30])
-    draft = ["draft", "--boxes", "scan.boxes.json", "-o", "layout.json"]
+    draft = ["draft", "--boxes", "scan.boxes.json", "--surroundings", "bare", "-o", "layout.json"]
     assert cli.main([*draft, "--sensor", "small.json"]) == 0
     (read,) = Layout.load("layout.json").boxes()
     np.testing.assert_allclose(read.center, (9.0, 2.0, -0.9 + Sensor.load("small.json").mount_height))
@@ -244,7 +244,7 @@ def test_masks_and_the_camera_of_a_picture_are_read_from_files(photo: list[str])
     np.savez("masks.npz", masks=np.stack([car & (np.arange(640) < 320), car & (np.arange(640) >= 320)]))
     for number, intrinsics in enumerate((four, "calib.txt")):
         given = ["--intrinsics", intrinsics, "--masks", "masks.npz", "--no-preview", "-o", f"layout_{number}.json"]
-        assert cli.main(["draft", *photo, *given]) == 0
+        assert cli.main(["draft", *photo, *given, "--surroundings", "bare"]) == 0
     layout = Layout.load("layout_0.json")
     assert layout == Layout.load("layout_1.json")
     assert len(layout.boxes()) == 2

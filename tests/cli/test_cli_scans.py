@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lidardraft import Layout, RangeImage, Sensor, layout_from_text, observe_cast, pipeline, simulate
+from lidardraft import Layout, RangeImage, Sensor, layout_from_text, observe_cast, pipeline, simulate, surround
 from lidardraft.arranging.district import DISTRICTS
 from lidardraft.cli import main as cli
 from lidardraft.formats import kitti, semantickitti
@@ -130,7 +130,8 @@ def test_every_sentence_of_a_file_becomes_a_scan(refused: Callable[..., str]) ->
     Path("lines.txt").write_text("a car ahead\ntwo cars behind\n")
     assert cli.main(["simulate", "--text-file", "lines.txt", "--seed", "4", "-o", "out", *SMALL]) == 0
     layouts = [Layout.load(f"out/00000{k}.layout.json") for k in range(2)]
-    assert layouts == [layout_from_text("a car ahead", seed=4), layout_from_text("two cars behind", seed=5)]
+    bare = [layout_from_text("a car ahead", seed=4), layout_from_text("two cars behind", seed=5)]
+    assert layouts == [surround(layout, seed) for seed, layout in enumerate(bare, start=4)]
     assert not Path("out/000002.bin").exists()
     Path("bad.txt").write_text("\nxyzzy\n")
     assert "bad.txt, line 2: " in refused("simulate", "--text-file", "bad.txt", "-o", "new", *SMALL)
@@ -141,6 +142,7 @@ def test_every_sentence_of_a_file_becomes_a_scan(refused: Callable[..., str]) ->
 def test_bad_input_of_streets_is_one_line(refused: Callable[..., str], capsys: pytest.CaptureFixture[str]) -> None:
     assert "--speed goes with a layout" in refused(*STREET, "-o", "out", "--speed", "3")
     assert "--clutter goes with a layout" in refused(*STREET, "-o", "out", "--clutter", "0.5")
+    assert "--surroundings goes with a layout" in refused(*STREET, "-o", "out", "--surroundings", "bare")
     assert "--poses goes with --street" in refused(*SIMULATE, "--poses", "3")
     assert "--labels goes with --points" in refused(*STREET, "-o", "out", "--labels", "a.label")
     with pytest.raises(SystemExit):

@@ -151,7 +151,7 @@ def simulate(arguments: argparse.Namespace) -> None:
 
 def _street_config(arguments: argparse.Namespace, sensor: Sensor, weather: Weather, poses: int) -> StreetConfig:
     check_inputs(arguments)
-    for option in ("speed", "clutter"):
+    for option in ("speed", "clutter", "surroundings"):
         if getattr(arguments, option):
             raise FormatError(f"--{option} goes with a layout; --street decides what drives and stands there")
     shares = {name: row.share if arguments.street in (name, "any") else 0.0 for name, row in DISTRICTS.items()}
