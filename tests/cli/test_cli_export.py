@@ -12,7 +12,16 @@ from lidardraft import Layout, RangeImage, Scan, Sensor
 from lidardraft.cli import main as cli
 from lidardraft.cli.export import FORMATS
 
-DRAFT = ["simulate", "--text", "a car 10 m ahead and a bus behind", "--sensor", "small.json", "--no-picture"]
+DRAFT = [
+    "simulate",
+    "--surroundings",
+    "bare",
+    "--text",
+    "a car 10 m ahead and a bus behind",
+    "--sensor",
+    "small.json",
+    "--no-picture",
+]
 
 
 def files(folder: str) -> dict[str, bytes]:
@@ -47,7 +56,8 @@ def test_what_is_exported_is_read_as_an_input() -> None:
     for name in ("kitti", "pcd", "ply"):
         assert cli.main(["export", "scans", "--format", name, "-o", name]) == 0
     labels = "kitti/training/label_2/000000.txt"
-    assert cli.main(["draft", "--boxes", labels, "--sensor", "small.json", "-o", "a.json", "--no-preview"]) == 0
+    draft = ["draft", "--surroundings", "bare", "--boxes", labels, "--sensor", "small.json", "--no-preview"]
+    assert cli.main([*draft, "-o", "a.json"]) == 0
     layout, seen = Layout.load("scans/000000.layout.json"), Scan.load("scans/000000").frame().seen()
     boxes = [next(box for box in layout.boxes() if box.id == each.box.id) for each in seen]
     for found, box in zip(Layout.load("a.json").boxes(), boxes, strict=True):
