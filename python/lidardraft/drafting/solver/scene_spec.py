@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, cast
 
+from lidardraft.arranging.district import SETTINGS
 from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS, SentenceKind
 from lidardraft.errors import LayoutError, one_of
 from lidardraft.files import named
@@ -32,10 +33,7 @@ HEADINGS = (
 LANES = ("own", "left", "middle", "right", "opposite", "each")
 EGO_LANES = ("left", "middle", "right")
 RELATIONS = ("behind", "in-front-of", "beside", "left-of", "right-of", "between", "opposite", "near")
-DISTRICTS = (
-    *("residential", "urban", "avenue", "retail", "country", "motorway"),
-    *("alley", "village", "industrial", "forest", "school", "roadworks"),
-)
+DISTRICTS = tuple(SETTINGS)
 ACTIVITIES = ("empty", "quiet", "busy")
 MAX_COUNT = 5000
 MAX_LANES = 6  # in one direction
