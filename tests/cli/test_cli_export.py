@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -34,7 +35,7 @@ def test_every_format_by_a_command(capsys: pytest.CaptureFixture[str]) -> None:
         assert cli.main(["export", "scans", "scans", "--format", name, "-o", f"sets/{name}"]) == 0
         assert capsys.readouterr().out.endswith(f"sets/{name}: 4 scans as {name}\n")
         assert cli.main(["export", "scans", "scans", "--format", name, "-o", "again"]) == 0
-        if name != "webdataset":
+        if name != "mcap":
             assert files("again") == files(f"sets/{name}")
         shutil.rmtree("again")
     assert sorted(os.listdir("sets")) == sorted(FORMATS)
@@ -91,3 +92,13 @@ def test_bad_exports_are_one_line(refused: Callable[..., str], capsys: pytest.Ca
     said = refused("export", "empty", "--format", "kitti", "-o", "full")
     assert "full is there already; write to a new or empty folder" in said
     assert "small.json/out cannot be written" in refused("export", "empty", "--format", "kitti", "-o", "small.json/out")
+
+
+@pytest.mark.parametrize(("name", "library"), [("laz", "laspy"), ("mcap", "foxglove")])
+def test_a_library_that_is_missing_is_named(
+    name: str, library: str, refused: Callable[..., str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert cli.main([*DRAFT, "-o", "scans"]) == 0
+    monkeypatch.setitem(sys.modules, library, None)
+    said = refused("export", "scans", "--format", name, "-o", "out")
+    assert f"{library} is not installed; run: pip install 'lidardraft[export]'" in said

@@ -13,11 +13,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.spatial.transform import Rotation
 
 from lidardraft import Layout, Primitive, Sensor, Simulator
 from lidardraft.errors import FormatError
 from lidardraft.formats.frame import Frame
 from lidardraft.formats.kitti_object import read_label_2, write_kitti_object
+from lidardraft.formats.las import write_laz
+from lidardraft.formats.mcap import write_mcap
 from lidardraft.formats.mmdet3d import CATEGORIES, write_mmdet3d
 from lidardraft.formats.nuscenes import read_pcd_bin
 from lidardraft.formats.nuscenes_tables import CATEGORY_OF_CLASS, write_nuscenes
@@ -38,6 +41,8 @@ WRITERS = [
     write_mmdet3d,
     write_pcd_folder,
     write_ply_folder,
+    write_laz,
+    write_mcap,
     write_webdataset,
 ]
 Boxes = list[tuple[str, np.ndarray, np.ndarray, float]]  # class, centre, length width height, yaw
@@ -293,6 +298,61 @@ def test_ply_by_trimesh(frames: list[Frame], tmp_path: Path) -> None:
         vertices = trimesh.load(tmp_path / f"out/{k:06d}.ply").metadata["_ply_raw"]["vertex"]["data"]
         same_fields(frame, vertices.__getitem__)
         same_fields(frame, read_ply(tmp_path / f"out/{k:06d}.ply").__getitem__)
+
+
+def test_laz_by_laspy(frames: list[Frame], tmp_path: Path) -> None:
+    laspy = pytest.importorskip("laspy")
+    write_laz(tmp_path / "out", [frames])
+    for k, frame in enumerate(frames):
+        cloud = laspy.read(tmp_path / f"out/{k:06d}.laz")
+        np.testing.assert_allclose(cloud.xyz, frame.points, atol=0.0006)
+        np.testing.assert_allclose(cloud.intensity / 65535, frame.intensity, atol=1e-5)
+        for name, values in (("ring", frame.ring), ("label", frame.label), ("instance", frame.instance)):
+            np.testing.assert_array_equal(cloud[name], values)
+        np.testing.assert_array_equal(cloud.gps_time, frame.time)
+        asprs = {1: 11, 4: 68, 13: 77}  # roads; walls and cars, which it does not have
+        for label, code in asprs.items():
+            assert set(np.array(cloud.classification)[frame.label == label]) == {code}
+
+
+def matrix(place: object, turn: object) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, :3] = Rotation.from_quat([getattr(turn, axis) for axis in "xyzw"]).as_matrix()
+    pose[:3, 3] = [getattr(place, axis) for axis in "xyz"]
+    return pose
+
+
+def test_mcap_by_its_reader(frames: list[Frame], tmp_path: Path) -> None:
+    reader = pytest.importorskip("mcap.reader")
+    decoder = pytest.importorskip("mcap_protobuf.decoder")
+    write_mcap(tmp_path / "out", [frames])
+    with (tmp_path / "out/000000.mcap").open("rb") as file:
+        found = list(reader.make_reader(file, decoder_factories=[decoder.DecoderFactory()]).iter_decoded_messages())
+    schemas = {channel.topic: schema.name for schema, channel, *_ in found}
+    named = {"/lidar": "PointCloud", "/boxes": "SceneUpdate", "/tf": "FrameTransforms"}
+    assert schemas == {topic: f"foxglove.{name}" for topic, name in named.items()}
+    for k, frame in enumerate(frames):
+        said = {channel.topic: (message.log_time, decoded) for _, channel, message, decoded in found[3 * k : 3 * k + 3]}
+        assert {time for time, _ in said.values()} == {1_600_000_000_000_000_000 + k * 100_000_000}
+        cloud, (to_base, to_lidar) = said["/lidar"][1], said["/tf"][1].transforms
+        kinds = {1: "u1", 3: "<u2", 5: "<u4", 7: "<f4"}  # PackedElementField.NumericType
+        names, formats = [field.name for field in cloud.fields], [kinds[field.type] for field in cloud.fields]
+        offsets = [field.offset for field in cloud.fields]
+        layout = {"names": names, "formats": formats, "offsets": offsets, "itemsize": cloud.point_stride}
+        same_fields(frame, np.frombuffer(cloud.data, np.dtype(layout)).__getitem__)
+        chain = [(each.parent_frame_id, each.child_frame_id) for each in (to_base, to_lidar)]
+        assert chain == [("map", "base_link"), ("base_link", cloud.frame_id)]
+        pose = matrix(to_base.translation, to_base.rotation) @ matrix(to_lidar.translation, to_lidar.rotation)
+        np.testing.assert_allclose(pose, frame.pose, atol=1e-9)
+        for entity, each in zip(said["/boxes"][1].entities, frame.annotations, strict=True):
+            assert (entity.id, entity.frame_id) == (each.box.id, "lidar")
+            (cube,) = entity.cubes
+            corners = each.box.corners() - each.box.center
+            turned = matrix(cube.pose.position, cube.pose.orientation)
+            unit = np.sign(replace(each.box, yaw=0.0).corners() - each.box.center) / 2
+            size = np.array([cube.size.x, cube.size.y, cube.size.z])
+            np.testing.assert_allclose((unit * size) @ turned[:3, :3].T, corners, atol=1e-9)
+            np.testing.assert_allclose(turned[:3, 3], each.box.center)
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # it leaves its files open

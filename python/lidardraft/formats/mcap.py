@@ -1,0 +1,124 @@
+"""MCAP files with Foxglove's messages: clouds on /lidar, boxes on /boxes, transforms on /tf.
+
+Frames are `map`, `base_link`, the vehicle on the road, and `lidar`. A file is a drive.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from lidardraft.errors import FormatError, extra
+from lidardraft.files import new_folder
+from lidardraft.formats.frame import NO_SCANS, Annotation, Drives, Frame, point_records
+from lidardraft.scene.pose import upright
+from lidardraft.semantics import BY_NAME
+
+_START = 1_600_000_000_000_000_000  # ns, the first frame's time
+_TYPES = {"f4": "Float32", "u1": "Uint8", "u2": "Uint16", "u4": "Uint32"}
+
+
+def write_mcap(output: str | os.PathLike[str], drives: Drives) -> None:
+    """Write 000000.mcap and so on, one for each drive. Raises `FormatError` where `output` is there already or cannot
+    be written, `MissingExtraError` where foxglove-sdk is not installed."""
+    with extra("export"):
+        import foxglove
+    with new_folder(output) as folder:
+        for number, drive in enumerate(drives):
+            context = foxglove.Context()
+            with foxglove.open_mcap(folder / f"{number:06d}.mcap", context=context):
+                _log_drive(drive, context)
+        if not any(folder.iterdir()):
+            raise FormatError(NO_SCANS)
+
+
+def _log_drive(drive: Iterable[Frame], context: Any) -> None:
+    from foxglove import channels
+    from foxglove.messages import FrameTransforms
+
+    clouds = channels.PointCloudChannel("/lidar", context=context)
+    boxes = channels.SceneUpdateChannel("/boxes", context=context)
+    transforms = channels.FrameTransformsChannel("/tf", context=context)
+    at = _START
+    for frame in drive:
+        mount = upright((0.0, 0.0, frame.sensor.mount_height), 0.0)
+        poses = (("map", "base_link", frame.world_from_ego()), ("base_link", "lidar", mount))
+        transforms.log(FrameTransforms(transforms=[_transform(at, *pose) for pose in poses]), log_time=at)
+        clouds.log(_cloud(at, frame), log_time=at)
+        boxes.log(_scene(at, frame), log_time=at)
+        at += max(1, round(1e9 * frame.sensor.sweep_time))
+    if at == _START:
+        raise FormatError(NO_SCANS)
+
+
+def _cloud(at: int, frame: Frame) -> Any:
+    from foxglove.messages import PackedElementField, PackedElementFieldNumericType, PointCloud
+
+    records = point_records(frame)
+    fields = [
+        PackedElementField(name=name, offset=offset, type=getattr(PackedElementFieldNumericType, _TYPES[kind.str[1:]]))
+        for name, (kind, offset, *_) in (records.dtype.fields or {}).items()
+    ]
+    return PointCloud(
+        timestamp=_stamp(at),
+        frame_id="lidar",
+        pose=_pose(np.eye(4)),
+        point_stride=records.dtype.itemsize,
+        fields=fields,
+        data=records.tobytes(),
+    )
+
+
+def _scene(at: int, frame: Frame) -> Any:
+    from foxglove.messages import SceneEntityDeletion, SceneEntityDeletionType, SceneUpdate
+
+    gone = SceneEntityDeletion(timestamp=_stamp(at), type=SceneEntityDeletionType.All)
+    return SceneUpdate(deletions=[gone], entities=[_entity(at, annotation) for annotation in frame.annotations])
+
+
+def _entity(at: int, annotation: Annotation) -> Any:
+    from foxglove.messages import Color, CubePrimitive, KeyValuePair, SceneEntity, Vector3
+
+    box = annotation.box
+    red, green, blue = (value / 255 for value in BY_NAME[box.label].colour)
+    length, width, height = box.size
+    pose, size = _pose(upright(box.center, box.yaw)), Vector3(x=length, y=width, z=height)
+    words = {"label": box.label, "num_points": str(annotation.num_points)}
+    return SceneEntity(
+        timestamp=_stamp(at),
+        frame_id="lidar",
+        id=box.id,
+        metadata=[KeyValuePair(key=key, value=value) for key, value in words.items()],
+        cubes=[CubePrimitive(pose=pose, size=size, color=Color(r=red, g=green, b=blue, a=0.5))],
+    )
+
+
+def _transform(at: int, parent: str, child: str, pose: np.ndarray) -> Any:
+    from foxglove.messages import FrameTransform, Quaternion, Vector3
+
+    x, y, z, w = Rotation.from_matrix(pose[:3, :3]).as_quat().tolist()
+    return FrameTransform(
+        timestamp=_stamp(at),
+        parent_frame_id=parent,
+        child_frame_id=child,
+        translation=Vector3(**dict(zip("xyz", pose[:3, 3].tolist(), strict=True))),
+        rotation=Quaternion(x=x, y=y, z=z, w=w),
+    )
+
+
+def _pose(pose: np.ndarray) -> Any:
+    from foxglove.messages import Pose, Quaternion, Vector3
+
+    x, y, z, w = Rotation.from_matrix(pose[:3, :3]).as_quat().tolist()
+    position = Vector3(**dict(zip("xyz", pose[:3, 3].tolist(), strict=True)))
+    return Pose(position=position, orientation=Quaternion(x=x, y=y, z=z, w=w))
+
+
+def _stamp(at: int) -> Any:
+    from foxglove.messages import Timestamp
+
+    return Timestamp(sec=at // 10**9, nsec=at % 10**9)
