@@ -181,6 +181,14 @@ def test_any_spec_keeps_what_it_asks_for(road, kinds, counts, places, absent, di
     assert faults(bare, whole) == []
 
 
+@pytest.mark.parametrize("kind", ["garden", "bench", "hedge"])
+def test_what_lies_along_the_road_is_not_fenced_off(kind: str) -> None:
+    spec = SceneSpec(groups=(ObjectGroup(kind=kind, places=("left",)),))
+    for seed in range(12):
+        bare = layout_from_spec(spec, seed=seed)
+        assert faults(bare, surround(bare, seed)) == []
+
+
 def test_the_street_is_a_function_of_layout_and_seed_and_goes_in_one_line() -> None:
     bare = layout_from_text("two cars ahead", seed=1)
     whole = surround(bare, seed=4)

@@ -22,7 +22,7 @@ from lidardraft.errors import LayoutError, check_type
 from lidardraft.objects.kinds import KINDS, kind_of
 from lidardraft.objects.mesh import quads
 from lidardraft.objects.placed_object import PlacedObject
-from lidardraft.scene.check import EGO_SIZE, VEHICLE_LABELS, LayoutGround, objects
+from lidardraft.scene.check import EGO_SIZE, SIZE_RANGES, VEHICLE_LABELS, LayoutGround, objects
 from lidardraft.scene.layout import AROUND, MOST_PRIMITIVES, Layout, Primitive
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.road import KERB_HEIGHT, Road
@@ -184,10 +184,9 @@ class _Scene:
         nearest = sorted(self.watched.values(), key=lambda parts: math.dist(parts[0].center[:2], eye))
         for parts in nearest[:_MOST_SIGHTS]:
             x, y, distance, half, low, high = _silhouette(parts, eye)
-            heading, end = math.atan2(y - eye[1], x - eye[0]), distance - half
-            begin = _SIGHT_BEGINS
-            while begin < end:
-                stop = min(begin + _SIGHT_PIECE, end)
+            heading, begin = math.atan2(y - eye[1], x - eye[0]), _SIGHT_BEGINS
+            while begin < distance:
+                stop = min(begin + _SIGHT_PIECE, distance)
                 near, far = begin / distance, stop / distance
                 bottom = min(_SENSOR[0] * (1 - share) + low * share for share in (near, far))
                 top = max(_SENSOR[1] * (1 - share) + high * share for share in (near, far))
@@ -214,9 +213,11 @@ class _Scene:
             yield box_space(x, y, yaw, (_BEYOND, 2 * self.road.verge), -_HIGH, _HIGH)
 
     def standing(self, objects: Sequence[PlacedObject]) -> list[PlacedObject]:
-        """The objects that sensors reach; on the ground that a drawn layout has, which need not be alike on both sides
-        of its road."""
+        """The objects that sensors reach, but vans longer than `scene.check` takes a car for; in a drawn layout on its
+        ground, which need not be alike on both sides of the road."""
         objects = [one for one in objects if math.dist((one.x, one.y), self.ego[:2]) < _REACH]
+        longest = SIZE_RANGES["car"][1][0]
+        objects = [one for one in objects if "car" not in kind_of(one.kind).labels or one.size[0] < longest]
         if self.ends is None:
             return objects
         ground = LayoutGround(self.given)
