@@ -61,6 +61,23 @@ def test_near_points_hide_far_ones(order: int) -> None:
     assert not (picture == (0, 255, 0)).all(axis=2).any()
 
 
+def test_points_at_the_edge_do_not_come_back_on_the_other_side() -> None:
+    eye = view.BEHIND
+    rays = eye.rays()[1].reshape(eye.height, eye.width, 3)[:, -8:].reshape(-1, 3)  # of the columns on the right
+    picture = view.render_points(eye.pose[:3, 3] + 5 * rays, np.full((len(rays), 3), 255, np.uint8), eye)
+    _, columns = np.nonzero((picture == 255).all(axis=2))
+    assert len(columns) > 100
+    assert columns.min() >= eye.width - 8
+
+
+def test_an_eye_shows_what_was_asked_for_and_not_what_stands_around_it() -> None:
+    far = Primitive(shape="box", center=(-20, 15, 1), size=(4, 2, 2), label="car", id="around/car_1", instance=2)
+    scan = raycast(Layout((CAR, far, ROAD)), SENSOR)
+    points, boxes = view.points_on_road(scan), Layout((CAR, far)).boxes()
+    alone, both = (view.render_returns(scan, points, boxes=some)[:560, :980] for some in (boxes[:1], boxes))
+    assert (alone == both).all(axis=2).mean() > 0.99  # from the same place
+
+
 def test_boxes_with_returns_are_drawn_around_them() -> None:
     scan = raycast(Layout((CAR, ROAD)), SENSOR)
     hidden = Primitive(shape="box", center=(18, 0, 0.75), size=(4, 2, 0.5), label="bus", id="bus_1", instance=2)

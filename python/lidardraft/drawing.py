@@ -125,17 +125,17 @@ class Drawing:
 
     def points(self, points: np.ndarray, colours: np.ndarray) -> None:
         """Points [N, 3] in their colours uint8 [N, 3], the nearest over the others and larger."""
-        eye = self.eye
+        eye, most = self.eye, _MOST * self.line
         column, row, ahead = eye.seen(points)
-        inside = (ahead > _NEAR) & (column >= 0) & (column < eye.width) & (row >= 0) & (row < eye.height)
-        kept = np.flatnonzero(inside)
+        inside = (column >= 0) & (column <= eye.width - most) & (row >= 0) & (row <= eye.height - most)
+        kept = np.flatnonzero(inside & (ahead > _NEAR))
         if not len(kept):
             return
         depth = ahead[kept]
         # the furthest are written first; sixteen bits are sorted ten times as fast as floats
         step = max(float(np.ptp(depth)), 1e-3) / 65535
         kept = kept[np.argsort(((depth.max() - depth) / step).astype(np.uint16), kind="stable")]
-        wide = np.clip(eye.focal * _POINT / ahead[kept], _LEAST * self.line, _MOST * self.line).astype(np.int64)
+        wide = np.clip(eye.focal * _POINT / ahead[kept], _LEAST * self.line, most).astype(np.int64)
         pixel = row[kept].astype(np.int64) * eye.width + column[kept].astype(np.int64)
         # a pixel is one number of four bytes: three bytes each take three times as long
         opaque = np.full((len(kept), 4), 255, dtype=np.uint8)
@@ -144,8 +144,7 @@ class Drawing:
         for size in range(int(wide.min()), int(wide.max()) + 1):  # those that are large are near
             some = wide == size
             for down, right in itertools.product(range(size), repeat=2):
-                at = pixel[some] + (down * eye.width + right)
-                flat[np.minimum(at, len(flat) - 1)] = colour[some]
+                flat[pixel[some] + (down * eye.width + right)] = colour[some]
         self._canvas.frombytes(flat.view(np.uint8).data)
 
     def boxes(self, boxes: Sequence[Box], colours: Sequence[Colour]) -> None:

@@ -195,8 +195,11 @@ def _drawn(eye: Eye, points: np.ndarray, colours: np.ndarray, boxes: Sequence[Bo
 
 def _with_returns(boxes: Sequence[Box], image: RangeImage) -> list[Box]:
     """Those boxes of objects that more than a stray return came from."""
-    counts = np.bincount(image.instance[image.valid], minlength=1)
-    return [box for box in boxes if box.instance < len(counts) and counts[box.instance] >= _SEEN]
+    if not boxes:
+        return []
+    instances, counts = np.unique(image.instance[image.valid], return_counts=True)
+    seen = set(instances[counts >= _SEEN].tolist())
+    return [box for box in boxes if box.instance in seen]
 
 
 def _eyes(boxes: Sequence[Box], height: int) -> tuple[Eye, Eye]:
@@ -209,8 +212,9 @@ def _eyes(boxes: Sequence[Box], height: int) -> tuple[Eye, Eye]:
 
 
 def _shown(boxes: Sequence[Box]) -> np.ndarray:
-    """The corners [N, 3] of the boxes that are to be seen: the nearest ones."""
-    near = sorted(boxes, key=lambda box: math.hypot(*box.center[:2]))[:_SHOWN]
+    """The corners [N, 3] of the boxes that are to be seen: the nearest ones, of what was asked for if there is any."""
+    asked = [box for box in boxes if not box.id.startswith("around/")] or boxes
+    near = sorted(asked, key=lambda box: math.hypot(*box.center[:2]))[:_SHOWN]
     near = [box for number, box in enumerate(near) if not number or math.hypot(*box.center[:2]) < _SHOWN_WITHIN]
     return corners_of(near).reshape(-1, 3)
 

@@ -41,9 +41,9 @@ def add_jobs(parser: Options) -> None:
     parser.add_argument("--jobs", type=whole_number(1), metavar="N", help=text)
 
 
-def jobs_of(arguments: argparse.Namespace, num: int) -> int:
-    """How many processes make `num` scans."""
-    return min(arguments.jobs or (cores() if num >= _MANY else 1), num)
+def jobs_of(arguments: argparse.Namespace, num: int, run: int = 1) -> int:
+    """How many processes make `num` scans, each of them `run` in a row."""
+    return min(arguments.jobs or (cores() if num >= _MANY else 1), -(-num // run))
 
 
 def cores() -> int:

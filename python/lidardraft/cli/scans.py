@@ -140,7 +140,7 @@ def simulate(arguments: argparse.Namespace) -> None:
         folder = ScanFolder(output, pictures, make, Scan.save, layouts.notes)
     else:
         num, poses = arguments.num or 1, arguments.poses or _POSES
-        jobs = jobs_of(arguments, -(-num // poses) if arguments.jobs else num)
+        jobs = jobs_of(arguments, num, poses)
         config = _street_config(arguments, sensor, weather, poses)
         folder = ScanFolder(output, pictures, StreetScans(arguments.seed, config, 1 if jobs > 1 else None), Scan.save)
     with progress(num, "scan") as bar:
