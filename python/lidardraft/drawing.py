@@ -24,7 +24,7 @@ _USUAL = 560
 _SKY = 1000.0  # m, the height of an eye that looks straight down
 _PITCHES = (32.0, 42.0)  # degrees down
 # Degrees around what it looks at, the best liked first: behind the ego vehicle and a little to the side.
-_BEARINGS = (195.0, 165.0, 180.0, 220.0, 140.0, 250.0, 110.0, 15.0, -15.0)
+_BEARINGS = (190.0, 170.0, 215.0, 145.0, 250.0, 110.0, 15.0, -15.0)
 _NEAREST, _FURTHEST = 17.0, 46.0  # m from what it looks at
 _FOCAL = 1.15  # times the height of the picture
 _MARGIN = 0.85  # of half the picture, which what is shown may fill
