@@ -87,7 +87,8 @@ class Eye:
 
     def seen(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Column, row and distance ahead [m] of points [N, 3]; the first two mean something where that is positive."""
-        ahead, left, up = self.pose[:3, :3].T @ (points - self.pose[:3, 3]).T
+        pose = self.pose.astype(points.dtype)
+        ahead, left, up = pose[:3, :3].T @ (points - pose[:3, 3]).T
         scale = self.focal / np.maximum(ahead, _NEAR)
         return self.width / 2 - left * scale, self.height / 2 - up * scale, ahead
 
@@ -99,16 +100,18 @@ class Drawing:
     def __init__(self, eye: Eye, rings: Iterable[int] = (10, 20, 30, 40, 50, 60)) -> None:
         self.eye, self.line = eye, max(1, round(eye.height / _USUAL))
         share = np.linspace(0.0, 1.0, eye.height)[:, None] ** 0.7
-        rows = np.full((eye.height, 4), 255, dtype=np.uint8)
-        rows[:, :3] = np.rint(np.array(_TOP) * (1 - share) + np.array(_BOTTOM) * share)
-        self._canvas = Image.fromarray(np.repeat(rows[:, None], eye.width, axis=1))
-        self._pen = ImageDraw.Draw(self._canvas)
+        self._pixels = np.full((eye.height, eye.width, 4), 255, dtype=np.uint8)
+        self._pixels[..., :3] = np.rint(np.array(_TOP) * (1 - share) + np.array(_BOTTOM) * share)[:, None]
+        # Points are written into the memory that the pen draws on: copies would take as long as the points.
+        canvas = Image.frombuffer("RGBA", (eye.width, eye.height), self._pixels, "raw", "RGBA", 0, 1)
+        canvas.readonly = 0
+        self._pen = ImageDraw.Draw(canvas)
         for radius in rings:
             self._ring(radius)
 
     def picture(self) -> np.ndarray:
         """uint8 [H, W, 3]."""
-        return np.asarray(self._canvas)[..., :3]
+        return self._pixels[..., :3]
 
     def _ring(self, radius: int) -> None:
         eye, angle = self.eye, np.linspace(0.0, math.tau, 121)
@@ -118,10 +121,11 @@ class Drawing:
             places = np.roll(places[:-1], -int(behind[-1]) - 1, axis=0)
             places = places[places[:, 2] > _NEAR]
         self._pen.line(places[:, :2].ravel().tolist(), fill=_RING, width=self.line)
-        inside = (places[:, :2] > 0) & (places[:, :2] < (eye.width - 44 * self.line, eye.height - 20))
-        if inside.all(axis=1).any():  # its name stands on the right, and so high that names do not touch
-            column, row, _ = max(places[inside.all(axis=1)].tolist(), key=lambda place: place[0] - place[1] / 2)
-            self.text((column + 4, row), f"{radius} m", 12 * self.line, _RING_NAME)
+        column, row, _ = places.T
+        inside = (column > 0) & (column < eye.width - 44 * self.line) & (row > 0) & (row < eye.height - 20)
+        if inside.any():  # its name stands on the right, and so high that names do not touch
+            best = np.argmax(np.where(inside, column - row / 2, -math.inf))
+            self.text((float(column[best]) + 4, float(row[best])), f"{radius} m", 12 * self.line, _RING_NAME)
 
     def points(self, points: np.ndarray, colours: np.ndarray) -> None:
         """Points [N, 3] in their colours uint8 [N, 3], the nearest over the others and larger."""
@@ -140,12 +144,11 @@ class Drawing:
         # a pixel is one number of four bytes: three bytes each take three times as long
         opaque = np.full((len(kept), 4), 255, dtype=np.uint8)
         opaque[:, :3] = colours[kept]
-        colour, flat = opaque.view(np.uint32)[:, 0], np.array(self._canvas).view(np.uint32).reshape(-1)
+        colour, flat = opaque.view(np.uint32)[:, 0], self._pixels.view(np.uint32).reshape(-1)
         for size in range(int(wide.min()), int(wide.max()) + 1):  # those that are large are near
             some = wide == size
             for down, right in itertools.product(range(size), repeat=2):
                 flat[pixel[some] + (down * eye.width + right)] = colour[some]
-        self._canvas.frombytes(flat.view(np.uint8).data)
 
     def boxes(self, boxes: Sequence[Box], colours: Sequence[Colour]) -> None:
         """The edges of boxes, and a line on the ground from the middle of each to where it looks."""

@@ -165,7 +165,7 @@ def render_returns(
     uint8 [1.4 height, 2.5 height, 3]. The legend says what the colours are (`colour_returns`); rings are 10 m
     apart.
     """
-    boxes = _with_returns(boxes, image)
+    boxes, points = _with_returns(boxes, image), points.astype(np.float32)  # half as much memory to go through
     colours = colour_returns(image, points[:, 2], by_label=by_label)
     view, above = (_drawn(eye, points, colours, boxes) for eye in _eyes(boxes, height))
     _describe(view, image, boxes, title, by_label)
