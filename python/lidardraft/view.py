@@ -17,7 +17,7 @@ from PIL import Image, ImageDraw
 from lidardraft.drawing import Colour, Drawing, Eye, corners_of, font
 from lidardraft.files import written_whole
 from lidardraft.scene.box import Box
-from lidardraft.scene.layout import Layout
+from lidardraft.scene.layout import AROUND, Layout
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import Hits, Raycaster, raycast
 from lidardraft.scene.sensor import Sensor
@@ -213,7 +213,7 @@ def _eyes(boxes: Sequence[Box], height: int) -> tuple[Eye, Eye]:
 
 def _shown(boxes: Sequence[Box]) -> np.ndarray:
     """The corners [N, 3] of the boxes that are to be seen: the nearest ones, of what was asked for if there is any."""
-    asked = [box for box in boxes if not box.id.startswith("around/")] or boxes
+    asked = [box for box in boxes if not box.id.startswith(AROUND)] or boxes
     near = sorted(asked, key=lambda box: math.hypot(*box.center[:2]))[:_SHOWN]
     near = [box for number, box in enumerate(near) if not number or math.hypot(*box.center[:2]) < _SHOWN_WITHIN]
     return corners_of(near).reshape(-1, 3)
