@@ -32,7 +32,7 @@ from lidardraft.formats.intrinsics import read_intrinsics
 from lidardraft.formats.kitti import read_bin, write_bin
 from lidardraft.formats.kitti_object import read_label_2
 from lidardraft.formats.masks import read_masks
-from lidardraft.formats.nuscenes import read_pcd_bin
+from lidardraft.formats.nuscenes import read_lidarseg, read_pcd_bin
 from lidardraft.formats.obj import write_obj
 from lidardraft.formats.pairs import Pair, read_shard, write_pairs
 from lidardraft.formats.pcd import read_pcd
@@ -148,6 +148,7 @@ def readers() -> dict[str, Reader]:
     return {
         "bin": Reader(read_bin, ".bin", _written(lambda p: write_bin(p, points, np.ones(100)), ".bin")),
         "nuscenes": Reader(read_pcd_bin, ".pcd.bin", np.ones((4, 5), "<f4").tobytes()),
+        "lidarseg": Reader(lambda path: read_lidarseg(path, 4), ".bin", bytes([24, 17, 30, 0])),
         "label": Reader(
             lambda path: read_label(path, 4),
             ".label",

@@ -31,7 +31,7 @@ ALLOWED = {
     "networks": BASE,
     "diffusion": BASE | {"scene", "networks"},
     "metrics": BASE | {"scene"},
-    "perception": BASE | {"scene", "formats", "networks"},
+    "perception": BASE | {"scene", "formats", "metrics", "networks"},
     "simulation": BASE | {"scene", "drafting", "objects", "arranging", "formats", "scan"},
     "training": BASE
     | {"scene", "streets", "formats", "drafting", "networks", "diffusion", "metrics", "perception"}
@@ -41,9 +41,10 @@ ALLOWED = {
     "scan": BASE | {"scene", "formats", "view"},
     "pipeline": BASE | {"scene", "drafting", "networks", "diffusion", "simulation", "scan"},
     "evaluation": BASE | {"scene", "streets", "networks", "diffusion", "metrics", "simulation", "pipeline"},
+    "protocols": BASE | {"formats", "metrics", "perception"},
     "cli": BASE
     | {"scene", "formats", "drafting", "streets", "networks", "diffusion", "metrics", "view", "pipeline", "evaluation"}
-    | {"scan", "simulation", "training", "calibration", "perception", "arranging"},
+    | {"scan", "simulation", "training", "calibration", "perception", "arranging", "protocols"},
     "__main__": {"cli"},
 }
 # The rooms and modules of streets, and which others each may use.

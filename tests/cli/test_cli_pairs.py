@@ -12,6 +12,7 @@ from lidardraft import Layout, Primitive, Sensor, simulate
 from lidardraft.cli import main as cli
 from lidardraft.cli import pairs as module
 from lidardraft.formats import kitti, semantickitti
+from lidardraft.formats.datasets import RecordedFile
 from lidardraft.training.pairs import PairFolder
 
 STREETS = ["streets", "--sensor", "small.json", "--workers", "1"]
@@ -118,14 +119,28 @@ def test_a_sequence_becomes_pairs_and_a_second_call_adds_what_is_new(
         assert np.median(np.abs(pair.scan.depth - pair.simulated.depth)[both]) < 0.3
 
 
+def test_a_data_set_becomes_pairs(recordings: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("set/sequences").mkdir(parents=True)
+    recordings.rename("set/sequences/08")
+    argv = ["pairs", "--dataset", "semantickitti", "set", "--sensor", "small.json", "-o", "out"]
+    assert cli.main([*argv, "--split", "val"]) == 0
+    assert capsys.readouterr().out == "out: 3 pairs, 3 of them new\n"
+    assert cli.main([*argv, "--split", "train"]) == 2
+    assert "set: there is no sequences/NN/velodyne/*.bin of semantickitti, split train" in capsys.readouterr().err
+    assert cli.main([*argv, "--split", "vall"]) == 2
+    assert "split is 'vall'; of semantickitti it must be one of train, val, all" in capsys.readouterr().err
+    assert cli.main(["pairs", "--dataset", "kitti", "set", "set", "-o", "out"]) == 2
+    assert "--dataset takes one folder, that of kitti; there are 2" in capsys.readouterr().err
+
+
 @pytest.mark.usefixtures("recordings")
 def test_an_interrupted_call_goes_on(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     from lidardraft.formats import pairs as disk
 
     whole = module._pair
 
-    def interrupted(arguments: object, file: Path, *rest: object, **named: object) -> object:
-        if file.stem == "000002":
+    def interrupted(arguments: object, file: RecordedFile, *rest: object, **named: object) -> object:
+        if file.scan.stem == "000002":
             raise KeyboardInterrupt
         return whole(arguments, file, *rest, **named)  # type: ignore[arg-type]
 

@@ -71,5 +71,5 @@ def test_mmd_is_a_mean_over_all_pairs_with_the_diagonal():
 def test_sets_without_a_score():
     with pytest.raises(LidarDraftError, match="a set of scans is empty; a score needs at least one scan on each side"):
         bev_jsd([], [scan(HERE)])
-    with pytest.raises(LidarDraftError, match=r"scan 1 has no point 3 to 70 m from the sensor"):
+    with pytest.raises(LidarDraftError, match=r"scan 1: no point lies in the top view"):
         bev_mmd([scan(HERE)], [scan(HERE), scan([1, 0, 0])])

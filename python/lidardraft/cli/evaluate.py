@@ -1,4 +1,4 @@
-"""`lidardraft evaluate`: scores of generated scans."""
+"""`lidardraft evaluate`: scores of generated scans, of unseen streets or beside recordings by a published protocol."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from lidardraft.cli.arguments import add_seed, add_sensor, add_weights, read_sensor, whole_number
 from lidardraft.cli.command import progress
+from lidardraft.cli.folder_scores import add_folder_options, evaluate_folders
 from lidardraft.scene.sensor import Sensor
 
 if TYPE_CHECKING:
@@ -34,8 +35,16 @@ _COLUMNS = {
 
 
 def evaluate(arguments: argparse.Namespace) -> None:
-    """Score generated scans of unseen streets: how well they keep to their layouts, and how much they look like
-    scans."""
+    """Score generated scans: those of weights on unseen streets, or folders of scans beside recordings by a published
+    protocol."""
+    if (arguments.table, arguments.protocol, arguments.real, arguments.generated) == (None,) * 4:
+        _evaluate_weights(arguments)
+    else:
+        evaluate_folders(arguments)
+
+
+def _evaluate_weights(arguments: argparse.Namespace) -> None:
+    """Print the scores of weights on unseen streets."""
     from lidardraft.pipeline import Pipeline
 
     sensor, num = read_sensor(arguments.sensor), arguments.num
@@ -89,6 +98,7 @@ def evaluate_options(parser: argparse.ArgumentParser) -> None:
         "all and drop are then of the given halves, and the rest is of the open ones; bare is a lawn there. untrained: "
         "the same network with random weights: what these and the rows before them reach too, training has not earned."
     )
+    add_folder_options(parser)
     add_sensor(parser)
     add_weights(parser)
     parser.add_argument(

@@ -6,7 +6,7 @@ import argparse
 import math
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -182,6 +182,26 @@ def sensor_beside(file: str | Path) -> Sensor | None:
     path = Path(file)
     path = path.with_name(f"{path.name.removesuffix(path.suffix).removesuffix('.boxes')}.sensor.json")
     return Sensor.load(path) if path.exists() else None
+
+
+def scan_files(given: Sequence[str]) -> list[Path]:
+    """The scans of files and folders; of a folder without any, those in the folders below it, as data sets have them.
+
+    Raises `FormatError` for a folder with none.
+    """
+    files = list[Path]()
+    for path in map(Path, given):
+        found = [path]
+        if path.is_dir():
+            for pattern in ("*", "**/*"):
+                found = sorted(file for file in path.glob(pattern) if file.suffix in _ENDINGS["points"])
+                found = [file for file in found if file.suffix != ".npz" or not file.with_suffix(".bin").exists()]
+                if found:
+                    break
+            else:
+                raise FormatError(f"{path}: there is no .bin, .pcd, .ply or .npz file in this folder or below it")
+        files += found
+    return files
 
 
 def _sensor_height(arguments: argparse.Namespace, file: str) -> float:

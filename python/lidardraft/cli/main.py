@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 import lidardraft
-from lidardraft.cli import evaluate, export, fit, layouts, pairs, scans, view
+from lidardraft.cli import evaluate, export, fit, layouts, pairs, profile, scans, view
 from lidardraft.cli.command import Parser, commands_of, run
 
 _FIRST = """\
@@ -45,6 +45,7 @@ def _parser() -> Parser:
     fit.fit_options(command("fit", fit.fit))
     pairs.pairs_options(command("pairs", pairs.pairs))
     evaluate.evaluate_options(command("evaluate", evaluate.evaluate))
+    profile.profile_options(command("profile", profile.profile))
     return parser
 
 

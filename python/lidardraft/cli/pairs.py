@@ -14,10 +14,11 @@ import numpy as np
 
 from lidardraft.cli.arguments import add_seed, add_sensor, check_empty, read_sensor, whole_number
 from lidardraft.cli.command import progress, say
-from lidardraft.cli.inputs import sensor_beside
+from lidardraft.cli.inputs import scan_files, sensor_beside
 from lidardraft.cli.scan_folder import cores
 from lidardraft.errors import FormatError, LidarDraftError
 from lidardraft.files import named, read_bytes
+from lidardraft.formats.datasets import SENSORS, RecordedFile, dataset_files
 from lidardraft.scene.sensor import Sensor
 from lidardraft.streets import StreetConfig
 from lidardraft.streets import streets as pairs_of_streets
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 # A network learns more from another street than from another look at one; building it takes a third of the time then.
 _POSES = 4
 _SHOWN, _LOOK = 100, 320  # streets that a picture shows at most, and rows of the view of each
-_ENDINGS = (".bin", ".pcd", ".ply", ".npz")
 _UNRELATED = 0.2  # of the beams' spacing: points that are of other beams are 0.25 off in the median
 Labeller = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
 
@@ -120,8 +120,8 @@ def pairs(arguments: argparse.Namespace) -> None:
     """Make training pairs of your recorded scans: each scan, with the cast and the simulated scan of its layout."""
     from lidardraft.formats.pairs import notes_on_disk, write_pairs
 
-    folder, files = Path(arguments.output), _scan_files(arguments.scans)
-    sensor = _recorded_by(arguments, files[0])
+    folder, files = Path(arguments.output), _recorded_files(arguments)
+    sensor = _recorded_by(arguments, files[0].scan)
     source = f"recordings, {sensor.name}"
     _check_begun(folder)
     notes = notes_on_disk(folder, sensor, source=source)
@@ -135,13 +135,13 @@ def pairs(arguments: argparse.Namespace) -> None:
         def made() -> Iterator[NotedPair]:
             for number, file in enumerate(files):
                 try:
-                    checksum = zlib.crc32(read_bytes(file))
+                    checksum = zlib.crc32(read_bytes(file.scan))
                     if checksum not in done:
                         done.add(checksum)
                         pair = _pair(arguments, file, sensor, label, arguments.seed + number, first=not number)
-                        yield pair, {"scan": str(file), "checksum": checksum}
+                        yield pair, {"scan": str(file.scan), "checksum": checksum}
                 except LidarDraftError as error:
-                    skipped.append(str(file))
+                    skipped.append(str(file.scan))
                     bar.clear()
                     say("lidardraft", f"skipped: {error}")
                 bar.update()
@@ -154,38 +154,32 @@ def pairs(arguments: argparse.Namespace) -> None:
     print(f"{folder}: {total} pairs, {total - len(notes)} of them new{left}")
 
 
+def _recorded_files(arguments: argparse.Namespace) -> list[RecordedFile]:
+    if arguments.dataset is None:
+        return [RecordedFile(file) for file in scan_files(arguments.scans)]
+    if len(arguments.scans) > 1:
+        raise FormatError(f"--dataset takes one folder, that of {arguments.dataset}; there are {len(arguments.scans)}")
+    return dataset_files(arguments.dataset, arguments.scans[0], arguments.split)
+
+
 def _pair(
-    arguments: argparse.Namespace, file: Path, sensor: Sensor, label: Labeller | None, seed: int, *, first: bool
+    arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor, label: Labeller | None, seed: int, *, first: bool
 ) -> Pair:
     from lidardraft.training.recorded_pairs import beside_beams, recorded_pair
 
     scan = _read(file, arguments.labels, sensor, label)
-    with named(file):
+    with named(file.scan):
         if first and beside_beams(scan, sensor) > _UNRELATED:
-            say("lidardraft", f"{file}: the points lie between the beams of {sensor.name} as often as on them; "
+            say("lidardraft", f"{file.scan}: the points lie between the beams of {sensor.name} as often as on them; "
                 "`lidardraft fit` makes a sensor of the scans")  # fmt: skip
         return recorded_pair(scan, sensor, seed=seed)
-
-
-def _scan_files(given: list[str]) -> list[Path]:
-    """The scans of files and folders; of a SemanticKITTI sequence, those in its velodyne/."""
-    files = list[Path]()
-    for path in map(Path, given):
-        if path.is_dir():
-            inside = path / "velodyne" if (path / "velodyne").is_dir() else path
-            found = sorted(file for file in inside.iterdir() if file.suffix in _ENDINGS)
-            found = [file for file in found if file.suffix != ".npz" or not file.with_suffix(".bin").exists()]
-            if not found:
-                raise FormatError(f"{inside}: there is no .bin, .pcd, .ply or .npz file in this folder")
-            files += found
-        else:
-            files.append(path)
-    return files
 
 
 def _recorded_by(arguments: argparse.Namespace, scan: Path) -> Sensor:
     if arguments.sensor is not None:
         return read_sensor(arguments.sensor)
+    if arguments.dataset is not None:
+        return Sensor.preset(SENSORS[arguments.dataset])
     sensor = sensor_beside(scan)
     if sensor is None:
         raise FormatError("--sensor is needed: a preset, or the file that `lidardraft fit` makes of these scans")
@@ -201,37 +195,43 @@ def _labeller(weights: str | None) -> Labeller | None:
     return weight_file.load(weights, Segmenter).eval().label_points
 
 
-def _read(file: Path, labels: str | None, sensor: Sensor, label: Labeller | None) -> RecordedScan:
-    """A scan with its classes: those of --labels, of the file or of one beside it, or those of the segmenter."""
+def _read(file: RecordedFile, labels: str | None, sensor: Sensor, label: Labeller | None) -> RecordedScan:
+    """A scan with its classes: those of --labels, of the file, of one beside it or of the data set, or those of the
+    segmenter; what is in boxes has theirs."""
     from lidardraft.formats.recording import read_points, returns
     from lidardraft.formats.semantickitti import read_label
     from lidardraft.training.recorded_pairs import RecordedScan
 
-    points, fields = read_points(file)
+    scan = file.scan
+    points, fields = read_points(scan)
     if labels is not None:
-        path = Path(labels) / f"{file.stem}.label" if Path(labels).is_dir() else Path(labels)
+        path = Path(labels) / f"{scan.stem}.label" if Path(labels).is_dir() else Path(labels)
         fields |= dict(zip(("label", "instance"), read_label(path, len(points)), strict=True))
-    with named(file):
+    elif (of_points := file.labels(len(points))) is not None:
+        fields["label"] = of_points
+    with named(scan):
         points, fields = returns(points, fields)
         if "intensity" not in fields:
             raise FormatError("there are no intensities, which the generator learns too")
         if "label" not in fields:
             if label is None:
-                raise FormatError(f"there are no labels: no {file.stem}.label beside it, no --labels, no --segmenter")
+                raise FormatError(f"there are no labels: no {scan.stem}.label beside it, no --labels, no --segmenter")
             fields["label"] = label(points, fields["intensity"], sensor.mount_height)
-        instance = fields.get("instance")
-        return RecordedScan(
-            points=points,
-            intensity=fields["intensity"],
-            label=fields["label"].astype(np.uint8),
-            instance=None if instance is None else instance.astype(np.uint32),
-        )
+    classes = fields["label"].astype(np.uint8)
+    instance = fields["instance"].astype(np.uint32) if "instance" in fields else None
+    if file.boxes is not None:
+        instance = np.zeros(len(points), dtype=np.uint32) if instance is None else instance
+        file.mark_boxes(points, classes, instance)
+    return RecordedScan(points=points, intensity=fields["intensity"], label=classes, instance=instance)
 
 
 def pairs_options(parser: argparse.ArgumentParser) -> None:
     """The options of `pairs`."""
-    text = "recorded scans: KITTI .bin, nuScenes .pcd.bin, .pcd, .npz, or folders of them"
+    text = "recorded scans: KITTI .bin, nuScenes .pcd.bin, .pcd, .npz, or folders of them; the folder of --dataset"
     parser.add_argument("scans", nargs="+", metavar="SCAN", help=text)
+    text = "a whole data set, with its labels or boxes and its sensor; kitti, which has boxes alone, takes --segmenter"
+    parser.add_argument("--dataset", choices=SENSORS, help=text)
+    parser.add_argument("--split", default="all", metavar="NAME", help="of semantickitti: train, val or all (default)")
     text = (
         "SemanticKITTI labels of the scan, or the folder of NAME.label of all (default: beside them, or in ../labels)"
     )

@@ -1,4 +1,5 @@
-"""nuScenes sweeps: .pcd.bin files of float32 x y z intensity ring (Caesar et al., CVPR 2020).
+"""nuScenes: sweeps, .pcd.bin files of float32 x y z intensity ring (Caesar et al., CVPR 2020), labels of lidarseg
+(Fong et al., RA-L 2022), and the tables that say which belong together.
 
 Their frame has x to the right, y ahead and z up; intensities are 0 to 255, and ring 0 is the lowest laser.
 """
@@ -6,14 +7,25 @@ Their frame has x to the right, y ahead and z up; intensities are 0 to 255, and 
 from __future__ import annotations
 
 import os
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import read_bytes, written_whole
+from lidardraft.files import MAX_BYTES, named, read_bytes, read_text, written_whole
+from lidardraft.json_fields import parse_list
+from lidardraft.semantics import BY_NAME
 
 _POINT_BYTES = 20
 _MOST_RINGS = 512
+# Our class of each number of lidarseg, 0 to 31.
+_LIDARSEG = (
+    *("none", "other", "person", "person", "person", "person", "person", "person", "person"),  # noise; animal; people
+    *("fence", "other", "other", "other", "other"),  # barrier; debris, pushable, cone, bicycle rack
+    *("bicycle", "bus", "bus", "car", "truck", "car", "car", "motorcycle", "truck", "truck"),
+    *("road", "terrain", "sidewalk", "terrain", "building", "other", "vegetation", "none"),  # the last: the vehicle
+)
 
 
 def read_pcd_bin(path: str | os.PathLike[str]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -41,6 +53,46 @@ def write_pcd_bin(path: str | os.PathLike[str], points: np.ndarray, intensity: n
     _check(os.fspath(path), sweep)
     with written_whole(path) as temporary:
         temporary.write_bytes(sweep.tobytes())
+
+
+def read_lidarseg(path: str | os.PathLike[str], count: int) -> np.ndarray:
+    """Class ids u8 [count] of `semantics.CLASSES`; raises `FormatError` where the file is not of `count` labels.
+
+    Lost: what is man-made is building, wheelchairs and strollers are persons."""
+    raw = np.frombuffer(read_bytes(path), dtype=np.uint8)
+    if len(raw) != count:
+        raise FormatError(f"{os.fspath(path)} has {len(raw)} labels; the sweep has {count} points")
+    if raw.max(initial=0) >= len(_LIDARSEG):
+        raise FormatError(f"{os.fspath(path)} has class {raw.max()}; lidarseg has 0 to {len(_LIDARSEG) - 1}")
+    return np.array([BY_NAME[name].id for name in _LIDARSEG], dtype=np.uint8)[raw]
+
+
+def labelled_sweeps(root: str | os.PathLike[str]) -> list[tuple[Path, Path]]:
+    """The key frames of the top LiDAR with labels: sweep and lidarseg file of each, by name.
+
+    `root` is the data set, with one folder of tables as v1.0-trainval. Raises `FormatError` where it is not.
+    """
+    folders = [path for path in sorted(Path(root).glob("v1.0-*")) if path.is_dir()]
+    if len(folders) != 1:
+        raise FormatError(f"{os.fspath(root)} holds {len(folders)} folders of tables, v1.0-...; it must hold one")
+    labels = {row["sample_data_token"]: row["filename"] for row in _table(folders[0] / "lidarseg.json",
+              ("sample_data_token", "filename"))}  # fmt: skip
+    sweeps = _table(folders[0] / "sample_data.json", ("token", "filename"))
+    files = {row["filename"]: labels[row["token"]] for row in sweeps if row["token"] in labels}
+    return [(Path(root, sweep), Path(root, files[sweep])) for sweep in sorted(files)]
+
+
+def _table(path: Path, fields: tuple[str, ...]) -> list[dict[str, Any]]:
+    """The rows of a table, checked for some fields; those of the whole data set have a gigabyte."""
+    text = read_text(path, MAX_BYTES)
+    with named(path):
+        rows = parse_list(text)
+        for number, row in enumerate(rows):
+            if not isinstance(row, dict) or not all(isinstance(row.get(field), str) for field in fields):
+                raise FormatError(f"row {number} has not all of {', '.join(fields)}")
+            if ".." in Path(row["filename"]).parts or Path(row["filename"]).is_absolute():
+                raise FormatError(f"row {number} names {row['filename']!r}, which lies outside the data set")
+        return rows
 
 
 def _check(name: str, sweep: np.ndarray) -> None:

@@ -11,13 +11,14 @@ from collections.abc import Iterable
 import numpy as np
 
 from lidardraft.errors import LidarDraftError
+from lidardraft.files import named
+from lidardraft.metrics.comparisons import KernelDiscrepancy, spectral
 from lidardraft.metrics.profiles import jensen_shannon
 
 BINS = 100
 HALF_EXTENT = 80.0  # m; cells of 1.6 m
 MIN_DISTANCE = 3.0  # m from the sensor, exclusive
 MAX_DISTANCE = 70.0  # m from the sensor, exclusive
-KERNEL_WIDTH = 0.5
 
 
 def bev_histogram(points: np.ndarray) -> np.ndarray:
@@ -30,7 +31,7 @@ def bev_histogram(points: np.ndarray) -> np.ndarray:
 
 def bev_jsd(recorded: Iterable[np.ndarray], generated: Iterable[np.ndarray]) -> float:
     """Jensen-Shannon distance (square root of the divergence in nats) of the summed histograms of scans [N, 3]."""
-    p, q = (_normalised(_histograms(scans).sum(axis=0, keepdims=True))[0] for scans in (recorded, generated))
+    p, q = (_histograms(scans).sum(axis=0) for scans in (recorded, generated))
     return jensen_shannon(p, q)
 
 
@@ -45,8 +46,11 @@ def bev_mmd(recorded: Iterable[np.ndarray], generated: Iterable[np.ndarray]) -> 
 
 def histogram_mmd(recorded: np.ndarray, generated: np.ndarray) -> float:
     """`bev_mmd` of histograms [N, 100, 100] that `bev_histogram` has counted."""
-    p, q = _normalised(recorded), _normalised(generated)
-    return _mean_kernel(p, p) + _mean_kernel(q, q) - 2 * _mean_kernel(p, q)
+    discrepancy = KernelDiscrepancy(np.repeat([0, 1], [len(recorded), len(generated)])[None], spectral)
+    for number, histogram in enumerate([*recorded, *generated]):
+        with named(f"scan {number if number < len(recorded) else number - len(recorded)}"):
+            discrepancy.add(histogram)
+    return float(discrepancy.distances()[0])
 
 
 def _histograms(scans: Iterable[np.ndarray]) -> np.ndarray:
@@ -54,16 +58,3 @@ def _histograms(scans: Iterable[np.ndarray]) -> np.ndarray:
     if not histograms:
         raise LidarDraftError("a set of scans is empty; a score needs at least one scan on each side")
     return np.stack(histograms)
-
-
-def _normalised(histograms: np.ndarray) -> np.ndarray:
-    total = histograms.sum(axis=(1, 2), keepdims=True)
-    empty = np.flatnonzero(total == 0)
-    if len(empty):
-        raise LidarDraftError(f"scan {empty[0]} has no point {MIN_DISTANCE:g} to {MAX_DISTANCE:g} m from the sensor")
-    return histograms / total
-
-
-def _mean_kernel(first: np.ndarray, second: np.ndarray) -> float:
-    distances = np.array([np.linalg.norm(histogram - second, ord=2, axis=(1, 2)) for histogram in first])
-    return float(np.exp(-(distances**2) / (2 * KERNEL_WIDTH**2)).mean())

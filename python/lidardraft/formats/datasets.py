@@ -1,0 +1,92 @@
+"""Recorded data sets, as they lie on disk: their scans, with the files that say what the points are.
+
+SemanticKITTI: sequences/NN/velodyne and labels. KITTI's 3D object benchmark: training/velodyne, label_2 and calib.
+nuScenes: the tables v1.0-..., samples/LIDAR_TOP and lidarseg.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from lidardraft.errors import FormatError, one_of
+from lidardraft.formats.kitti_object import read_label_2
+from lidardraft.formats.nuscenes import labelled_sweeps, read_lidarseg
+from lidardraft.scene.box import Box
+from lidardraft.semantics import BY_NAME
+
+_SEMANTICKITTI = {
+    "train": ("00", "01", "02", "03", "04", "05", "06", "07", "09", "10"),
+    "val": ("08",),
+}
+SENSORS = {"semantickitti": "hdl64e", "kitti": "hdl64e", "nuscenes": "hdl32e"}  # presets, by data set
+SPLITS = {"semantickitti": (*_SEMANTICKITTI, "all"), "kitti": ("all",), "nuscenes": ("all",)}
+
+
+@dataclass(frozen=True)
+class RecordedFile:
+    """A scan; where they are known, the file of its labels of lidarseg, and KITTI's files of its boxes and of its
+    calibration. SemanticKITTI's labels are found beside the scan."""
+
+    scan: Path
+    lidarseg: Path | None = None
+    boxes: tuple[Path, Path] | None = None
+
+    def labels(self, count: int) -> np.ndarray | None:
+        """Class ids u8 [count] of lidarseg; raises `FormatError`."""
+        return None if self.lidarseg is None else read_lidarseg(self.lidarseg, count)
+
+    def mark_boxes(self, points: np.ndarray, label: np.ndarray, instance: np.ndarray) -> None:
+        """Give the points [N, 3] in boxes, but those of the ground, the class and the instance of the box."""
+        for box in read_label_2(*self.boxes) if self.boxes else ():
+            inside = _inside(box, points)
+            label[inside], instance[inside] = BY_NAME[box.label].id, box.instance
+
+
+def dataset_files(name: str, root: str | os.PathLike[str], split: str = "all") -> list[RecordedFile]:
+    """The scans of a split of a data set, in its order.
+
+    Raises `FormatError` for an unknown split and where the folder holds none of its scans."""
+    if split not in SPLITS[name]:
+        raise FormatError(f"split is {split!r}; of {name} it must be {one_of(SPLITS[name], split)}")
+    place = Path(root)
+    if name == "nuscenes":
+        files = [RecordedFile(scan, lidarseg=labels) for scan, labels in labelled_sweeps(root)]
+        pattern = "lidarseg of samples/LIDAR_TOP"
+    elif name == "kitti":
+        pattern = "training/velodyne/*.bin"
+        files = [
+            RecordedFile(scan, boxes=(_beside(scan, "label_2"), _beside(scan, "calib")))
+            for scan in sorted(place.glob(pattern))
+        ]
+    else:
+        sequences = [number for numbers in _SEMANTICKITTI.values() for number in numbers]
+        pattern = "sequences/NN/velodyne/*.bin"
+        files = [
+            RecordedFile(scan)
+            for number in sorted(_SEMANTICKITTI.get(split, sequences))
+            for scan in sorted(place.glob(pattern.replace("NN", number)))
+        ]
+    if not files:
+        raise FormatError(f"{place}: there is no {pattern} of {name}, split {split}")
+    return files
+
+
+def _beside(scan: Path, folder: str) -> Path:
+    return scan.parents[1] / folder / f"{scan.stem}.txt"
+
+
+_GROUND = 0.1  # m over the bottom of a box: what lies lower is road
+
+
+def _inside(box: Box, points: np.ndarray) -> np.ndarray:
+    """Which points are in a box, and not within 0.1 m of its bottom, bool [N]."""
+    away = points.astype(np.float64) - box.center
+    ahead = away[:, 0] * np.cos(box.yaw) + away[:, 1] * np.sin(box.yaw)
+    aside = away[:, 1] * np.cos(box.yaw) - away[:, 0] * np.sin(box.yaw)
+    half = np.array(box.size) / 2
+    level = (away[:, 2] > _GROUND - half[2]) & (away[:, 2] <= half[2])
+    return np.asarray((np.abs(ahead) <= half[0]) & (np.abs(aside) <= half[1]) & level)
