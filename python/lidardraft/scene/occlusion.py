@@ -22,33 +22,28 @@ def occluded_shares(image: RangeImage, boxes: Sequence[Box], moved: np.ndarray |
     two = image.sensor.pattern.points(np.full(image.depth.shape, 2, np.float32))
     directions = (two - one).reshape(-1, 3)
     origins = (2 * one - two + (0.0 if moved is None else moved)).reshape(-1, 3)
+    along, outwards = np.einsum("ni,ni->n", origins, directions), np.einsum("ni,ni->n", origins, origins)
     depth, instance = image.depth.ravel(), image.instance.ravel()
     shares = []
     for box in boxes:
-        entry = _entries(origins, directions, box)
-        towards = np.isfinite(entry)
-        stopped = (depth > 0) & (depth < entry - _BEFORE) & (instance != box.instance) & towards
-        shares.append(float(stopped.sum() / towards.sum()) if towards.any() else 1.0)
+        center, radius = np.array(box.center), np.linalg.norm(box.size) / 2
+        ahead = directions @ center - along
+        beside = center @ center - 2 * (origins @ center) + outwards - ahead**2
+        near = np.flatnonzero((beside <= radius**2) & (ahead > -radius))
+        entry = _entries(center - origins[near], directions[near], box)
+        near, entry = near[np.isfinite(entry)], entry[np.isfinite(entry)]
+        stopped = (depth[near] > 0) & (depth[near] < entry - _BEFORE) & (instance[near] != box.instance)
+        shares.append(float(stopped.mean()) if len(near) else 1.0)
     return shares
 
 
-def _entries(origins: np.ndarray, directions: np.ndarray, box: Box) -> np.ndarray:
-    """How far along each ray [N, 3] the box begins, f64 [N]; infinite for rays that miss it."""
-    entries = np.full(len(origins), np.inf)
-    to_box = np.array(box.center) - origins
-    along = np.einsum("ni,ni->n", to_box, directions)
-    beside = np.einsum("ni,ni->n", to_box, to_box) - along**2
-    radius = np.linalg.norm(box.size) / 2
-    near = np.flatnonzero((beside <= radius**2) & (along > -radius))
+def _entries(to_box: np.ndarray, directions: np.ndarray, box: Box) -> np.ndarray:
+    """How far along each ray [N, 3] the box begins, whose centre is `to_box` [N, 3] from its start: f64 [N]; infinite
+    for rays that miss it."""
     cos, sin = math.cos(box.yaw), math.sin(box.yaw)
-    axes = np.array([(cos, -sin, 0.0), (sin, cos, 0.0), (0.0, 0.0, 1.0)])
-    centre, ahead = to_box[near] @ axes, directions[near] @ axes
-    with np.errstate(divide="ignore", invalid="ignore"):  # a ray along a side of the box
-        first = (centre - np.sign(ahead) * np.array(box.size) / 2) / ahead
-        last = (centre + np.sign(ahead) * np.array(box.size) / 2) / ahead
-    enters = np.nanmax(np.where(ahead == 0, -np.inf, first), axis=1, initial=0.0)
-    leaves = np.nanmin(np.where(ahead == 0, np.inf, last), axis=1, initial=np.inf)
-    level = ((ahead != 0) | (np.abs(centre) <= np.array(box.size) / 2)).all(axis=1)
-    hit = level & (enters <= leaves)
-    entries[near[hit]] = enters[hit]
-    return entries
+    axes, half = np.array([(cos, -sin, 0.0), (sin, cos, 0.0), (0.0, 0.0, 1.0)]), np.array(box.size) / 2
+    centre, ahead = to_box @ axes, directions @ axes
+    ahead = np.where(ahead == 0, 1e-12, ahead)  # a ray along a side
+    enters = ((centre - np.sign(ahead) * half) / ahead).max(axis=1, initial=0.0)
+    leaves = ((centre + np.sign(ahead) * half) / ahead).min(axis=1, initial=np.inf)
+    return np.where(enters <= leaves, enters, np.inf)
