@@ -45,6 +45,7 @@ _SIGHT_PIECE, _SIGHT_BEGINS, _MOST_SIGHTS = 8.0, 2.5, 200  # m of a piece, m fro
 _HIGH = 50.0  # m over and under anything
 _REACH = 112.0  # m, a little less than sensors reach: beyond it nothing is added
 _OVER_ROAD, _BEYOND = 4.0, 80.0  # m over roads that stay free, m beyond the end of one
+_MOST_ON_HILLS = 1000  # objects; land around more stays flat
 _FLAT_AROUND, _RISES = 3.0, 12.0  # m around what was asked for that stay flat, and over which the land rises then
 
 
@@ -128,6 +129,8 @@ class _Scene:
     def _flat(self, points: np.ndarray) -> np.ndarray:
         """How much of its relief the land has at points [..., 2]: none on what is paved, and none under what was asked
         for beside the road and before it."""
+        if len(self.asked) > _MOST_ON_HILLS:
+            return np.zeros(points.shape[:-1])
         least = np.full(points.shape[:-1], np.inf)
         spots = [((x, y, yaw), size) for (x, y, yaw), size, _ in self.paved]
         for parts in self.asked.values():
