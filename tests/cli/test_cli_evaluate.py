@@ -53,7 +53,7 @@ def test_the_papers_tables(capsys: pytest.CaptureFixture[str]) -> None:
         (["--real", "real", "--generated", "made"], "a published protocol takes all three"),
         (
             ["--protocol", "lidm", "--real", "none.bin", "--generated", "made"],
-            "lidardraft: none.bin: No such file or directory",
+            "lidardraft: none.bin: there is no such file or folder",
         ),
         (["--protocol", "lidm", "--real", "empty", "--generated", "made"], "empty: there is no .bin"),
         (["--protocol", "lidm", *FOLDERS, "-o", "empty"], "empty cannot be written: it is there"),

@@ -187,11 +187,13 @@ def sensor_beside(file: str | Path) -> Sensor | None:
 def scan_files(given: Sequence[str]) -> list[Path]:
     """The scans of files and folders; of a folder without any, those in the folders below it, as data sets have them.
 
-    Raises `FormatError` for a folder with none.
+    Raises `FormatError` for a folder with none, and for what is not there.
     """
     files = list[Path]()
     for path in map(Path, given):
         found = [path]
+        if not path.exists():
+            raise FormatError(f"{path}: there is no such file or folder")
         if path.is_dir():
             for pattern in ("*", "**/*"):
                 found = sorted(file for file in path.glob(pattern) if file.suffix in _ENDINGS["points"])

@@ -159,6 +159,8 @@ def _recorded_files(arguments: argparse.Namespace) -> list[RecordedFile]:
         return [RecordedFile(file) for file in scan_files(arguments.scans)]
     if len(arguments.scans) > 1:
         raise FormatError(f"--dataset takes one folder, that of {arguments.dataset}; there are {len(arguments.scans)}")
+    if arguments.dataset == "kitti" and arguments.segmenter is None:
+        raise FormatError("--segmenter is needed: kitti has boxes, but no classes of points")
     return dataset_files(arguments.dataset, arguments.scans[0], arguments.split)
 
 
