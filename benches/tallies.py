@@ -1,37 +1,31 @@
-"""What was measured of coarse layouts, by class and by what made them: statistics, tables, and where two differ."""
+"""What was measured of coarse layouts, by kind and by what made them: statistics, tables, and where two differ."""
 
 from __future__ import annotations
 
-import json
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
-from lidardraft.semantics import CLASSES
-
-IN_PIECES = ("building", "wall", "fence", "vegetation", "other")
 SIZES = ("length", "width", "height")
-NUMBERS = (*SIZES, "along", "across", "yaw")
-FIELDS = ("count", *NUMBERS, "turned", "agrees")
+NUMBERS = (*SIZES, "across", "yaw")
+FIELDS = ("count", *NUMBERS)
 
-# By how much a stand-in may differ from what it stands in for: steps that the spread within a class hides. On top of
+# By how much a stand-in may differ from what it stands in for: steps that the spread within a kind hides. On top of
 # each comes twice the standard error of so many values. A spread is half the width of the middle 68 %.
 COUNT = 1.2  # times as many
-SIZE, OF_SPREAD = 0.08, 0.25  # shares of the size, and of its spread or that of a place
-OFF = {"along": 0.1, "across": 0.1, "yaw": 1.0}  # m, m, deg
+OF_SPREAD = 0.25  # share of the spread of a place
+OFF = {"across": 0.1, "yaw": 1.0}  # m, deg
 SPREADS = 1.5  # times the spread of places
-SHARE, AGREEMENT = 0.08, 0.05
 POSSIBLE = 0.9  # share of shapes
-FEWEST, FEWEST_SCANS = 50, 10  # shapes, scans; of fewer nothing is said
+FEWEST = 50  # shapes; of fewer nothing is said
 
 
 @dataclass
 class Tally:
-    """What was measured of one class by one draughtsman: lists of numbers for each of `FIELDS`."""
+    """What was measured of one kind by one draughtsman: lists of numbers for each of `FIELDS`."""
 
     values: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
 
@@ -60,7 +54,7 @@ class Tally:
         return float((mine.T.clip(low, high) == mine.T).all(axis=1).mean())
 
 
-Tallies = dict[str, dict[str, Tally]]  # by class, then by draughtsman
+Tallies = dict[str, dict[str, Tally]]  # by kind, then by draughtsman
 
 
 def new_tallies() -> Tallies:
@@ -68,72 +62,25 @@ def new_tallies() -> Tallies:
     return defaultdict(lambda: defaultdict(Tally))
 
 
-def add_all(tallies: Tallies, more: Tallies) -> None:
-    """Add the values of `more`."""
-    for label, by in more.items():
-        for name, tally in by.items():
-            tallies[label][name].add(**tally.values)
-
-
-def read(path: Path) -> dict[int, Tallies]:
-    """The tallies of each street, by its number, from a file of JSON lines; none where there is no file."""
-    found = {}
-    for line in path.read_text().splitlines() if path.exists() else ():
-        entry = json.loads(line)
-        tallies = new_tallies()
-        for label, by in entry["tallies"].items():
-            for name, values in by.items():
-                tallies[label][name].add(**values)
-        found[entry["street"]] = tallies
-    return found
-
-
-def append(path: Path, number: int, tallies: Tallies) -> None:
-    """Add the tallies of street `number` to such a file."""
-    values = {label: {name: tally.values for name, tally in by.items()} for label, by in tallies.items()}
-    with path.open("a") as file:
-        file.write(json.dumps({"street": number, "tallies": values}) + "\n")
-
-
-def drift(tallies: Tallies, real: str, quick: str, *, sized: bool = False) -> list[str]:
+def drift(tallies: Tallies, real: str, quick: str) -> list[str]:
     """Where `quick` differs from `real`, by more than is tolerated and chance explains.
 
-    Of what is `sized` the sizes are those of the street as far as the other could have made them, so that is asked.
+    Sizes are those of the street as far as `real` could have made them, so that is asked.
     """
-    return [text for label, by in tallies.items() for text in _drift(label, by[quick], by[real], sized)]
+    return [text for label, by in tallies.items() for text in _drift(label, by[quick], by[real])]
 
 
-def _drift(label: str, mine: Tally, theirs: Tally, sized: bool) -> Iterator[str]:
+def _drift(label: str, mine: Tally, theirs: Tally) -> Iterator[str]:
     number = min(len(mine.values["length"]), len(theirs.values["length"]))
-    if number >= FEWEST:
-        yield from _other_count(label, mine, theirs, number)
-        yield from _other_places(label, mine, theirs, 2 / math.sqrt(number))
-        if sized:
-            if mine.possible(theirs) < POSSIBLE:
-                yield f"{label}: {mine.possible(theirs):.2f} of the sizes possible"
-        else:
-            yield from _other_sizes(label, mine, theirs, 2 / math.sqrt(number))
-    scans = len(theirs.values["agrees"])
-    if scans >= FEWEST_SCANS:
-        ours, other = mine.mean("agrees"), theirs.mean("agrees")
-        if abs(ours - other) > AGREEMENT + 2 / math.sqrt(scans) * theirs.spread("agrees"):
-            yield f"{label}: agrees {ours:.2f}, not {other:.2f}"
-
-
-def _other_count(label: str, mine: Tally, theirs: Tally, number: int) -> Iterator[str]:
+    if number < FEWEST:
+        return
     ours, other = mine.mean("count"), theirs.mean("count")
     most = COUNT + 2 / math.sqrt(number)
     if not 1 / most <= ours / other <= most:
         yield f"{label}: count {ours:.2f}, not {other:.2f}"
-
-
-def _other_sizes(label: str, mine: Tally, theirs: Tally, chance: float) -> Iterator[str]:
-    # a class in pieces is cut in other places, into whole fronts and splinters: their mean is the same
-    middle = Tally.mean if label in IN_PIECES else Tally.median
-    for name in SIZES:
-        ours, other = middle(mine, name), middle(theirs, name)
-        if abs(ours - other) > SIZE * other + (OF_SPREAD + chance) * theirs.spread(name):
-            yield f"{label}: {name} {ours:.2f}, not {other:.2f}"
+    yield from _other_places(label, mine, theirs, 2 / math.sqrt(number))
+    if mine.possible(theirs) < POSSIBLE:
+        yield f"{label}: {mine.possible(theirs):.2f} of the sizes possible"
 
 
 def _other_places(label: str, mine: Tally, theirs: Tally, chance: float) -> Iterator[str]:
@@ -146,22 +93,18 @@ def _other_places(label: str, mine: Tally, theirs: Tally, chance: float) -> Iter
         ours, other, most = mine.spread(name), theirs.spread(name), SPREADS + 2 * chance
         if not other / most - off <= ours <= other * most + off:
             yield f"{label}: {name} spreads {ours:.2f}, not {other:.2f}"
-    # without values the mean is not a number, and no difference
-    if abs(mine.mean("turned") - theirs.mean("turned")) > SHARE + chance / 2:
-        yield f"{label}: turned {mine.mean('turned'):.2f}, not {theirs.mean('turned'):.2f}"
 
 
-def rows(tallies: Tallies, real: str, quick: str, *, sized: bool = False) -> Iterator[str]:
+def rows(tallies: Tallies, real: str, quick: str) -> Iterator[str]:
     """The table, line by line: each cell is that of `real` and that of `quick`; what has no value has no column."""
     fields = [name for name in FIELDS if any(by[quick].values[name] for by in tallies.values())]
-    yield f"| class | {' | '.join([*fields, 'possible'] if sized else fields)} |"
-    yield "|---" * (len(fields) + 1 + sized) + "|"
-    classes = [row.name for row in CLASSES if row.name in tallies]
-    for label in classes or sorted(tallies):
+    yield f"| class | {' | '.join([*fields, 'possible'])} |"
+    yield "|---" * (len(fields) + 2) + "|"
+    for label in sorted(tallies):
         theirs, mine = tallies[label][real], tallies[label][quick]
         pairs = [(_cell(theirs, name), _cell(mine, name)) for name in fields]
         cells = [" / ".join(cell or "-" for cell in pair) if any(pair) else "" for pair in pairs]
-        yield f"| {label} | {' | '.join([*cells, f'{mine.possible(theirs):.2f}'] if sized else cells)} |"
+        yield f"| {label} | {' | '.join([*cells, f'{mine.possible(theirs):.2f}'])} |"
 
 
 def _cell(tally: Tally, name: str) -> str:

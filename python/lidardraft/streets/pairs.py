@@ -19,9 +19,8 @@ from lidardraft.scene.range_image import IMAGES, RangeImage
 from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.shape_table import ShapeTable
-from lidardraft.streets.coarse.coarse_layout import Style, coarse_layout, sample_style
+from lidardraft.streets.coarse.coarse_layout import Style, VisibleObjects, coarse_layout, sample_style
 from lidardraft.streets.coarse.coarse_street import place_of
-from lidardraft.streets.coarse.visible import VisibleObjects
 from lidardraft.streets.ego import Ego, mount, sample_ego
 from lidardraft.streets.street import Street, StreetConfig, check_number, make_street
 from lidardraft.streets.worker_processes import worker_processes

@@ -3,7 +3,6 @@
 Those of the search itself stand where it is made, in `rust/core/cloud/`.
 """
 
-import math
 from dataclasses import dataclass
 
 # Classes whose clusters become upright cylinders, and those that need not reach down to the ground.
@@ -22,10 +21,6 @@ SEEN_WHOLE = 0.7  # of the usual extent of a class: a side at least this long wa
 # A side seen longer than so many widths of the class is a length: of 1.1 to 1.67, the smaller ones find the most of the
 # cars that PandaSet has boxes around (Xiao et al., ITSC 2021; CC BY 4.0).
 LONGER_THAN_WIDE = 1.25
-
-# Crowns.
-MIN_CROWN = 0.3  # m
-ELLIPSE_SCALE = math.sqrt(4 / math.pi)  # an ellipse this much larger than the rectangle around it has the same area
 
 # Ground.
 HANGING_HEIGHT = 2.5  # m; what begins higher over the ground than this does not stand on it

@@ -7,21 +7,18 @@ the ego vehicle, which is fixed to the road under it: `pose` is street_from_ego 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
+from lidardraft.drafting.cloud.layout import layout_from_cloud
 from lidardraft.errors import LayoutError
 from lidardraft.objects.coarse_shapes import MOST_LOBES
+from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.shape_table import ShapeTable
-from lidardraft.semantics import BY_NAME, CLASSES, NUM_CLASSES
-from lidardraft.streets.coarse.cluster_shapes import cluster_shapes
 from lidardraft.streets.coarse.coarse_street import FAMILIES, CoarseStreet, place_of
-from lidardraft.streets.coarse.visible import VisibleObjects
 
-_RIDER = BY_NAME["rider"].id
-_IS_THING = np.array([row.is_thing for row in CLASSES])
 _NOTICED = 5  # returns of an object that is noticed in a picture: an estimate
 _SHARES = (0.3, 0.35, 0.2, 0.15)  # how often each is sampled
 _HAS_SIDEWALKS, _HAS_POLES, _IS_NUMBERED, _IS_FLAT = 0.85, 0.85, 0.5, 0.5  # how often
@@ -30,6 +27,27 @@ _NAMED_WITHIN = (45.0, 80.0)  # m
 # Cameras see 60 to 120 degrees; monocular depth is wrong by some percent. What is shown must still be worth obeying.
 _PICTURED_WITHIN, _VIEW_DEGREES = (30.0, 70.0), (60.0, 120.0)  # m, degrees
 _MOST_ERROR, _MOST_TURN = 0.03, 0.05  # share, rad
+
+
+@dataclass(frozen=True, eq=False)
+class VisibleObjects:
+    """The returns of one scan on objects, from a sensor at `pose` [4, 4] over the ego vehicle at `place` (x, y, yaw).
+
+    `scan` says which primitive each return is of; `owners` i32 [P + 1] which of `count` objects each of these is part
+    of, as in `CoarseStreet`.
+    """
+
+    place: tuple[float, float, float]
+    pose: np.ndarray
+    scan: RangeImage
+    owners: np.ndarray
+    count: int
+
+    def returns(self) -> np.ndarray:
+        """How many returns each object has, i64 [T]."""
+        assert self.scan.primitive is not None
+        owner = self.owners[self.scan.primitive[self.scan.valid]]
+        return np.bincount(owner[owner >= 0], minlength=self.count)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -74,27 +92,17 @@ class ClusterStyle:
     numbered: bool = True
 
 
-def as_clusters(
-    street: CoarseStreet, style: ClusterStyle, rng: np.random.Generator, pose: np.ndarray, visible: VisibleObjects
-) -> ShapeTable:
-    """What was seen of the objects, on ground that rises and falls."""
-    yaws = street.places[:, 2] - visible.place[2]
-    found = cluster_shapes(visible, yaws, street.heights_over(pose), street.diameters, rng, numbered=style.numbered)
-    order = np.argsort(found.keys % NUM_CLASSES, kind="stable")
-    labels, owners = found.keys[order] % NUM_CLASSES, found.keys[order] // NUM_CLASSES
-    # what is ridden has the instance after its rider's
-    ridden = street.ridden[owners] & (labels != _RIDER)
-    number = np.arange(len(labels)) - np.searchsorted(labels, labels)
-    shapes = ShapeTable(
-        shapes=found.shapes[order],
-        centers=found.centers[:, order].T,
-        sizes=found.sizes[:, order].T,
-        yaws=found.yaws[order],
-        labels=labels,
-        instances=np.where(_IS_THING[labels], street.instances[owners] + ridden, 0),
-        ids=tuple(f"{CLASSES[k].name}_{n + 1}" for k, n in zip(labels.tolist(), number.tolist(), strict=True)),
+def as_clusters(style: ClusterStyle, visible: VisibleObjects) -> ShapeTable:
+    """What `layout_from_cloud` makes of the scan."""
+    scan, (x, y, height) = visible.scan, visible.pose[:3, 3].tolist()
+    layout = layout_from_cloud(
+        scan.points() @ visible.pose[:3, :3].T,
+        scan.label[scan.valid],
+        instances=scan.instance[scan.valid] if style.numbered else None,
+        sensor_height=height,
     )
-    return ShapeTable.join(street.ground(pose, relief=True), shapes)
+    shapes = ShapeTable.from_primitives(layout)
+    return replace(shapes, centers=shapes.centers + np.array([x, y, 0.0]))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -156,7 +164,7 @@ def _in_picture(
     inside = np.cos(bearing) >= math.cos(style.view / 2)
     near = np.hypot(ahead[:, 0], ahead[:, 1]) <= style.reach
     omitted = street.small & (rng.random(len(street.objects)) < style.omit)
-    noticed = visible.returns.sum(axis=1) >= _NOTICED
+    noticed = visible.returns() >= _NOTICED
     shown: np.ndarray = inside & near & noticed & (style.poles | ~street.poles) & ~omitted
     return shown
 
@@ -208,7 +216,7 @@ def coarse_layout(
         case TextStyle():
             return as_text(street, style, pose)
         case ClusterStyle():
-            return as_clusters(street, style, rng, pose, visible)
+            return as_clusters(style, visible)
         case PictureStyle():
             return as_picture(street, style, rng, pose, visible)
         case BoxStyle():

@@ -20,7 +20,6 @@ from lidardraft.scene.road import Road
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
 from lidardraft.streets.coarse.solver_shapes import solver_shapes
-from lidardraft.streets.coarse.visible import owners_of
 
 _STEP = 4.0  # m along the road
 _BESIDE = (*np.arange(1.5, 13.0, 2.5), *np.arange(14.0, 75.0, 5.0))  # m from the verge
@@ -180,17 +179,18 @@ class CoarseStreet:
 
     `scene` is the detailed scene of the `objects` along `road`, `middles` are those of the lanes across the road [m].
     Of the T objects, as columns: `places` f64 [T, 3] x, y, yaw; `levels` and `heights` f64 [T], of the ground under
-    them without and with its relief; `instances` u32 [T]; `ridden`, `small` and `poles` bool [T]; `families` i64 [T],
-    the number in `FAMILIES` or -1; `diameters` f64 [T] of poles [m]. `exact` are their shapes as they are, `solved` the
-    nearest ones that the solver of sentences could have placed. `owners` is `owners_of` the scene.
+    them without and with its relief; `instances` u32 [T]; `small` and `poles` bool [T]; `families` i64 [T], the number
+    in `FAMILIES` or -1. `exact` are their shapes as they are, `solved` the nearest ones that the solver of sentences
+    could have placed. `owners` i32 [P + 1] is the index of the object that each primitive of the scene is part of: -1
+    for ground, and last for no primitive.
     """
 
     def __init__(self, road: Road, objects: Sequence[PlacedObject], scene: Layout, middles: Sequence[float]) -> None:
         self.objects = tuple(objects)
-        self.owners = owners_of(scene, self.objects)
-        names = {placed.id for placed in self.objects}
+        number_of = {placed.id: number for number, placed in enumerate(self.objects)}
+        self.owners = np.array([*(number_of.get(object_of(primitive), -1) for primitive in scene), -1], dtype=np.int32)
         self._flat = ShapeTable.from_primitives(road.surfaces())
-        self._mesh = GroundMesh(road, [p for p in scene if p.label in GROUND and object_of(p) not in names])
+        self._mesh = GroundMesh(road, [p for p in scene if p.label in GROUND and object_of(p) not in number_of])
         kinds = [kind_of(t.kind) for t in self.objects]
         exact = [
             (i, shape, (t.x, t.y, t.yaw))
@@ -203,13 +203,9 @@ class CoarseStreet:
         self.levels = np.array([t.level for t in self.objects], dtype=float)
         self.heights = np.array([t.z for t in self.objects], dtype=float)
         self.instances = np.array([t.instance for t in self.objects], dtype=np.uint32)
-        self.ridden = np.array([kind.instances > 1 for kind in kinds], dtype=bool)
         self.small = np.array([kind.is_small for kind in kinds], dtype=bool)
         self.poles = np.array([kind.on_pole for kind in kinds], dtype=bool)
         self.families = np.array([FAMILY_OF[kind.word] for kind in kinds], dtype=np.int64)
-        pole = self.exact.shapes == SHAPES.index("cylinder")
-        self.diameters = np.full(len(self.objects), 0.1)
-        self.diameters[self.exact.owners[pole]] = self.exact.sizes[pole, 0]
 
     def ground(self, pose: np.ndarray, *, relief: bool, sidewalks: bool = True) -> ShapeTable:
         """The ground in the frame of the ego vehicle at street_from_ego `pose` [4, 4].
