@@ -145,7 +145,9 @@ class _Scene:
             along = np.abs(off @ (math.cos(yaw), math.sin(yaw))) - length / 2
             across = np.abs(off @ (-math.sin(yaw), math.cos(yaw))) - width / 2
             least = np.minimum(least, np.hypot(np.maximum(along, 0.0), np.maximum(across, 0.0)))
-        flat: np.ndarray = np.clip((least - _FLAT_AROUND) / _RISES, 0.0, 1.0)
+        # cells of the ground are as wide as half of their way from the road
+        cells = np.abs(self.road.along_across(points[..., 0], points[..., 1])[1]) / 2
+        flat: np.ndarray = np.clip((least - _FLAT_AROUND - cells) / _RISES, 0.0, 1.0)
         return flat
 
     def land(self, ground: Ground) -> Iterator[Primitive]:
