@@ -96,6 +96,8 @@ def fitted(folder: Path) -> Sensor:
 def scans_in(folder: Path) -> list[Sweep]:
     """The scans of a folder, in order of their names; those with a NAME.sensor.json beside them by its rays."""
     files = sorted(path for path in folder.iterdir() if path.suffix in (".bin", ".pcd", ".npz"))
+    # `Scan.save` writes an .npz beside its points.
+    files = [path for path in files if path.suffix != ".npz" or path.with_suffix(".bin") not in files]
     return [_sweep(path) for path in files]
 
 

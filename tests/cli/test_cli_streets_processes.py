@@ -145,6 +145,6 @@ def test_an_interrupted_simulation_leaves_whole_scans(
     files = [path.name for path in Path("out").iterdir()]
     assert not [name for name in files if name.startswith(".")]
     numbers = {name.partition(".")[0] for name in files}
-    assert len(numbers) > 20
+    assert "000020" in numbers
     for number in numbers:
         assert {name.removeprefix(number) for name in files if name.startswith(number)} >= set(SCAN_ENDINGS) - {".png"}

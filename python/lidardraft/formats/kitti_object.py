@@ -15,7 +15,6 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
 
 from lidardraft.errors import FormatError
 from lidardraft.files import named, new_folder, read_text, write_text
@@ -91,6 +90,8 @@ def virtual_camera(sensor: Sensor) -> tuple[np.ndarray, np.ndarray, tuple[int, i
 
 @lru_cache(maxsize=4)
 def _black_picture(size: tuple[int, int]) -> bytes:
+    from PIL import Image  # which no --help waits for
+
     buffer = io.BytesIO()
     Image.new("L", size).save(buffer, "PNG")
     return buffer.getvalue()

@@ -6,8 +6,6 @@ The definitions of the histograms are our own.
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import rel_entr
-from scipy.stats import wasserstein_distance
 
 from lidardraft.errors import LidarDraftError
 from lidardraft.metrics.returns import RANGE_EDGES
@@ -83,6 +81,8 @@ def jensen_shannon(first: np.ndarray, second: np.ndarray) -> float:
         raise LidarDraftError(f"histograms have the shapes {first.shape} and {second.shape}; they must be equal")
     if not (first.sum() > 0 and second.sum() > 0):
         raise LidarDraftError("a histogram is empty; a distance needs counts on both sides")
+    from scipy.special import rel_entr  # a tenth of a second, which no --help waits for
+
     p, q = first / first.sum(), second / second.sum()
     mean = (p + q) / 2
     # scipy's jensenshannon is NaN where rounding makes the divergence of equal histograms negative.
@@ -93,4 +93,6 @@ def wasserstein(first: np.ndarray, second: np.ndarray) -> float:
     """Earth mover's distance (Wasserstein-1) of two samples of numbers [N] and [M], in their unit."""
     if not (len(first) and len(second)):
         raise LidarDraftError("a sample is empty; a distance needs values on both sides")
+    from scipy.stats import wasserstein_distance
+
     return float(wasserstein_distance(first, second))

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from lidardraft import _core
 from lidardraft.drafting.cloud.fitting import completions, contain, fit_box, fit_post, is_length
@@ -200,6 +199,8 @@ def _objects(row: SemanticClass, groups: list[np.ndarray], scan: _Scan, stray_sh
 
 def _headings(seen: np.ndarray, size: tuple[float, float, float]) -> np.ndarray:
     """For each of boxes [B, 7] the heading [rad] of the nearest other one whose length was seen; NaN without one."""
+    from scipy.spatial import cKDTree  # which no --help waits for
+
     sure = np.flatnonzero(is_length(seen[:, 3:5].max(axis=1), size))
     if not len(sure):
         return np.full(len(seen), math.nan)

@@ -1,0 +1,64 @@
+"""Bending of simulated scans: what passes through, and what is learned, on sweeps whose truth is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import bend_to_recordings as bench
+from lidardraft.metrics.sweep import Sweep
+from lidardraft.semantics import BY_NAME
+
+
+@pytest.fixture(scope="module")
+def examples() -> list[bench.Example]:
+    """Sweeps of road and building whose recordings read half as much, and lose what is bright."""
+    rng = np.random.default_rng(0)
+    found = []
+    for _ in range(4):
+        shape = (16, 256)
+        points = np.zeros((*shape, 3), np.float32)
+        points[..., 0], points[..., 1], points[8:, :, 2] = 10.0, rng.normal(size=shape), -1.7
+        label = np.where(np.arange(16)[:, None] < 8, BY_NAME["building"].id, BY_NAME["road"].id)
+        label = np.broadcast_to(label, shape).astype(np.uint8)
+        intensity = rng.uniform(0.1, 0.9, shape).astype(np.float32)
+        lost = intensity > 0.8
+        recorded = Sweep(np.where(lost[..., None], np.float32(0), points), label, intensity / 2)
+        found.append(bench.Example(recorded, Sweep(points, label, intensity), firings=True))
+    return found
+
+
+def test_untrained_weights_pass_the_simulated_scan_through(examples: list[bench.Example]) -> None:
+    simulated = examples[0].simulated
+    bent = bench.by_network(bench.Network())(simulated, 0)
+    assert np.abs(np.sqrt(bent.intensity) - np.sqrt(simulated.intensity)).mean() < 2 / bench.LEVELS
+    assert (bent.valid == simulated.valid).mean() > 0.99
+
+
+def test_a_network_learns_what_is_read_and_what_is_lost(examples: list[bench.Example]) -> None:
+    network = bench.trained(examples[:3], steps=400)
+    bent = bench.by_network(network)(examples[3].simulated, 0)
+    truth = examples[3].recorded
+    both = bent.valid & truth.valid
+    assert abs(bent.intensity[both].mean() - truth.intensity[both].mean()) < 0.03
+    assert bent.valid[~truth.valid].mean() < bent.valid[truth.valid].mean() - 0.05
+
+
+def test_a_table_maps_the_readings_of_each_class_alone(examples: list[bench.Example]) -> None:
+    building = BY_NAME["building"].id
+    brighter = [
+        replace(e, recorded=replace(e.recorded, intensity=np.where(e.recorded.label == building, 0.5, 0.25)))
+        for e in examples
+    ]
+    bent = bench.by_table(brighter)(examples[0].simulated, 0)
+    assert np.allclose(bent.intensity[:8], 0.5)
+    assert np.allclose(bent.intensity[8:], 0.25)
+
+
+def test_the_report_has_a_row_for_each_way(examples: list[bench.Example]) -> None:
+    table = bench.report({"one": examples, "ika, VLP-32C": examples}, steps=20)
+    assert list(table)[:6] == [
+        f"one: {way}"
+        for way in ("simulated", "untrained", "network", "this sensor's network", "table", "this sensor's table")
+    ]
+    assert table["one: this sensor's table"]["intensity"] < 0.5 * table["one: simulated"]["intensity"]
