@@ -23,7 +23,7 @@ ALLOWED = {
     "json_fields": {"errors"},
     "scene": BASE,
     "formats": BASE | {"scene"},
-    "drafting": BASE | {"scene", "formats", "perception", "arranging"},
+    "drafting": BASE | {"scene", "formats", "perception", "objects", "arranging"},
     "objects": BASE | {"scene"},
     "arranging": BASE | {"scene", "objects"},
     "streets": BASE | {"scene", "drafting", "objects", "arranging", "simulation", "scan"},

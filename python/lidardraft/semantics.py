@@ -11,8 +11,8 @@ from dataclasses import dataclass
 class SemanticClass:
     """One row of the table.
 
-    `size` is a typical (length, width, height) in metres, None where the class has no typical size. `is_thing` marks
-    what is counted and gets boxes.
+    `is_thing` marks what is counted and gets boxes. `size` is its typical (length, width, height) [m], `limits` are the
+    smallest and the largest that are plausible: from children and microcars up to articulated buses and coupled trams.
     """
 
     id: int
@@ -20,6 +20,7 @@ class SemanticClass:
     colour: tuple[int, int, int]
     is_thing: bool = False
     size: tuple[float, float, float] | None = None
+    limits: tuple[tuple[float, float, float], tuple[float, float, float]] | None = None
 
 
 # Colours: Cityscapes palette. Sizes: common European dimensions, estimates of ours.
@@ -35,14 +36,14 @@ CLASSES: tuple[SemanticClass, ...] = (
     SemanticClass(8, "traffic-sign", (220, 220, 0)),
     SemanticClass(9, "vegetation", (107, 142, 35)),
     SemanticClass(10, "terrain", (152, 251, 152)),
-    SemanticClass(11, "person", (220, 20, 60), True, (0.8, 0.6, 1.7)),
-    SemanticClass(12, "rider", (255, 0, 0), True, (1.8, 0.6, 1.7)),
-    SemanticClass(13, "car", (0, 0, 142), True, (4.2, 1.8, 1.5)),
-    SemanticClass(14, "truck", (0, 0, 70), True, (9.0, 2.5, 3.3)),
-    SemanticClass(15, "bus", (0, 60, 100), True, (12.0, 2.55, 3.1)),
-    SemanticClass(16, "train", (0, 80, 100), True, (28.0, 2.65, 3.6)),
-    SemanticClass(17, "motorcycle", (0, 0, 230), True, (2.1, 0.8, 1.3)),
-    SemanticClass(18, "bicycle", (119, 11, 32), True, (1.8, 0.6, 1.1)),
+    SemanticClass(11, "person", (220, 20, 60), True, (0.8, 0.6, 1.7), ((0.2, 0.2, 0.8), (1.6, 1.6, 2.2))),
+    SemanticClass(12, "rider", (255, 0, 0), True, (1.8, 0.6, 1.7), ((0.3, 0.3, 0.5), (2.8, 1.2, 2.3))),
+    SemanticClass(13, "car", (0, 0, 142), True, (4.2, 1.8, 1.5), ((2.4, 1.3, 1.1), (6.5, 2.4, 3.0))),
+    SemanticClass(14, "truck", (0, 0, 70), True, (9.0, 2.5, 3.3), ((4.5, 1.7, 1.8), (20.0, 2.8, 4.5))),
+    SemanticClass(15, "bus", (0, 60, 100), True, (12.0, 2.55, 3.1), ((5.5, 1.9, 2.3), (25.0, 2.8, 4.6))),
+    SemanticClass(16, "train", (0, 80, 100), True, (28.0, 2.65, 3.6), ((8.0, 2.0, 2.8), (80.0, 3.5, 5.5))),
+    SemanticClass(17, "motorcycle", (0, 0, 230), True, (2.1, 0.8, 1.3), ((1.4, 0.4, 0.8), (2.8, 1.3, 2.2))),
+    SemanticClass(18, "bicycle", (119, 11, 32), True, (1.8, 0.6, 1.1), ((1.0, 0.2, 0.7), (2.6, 1.0, 2.2))),
     SemanticClass(19, "trunk", (121, 85, 61)),
     SemanticClass(20, "other", (200, 200, 200)),
 )

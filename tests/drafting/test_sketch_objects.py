@@ -8,8 +8,8 @@ import pytest
 from lidardraft.drafting.sketch.objects import NotDrawnError, Placed, kind_of, objects_of_blob, objects_of_stroke
 from lidardraft.drafting.sketch.shapes import MOST_SHAPES, Blob, Sketch, SketchFrame, Stroke
 from lidardraft.drafting.sketch.surfaces import Nearest, drawn_surfaces, ground_primitives, heading, height_at
-from lidardraft.drafting.solver.object_shapes import extents
 from lidardraft.errors import FormatError
+from lidardraft.objects.coarse_shapes import extents
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.road import KERB_HEIGHT
 from lidardraft.semantics import CLASSES, GROUND

@@ -1,23 +1,30 @@
-"""The few solid shapes that a coarse layout has for an object, with the class of each.
+"""The few solid shapes that layouts have for an object, with the class of each: those of streets, made for an object
+in its place and size, and those of sentences and sketches, in the sizes that such objects have.
 
 All are solid, also for what is porous in the detailed scene: neither a sentence nor a clustering makes a medium.
+Numbers without a source are estimates of ours.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
-from lidardraft.objects.placed_object import PlacedObject
+from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.objects.plants import trunk_diameter
 
+STANDING = 0.5  # m over the ground, under which parts begin that stand on it
+_SEGMENT = 4.0  # m; the chord of a 90 m bend leaves the arc by 2 cm
+
+# Of streets.
 MOST_LOBES = 3  # ellipsoids of a crown
 # A crown of one, two and three ellipsoids: their width, and their height where there are several, as shares of it.
 _LOBE_WIDTHS, _LOBE_HEIGHT = (1.0, 0.78, 0.72), 0.86
 _LOBE_TURN = 2.4  # rad per m of x, the golden angle: lobes of neighbours do not line up
 _TRUNK_INTO_CROWN = 0.1  # share of the crown
-# Diameters of posts [m] and what else an annotator would see: estimates.
+# Diameters of posts [m] and what else an annotator would see.
 _SIGN_POST, _LIGHT_POST, _GANTRY_POST, _BOARD_POST = 0.08, 0.11, 0.3, 0.2
 _LOWEST_BOARD = 0.1  # m: boards with less clearance stand on the ground
 _GANTRY_SIGNS = 0.75  # of the height, where they begin if nothing else is known
@@ -28,42 +35,90 @@ _RIDER_FROM = 0.75  # m; the knees and feet of a rider belong to what is ridden
 _RIDER_X, _RIDER_LENGTH = -0.02, 0.75  # m
 _RIDER_WIDTH, _RIDDEN_WIDTH = 0.9, 0.5  # of the extents
 
+# Of sentences.
+TRUNK_DIAMETER = (0.25, 0.5)  # m, smallest and largest
+CROWN_BASE = (1.6, 2.4)  # m from the ground to where a crown begins, smallest and largest
+_TRUNK_IN_CROWN = 0.25  # of the height of the crown: so far the trunk rises into it
+LIGHTS_HEIGHT = 0.9  # m, of the box of a traffic light
+
 
 class CoarseShape(NamedTuple):
     """One shape of an object: x forward, y left, z up from the ground under the object's middle [m].
 
     `instance_offset` is added to the object's instance. A crown is there once for each number of ellipsoids it may
-    have: `lobes` is that number for its ellipsoids, and 0 for all other shapes.
+    have: `lobes` is that number for its ellipsoids, and 0 for all other shapes. `name` is that of the part in an id,
+    empty for a single one.
     """
 
     shape: str
-    center: tuple[float, float, float]
-    size: tuple[float, float, float]
+    center: Vector
+    size: Vector
     label: str
     instance_offset: int = 0
     lobes: int = 0
+    name: str = ""
 
 
-def nothing(_placed: PlacedObject) -> list[CoarseShape]:
-    """Nothing, for what only covers the ground."""
-    return []
+def standing(
+    shape: str, size: Vector, label: str, name: str = "", *, x: float = 0.0, y: float = 0.0, instance_offset: int = 0
+) -> CoarseShape:
+    """A shape of that size on the ground."""
+    return CoarseShape(shape, (x, y, size[2] / 2), size, label, instance_offset, name=name)
 
 
-def box_of(label: str) -> Callable[[PlacedObject], list[CoarseShape]]:
-    """What makes one box of a class, as large as the object."""
-
-    def shapes(placed: PlacedObject) -> list[CoarseShape]:
-        return [_standing(placed.size, label)]
-
-    return shapes
+def extents(parts: Sequence[CoarseShape]) -> Vector:
+    """Length, width and height [m] of the upright box around all parts, about the middle of their footprint."""
+    length, width = (2 * max(abs(part.center[axis]) + part.size[axis] / 2 for part in parts) for axis in (0, 1))
+    return length, width, max(part.center[2] + part.size[2] / 2 for part in parts)
 
 
-def _standing(size: tuple[float, float, float], label: str, x: float = 0.0, instance_offset: int = 0) -> CoarseShape:
-    return CoarseShape("box", (x, 0.0, size[2] / 2), size, label, instance_offset)
+def resized(parts: list[CoarseShape], by: Vector) -> list[CoarseShape]:
+    """The parts of an object stretched along each of its axes."""
+
+    def scaled(extents: Vector) -> Vector:
+        return extents[0] * by[0], extents[1] * by[1], extents[2] * by[2]
+
+    return [part._replace(center=scaled(part.center), size=scaled(part.size)) for part in parts]
 
 
-def _post(diameter: float, bottom: float, top: float, label: str = "pole", y: float = 0.0) -> CoarseShape:
-    return CoarseShape("cylinder", (0.0, y, (bottom + top) / 2), (diameter, diameter, top - bottom), label)
+def in_segments(strip: CoarseShape) -> list[CoarseShape]:
+    """A long box in short ones, so that they can follow a bend."""
+    length, thickness, height = strip.size
+    count = math.ceil(length / _SEGMENT)
+    step, size = length / count, (length / count, thickness, height)
+    centers = [((number + 0.5) * step - length / 2, 0.0, height / 2) for number in range(count)]
+    return [strip._replace(name=str(k), center=center, size=size) for k, center in enumerate(centers, start=1)]
+
+
+def tree_parts(height: float, crown: float, trunk: float, base: float) -> list[CoarseShape]:
+    """A tree `height` high with a crown `crown` wide from `base` up, and a trunk `trunk` thick [m]."""
+    top, center = base + _TRUNK_IN_CROWN * (height - base), (0.0, 0.0, (base + height) / 2)
+    return [
+        _post(trunk, top, "trunk", name="trunk"),
+        CoarseShape("ellipsoid", center, (crown, crown, height - base), "vegetation", name="crown"),
+    ]
+
+
+def street_light_parts(height: float) -> list[CoarseShape]:
+    """A mast `height` [m] high with its lamp over the road, to the right."""
+    lamp = CoarseShape("box", (0.0, -0.5, height), (0.3, 1.2, 0.15), "pole", name="lamp")
+    return [_post(0.18, height, name="mast"), lamp]
+
+
+def traffic_light_parts(post: float) -> list[CoarseShape]:
+    """A pole `post` [m] high with the box of the lights on top."""
+    center, size = (0.0, 0.0, post + LIGHTS_HEIGHT / 2), (0.35, 0.35, LIGHTS_HEIGHT)
+    return [_post(0.15, post, name="pole"), CoarseShape("box", center, size, "traffic-light", name="light")]
+
+
+def traffic_sign_parts(height: float, width: float) -> list[CoarseShape]:
+    """A pole `height` [m] high with a square plate `width` [m] wide at its top, towards who comes."""
+    center, size = (-0.08, 0.0, height - width / 2), (0.05, width, width)
+    return [_post(0.08, height, name="pole"), CoarseShape("box", center, size, "traffic-sign", name="sign")]
+
+
+def _post(diameter: float, top: float, label: str = "pole", *, y: float = 0.0, name: str = "") -> CoarseShape:
+    return standing("cylinder", (diameter, diameter, top), label, name, y=y)
 
 
 def _plate(placed: PlacedObject, label: str, bottom: float) -> CoarseShape:
@@ -74,7 +129,7 @@ def _plate(placed: PlacedObject, label: str, bottom: float) -> CoarseShape:
 def house(placed: PlacedObject) -> list[CoarseShape]:
     """A box to the middle of the roof."""
     length, width, height = placed.size
-    return [_standing((length, width, (placed.clearance + height) / 2), "building")]
+    return [standing("box", (length, width, (placed.clearance + height) / 2), "building")]
 
 
 def tree(placed: PlacedObject) -> list[CoarseShape]:
@@ -82,7 +137,7 @@ def tree(placed: PlacedObject) -> list[CoarseShape]:
     length, width, height = placed.size
     crown = height - placed.clearance
     bare = placed.clearance + _TRUNK_INTO_CROWN * crown
-    shapes = [_post(trunk_diameter(height), 0.0, bare, "trunk")]
+    shapes = [_post(trunk_diameter(height), bare, "trunk")]
     turn = _LOBE_TURN * placed.x
     for lobes in range(1, MOST_LOBES + 1):
         # two or three balls around the middle that reach as far out, down and up as the whole crown
@@ -105,36 +160,34 @@ def tree(placed: PlacedObject) -> list[CoarseShape]:
 
 def bush(placed: PlacedObject) -> list[CoarseShape]:
     """One ellipsoid."""
-    return [CoarseShape("ellipsoid", (0.0, 0.0, placed.size[2] / 2), placed.size, "vegetation")]
+    return [standing("ellipsoid", placed.size, "vegetation")]
 
 
 def mast(placed: PlacedObject) -> list[CoarseShape]:
     """A cylinder as thick as the extents are long."""
-    return [_post(placed.size[0], 0.0, placed.size[2])]
+    return [_post(placed.size[0], placed.size[2])]
 
 
-def sign(placed: PlacedObject) -> list[CoarseShape]:
-    """A post up to `clearance`, and the plate over it."""
-    return [_post(_SIGN_POST, 0.0, placed.clearance), _plate(placed, "traffic-sign", placed.clearance)]
+def _headed(diameter: float, label: str, placed: PlacedObject) -> list[CoarseShape]:
+    """A post up to `clearance`, and over it the plate or the signal."""
+    return [_post(diameter, placed.clearance), _plate(placed, label, placed.clearance)]
 
 
-def traffic_light(placed: PlacedObject) -> list[CoarseShape]:
-    """A post up to `clearance`, and the signal over it."""
-    return [_post(_LIGHT_POST, 0.0, placed.clearance), _plate(placed, "traffic-light", placed.clearance)]
+sign, traffic_light = partial(_headed, _SIGN_POST, "traffic-sign"), partial(_headed, _LIGHT_POST, "traffic-light")
 
 
 def gantry(placed: PlacedObject) -> list[CoarseShape]:
     """Two posts and the signs between them, from `clearance` up."""
     _, width, height = placed.size
     bottom = placed.clearance if 0.0 < placed.clearance < height else _GANTRY_SIGNS * height
-    posts = [_post(_GANTRY_POST, 0.0, height, y=side * (width / 2 - _GANTRY_POST / 2)) for side in (-1, 1)]
+    posts = [_post(_GANTRY_POST, height, y=side * (width / 2 - _GANTRY_POST / 2)) for side in (-1, 1)]
     return [*posts, _plate(placed, "traffic-sign", bottom)]
 
 
 def billboard(placed: PlacedObject) -> list[CoarseShape]:
     """A board on its post, or down to the ground where it has no clearance."""
     board = _plate(placed, "other", placed.clearance)
-    return [_post(_BOARD_POST, 0.0, placed.clearance, "other"), board] if placed.clearance > _LOWEST_BOARD else [board]
+    return [_post(_BOARD_POST, placed.clearance, "other"), board] if placed.clearance > _LOWEST_BOARD else [board]
 
 
 def trailer_truck(placed: PlacedObject) -> list[CoarseShape]:
@@ -144,25 +197,20 @@ def trailer_truck(placed: PlacedObject) -> list[CoarseShape]:
     trailer = length - tractor
     cab = (tractor - _TRACTOR_GAP, width, min(height, _CAB_HEIGHT))
     return [
-        _standing((trailer, width, height), "truck", x=(trailer - length) / 2),
-        _standing(cab, "truck", x=(length - cab[0]) / 2),
+        standing("box", (trailer, width, height), "truck", x=(trailer - length) / 2),
+        standing("box", cab, "truck", x=(length - cab[0]) / 2),
     ]
 
 
-def cyclist(placed: PlacedObject) -> list[CoarseShape]:
-    """A rider, and a bicycle as the next instance."""
-    return _ridden(placed, "bicycle", _BICYCLE_HEIGHT)
-
-
-def motorcyclist(placed: PlacedObject) -> list[CoarseShape]:
-    """A rider, and a motorcycle as the next instance."""
-    return _ridden(placed, "motorcycle", _MOTORCYCLE_HEIGHT)
-
-
-def _ridden(placed: PlacedObject, label: str, top: float) -> list[CoarseShape]:
+def _ridden(label: str, top: float, placed: PlacedObject) -> list[CoarseShape]:
+    """A rider, and the bicycle or motorcycle as the next instance."""
     length, width, height = placed.size
     rider = (_RIDER_LENGTH, width * _RIDER_WIDTH, height - _RIDER_FROM)
     return [
         CoarseShape("box", (_RIDER_X, 0.0, (_RIDER_FROM + height) / 2), rider, "rider"),
-        _standing((length, _RIDDEN_WIDTH * width, top), label, instance_offset=1),
+        standing("box", (length, _RIDDEN_WIDTH * width, top), label, instance_offset=1),
     ]
+
+
+cyclist = partial(_ridden, "bicycle", _BICYCLE_HEIGHT)
+motorcyclist = partial(_ridden, "motorcycle", _MOTORCYCLE_HEIGHT)

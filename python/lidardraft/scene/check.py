@@ -10,7 +10,7 @@ import numpy as np
 
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import Layout, Primitive, object_of, primitive_mesh
-from lidardraft.semantics import BY_NAME, GROUND
+from lidardraft.semantics import BY_NAME, CLASSES, GROUND
 
 VEHICLE_LABELS = ("car", "truck", "bus", "train", "motorcycle")
 EGO_SIZE = (4.5, 2.0, 2.0)  # m around the origin, standing on the road
@@ -18,18 +18,8 @@ MAX_RANGE = 120.0  # m, what the furthest-seeing presets reach
 OVERLAP_TOLERANCE = 0.02  # m
 GROUND_TOLERANCE = 0.15  # m, a kerb
 
-# Smallest and largest (length, width, height) [m] that an object of the class can plausibly have: from children and
-# microcars up to articulated buses and coupled trams.
-SIZE_RANGES: dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]] = {
-    "person": ((0.2, 0.2, 0.8), (1.6, 1.6, 2.2)),
-    "rider": ((0.3, 0.3, 0.5), (2.8, 1.2, 2.3)),  # may begin at the saddle
-    "car": ((2.4, 1.3, 1.1), (6.5, 2.4, 3.0)),
-    "truck": ((4.5, 1.7, 1.8), (20.0, 2.8, 4.5)),
-    "bus": ((5.5, 1.9, 2.3), (25.0, 2.8, 4.6)),
-    "train": ((8.0, 2.0, 2.8), (80.0, 3.5, 5.5)),
-    "motorcycle": ((1.4, 0.4, 0.8), (2.8, 1.3, 2.2)),
-    "bicycle": ((1.0, 0.2, 0.7), (2.6, 1.0, 2.2)),
-}
+# Smallest and largest (length, width, height) [m] of the classes that are counted.
+SIZE_RANGES = {row.name: row.limits for row in CLASSES if row.limits}
 
 
 @dataclass(frozen=True, slots=True)

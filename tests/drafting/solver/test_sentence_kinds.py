@@ -3,25 +3,24 @@
 import numpy as np
 import pytest
 
-from lidardraft.drafting.solver.object_shapes import (
-    ObjectPart,
+from lidardraft.drafting.solver.scene_spec import SURFACES
+from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS, SentenceKind, with_rider
+from lidardraft.objects.coarse_shapes import (
+    CoarseShape,
     extents,
     in_segments,
     street_light_parts,
     traffic_light_parts,
     traffic_sign_parts,
     tree_parts,
-    with_rider,
 )
-from lidardraft.drafting.solver.scene_spec import SURFACES
-from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS, SentenceKind
 from lidardraft.semantics import BY_NAME, GROUND
 
 SLACK = 0.08  # m; half of a lamp is over its mast
 MADE = [kind for kind in SENTENCE_KINDS.values() if kind.sizes is not None]
 
 
-def upright_box(parts: list[ObjectPart]) -> np.ndarray:
+def upright_box(parts: list[CoarseShape]) -> np.ndarray:
     """The size of the smallest upright box around all parts of one object, which stands on the ground."""
     low = np.min([np.subtract(part.center, np.divide(part.size, 2)) for part in parts], axis=0)
     high = np.max([np.add(part.center, np.divide(part.size, 2)) for part in parts], axis=0)
@@ -69,14 +68,14 @@ def test_plurals() -> None:
 
 
 def test_segments_lie_end_to_end() -> None:
-    segments = in_segments(ObjectPart("", "box", (0.0, 0.0, 1.0), (11.0, 0.3, 2.0), "wall"))
+    segments = in_segments(CoarseShape("box", (0.0, 0.0, 1.0), (11.0, 0.3, 2.0), "wall"))
     assert [segment.name for segment in segments] == ["1", "2", "3"]
     ends = [(s.center[0] - s.size[0] / 2, s.center[0] + s.size[0] / 2) for s in segments]
     np.testing.assert_allclose(np.ravel(ends), [-5.5, -11 / 6, -11 / 6, 11 / 6, 11 / 6, 5.5])
 
 
 def test_a_rider_sits_on_what_is_ridden() -> None:
-    bicycle = ObjectPart("", "box", (0.0, 0.0, 0.55), (1.8, 0.6, 1.1), "bicycle")
+    bicycle = CoarseShape("box", (0.0, 0.0, 0.55), (1.8, 0.6, 1.1), "bicycle")
     machine, rider = with_rider(bicycle, np.random.default_rng(0))
     assert (machine.name, rider.name, rider.label) == ("bicycle", "rider", "rider")
     assert rider.center[2] - rider.size[2] / 2 == pytest.approx(0.66)
@@ -92,7 +91,7 @@ def test_a_rider_sits_on_what_is_ridden() -> None:
         (traffic_sign_parts(2.3, 0.7), 2.3),
     ],
 )
-def test_objects_on_posts_are_as_high_as_asked_and_hang_together(parts: list[ObjectPart], top: float) -> None:
+def test_objects_on_posts_are_as_high_as_asked_and_hang_together(parts: list[CoarseShape], top: float) -> None:
     post, head = parts
     assert upright_box(parts)[2] == pytest.approx(top)
     assert head.center[2] - head.size[2] / 2 <= post.size[2] + 1e-9

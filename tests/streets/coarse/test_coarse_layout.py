@@ -23,7 +23,7 @@ from lidardraft.streets.coarse.coarse_layout import (
     as_boxes,
     sample_style,
 )
-from lidardraft.streets.coarse.coarse_street import ALWAYS_NAMED, FAMILIES, FAMILY_OF, ShapeColumns, place_of
+from lidardraft.streets.coarse.coarse_street import FAMILIES, ShapeColumns, place_of
 
 STYLES = [sample_style(np.random.default_rng(seed)) for seed in range(200)]
 
@@ -220,14 +220,10 @@ def test_no_rows_are_no_shapes():
     assert empty.centers.shape == (0, 3)
 
 
-def test_every_word_of_a_kind_is_of_one_family_or_always_named():
-    named = [*ALWAYS_NAMED, *(word for _, words in FAMILIES.values() for word in words)]
-    assert len(named) == len(set(named))
-    assert set(named) == {kind.word for kind in KINDS.values()} - {None}
-    assert set(named) <= set(SENTENCE_KINDS)
-    # a word for others, one for several, one left out, one that streets call a fence
-    assert set(SENTENCE_KINDS) - set(named) <= {"vehicle", "garden", "cone", "barrier"}
-    assert set(FAMILY_OF) == {*named, None}
+def test_every_family_has_words_and_only_vehicles_have_none():
+    words = {SENTENCE_KINDS[kind.word] for kind in KINDS.values() if kind.word}
+    assert {word.family for word in words} == {*FAMILIES, ""}
+    assert {word.name for word in words if not word.family} == {"car", "van", "truck", "bus", "tram"}
 
 
 def test_the_mesh_follows_the_ground():

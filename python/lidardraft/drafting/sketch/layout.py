@@ -23,11 +23,11 @@ from lidardraft.drafting.sketch.surfaces import (
     heading,
     height_at,
 )
-from lidardraft.drafting.solver.object_shapes import ObjectPart
 from lidardraft.errors import FormatError, LayoutError, check_type
 from lidardraft.files import named, read_text
 from lidardraft.formats.picture import opened_picture
 from lidardraft.json_fields import is_number
+from lidardraft.objects.coarse_shapes import CoarseShape
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.road import terrain
 from lidardraft.semantics import BY_NAME, GROUND
@@ -144,7 +144,7 @@ def _reach(sketch: Sketch) -> float:
 
 
 def _standing(
-    id: str, parts: list[tuple[ObjectPart, float]], place: tuple[float, float, float], instances: Iterator[int]
+    id: str, parts: list[tuple[CoarseShape, float]], place: tuple[float, float, float], instances: Iterator[int]
 ) -> Iterator[Primitive]:
     for part, yaw in parts:
         cos, sin = math.cos(yaw), math.sin(yaw)

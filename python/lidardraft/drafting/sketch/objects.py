@@ -12,15 +12,15 @@ from itertools import pairwise
 import numpy as np
 
 from lidardraft.drafting.sketch.shapes import Blob, Stroke
-from lidardraft.drafting.solver.object_shapes import (
+from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS, SentenceKind
+from lidardraft.objects.coarse_shapes import (
     CROWN_BASE,
     TRUNK_DIAMETER,
-    ObjectPart,
+    CoarseShape,
     extents,
     resized,
     tree_parts,
 )
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.scene import class_names
 from lidardraft.scene.check import SIZE_RANGES
 
@@ -45,7 +45,7 @@ _CORNER = 0.4  # m that a hedge, fence or wall may be beside its stroke
 _SHORTEST_PART = 0.05  # m
 _MOST_PARTS = 2_000  # of one stroke or stand
 
-Placed = tuple[str, list[tuple[ObjectPart, float]], np.ndarray]  # kind, parts with the yaw of each, place [2]
+Placed = tuple[str, list[tuple[CoarseShape, float]], np.ndarray]  # kind, parts with the yaw of each, place [2]
 
 
 class NotDrawnError(Exception):
@@ -115,7 +115,7 @@ def objects_of_stroke(stroke: Stroke, rng: np.random.Generator) -> Iterator[Plac
     yield kind.name, parts, place
 
 
-def _placed(kind: str, parts: list[ObjectPart], place: np.ndarray, yaw: float) -> Placed:
+def _placed(kind: str, parts: list[CoarseShape], place: np.ndarray, yaw: float) -> Placed:
     return kind, [(part, yaw) for part in parts], place
 
 
@@ -162,7 +162,7 @@ def _tree_row(stroke: Stroke, rng: np.random.Generator) -> Iterator[Placed]:
         yield _placed("tree", _tree(crown, rng), place, 0.0)
 
 
-def _tree(across: float, rng: np.random.Generator) -> list[ObjectPart]:
+def _tree(across: float, rng: np.random.Generator) -> list[CoarseShape]:
     crown = min(max(across, _CROWN[0]), _CROWN[1])
     height = min(max(_HEIGHT_PER_CROWN * crown * float(rng.uniform(0.85, 1.15)), _TREE_HEIGHT[0]), _TREE_HEIGHT[1])
     base = min(float(rng.uniform(*CROWN_BASE)), 0.45 * height)
@@ -180,7 +180,7 @@ def _thickness(kind: SentenceKind, width: float) -> float:
     return max(width, kind.sizes.smallest[1])
 
 
-def _resized(kind: SentenceKind, footprint: tuple[float, float], rng: np.random.Generator) -> list[ObjectPart]:
+def _resized(kind: SentenceKind, footprint: tuple[float, float], rng: np.random.Generator) -> list[CoarseShape]:
     """The parts of an object of that footprint (length, width) [m], as high as one of its kind."""
     parts = kind.sample_parts(rng, parked=True)
     size = extents(parts)

@@ -9,12 +9,12 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from lidardraft.drafting.solver.object_shapes import STANDING, ObjectPart, extents, in_segments, resized
 from lidardraft.drafting.solver.poses import RoadPose, lot_edge, with_near_side_at
 from lidardraft.drafting.solver.relative_poses import Footprint
 from lidardraft.drafting.solver.scene_spec import EXTENTS, ObjectGroup, split_place
 from lidardraft.drafting.solver.sentence_kinds import SentenceKind
 from lidardraft.errors import LayoutError
+from lidardraft.objects.coarse_shapes import STANDING, CoarseShape, extents, in_segments, resized
 from lidardraft.scene.check import EGO, MAX_RANGE, SIZE_RANGES, LayoutGround, Solid, penetration
 from lidardraft.scene.layout import Primitive
 from lidardraft.scene.road import RING, Road
@@ -83,7 +83,7 @@ class Occupancy:
         length, width, _ = extents([part for part in parts if part.center[2] - part.size[2] / 2 < STANDING])
         return Footprint.of(name, kind, pose, length, width)  # crowns and lamps hang over what is near
 
-    def _limit(self, kind: SentenceKind, group: ObjectGroup, parts: list[ObjectPart], pose: RoadPose) -> str | None:
+    def _limit(self, kind: SentenceKind, group: ObjectGroup, parts: list[CoarseShape], pose: RoadPose) -> str | None:
         """What keeps an object from there whatever else stands around, by name; None where nothing does."""
         if not group.on_road and any(_reaches(part, pose.across, self.road) for part in parts):
             return "the road"
@@ -98,7 +98,7 @@ class Occupancy:
             return "the kerb"
         return "the roundabout" if self._is_in_roundabout(kind, parts, pose) else None
 
-    def _reaches_into_lot(self, parts: list[ObjectPart], pose: RoadPose) -> bool:
+    def _reaches_into_lot(self, parts: list[CoarseShape], pose: RoadPose) -> bool:
         if not self.road.paved_areas:
             return False
         (start, end), (length, width, _) = self.road.paved_areas[0].along, extents(parts)
@@ -109,7 +109,7 @@ class Occupancy:
         surface = self.ground.at(*self.road.at(pose.along, pose.across)[:2])
         return surface is not None and surface[1] == "road"
 
-    def _is_in_roundabout(self, kind: SentenceKind, parts: list[ObjectPart], pose: RoadPose) -> bool:
+    def _is_in_roundabout(self, kind: SentenceKind, parts: list[CoarseShape], pose: RoadPose) -> bool:
         """Whether it would be in the way of who drives around, or on the island."""
         if self.road.roundabout_radius is None or self.road.junction is None:
             return False
@@ -135,7 +135,7 @@ class Occupancy:
                 if penetration(solid, other) > 0:
                     yield _NAMES.get(other.primitive.id, other.primitive.id.partition(".")[0])
 
-    def _primitive(self, kind: SentenceKind, part: ObjectPart, pose: RoadPose, bent: bool) -> Primitive:
+    def _primitive(self, kind: SentenceKind, part: CoarseShape, pose: RoadPose, bent: bool) -> Primitive:
         along, across, yaw = pose
         length, width, height = part.size
         dx, dy, dz = part.center
@@ -153,7 +153,7 @@ class Occupancy:
 _NAMES = {"ego": "the ego vehicle", "road_left": "the crossing road", "road_right": "the crossing road"}
 
 
-def _sized(parts: list[ObjectPart], group: ObjectGroup) -> list[ObjectPart]:
+def _sized(parts: list[CoarseShape], group: ObjectGroup) -> list[CoarseShape]:
     """The parts in the size that the group asks for, as far as its class can have it."""
     if group.scale is None and group.size is None:
         return parts
@@ -171,7 +171,7 @@ def _sized(parts: list[ObjectPart], group: ObjectGroup) -> list[ObjectPart]:
     return resized(parts, (x, y, z))
 
 
-def _reaches(part: ObjectPart, across: float, road: Road) -> bool:
+def _reaches(part: CoarseShape, across: float, road: Road) -> bool:
     """Whether a part that stands beside the road would stand on it; what hangs over it, as a crown does, may."""
     low = part.center[2] - part.size[2] / 2 < STANDING
     return low and abs(across) - part.size[1] / 2 < road.edge

@@ -8,9 +8,9 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from lidardraft.drafting.solver.object_shapes import STANDING, ObjectPart
 from lidardraft.drafting.solver.scene_spec import ObjectGroup
 from lidardraft.drafting.solver.sentence_kinds import SentenceKind
+from lidardraft.objects.coarse_shapes import STANDING, CoarseShape
 from lidardraft.scene.road import LEFT, RIGHT, RING, Road
 
 BACKWARDS = math.pi  # rad, against the ego's direction
@@ -217,7 +217,7 @@ def set_back(group: ObjectGroup, kind: SentenceKind, road: Road, sides: tuple[in
     return RoadPose(at.along, side * (base - off if inwards else base + off), BACKWARDS if backwards else 0.0)
 
 
-def with_near_side_at(group: ObjectGroup, pose: RoadPose, parts: list[ObjectPart]) -> RoadPose:
+def with_near_side_at(group: ObjectGroup, pose: RoadPose, parts: list[CoarseShape]) -> RoadPose:
     """The pose whose near side, of what stands on the ground, is where the middle was."""
     cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
     out = math.copysign(1.0, pose.across) * (-1.0 if _lies_inwards(group) else 1.0)

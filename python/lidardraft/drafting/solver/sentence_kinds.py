@@ -1,6 +1,7 @@
 """The kinds of object that a sentence can ask for: one record each, from which everything else about a kind follows.
 
-The words for a kind stand in `english.lark` under its name in capitals; without them the grammar is in error.
+The words for a kind stand in `english.lark` under its name in capitals; without them the grammar is in error. How
+objects of these kinds are built in detail is in `objects/kinds.py`.
 """
 
 from __future__ import annotations
@@ -12,23 +13,126 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lidardraft.drafting.solver.object_shapes import (
-    ObjectPart,
-    SizeAround,
-    SizeBetween,
-    Sizes,
-    between,
-    sample_box,
-    sample_cone,
-    sample_garden,
-    sample_round,
-    sample_traffic_light,
-    sample_tree,
+from lidardraft.objects.coarse_shapes import (
+    CROWN_BASE,
+    LIGHTS_HEIGHT,
+    TRUNK_DIAMETER,
+    CoarseShape,
+    standing,
     street_light_parts,
+    traffic_light_parts,
     traffic_sign_parts,
-    with_rider,
+    tree_parts,
 )
+from lidardraft.objects.placed_object import Vector
 from lidardraft.semantics import BY_NAME
+
+_HEDGE_HEIGHT = (0.6, 1.1)  # m, of a garden; that of its bushes, and how far behind the hedge they stand
+_BUSH_HEIGHT, _BUSHES_BEHIND = (0.7, 1.2), 1.3
+_SADDLE = 0.6  # of the height of a two-wheeler
+_RIDER_TOP = (1.6, 1.85)  # m
+_CONE_FOOT = 0.04  # m high
+
+
+@dataclass(frozen=True, slots=True)
+class SizeBetween:
+    """Sizes spread evenly between a smallest and a largest."""
+
+    smallest: Vector
+    largest: Vector
+
+    def sample(self, rng: np.random.Generator) -> Vector:
+        """One of these sizes."""
+        length, width, height = rng.uniform(self.smallest, self.largest).tolist()
+        return length, width, height
+
+
+@dataclass(frozen=True, slots=True)
+class SizeAround:
+    """Sizes spread evenly around a typical one: by a share of each extent, up and down."""
+
+    typical: Vector
+    spread: tuple[float, float, float]
+
+    @property
+    def smallest(self) -> Vector:
+        """The smallest of these sizes, to the millimetre."""
+        return self._scaled(-1.0)
+
+    @property
+    def largest(self) -> Vector:
+        """The largest of these sizes, to the millimetre."""
+        return self._scaled(1.0)
+
+    def _scaled(self, by: float) -> Vector:
+        x, y, z = (
+            round(typical * (1.0 + by * share), 3) for typical, share in zip(self.typical, self.spread, strict=True)
+        )
+        return x, y, z
+
+    def sample(self, rng: np.random.Generator) -> Vector:
+        """One of these sizes."""
+        x, y, z = (np.array(self.typical) * (1.0 + np.array(self.spread) * rng.uniform(-1, 1, 3))).tolist()
+        return x, y, z
+
+
+Sizes = SizeBetween | SizeAround
+
+
+def sample_box(sizes: Sizes, label: str, rng: np.random.Generator) -> list[CoarseShape]:
+    """One box."""
+    return [standing("box", sizes.sample(rng), label)]
+
+
+def with_rider(machine: CoarseShape, rng: np.random.Generator) -> list[CoarseShape]:
+    """A two-wheeler and who rides it."""
+    saddle, top = _SADDLE * machine.size[2], float(rng.uniform(*_RIDER_TOP))
+    rider = CoarseShape("box", (-0.1, 0.0, (saddle + top) / 2), (0.7, 0.55, top - saddle), "rider", name="rider")
+    return [machine._replace(name=machine.label), rider]
+
+
+def sample_tree(sizes: Sizes, _label: str, rng: np.random.Generator) -> list[CoarseShape]:
+    """A trunk and a crown."""
+    height, crown = between(sizes, 2, rng), between(sizes, 0, rng)
+    trunk = float(rng.uniform(*TRUNK_DIAMETER))
+    return tree_parts(height, crown, trunk, float(rng.uniform(*CROWN_BASE)))
+
+
+def sample_round(shape: str, sizes: Sizes, label: str, rng: np.random.Generator) -> list[CoarseShape]:
+    """One shape that is round seen from above."""
+    width, height = between(sizes, 0, rng), between(sizes, 2, rng)
+    return [standing(shape, (width, width, height), label)]
+
+
+def sample_garden(sizes: Sizes, label: str, rng: np.random.Generator) -> list[CoarseShape]:
+    """A low hedge along the street (y = 0) with bushes behind it (y > 0)."""
+    length, height = between(sizes, 0, rng), float(rng.uniform(*_HEDGE_HEIGHT))
+    parts = [standing("box", (length, 0.6, height), label, "hedge")]
+    for number, x in enumerate((-length / 3, 0.0, length / 3), start=1):
+        size = float(rng.uniform(*_BUSH_HEIGHT))
+        center = (x, _BUSHES_BEHIND, size / 2)
+        parts.append(CoarseShape("ellipsoid", center, (size, size, size), label, name=f"bush_{number}"))
+    return parts
+
+
+def sample_cone(sizes: Sizes, label: str, rng: np.random.Generator) -> list[CoarseShape]:
+    """A square foot and a cylinder as wide as the cone is in its middle."""
+    foot, height = between(sizes, 0, rng), between(sizes, 2, rng)
+    body = (0.5 * foot, 0.5 * foot, height - _CONE_FOOT)
+    return [
+        standing("box", (foot, foot, _CONE_FOOT), label, "foot"),
+        CoarseShape("cylinder", (0.0, 0.0, _CONE_FOOT + body[2] / 2), body, label, name="body"),
+    ]
+
+
+def sample_traffic_light(sizes: Sizes, _label: str, rng: np.random.Generator) -> list[CoarseShape]:
+    """A pole and its lights."""
+    return traffic_light_parts(float(rng.uniform(sizes.smallest[2] - LIGHTS_HEIGHT, sizes.largest[2] - LIGHTS_HEIGHT)))
+
+
+def between(sizes: Sizes, axis: int, rng: np.random.Generator) -> float:
+    """An extent along one axis [m] between the smallest and the largest."""
+    return float(rng.uniform(sizes.smallest[axis], sizes.largest[axis]))
 
 
 class CountRanges(NamedTuple):
@@ -48,7 +152,8 @@ class SentenceKind:
     """One kind of object.
 
     `label` is the class of its largest part. `sizes` are those of the whole object, without a rider; None for the kind
-    "vehicle", which stands for any kind with a `traffic_share`, the share it has of such traffic. `shapes` samples the
+    "vehicle", which stands for any kind with a `traffic_share`, the share it has of such traffic. Kinds of one `family`
+    are named or left out together by the sentences of streets; those of none are always named. `shapes` samples the
     parts. `counts` says what words for numbers mean. `surfaces` are those that it can be asked for on; with none it
     always stands behind the sidewalk. What is `set_down` stands on the road where nothing else is said. `precedence` is
     higher for what is placed earlier, as it needs most room or has least choice.
@@ -59,15 +164,16 @@ class SentenceKind:
 
     What stands beside the road has its middle as far behind the sidewalk as `setback` says [m]: usually between the
     first two numbers, for want of room up to the third; at the kerb where it is None. It is out of line by
-    `yaw_deviation` [rad]. `follows_road` is for long strips that bend with the road, `at_junction` for what stands
-    where traffic waits before a junction, if there is one.
+    `yaw_deviation` [rad]; what `is_square` stands exactly along the road or across it. `follows_road` is for long
+    strips that bend with the road, `at_junction` for what stands where traffic waits before a junction if there is one.
     """
 
     name: str
     sizes: Sizes | None
     label: str
     _: KW_ONLY
-    shapes: Callable[[Sizes, str, np.random.Generator], list[ObjectPart]] = sample_box
+    family: str = ""
+    shapes: Callable[[Sizes, str, np.random.Generator], list[CoarseShape]] = sample_box
     counts: CountRanges = _OTHERS
     surfaces: tuple[str, ...] = ()
     precedence: int = 0
@@ -81,6 +187,7 @@ class SentenceKind:
     parking_width: float = 2.2
     setback: tuple[float, float, float] | None = None
     yaw_deviation: float = 0.0
+    is_square: bool = False
     follows_road: bool = False
     at_junction: bool = False
 
@@ -100,7 +207,7 @@ class SentenceKind:
         """Whether it may be on the road without being asked for there."""
         return self.drives or self.walks or self.set_down
 
-    def sample_parts(self, rng: np.random.Generator, *, parked: bool = False) -> list[ObjectPart]:
+    def sample_parts(self, rng: np.random.Generator, *, parked: bool = False) -> list[CoarseShape]:
         """The parts of one object, in a size of its own; a single part has an empty name.
 
         What `is_ridden` has a rider unless `parked`.
@@ -128,8 +235,13 @@ _large = partial(_vehicle, parking_width=3.0)
 _ANYWHERE = ("road", "sidewalk")
 _thing = partial(SentenceKind, surfaces=_ANYWHERE)
 _plant = partial(SentenceKind, label="vegetation")
-_building = partial(SentenceKind, label="building", counts=CountRanges(some=(3, 5)), yaw_deviation=0.02)
+_building = partial(
+    SentenceKind, label="building", family="buildings", counts=CountRanges(some=(3, 5)), yaw_deviation=0.02
+)
 _strip = partial(SentenceKind, counts=CountRanges((1, 2), (2, 3), (3, 4)), surfaces=("road",), follows_road=True)
+_enclosure = partial(_strip, family="enclosures")
+_pole = partial(_thing, family="poles")
+_furniture = partial(_thing, label="other", family="furniture", is_square=True)
 _KINDS = (
     _large("vehicle", None, "car", precedence=7),
     _vehicle("car", _class_sizes("car", _MACHINE), "car", precedence=6, traffic_share=0.76),
@@ -137,68 +249,59 @@ _KINDS = (
     _large("truck", _class_sizes("truck", _MACHINE), "truck", precedence=9, traffic_share=0.08, lane_length=18.0),
     _large("bus", _class_sizes("bus", _MACHINE), "bus", precedence=10, traffic_share=0.04, lane_length=21.0),
     _large("tram", _class_sizes("train", _MACHINE), "train", precedence=11, lane_length=38.0),
-    _vehicle("motorcycle", _class_sizes("motorcycle", _TWO_WHEELER), "motorcycle", is_ridden=True),
-    _thing(
-        "bicycle", _class_sizes("bicycle", _TWO_WHEELER), "bicycle", counts=CountRanges(), cycles=True, is_ridden=True
+    _vehicle(
+        "motorcycle", _class_sizes("motorcycle", _TWO_WHEELER), "motorcycle", family="people", is_ridden=True
     ),
     _thing(
-        "person", SizeBetween((0.4, 0.45, 1.5), (0.8, 0.65, 1.9)), "person", counts=CountRanges(many=(6, 9)), walks=True
+        "bicycle", _class_sizes("bicycle", _TWO_WHEELER), "bicycle", family="people", counts=CountRanges(),
+        cycles=True, is_ridden=True,
+    ),
+    _thing(
+        "person", SizeBetween((0.4, 0.45, 1.5), (0.8, 0.65, 1.9)), "person", family="people",
+        counts=CountRanges(many=(6, 9)), walks=True,
     ),
     _building("house", SizeBetween((8.0, 7.0, 5.0), (13.0, 10.0, 8.5)), precedence=12, setback=(9.0, 12.0, 22.0)),
     _building("building", SizeBetween((12.0, 10.0, 9.0), (22.0, 14.0, 20.0)), precedence=13, setback=(8.0, 11.0, 24.0)),
     _plant(
-        "tree",
-        SizeBetween((2.8, 2.8, 5.0), (5.0, 5.0, 10.0)),
-        surfaces=_ANYWHERE,
-        shapes=sample_tree,
-        precedence=1,
-        setback=(1.3, 3.0, 14.0),
+        "tree", SizeBetween((2.8, 2.8, 5.0), (5.0, 5.0, 10.0)), family="trees", surfaces=_ANYWHERE, shapes=sample_tree,
+        precedence=1, setback=(1.3, 3.0, 14.0),
     ),
     _plant(
-        "bush",
-        SizeBetween((0.8, 0.8, 0.7), (2.2, 2.2, 1.8)),
-        surfaces=_ANYWHERE,
-        shapes=partial(sample_round, "ellipsoid"),
-        setback=(1.4, 3.0, 10.0),
+        "bush", SizeBetween((0.8, 0.8, 0.7), (2.2, 2.2, 1.8)), family="greenery", surfaces=_ANYWHERE,
+        shapes=partial(sample_round, "ellipsoid"), setback=(1.4, 3.0, 10.0),
     ),
     _plant(
-        "garden",
-        SizeBetween((5.0, 1.95, 0.7), (9.0, 2.2, 1.2)),
-        shapes=sample_garden,
-        precedence=2,
+        "garden", SizeBetween((5.0, 1.95, 0.7), (9.0, 2.2, 1.2)), shapes=sample_garden, precedence=2,
         setback=(0.6, 1.0, 4.0),
     ),
     _strip(
-        "hedge", SizeBetween((6.0, 0.6, 0.9), (16.0, 1.2, 2.0)), "vegetation", precedence=3, setback=(0.9, 1.2, 5.0)
+        "hedge", SizeBetween((6.0, 0.6, 0.9), (16.0, 1.2, 2.0)), "vegetation", family="greenery", precedence=3,
+        setback=(0.9, 1.2, 5.0),
     ),
-    _strip("fence", SizeBetween((10.0, 0.06, 0.9), (30.0, 0.15, 1.8)), "fence", precedence=4, setback=(0.4, 0.8, 5.0)),
+    _enclosure(
+        "fence", SizeBetween((10.0, 0.06, 0.9), (30.0, 0.15, 1.8)), "fence", precedence=4, setback=(0.4, 0.8, 5.0)
+    ),
     # of steel or, from 0.8 m on, of concrete
-    _strip("barrier", SizeBetween((10.0, 0.3, 0.7), (30.0, 0.6, 0.9)), "fence", precedence=4, setback=(0.4, 0.8, 5.0)),
-    _strip("wall", SizeBetween((10.0, 0.2, 1.5), (30.0, 0.4, 3.0)), "wall", precedence=5, setback=(0.5, 0.9, 5.0)),
-    _thing("pole", SizeBetween((0.1, 0.1, 2.5), (0.2, 0.2, 5.0)), "pole", shapes=partial(sample_round, "cylinder")),
-    _thing(
-        "street-light",
-        SizeBetween((0.3, 1.2, 6.0), (0.3, 1.2, 8.5)),
-        "pole",
+    _enclosure(
+        "barrier", SizeBetween((10.0, 0.3, 0.7), (30.0, 0.6, 0.9)), "fence", precedence=4, setback=(0.4, 0.8, 5.0)
+    ),
+    _enclosure("wall", SizeBetween((10.0, 0.2, 1.5), (30.0, 0.4, 3.0)), "wall", precedence=5, setback=(0.5, 0.9, 5.0)),
+    _pole("pole", SizeBetween((0.1, 0.1, 2.5), (0.2, 0.2, 5.0)), "pole", shapes=partial(sample_round, "cylinder")),
+    _pole(
+        "street-light", SizeBetween((0.3, 1.2, 6.0), (0.3, 1.2, 8.5)), "pole",
         shapes=lambda sizes, _, rng: street_light_parts(between(sizes, 2, rng)),
     ),
-    _thing(
-        "traffic-light",
-        SizeBetween((0.35, 0.35, 3.1), (0.35, 0.35, 3.9)),
-        "traffic-light",
-        shapes=sample_traffic_light,
-        counts=CountRanges((1, 2), (2, 2), (3, 4)),
-        at_junction=True,
+    _pole(
+        "traffic-light", SizeBetween((0.35, 0.35, 3.1), (0.35, 0.35, 3.9)), "traffic-light",
+        shapes=sample_traffic_light, counts=CountRanges((1, 2), (2, 2), (3, 4)), is_square=True, at_junction=True,
     ),
-    _thing(
-        "traffic-sign",
-        SizeBetween((0.145, 0.6, 2.0), (0.145, 0.9, 2.6)),
-        "traffic-sign",
+    _pole(
+        "traffic-sign", SizeBetween((0.145, 0.6, 2.0), (0.145, 0.9, 2.6)), "traffic-sign", is_square=True,
         shapes=lambda sizes, _, rng: traffic_sign_parts(between(sizes, 2, rng), between(sizes, 1, rng)),
     ),
-    _thing("bin", SizeBetween((0.5, 0.5, 0.9), (0.8, 0.7, 1.2)), "other"),
-    _thing("bench", SizeBetween((1.4, 0.5, 0.75), (1.9, 0.6, 0.9)), "other", setback=(0.7, 1.0, 3.0)),
+    _furniture("bin", SizeBetween((0.5, 0.5, 0.9), (0.8, 0.7, 1.2))),
+    _furniture("bench", SizeBetween((1.4, 0.5, 0.75), (1.9, 0.6, 0.9)), setback=(0.7, 1.0, 3.0)),
     # 0.75 m for motorways and 0.5 m for other roads in the German rules for road works (RSA 21)
     _thing("cone", SizeBetween((0.28, 0.28, 0.5), (0.4, 0.4, 0.75)), "other", shapes=sample_cone, set_down=True),
-)
+)  # fmt: skip
 SENTENCE_KINDS: dict[str, SentenceKind] = {kind.name: kind for kind in _KINDS}

@@ -75,10 +75,8 @@ class TextStyle:
 def as_text(street: CoarseStreet, style: TextStyle, pose: np.ndarray) -> ShapeTable:
     """Sizes of the solver, objects in the middle of their lanes and along the road, flat ground."""
     x, y, _ = place_of(pose)
-    # the last one is for the kinds of no family, vehicles
-    named = np.array([family in style.named for family in FAMILIES] + [True])
     near = np.hypot(*(street.places[:, :2] - (x, y)).T) <= style.reach
-    chosen = named[street.families] & near & (style.poles | ~street.poles)
+    chosen = np.isin(street.families, ("", *style.named)) & near & (style.poles | ~street.poles)
     ground = street.ground(pose, relief=False, sidewalks=style.sidewalks)
     return ShapeTable.join(ground, street.standing(street.solved, chosen, pose, relief=False))
 
@@ -229,7 +227,7 @@ def sample_style(rng: np.random.Generator) -> Style:
     sidewalks, poles = bool(rng.random() < _HAS_SIDEWALKS), bool(rng.random() < _HAS_POLES)
     omit, lobes = float(rng.choice((0.0, 0.0, rng.uniform(0.0, _MOST_OMITTED)))), int(rng.integers(1, MOST_LOBES + 1))
     if style is TextStyle:
-        named = tuple(family for family, (share, _) in FAMILIES.items() if rng.random() < share)
+        named = tuple(family for family, share in FAMILIES.items() if rng.random() < share)
         return TextStyle(named=named, sidewalks=sidewalks, poles=poles, reach=float(rng.uniform(*_NAMED_WITHIN)))
     if style is ClusterStyle:
         return ClusterStyle(numbered=bool(rng.random() < _IS_NUMBERED))

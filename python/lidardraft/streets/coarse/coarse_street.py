@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lidardraft.drafting.cloud.rules import GROUND_PLANE_DROP, GROUND_PLANE_SIZE
+from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.objects.coarse_shapes import CoarseShape
 from lidardraft.objects.kinds import kind_of
 from lidardraft.objects.placed_object import PlacedObject
@@ -111,23 +112,10 @@ def _looked_down(caster: Raycaster, places: np.ndarray) -> tuple[np.ndarray, np.
     return height.reshape(places.shape[:-1]), label.reshape(places.shape[:-1])
 
 
-# How often a sentence names each family, and its words: an estimate.
-FAMILIES: dict[str, tuple[float, tuple[str, ...]]] = {
-    "people": (0.85, ("person", "bicycle", "motorcycle")),
-    "buildings": (0.9, ("house", "building")),
-    "trees": (0.9, ("tree",)),
-    "greenery": (0.6, ("bush", "hedge")),
-    "enclosures": (0.6, ("fence", "wall")),
-    "poles": (0.5, ("street-light", "pole", "traffic-sign", "traffic-light")),
-    "furniture": (0.4, ("bin", "bench")),
-}
-ALWAYS_NAMED = ("car", "van", "truck", "bus", "tram")
-
-# The number of a word's family; -1, the last, for what is always named, and for what no sentence speaks of.
-FAMILY_OF: dict[str | None, int] = {
-    **{word: number for number, (_, words) in enumerate(FAMILIES.values()) for word in words},
-    **dict.fromkeys((*ALWAYS_NAMED, None), -1),
-}
+# How often a sentence names each family of kinds: an estimate.
+FAMILIES = {
+    "people": 0.85, "buildings": 0.9, "trees": 0.9, "greenery": 0.6, "enclosures": 0.6, "poles": 0.5, "furniture": 0.4
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -179,8 +167,8 @@ class CoarseStreet:
 
     `scene` is the detailed scene of the `objects` along `road`, `middles` are those of the lanes across the road [m].
     Of the T objects, as columns: `places` f64 [T, 3] x, y, yaw; `levels` and `heights` f64 [T], of the ground under
-    them without and with its relief; `instances` u32 [T]; `small` and `poles` bool [T]; `families` i64 [T], the number
-    in `FAMILIES` or -1. `exact` are their shapes as they are, `solved` the nearest ones that the solver of sentences
+    them without and with its relief; `instances` u32 [T]; `small` and `poles` bool [T]; `families` str [T], of
+    `FAMILIES` or empty. `exact` are their shapes as they are, `solved` the nearest ones that the solver of sentences
     could have placed. `owners` i32 [P + 1] is the index of the object that each primitive of the scene is part of: -1
     for ground, and last for no primitive.
     """
@@ -205,7 +193,7 @@ class CoarseStreet:
         self.instances = np.array([t.instance for t in self.objects], dtype=np.uint32)
         self.small = np.array([kind.is_small for kind in kinds], dtype=bool)
         self.poles = np.array([kind.on_pole for kind in kinds], dtype=bool)
-        self.families = np.array([FAMILY_OF[kind.word] for kind in kinds], dtype=np.int64)
+        self.families = np.array([SENTENCE_KINDS[kind.word].family if kind.word else "" for kind in kinds], dtype=str)
 
     def ground(self, pose: np.ndarray, *, relief: bool, sidewalks: bool = True) -> ShapeTable:
         """The ground in the frame of the ego vehicle at street_from_ego `pose` [4, 4].

@@ -9,27 +9,25 @@ from dataclasses import replace
 import numpy as np
 
 from lidardraft.arranging.district import PARKING_STRIP
-from lidardraft.drafting.solver.object_shapes import (
-    CROWN_BASE,
-    TRUNK_DIAMETER,
-    TRUNK_IN_CROWN,
-    ObjectPart,
-    Size,
-    street_light_parts,
-    traffic_light_parts,
-    traffic_sign_parts,
-)
 from lidardraft.drafting.solver.occupancy import GAP
 from lidardraft.drafting.solver.poses import LANE_OFFSET, YAW_DEVIATION
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS, SentenceKind
-from lidardraft.objects.coarse_shapes import CoarseShape, box_of
-from lidardraft.objects.kinds import Alignment, Kind, kind_of
-from lidardraft.objects.placed_object import PlacedObject
+from lidardraft.objects.coarse_shapes import (
+    CROWN_BASE,
+    TRUNK_DIAMETER,
+    CoarseShape,
+    standing,
+    street_light_parts,
+    traffic_light_parts,
+    traffic_sign_parts,
+    tree_parts,
+)
+from lidardraft.objects.kinds import Kind, kind_of
+from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.scene.road import Road
 
 # Sizes are changed by no more than this: a network that learned from layouts further off would learn to ignore them.
 _MOST_RESIZED, _ALWAYS_RESIZED = 0.25, 0.12  # share of the size; m that are always allowed
-_ONE_BOX = {"house": "building", "truck": "truck"}  # a sentence knows no roofs, and one kind of lorry
 _MOST_YAW = 3 * YAW_DEVIATION  # rad
 _CROOKED = 0.2  # rad; what is turned by more stands as it does
 _IN_LANE = 0.5  # m from the middle of a lane that is still in it
@@ -38,7 +36,7 @@ _WIDEST_ON_POLE = 1.0  # m; wider traffic lights hang from an arm
 _LEAST_CROWN = 0.6  # of the height of a tree, the highest that its crown begins
 
 
-def _extents(kind: SentenceKind) -> tuple[Size, Size]:
+def _extents(kind: SentenceKind) -> tuple[Vector, Vector]:
     """The smallest and the largest extents [m] of a kind; strips are as long as they are."""
     assert kind.sizes is not None
     smallest, largest = kind.sizes.smallest, kind.sizes.largest
@@ -70,7 +68,7 @@ def solver_shapes(
         if kind.word is None:
             continue
         standard = _resized(placed, kind)
-        place = _settled(standard, kind.alignment, road, rows)
+        place = _settled(standard, SENTENCE_KINDS[kind.word], road, rows)
         coarse += [(index, shape, place) for shape in _shapes(standard, kind)]
     return coarse
 
@@ -98,50 +96,41 @@ def _nearest(extent: float, low: float, high: float) -> float:
 
 
 def _shapes(placed: PlacedObject, kind: Kind) -> list[CoarseShape]:
-    """The parts that `drafting.solver.object_shapes` makes for the word of a kind, at the size of the object."""
+    """The parts that a sentence has for the word of a kind, at the size of the object."""
     length, width, height = placed.size
     if kind.word == "tree":
         trunk = min(max(_TRUNK_SHARE * height, TRUNK_DIAMETER[0]), TRUNK_DIAMETER[1])
-        crown = height - placed.clearance
-        top = placed.clearance + TRUNK_IN_CROWN * crown
-        return [
-            CoarseShape("cylinder", (0.0, 0.0, top / 2), (trunk, trunk, top), "trunk"),
-            CoarseShape("ellipsoid", (0.0, 0.0, placed.clearance + crown / 2), (length, width, crown), "vegetation"),
-        ]
+        return tree_parts(height, length, trunk, placed.clearance)
     if kind.word == "building" and length > _LONGEST_BUILDING:
         count = math.ceil(length / _LONGEST_BUILDING)
         step = length / count
         along = (np.arange(count) + 0.5) * step - length / 2
-        return [CoarseShape("box", (float(x), 0.0, height / 2), (step - GAP, width, height), "building") for x in along]
+        return [standing("box", (step - GAP, width, height), "building", x=x) for x in along.tolist()]
     if kind.word == "traffic-sign":
-        return _as_coarse(traffic_sign_parts(height, width))
+        return traffic_sign_parts(height, width)
     if kind.word == "traffic-light" and width <= _WIDEST_ON_POLE:
-        return _as_coarse(traffic_light_parts(placed.clearance))
+        return traffic_light_parts(placed.clearance)
     if kind.word == "street-light":
-        return _as_coarse(street_light_parts(height))
-    if kind.word in _ONE_BOX:
-        return box_of(_ONE_BOX[kind.word])(placed)
+        return street_light_parts(height)
+    if kind.word in ("house", "truck"):  # a sentence knows no roofs, and one kind of lorry
+        return [standing("box", placed.size, kind.labels[0])]
     return kind.coarse(placed)
 
 
-def _as_coarse(parts: list[ObjectPart]) -> list[CoarseShape]:
-    return [CoarseShape(part.shape, part.center, part.size, part.label) for part in parts]
-
-
-def _settled(placed: PlacedObject, alignment: Alignment, road: Road, rows: np.ndarray) -> tuple[float, float, float]:
+def _settled(placed: PlacedObject, kind: SentenceKind, road: Road, rows: np.ndarray) -> tuple[float, float, float]:
     """x, y [m] and yaw [rad] of the object along the road, near the middle of a row if it stands in one."""
-    if alignment is Alignment.FREE:
+    if not (kind.is_vehicle or kind.is_square or kind.yaw_deviation):
         return placed.x, placed.y, placed.yaw
     along, across = road.along_across(placed.x, placed.y)
     heading = road.curvature * along
     turn = math.remainder(placed.yaw - heading, math.tau)
     square = round(turn / (math.pi / 2)) * math.pi / 2
-    if alignment is Alignment.SQUARE:
+    if kind.is_square:
         return placed.x, placed.y, heading + square
     if abs(turn - square) > _CROOKED:
         return placed.x, placed.y, placed.yaw
     turn = square + min(max(turn - square, -_MOST_YAW), _MOST_YAW)
-    if alignment is Alignment.LANE and round(square / (math.pi / 2)) % 2 == 0:
+    if kind.is_vehicle and round(square / (math.pi / 2)) % 2 == 0:
         row = rows[int(np.argmin(np.abs(rows - across)))]
         if abs(row - across) < _IN_LANE:
             across = min(max(across, row - LANE_OFFSET), row + LANE_OFFSET)
