@@ -121,40 +121,30 @@ class Occupancy:
 
     def _on_ground(self, placed: list[_Placement]) -> list[PlacedObject]:
         """The objects at their heights."""
-        along, across = np.array([(p.along, p.across) for p in placed]).T
+        places = np.array([(p.along, p.across, p.angle) for p in placed])
+        along, across, _ = places.T
         heights = self.ground.heights(along, across)
         drops = np.array([kind_of(p.kind).most_fall for p in placed])
         sunk = np.flatnonzero(np.isfinite(drops))
         if len(sunk):
-            lowest = self._lowest_ground([placed[index] for index in sunk]) + drops[sunk]
-            heights[sunk] = np.minimum(heights[sunk], lowest)
+            lowest = self._lowest_ground(places[sunk], np.array([placed[index].size[:2] for index in sunk]))
+            heights[sunk] = np.minimum(heights[sunk], lowest + drops[sunk])
         levels = self.ground.levels(along, across)
         return [
             PlacedObject(
-                kind=p.kind,
-                id=f"{p.kind}_{p.number}",
-                x=p.x,
-                y=p.y,
-                z=z,
-                level=level,
-                yaw=p.yaw,
-                size=p.size,
-                clearance=p.clearance,
-                instance=p.instance,
+                kind=p.kind, id=f"{p.kind}_{p.number}", x=p.x, y=p.y, z=z, level=level, yaw=p.yaw, size=p.size,
+                clearance=p.clearance, instance=p.instance,
             )
             for p, z, level in zip(placed, heights.tolist(), levels.tolist(), strict=True)
-        ]
+        ]  # fmt: skip
 
-    def _lowest_ground(self, placed: list[_Placement]) -> np.ndarray:
-        """The lowest ground under the corners of each [n]."""
-        half = np.array([p.size[:2] for p in placed])[:, None] * np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)]) / 2
-        angle = np.array([p.angle for p in placed])[:, None]
-        along = (
-            np.array([p.along for p in placed])[:, None] + half[..., 0] * np.cos(angle) - half[..., 1] * np.sin(angle)
-        )
-        across = (
-            np.array([p.across for p in placed])[:, None] + half[..., 0] * np.sin(angle) + half[..., 1] * np.cos(angle)
-        )
+    def _lowest_ground(self, places: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+        """The lowest ground [n] under the corners of footprints of `sizes` [n, 2] at along, across and angle [n, 3]."""
+        half = sizes[:, None] * np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)]) / 2
+        along, across, angle = places.T[..., None]
+        cos, sin = np.cos(angle), np.sin(angle)
+        along = along + half[..., 0] * cos - half[..., 1] * sin
+        across = across + half[..., 0] * sin + half[..., 1] * cos
         lowest: np.ndarray = self.ground.heights(along.ravel(), across.ravel()).reshape(-1, 4).min(axis=1)
         return lowest
 

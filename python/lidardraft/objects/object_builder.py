@@ -63,7 +63,6 @@ class ObjectBuilder:
                 material=material,
                 mesh=mesh,
                 extinction=extinction,
-                open=False,
             )
         )
 

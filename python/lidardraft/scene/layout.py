@@ -10,7 +10,7 @@ import json
 import math
 import os
 from collections.abc import Iterator, Mapping, Sequence, Sized
-from dataclasses import dataclass, field
+from dataclasses import MISSING, dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -113,10 +113,10 @@ class Primitive:
             )
 
     @classmethod
-    def unchecked(cls, **fields: Any) -> Primitive:
-        """A primitive of fields that are known to be valid; it is made six times as fast without the checks."""
+    def unchecked(cls, **values: Any) -> Primitive:
+        """A primitive of values that are known to be valid; it is made six times as fast without the checks."""
         primitive = object.__new__(cls)
-        for name, value in fields.items():
+        for name, value in (_DEFAULTS | values).items():
             object.__setattr__(primitive, name, value)
         return primitive
 
@@ -164,6 +164,9 @@ class Primitive:
             if vertices is not None or faces is not None:
                 fields["mesh"] = TriangleMesh(vertices, faces)
         return cls(**fields)
+
+
+_DEFAULTS = {row.name: row.default for row in fields(Primitive) if row.default is not MISSING}
 
 
 @dataclass(frozen=True, slots=True)

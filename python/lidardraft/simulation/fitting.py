@@ -87,7 +87,6 @@ def stretched(
                 material=part.material or _MATERIAL_OF[part.label],
                 mesh=part.mesh,
                 extinction=part.extinction,
-                open=False,
             )
         )
     return made
@@ -95,7 +94,7 @@ def stretched(
 
 def solid(part: Primitive) -> Primitive:
     """A part as it was given, with the material of its class."""
-    return _changed(part, material=_MATERIAL_OF[part.label])
+    return changed(part, material=_MATERIAL_OF[part.label])
 
 
 def part_of(
@@ -113,16 +112,13 @@ def part_of(
         yaw=box.yaw,
         instance=coarse.owners[label][1],
         material=material,
-        mesh=None,
-        extinction=None,
-        open=False,
     )
 
 
 def medium(part: Primitive, extinction: float, share: float = 1.0) -> Primitive:
     """A part as it was given, or a `share` of it about its middle, as a medium with `extinction` [1/m]."""
     a, b, c = part.size
-    return _changed(
+    return changed(
         part,
         id=part.id if share == 1.0 else "",
         size=(share * a, share * b, share * c),
@@ -131,7 +127,8 @@ def medium(part: Primitive, extinction: float, share: float = 1.0) -> Primitive:
     )
 
 
-def _changed(part: Primitive, **fields: object) -> Primitive:
+def changed(part: Primitive, **fields: object) -> Primitive:
+    """The part with other fields, which are known to be valid."""
     return Primitive.unchecked(**({name: getattr(part, name) for name in part.__slots__} | fields))
 
 
@@ -153,7 +150,7 @@ def _cut_at_base(part: Primitive) -> Primitive | None:
     mesh = part.mesh
     if mesh is not None:
         mesh = _cut_mesh(mesh, round(0.5 - top / c, 6))
-    return _changed(part, center=(x, y, top / 2), size=(a, b, top), mesh=mesh)
+    return changed(part, center=(x, y, top / 2), size=(a, b, top), mesh=mesh)
 
 
 def _cut_mesh(mesh: TriangleMesh, at: float) -> TriangleMesh:

@@ -11,7 +11,7 @@ from lidardraft.objects import fences, plants, signs
 from lidardraft.objects.kinds import KINDS
 from lidardraft.scene.layout import Primitive
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
-from lidardraft.simulation.fitting import Build, fitted, medium, part_of, solid
+from lidardraft.simulation.fitting import Build, changed, fitted, medium, part_of, solid
 from lidardraft.simulation.surroundings import LANE_SIDE, Surroundings
 
 _HEAD_PROUD = (0.3, 0.05, 0.0)  # m: shades of signals, plates before their posts
@@ -183,9 +183,7 @@ def _tree(coarse: CoarseObject, trunk: Primitive, crown: Primitive) -> list[Prim
     a, b, _ = trunk.size
     high = max(parts[0].size[2], trunk.size[2])
     center = (trunk.center[0], trunk.center[1], foot + high / 2)
-    parts[0] = Primitive.unchecked(
-        **{name: getattr(parts[0], name) for name in parts[0].__slots__} | {"size": (a, b, high), "center": center}
-    )
+    parts[0] = changed(parts[0], size=(a, b, high), center=center)
     return parts
 
 

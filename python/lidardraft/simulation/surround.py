@@ -310,10 +310,6 @@ def _shapes(standing: Sequence[PlacedObject]) -> Iterator[Primitive]:
                 id=f"{AROUND}{one.id}.{number}" if number else f"{AROUND}{one.id}",
                 yaw=one.yaw,
                 instance=one.instance + shape.instance_offset if one.instance else 0,
-                material=None,
-                mesh=None,
-                extinction=None,
-                open=False,
             )
 
 
