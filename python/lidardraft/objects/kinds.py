@@ -1,7 +1,7 @@
 """The table of kinds: how each kind of object is built and what that needs, in one row.
 
 Other tables name kinds for what is theirs alone: `drafting/solver/sentence_kinds.py` what sentences can ask for,
-`arranging/sizes.py` the sizes that streets have, `scene/check.py` what extents a class can have at all.
+`arranging/sizes.py` the sizes that streets have, `semantics.py` what extents a class can have at all.
 """
 
 from __future__ import annotations
