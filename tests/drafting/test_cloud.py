@@ -367,8 +367,6 @@ def test_arguments_that_no_scan_has() -> None:
     for name, value, said in (
         ("sensor_height", 10**400, "m; it must be finite"),
         ("sensor_height", math.nan, "nan m; it must be finite"),
-        ("stray_share", None, "it must be 0 to 1"),
-        ("stray_share", math.nan, "nan; it must be 0 to 1"),
         ("detail", [], "it must be one of fine, objects"),
         ("detail", "finer", "'finer'; it must be one of fine, objects"),
         ("weights", np.ones(2), "4 points need as many numbers over 0"),

@@ -30,6 +30,7 @@ from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND, NUM_CLASSES, SemanticClass
 
 _STRAY = 10  # rays; as few that went through a box do not speak against it
+_STRAY_SHARE = 0.1  # of the points of an object, likewise
 _MOST_RAYS_THROUGH = 2  # for each point of a cluster; with more it is no object, and its points have a wrong class
 _LEAST_RISE = 0.2  # of the usual height of a class: what does not rise so far from the ground is the ground's
 _TOUCHING = 0.3  # of the usual width of a class: a cluster whose middle is so near to an object has no room of its own
@@ -53,7 +54,6 @@ def layout_from_cloud(
     sensor_height: float = 1.73,
     detail: str = "fine",
     source: str = "point cloud",
-    stray_share: float = 0.1,
 ) -> Layout:
     """The layout of one labelled scan.
 
@@ -66,8 +66,8 @@ def layout_from_cloud(
     The ground becomes a mesh for each class; people, vehicles and signs become boxes, one each, poles and trunks
     cylinders. Buildings, walls and fences become boxes and vegetation ellipsoids: with `detail` "fine" as many as make
     the cast of the layout agree with the points, with "objects" few whole ones, for layouts that are edited by hand.
-    An object seen from one side gets the usual size of its class, unless more rays than this share of its points went
-    through there: `stray_share`, more where depth is guessed. The same cloud always gives the same layout.
+    An object seen from one side gets the usual size of its class, unless more rays than a tenth of its points went
+    through there. The same cloud always gives the same layout.
 
     Raises `LayoutError` on arrays that do not fit together or hold what cannot be.
     """
@@ -79,15 +79,13 @@ def layout_from_cloud(
         raise LayoutError(f"weights have shape {np.shape(weights)}; {len(points)} points need as many numbers over 0")
     if not is_number(sensor_height):
         raise LayoutError(f"sensor_height is {sensor_height} m; it must be finite")
-    if not (is_number(stray_share) and 0 <= stray_share <= 1):
-        raise LayoutError(f"stray_share is {stray_share}; it must be 0 to 1")
     if not isinstance(detail, str) or detail not in DETAILS:
         raise LayoutError(f"detail is {detail!r}; it must be {one_of(DETAILS, detail)}")
     _check_spread(points)
     points = points.astype(np.float64) + np.array([0.0, 0.0, sensor_height])
     weights = np.ones(len(points)) if weights is None else weights.astype(np.float64)
     scan = _Scan(points, weights, sensor_height, labels, DETAILS[detail].most_rays)
-    found = _clustered(scan, instances, DETAILS[detail], stray_share)
+    found = _clustered(scan, instances, DETAILS[detail])
     return Layout(
         primitives=(*surfaces(scan.ground), *_numbered(_refined(scan, found, DETAILS[detail]))),
         provenance={"source": source, "sensor_height": sensor_height},
@@ -128,7 +126,7 @@ class _Found:
     labels: list[int] = field(default_factory=lambda: [0])
 
 
-def _clustered(scan: _Scan, instances: np.ndarray, detail: Detail, stray_share: float) -> _Found:
+def _clustered(scan: _Scan, instances: np.ndarray, detail: Detail) -> _Found:
     points, found = scan.points, _Found(np.zeros(len(scan.points), dtype=np.uint32))
     for row in CLASSES:
         mine = np.flatnonzero(scan.labels == row.id)
@@ -136,7 +134,7 @@ def _clustered(scan: _Scan, instances: np.ndarray, detail: Detail, stray_share: 
             continue
         groups = list(_groups(row, points, mine, instances, detail))
         if row.size is not None:
-            found.whole.extend(("box", box, row.id) for box in _objects(row, groups, scan, stray_share))
+            found.whole.extend(("box", box, row.id) for box in _objects(row, groups, scan))
         elif row.name in POST_CLASSES:
             found.whole.extend(("cylinder", fit_post(points[members]), row.id) for members in groups)
         elif row.name == "traffic-sign":
@@ -173,7 +171,7 @@ def _refined(scan: _Scan, found: _Found, detail: Detail) -> Iterator[list[tuple[
         yield [("ellipsoid" if label == _VEGETATION else "box", box, label) for _, box, label in parts]
 
 
-def _objects(row: SemanticClass, groups: list[np.ndarray], scan: _Scan, stray_share: float) -> Iterator[np.ndarray]:
+def _objects(row: SemanticClass, groups: list[np.ndarray], scan: _Scan) -> Iterator[np.ndarray]:
     """A box [7] around each group with the sides that were not seen; none of what is flat or what rays went through."""
     assert row.size is not None
     if not groups:
@@ -183,7 +181,7 @@ def _objects(row: SemanticClass, groups: list[np.ndarray], scan: _Scan, stray_sh
     passed = _passed(choices.reshape(-1, 7), scan).reshape(len(choices), -1)
     counts = np.array([scan.weights[members].sum() for members in groups])
     # rays that pass through what was seen, as through windows, do not tell one choice from the other
-    best = np.argmin(np.maximum(passed - passed[-1], np.maximum(_STRAY, stray_share * counts)), axis=0)
+    best = np.argmin(np.maximum(passed - passed[-1], np.maximum(_STRAY, _STRAY_SHARE * counts)), axis=0)
     unreal = passed.min(axis=0) > np.maximum(_STRAY, _MOST_RAYS_THROUGH * counts)
     height, away = scan.ground.heights(np.ascontiguousarray(seen[:, :2]))
     unreal |= (seen[:, 2] + seen[:, 5] / 2 - height < _LEAST_RISE * row.size[2]) & (away <= _KNOWN)
