@@ -37,13 +37,18 @@ def read_bin(path: str | os.PathLike[str]) -> tuple[np.ndarray, np.ndarray]:
         raise FormatError(f"{name} is empty; a scan has at least one point")
     if other := next((kind for start, kind in _OTHERS.items() if data.startswith(start)), None):
         raise FormatError(f"{name} is {other}; a KITTI scan is float32 x y z and intensity, and nothing before them")
-    if len(data) >= _TEXT and all(byte in _PRINTED for byte in data[:_TEXT]):
+    if looks_like_text(data):
         raise FormatError(f"{name} is text; a KITTI scan is float32 x y z and intensity")
     if len(data) % _POINT_BYTES:
         raise FormatError(f"{name} has {len(data)} bytes; a KITTI scan has {_POINT_BYTES} a point, so it is truncated")
     scan = np.frombuffer(data, dtype="<f4").reshape(-1, 4).astype(np.float32)
     _check(name, scan)
     return scan[:, :3].copy(), scan[:, 3].copy()
+
+
+def looks_like_text(data: bytes) -> bool:
+    """Whether a file begins with printed characters only, as the coordinates of a scan hardly ever do."""
+    return len(data) >= _TEXT and all(byte in _PRINTED for byte in data[:_TEXT])
 
 
 def write_bin(path: str | os.PathLike[str], points: np.ndarray, intensity: np.ndarray) -> None:
