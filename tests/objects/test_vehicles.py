@@ -113,7 +113,7 @@ def test_rays_go_into_a_car_and_some_through_it():
     found = cast(car, (-0.3, 30.0, 1.15), at)
     materials = [car[index].material if index >= 0 else "nothing" for index in found]
     for material in ("car-glass", "dark-cloth", "nothing"):
-        assert materials.count(material) > 10, material
+        assert materials.count(material) > 2, material
     assert 0.5 < materials.count("car-glass") / len(materials) < 0.92
 
 
