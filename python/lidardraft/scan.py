@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +17,8 @@ from lidardraft.files import written_together
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
 from lidardraft.formats.frame import Annotation, Frame, with_riders_merged
-from lidardraft.scene.box import Box
+from lidardraft.json_fields import parse_object
+from lidardraft.scene.box import Box, checked_vector
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.occlusion import occluded_shares
 from lidardraft.scene.pose import finite_array
@@ -30,7 +33,10 @@ class Scan:
     """A labelled scan and the layout it was made of.
 
     `pose` is the world_from_sensor [4, 4] it was taken from; of a sensor that moves along its x axis with `speed` [m/s]
-    it is the pose in the middle of the sweep.
+    and turns about its z axis with `turn` [rad/s] it is the pose in the middle of the sweep.
+
+    In a frame of a sequence, `time` is that of the middle of the sweep since the start [s], the layout is as it stands
+    then, and `velocities` are those [m/s] of the objects that move, by their names, in the world.
     """
 
     image: RangeImage
@@ -38,17 +44,20 @@ class Scan:
     pose: np.ndarray
     seed: int
     speed: float = 0.0
+    turn: float = 0.0
+    time: float | None = None
+    velocities: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
 
     @cached_property
     def condition_image(self) -> RangeImage:
         """The cast of the layout from the same place: what a generated scan is conditioned on."""
-        if not self.speed:
+        if not (self.speed or self.turn):
             return raycast(self.layout, self.image.sensor, self.pose)
         return raycast(self.layout, self.image.sensor, poses=self.poses())
 
     def poses(self) -> np.ndarray:
         """The pose of each column, f64 [W, 4, 4]."""
-        return self.image.sensor.poses_in_motion(self.pose, self.speed * self.pose[:3, 0])
+        return self.image.sensor.poses_in_motion(self.pose, self.speed * self.pose[:3, 0], (0.0, 0.0, self.turn))
 
     def points(self) -> np.ndarray:
         """x, y, z of the returns in the sensor's frame in the middle of the sweep [m], float32 [N, 3].
@@ -56,7 +65,7 @@ class Scan:
         They lie in their boxes, as KITTI's do: the sensor's own motion is taken out. `image.points()` are the points of
         a sensor that does not know it moves.
         """
-        if not self.speed:
+        if not (self.speed or self.turn):
             return self.image.points()
         points = self.image.points(self.poses()) - self.pose[:3, 3]
         return (points @ self.pose[:3, :3]).astype(np.float32)
@@ -75,8 +84,14 @@ class Scan:
         return self.image.instance[self.image.valid]
 
     def boxes(self) -> list[Box]:
-        """Boxes of the layout's objects in the sensor frame."""
-        return [box.seen_from(self.pose) for box in self.layout.boxes()]
+        """Boxes of the layout's objects in the sensor frame, with velocities in a frame of a sequence."""
+        return [box.seen_from(self.pose) for box in self._boxes()]
+
+    def _boxes(self) -> list[Box]:
+        boxes = self.layout.boxes()
+        if self.time is None:
+            return boxes
+        return [replace(box, velocity=self.velocities.get(box.id.split(".", 1)[0], (0.0, 0.0, 0.0))) for box in boxes]
 
     def returns_per_box(self) -> list[int]:
         """How many points are of each of `boxes()`."""
@@ -100,6 +115,7 @@ class Scan:
             instance=self.instances(),
             annotations=with_riders_merged(annotations),
             world=json.dumps(self.layout.provenance, sort_keys=True),
+            start=None if self.time is None else self.time - self.image.sensor.sweep_time / 2,
         )
 
     def picture(self, *, by_label: bool = False) -> np.ndarray:
@@ -117,11 +133,19 @@ class Scan:
         """
         with written_together(name) as stem:
             _save_image(self.image, self.points(), stem)
-            self.image.save(f"{stem}.npz", pose=self.pose, speed=np.float64(self.speed), seed=np.int64(self.seed))
+            self.image.save(f"{stem}.npz", pose=self.pose, seed=np.int64(self.seed), **self._motion())
             write_boxes(f"{stem}.boxes.json", self.boxes(), self.returns_per_box())
             self.layout.save(f"{stem}.layout.json")
             if picture:
                 view.save_png(f"{stem}.png", self.picture())
+
+    def _motion(self) -> dict[str, np.ndarray]:
+        """What the .npz says of motion."""
+        said = {"speed": np.array(self.speed)}
+        if self.time is not None:
+            velocities = np.array(json.dumps(dict(self.velocities)))
+            said |= {"turn": np.array(self.turn), "time": np.array(self.time), "velocities": velocities}
+        return said
 
     @classmethod
     def load(cls, name: str | os.PathLike[str]) -> Scan:
@@ -135,9 +159,14 @@ class Scan:
             if not array_files.holds(archive, "pose"):
                 return cls(image=image, layout=Layout(()), pose=image.sensor.pose(), seed=0)
             pose = finite_array("pose", array_files.read_numbers(archive, "pose", (4, 4)), 4, 4)
-            speed, seed = (array_files.read_numbers(archive, field, ()).item() for field in ("speed", "seed"))
+            names = ("speed", "turn", "time") if array_files.holds(archive, "time") else ("speed",)
+            motion: dict[str, Any] = {key: array_files.read_numbers(archive, key, ()).item() for key in names}
+            if "time" in motion:
+                velocities = parse_object(array_files.read_text(archive, "velocities"))
+                motion["velocities"] = {key: checked_vector(key, "velocity", row) for key, row in velocities.items()}
+            seed = int(array_files.read_numbers(archive, "seed", ()).item())
         layout = Layout.load(f"{os.fspath(name)}.layout.json")
-        return cls(image=image, layout=layout, pose=pose, seed=int(seed), speed=float(speed))
+        return cls(image=image, layout=layout, pose=pose, seed=seed, **motion)
 
     def __repr__(self) -> str:
         return f"Scan({self.image!r}, {self.layout!r}, seed {self.seed}, {self.speed:g} m/s)"

@@ -8,7 +8,7 @@ import struct
 import textwrap
 import zlib
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +18,7 @@ from lidardraft.drawing import Colour, Drawing, Eye, corners_of, font
 from lidardraft.files import written_whole
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import AROUND, Layout
+from lidardraft.scene.pose import upright
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import Hits, Raycaster, raycast
 from lidardraft.scene.sensor import Sensor
@@ -49,9 +50,12 @@ _STRIP = 1 / 8  # rows of a range image over those of the view
 _REACH = 50.0  # m, what a view from above shows ahead and behind
 _SHOWN, _SHOWN_WITHIN, _SEEN = 10, 30.0, 5  # boxes that an eye shows: so many, within m, with so many returns
 _LONGEST_TITLE = 120
+_FILM_COLOURS = 64  # of all frames
 _EYE = np.array(  # 16 m behind and 11 m over the ego vehicle, looking 24 degrees down
     [[0.9135, 0, 0.4067, -16.0], [0, 1, 0, 0], [-0.4067, 0, 0.9135, 11.0], [0, 0, 0, 1]]
 )
+_ABOVE_SMALL = Eye.above(width=360, height=360, reach=36.0)
+_SEAT = Eye(upright((-0.2, 0.35, 1.25), 0.0), 420.0, 634, 360)
 BEHIND, _BEHIND_SMALL = Eye(_EYE, 576.0, 720, 480), Eye(_EYE, 384.0, 480, 320)
 
 
@@ -170,6 +174,18 @@ def render_returns(
     view, above = (_drawn(eye, points, colours, boxes) for eye in _eyes(boxes, height))
     _describe(view, image, boxes, title, by_label)
     return _over_strips(stack([view.picture(), above.picture()], across=True), image)
+
+
+def render_frame(image: RangeImage, points: np.ndarray, *, boxes: Sequence[Box] = (), title: str = "") -> np.ndarray:
+    """A frame of a film: the returns `points` [N, 3] and their boxes from above, beside the view from the driver's
+    seat. uint8 [360, 1000, 3]."""
+    boxes = _with_returns(boxes, image)
+    colours = colour_returns(image, points[:, 2])
+    above, seat = _drawn(_ABOVE_SMALL, points, colours, boxes), Drawing(_SEAT, rings=())
+    seat.points(points, colours)
+    seat.boxes(boxes, [_colour_of(BY_NAME[box.label].id) for box in boxes])
+    above.text((8.0, 6.0), textwrap.shorten(title, _LONGEST_TITLE // 2, placeholder=" ..."), 13)
+    return stack([above.picture(), seat.picture()], across=True)
 
 
 def render_large(
@@ -358,3 +374,13 @@ def save_png(path: str | os.PathLike[str], picture: np.ndarray) -> None:
     ]
     with written_whole(path) as temporary:
         temporary.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(parts))
+
+
+def save_gif(path: str | os.PathLike[str], pictures: Iterable[np.ndarray], seconds: float) -> None:
+    """Write pictures uint8 [H, W, 3] as a film that shows each for so many seconds, over and over."""
+    frames = iter(map(Image.fromarray, pictures))
+    first = next(frames).quantize(_FILM_COLOURS, Image.Quantize.FASTOCTREE)
+    rest = (frame.quantize(palette=first, dither=Image.Dither.NONE) for frame in frames)
+    with written_whole(path) as temporary:
+        shown = max(20, round(1000 * seconds))  # many viewers show what is shorter slowly
+        first.save(temporary, "GIF", save_all=True, append_images=rest, duration=shown, loop=0)

@@ -133,10 +133,10 @@ def add_weights(parser: Options) -> None:
     parser.add_argument("--device", default="cpu", help="where torch runs the model: cpu, cuda, ... (default cpu)")
 
 
-def add_speed(parser: Options) -> None:
+def add_speed(parser: Options, more: str = "") -> None:
     """--speed."""
-    text = "how fast the sensor moves ahead while it sweeps [m/s] (default 0)"
-    parser.add_argument("--speed", type=number, default=0.0, metavar="V", help=text)
+    text = f"how fast the sensor moves ahead while it sweeps [m/s] (default 0{more})"
+    parser.add_argument("--speed", type=number, metavar="V", help=text)
 
 
 def add_weather(parser: Options) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lidardraft.cli.command import progress
-from lidardraft.errors import FormatError
+from lidardraft.cli.scan_folder import scans_in
 
 if TYPE_CHECKING:
     from lidardraft.formats.frame import Frame
@@ -33,7 +33,7 @@ def export(arguments: argparse.Namespace) -> None:
     """Write folders of scans as one data set in a format that other people's readers open."""
     module, function, _ = FORMATS[arguments.format]
     write: Callable[..., None] = getattr(importlib.import_module(f"lidardraft.formats.{module}"), function)
-    drives = [_scans_in(Path(folder)) for folder in arguments.folders]
+    drives = [scans_in(Path(folder)) for folder in arguments.folders]
     count = sum(map(len, drives))
     with progress(count, "scan") as bar:
         write(arguments.output, (_frames(drive, bar) for drive in drives))
@@ -43,23 +43,14 @@ def export(arguments: argparse.Namespace) -> None:
 def export_options(parser: argparse.ArgumentParser) -> None:
     """The options of `export`."""
     parser.epilog = (
-        "Each folder is a drive: its scans follow one another, a sweep time apart. Frames, axes, box centres and class "
-        "ids of each format: docs/formats.md. The data set is there whole or not at all."
+        "Each folder is a drive: its scans follow one another, at the times of a sequence or a sweep time apart. "
+        "Frames, axes, box centres and class ids of each format: docs/formats.md. The data set is there "
+        "whole or not at all."
     )
     parser.add_argument("folders", nargs="+", metavar="FOLDER", help="scans of `simulate`, `generate` or `observe`")
     text = "; ".join(f"{name}: {what}" for name, (_, _, what) in FORMATS.items())
     parser.add_argument("--format", required=True, choices=FORMATS, metavar="NAME", help=text)
     parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where it goes: new or empty")
-
-
-def _scans_in(folder: Path) -> list[Path]:
-    """The scans of a folder in order, without their endings."""
-    if not folder.is_dir():
-        raise FormatError(f"{folder} is no folder of scans")
-    endings = sorted(path.name for path in folder.glob("*.sensor.json"))
-    if not endings:
-        raise FormatError(f"{folder} holds no scans of `simulate`, `generate` or `observe`: there is no .sensor.json")
-    return [folder / name.removesuffix(".sensor.json") for name in endings]
 
 
 def _frames(scans: list[Path], bar: Any) -> Iterator[Frame]:

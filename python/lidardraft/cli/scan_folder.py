@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from lidardraft.cli.arguments import check_empty, whole_number
 from lidardraft.cli.command import say
+from lidardraft.errors import FormatError
 
 if TYPE_CHECKING:
     from lidardraft.cli.arguments import Options
@@ -55,6 +56,16 @@ def check_output(arguments: argparse.Namespace) -> None:
     """Raises `FormatError` where the folder holds anything and --overwrite is not given."""
     otherwise = ", or --overwrite to replace its scans"
     check_empty(Path(arguments.output), otherwise, but=".*" if arguments.overwrite else "")
+
+
+def scans_in(folder: Path) -> list[Path]:
+    """The scans of a folder in order, without their endings."""
+    if not folder.is_dir():
+        raise FormatError(f"{folder} is no folder of scans")
+    endings = sorted(path.name for path in folder.glob("*.sensor.json"))
+    if not endings:
+        raise FormatError(f"{folder} holds no scans of `simulate`, `generate` or `observe`: there is no .sensor.json")
+    return [folder / name.removesuffix(".sensor.json") for name in endings]
 
 
 @dataclass(frozen=True, slots=True)

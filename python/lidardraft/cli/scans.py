@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from contextlib import nullcontext
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lidardraft.arranging.district import DISTRICTS
 from lidardraft.cli.arguments import (
@@ -16,6 +18,7 @@ from lidardraft.cli.arguments import (
     add_weights,
     assignments,
     number,
+    positive,
     read_sensor,
     read_weather,
     whole_number,
@@ -34,6 +37,7 @@ from lidardraft.cli.scan_folder import ScanFolder, add_folder, add_jobs, check_o
 from lidardraft.errors import FormatError
 from lidardraft.files import named
 from lidardraft.scene.layout import Layout
+from lidardraft.scene.scenario import Scenario
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.weather import Weather
 from lidardraft.streets import StreetConfig, StreetMix
@@ -41,8 +45,10 @@ from lidardraft.streets import StreetConfig, StreetMix
 if TYPE_CHECKING:
     from lidardraft.scan import Scan
     from lidardraft.scene.range_image import RangeImage
+    from lidardraft.simulation.sequence import SequenceSimulator
 
 _POSES = 4  # scans of a street
+_HZ = 10.0  # frames of a sequence
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +109,7 @@ class Simulations:
             seed=seed,
             weather=self.weather,
             clutter=arguments.clutter,
-            speed=arguments.speed,
+            speed=arguments.speed or 0.0,
             threads=self.threads,
         )
 
@@ -123,12 +129,78 @@ class StreetScans:
         return street_scan(self.seed, number, self.config, threads=self.threads)
 
 
+@dataclass(frozen=True)
+class Frames:
+    """The frames of a sequence; each process that makes some prepares the scene for itself."""
+
+    layout: Layout
+    sensor: Sensor
+    scenario: Scenario
+    weather: Weather
+    arguments: argparse.Namespace
+    threads: int | None
+
+    def __call__(self, number: int) -> Scan:
+        """Frame `number`."""
+        return self.simulator.frame(number)
+
+    @cached_property
+    def simulator(self) -> SequenceSimulator:
+        """What makes them."""
+        from lidardraft.simulation.sequence import SequenceSimulator
+
+        arguments = self.arguments
+        return SequenceSimulator(
+            self.layout,
+            self.sensor,
+            self.scenario,
+            frames=arguments.frames,
+            hz=arguments.hz or _HZ,
+            speed=arguments.speed,
+            seed=arguments.seed,
+            weather=self.weather,
+            clutter=arguments.clutter,
+            threads=self.threads,
+        )
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in vars(self).items() if name != "simulator"}
+
+
+def _simulate_sequence(arguments: argparse.Namespace) -> None:
+    from lidardraft.scan import Scan
+
+    for option in ("num", "street", "text_file", "poses"):
+        if getattr(arguments, option) is not None:
+            raise FormatError(f"--{option.replace('_', '-')} does not go with --frames, which make one sequence")
+    sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
+    scenario = Scenario() if arguments.scenario is None else Scenario.load(arguments.scenario)
+    layout, num = read_layout(arguments), arguments.frames
+    jobs = jobs_of(arguments, num)
+    frames = Frames(layout, sensor, scenario, weather, arguments, 1 if jobs > 1 else None)
+    with named(arguments.scenario) if arguments.scenario else nullcontext():
+        simulator = frames.simulator
+    folder = ScanFolder(Path(arguments.output), arguments.pictures, frames, Scan.save)
+    with progress(num, "frame") as bar:
+        for _ in folder.write(num, jobs=jobs):
+            bar.update()
+    simulator.save_tracks(arguments.output)
+    files = "; poses.txt, times.txt and tracks.json"
+    _report(arguments, num, (".label", ".boxes.json"), f"{files}{around_it(layout)}")
+
+
 def simulate(arguments: argparse.Namespace) -> None:
     """Make labelled LiDAR scans by physics alone, from a sentence, a layout, a 3D model, a labelled scan, or of
-    streets that are made up."""
+    streets that are made up; with --frames a sequence in which everything moves."""
     from lidardraft.scan import Scan
 
     check_output(arguments)
+    if arguments.frames is not None:
+        _simulate_sequence(arguments)
+        return
+    for option in ("hz", "scenario"):
+        if getattr(arguments, option) is not None:
+            raise FormatError(f"--{option} is of a sequence; say with --frames how long it is")
     sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
     output, pictures, around = Path(arguments.output), arguments.pictures, ""
     if arguments.street is None:
@@ -170,9 +242,15 @@ def simulate_options(parser: argparse.ArgumentParser) -> None:
     inputs.add_argument("--poses", type=whole_number(1), metavar="N", help=text)
     world = parser.add_argument_group("world")
     add_weather(world)
-    add_speed(world)
+    add_speed(world, "; in a sequence that of the road")
     text = "what stands beside the roads and is not in the layout, from 0 (nothing) to 1 (default 0)"
     world.add_argument("--clutter", type=number, default=0.0, metavar="SHARE", help=text)
+    sequence = parser.add_argument_group("sequence")
+    text = "make a sequence of N frames: the ego vehicle, traffic and people move"
+    sequence.add_argument("--frames", type=whole_number(1, 100_000), metavar="N", help=text)
+    sequence.add_argument("--hz", type=positive, metavar="R", help=f"frames a second (default {_HZ:g})")
+    text = "how the ego vehicle and objects move (docs/scenarios.md); the rest moves by its kind"
+    sequence.add_argument("--scenario", metavar="FILE.json", help=text)
     add_jobs(_add_scan_output(parser))
 
 
@@ -197,7 +275,7 @@ def generate(arguments: argparse.Namespace) -> None:
         def make(number: int) -> Scan:
             bar.set_description(f"scan {number + 1} of {num}")
             seed, layout = layouts.of(number)
-            return pipeline(layout, sensor=sensor, seed=seed, speed=arguments.speed, on_step=bar.update)
+            return pipeline(layout, sensor=sensor, seed=seed, speed=arguments.speed or 0.0, on_step=bar.update)
 
         for _ in ScanFolder(Path(arguments.output), arguments.pictures, make, Scan.save, layouts.notes).write(num):
             pass

@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from lidardraft.cli.arguments import DEFAULT_SENSOR, add_sensor, read_sensor
-from lidardraft.cli.command import say
+from lidardraft.cli.command import progress, say
 from lidardraft.cli.inputs import sensor_beside
+from lidardraft.cli.scan_folder import scans_in
 from lidardraft.errors import FormatError
 from lidardraft.files import check_other_file, named
 from lidardraft.scene.box import Box
@@ -19,32 +21,63 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 
 _PAIRS_SHOWN = 6
+_SHOWN_FOR = 0.5  # s, of scans that are no sequence
 
 
 def view(arguments: argparse.Namespace) -> None:
     """Render a picture of a scan (.bin, with the .label beside it, .pcd.bin, .pcd or .npz), a range image (.npz), a
-    file of training pairs (.npz) or a layout (.json)."""
+    file of training pairs (.npz) or a layout (.json), or a film of a folder of scans."""
     from lidardraft.view import save_png
 
     path = Path(arguments.path)
     if path.is_dir():
-        raise FormatError(f"{path} is a folder; give one of its .bin, .npz or .json files")
+        _film(path, arguments)
+        return
     output = Path(arguments.output) if arguments.output else path.with_suffix(".view.png")
     check_other_file(output, path)
     save_png(output, _pictured(path, arguments))
     print(output)
 
 
+def _film(folder: Path, arguments: argparse.Namespace) -> None:
+    """A GIF of the scans of a folder, from above and from the driver's seat, as fast as they were taken."""
+    from lidardraft.scan import Scan
+    from lidardraft.view import save_gif
+
+    if arguments.sensor is not None or arguments.classes or arguments.large:
+        raise FormatError(f"{folder} is a folder; --sensor, --classes and --large are for one file")
+    names = scans_in(folder)
+    output = Path(arguments.output or folder / "view.gif")
+    first, second = (Scan.load(name).time for name in (names[0], names[min(1, len(names) - 1)]))
+    seconds = second - first if first is not None and second is not None and second > first else _SHOWN_FOR
+    with progress(len(names), "scan") as bar:
+        save_gif(output, (_framed(name, bar) for name in names), seconds)
+    print(output)
+
+
+def _framed(name: Path, bar: Any) -> np.ndarray:
+    from lidardraft.scan import Scan
+    from lidardraft.view import render_frame, title_of
+
+    scan = Scan.load(name)
+    up = np.array([0.0, 0.0, scan.image.sensor.mount_height])
+    boxes = [replace(box, center=tuple((box.center + up).tolist())) for box in scan.boxes()]
+    when = "" if scan.time is None else f"{scan.time:.1f} s, {scan.speed:.0f} m/s  "
+    bar.update()
+    return render_frame(scan.image, scan.points() + up, boxes=boxes, title=when + title_of(scan.layout))
+
+
 def view_options(parser: argparse.ArgumentParser) -> None:
     """The options of `view`."""
-    parser.add_argument("path", metavar="FILE", help="a .bin, .pcd.bin, .pcd, .npz or .json file")
+    parser.add_argument("path", metavar="FILE", help="a .bin, .pcd.bin, .pcd, .npz or .json file, or a folder of scans")
     add_sensor(
         parser, default=None, of=f" that took a scan or sees a layout (default the scan's own, or {DEFAULT_SENSOR})"
     )
     text = "colour the points by class, in place of height; objects always have the colours of their classes"
     parser.add_argument("--classes", action="store_true", help=text)
     parser.add_argument("--large", action="store_true", help="one large and smooth view of a scan alone")
-    parser.add_argument("-o", "--output", metavar="PICTURE.png", help="where the picture goes (default FILE.view.png)")
+    text = "where the picture goes (default FILE.view.png; of a folder view.gif in it)"
+    parser.add_argument("-o", "--output", metavar="PICTURE", help=text)
 
 
 def _pictured(path: Path, arguments: argparse.Namespace) -> np.ndarray:

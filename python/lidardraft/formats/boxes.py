@@ -16,7 +16,8 @@ from lidardraft.json_fields import check_fields, check_object, parse_object
 from lidardraft.scene.box import Box
 
 _MOST_BOXES = 65_535  # as many as there are instances
-_FIELDS = (*(field.name for field in dataclasses.fields(Box)), "num_points")
+_OPTIONAL = ("velocity",)
+_FIELDS = (*(field.name for field in dataclasses.fields(Box) if field.name not in _OPTIONAL), "num_points")
 
 
 def write_boxes(path: str | os.PathLike[str], boxes: Sequence[Box], num_points: Sequence[int]) -> None:
@@ -26,7 +27,7 @@ def write_boxes(path: str | os.PathLike[str], boxes: Sequence[Box], num_points: 
     for index, count in enumerate(num_points):
         with named(f"{os.fspath(path)}: box {index}"):
             _check_count(count)
-    rows = [{**dataclasses.asdict(box), "num_points": int(count)} for box, count in zip(boxes, num_points, strict=True)]
+    rows = [{**fields_of(box), "num_points": int(count)} for box, count in zip(boxes, num_points, strict=True)]
     text = ",\n  ".join(json.dumps(row) for row in rows)
     write_text(path, '{"frame": "sensor", "boxes": [\n  ' + text + "\n]}\n")
 
@@ -55,8 +56,13 @@ def read_boxes(path: str | os.PathLike[str]) -> tuple[list[Box], list[int]]:
     return boxes, counts
 
 
+def fields_of(box: Box) -> dict[str, Any]:
+    """A box as JSON types."""
+    return {name: value for name, value in dataclasses.asdict(box).items() if value is not None}
+
+
 def _box(row: dict[str, Any]) -> tuple[Box, int]:
-    check_fields(row, _FIELDS)
+    check_fields(row, _FIELDS, _OPTIONAL)
     count = row.pop("num_points")
     _check_count(count)
     return Box(**row), count

@@ -72,7 +72,8 @@ class Frame:
 
     Of each of N points, in the sensor frame: `points` f32 [N, 3] [m], `intensity` f32 [N] in 0 to 1, `ring` u16 [N]
     (0 is the highest beam), `time` f32 [N] after the first column [s], `label` u8 [N] of `semantics.CLASSES`,
-    `instance` u32 [N]. Frames of one `world` show the same objects under the same ids.
+    `instance` u32 [N]. Frames of one `world` show the same objects under the same ids. `start` is the time of the first
+    column since the start of the drive [s]; None where nobody knows it (`timed`).
     """
 
     sensor: Sensor
@@ -85,6 +86,7 @@ class Frame:
     instance: np.ndarray
     annotations: tuple[Annotation, ...] = ()
     world: str = ""
+    start: float | None = None
 
     def seen(self) -> list[Annotation]:
         """The annotations of objects with at least one point."""
@@ -97,7 +99,16 @@ class Frame:
         return self.pose @ below
 
 
-Drives = Iterable[Iterable[Frame]]  # a drive's frames follow one another, a sweep time apart
+Drives = Iterable[Iterable[Frame]]  # a drive's frames follow one another
+
+
+def timed(drive: Iterable[Frame]) -> Iterator[tuple[float, Frame]]:
+    """Frames with the time since the first one [s]: what they say, or a sweep time apart."""
+    first = None
+    for number, frame in enumerate(drive):
+        start = frame.start if frame.start is not None else number * max(frame.sensor.sweep_time, 1e-6)
+        first = start if first is None else first
+        yield start - first, frame
 
 
 def numbered(drives: Drives) -> Iterator[tuple[str, Frame]]:

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from lidardraft.errors import FormatError, extra
 from lidardraft.files import new_folder
-from lidardraft.formats.frame import NO_SCANS, Annotation, Drives, Frame, point_records
+from lidardraft.formats.frame import NO_SCANS, Annotation, Drives, Frame, point_records, timed
 from lidardraft.scene.pose import upright
 from lidardraft.semantics import BY_NAME
 
@@ -43,15 +43,15 @@ def _log_drive(drive: Iterable[Frame], context: Any) -> None:
     clouds = channels.PointCloudChannel("/lidar", context=context)
     boxes = channels.SceneUpdateChannel("/boxes", context=context)
     transforms = channels.FrameTransformsChannel("/tf", context=context)
-    at = _START
-    for frame in drive:
+    at = 0
+    for time, frame in timed(drive):
+        at = _START + round(1e9 * time)
         mount = upright((0.0, 0.0, frame.sensor.mount_height), 0.0)
         poses = (("map", "base_link", frame.world_from_ego()), ("base_link", "lidar", mount))
         transforms.log(FrameTransforms(transforms=[_transform(at, *pose) for pose in poses]), log_time=at)
         clouds.log(_cloud(at, frame), log_time=at)
         boxes.log(_scene(at, frame), log_time=at)
-        at += max(1, round(1e9 * frame.sensor.sweep_time))
-    if at == _START:
+    if not at:
         raise FormatError(NO_SCANS)
 
 

@@ -20,7 +20,7 @@ from scipy.spatial.transform import Rotation
 
 from lidardraft.errors import FormatError
 from lidardraft.files import new_folder
-from lidardraft.formats.frame import NO_SCANS, Annotation, Drives, Frame
+from lidardraft.formats.frame import NO_SCANS, Annotation, Drives, Frame, timed
 from lidardraft.formats.nuscenes import write_pcd_bin
 from lidardraft.semantics import CLASSES
 
@@ -131,14 +131,14 @@ def _fixed_tables() -> Tables:
 
 def _write_scene(folder: Path, tables: Tables, name: str, frames: Iterable[Frame]) -> None:
     samples, tracks = list[dict[str, Any]](), dict[str, list[dict[str, Any]]]()
-    time = _START + 60_000_000 * len(tables["scene"])
-    for number, frame in enumerate(frames):
+    begun = _START + 60_000_000 * len(tables["scene"])
+    for number, (after, frame) in enumerate(timed(frames)):
+        time = begun + round(1e6 * after)
         sample = {"token": _token(name, number), "timestamp": time, "scene_token": _token(name)}
         samples.append(sample)
         _write_sweep(folder, tables, sample, frame)
         for annotation in frame.annotations:
             _annotate(tracks.setdefault(annotation.box.id, []), name, sample, frame, annotation)
-        time += max(1, round(1e6 * frame.sensor.sweep_time))
     tables["sample"] += _linked(samples)
     tables["scene"].append(
         {

@@ -16,7 +16,7 @@ import numpy as np
 
 from lidardraft.errors import FormatError
 from lidardraft.files import new_folder, read_bytes, write_text, written_whole
-from lidardraft.formats.frame import NO_SCANS, Drives, Frame
+from lidardraft.formats.frame import NO_SCANS, Drives, Frame, timed
 from lidardraft.formats.kitti import write_bin
 from lidardraft.scene.pose import inverse
 from lidardraft.semantics import BY_NAME, CLASSES, NUM_CLASSES
@@ -128,11 +128,11 @@ def _write_sequence(folder: Path, drive: Iterable[Frame]) -> None:
     for part in ("velodyne", "labels"):
         (folder / part).mkdir(parents=True)
     poses, times = list[np.ndarray](), list[float]()
-    for number, frame in enumerate(drive):
+    for number, (time, frame) in enumerate(timed(drive)):
         write_bin(folder / "velodyne" / f"{number:06d}.bin", frame.points, frame.intensity)
         write_label(folder / "labels" / f"{number:06d}.label", frame.label, frame.instance)
         poses.append(frame.pose)
-        times.append(number * frame.sensor.sweep_time)
+        times.append(time)
     if not poses:
         raise FormatError(NO_SCANS)
     of_camera = [_CAMERA @ inverse(poses[0]) @ pose @ _CAMERA.T for pose in poses]

@@ -7,7 +7,6 @@ samples of each shard.
 
 from __future__ import annotations
 
-import dataclasses
 import io
 import itertools
 import json
@@ -18,6 +17,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from lidardraft.files import new_folder
+from lidardraft.formats.boxes import fields_of
 from lidardraft.formats.frame import Drives, Frame, numbered
 
 SHARD = 256  # frames of a shard
@@ -44,7 +44,7 @@ def _files(frame: Frame) -> Iterator[tuple[str, bytes]]:
     yield "points.npy", _npy(np.column_stack([frame.points, frame.intensity]))
     for field in ("ring", "time", "label", "instance"):
         yield f"{field}.npy", _npy(getattr(frame, field))
-    boxes = [dataclasses.asdict(a.box) | {"num_points": a.num_points} for a in frame.annotations]
+    boxes = [fields_of(a.box) | {"num_points": a.num_points} for a in frame.annotations]
     sensor = json.loads(frame.sensor.to_json())
     yield "json", json.dumps({"boxes": boxes, "pose": frame.pose.tolist(), "sensor": sensor}).encode()
 

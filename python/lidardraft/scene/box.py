@@ -20,6 +20,8 @@ FURTHEST = 1e9  # m, the limit of coordinates and extents: that of the core, whi
 class Box:
     """An oriented box around one object: center and size (length, width, height, each >= 0) [m], yaw [rad].
 
+    `velocity` [m/s] is that over the ground along the axes of the box's frame; None where it is not known.
+
     Raises `LayoutError` naming the box and the invalid value.
     """
 
@@ -29,6 +31,7 @@ class Box:
     center: tuple[float, float, float]
     size: tuple[float, float, float]
     yaw: float
+    velocity: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
         check_id(self.id)
@@ -41,12 +44,15 @@ class Box:
         checked_yaw(self.id, self.yaw)
         if type(self.instance) is not int or self.instance < 0:
             raise LayoutError(f"{self.id}: instance is {self.instance!r}; it must be a whole number >= 0")
+        if self.velocity is not None:
+            object.__setattr__(self, "velocity", checked_vector(self.id, "velocity", self.velocity))
 
     def seen_from(self, pose: np.ndarray) -> Box:
         """The box in the frame of world_from_sensor `pose` [4, 4]; the tilt of the pose is left out."""
         center = pose[:3, :3].T @ (np.array(self.center) - pose[:3, 3])
         yaw = self.yaw - math.atan2(pose[1, 0], pose[0, 0])
-        return replace(self, center=tuple(center.tolist()), yaw=math.remainder(yaw, math.tau))
+        velocity = None if self.velocity is None else tuple((pose[:3, :3].T @ self.velocity).tolist())
+        return replace(self, center=tuple(center.tolist()), yaw=math.remainder(yaw, math.tau), velocity=velocity)
 
     def corners(self) -> np.ndarray:
         """f64 [8, 3]: four below, then the four above them, each from the left rear clockwise, seen from above."""

@@ -45,14 +45,8 @@ class Simulator:
         clutter: float = 0.0,
         threads: int | None = None,
     ) -> None:
-        check_type("layout", layout, Layout, str)
         check_type("sensor", sensor, Sensor)
-        self.layout = _from_text(layout, seed) if isinstance(layout, str) else layout
-        if not any(primitive.label in GROUND for primitive in self.layout):
-            warnings.warn("the layout has no ground (road, sidewalk or terrain): nothing returns from it", stacklevel=2)
-        if clutter and not detail:
-            raise LayoutError(f"clutter is {clutter}; without detail it must be 0")
-        self.scene = detailed(self.layout, seed=seed, clutter=clutter) if detail else self.layout
+        self.layout, self.scene = prepared(layout, seed, detail, clutter)
         self._scanner = Scanner.from_layout(
             self.scene, sensor, model=model, weather=weather, by_id=True, threads=threads
         )
@@ -96,6 +90,17 @@ def simulate(
         layout, sensor, seed=seed, model=model, weather=weather, detail=detail, clutter=clutter, threads=threads
     )
     return simulator.scan(pose, speed=speed, seed=seed)
+
+
+def prepared(layout: Layout | str, seed: int, detail: bool, clutter: float) -> tuple[Layout, Layout]:
+    """The layout, or that of a sentence in its street, and what is scanned of it."""
+    check_type("layout", layout, Layout, str)
+    layout = _from_text(layout, seed) if isinstance(layout, str) else layout
+    if not any(primitive.label in GROUND for primitive in layout):
+        warnings.warn("the layout has no ground (road, sidewalk or terrain): nothing returns from it", stacklevel=3)
+    if clutter and not detail:
+        raise LayoutError(f"clutter is {clutter}; without detail it must be 0")
+    return layout, detailed(layout, seed=seed, clutter=clutter) if detail else layout
 
 
 def _from_text(sentence: str, seed: int) -> Layout:

@@ -1,0 +1,220 @@
+"""Scenarios: how the ego vehicle and the objects of a layout move, as values and as JSON; and the tracks they make.
+
+A motion is a value. What a scenario does not name moves by its kind (`simulation.driving`).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from typing import Any
+
+import numpy as np
+
+from lidardraft.errors import FormatError, LayoutError, did_you_mean
+from lidardraft.files import named, read_text, write_text
+from lidardraft.json_fields import are_numbers, check_fields, check_object, is_number, parse_object
+from lidardraft.scene.pose import finite_array
+
+SCHEMA = "lidardraft.scenario/1"
+_FASTEST = 150.0  # m/s
+_LONGEST = 1e5  # s
+_FURTHEST = 1e5  # m
+
+
+@dataclass(frozen=True, slots=True)
+class Straight:
+    """Ahead along its heading with a constant `speed` [m/s], backwards if it is negative; 0 stands."""
+
+    speed: float
+
+    def __post_init__(self) -> None:
+        _check("speed", self.speed, -_FASTEST, _FASTEST, "m/s")
+
+
+@dataclass(frozen=True, slots=True)
+class AlongLane:
+    """Along the lane it stands in, at `speed` [m/s] (None: that of the road and the kind) where the way is free.
+
+    `later` are changes of the speed, (time [s], speed) each. It keeps `gap` [m] plus the way of `headway` [s] to
+    whoever is ahead, by the Intelligent Driver Model (Treiber, Hennecke and Helbing, Physical Review E 62, 2000), and
+    stops where the lane ends.
+    """
+
+    speed: float | None = None
+    later: tuple[tuple[float, float], ...] = ()
+    gap: float = 2.0
+    headway: float = 1.5
+
+    def __post_init__(self) -> None:
+        if self.speed is not None:
+            _check("speed", self.speed, 0.0, _FASTEST, "m/s")
+        object.__setattr__(self, "later", _rows("later", self.later, (2,)))
+        for _, speed in self.later:
+            _check("later: speed", speed, 0.0, _FASTEST, "m/s")
+        _check("gap", self.gap, 0.0, _FURTHEST, "m")
+        _check("headway", self.headway, 0.0, 60.0, "s")
+
+
+@dataclass(frozen=True, slots=True)
+class Walk:
+    """Straight to the place `to`, x and y [m] of the layout, at `speed` [m/s] from the time `start` [s] on."""
+
+    to: tuple[float, float]
+    speed: float = 1.4
+    start: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not are_numbers(self.to, 2) or max(map(abs, self.to)) > _FURTHEST:
+            raise LayoutError(f"to is {self.to!r:.80}; it must be x and y within {_FURTHEST:g} m")
+        object.__setattr__(self, "to", (float(self.to[0]), float(self.to[1])))
+        _check("speed", self.speed, 0.01, _FASTEST, "m/s")
+        _check("start", self.start, 0.0, _LONGEST, "s")
+
+
+@dataclass(frozen=True, slots=True)
+class Waypoints:
+    """Through `points`, rows of time [s], x, y [m] and, in all rows or in none, yaw [rad]; without yaw it looks where
+    it goes. The path is smooth (PCHIP); before the first point and after the last it stands."""
+
+    points: tuple[tuple[float, ...], ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "points", _rows("waypoints", self.points, (3, 4)))
+        if not self.points:
+            raise LayoutError("waypoints is empty; it must have one point at least")
+
+
+Motion = Straight | AlongLane | Walk | Waypoints
+_KINDS: dict[str, type[Motion]] = {"straight": Straight, "lane": AlongLane, "walk": Walk, "waypoints": Waypoints}
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """The motions of the ego vehicle and of objects, by their names or by patterns of them ("around/*"; the first
+    that matches counts, a name before all patterns). What is not named moves by its kind."""
+
+    ego: Motion | None = None
+    actors: Mapping[str, Motion] = field(default_factory=dict)
+
+    def of(self, name: str) -> Motion | None:
+        """The motion of an object; None where it has none of its own."""
+        if name in self.actors:
+            return self.actors[name]
+        return next((motion for pattern, motion in self.actors.items() if fnmatchcase(name, pattern)), None)
+
+    def check_names(self, names: Sequence[str]) -> None:
+        """Raises `LayoutError` on a name or pattern that none of the layout's objects has."""
+        for pattern in self.actors:
+            if pattern not in names and not any(fnmatchcase(name, pattern) for name in names):
+                known = did_you_mean(names, pattern) or f"; it has {', '.join(names[:8]) or 'none'}"
+                raise LayoutError(f"the layout has no object {pattern!r}{known}")
+
+    def to_json(self) -> str:
+        """The scenario as JSON text, an actor a line; `from_json` gives an equal scenario."""
+        ego = {} if self.ego is None else {"ego": _to_fields(self.ego)}
+        head = json.dumps({"schema": SCHEMA, **ego})[:-1]
+        rows = (f"{json.dumps(name)}: {json.dumps(_to_fields(motion))}" for name, motion in self.actors.items())
+        return head + ', "actors": {\n  ' + ",\n  ".join(rows) + "\n}}\n"
+
+    @classmethod
+    def from_json(cls, text: str) -> Scenario:
+        """Raises `FormatError` where the text is not the JSON of a scenario, `LayoutError` on an invalid value."""
+        document = parse_object(text)
+        if document.get("schema") != SCHEMA:
+            raise FormatError(f"schema is {document.get('schema')!r}; this version reads {SCHEMA!r}")
+        check_fields(document, ("schema",), ("ego", "actors"))
+        ego = document.get("ego")
+        rows = check_object(document.get("actors", {}))
+        motions = {name: _from_fields(name, row) for name, row in rows.items()}
+        return cls(None if ego is None else _from_fields("ego", ego), motions)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the JSON of `to_json`."""
+        write_text(path, self.to_json())
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Scenario:
+        """As `from_json`, of a file; the errors name it."""
+        text = read_text(path)
+        with named(path):
+            return cls.from_json(text)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Track:
+    """Where something is: `places` f64 [K, 4], x, y, z [m] and yaw [rad, without jumps], at `times` f64 [K] [s].
+
+    It is straight in between, and stands before the first and after the last time.
+    """
+
+    times: np.ndarray
+    places: np.ndarray
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "times", finite_array("times", self.times, "K"))
+        object.__setattr__(self, "places", finite_array("places", self.places, len(self.times), 4))
+
+    def at(self, times: np.ndarray) -> np.ndarray:
+        """The places f64 [N, 4] at times [N]."""
+        return np.stack([np.interp(times, self.times, column) for column in self.places.T], axis=-1)
+
+    def rate(self, time: float, span: float) -> np.ndarray:
+        """The mean of the velocities [m/s] and of the yaw rate [rad/s] over `span` [s] around a time, f64 [4]."""
+        before, after = self.at(np.array([time - span / 2, time + span / 2]))
+        rate: np.ndarray = (after - before) / span
+        return rate
+
+    def moves(self) -> bool:
+        """Whether it is ever elsewhere."""
+        return bool((np.ptp(self.places, axis=0) > 1e-6).any())
+
+
+def _check(name: str, value: Any, low: float, high: float, unit: str) -> None:
+    if not is_number(value) or not low <= value <= high:
+        raise LayoutError(f"{name} is {value!r:.80}; it must be {low:g} to {high:g} {unit}")
+
+
+def _rows(name: str, rows: Any, widths: tuple[int, ...]) -> tuple[tuple[float, ...], ...]:
+    """Rows of numbers of one of the widths, whose first are times that run forwards."""
+    form = " or ".join(map(str, widths))
+    if not isinstance(rows, list | tuple | np.ndarray) or not all(
+        any(are_numbers(row, width) for width in widths) and len(row) == len(rows[0]) for row in rows
+    ):
+        raise LayoutError(f"{name} is {rows!r:.80}; it must be rows of {form} numbers, all of one length")
+    found = tuple(tuple(map(float, row)) for row in rows)
+    for row in found:
+        _check(f"{name}: time", row[0], 0.0, _LONGEST, "s")
+        if max(map(abs, row[1:])) > _FURTHEST:
+            raise LayoutError(f"{name}: {list(row)} has a number larger than {_FURTHEST:g}")
+    for before, after in itertools.pairwise(found):
+        if after[0] <= before[0]:
+            raise LayoutError(f"{name}: time {after[0]:g} s follows {before[0]:g} s; times must run forwards")
+    return found
+
+
+def _to_fields(motion: Motion) -> dict[str, Any]:
+    (name,) = (name for name, kind in _KINDS.items() if type(motion) is kind)
+    if isinstance(motion, Waypoints):
+        return {name: [[round(number, 4) for number in point] for point in motion.points]}
+    said = {field.name: getattr(motion, field.name) for field in dataclasses.fields(motion)}
+    return {name: {key: value for key, value in said.items() if value not in (None, ())}}
+
+
+def _from_fields(name: str, row: Any) -> Motion:
+    with named(name):
+        fields = check_object(row)
+        if len(fields) != 1 or not set(fields) <= set(_KINDS):
+            raise FormatError(f"a motion is {', '.join(list(_KINDS)[:-1])} or waypoints; this is {row!r:.60}")
+        ((kind, said),) = fields.items()
+        if kind == "waypoints":
+            return Waypoints(said)
+        allowed = dataclasses.fields(_KINDS[kind])
+        required = [row.name for row in allowed if row.default is dataclasses.MISSING]
+        check_fields(check_object(said), required, [row.name for row in allowed])
+        return _KINDS[kind](**said)

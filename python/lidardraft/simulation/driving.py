@@ -1,0 +1,293 @@
+"""Traffic on the lanes of a layout: who follows whom, and where everybody is at each step.
+
+Vehicles keep the distance of the Intelligent Driver Model and never drive faster than they can stop behind whoever is
+in their way (Gipps, Transportation Research B 15, 1981).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from zlib import crc32
+
+import numpy as np
+
+from lidardraft.arranging.district import SETTINGS
+from lidardraft.scene.check import Solid
+from lidardraft.scene.layout import AROUND, Layout
+from lidardraft.scene.road import LEFT, RIGHT, Road
+from lidardraft.scene.scenario import AlongLane, Track
+from lidardraft.simulation.street_frame import NoStreetError, street_frame
+from lidardraft.simulation.surroundings import RoadStrip
+
+STEP = 0.05  # s between the places of a track
+_TOWN = 50 / 3.6  # m/s, of a road that nothing is known of
+_STATION = 2.0  # m between the points of a lane that bends
+_TURN = 0.35  # rad against its lane; what is turned by more does not drive along it
+_AHEAD = 2.0  # s for which whoever follows no lane is expected to go on as now
+_SIDE = 0.2  # m that stay free beside a vehicle
+_ACCELERATION, _BRAKING, _HARDEST = 1.5, 3.0, 8.0  # m/s2: usual ones, and what tyres give
+_AIM = 10.0  # m over which a vehicle turns into its lane's direction
+_CROSSING_GAP = 2.0  # m from the road that is crossed to where traffic waits
+# Times the speed of the road, and m/s at most: estimates.
+_PACES = {"bicycle": (1.0, 5.0), "rider": (1.0, 5.0), "bus": (0.85, 22.0), "truck": (0.85, 22.0), "train": (0.85, 14.0)}
+_SPREAD = (0.8, 1.0)  # of the speeds of drivers, as shares of it
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lane:
+    """The middle `line` of a lane, in the direction that is driven, its speed [m/s], and where along it [m] those wait
+    who have not passed yet: `stop`, or None."""
+
+    line: RoadStrip
+    speed: float
+    stop: float | None = None
+
+    @classmethod
+    def through(cls, points: np.ndarray, width: float, speed: float, stop: float | None = None) -> Lane:
+        """That through points [S, 2]."""
+        steps = np.gradient(points, axis=0)
+        normals = np.stack([-steps[:, 1], steps[:, 0]], axis=1) / np.linalg.norm(steps, axis=1, keepdims=True)
+        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+        return cls(RoadStrip("lane", 0.0, width / 2, points, normals, along), speed, stop)
+
+    def heading(self, along: np.ndarray) -> np.ndarray:
+        """The direction [rad] at places along it [N]."""
+        normal = np.stack([np.interp(along, self.line.along, self.line.normals[:, k]) for k in (0, 1)])
+        heading: np.ndarray = np.arctan2(-normal[0], normal[1])
+        return heading
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """An object that may move: its name and classes, x, y, z of its middle [m] and yaw, its length, width, height [m]
+    and the parts that may be bumped into."""
+
+    name: str
+    labels: frozenset[str]
+    place: tuple[float, float, float, float]
+    size: tuple[float, float, float]
+    solids: tuple[Solid, ...]
+
+
+@dataclass(slots=True)
+class Driver:
+    """Who drives along a lane: from how far along it [m], so far left of its middle [m], at which speed [m/s]."""
+
+    body: Body
+    motion: AlongLane
+    lane: Lane
+    along: float
+    left: float
+    yaw: float  # against the lane, at the start
+    start: float  # how far along it was then [m]
+    speed: float = 0.0
+    blocked: float = math.inf  # how far along it the way is barred, or the lane ends [m]
+
+    def wish(self, time: float) -> float:
+        """The speed of a free way [m/s]."""
+        changes = [speed for when, speed in self.motion.later if when <= time]
+        if changes:
+            return changes[-1]
+        if self.motion.speed is not None:
+            return self.motion.speed
+        label = next((label for label in _PACES if label in self.body.labels), "")
+        share, most = _PACES.get(label, (1.0, math.inf))
+        low, high = _SPREAD
+        return min(self.lane.speed * share * (low + (high - low) * crc32(self.body.name.encode()) / 2**32), most)
+
+
+def lanes_of(layout: Layout) -> list[Lane]:
+    """The lanes of the road under the ego vehicle and of the one that crosses it; none where no road is known."""
+    given = dataclasses.replace(layout, primitives=tuple(p for p in layout if not p.id.startswith(AROUND)))
+    try:
+        road, (x, y, yaw), _, _, _, ends = street_frame(given)
+    except NoStreetError:
+        return []
+    district = layout.provenance.get("surroundings", {}).get("district") or given.provenance.get("spec", {}).get(
+        "district"
+    )
+    speed = SETTINGS[district].speed if district in SETTINGS else _TOWN
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    turn = np.array([[cos, sin], [-sin, cos]])
+    lanes = [*_main_lanes(road, ends or (-road.half_length, road.half_length)), *_side_lanes(road)]
+    return [Lane.through(points @ turn + (x, y), road.lane_width, speed, stop) for points, stop in lanes]
+
+
+def _main_lanes(road: Road, ends: tuple[float, float]) -> Iterator[tuple[np.ndarray, float | None]]:
+    """Those along the road; a roundabout ends them."""
+    pieces = [ends]
+    if road.roundabout_radius is not None and road.junction is not None:
+        off = road.roundabout_radius + _CROSSING_GAP
+        pieces = [(ends[0], road.junction - off), (road.junction + off, ends[1])]
+    for direction, lanes in ((1, road.lanes), (-1, road.oncoming)):
+        for number in range(lanes):
+            for low, high in pieces:
+                if high - low > _STATION:
+                    stations = np.linspace(low, high, 2 if not road.curvature else math.ceil((high - low) / _STATION))
+                    yield road.points(stations[::direction], np.array(road.lane(number, direction))), None
+
+
+def _side_lanes(road: Road) -> Iterator[tuple[np.ndarray, float | None]]:
+    """One each way along the crossing road, whose traffic waits before the junction."""
+    if road.junction is None or road.roundabout_radius is not None:
+        return
+    x, y, heading = road.at(road.junction, 0.0)
+    ahead, left = np.array([math.cos(heading), math.sin(heading)]), np.array([-math.sin(heading), math.cos(heading)])
+    for direction, begins, goes_on in ((1, RIGHT, LEFT), (-1, LEFT, RIGHT)):
+        start = road.half_length if begins in road.side_roads else road.edge
+        end = road.half_length if goes_on in road.side_roads else road.edge
+        across = direction * np.array([-start, end])
+        points = (x, y) + direction * road.edge / 2 * ahead + across[:, None] * left
+        stop = start - road.verge - _CROSSING_GAP if begins in road.side_roads else None
+        yield points, stop
+
+
+def driver_of(body: Body, motion: AlongLane, lanes: Sequence[Lane]) -> Driver | None:
+    """The body as a driver in the lane that it stands in and looks along; None where there is none."""
+    x, y, _, yaw = body.place
+    best = None
+    for lane in lanes:
+        (along,), (left,) = (values.tolist() for values in lane.line.along_across(np.array([[x, y]])))
+        off = math.remainder(yaw - float(lane.heading(np.array([along]))[0]), math.tau)
+        inside = 0.0 < along < lane.line.length and abs(left) < lane.line.half and abs(off) < _TURN
+        if inside and (best is None or abs(left) < abs(best.left)):
+            best = Driver(body, motion, lane, along, left, off, along)
+    return best
+
+
+def drive(
+    drivers: Sequence[Driver], others: Mapping[str, Track], bodies: Mapping[str, Body], duration: float
+) -> dict[str, Track]:
+    """The tracks of drivers over `duration` [s], among `others` that move as they do and bodies that stand."""
+    times = np.arange(math.ceil(duration / STEP) + 1) * STEP
+    standing = [body for name, body in bodies.items() if name not in others]
+    names = {driver.body.name for driver in drivers}
+    for driver in drivers:
+        solids = [solid for body in standing if body.name not in names for solid in body.solids]
+        driver.blocked = _barred(driver, solids)
+    walkers = [(bodies[name], track.at(times)) for name, track in others.items()]
+    traffic = _Traffic(drivers, walkers)
+    traffic.begin()
+    places = np.empty((len(times), len(drivers), 4))
+    for step in range(len(times)):
+        places[step] = traffic.places()
+        traffic.advance(step, float(times[step]))
+    places[:, :, 3] = np.unwrap(places[:, :, 3], axis=0)
+    return {driver.body.name: Track(times, places[:, number]) for number, driver in enumerate(drivers)}
+
+
+def _barred(driver: Driver, solids: Sequence[Solid]) -> float:
+    """How far along its lane a driver's front can go: to the lane's end, or to what stands in the way."""
+    length, width, _ = driver.body.size
+    barred, front = driver.lane.line.length, driver.along + length / 2
+    for solid in solids:
+        along, left = driver.lane.line.along_across(solid.outline)
+        beside = left - driver.left
+        if along.min() > front - 0.5 and beside.min() < width / 2 + _SIDE and beside.max() > -width / 2 - _SIDE:
+            barred = min(barred, float(along.min()))
+    return barred
+
+
+class _Traffic:
+    """All drivers, lane by lane, at one time."""
+
+    def __init__(self, drivers: Sequence[Driver], walkers: Sequence[tuple[Body, np.ndarray]]) -> None:
+        self.drivers = drivers
+        self.walkers = walkers
+        bodies = [*(driver.body for driver in drivers), *(body for body, _ in walkers)]
+        self.sizes = np.array([body.size[:2] for body in bodies]).reshape(-1, 2)
+        self.lanes: dict[int, list[int]] = {}
+        for number, driver in enumerate(drivers):
+            self.lanes.setdefault(id(driver.lane), []).append(number)
+
+    def begin(self) -> None:
+        """Everybody as fast as it likes, but so that it can stop behind who is ahead."""
+        for driver in self.drivers:
+            driver.speed = driver.wish(0.0)
+        for _ in self.drivers:  # a queue needs as many rounds as it is long
+            before = [driver.speed for driver in self.drivers]
+            for driver, (gap, ahead) in zip(self.drivers, self._ahead(0), strict=True):
+                driver.speed = min(driver.speed, _safe(gap - driver.motion.gap, ahead))
+            if before == [driver.speed for driver in self.drivers]:
+                return
+
+    def places(self) -> np.ndarray:
+        """x, y, z, yaw [D, 4] of the drivers; z is 0."""
+        found = np.zeros((len(self.drivers), 4))
+        for numbers in self.lanes.values():
+            rows = [self.drivers[number] for number in numbers]
+            lane = rows[0].lane
+            along, left, first, start = np.array([(row.along, row.left, row.yaw, row.start) for row in rows]).T
+            found[numbers, :2] = lane.line.at(along, left)
+            found[numbers, 3] = lane.heading(along) + first * np.exp((start - along) / _AIM)
+        return found
+
+    def advance(self, step: int, time: float) -> None:
+        """One step on."""
+        for driver, (gap, ahead) in zip(self.drivers, self._ahead(step), strict=True):
+            motion, speed, wish = driver.motion, driver.speed, driver.wish(time)
+            free = 1.0 - (speed / wish) ** 4 if wish > 0.0 else -_BRAKING / _ACCELERATION * (speed > 0.0)
+            kept = motion.gap + max(
+                0.0, speed * motion.headway + speed * (speed - ahead) / (2 * math.sqrt(_ACCELERATION * _BRAKING))
+            )
+            push = _ACCELERATION * (max(free, -_BRAKING / _ACCELERATION) - (kept / max(gap, 0.1)) ** 2)
+            faster = min(speed + push * STEP, _safe(gap - motion.gap / 2, ahead))
+            driver.speed = max(faster, speed - _HARDEST * STEP, 0.0)
+            driver.along += driver.speed * STEP
+
+    def _ahead(self, step: int) -> list[tuple[float, float]]:
+        """For each driver the free way before it [m] and the speed [m/s] of who is there."""
+        now = self._others(step)
+        found = [(math.inf, 0.0)] * len(self.drivers)
+        for numbers in self.lanes.values():
+            lane = self.drivers[numbers[0]].lane
+            along, left, yaw, forward, sideways = self._in_lane(lane, now)
+            cos, sin = np.abs(np.cos(yaw)), np.abs(np.sin(yaw))
+            half_along = (cos * self.sizes[:, 0] + sin * self.sizes[:, 1]) / 2
+            half_across = (sin * self.sizes[:, 0] + cos * self.sizes[:, 1]) / 2
+            soon = left + np.where(np.arange(len(left)) >= len(self.drivers), sideways * _AHEAD, 0.0)
+            low, high = np.minimum(left, soon) - half_across, np.maximum(left, soon) + half_across
+            for number in numbers:
+                driver = self.drivers[number]
+                length, width, _ = driver.body.size
+                reach = width / 2 + _SIDE
+                in_way = (low < driver.left + reach) & (high > driver.left - reach) & (along > driver.along)
+                in_way[number] = False
+                gaps = np.where(in_way, along - half_along, np.inf) - driver.along - length / 2
+                nearest = int(np.argmin(gaps))
+                # who goes on is followed; what stands counts with the way to where it can be stopped for
+                ends = [(driver.blocked - driver.along - length / 2, 0.0)]
+                if lane.stop is not None and driver.along + length / 2 < lane.stop:
+                    ends.append((lane.stop - driver.along - length / 2, 0.0))
+                found[number] = min((float(gaps[nearest]), max(0.0, float(forward[nearest]))), *ends)
+        return found
+
+    def _others(self, step: int) -> np.ndarray:
+        """x, y, yaw and the velocity [M, 5] of all that move: the drivers, then the rest."""
+        places = self.places()
+        speeds = np.array([driver.speed for driver in self.drivers])
+        heading = places[:, 3]
+        rows = [np.column_stack([places[:, :2], heading, speeds * np.cos(heading), speeds * np.sin(heading)])]
+        for _, track in self.walkers:
+            place, after = track[step], track[min(step + 1, len(track) - 1)]
+            rows.append(np.array([[*place[:2], place[3], *((after - place)[:2] / STEP)]]))
+        return np.concatenate(rows)
+
+    @staticmethod
+    def _in_lane(lane: Lane, now: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Along and left [m] of a lane, the yaw against it, and the velocities along it and to its left [M]."""
+        along, left = lane.line.along_across(now[:, :2])
+        heading = lane.heading(along)
+        cos, sin = np.cos(heading), np.sin(heading)
+        return along, left, now[:, 2] - heading, now[:, 3] * cos + now[:, 4] * sin, now[:, 4] * cos - now[:, 3] * sin
+
+
+def _safe(gap: float, ahead: float) -> float:
+    """The speed [m/s] from which one can stop within `gap` [m] behind who is `ahead` as fast as that and brakes."""
+    if gap == math.inf:
+        return math.inf
+    reaction = _BRAKING * STEP
+    return max(0.0, math.sqrt(max(0.0, reaction**2 + ahead**2 + 2 * _BRAKING * gap)) - reaction)

@@ -1,0 +1,270 @@
+"""Sequences: scans of a layout in which the ego vehicle and objects move, frame by frame.
+
+A body that moves while it is swept is cast in its own frame, in which it rests and the sensor moves once more: each
+column sees it exactly where it is at that moment. What stands is cast at once, and the nearer return counts.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from lidardraft.errors import SensorError
+from lidardraft.files import write_text
+from lidardraft.json_fields import is_number
+from lidardraft.scan import Scan
+from lidardraft.scene.effects import sub_rays
+from lidardraft.scene.layout import Layout, Primitive, box_around, object_of
+from lidardraft.scene.pose import upright
+from lidardraft.scene.range_image import RangeImage, images_of
+from lidardraft.scene.raycast import Raycaster
+from lidardraft.scene.scanner import Scanner
+from lidardraft.scene.scenario import Scenario, Track
+from lidardraft.scene.sensor import Sensor
+from lidardraft.scene.sensor_model import SensorModel
+from lidardraft.scene.weather import Weather
+from lidardraft.simulation.simulate import prepared
+from lidardraft.simulation.tracks import tracks_of
+
+_SECTORS = 32  # of a sweep, of which a body is cast in those that it may be seen in
+_MARGIN = 0.5  # m around a body: lasers do not start in the middle of the sensor
+_MOST_FRAMES = 100_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Mover:
+    """A body that moves: its caster, with the index of its first primitive in all of them, where it stands in the
+    layout, its track, and the radius of a circle around it [m]."""
+
+    name: str
+    caster: Raycaster
+    first: int
+    home: tuple[float, float, float, float]
+    track: Track
+    radius: float
+
+
+class SequenceSimulator:
+    """A layout, or that of a sentence in its street, made ready to be scanned while it moves as `scenario` says, over
+    `frames` sweeps of which `hz` begin in a second. `speed` [m/s] is that of the ego vehicle where the scenario does
+    not say how it moves; by default that of the road.
+
+    `seed` decides the world: the layout of a sentence, details, brightness, and how far rays get into foliage; noise
+    and drop are drawn anew for each frame. The rest is as in `Simulator`. `tracks` are those of all that moves, as
+    long as the sequence is. Raises `LayoutError` where the scenario cannot be (`tracks_of`), and `SensorError` on an
+    `hz` at which sweeps would overlap.
+    """
+
+    def __init__(
+        self,
+        layout: Layout | str,
+        sensor: Sensor,
+        scenario: Scenario | None = None,
+        *,
+        frames: int = 100,
+        hz: float = 10.0,
+        speed: float | None = None,
+        seed: int = 0,
+        model: SensorModel | None = None,
+        weather: Weather | None = None,
+        detail: bool = True,
+        clutter: float = 0.0,
+        threads: int | None = None,
+    ) -> None:
+        _check_rate(sensor, frames, hz)
+        self.frames, self.hz, self.seed = frames, hz, seed
+        self.layout, scene = prepared(layout, seed, detail, clutter)
+        self.tracks = tracks_of(self.layout, scenario or Scenario(), (frames - 1) / hz + sensor.sweep_time, speed)
+        parts: dict[str, list[Primitive]] = {name: [] for name in self.tracks.actors}
+        still = [p for p in scene if object_of(p) not in parts]
+        for primitive in scene:
+            if object_of(primitive) in parts:
+                parts[object_of(primitive)].append(primitive)
+        # those that stand come first, so that their casts name them by their numbers in the whole
+        whole = Layout((*still, *(p for some in parts.values() for p in some)))
+        self._scanner = Scanner.from_layout(whole, sensor, model=model, weather=weather, by_id=True, threads=threads)
+        self._still = dataclasses.replace(self._scanner, caster=Raycaster(Layout(tuple(still)), by_id=True))
+        self._movers, first = list[_Mover](), len(still)
+        for name, some in parts.items():
+            self._movers.append(self._mover(name, some, first))
+            first += len(some)
+        self._rays = sub_rays(sensor, self._scanner.model)
+        self._sectors = _sectors(self._rays)
+
+    def _mover(self, name: str, parts: list[Primitive], first: int) -> _Mover:
+        box = box_around([p for p in self.layout if object_of(p) == name])
+        caster, radius = Raycaster(Layout(tuple(parts)), by_id=True), math.hypot(*box.size) / 2 + _MARGIN
+        return _Mover(name, caster, first, (*box.center, box.yaw), self.tracks.actors[name], radius)
+
+    def __iter__(self) -> Iterator[Scan]:
+        return (self.frame(number) for number in range(self.frames))
+
+    def time(self, number: int) -> float:
+        """When the middle of the sweep of a frame is [s]; the first sweep begins at 0."""
+        return number / self.hz + self._scanner.sensor.sweep_time / 2
+
+    def pose(self, number: int) -> np.ndarray:
+        """world_from_sensor [4, 4] in the middle of the sweep of a frame."""
+        x, y, z, yaw = self.tracks.ego.at(np.array([self.time(number)]))[0].tolist()
+        return upright((x, y, z + self._scanner.sensor.mount_height), yaw)
+
+    def frame(self, number: int) -> Scan:
+        """The scan of frame `number`, whose noise has the seed `seed` + `number`; its layout is that in the middle of
+        the sweep."""
+        time, pose, sensor = self.time(number), self.pose(number), self._scanner.sensor
+        span = max(sensor.sweep_time, 1e-3)
+        rate = self.tracks.ego.rate(time, span)
+        speed, turn = float(rate[:3] @ pose[:3, 0]), float(rate[3])
+        poses = sensor.poses_in_motion(pose, speed * pose[:3, 0], (0.0, 0.0, turn))
+        clean = self._still.cast(poses, self.seed)
+        moved = {
+            mover.name: (mover.track.at(np.array([time]))[0], mover.track.rate(time, span)) for mover in self._movers
+        }
+        for mover in self._movers:
+            self._add(clean, mover, *moved[mover.name], pose, poses)
+        image = self._scanner.observe(clean, self.seed + number)
+        return Scan(
+            image=image,
+            layout=self._layout({mover.name: (mover.home, moved[mover.name][0]) for mover in self._movers}),
+            pose=pose,
+            seed=self.seed + number,
+            speed=speed,
+            turn=turn,
+            time=time,
+            velocities={name: tuple(rate[:3].tolist()) for name, (_, rate) in moved.items()},
+        )
+
+    def _add(
+        self, clean: RangeImage, mover: _Mover, place: np.ndarray, rate: np.ndarray, pose: np.ndarray, poses: np.ndarray
+    ) -> None:
+        """Add a body to the cast of what stands, where it is nearer."""
+        off, travelled = place[:2] - pose[:2, 3], np.abs(poses[-1, :2, 3] - poses[0, :2, 3]).max()
+        sensor = self._scanner.sensor
+        reach = mover.radius + travelled + float(np.hypot(*rate[:2])) * sensor.sweep_time
+        distance = math.hypot(*off)
+        if distance - reach > sensor.max_range:
+            return
+        half = math.pi if distance <= reach else math.asin(reach / distance)
+        bearing = math.atan2(off[1], off[0]) - math.atan2(pose[1, 0], pose[0, 0])
+        for sector in self._sectors:
+            if abs(math.remainder(sector.middle - bearing, math.tau)) > half + sector.half:
+                continue
+            columns = slice(sector.first, sector.first + sector.rays.columns)
+            since = sensor.column_times()[columns] - sensor.sweep_time / 2
+            seen = _in_frame(mover.home, place + since[:, None] * rate, poses[columns])
+            cast = mover.caster.scan(
+                sector.rays, poses=seen, primitive=True, incidence=True, seed=self.seed, threads=self._scanner.threads
+            )
+            assert cast.primitive is not None
+            cast.primitive[...] += mover.first
+            before = clean.depth[:, columns]
+            nearer = (cast.depth > 0) & ((before == 0) | (cast.depth < before))
+            for name, whole in images_of(clean).items():
+                np.copyto(whole[:, columns], getattr(cast, name), where=nearer)
+
+    def _layout(self, moved: dict[str, tuple[tuple[float, float, float, float], np.ndarray]]) -> Layout:
+        """The layout with objects moved from their places to others."""
+        primitives = []
+        for primitive in self.layout:
+            if (name := object_of(primitive)) in moved:
+                (x, y, z, yaw), (u, v, w, turned) = moved[name][0], moved[name][1].tolist()
+                turn = turned - yaw
+                cos, sin = math.cos(turn), math.sin(turn)
+                dx, dy, dz = np.subtract(primitive.center, (x, y, z)).tolist()
+                center = (u + cos * dx - sin * dy, v + sin * dx + cos * dy, w + dz)
+                primitive = dataclasses.replace(primitive, center=center, yaw=primitive.yaw + turn)
+            primitives.append(primitive)
+        return dataclasses.replace(self.layout, primitives=tuple(primitives))
+
+    def save_tracks(self, folder: str | os.PathLike[str]) -> None:
+        """Write poses.txt, world_from_sensor of each frame as a row of 12 numbers, times.txt [s], and tracks.json, a
+        scenario of way-points that moves everything so again."""
+        poses = [self.pose(number)[:3].ravel() for number in range(self.frames)]
+        write_text(Path(folder) / "poses.txt", "".join(" ".join(f"{n:.9g}" for n in pose) + "\n" for pose in poses))
+        write_text(Path(folder) / "times.txt", "".join(f"{self.time(n):.6f}\n" for n in range(self.frames)))
+        self.tracks.scenario().save(Path(folder) / "tracks.json")
+
+
+def simulate_sequence(
+    layout: Layout | str,
+    sensor: Sensor,
+    scenario: Scenario | None = None,
+    *,
+    frames: int = 100,
+    hz: float = 10.0,
+    speed: float | None = None,
+    seed: int = 0,
+    model: SensorModel | None = None,
+    weather: Weather | None = None,
+    detail: bool = True,
+    clutter: float = 0.0,
+    threads: int | None = None,
+) -> Iterator[Scan]:
+    """The scans of a layout, or of a sentence in its street, in which everything moves: those of a
+    `SequenceSimulator`, which raises what it raises at once."""
+    return iter(
+        SequenceSimulator(
+            layout,
+            sensor,
+            scenario,
+            frames=frames,
+            hz=hz,
+            speed=speed,
+            seed=seed,
+            model=model,
+            weather=weather,
+            detail=detail,
+            clutter=clutter,
+            threads=threads,
+        )
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sector:
+    """Some columns of a sweep: the `rays` of them, the number of the `first`, and where they look [rad]: the `middle`,
+    and how far to either side at most."""
+
+    rays: Sensor
+    first: int
+    middle: float
+    half: float
+
+
+def _sectors(rays: Sensor) -> list[_Sector]:
+    step, aside = rays.azimuth_span / rays.columns, max(map(abs, rays.azimuth_offsets), default=0.0)
+    ends = np.linspace(0, rays.columns, min(_SECTORS, rays.columns) + 1).astype(int).tolist()
+    found = []
+    for first, end in itertools.pairwise(ends):
+        start, span = rays.azimuth_start - first * step, (end - first) * step
+        some = dataclasses.replace(rays, columns=end - first, azimuth_start=start, azimuth_span=span)
+        found.append(_Sector(some, first, start - span / 2, span / 2 + aside + step))
+    return found
+
+
+def _in_frame(home: tuple[float, float, float, float], places: np.ndarray, poses: np.ndarray) -> np.ndarray:
+    """The poses [N, 4, 4] as a body that is at `places` [N, 4] sees them, for whom it is at home."""
+    cos, sin = np.cos(places[:, 3]), np.sin(places[:, 3])
+    back = np.zeros((len(places), 4, 4))
+    back[:, 0, 0], back[:, 0, 1], back[:, 1, 0], back[:, 1, 1], back[:, 2, 2], back[:, 3, 3] = cos, sin, -sin, cos, 1, 1
+    back[:, :3, 3] = -np.einsum("nij,nj->ni", back[:, :3, :3], places[:, :3])
+    seen: np.ndarray = upright(home[:3], home[3]) @ back @ poses
+    return seen
+
+
+def _check_rate(sensor: Sensor, frames: int, hz: float) -> None:
+    if type(frames) is not int or not 1 <= frames <= _MOST_FRAMES:
+        raise SensorError(f"frames is {frames!r}; it must be 1 to {_MOST_FRAMES}")
+    if not is_number(hz) or not 0 < hz <= 1000:
+        raise SensorError(f"hz is {hz!r}; it must be over 0 and up to 1000")
+    if hz * sensor.sweep_time > 1 + 1e-9:
+        raise SensorError(
+            f"hz is {hz:g}; a sweep of {sensor.name} takes {sensor.sweep_time:g} s: at most {1 / sensor.sweep_time:g}"
+        )

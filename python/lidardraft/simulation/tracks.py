@@ -1,0 +1,258 @@
+"""Where everything in a layout is over time: what a scenario says, and what it leaves open by its kind.
+
+Vehicles and riders in a lane drive along it, those that are parked stand, people walk where their way is free.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from lidardraft.errors import LayoutError
+from lidardraft.scene.check import EGO, EGO_SIZE, OVERLAP_TOLERANCE, VEHICLE_LABELS, Solid, objects, penetration
+from lidardraft.scene.layout import Layout, Primitive, box_around
+from lidardraft.scene.raycast import Raycaster
+from lidardraft.scene.scenario import AlongLane, Motion, Scenario, Straight, Track, Walk, Waypoints
+from lidardraft.semantics import BY_NAME, CLASSES, GROUND
+from lidardraft.simulation.driving import STEP, Body, Driver, Lane, drive, driver_of, lanes_of
+
+_DRIVES = frozenset({*VEHICLE_LABELS, "rider"})
+_REACHED = 1.9  # m over the ground, what hangs higher is passed under
+_WALKING, _CLEAR, _STRIDE = 1.3, 0.6, 0.5  # m/s; m that stay free around who walks; m between places that are looked at
+_SHORTEST_WALK = 2.0  # m; who has less room stands
+_BESIDE_ROAD = 1.0  # m, how far who crosses a road goes on beside it
+_CHECKED = 0.2  # s between the times at which it is looked for collisions
+_HIGH = 500.0  # m, over all ground
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tracks:
+    """The track of the ego vehicle's place on the road, and those of the middles of all objects that ever move."""
+
+    ego: Track
+    actors: Mapping[str, Track]
+
+    def scenario(self) -> Scenario:
+        """As a file of tracks: way-points for all that moves, while the rest stands."""
+        points = {name: _waypoints(track) for name, track in self.actors.items()}
+        return Scenario(_waypoints(self.ego), {**points, "*": Straight(0.0)})
+
+
+def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float | None = None) -> Tracks:
+    """The tracks of a layout's objects over `duration` [s]; the ego vehicle, of which the scenario may say nothing,
+    drives along its lane with `speed` [m/s], by default that of the road.
+
+    Raises `LayoutError` naming an object that the layout does not have or that has no lane to drive along, objects that
+    collide, and a vehicle that leaves the road. Objects that nobody asked to move stand where they would collide.
+    """
+    bodies = {name: _body(name, parts) for name, parts in objects(layout).items()}
+    scenario.check_names(list(bodies))
+    lanes, ground = lanes_of(layout), _Ground(layout)
+    given = {name: motion for name in bodies if (motion := scenario.of(name)) is not None}
+    ego = _EGO_BODY
+    if scenario.ego is not None and speed is not None:
+        raise LayoutError(f"speed is {speed:g}, and the scenario says how the ego vehicle moves; give one of them")
+    in_lane = driver_of(ego, AlongLane(), lanes) is not None and (speed is None or speed >= 0.0)
+    ego_motion = scenario.ego or (AlongLane(speed) if in_lane else Straight(speed or 0.0))
+    free = {name: motion for name, motion in _usual(layout, bodies, lanes, ground, duration) if name not in given}
+    while True:
+        motions = {"ego": ego_motion, **given, **free}
+        tracks = _moved(motions, {"ego": ego, **bodies}, lanes, ground, duration)
+        collisions = _collisions(tracks, {"ego": ego, **bodies}, duration)
+        stopped = {next((name for name in pair if name in free), "") for pair, _ in collisions} - {""}
+        if not stopped:
+            break
+        free = {name: motion for name, motion in free.items() if name not in stopped}
+    for (one, other), time in collisions:
+        raise LayoutError(f"{one} and {other} collide after {time:.1f} s; change the motion of one of them")
+    _check_on_road(tracks, {"ego": ego, **bodies}, {"ego", *given}, ground)
+    return Tracks(tracks.pop("ego"), {name: track for name, track in tracks.items() if track.moves()})
+
+
+def _body(name: str, parts: list[Primitive]) -> Body:
+    box = box_around(parts)
+    solids = tuple(Solid.from_primitive(part) for part in parts if part.center[2] - part.size[2] / 2 < _REACHED)
+    return Body(name, frozenset(part.label for part in parts), (*box.center, box.yaw), box.size, solids)
+
+
+_EGO_BODY = dataclasses.replace(_body("ego", [EGO]), place=(0.0, 0.0, 0.0, 0.0), size=EGO_SIZE)
+
+
+class _Ground:
+    """The ground of a layout, looked at from above."""
+
+    def __init__(self, layout: Layout) -> None:
+        self.caster = Raycaster(Layout(tuple(p for p in layout if p.label in GROUND)))
+
+    def at(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Heights [m], 0 where there is none, and class ids [N] under places [N, 2 or more]."""
+        origins = np.column_stack([places[:, :2], np.full(len(places), _HIGH)])
+        hits = self.caster.cast(origins, np.tile((0.0, 0.0, -1.0), (len(places), 1)))
+        return np.where(hits.valid, _HIGH - hits.distance, 0.0), hits.label
+
+
+def _usual(
+    layout: Layout, bodies: Mapping[str, Body], lanes: list[Lane], ground: _Ground, duration: float
+) -> Iterator[tuple[str, Motion]]:
+    """How objects move of which nobody says it; those that are not given stand."""
+    groups = layout.provenance.get("spec", {}).get("groups", [])
+    numbers = layout.provenance.get("objects", {})
+    parked = {name for name, number in numbers.items() if groups[number].get("heading") == "parked"}
+    for name, body in bodies.items():
+        if name in parked:
+            continue
+        if body.labels & _DRIVES and driver_of(body, AlongLane(), lanes) is not None:
+            yield name, AlongLane()
+        elif "person" in body.labels and (walk := _free_walk(body, bodies.values(), ground, duration)) is not None:
+            yield name, walk
+
+
+def _free_walk(body: Body, bodies: Iterable[Body], ground: _Ground, duration: float) -> Walk | None:
+    """The walk of a person ahead as far as its way is free, on the kind of ground that it is on; across a road."""
+    x, y, _, yaw = body.place
+    steps = np.arange(0.0, _WALKING * duration + _STRIDE, _STRIDE)
+    places = np.array([x, y]) + steps[:, None] * np.array([math.cos(yaw), math.sin(yaw)])
+    _, label = ground.at(places)
+    free = label == label[0]
+    if CLASSES[label[0]].name == "road":
+        beyond = int(np.argmin(free)) if not free.all() else len(free)
+        free |= np.arange(len(free)) < beyond + _BESIDE_ROAD / _STRIDE
+    for other in bodies:
+        if other.name != body.name and math.dist(other.place[:2], (x, y)) < steps[-1] + max(other.size) + _CLEAR:
+            for solid in other.solids:
+                free &= ~_near(places, solid.primitive)
+    end = int(np.argmin(free)) - 1 if not free.all() else len(free) - 1
+    if steps[max(end, 0)] < _SHORTEST_WALK:
+        return None
+    return Walk((float(places[end, 0]), float(places[end, 1])), _WALKING)
+
+
+def _near(places: np.ndarray, solid: Primitive) -> np.ndarray:
+    """Whether a solid is near places [N, 2]."""
+    cos, sin = math.cos(solid.yaw), math.sin(solid.yaw)
+    off = np.abs((places - solid.center[:2]) @ np.array([[cos, -sin], [sin, cos]])) - np.array(solid.size[:2]) / 2
+    near: np.ndarray = np.hypot(*np.maximum(off, 0.0).T) < _CLEAR
+    return near
+
+
+def _moved(
+    motions: Mapping[str, Motion], bodies: Mapping[str, Body], lanes: list[Lane], ground: _Ground, duration: float
+) -> dict[str, Track]:
+    """The tracks of all that has a motion, on the ground."""
+    times = np.arange(math.ceil(duration / STEP) + 1) * STEP
+    others, drivers = dict[str, Track](), list[Driver]()
+    for name, motion in motions.items():
+        if isinstance(motion, AlongLane):
+            driver = driver_of(bodies[name], motion, lanes)
+            if driver is None:
+                raise LayoutError(f"{name} stands in no lane that it could drive along; give it way-points")
+            drivers.append(driver)
+        elif name == "ego" or motion != Straight(0.0):
+            others[name] = _track(motion, bodies[name].place, times)
+    tracks = others | drive(drivers, others, bodies, duration)
+    for name, track in tracks.items():
+        home = np.array([bodies[name].place])
+        track.places[:, 2] = home[0, 2] + ground.at(track.places)[0] - ground.at(home)[0]
+    return tracks
+
+
+def _track(motion: Straight | Walk | Waypoints, place: tuple[float, float, float, float], times: np.ndarray) -> Track:
+    """The track of what follows no lane; heights are added later."""
+    x, y, _, yaw = place
+    if isinstance(motion, Waypoints):
+        return _through(np.array(motion.points), yaw, times)
+    heading, way = yaw, motion.speed * times
+    if isinstance(motion, Walk):
+        heading = math.atan2(motion.to[1] - y, motion.to[0] - x)
+        way = np.clip(motion.speed * (times - motion.start), 0.0, math.dist(motion.to, (x, y)))
+        yaw += math.remainder(heading - yaw, math.tau)
+    flat = np.zeros_like(times)
+    return Track(times, np.stack([x + way * math.cos(heading), y + way * math.sin(heading), flat, flat + yaw], axis=1))
+
+
+def _through(points: np.ndarray, yaw: float, times: np.ndarray) -> Track:
+    """The smooth track through way-points [K, 3 or 4]."""
+    if points.shape[1] == 4:
+        points[:, 3] = np.unwrap(points[:, 3])
+    when = np.clip(times, points[0, 0], points[-1, 0])
+    rows = points[:, 1:] if len(points) == 1 else PchipInterpolator(points[:, 0], points[:, 1:])(when)
+    rows = np.broadcast_to(rows, (len(times), points.shape[1] - 1))
+    if points.shape[1] == 3:
+        steps = np.gradient(rows, axis=0)
+        goes = np.linalg.norm(steps, axis=1) > 0.02 * STEP
+        known = np.flatnonzero(goes)
+        headings = np.unwrap(np.arctan2(steps[known, 1], steps[known, 0])) if len(known) else np.array([yaw])
+        looks = np.interp(np.arange(len(times)), known if len(known) else [0], headings)
+        rows = np.column_stack([rows, looks])
+    return Track(times, np.column_stack([rows[:, :2], np.zeros(len(times)), rows[:, 2]]))
+
+
+def _collisions(
+    tracks: Mapping[str, Track], bodies: Mapping[str, Body], duration: float
+) -> list[tuple[tuple[str, str], float]]:
+    """The pairs that run into each other, with the time [s]; those that touch at the start are left out."""
+    times = np.arange(0.0, duration + 1e-9, _CHECKED)
+    at = {name: track.at(times) for name, track in tracks.items() if name == "ego" or track.moves()}
+    first: dict[tuple[str, str], int] = {}
+    for pair, k in itertools.chain(_contacts(at, bodies), _contacts_with_standing(at, bodies)):
+        first.setdefault(pair, k)
+    return [(pair, float(times[k])) for pair, k in first.items() if k]
+
+
+def _contacts(at: Mapping[str, np.ndarray], bodies: Mapping[str, Body]) -> Iterator[tuple[tuple[str, str], int]]:
+    """Of what moves: which two touch, and in which of the places [T, 4] where they are."""
+    for one, other in itertools.combinations(at, 2):
+        reach = sum(math.hypot(*bodies[name].size[:2]) for name in (one, other)) / 2
+        for k in np.flatnonzero(np.hypot(*(at[one] - at[other])[:, :2].T) < reach).tolist():
+            if _touch(_solid(bodies[one], at[one][k]), _solid(bodies[other], at[other][k])):
+                yield (one, other), k
+
+
+def _contacts_with_standing(
+    at: Mapping[str, np.ndarray], bodies: Mapping[str, Body]
+) -> Iterator[tuple[tuple[str, str], int]]:
+    """As `_contacts`, of what moves with what stands."""
+    standing = [(body.name, solid) for body in bodies.values() if body.name not in at for solid in body.solids]
+    centers = np.array([solid.primitive.center[:2] for _, solid in standing]).reshape(-1, 2)
+    radii = np.array([solid.radius for _, solid in standing])
+    for name, places in at.items():
+        reach = math.hypot(*bodies[name].size[:2]) / 2 + radii
+        for k, place in enumerate(places):
+            solid = _solid(bodies[name], place)
+            for j in np.flatnonzero(np.hypot(*(centers - place[:2]).T) < reach).tolist():
+                if _touch(solid, standing[j][1]):
+                    yield (name, standing[j][0]), k
+
+
+def _solid(body: Body, place: np.ndarray) -> Solid:
+    x, y, z, yaw = place.tolist()
+    z += EGO_SIZE[2] / 2 if body is _EGO_BODY else 0.0
+    box = Primitive.unchecked(shape="box", center=(x, y, z), size=body.size, yaw=yaw, label="car", id=body.name)
+    return Solid.from_primitive(box)
+
+
+def _touch(one: Solid, other: Solid) -> bool:
+    return penetration(one, other) > OVERLAP_TOLERANCE
+
+
+def _check_on_road(tracks: Mapping[str, Track], bodies: Mapping[str, Body], named: set[str], ground: _Ground) -> None:
+    """Raises `LayoutError` where a vehicle that stands on a road at first is beside it later."""
+    for name in named & set(tracks):
+        if name != "ego" and not bodies[name].labels & set(VEHICLE_LABELS):
+            continue
+        track = tracks[name]
+        road = ground.at(track.places)[1] == BY_NAME["road"].id
+        if road[0] and not road.all():
+            k = int(np.argmin(road))
+            x, y = track.places[k, :2]
+            raise LayoutError(f"{name} leaves the road after {track.times[k]:.1f} s, at x {x:.1f} m, y {y:.1f} m")
+
+
+def _waypoints(track: Track) -> Waypoints:
+    return Waypoints(tuple(map(tuple, np.column_stack([track.times, track.places[:, [0, 1, 3]]]).tolist())))
