@@ -62,7 +62,7 @@ def _framed(name: Path, bar: Any) -> np.ndarray:
     scan = Scan.load(name)
     up = np.array([0.0, 0.0, scan.image.sensor.mount_height])
     boxes = [replace(box, center=tuple((box.center + up).tolist())) for box in scan.boxes()]
-    when = "" if scan.time is None else f"{scan.time:.1f} s, {scan.speed:.0f} m/s  "
+    when = "" if scan.time is None else f"{scan.time:.1f} s, {scan.speed:.0f} m/s: "
     bar.update()
     return render_frame(scan.image, scan.points() + up, boxes=boxes, title=when + title_of(scan.layout))
 

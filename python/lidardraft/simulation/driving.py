@@ -29,6 +29,7 @@ _TURN = 0.35  # rad against its lane; what is turned by more does not drive alon
 _AHEAD = 2.0  # s for which whoever follows no lane is expected to go on as now
 _SIDE = 0.2  # m that stay free beside a vehicle
 _ACCELERATION, _BRAKING, _HARDEST = 1.5, 3.0, 8.0  # m/s2: usual ones, and what tyres give
+_STANDS = 0.1  # m/s, who wants to be slower than that stands
 _AIM = 10.0  # m over which a vehicle turns into its lane's direction
 _CROSSING_GAP = 2.0  # m from the road that is crossed to where traffic waits
 # Times the speed of the road, and m/s at most: estimates.
@@ -229,7 +230,7 @@ class _Traffic:
         """One step on."""
         for driver, (gap, ahead) in zip(self.drivers, self._ahead(step), strict=True):
             motion, speed, wish = driver.motion, driver.speed, driver.wish(time)
-            free = 1.0 - (speed / wish) ** 4 if wish > 0.0 else -_BRAKING / _ACCELERATION * (speed > 0.0)
+            free = 1.0 - (speed / wish) ** 4 if wish > _STANDS else -_BRAKING / _ACCELERATION * (speed > 0.0)
             kept = motion.gap + max(
                 0.0, speed * motion.headway + speed * (speed - ahead) / (2 * math.sqrt(_ACCELERATION * _BRAKING))
             )

@@ -34,6 +34,7 @@ from lidardraft.simulation.simulate import prepared
 from lidardraft.simulation.tracks import tracks_of
 
 _SECTORS = 32  # of a sweep, of which a body is cast in those that it may be seen in
+_FLASH = 1e-3  # s over which rates are taken where a sweep takes no time
 _MARGIN = 0.5  # m around a body: lasers do not start in the middle of the sensor
 _MOST_FRAMES = 100_000
 
@@ -95,8 +96,7 @@ class SequenceSimulator:
         for name, some in parts.items():
             self._movers.append(self._mover(name, some, first))
             first += len(some)
-        self._rays = sub_rays(sensor, self._scanner.model)
-        self._sectors = _sectors(self._rays)
+        self._sectors = _sectors(sub_rays(sensor, self._scanner.model))
 
     def _mover(self, name: str, parts: list[Primitive], first: int) -> _Mover:
         box = box_around([p for p in self.layout if object_of(p) == name])
@@ -118,35 +118,46 @@ class SequenceSimulator:
     def frame(self, number: int) -> Scan:
         """The scan of frame `number`, whose noise has the seed `seed` + `number`; its layout is that in the middle of
         the sweep."""
-        time, pose, sensor = self.time(number), self.pose(number), self._scanner.sensor
-        span = max(sensor.sweep_time, 1e-3)
-        rate = self.tracks.ego.rate(time, span)
-        speed, turn = float(rate[:3] @ pose[:3, 0]), float(rate[3])
-        poses = sensor.poses_in_motion(pose, speed * pose[:3, 0], (0.0, 0.0, turn))
-        clean = self._still.cast(poses, self.seed)
-        moved = {
-            mover.name: (mover.track.at(np.array([time]))[0], mover.track.rate(time, span)) for mover in self._movers
-        }
-        for mover in self._movers:
-            self._add(clean, mover, *moved[mover.name], pose, poses)
-        image = self._scanner.observe(clean, self.seed + number)
+        (speed, turn), moved = self._ego_rate(number), self._moved(number)
         return Scan(
-            image=image,
-            layout=self._layout({mover.name: (mover.home, moved[mover.name][0]) for mover in self._movers}),
-            pose=pose,
+            image=self._scanner.observe(self.cast(number), self.seed + number),
+            layout=self._layout({mover.name: (mover.home, place) for mover, place, _ in moved}),
+            pose=self.pose(number),
             seed=self.seed + number,
             speed=speed,
             turn=turn,
-            time=time,
-            velocities={name: tuple(rate[:3].tolist()) for name, (_, rate) in moved.items()},
+            time=self.time(number),
+            velocities={mover.name: tuple(rate[:3].tolist()) for mover, _, rate in moved},
         )
 
-    def _add(
-        self, clean: RangeImage, mover: _Mover, place: np.ndarray, rate: np.ndarray, pose: np.ndarray, poses: np.ndarray
-    ) -> None:
-        """Add a body to the cast of what stands, where it is nearer."""
-        off, travelled = place[:2] - pose[:2, 3], np.abs(poses[-1, :2, 3] - poses[0, :2, 3]).max()
-        sensor = self._scanner.sensor
+    def cast(self, number: int) -> RangeImage:
+        """The clean returns of all sub-rays (`Scanner.cast`) in the sweep of a frame."""
+        (speed, turn), pose = self._ego_rate(number), self.pose(number)
+        poses = self._scanner.sensor.poses_in_motion(pose, speed * pose[:3, 0], (0.0, 0.0, turn))
+        clean = self._still.cast(poses, self.seed)
+        for mover, place, rate in self._moved(number):
+            self._add(clean, mover, place, rate, poses)
+        return clean
+
+    def _ego_rate(self, number: int) -> tuple[float, float]:
+        """How fast the ego vehicle drives ahead [m/s] and turns [rad/s] in the sweep of a frame."""
+        rate = self.tracks.ego.rate(self.time(number), self._span)
+        return float(rate[:3] @ self.pose(number)[:3, 0]), float(rate[3])
+
+    def _moved(self, number: int) -> list[tuple[_Mover, np.ndarray, np.ndarray]]:
+        """All that moves, with its place in the middle of the sweep of a frame, and its rate in it."""
+        time = self.time(number)
+        at = np.array([time])
+        return [(mover, mover.track.at(at)[0], mover.track.rate(time, self._span)) for mover in self._movers]
+
+    @property
+    def _span(self) -> float:
+        return max(self._scanner.sensor.sweep_time, _FLASH)
+
+    def _add(self, clean: RangeImage, mover: _Mover, place: np.ndarray, rate: np.ndarray, poses: np.ndarray) -> None:
+        """Add a body, at `place` in the middle of the sweep, to the cast of what stands, where it is nearer."""
+        sensor, pose = self._scanner.sensor, poses[len(poses) // 2]
+        off, travelled = place[:2] - pose[:2, 3], float(np.hypot(*(poses[-1, :2, 3] - poses[0, :2, 3])))
         reach = mover.radius + travelled + float(np.hypot(*rate[:2])) * sensor.sweep_time
         distance = math.hypot(*off)
         if distance - reach > sensor.max_range:
