@@ -7,7 +7,7 @@ STAMP := $(VENV)/.lidardraft-$(firstword $(shell echo "$(CURDIR)" | cksum))
 RUST := $(shell find rust -name '*.rs' 2>/dev/null) Cargo.toml Cargo.lock rust/python/Cargo.toml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench compare report-streets report-detail report-simulate report-generate report-clouds report-inputs report-two-sample install weights
+.PHONY: help demo test check bench compare report-streets report-detail report-simulate report-generate report-clouds report-inputs report-two-sample report-sequences install weights
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 16
@@ -49,6 +49,9 @@ report-generate: install ## generated scans beside simulated ones: recordings, u
 
 report-two-sample: install ## how well a classifier tells streets from recordings, by what it looks at
 	"$(BIN)/python" benches/report_two_sample.py
+
+report-sequences: install ## sequences: frames a second, rolling shutter, flicker, odometry by KISS-ICP
+	"$(BIN)/python" benches/report_sequences.py
 
 report-clouds: install ## how near the layouts of recordings come to them, and how long they take
 	"$(BIN)/python" benches/report_cloud.py

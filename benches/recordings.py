@@ -208,12 +208,13 @@ def _there(groups: Groups) -> Groups:
     return {name: sweeps for name, sweeps in groups.items() if sweeps}
 
 
-def _bytes(path: Path) -> bytes:
+def file_bytes(path: Path) -> bytes:
+    """Of a file as it was before it was packed."""
     return lzma.open(path).read() if path.suffix == ".xz" else path.read_bytes()
 
 
 def _load(path: Path) -> np.ndarray:
-    image: np.ndarray = np.load(io.BytesIO(_bytes(path)))
+    image: np.ndarray = np.load(io.BytesIO(file_bytes(path)))
     return image
 
 
@@ -229,7 +230,7 @@ def _drive_files(folder: Path) -> list[Path]:
 
 
 def _kitti_pcd(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    fields = parse_pcd(_bytes(path)).columns
+    fields = parse_pcd(file_bytes(path)).columns
     points = np.stack([fields[axis] for axis in "xyz"], axis=1)[:-1]  # the last one is a zero that the conversion added
     return points, fields["intensity"][:-1]
 

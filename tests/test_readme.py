@@ -50,6 +50,8 @@ def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
             words += ["--steps", "4"]
         if words[0] == "evaluate":
             words += ["-n", "1"]  # 50 streets take minutes
+        if "--frames" in words:
+            words += ["--frames", "3"]  # 100 take half a minute
         if words[0] == "streets":
             words += ["--num", "2", "--poses", "1", "--workers", "1"]  # 1,000 take minutes
         if "scan.bin" in words:

@@ -184,7 +184,7 @@ def render_frame(image: RangeImage, points: np.ndarray, *, boxes: Sequence[Box] 
     above, seat = _drawn(_ABOVE_SMALL, points, colours, boxes), Drawing(_SEAT, rings=())
     seat.points(points, colours)
     seat.boxes(boxes, [_colour_of(BY_NAME[box.label].id) for box in boxes])
-    above.text((8.0, 6.0), textwrap.shorten(title, _LONGEST_TITLE // 2, placeholder=" ..."), 13)
+    seat.text((8.0, 6.0), textwrap.shorten(title, _LONGEST_TITLE * 2 // 3, placeholder=" ..."), 14)
     return stack([above.picture(), seat.picture()], across=True)
 
 

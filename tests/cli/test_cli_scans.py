@@ -6,14 +6,27 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
-from lidardraft import Layout, RangeImage, Sensor, layout_from_text, observe_cast, pipeline, simulate, surround
+from lidardraft import (
+    Layout,
+    Primitive,
+    RangeImage,
+    Scan,
+    Sensor,
+    layout_from_text,
+    observe_cast,
+    pipeline,
+    simulate,
+    surround,
+)
 from lidardraft.arranging.district import DISTRICTS
 from lidardraft.cli import main as cli
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import read_boxes
 from lidardraft.formats.carla import carla_sensor
 from lidardraft.scan import SCAN_ENDINGS
+from lidardraft.scene.scenario import Scenario, Straight
 from lidardraft.semantics import BY_NAME, CLASSES
 from lidardraft.streets import StreetConfig, StreetMix, street_scan
 
@@ -344,3 +357,46 @@ def test_what_fails_replaces_nothing(refused: Callable[..., str], command: str) 
     assert "smal.json: No such file" in refused(*again, "--sensor", "smal.json")
     Path("file").write_text("")
     assert "file is a file; it must be a folder" in refused(command, "--text", "a car ahead", "-o", "file")
+
+
+def test_a_sequence_is_a_folder_of_frames_with_tracks_and_a_film(capsys: pytest.CaptureFixture[str]) -> None:
+    road = Primitive(shape="plane", center=(0, 0, 0), size=(200, 8, 0), label="road", id="road")
+    car = Primitive(shape="box", center=(14, 0, 0.76), size=(4, 1.8, 1.5), label="car", id="car_1", instance=1)
+    Layout((road, car)).save("layout.json")
+    Scenario(None, {"car_1": Straight(9.0)}).save("scenario.json")
+    asked = ["simulate", "--layout", "layout.json", "--sensor", "small.json", "--scenario", "scenario.json"]
+    asked += ["--frames", "4", "--hz", "5", "--speed", "6", "--no-picture"]
+    assert cli.main([*asked, "-o", "one"]) == 0
+    assert cli.main([*asked, "-o", "two", "--jobs", "2"]) == 0
+    assert "one: 4 scans, 000000.bin to 000003.bin" in capsys.readouterr().out
+    names = sorted(path.name for path in Path("one").iterdir())
+    assert {"poses.txt", "times.txt", "tracks.json", "000003.boxes.json"} < set(names)
+    for name in names:
+        if not name.endswith(".npz"):
+            assert Path("one", name).read_bytes() == Path("two", name).read_bytes(), name
+    scans = [Scan.load(f"one/{number:06d}") for number in range(4)]
+    assert [scan.pose[0, 3] for scan in scans] == pytest.approx([0.3, 1.5, 2.7, 3.9], abs=0.01)
+    assert [box.center[0] for box in scans[3].boxes()] == pytest.approx([14 + 3 * 0.65], abs=0.02)
+    assert cli.main(["view", "one"]) == 0
+    with Image.open("one/view.gif") as film:
+        assert (film.n_frames, film.info["duration"]) == (4, 200)
+    assert cli.main(["export", "one", "--format", "semantickitti", "-o", "kitti"]) == 0
+    assert np.loadtxt("kitti/sequences/00/times.txt") == pytest.approx([0.0, 0.2, 0.4, 0.6])
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (["--hz", "5"], "--hz is of a sequence; say with --frames how long it is"),
+        (["--frames", "3", "-n", "2"], "--num does not go with --frames"),
+        (["--frames", "3", "--hz", "20"], "hz is 20; a sweep of small takes 0.1 s"),
+        (["--frames", "3", "--scenario", "wrong.json"], "wrong.json: the layout has no object 'car_9'"),
+        (["--frames", "3", "--scenario", "none.json"], "none.json: No such file"),
+    ],
+)
+def test_sequences_that_cannot_be_are_one_line(more: list[str], said: str, refused: Callable[..., str]) -> None:
+    road = Primitive(shape="plane", center=(0, 0, 0), size=(200, 8, 0), label="road", id="road")
+    Layout((road,)).save("layout.json")
+    Scenario(None, {"car_9": Straight(9.0)}).save("wrong.json")
+    assert said in refused("simulate", "--layout", "layout.json", "--sensor", "small.json", *more, "-o", "out")
+    assert not Path("out").exists()

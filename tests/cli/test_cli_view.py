@@ -65,7 +65,7 @@ def test_training_pairs(image: RangeImage, capsys: pytest.CaptureFixture[str]) -
 
 def test_bad_input_is_one_line(image: RangeImage, refused: Callable[..., str]) -> None:
     assert "there is no picture of .txt" in refused("view", "small.txt")
-    assert "is a folder" in refused("view", ".")
+    assert "holds no scans" in refused("view", ".")
     image.save("image.npz")
     assert "--sensor is for" in refused("view", "image.npz", "--sensor", "hdl64e")
     list(write_pairs("pairs", [(Pair(image, image, image), {})]))

@@ -4,6 +4,7 @@ import dataclasses
 import itertools
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lidardraft import Layout, Primitive, Raycaster, Scan, Sensor, layout_from_text
+from lidardraft import Layout, Primitive, Raycaster, Scan, Sensor, layout_from_text, surround
 from lidardraft.errors import LidarDraftError
 from lidardraft.formats.semantickitti import write_sequences
 from lidardraft.scene.effects import sub_rays
@@ -207,6 +208,17 @@ def test_kinds_move_as_they_do() -> None:
     assert not moving & set(parked)
     assert any(name.startswith("person") for name in moving)
     assert tracks.ego.places[-1, 0] > 20
+
+
+def test_the_scenario_of_the_page_is_driven_as_it_says() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "scenarios.md").read_text()
+    (sentence,) = re.findall(r'--text "(.*?)"', page)
+    (text,) = re.findall(r"```json\n(.*?)```", page, flags=re.DOTALL)
+    layout = surround(layout_from_text(sentence, seed=0), seed=0)
+    tracks = tracks_of(layout, Scenario.from_json(text), 8.0)
+    assert {"bus_1", "person_1", "car_1"} == set(tracks.actors)
+    (code,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
+    exec(code.replace("frames=20", "frames=2"), {})
 
 
 RIGHT = ((0.0, 10.0, 0.0), (2.0, 20.0, 0.0))

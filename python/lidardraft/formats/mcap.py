@@ -88,6 +88,8 @@ def _entity(at: int, annotation: Annotation) -> Any:
     length, width, height = box.size
     pose, size = _pose(upright(box.center, box.yaw)), Vector3(x=length, y=width, z=height)
     words = {"label": box.label, "num_points": str(annotation.num_points)}
+    if box.velocity is not None:
+        words["velocity"] = " ".join(f"{speed:.3f}" for speed in box.velocity)
     return SceneEntity(
         timestamp=_stamp(at),
         frame_id="lidar",

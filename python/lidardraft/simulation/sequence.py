@@ -53,14 +53,14 @@ class _Mover:
 
 
 class SequenceSimulator:
-    """A layout, or that of a sentence in its street, made ready to be scanned while it moves as `scenario` says, over
-    `frames` sweeps of which `hz` begin in a second. `speed` [m/s] is that of the ego vehicle where the scenario does
-    not say how it moves; by default that of the road.
+    """A layout, or that of a sentence in its street, made ready to be scanned while it moves as `scenario` says.
 
-    `seed` decides the world: the layout of a sentence, details, brightness, and how far rays get into foliage; noise
-    and drop are drawn anew for each frame. The rest is as in `Simulator`. `tracks` are those of all that moves, as
-    long as the sequence is. Raises `LayoutError` where the scenario cannot be (`tracks_of`), and `SensorError` on an
-    `hz` at which sweeps would overlap.
+    It gives `frames` scans one after the other, of sweeps of which `hz` begin in a second. `speed` [m/s] is that of the
+    ego vehicle where the scenario does not say how it moves; by default that of the road. `seed` decides the world: the
+    layout of a sentence, details, brightness, and how far rays get into foliage; noise and drop are drawn anew for each
+    frame. The rest is as in `Simulator`. `tracks` are those of all that moves.
+
+    Raises `LayoutError` where the scenario cannot be (`tracks_of`), `SensorError` on an `hz` at which sweeps overlap.
     """
 
     def __init__(
@@ -201,41 +201,6 @@ class SequenceSimulator:
         write_text(Path(folder) / "poses.txt", "".join(" ".join(f"{n:.9g}" for n in pose) + "\n" for pose in poses))
         write_text(Path(folder) / "times.txt", "".join(f"{self.time(n):.6f}\n" for n in range(self.frames)))
         self.tracks.scenario().save(Path(folder) / "tracks.json")
-
-
-def simulate_sequence(
-    layout: Layout | str,
-    sensor: Sensor,
-    scenario: Scenario | None = None,
-    *,
-    frames: int = 100,
-    hz: float = 10.0,
-    speed: float | None = None,
-    seed: int = 0,
-    model: SensorModel | None = None,
-    weather: Weather | None = None,
-    detail: bool = True,
-    clutter: float = 0.0,
-    threads: int | None = None,
-) -> Iterator[Scan]:
-    """The scans of a layout, or of a sentence in its street, in which everything moves: those of a
-    `SequenceSimulator`, which raises what it raises at once."""
-    return iter(
-        SequenceSimulator(
-            layout,
-            sensor,
-            scenario,
-            frames=frames,
-            hz=hz,
-            speed=speed,
-            seed=seed,
-            model=model,
-            weather=weather,
-            detail=detail,
-            clutter=clutter,
-            threads=threads,
-        )
-    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
