@@ -17,6 +17,7 @@ from lidardraft.cli.arguments import add_seed, assignments, number, read_sensor
 from lidardraft.cli.command import say
 from lidardraft.errors import FormatError, LidarDraftError
 from lidardraft.files import named, read_text
+from lidardraft.scene.box import Box
 from lidardraft.scene.layout import AROUND, Layout
 from lidardraft.scene.sensor import Sensor
 
@@ -327,13 +328,18 @@ def _from_sketch(arguments: argparse.Namespace) -> Layout:
     return layout
 
 
-def _from_boxes(arguments: argparse.Namespace) -> Layout:
-    from lidardraft.drafting.boxes import layout_from_boxes
+def read_boxes_file(path: str) -> list[Box]:
+    """The sensor-frame boxes of a file: KITTI's label_2, which ends in .txt, or boxes.json."""
     from lidardraft.formats.boxes import read_boxes
     from lidardraft.formats.kitti_object import read_label_2
 
-    is_kitti = arguments.boxes.endswith(".txt")
-    boxes = read_label_2(arguments.boxes) if is_kitti else read_boxes(arguments.boxes)[0]
+    return read_label_2(path) if path.endswith(".txt") else read_boxes(path)[0]
+
+
+def _from_boxes(arguments: argparse.Namespace) -> Layout:
+    from lidardraft.drafting.boxes import layout_from_boxes
+
+    boxes = read_boxes_file(arguments.boxes)
     height = _sensor_height(arguments, arguments.boxes)
     with named(arguments.boxes):
         return layout_from_boxes(boxes, sensor_height=height)

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 import lidardraft
-from lidardraft.cli import evaluate, export, fit, layouts, pairs, profile, scans, view
+from lidardraft.cli import edit, evaluate, export, fit, layouts, pairs, profile, scans, view
 from lidardraft.cli.command import Parser, commands_of, run
 
 _FIRST = """\
@@ -37,6 +37,7 @@ def _parser() -> Parser:
     scans.simulate_options(command("simulate", scans.simulate))
     scans.generate_options(command("generate", scans.generate))
     view.view_options(command("view", view.view))
+    edit.edit_options(command("edit", edit.edit))
     export.export_options(command("export", export.export))
     layouts.draft_options(command("draft", layouts.draft))
     layouts.raycast_options(command("raycast", layouts.raycast))

@@ -26,7 +26,7 @@ from lidardraft.formats.semantickitti import read_label
 _NEAREST = 0.1  # m: what is nearer is no return (zeros stand for those of organised clouds)
 _MOST_LASERS = 512
 _MOST_POINTS = 2**22  # of a scan; the largest sensors have half a million
-_FIELDS = ("ring", "intensity", "label", "instance", "column")  # of an .npz file
+_FIELDS = ("ring", "intensity", "label", "instance", "column", "made_up")  # of an .npz file
 _ORDERLY = 0.98  # of the steps in a file of KITTI's order are small ones ahead
 _SMALL_STEP = np.deg2rad(5.0)
 _NO_JUMP = 1e-3  # of a slope: lasers are further apart
@@ -58,7 +58,7 @@ def read_recording(path: str | os.PathLike[str]) -> Recording:
     `FormatError` where the file is something else, has no points, or where nothing says which laser took them.
     """
     points, fields = read_points(path)
-    fields.pop("instance", None)
+    fields = {field: values for field, values in fields.items() if field not in ("instance", "made_up")}
     with named(path):
         return recording_of(os.fspath(path), points, **fields)
 
@@ -122,7 +122,7 @@ def recording_of(name: str, points: np.ndarray, **fields: np.ndarray) -> Recordi
     is left out. Raises `FormatError` as `read_recording` does."""
     points, fields = returns(points, fields)
     ring = fields.pop("ring", None)
-    ring = _rings_of_order(points) if ring is None else ring.astype(np.int64)
+    ring = rings_of_order(points) if ring is None else ring.astype(np.int64)
     if ring.min() < 0 or ring.max() >= _MOST_LASERS:
         raise FormatError(f"rings are {ring.min()} to {ring.max()}; they must be 0 to {_MOST_LASERS - 1}")
     for field in ("label", "column"):
@@ -131,9 +131,9 @@ def recording_of(name: str, points: np.ndarray, **fields: np.ndarray) -> Recordi
     return Recording(name=name, points=points, ring=ring, **fields)
 
 
-def _rings_of_order(points: np.ndarray) -> np.ndarray:
+def rings_of_order(points: np.ndarray) -> np.ndarray:
     """The lasers of points that come laser by laser, each once around: from straight ahead, as in KITTI's files, or
-    from behind, as in ours."""
+    from behind, as in ours. Raises `FormatError` where they do not."""
     x, y, z = points.astype(np.float64).T
     azimuth, slope = np.arctan2(y, x), z / np.maximum(np.hypot(x, y), _NEAREST)
     steps, wraps, most = np.zeros(0), np.zeros(0, bool), -1.0

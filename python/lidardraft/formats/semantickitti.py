@@ -68,6 +68,7 @@ RAW_FROM_CLASS: dict[str, int] = {
 }
 
 _INSTANCE_LIMIT = 2**16 - 1
+_OUTLIER = 1
 _CAMERA = np.array([(0.0, -1, 0, 0), (0, 0, -1, 0), (1, 0, 0, 0), (0, 0, 0, 1)])  # camera_from_lidar
 
 
@@ -95,8 +96,11 @@ def read_label(
     return label, words >> 16
 
 
-def write_label(path: str | os.PathLike[str], label: np.ndarray, instance: np.ndarray) -> None:
-    """Write class ids [N] of `semantics.CLASSES` and instances [N] as SemanticKITTI labels."""
+def write_label(
+    path: str | os.PathLike[str], label: np.ndarray, instance: np.ndarray, *, outlier: np.ndarray | None = None
+) -> None:
+    """Write class ids [N] of `semantics.CLASSES` and instances [N] as SemanticKITTI labels; its outliers where
+    `outlier` bool [N] is True."""
     name = os.fspath(path)
     if label.ndim != 1 or instance.shape != label.shape:
         raise FormatError(f"{name}: label {label.shape} and instance {instance.shape} must both be [N]")
@@ -106,6 +110,8 @@ def write_label(path: str | os.PathLike[str], label: np.ndarray, instance: np.nd
             raise FormatError(f"{name}: point {outside[0]} has {what} {values[outside[0]]}; it must be 0 to {limit}")
     table = np.array([RAW_FROM_CLASS[row.name] for row in CLASSES], dtype="<u4")
     words = table[label] | (instance.astype("<u4") << np.uint32(16))
+    if outlier is not None:
+        words[outlier] = _OUTLIER
     with written_whole(path) as temporary:
         temporary.write_bytes(words.astype("<u4").tobytes())
 

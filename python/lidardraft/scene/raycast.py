@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 from zlib import crc32
@@ -54,6 +54,10 @@ class Hits:
         along = self.directions[hit] / np.linalg.norm(self.directions[hit], axis=1, keepdims=True)
         points: np.ndarray = self.origins[hit] + along * self.distance[hit, None]
         return points
+
+    def keep(self, where: np.ndarray) -> Hits:
+        """Those of the rays where the mask [R] is True."""
+        return Hits(*(getattr(self, field.name)[where] for field in fields(self)))
 
 
 class Raycaster:

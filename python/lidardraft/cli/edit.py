@@ -1,0 +1,168 @@
+"""`lidardraft edit`: objects of a recorded scan inserted, removed, moved and replaced."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lidardraft.cli.arguments import DEFAULT_SENSOR, add_seed, add_sensor, read_sensor
+from lidardraft.cli.inputs import read_boxes_file, sensor_beside
+from lidardraft.errors import FormatError
+from lidardraft.files import named
+from lidardraft.scene.box import Box
+from lidardraft.scene.sensor import Sensor
+
+if TYPE_CHECKING:
+    from lidardraft.simulation.recorded_scan import RecordedScan
+    from lidardraft.simulation.scan_edits import Edit
+
+_NUMBER = r"([-+]?\d+(?:\.\d*)?)"
+_INSERTED = re.compile(
+    rf"([a-z][a-z-]*) at {_NUMBER}, ?{_NUMBER}(?: yaw {_NUMBER})?(?: size {_NUMBER}, ?{_NUMBER}, ?{_NUMBER})?"
+)
+_PLACE = re.compile(rf"{_NUMBER},{_NUMBER}(?:,{_NUMBER})?")
+
+
+def edit(arguments: argparse.Namespace) -> None:
+    """Insert, remove, move and replace objects in a recorded scan, with the shadows that they throw; or list its
+    objects."""
+    scan = _read(arguments)
+    edits = arguments.edits or []
+    if not edits:
+        if arguments.output is not None:
+            raise FormatError(f"{arguments.scan}: there is no edit; give --insert, --remove, --move or --replace")
+        return _list(scan)
+    if arguments.output is None:
+        raise FormatError("--output says where the edited scan goes")
+    from lidardraft.simulation.scan_edits import edit_scan
+
+    output = Path(arguments.output)
+    output = output.with_suffix("") if output.suffix in (".bin", ".npz") else output
+    with named(arguments.scan):
+        edited = edit_scan(scan, edits, seed=arguments.seed)
+    edited.save(output)
+    print(f"{output}.bin: {_counts(edited)}, with .label, .npz, .boxes.json and .sensor.json")
+
+
+def _read(arguments: argparse.Namespace) -> RecordedScan:
+    from lidardraft.formats.recording import read_points
+    from lidardraft.formats.semantickitti import read_label
+    from lidardraft.simulation.recorded_scan import RecordedScan
+
+    path = arguments.scan
+    points, fields = read_points(path)
+    if arguments.labels is not None:
+        fields |= dict(zip(("label", "instance"), read_label(arguments.labels, len(points), of=path), strict=True))
+    beside = Path(path).with_suffix(".boxes.json")
+    file = arguments.boxes or (str(beside) if beside.exists() else None)
+    boxes = None if file is None else read_boxes_file(file)
+    with named(path):
+        fields.pop("column", None)
+        return RecordedScan.from_points(points, _sensor(path, arguments.sensor), boxes=boxes, **fields)
+
+
+def _sensor(path: str, name: str | None) -> Sensor:
+    return read_sensor(name) if name is not None else sensor_beside(path) or Sensor.preset(DEFAULT_SENSOR)
+
+
+def _list(scan: RecordedScan) -> None:
+    for box, count in zip(scan.boxes, scan.returns_per_box(), strict=True):
+        print(f"{box.id}: {_placed(box)}, {count} returns")
+    if not scan.boxes:
+        print("no objects: give --boxes or --labels to have some that can be removed")
+
+
+def _placed(box: Box) -> str:
+    x, y, _ = box.center
+    return (
+        f"{box.label} at {x:.2f},{y:.2f} yaw {math.degrees(box.yaw):.0f} size {','.join(f'{e:.2f}' for e in box.size)}"
+    )
+
+
+def _counts(scan: RecordedScan) -> str:
+    from lidardraft.simulation.recorded_scan import FILLED, INSERTED
+
+    made = [
+        f"{int((scan.made_up == mark).sum())} {word}" for mark, word in ((INSERTED, "inserted"), (FILLED, "filled"))
+    ]
+    return f"{int(scan.returned.sum())} returns, {' and '.join(made)}"
+
+
+def _insert(text: str) -> Edit:
+    from lidardraft.simulation.scan_edits import Insert
+
+    found = _INSERTED.fullmatch(text)
+    if found is None:
+        raise ValueError(f"{text!r} is not KIND at X,Y [yaw DEGREES] [size L,W,H], as in 'car at 12,3 yaw 90'")
+    kind, x, y, yaw, *size = found.groups()
+    extents = (float(size[0]), float(size[1]), float(size[2])) if size[0] else None
+    return Insert(kind, (float(x), float(y)), math.radians(float(yaw or 0)), extents)
+
+
+def _remove(id: str) -> Edit:
+    from lidardraft.simulation.scan_edits import Remove
+
+    return Remove(id)
+
+
+def _move(id: str, place: str) -> Edit:
+    from lidardraft.simulation.scan_edits import Move
+
+    found = _PLACE.fullmatch(place)
+    if found is None:
+        raise ValueError(f"{place!r} is no place X,Y [m] or X,Y,YAW [degrees]")
+    x, y, yaw = found.groups()
+    return Move(id, (float(x), float(y)), None if yaw is None else math.radians(float(yaw)))
+
+
+def _replace(id: str, kind: str) -> Edit:
+    from lidardraft.simulation.scan_edits import Replace
+
+    return Replace(id, kind)
+
+
+class _InOrder(argparse.Action):
+    """Collects the edits of all options in the order in which they stand; `const` makes one of an option's words."""
+
+    def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
+        make: Callable[..., Edit] = self.const
+        try:
+            made = make(*values)
+        except ValueError as error:
+            parser.error(f"argument {option_string}: {error}")
+        namespace.edits = [*(namespace.edits or []), made]
+
+
+def edit_options(parser: argparse.ArgumentParser) -> None:
+    """The options of `edit`."""
+    parser.epilog = (
+        "Edits are done in the order in which they are given; without any, the objects are listed. x is ahead and y to "
+        "the left of the sensor, in metres. Objects are those of --boxes, or of clusters of the labels. Made-up "
+        "returns are marked in the .npz (made_up: 1 of inserted objects, 2 where one was removed), the latter as "
+        "outliers in the .label."
+    )
+    text = "KITTI .bin, nuScenes .pcd.bin, .pcd, .ply, .laz or .npz"
+    parser.add_argument("scan", metavar="SCAN", help=text)
+    text = "SemanticKITTI labels of the scan (default: those in it, or the .label beside it)"
+    parser.add_argument("--labels", metavar="FILE.label", help=text)
+    text = "boxes around its objects: .boxes.json, or KITTI's label_2 (default: the .boxes.json beside it)"
+    parser.add_argument("--boxes", metavar="FILE", help=text)
+    add_sensor(
+        parser, default=None, of=f" that took the scan (default the .sensor.json beside it, or {DEFAULT_SENSOR})"
+    )
+    for option, names, make, text in (
+        ("insert", ("TEXT",), _insert, "an object: 'car at 12,3 yaw 90', 'truck at 30,-2 size 8,2.5,3'; repeatable"),
+        ("remove", ("ID",), _remove, "take an object away; repeatable"),
+        ("move", ("ID", "X,Y[,YAW]"), _move, "let an object stand elsewhere; repeatable"),
+        ("replace", ("ID", "KIND"), _replace, "put one of another kind in the place of an object; repeatable"),
+    ):
+        parser.add_argument(
+            f"--{option}", dest="edits", action=_InOrder, nargs=len(names), metavar=names, const=make, help=text
+        )
+    add_seed(parser)
+    text = "the edited scan: NAME.bin, .label, .npz, .boxes.json and .sensor.json"
+    parser.add_argument("-o", "--output", metavar="NAME", help=text)

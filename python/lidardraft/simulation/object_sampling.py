@@ -1,0 +1,177 @@
+"""Augmentation of recorded scans with detailed objects and their true shadows, for pipelines of detectors.
+
+Ground-truth sampling pastes the points of objects into other scans, where they hide nothing and have the wrong density.
+Here each object is cast along the scan's own rays: what it hides goes, and it returns as the sensor would see it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from lidardraft.errors import LayoutError
+from lidardraft.scene.box import Box
+from lidardraft.scene.check import VEHICLE_LABELS
+from lidardraft.scene.sensor import Sensor
+from lidardraft.semantics import BY_NAME
+from lidardraft.simulation.ray_receiver import RayReceiver
+from lidardraft.simulation.recorded_scan import RecordedScan
+from lidardraft.simulation.scan_edits import check_room, inserted
+from lidardraft.simulation.solid_object import SolidObject
+
+_CLASS_OF_NAME = {"pedestrian": "person", "cyclist": "rider", "van": "car"}  # of others' names in lower case
+_NAME_OF_KIND = {
+    "car": "Car",
+    "van": "Car",
+    "truck": "Truck",
+    "bus": "Bus",
+    "person": "Pedestrian",
+    "cyclist": "Cyclist",
+}
+_TRIES = 16  # places that are looked at for an object
+_ROOM = 0.3  # m around it without returns of other things
+_CELL, _HALF = 0.4, 200  # m; cells on each side: where things stand
+_WOBBLE = 0.1  # rad, of headings along those of others
+_ANY_WAY = ("person", "bicycle", "motorcycle")
+
+
+class ObjectSampling:
+    """A callable that adds objects to the samples of a detector's pipeline, with what they hide.
+
+    `counts` says how many objects of which kind (`solid_object.WORDS`) a scan is to have in all, as OpenPCDet's
+    SAMPLE_GROUPS do; they stand on free ground that the sensor sees, between `distances` [m]. Of each kind there are
+    `models` different ones, made once. `names` says what each kind is called in `gt_names`. Equal instances give the
+    same samples in the same order of calls; each worker needs a `seed` of its own. Raises `LayoutError` for an unknown
+    kind.
+    """
+
+    def __init__(
+        self,
+        counts: Mapping[str, int],
+        sensor: Sensor,
+        *,
+        distances: tuple[float, float] = (4.0, 50.0),
+        models: int = 24,
+        names: Mapping[str, str] | None = None,
+        seed: int = 0,
+    ) -> None:
+        if not 0 <= distances[0] < distances[1] or models < 1:
+            raise LayoutError(
+                f"distances are {distances} and models {models}; they must ascend from 0, and be 1 or more"
+            )
+        self.counts, self.sensor, self.distances = dict(counts), sensor, distances
+        self.names = dict(_NAME_OF_KIND if names is None else names)
+        self._rng = np.random.default_rng(seed)
+        self._models = {
+            kind: [SolidObject.of_kind(kind, name=f"{kind}_{number}", seed=seed) for number in range(models)]
+            for kind in counts
+        }
+
+    def __call__(self, sample: dict[str, Any]) -> dict[str, Any]:
+        """The sample with `points` [N, 3 + C] (x y z, intensity, and other columns), `gt_boxes` [M, 7 or more] (centre,
+        length, width, height, heading) and `gt_names` [M] of more objects; a boolean column of objects `gt_boxes_mask`
+        grows too. An object's other columns are those of the points that its rays had."""
+        points, boxes, names = sample["points"], np.asarray(sample["gt_boxes"]), np.asarray(sample["gt_names"])
+        fields = {"intensity": points[:, 3]} if points.shape[1] > 3 else {}
+        scan = RecordedScan.from_points(points[:, :3], self.sensor, boxes=_boxes(boxes, names), **fields)
+        free, chosen = _FreeGround(scan), list[tuple[SolidObject, Box]]()
+        for kind, count in self.counts.items():
+            have = int((names == self.names.get(kind, kind)).sum())
+            for _ in range(count - have):
+                if one := self._sampled(scan, free, kind, [box for _, box in chosen]):
+                    chosen.append(one)
+        scan = inserted(scan, chosen, RayReceiver.of_scan(scan), int(self._rng.integers(2**31)))
+        added = [box for _, box in chosen]
+        rows = np.zeros((len(added), boxes.shape[1] if boxes.size else 7), boxes.dtype if boxes.size else np.float32)
+        rows[:, :7] = np.array([(*box.center, *box.size, box.yaw) for box in added]).reshape(-1, 7)
+        kinds = [self.names.get(kind, kind) for kind in (box.id.rpartition("_")[0] for box in added)]
+        changed = {
+            "points": _as_given(scan, points),
+            "gt_boxes": np.concatenate([boxes.reshape(-1, rows.shape[1]), rows]),
+            "gt_names": np.concatenate([names, np.array(kinds, dtype=names.dtype if names.dtype.kind == "O" else str)]),
+        }
+        if "gt_boxes_mask" in sample:
+            changed["gt_boxes_mask"] = np.concatenate([sample["gt_boxes_mask"], np.ones(len(added), bool)])
+        return sample | changed
+
+    def _sampled(
+        self, scan: RecordedScan, free: _FreeGround, kind: str, taken: list[Box]
+    ) -> tuple[SolidObject, Box] | None:
+        """An object in a place that is free, or nothing where none of some places is."""
+        rng, models = self._rng, self._models[kind]
+        solid = models[int(rng.integers(len(models)))]
+        for x, y, z in free.places(rng.uniform(*self.distances, _TRIES)):
+            center, yaw = (x, y, z + solid.size[2] / 2), self._heading(kind, (x, y), scan.boxes)
+            box = Box(f"{kind}_{len(taken) + 1}", solid.label, len(taken) + 1, center, solid.size, yaw)
+            if free.has_room(box):
+                try:
+                    check_room(replace(scan, boxes=(*scan.boxes, *taken)), box)
+                except LayoutError:
+                    continue
+                return solid, box
+        return None
+
+    def _heading(self, kind: str, at: tuple[float, float], boxes: Sequence[Box]) -> float:
+        """Along the nearest vehicle or the road that the sensor drives on, ahead or back; any way for who walks."""
+        if kind in _ANY_WAY:
+            return float(self._rng.uniform(-math.pi, math.pi))
+        vehicles = [box for box in boxes if box.label in VEHICLE_LABELS]
+        along = min(vehicles, key=lambda box: math.dist(box.center[:2], at)).yaw if vehicles else 0.0
+        return float(along + self._rng.choice([0.0, math.pi]) + self._rng.normal(0.0, _WOBBLE))
+
+
+class _FreeGround:
+    """Where the ground of a scan was seen, and where other things stand."""
+
+    def __init__(self, scan: RecordedScan) -> None:
+        order = np.argsort(scan.ground_points[:, 0] ** 2 + scan.ground_points[:, 1] ** 2)
+        self._ground = scan.ground_points[order]
+        self._away = np.hypot(*self._ground[:, :2].T)
+        standing = scan.points[scan.returned & ~scan.is_ground]
+        cells = np.floor(standing[:, :2] / _CELL).astype(np.intp) + _HALF
+        cells = cells[((cells >= 0) & (cells < 2 * _HALF)).all(axis=1)]
+        self._taken = np.zeros((2 * _HALF, 2 * _HALF), bool)
+        self._taken[cells[:, 0], cells[:, 1]] = True
+
+    def places(self, away: np.ndarray) -> list[list[float]]:
+        """Places x, y, z on the ground so far `away` [m], in any direction."""
+        if not len(self._ground):
+            return []
+        found = np.minimum(np.searchsorted(self._away, away), len(self._ground) - 1)
+        places: list[list[float]] = self._ground[found].tolist()
+        return places
+
+    def has_room(self, box: Box) -> bool:
+        """Whether no other return is over the ground of a box and around it."""
+        length, width = (
+            np.arange(-0.5, 0.51, 1.0 / math.ceil((e + 2 * _ROOM) / _CELL)) * (e + 2 * _ROOM) for e in box.size[:2]
+        )
+        ahead, aside = (axis.ravel() for axis in np.meshgrid(length, width))
+        cos, sin = math.cos(box.yaw), math.sin(box.yaw)
+        x, y = box.center[0] + cos * ahead - sin * aside, box.center[1] + sin * ahead + cos * aside
+        cells = np.floor(np.stack([x, y]) / _CELL).astype(np.intp) + _HALF
+        return bool(((cells >= 0) & (cells < 2 * _HALF)).all()) and not self._taken[cells[0], cells[1]].any()
+
+
+def _boxes(rows: np.ndarray, names: np.ndarray) -> list[Box]:
+    """The boxes of `gt_boxes` [M, 7 or more], with `gt_names` of whatever data set."""
+    boxes = []
+    for number, (row, name) in enumerate(zip(rows.tolist(), names.tolist(), strict=True), start=1):
+        word = str(name).lower()
+        label = _CLASS_OF_NAME.get(word, word if word in BY_NAME else "other")
+        boxes.append(Box(f"given_{number}", label, number, tuple(row[:3]), tuple(row[3:6]), row[6]))
+    return boxes
+
+
+def _as_given(scan: RecordedScan, given: np.ndarray) -> np.ndarray:
+    """The returns with all columns that were given, their intensities on the scale that those have."""
+    there = scan.returned
+    points = given[scan.source[there]]
+    points[:, :3] = scan.points[there]
+    if given.shape[1] > 3:
+        points[:, 3] = scan.intensity[there] * (255.0 if given[:, 3].max() > 1 else 1.0)
+    return points

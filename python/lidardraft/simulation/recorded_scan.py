@@ -1,0 +1,245 @@
+"""A recorded scan as its rays, ready to be edited: where each returned from, and those that did not return."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from lidardraft.drafting.cloud.layout import layout_from_cloud
+from lidardraft.errors import FormatError, LayoutError
+from lidardraft.files import written_together
+from lidardraft.formats.boxes import write_boxes
+from lidardraft.formats.kitti import write_bin
+from lidardraft.formats.recording import returns, rings_of_order
+from lidardraft.formats.semantickitti import write_label
+from lidardraft.scene.box import Box
+from lidardraft.scene.layout import Layout
+from lidardraft.scene.pose import upright
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.sensor import Sensor
+from lidardraft.semantics import BY_NAME, GROUND
+
+RECORDED, INSERTED, FILLED = range(3)  # values of `made_up`
+GROUND_IDS = [BY_NAME[name].id for name in GROUND]
+_CELL, _AROUND, _LOW = 2.0, 5, 20  # m; cells across; of their heights so many per cent are lower than ground is
+_RISE, _THICKNESS = 0.4, 0.25  # m from that height to the lowest point of a cell, and from there to the highest
+_FLAT_WITHIN = 120.0  # m
+_NEAR_GROUND = (2.0, 4.0, 8.0, 16.0)  # m from a place, where its height is looked for
+_FEWEST = 5  # points that tell a height
+_MOST_LOST = 4.0  # rays without a return, in returns: more are none
+_LEAST_STEP = 2e-4  # rad between two firings of one laser
+_SECTORS = 72
+RAY_FIELDS = ("points", "distance", "intensity", "label", "instance", "made_up", "source")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RecordedScan:
+    """A scan of `sensor` with `boxes` around objects, in the sensor's frame, whose origin is where R rays start.
+
+    `points` f32 [R, 3] [m] are where they returned, `distance` f32 [R] how far that is; a ray that did not return has
+    the distance 0, and its direction as its point. `intensity` f32 [R] is 0 to 1, `label` u8 [R] a class id, 0 where
+    unknown, `instance` u32 [R]. `made_up` u8 [R] is `RECORDED`, `INSERTED` for returns of inserted objects, or `FILLED`
+    for those that stand in for what a removed object hid. `source` i64 [R] is the recorded point that a ray is of, or
+    that it comes after: further columns of a file are found by it.
+    """
+
+    sensor: Sensor
+    boxes: tuple[Box, ...]
+    points: np.ndarray
+    distance: np.ndarray
+    intensity: np.ndarray
+    label: np.ndarray
+    instance: np.ndarray
+    made_up: np.ndarray
+    source: np.ndarray
+
+    @classmethod
+    def from_points(
+        cls, points: np.ndarray, sensor: Sensor, *, boxes: Sequence[Box] | None = None, **fields: np.ndarray
+    ) -> RecordedScan:
+        """Of points [N, 3] and what is known of each, [N]: `intensity`, `label`, `instance`, `made_up`, `ring`.
+
+        Rays without a return are found in the gaps of each ring, which the points' order tells too (as in KITTI's
+        files); else they are those of `sensor` that no point lies on. `boxes` are by default those of the clusters of
+        each class. Raises `FormatError` on arrays that do not fit and on a scan without a return.
+        """
+        points, fields = returns(points, fields | {"source": np.arange(len(points))})
+        count = len(points)
+        label = fields.get("label", np.zeros(count)).astype(np.uint8)
+        instance = fields.get("instance", np.zeros(count)).astype(np.uint32)
+        if boxes is None:
+            boxes = _boxes_of(points, label, instance, sensor)
+        scan = cls(
+            sensor=sensor,
+            boxes=tuple(boxes),
+            points=points,
+            distance=np.linalg.norm(points, axis=1),
+            intensity=fields.get("intensity", np.zeros(count, np.float32)),
+            label=label,
+            instance=instance,
+            made_up=fields.get("made_up", np.zeros(count)).astype(np.uint8),
+            source=fields["source"],
+        )
+        directions, places = _lost_rays(points, fields.get("ring"), sensor)
+        if len(places) > _MOST_LOST * count:
+            return scan
+        lost = {name: np.zeros(len(places), getattr(scan, name).dtype) for name in RAY_FIELDS[1:]}
+        lost |= {"points": directions.astype(np.float32), "source": scan.source[places - 1]}
+        return replace(
+            scan, **{name: np.insert(getattr(scan, name), places, lost[name], axis=0) for name in RAY_FIELDS}
+        )
+
+    @property
+    def returned(self) -> np.ndarray:
+        """bool [R]: which rays returned."""
+        return self.distance > 0
+
+    @cached_property
+    def directions(self) -> np.ndarray:
+        """f64 [R, 3], of length 1."""
+        points = self.points.astype(np.float64)
+        return points / np.where(self.returned, self.distance, 1.0)[:, None]
+
+    @cached_property
+    def is_ground(self) -> np.ndarray:
+        """bool [R]: which returns are of the ground, by their classes, or by their heights where none has such one."""
+        return (np.isin(self.label, GROUND_IDS) if self.has_classes else ground_of(self.points)) & self.returned
+
+    @cached_property
+    def has_classes(self) -> bool:
+        """Whether any recorded return has a class of the ground."""
+        return bool(np.isin(self.label[self.made_up == RECORDED], GROUND_IDS).any())
+
+    @cached_property
+    def ground_points(self) -> np.ndarray:
+        """The returns of the ground, f32 [G, 3]."""
+        return self.points[self.is_ground]
+
+    def ground_height(self, x: float, y: float) -> float:
+        """z of the ground at a place [m]; that of flat ground where there is none within 16 m."""
+        ground = self.ground_points
+        away = np.hypot(ground[:, 0] - x, ground[:, 1] - y)
+        for reach in _NEAR_GROUND:
+            near = ground[away < reach, 2]
+            if len(near) >= _FEWEST:
+                return float(np.median(near))
+        return -self.sensor.mount_height
+
+    def box(self, id: str) -> Box:
+        """The box of that id; raises `LayoutError` where there is none."""
+        for box in self.boxes:
+            if box.id == id:
+                return box
+        known = ", ".join(box.id for box in self.boxes[:8]) + (", ..." if len(self.boxes) > 8 else "")
+        raise LayoutError(f"no object has the id {id!r}; the scan has {known or 'none'}")
+
+    def returns_per_box(self) -> list[int]:
+        """How many returns lie in each of `boxes`."""
+        found = self.points[self.returned]
+        return [int(inside(box, found).sum()) for box in self.boxes]
+
+    def layout(self, where: np.ndarray) -> Layout:
+        """What the returns `where` bool [R] is True are of, in the sensor's frame; nothing where no ground is known.
+
+        Where no return has a class of the ground, those on it are road and the others `other`."""
+        some = where & self.returned
+        label = self.label[some]
+        if not self.has_classes:
+            guess = np.where(self.is_ground[some], BY_NAME["road"].id, BY_NAME["other"].id)
+            label = np.where(label == 0, guess, label).astype(np.uint8)
+        layout = layout_from_cloud(self.points[some], label, instances=self.instance[some], sensor_height=0.0)
+        return Layout(tuple(primitive for primitive in layout if primitive.shape != "plane"))
+
+    def save(self, name: str | os.PathLike[str]) -> None:
+        """Write the returns as `NAME.bin`, `.label`, `.npz`, `.boxes.json` and `.sensor.json`.
+
+        The `.npz` has `xyz`, `intensity`, `label`, `instance`, `made_up` and `source`; in the `.label`, filled returns
+        are SemanticKITTI's outliers. Raises `FormatError` where one cannot be written; then none is.
+        """
+        kept = {field: getattr(self, field)[self.returned] for field in RAY_FIELDS if field != "distance"}
+        with written_together(name) as stem:
+            write_bin(f"{stem}.bin", kept["points"], kept["intensity"])
+            filled = kept["made_up"] == FILLED
+            write_label(f"{stem}.label", kept["label"], kept["instance"], outlier=filled)
+            write_boxes(f"{stem}.boxes.json", self.boxes, self.returns_per_box())
+            np.savez_compressed(f"{stem}.npz", xyz=kept.pop("points"), **kept)
+            Path(f"{stem}.sensor.json").write_text(self.sensor.to_json())
+
+
+def inside(box: Box, points: np.ndarray, margin: float = 0.0) -> np.ndarray:
+    """Which points [N, 3] are in a box that is `margin` [m] wider on each side, bool [N]."""
+    pose = upright(box.center, box.yaw)
+    away = np.abs((points - pose[:3, 3]) @ pose[:3, :3])
+    return np.asarray((away <= np.array(box.size) / 2 + margin).all(axis=1))
+
+
+def ground_of(points: np.ndarray) -> np.ndarray:
+    """Which points [N, 3] lie on the ground, bool [N]: the lowest quarter metre of each cell of 2 m whose lowest point
+    is about as low as those around it. What lies deeper was mirrored there."""
+    from scipy.ndimage import percentile_filter  # which no --help waits for
+
+    near = np.flatnonzero(np.abs(points[:, :2]).max(axis=1) < _FLAT_WITHIN)
+    side = int(2 * _FLAT_WITHIN / _CELL)
+    x, y = np.floor((points[near, :2] + _FLAT_WITHIN) / _CELL).astype(np.intp).T
+    lowest = np.full((side, side), np.inf, np.float32)
+    np.minimum.at(lowest, (x, y), points[near, 2])
+    for _ in range(2):  # again without what was mirrored
+        usual = percentile_filter(lowest, _LOW, _AROUND)
+        usual = np.where(np.isfinite(usual), usual, lowest)
+        real = points[near, 2] > usual[x, y] - _RISE
+        lowest = np.full_like(lowest, np.inf)
+        np.minimum.at(lowest, (x[real], y[real]), points[near[real], 2])
+    level = np.where(lowest < usual + _RISE, lowest, -np.inf)[x, y]
+    found = np.zeros(len(points), bool)
+    found[near] = real & (points[near, 2] < level + _THICKNESS)
+    return found
+
+
+def _boxes_of(points: np.ndarray, label: np.ndarray, instance: np.ndarray, sensor: Sensor) -> list[Box]:
+    if not label.any():
+        return []
+    layout = layout_from_cloud(points, label, instances=instance, sensor_height=sensor.mount_height, detail="objects")
+    return [box.seen_from(sensor.pose()) for box in layout.boxes()]
+
+
+def _lost_rays(points: np.ndarray, ring: np.ndarray | None, sensor: Sensor) -> tuple[np.ndarray, np.ndarray]:
+    """Directions [M, 3] of rays without a return, and before which of points [N, 3] each belongs, 1 to N."""
+    try:
+        ring = rings_of_order(points) if ring is None else ring
+    except FormatError:
+        lost = ~RangeImage.project(points, sensor).valid & ~sensor.blocked_pixels
+        directions = sensor.pattern.directions()[lost]
+        return directions, np.full(len(directions), len(points))
+    x, y, z = points.astype(np.float64).T
+    azimuth, slope = np.arctan2(y, x), z / np.hypot(x, y)
+    first = np.lexsort((azimuth, ring))
+    starts = np.flatnonzero(np.diff(ring[first], prepend=-1))
+    second = np.roll(first, -1)
+    second[np.append(starts[1:], len(first)) - 1] = first[starts]  # each ring is closed
+    gap = (azimuth[second] - azimuth[first]) % (2 * np.pi)
+    steps = gap[gap > _LEAST_STEP]
+    step = float(np.median(steps)) if len(steps) else np.pi
+    missing = np.maximum(np.rint(gap / step).astype(np.intp) - 1, 0)
+    if missing.sum() > _MOST_LOST * len(points):
+        return np.zeros((0, 3)), np.zeros(0, np.intp)
+    start = np.repeat(np.arange(len(missing)), missing)
+    first, second, count = first[start], second[start], missing[start]
+    number = np.arange(1, len(start) + 1) - (np.cumsum(missing) - missing)[start]
+    share = np.where(first < second, number, count + 1 - number) / (count + 1)  # in the order of the points
+    turned = azimuth[first] + share * gap[start]
+    seen = np.bincount(_sector(azimuth), minlength=_SECTORS) > 0
+    looked = seen[_sector(turned)]
+    first, second, share, turned = first[looked], second[looked], share[looked], turned[looked]
+    rise = slope[first] + share * (slope[second] - slope[first])
+    directions = np.stack([np.cos(turned), np.sin(turned), rise], axis=1) / np.hypot(1.0, rise)[:, None]
+    return directions, np.maximum(first, second)
+
+
+def _sector(azimuth: np.ndarray) -> np.ndarray:
+    """Of a turn: where no ray returned at all, the scan does not look."""
+    return (azimuth % (2 * np.pi) * (_SECTORS / (2 * np.pi))).astype(np.intp) % _SECTORS
