@@ -7,7 +7,7 @@ STAMP := $(VENV)/.lidardraft-$(firstword $(shell echo "$(CURDIR)" | cksum))
 RUST := $(shell find rust -name '*.rs' 2>/dev/null) Cargo.toml Cargo.lock rust/python/Cargo.toml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench compare report-streets report-detail report-simulate report-generate report-clouds report-inputs report-two-sample report-sequences install weights
+.PHONY: help demo test check bench compare report-streets report-detail report-simulate report-generate report-clouds report-edits report-inputs report-two-sample report-sequences install weights
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 16
@@ -55,6 +55,9 @@ report-sequences: install ## sequences: frames a second, rolling shutter, flicke
 
 report-clouds: install ## how near the layouts of recordings come to them, and how long they take
 	"$(BIN)/python" benches/report_cloud.py
+
+report-edits: install ## how near cars put into the recordings come to recorded ones, and how many scans a second are augmented
+	"$(BIN)/python" benches/edit_recordings.py
 
 report-inputs: install ## how well sentences, scripts, pictures, clouds and sketches become layouts, and bad files end
 	"$(BIN)/python" benches/report_inputs.py

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import resource
 import struct
@@ -15,6 +16,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import laspy
 import numpy as np
 from PIL import Image
 
@@ -23,6 +25,7 @@ from lidardraft.array_files import read_npy
 from lidardraft.errors import LidarDraftError
 from lidardraft.files import named
 from lidardraft.formats.blender_script import write_blender_script
+from lidardraft.formats.box_files import read_box_file, read_custom_labels
 from lidardraft.formats.boxes import read_boxes, write_boxes
 from lidardraft.formats.carla import read_carla
 from lidardraft.formats.cast import read_cast
@@ -31,14 +34,17 @@ from lidardraft.formats.glb import glb_bytes, write_glb
 from lidardraft.formats.intrinsics import read_intrinsics
 from lidardraft.formats.kitti import read_bin, write_bin
 from lidardraft.formats.kitti_object import read_label_2
+from lidardraft.formats.las import read_las
 from lidardraft.formats.masks import read_masks
-from lidardraft.formats.nuscenes import read_lidarseg, read_pcd_bin
+from lidardraft.formats.nuscenes import read_lidarseg, read_pcd_bin, read_table
+from lidardraft.formats.nuscenes_tables import read_annotations
 from lidardraft.formats.obj import write_obj
+from lidardraft.formats.ouster import read_ouster_metadata
 from lidardraft.formats.pairs import Pair, read_shard, write_pairs
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.picture import read_picture
 from lidardraft.formats.ply import read_ply, write_ply
-from lidardraft.formats.recording import read_points, read_recording, returns
+from lidardraft.formats.recording import read_labels, read_points, read_recording, returns
 from lidardraft.formats.semantickitti import read_label, write_label
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
@@ -51,6 +57,11 @@ LAYOUT = Layout((CAR,), {"seed": 1})
 SENSOR = Sensor(name="few", elevations=(0.1, 0.0, -0.1), columns=16)
 SVG = b"""<svg width="90" height="60"><rect id="car" x="4" y="9" width="2" height="4"/>
 <line id="scale 10 m" x2="10"/></svg>"""
+BOX_LINES = b"9.0 4.0 -0.9 4.4 1.9 1.5 0.5 Car\n-3 2 -1 0.6 0.6 1.7 0 pedestrian\n"
+ANNOTATIONS = b"""[{"token": "a", "sample_token": "a", "instance_token": "a", "attribute_tokens": [],
+"size": [2, 4, 1.5], "translation": [9, 0, 1], "rotation": [1, 0, 0, 0]}]"""
+METADATA = b"""{"beam_altitude_angles": [2, 1, 0], "beam_azimuth_angles": [1, 0, -1], "lidar_mode": "1024x10",
+"data_format": {"columns_per_frame": 1024, "column_window": [0, 1023]}, "prod_line": "OS-1-3"}"""
 PLY = b"""ply
 format ascii 1.0
 element vertex 2
@@ -118,6 +129,30 @@ def _shard(path: Path) -> object:
         return read_shard(first)
 
 
+def _las(path: Path) -> None:
+    points = laspy.LasData(laspy.LasHeader(point_format=6, version="1.4"))
+    points.xyz = np.linspace(-1, 1, 300).reshape(100, 3)
+    points.write(os.fspath(path))
+
+
+def _annotations(path: Path) -> object:
+    """A sweep whose annotations are the file."""
+    token, upright = {"token": "a"}, {"translation": [0, 0, 0], "rotation": [1, 0, 0, 0]}
+    tokens = {f"{name}_token": "a" for name in ("sample", "ego_pose", "calibrated_sensor", "category")}
+    tables = {
+        "sample_data": token | tokens | {"filename": "samples/LIDAR_TOP/a.pcd.bin"},
+        **dict.fromkeys(("ego_pose", "calibrated_sensor"), token | upright),
+        "instance": token | tokens,
+        **dict.fromkeys(("category", "attribute"), token | {"name": "vehicle.car"}),
+    }
+    with tempfile.TemporaryDirectory() as folder, named(path):
+        (Path(folder) / "v1.0-mini").mkdir()
+        for name, row in tables.items():
+            Path(folder, "v1.0-mini", f"{name}.json").write_text(json.dumps([row]))
+        Path(folder, "v1.0-mini", "sample_annotation.json").symlink_to(path.absolute())
+        return read_annotations(Path(folder, "samples", "LIDAR_TOP", "a.pcd.bin"))
+
+
 def _written(write: Callable[[Path], object], ending: str) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"a{ending}"
@@ -154,6 +189,13 @@ def readers() -> dict[str, Reader]:
             ".label",
             _written(lambda p: write_label(p, np.ones(4, np.uint8), np.ones(4, np.uint32)), ".label"),
         ),
+        "labels": Reader(lambda path: read_labels(path, 4, of="a scan"), ".bin", np.ones(4, "<i8").tobytes()),
+        "laz": Reader(read_las, ".laz", _written(_las, ".laz")),
+        "boxes of lines": Reader(read_custom_labels, ".txt", BOX_LINES),
+        "box file": Reader(read_box_file, ".txt", BOX_LINES),
+        "table": Reader(lambda path: read_table(path, ("token",)), ".json", b'[{"token": "a"}]'),
+        "annotations": Reader(_annotations, ".json", ANNOTATIONS),
+        "metadata": Reader(read_ouster_metadata, ".json", METADATA),
         "pcd": Reader(read_pcd, ".pcd", PCD),
         "packed pcd": Reader(read_pcd, ".pcd", packed),
         "npy": Reader(read_carla, ".npy", buffer.getvalue()),

@@ -1,11 +1,17 @@
+import base64
+import html
+import json
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from lidardraft import Layout, Primitive, Sensor, raycast, view
+from lidardraft import Layout, Primitive, Sensor, raycast, simulate, view
 from lidardraft.drawing import Drawing, Eye
+from lidardraft.errors import LayoutError
 
 CAR = Primitive(shape="box", center=(10, 0, 0.75), size=(4, 2, 1.5), label="car", id="car_1", instance=1)
 ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(100, 8, 0), label="road", id="road")
@@ -145,3 +151,35 @@ def test_a_picture_is_saved_as_it_is(tmp_path: Path) -> None:
     picture = np.random.default_rng(0).integers(0, 256, (7, 5, 3), dtype=np.uint8)
     view.save_png(tmp_path / "a.png", picture)
     np.testing.assert_array_equal(np.asarray(Image.open(tmp_path / "a.png").convert("RGB")), picture)
+
+
+def page_data(page: str) -> dict:
+    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.DOTALL)[1])
+
+
+def test_a_page_of_html_holds_a_whole_scan() -> None:
+    scan = simulate(Layout((ROAD, CAR)), Sensor.preset("vlp16"))
+    page = scan.html()
+    assert not re.search(r"(src|href)=|https?:|import |fetch\(", page)  # no other file and no host
+    data = page_data(page)
+    points = np.frombuffer(base64.b64decode(data["points"]), "<i2").reshape(-1, 3) * data["step"]
+    np.testing.assert_allclose(points, np.add(scan.points(), (0, 0, scan.pose[2, 3])), atol=data["step"])
+    assert data["step"] < 0.004
+    assert base64.b64decode(data["labels"]) == scan.labels().tobytes()
+    (box,) = data["boxes"]
+    np.testing.assert_allclose(box["corners"], np.add(scan.boxes()[0].corners(), (0, 0, scan.pose[2, 3])), atol=1e-3)
+    hostile = view.html_page(points, title="</script><script>alert(1)</script>")
+    assert page_data(hostile)["title"] == "</script><script>alert(1)</script>"
+    assert hostile.count("<script") == 2
+    with pytest.raises(LayoutError, match=r"must have a value for each of \d+ points"):
+        view.html_page(points, label=np.zeros(3, np.uint8))
+
+
+def test_a_notebook_shows_a_scan_that_fits_into_it() -> None:
+    field = replace(ROAD, size=(200, 200, 0))
+    scan = simulate(Layout((field, CAR)), Sensor.preset("os1-128"))
+    shown = scan._repr_html_()
+    assert shown.startswith('<iframe srcdoc="')
+    data = page_data(html.unescape(shown.split('"')[1]))
+    assert 10_000 < len(base64.b64decode(data["labels"])) <= 40_000 < len(scan.labels())
+    assert len(shown) < 600_000

@@ -7,6 +7,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,7 @@ from lidardraft.scene.pose import finite_array
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 
+_MOST_IN_NOTEBOOKS = 40_000  # points of an output, which is kept in the file of the notebook: half a megabyte
 SCAN_ENDINGS = (".bin", ".label", ".npz", ".boxes.json", ".layout.json", ".sensor.json", ".png")  # of a saved scan
 
 
@@ -124,6 +126,20 @@ class Scan:
         points = self.points() @ self.pose[:3, :3].T + self.pose[:3, 3]
         boxes, title = self.layout.boxes(), view.title_of(self.layout)
         return view.render_returns(self.image, points, boxes=boxes, title=title, by_label=by_label)
+
+    def html(self, most: int | None = None) -> str:
+        """One page of HTML that shows points, boxes and classes in any browser, with no other file; of `most` points
+        evenly spread where there are more."""
+        step = 1 if most is None else -(-len(self.labels()) // most)
+        up = np.array([0.0, 0.0, self.image.sensor.mount_height])
+        boxes = [replace(box, center=tuple((box.center + up).tolist())) for box in self.boxes()]
+        label, intensity = self.labels()[::step], self.intensities()[::step]
+        title = view.title_of(self.layout) or self.image.sensor.name
+        return view.html_page(self.points()[::step] + up, label=label, intensity=intensity, boxes=boxes, title=title)
+
+    def _repr_html_(self) -> str:
+        page = escape(self.html(_MOST_IN_NOTEBOOKS))
+        return f'<iframe srcdoc="{page}" style="width: 100%; height: 480px; border: 0"></iframe>'
 
     def save(self, name: str | os.PathLike[str], *, picture: bool = True) -> None:
         """Write `NAME.bin`, `.label`, `.npz`, `.boxes.json`, `.layout.json`, `.sensor.json` and `.png`.

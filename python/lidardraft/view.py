@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import json
 import math
 import os
 import struct
@@ -10,11 +12,13 @@ import zlib
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from PIL import Image, ImageDraw
 
 from lidardraft.drawing import Colour, Drawing, Eye, corners_of, font
+from lidardraft.errors import LayoutError
 from lidardraft.files import written_whole
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import AROUND, Layout
@@ -33,6 +37,7 @@ for _name, _colour in {
 }.items():  # fmt: skip
     PALETTE[BY_NAME[_name].id] = _colour
 _IS_THING = np.array([row.is_thing for row in CLASSES])
+_WHITE: Colour = (255, 255, 255)
 _BACKGROUND = np.array([24, 26, 32], dtype=np.uint8)
 _RANGES = (2.0, 80.0)  # m, of the ramp of ranges
 _RAMP = np.array(
@@ -358,6 +363,51 @@ def caption(picture: np.ndarray, text: str, *, size: int = 18) -> np.ndarray:
     pen.rectangle((left - 4, top - 3, right + 4, bottom + 3), fill=(0, 0, 0))
     pen.text(place, text, fill=(255, 255, 255), font=font(size))
     return np.asarray(image)
+
+
+def html_page(
+    points: np.ndarray,
+    *,
+    label: np.ndarray | None = None,
+    intensity: np.ndarray | None = None,
+    boxes: Sequence[Box] = (),
+    title: str = "",
+) -> str:
+    """One page of HTML that turns and colours points [N, 3] with boxes; it needs no other file and no host.
+
+    `label` u8 [N] holds class ids, `intensity` f32 [N] is 0 to 1. Coordinates are rounded to the 32767th part of the
+    furthest. Raises `LayoutError` where the arrays do not fit."""
+    count = len(points)
+    label = np.zeros(count, np.uint8) if label is None else label
+    if label.shape != (count,) or (intensity is not None and intensity.shape != (count,)):
+        raise LayoutError(f"label and intensity must have a value for each of {count} points")
+    furthest = float(np.abs(points).max(initial=1.0))
+    step = furthest / 32767
+    near = min(boxes, key=lambda box: math.hypot(*box.center[:2]), default=None)
+    data = {
+        "title": title or "LiDAR scan",
+        "step": step,
+        "points": _base64(np.round(points / step).astype("<i2")),
+        "labels": _base64(label.astype(np.uint8)),
+        "intensities": None
+        if intensity is None
+        else _base64(np.round(255 * np.clip(intensity, 0, 1)).astype(np.uint8)),
+        "classes": [
+            (row.name if row.id else "", _colour_of(row.id) if row.id else _WHITE, row.is_thing) for row in CLASSES
+        ],
+        "levels": list(zip(_LEVELS, _LEVEL_COLOURS, strict=True)),
+        "boxes": [
+            {"id": box.id, "label": BY_NAME[box.label].id, "corners": box.corners().round(3).tolist()} for box in boxes
+        ],
+        "reach": min(furthest, 100.0),
+        "target": list(near.center) if near and math.hypot(*near.center[:2]) < _SHOWN_WITHIN else [0.0, 0.0, 0.0],
+    }
+    page = Path(__file__).with_name("view.html").read_text(encoding="utf-8")
+    return page.replace("DATA", json.dumps(data).replace("<", "\\u003c"), 1)
+
+
+def _base64(array: np.ndarray) -> str:
+    return base64.b64encode(array.tobytes()).decode()
 
 
 def save_png(path: str | os.PathLike[str], picture: np.ndarray) -> None:

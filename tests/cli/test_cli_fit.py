@@ -87,8 +87,8 @@ def test_a_constant_at_the_limit_of_its_search_is_told(scans: list[str], capsys:
 
 def test_bad_input_is_one_line(refused: Callable[..., str], scans: list[str]) -> None:
     assert "nowhere.bin: No such file" in refused("fit", "nowhere.bin", "-o", "mine.json")
-    assert "scan.las: a recorded scan is a .bin, .pcd.bin, .pcd, .ply or .npz file" in refused(
-        "fit", "scan.las", "-o", "mine.json"
+    assert "scan.xyz: a recorded scan is one of .bin, .pcd.bin, .pcd, .ply, .npz, .npy, .laz, .las" in refused(
+        "fit", "scan.xyz", "-o", "mine.json"
     )
     assert "mine.txt: a sensor file ends in .json" in refused("fit", scans[0], "-o", "mine.txt")
     assert "sensor is 'hdl65e'; it must be a .json file or one of hdl64e, " in refused(

@@ -147,8 +147,8 @@ def test_scans_are_read_from_other_files_than_kittis(refused: Callable[..., str]
         given = ["--labels", labels] if labels else []
         assert cli.main([*draft, name, *given, "-o", f"{name}.json"]) == 0
         assert Layout.load(f"{name}.json") == Layout.load("a.pcd.bin.json")
-    assert "a.las: a recorded scan is a .bin, .pcd.bin, .pcd, .ply or .npz file" in refused(
-        *draft, "a.las", "-o", "b.json"
+    assert "a.xyz: a recorded scan is one of .bin, .pcd.bin, .pcd, .ply, .npz, .npy, .laz, .las" in refused(
+        *draft, "a.xyz", "-o", "b.json"
     )
     Path("a.label").unlink()
     assert "a.pcd.bin: --points needs --labels or --segmenter" in refused(*draft, "a.pcd.bin", "-o", "b.json")

@@ -1,6 +1,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import laspy
 import numpy as np
 import pytest
 from PIL import Image
@@ -9,6 +10,7 @@ from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
 from lidardraft.cli import main as cli
 from lidardraft.formats import kitti
 from lidardraft.formats.pairs import Pair, write_pairs
+from lidardraft.formats.ply import write_ply
 from lidardraft.view import PALETTE
 
 ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(100, 8, 0), label="road", id="road")
@@ -87,3 +89,36 @@ def test_a_saved_scan_is_shown_with_its_boxes(capsys: pytest.CaptureFixture[str]
     assert min(edges["boxes"], edges["classes"]) > edges["bare"] + 100
     assert (views["boxes"] != views["classes"]).any()
     assert views["large"].shape == (900, 1800, 3)
+
+
+def test_a_scan_becomes_a_page(capsys: pytest.CaptureFixture[str], refused: Callable[..., str]) -> None:
+    text = "a parked bus on the right, 8 m ahead"
+    assert cli.main(["simulate", "--text", text, "--sensor", "small.json", "--no-picture", "-o", "out"]) == 0
+    for name in ("000000.bin", "000000.npz"):
+        assert cli.main(["view", f"out/{name}", "-o", "scan.html"]) == 0
+        page = Path("scan.html").read_text()
+        assert '"id": "bus_1"' in page
+        assert text in page
+    Path("out/000000.boxes.json").rename("boxes.json")
+    assert cli.main(["view", "out/000000.bin", "-o", "bare.html"]) == 0
+    assert '"boxes": []' in Path("bare.html").read_text()
+    assert cli.main(["view", "out/000000.bin", "--boxes", "boxes.json", "-o", "given.html"]) == 0
+    assert '"id": "bus_1"' in Path("given.html").read_text()
+    capsys.readouterr()
+    said = refused("view", "out/000000.layout.json", "-o", "page.html")
+    assert "000000.layout.json is no scan; a page of HTML shows scans alone" in said
+
+
+@pytest.mark.parametrize("name", ["a.ply", "a.npy", "a.laz"])
+def test_clouds_of_other_formats_are_shown(image: RangeImage, name: str) -> None:
+    points = image.points()
+    if name == "a.npy":
+        np.save(name, points)
+    elif name == "a.ply":
+        write_ply(name, points.view([(axis, "<f4") for axis in "xyz"])[:, 0])
+    else:
+        cloud = laspy.LasData(laspy.LasHeader(point_format=6, version="1.4"))
+        cloud.xyz = points
+        cloud.write(name)
+    assert cli.main(["view", name, "--sensor", "small.json", "-o", "a.png"]) == 0
+    assert Path("a.png").stat().st_size > 1000

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 from lidardraft.diffusion.sampling_defaults import GUIDANCE, STEPS
 from lidardraft.errors import FormatError, SensorError, one_of
+from lidardraft.files import read_text
+from lidardraft.formats.ouster import is_ouster_metadata, read_ouster_metadata
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.scene.weather import Weather
 
@@ -82,14 +84,16 @@ def minutes(text: str) -> float:
 
 def add_sensor(parser: Options, *, default: str | None = DEFAULT_SENSOR, of: str = "") -> None:
     """--sensor; `of` says which sensor is meant."""
-    text = f"sensor{of}: {', '.join(PRESETS)}, or a .json file" + (f" (default {default})" if default else "")
+    text = f"sensor{of}: {', '.join(PRESETS)}, or a .json file, Ouster's metadata too"
+    text += f" (default {default})" if default else ""
     parser.add_argument("--sensor", default=default, metavar="NAME", help=text)
 
 
 def read_sensor(name: str) -> Sensor:
-    """The sensor of a value of --sensor: that of a file, whose errors name it, or a preset; else a `SensorError`."""
+    """The sensor of a value of --sensor: that of a file, ours or Ouster's metadata, whose errors name it, or a preset;
+    else a `SensorError`."""
     if Path(name).suffix == ".json":
-        sensor = Sensor.load(name)
+        sensor = read_ouster_metadata(name) if is_ouster_metadata(read_text(name)) else Sensor.load(name)
         if math.prod(sensor.shape) > _MOST_PIXELS:
             beams, columns = sensor.shape
             raise SensorError(

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lidardraft.cli.arguments import DEFAULT_SENSOR, add_seed, add_sensor, read_sensor
-from lidardraft.cli.inputs import read_boxes_file, sensor_beside
+from lidardraft.cli.inputs import sensor_beside
 from lidardraft.errors import FormatError
 from lidardraft.files import named
 from lidardraft.scene.box import Box
@@ -49,17 +49,17 @@ def edit(arguments: argparse.Namespace) -> None:
 
 
 def _read(arguments: argparse.Namespace) -> RecordedScan:
-    from lidardraft.formats.recording import read_points
-    from lidardraft.formats.semantickitti import read_label
+    from lidardraft.formats.box_files import read_box_file
+    from lidardraft.formats.recording import read_labels, read_points
     from lidardraft.simulation.recorded_scan import RecordedScan
 
     path = arguments.scan
     points, fields = read_points(path)
     if arguments.labels is not None:
-        fields |= dict(zip(("label", "instance"), read_label(arguments.labels, len(points), of=path), strict=True))
+        fields |= read_labels(arguments.labels, len(points), of=path)
     beside = Path(path).with_suffix(".boxes.json")
     file = arguments.boxes or (str(beside) if beside.exists() else None)
-    boxes = None if file is None else read_boxes_file(file)
+    boxes = None if file is None else read_box_file(file)
     with named(path):
         fields.pop("column", None)
         return RecordedScan.from_points(points, _sensor(path, arguments.sensor), boxes=boxes, **fields)
@@ -145,11 +145,11 @@ def edit_options(parser: argparse.ArgumentParser) -> None:
         "returns are marked in the .npz (made_up: 1 of inserted objects, 2 where one was removed), the latter as "
         "outliers in the .label."
     )
-    text = "KITTI .bin, nuScenes .pcd.bin, .pcd, .ply, .laz or .npz"
+    text = "KITTI .bin, nuScenes .pcd.bin, .pcd, .ply, .npz, .npy or .laz"
     parser.add_argument("scan", metavar="SCAN", help=text)
-    text = "SemanticKITTI labels of the scan (default: those in it, or the .label beside it)"
-    parser.add_argument("--labels", metavar="FILE.label", help=text)
-    text = "boxes around its objects: .boxes.json, or KITTI's label_2 (default: the .boxes.json beside it)"
+    text = "labels of the scan: SemanticKITTI's .label, lidarseg or masks (default: those in it or beside it)"
+    parser.add_argument("--labels", metavar="FILE", help=text)
+    text = "boxes around its objects: .boxes.json, KITTI's label_2, ... (default: the .boxes.json beside it)"
     parser.add_argument("--boxes", metavar="FILE", help=text)
     add_sensor(
         parser, default=None, of=f" that took the scan (default the .sensor.json beside it, or {DEFAULT_SENSOR})"

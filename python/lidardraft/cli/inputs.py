@@ -17,7 +17,6 @@ from lidardraft.cli.arguments import add_seed, assignments, number, read_sensor
 from lidardraft.cli.command import say
 from lidardraft.errors import FormatError, LidarDraftError
 from lidardraft.files import named, read_text
-from lidardraft.scene.box import Box
 from lidardraft.scene.layout import AROUND, Layout
 from lidardraft.scene.sensor import Sensor
 
@@ -43,7 +42,7 @@ _GOES_WITH["poses"] = ("street",)
 _PICTURES = (".png", ".jpg", ".jpeg", ".webp")
 _ENDINGS = {
     "image": _PICTURES,
-    "points": (".bin", ".pcd", ".ply", ".npz"),
+    "points": (".bin", ".pcd", ".ply", ".npz", ".npy", ".laz", ".las"),
     "sketch": (".svg", *_PICTURES),
     "boxes": (".json", ".txt"),
     "obj": (".obj",),
@@ -51,6 +50,8 @@ _ENDINGS = {
     "blender": (".py",),
     "layout": (".json",),
 }
+
+_SCANS = (".bin", ".pcd", ".ply", ".npz", ".laz", ".las")  # in folders, where an .npy may be anything
 
 _STREET_AROUND = ("text", "sketch", "boxes", "image")  # inputs that get one unless --surroundings says otherwise
 _MOST_NOTES = 10  # on a script that a language model wrote
@@ -72,10 +73,10 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> a
     one = group.add_mutually_exclusive_group(required=True)
     one.add_argument("--text", metavar="SENTENCE", help='what is on the road, in English: "two cars on the left"')
     one.add_argument("--image", metavar="PHOTO.jpg", help="a picture of a road: JPEG, PNG or WebP")
-    text = "a scan: KITTI .bin (float32 x y z [m] and intensity), nuScenes .pcd.bin, .pcd, .ply or .npz"
+    text = "a scan: KITTI .bin (float32 x y z [m] and intensity), nuScenes .pcd.bin, .pcd, .ply, .npz, .npy, .laz"
     one.add_argument("--points", metavar="SCAN", help=text)
     one.add_argument("--sketch", metavar="FILE", help="a sketch from above: .svg, or a painted picture (.png, .jpg)")
-    one.add_argument("--boxes", metavar="FILE.json", help="boxes around objects, as in the .boxes.json of a scan")
+    one.add_argument("--boxes", metavar="FILE", help="boxes around objects: .boxes.json, KITTI's label_2, ...")
     one.add_argument("--obj", metavar="FILE.obj", help="a 3D model: Wavefront OBJ with the ego vehicle at its origin")
     one.add_argument("--glb", metavar="FILE.glb", help="a 3D model: binary glTF, as Blender exports it")
     one.add_argument("--blender", metavar="FILE.py", help="a Blender Python script; it is read as data, never run")
@@ -84,8 +85,8 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> a
         value, text = _MANY[option]
         choices = (*DISTRICTS, "any") if option == "street" else None
         one.add_argument(f"--{option}", metavar=value, choices=choices, help=text)
-    text = "SemanticKITTI labels of --points (default: those in it, or the .label beside it or in ../labels)"
-    group.add_argument("--labels", metavar="FILE.label", help=text)
+    text = "labels of --points: SemanticKITTI's .label, lidarseg or masks (default: those in it or beside it)"
+    group.add_argument("--labels", metavar="FILE", help=text)
     text = "weights of a segmenter, as `lidardraft-train segmenter` writes them, that labels --points"
     group.add_argument("--segmenter", metavar="FILE", help=text)
     text = "fine: as near to --points as their cast can be (default); objects: few whole ones, to edit by hand"
@@ -197,12 +198,12 @@ def scan_files(given: Sequence[str]) -> list[Path]:
             raise FormatError(f"{path}: there is no such file or folder")
         if path.is_dir():
             for pattern in ("*", "**/*"):
-                found = sorted(file for file in path.glob(pattern) if file.suffix in _ENDINGS["points"])
+                found = sorted(file for file in path.glob(pattern) if file.suffix in _SCANS)
                 found = [file for file in found if file.suffix != ".npz" or not file.with_suffix(".bin").exists()]
                 if found:
                     break
             else:
-                raise FormatError(f"{path}: there is no .bin, .pcd, .ply or .npz file in this folder or below it")
+                raise FormatError(f"{path}: there is no {', '.join(_SCANS)} file in this folder or below it")
         files += found
     return files
 
@@ -268,7 +269,7 @@ def read_sentences(path: str) -> list[tuple[str, str]]:
 
 def _from_points(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.cloud.layout import layout_from_cloud
-    from lidardraft.formats.recording import read_points, returns
+    from lidardraft.formats.recording import read_labels, read_points, returns
 
     if arguments.labels is not None and arguments.segmenter is not None:
         raise FormatError("--labels and --segmenter both say the classes of --points; give one of them")
@@ -276,10 +277,7 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
     points, fields = read_points(path)
     height = _sensor_height(arguments, path)
     if arguments.labels is not None:
-        from lidardraft.formats.semantickitti import read_label
-
-        labels = read_label(arguments.labels, len(points), of=path)
-        fields |= dict(zip(("label", "instance"), labels, strict=True))
+        fields |= read_labels(arguments.labels, len(points), of=path)
     with named(path):
         points, fields = returns(points, fields)
     if arguments.segmenter is not None:
@@ -328,18 +326,11 @@ def _from_sketch(arguments: argparse.Namespace) -> Layout:
     return layout
 
 
-def read_boxes_file(path: str) -> list[Box]:
-    """The sensor-frame boxes of a file: KITTI's label_2, which ends in .txt, or boxes.json."""
-    from lidardraft.formats.boxes import read_boxes
-    from lidardraft.formats.kitti_object import read_label_2
-
-    return read_label_2(path) if path.endswith(".txt") else read_boxes(path)[0]
-
-
 def _from_boxes(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.boxes import layout_from_boxes
+    from lidardraft.formats.box_files import read_box_file
 
-    boxes = read_boxes_file(arguments.boxes)
+    boxes = read_box_file(arguments.boxes)
     height = _sensor_height(arguments, arguments.boxes)
     with named(arguments.boxes):
         return layout_from_boxes(boxes, sensor_height=height)

@@ -14,7 +14,7 @@ from lidardraft.cli.command import progress, say
 from lidardraft.cli.inputs import sensor_beside
 from lidardraft.cli.scan_folder import scans_in
 from lidardraft.errors import FormatError
-from lidardraft.files import check_other_file, named
+from lidardraft.files import check_other_file, named, write_text
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import RangeImage
@@ -25,9 +25,10 @@ _SHOWN_FOR = 0.5  # s, of scans that are no sequence
 
 
 def view(arguments: argparse.Namespace) -> None:
-    """Render a picture of a scan (.bin, with the .label beside it, .pcd.bin, .pcd or .npz), a range image (.npz), a
-    file of training pairs (.npz) or a layout (.json), or a film of a folder of scans."""
-    from lidardraft.view import save_png
+    """Render a picture of a scan (.bin, with the .label beside it, .pcd.bin, .pcd, .ply, .npy, .laz or .npz), a range
+    image (.npz), a file of training pairs (.npz) or a layout (.json); a page of HTML of a scan, to turn it; or a film
+    of a folder of scans."""
+    from lidardraft.view import html_page, save_png
 
     path = Path(arguments.path)
     if path.is_dir():
@@ -35,7 +36,11 @@ def view(arguments: argparse.Namespace) -> None:
         return
     output = Path(arguments.output) if arguments.output else path.with_suffix(".view.png")
     check_other_file(output, path)
-    save_png(output, _pictured(path, arguments))
+    if output.suffix == ".html":
+        shown = _shown(path, arguments)
+        write_text(output, html_page(shown.pop("points"), **shown))
+    else:
+        save_png(output, _pictured(path, arguments))
     print(output)
 
 
@@ -69,20 +74,23 @@ def _framed(name: Path, bar: Any) -> np.ndarray:
 
 def view_options(parser: argparse.ArgumentParser) -> None:
     """The options of `view`."""
-    parser.add_argument("path", metavar="FILE", help="a .bin, .pcd.bin, .pcd, .npz or .json file, or a folder of scans")
+    parser.add_argument(
+        "path", metavar="FILE", help="a scan of any format, a range image, pairs, a layout, or a folder of scans"
+    )
     add_sensor(
         parser, default=None, of=f" that took a scan or sees a layout (default the scan's own, or {DEFAULT_SENSOR})"
     )
     text = "colour the points by class, in place of height; objects always have the colours of their classes"
     parser.add_argument("--classes", action="store_true", help=text)
     parser.add_argument("--large", action="store_true", help="one large and smooth view of a scan alone")
-    text = "where the picture goes (default FILE.view.png; of a folder view.gif in it)"
+    text = "boxes around the objects of a scan: .boxes.json, KITTI's label_2, ... (default: the .boxes.json beside it)"
+    parser.add_argument("--boxes", metavar="FILE", help=text)
+    text = "where the picture goes (default FILE.view.png; of a folder view.gif in it); .html is a page of a scan"
     parser.add_argument("-o", "--output", metavar="PICTURE", help=text)
 
 
 def _pictured(path: Path, arguments: argparse.Namespace) -> np.ndarray:
     from lidardraft.formats.pairs import is_shard, read_shard
-    from lidardraft.formats.recording import is_points_file
     from lidardraft.view import (
         points_on_road,
         render_large,
@@ -90,54 +98,99 @@ def _pictured(path: Path, arguments: argparse.Namespace) -> np.ndarray:
         render_pair,
         render_returns,
         sheet,
-        title_of,
     )
 
     name: str | None = arguments.sensor
     if path.suffix == ".json":
         return render_layout_and_cast(Layout.load(path), _sensor(path, name))
-    if path.suffix not in (".bin", ".pcd", ".npz"):
-        kind = path.suffix or "a file without an ending"
-        raise FormatError(f"{path}: there is no picture of {kind}; it must be .bin, .pcd, .npz or .json")
-    boxes = list[Box]()
-    if path.suffix != ".npz" or is_points_file(path):
-        image, boxes = _read_scan(path, name)
-    elif name is not None:
-        raise FormatError(f"{path} says by which sensor it is; --sensor is for .bin and .json files")
-    elif is_shard(path):
+    if not _holds_points(path) and is_shard(path):
+        _check_no_sensor(path, name)
         pairs = read_shard(path)
         if len(pairs) > _PAIRS_SHOWN:
             say("lidardraft", f"{path} holds {len(pairs)} pairs; the picture shows the first {_PAIRS_SHOWN}")
         return sheet([render_pair(pair.scan, pair.condition_image) for pair, _ in pairs[:_PAIRS_SHOWN]])
-    else:
-        image = RangeImage.load(path)
+    image, boxes = _read_scan(path, arguments)
     render = render_large if arguments.large else render_returns
+    return render(image, points_on_road(image), boxes=boxes, title=_title(path), by_label=arguments.classes)
+
+
+def _shown(path: Path, arguments: argparse.Namespace) -> dict[str, Any]:
+    """What `html_page` shows of a scan: every return, over the road."""
+    from lidardraft.formats.pairs import is_shard
+    from lidardraft.view import points_on_road
+
+    if path.suffix == ".json" or (not _holds_points(path) and is_shard(path)):
+        raise FormatError(f"{path} is no scan; a page of HTML shows scans alone")
+    if _holds_points(path):
+        points, fields, sensor = _read_points(path, arguments.sensor)
+        points = np.add(points, (0.0, 0.0, sensor.mount_height))
+        boxes = _boxes(path, arguments, sensor)
+    else:
+        image, boxes = _read_scan(path, arguments)
+        points, fields = points_on_road(image), {"label": image.label[image.valid]}
+        if image.intensity is not None:
+            fields["intensity"] = image.intensity[image.valid]
+    found: dict[str, Any] = {field: fields[field] for field in ("label", "intensity") if field in fields}
+    return found | {"points": points, "boxes": boxes, "title": _title(path)}
+
+
+def _holds_points(path: Path) -> bool:
+    from lidardraft.formats.recording import SCAN_ENDINGS, is_points_file
+
+    if path.suffix not in SCAN_ENDINGS:
+        kind = path.suffix or "a file without an ending"
+        raise FormatError(f"{path}: there is no picture of {kind}; it must be {', '.join(SCAN_ENDINGS)} or .json")
+    return path.suffix != ".npz" or is_points_file(path)
+
+
+def _check_no_sensor(path: Path, name: str | None) -> None:
+    if name is not None:
+        raise FormatError(f"{path} says by which sensor it is; --sensor is for .bin and .json files")
+
+
+def _title(path: Path) -> str:
+    from lidardraft.view import title_of
+
     beside = path.with_suffix(".layout.json")
-    title = title_of(Layout.load(beside)) if beside.exists() else ""
-    return render(image, points_on_road(image), boxes=boxes, title=title or path.name, by_label=arguments.classes)
+    return (title_of(Layout.load(beside)) if beside.exists() else "") or path.name
 
 
-def _read_scan(path: Path, name: str | None) -> tuple[RangeImage, list[Box]]:
-    """A scan in any form that --points reads, and the boxes of the .boxes.json beside it, over the road."""
-    from lidardraft.formats.boxes import read_boxes
+def _read_scan(path: Path, arguments: argparse.Namespace) -> tuple[RangeImage, list[Box]]:
+    """A scan in any form that --points reads, or a range image, and its boxes over the road."""
+    if not _holds_points(path):
+        _check_no_sensor(path, arguments.sensor)
+        image = RangeImage.load(path)
+        return image, _boxes(path, arguments, image.sensor)
+    points, fields, sensor = _read_points(path, arguments.sensor)
+    with named(path):
+        known = {field: fields[field] for field in ("label", "instance", "intensity") if field in fields}
+        image = RangeImage.project(points, sensor, **known)
+    return image, _boxes(path, arguments, sensor)
+
+
+def _read_points(path: Path, name: str | None) -> tuple[np.ndarray, dict[str, np.ndarray], Sensor]:
     from lidardraft.formats.recording import read_points, returns
 
     points, fields = read_points(path)
     sensor = _sensor(path, name)
     with named(path):
-        points, fields = returns(points, fields)
-        known = {field: fields[field] for field in ("label", "instance", "intensity") if field in fields}
-        image = RangeImage.project(points, sensor, **known)
+        return (*returns(points, fields), sensor)
+
+
+def _boxes(path: Path, arguments: argparse.Namespace, sensor: Sensor) -> list[Box]:
+    from lidardraft.formats.box_files import read_box_file
+
     beside = path.with_suffix(".boxes.json")
-    boxes = read_boxes(beside)[0] if beside.exists() else []
+    file = arguments.boxes or (str(beside) if beside.exists() else None)
     x_y_z = (0.0, 0.0, sensor.mount_height)
-    return image, [replace(box, center=tuple(np.add(box.center, x_y_z).tolist())) for box in boxes]
+    boxes = [] if file is None else read_box_file(file)
+    return [replace(box, center=tuple(np.add(box.center, x_y_z).tolist())) for box in boxes]
 
 
 def _sensor(path: Path, name: str | None) -> Sensor:
     if name is not None:
         return read_sensor(name)
-    if path.suffix in (".bin", ".pcd", ".npz"):
+    if path.suffix != ".json":
         if sensor := sensor_beside(path):
             return sensor
         say("lidardraft", f"{path} is taken for a scan of {DEFAULT_SENSOR}; if it is not, give its --sensor")

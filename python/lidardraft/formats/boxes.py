@@ -41,8 +41,8 @@ def read_boxes(path: str | os.PathLike[str]) -> tuple[list[Box], list[int]]:
     boxes, counts = [], []
     with named(path):
         document = parse_object(text)
-        check_fields(document, ("frame", "boxes"))
-        if document["frame"] != "sensor":
+        check_fields(document, ("boxes",), ("frame", "pose", "sensor"))  # the last two are WebDataset's
+        if document.get("frame", "sensor") != "sensor":
             raise FormatError(f"frame is {document['frame']!r}; it must be 'sensor'")
         if not isinstance(document["boxes"], list):
             raise FormatError(f"boxes is {document['boxes']!r:.80}; it must be a list")

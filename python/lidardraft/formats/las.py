@@ -10,14 +10,44 @@ import os
 
 import numpy as np
 
-from lidardraft.errors import extra
-from lidardraft.files import new_folder
+from lidardraft.errors import FormatError, extra
+from lidardraft.files import expecting, named, new_folder, regular_size
 from lidardraft.formats.frame import Drives, Frame, numbered
-from lidardraft.semantics import CLASSES
+from lidardraft.semantics import BY_NAME, CLASSES
 
 _ASPRS = {"none": 1, "terrain": 2, "vegetation": 5, "trunk": 5, "building": 6, "road": 11, "sidewalk": 11}
 CLASSIFICATION = np.array([_ASPRS.get(row.name, 64 + row.id) for row in CLASSES], np.uint8)
 _MILLIMETRE = 0.001
+_MOST_POINTS = 2**22  # that are read; the largest sensors have half a million
+_OURS_FROM = 64  # classifications; below it those of the ASPRS
+_CLASS_OF_ASPRS = {
+    **{1: "none", 2: "terrain", 3: "vegetation", 4: "vegetation", 5: "vegetation", 6: "building", 11: "road"},
+    **{10: "road", 14: "pole", 15: "pole", 17: "road"},  # rail, wire, tower, bridge deck
+}
+
+
+def read_las(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Points f64 [N, 3] of a .las or .laz file, and its intensity f32 [N] in 0 to 1, `label` u8 [N], and `ring` and
+    `instance` where it has such fields.
+
+    Raises `FormatError` where the file is broken or has more than 4,194,304 points, `MissingExtraError` where laspy is
+    not installed."""
+    with extra("export"):
+        import laspy
+    regular_size(path)
+    with named(path), expecting("a whole LAS or LAZ file"), laspy.open(os.fspath(path)) as file:
+        if file.header.point_count > _MOST_POINTS:
+            raise FormatError(f"{file.header.point_count} points; scans of up to {_MOST_POINTS} are read")
+        points = file.read()
+        names = set(points.point_format.dimension_names)
+        label = np.array([BY_NAME[_CLASS_OF_ASPRS.get(k, "none")].id for k in range(256)], np.uint8)
+        label[_OURS_FROM : _OURS_FROM + len(CLASSES)] = range(len(CLASSES))
+        fields = {name: np.array(points[name]) for name in ("ring", "label", "instance") if name in names}
+        if not {"ring", "label", "instance"} <= names:  # classes of others' extra bytes are not ours
+            fields |= {"label": label[np.array(points.classification)]}
+        intensity = np.array(points.intensity, np.float32)
+        fields["intensity"] = intensity / np.float32(65535 if intensity.max(initial=0) > 255 else 255)
+        return np.array(points.xyz), fields
 
 
 def write_laz(output: str | os.PathLike[str], drives: Drives) -> None:

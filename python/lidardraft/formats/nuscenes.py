@@ -7,6 +7,7 @@ Their frame has x to the right, y ahead and z up; intensities are 0 to 255, and 
 from __future__ import annotations
 
 import os
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from lidardraft.semantics import BY_NAME
 _POINT_BYTES = 20
 _MOST_RINGS = 512
 # Our class of each number of lidarseg, 0 to 31.
-_LIDARSEG = (
+LIDARSEG = (
     *("none", "other", "person", "person", "person", "person", "person", "person", "person"),  # noise; animal; people
     *("fence", "other", "other", "other", "other"),  # barrier; debris, pushable, cone, bicycle rack
     *("bicycle", "bus", "bus", "car", "truck", "car", "car", "motorcycle", "truck", "truck"),
@@ -62,9 +63,9 @@ def read_lidarseg(path: str | os.PathLike[str], count: int) -> np.ndarray:
     raw = np.frombuffer(read_bytes(path), dtype=np.uint8)
     if len(raw) != count:
         raise FormatError(f"{os.fspath(path)} has {len(raw)} labels; the sweep has {count} points")
-    if raw.max(initial=0) >= len(_LIDARSEG):
-        raise FormatError(f"{os.fspath(path)} has class {raw.max()}; lidarseg has 0 to {len(_LIDARSEG) - 1}")
-    return np.array([BY_NAME[name].id for name in _LIDARSEG], dtype=np.uint8)[raw]
+    if raw.max(initial=0) >= len(LIDARSEG):
+        raise FormatError(f"{os.fspath(path)} has class {raw.max()}; lidarseg has 0 to {len(LIDARSEG) - 1}")
+    return np.array([BY_NAME[name].id for name in LIDARSEG], dtype=np.uint8)[raw]
 
 
 def labelled_sweeps(root: str | os.PathLike[str]) -> list[tuple[Path, Path]]:
@@ -72,24 +73,47 @@ def labelled_sweeps(root: str | os.PathLike[str]) -> list[tuple[Path, Path]]:
 
     `root` is the data set, with one folder of tables as v1.0-trainval. Raises `FormatError` where it is not.
     """
-    folders = [path for path in sorted(Path(root).glob("v1.0-*")) if path.is_dir()]
-    if len(folders) != 1:
-        raise FormatError(f"{os.fspath(root)} holds {len(folders)} folders of tables, v1.0-...; it must hold one")
-    labels = {row["sample_data_token"]: row["filename"] for row in _table(folders[0] / "lidarseg.json",
+    tables = table_folder(root)
+    labels = {row["sample_data_token"]: row["filename"] for row in read_table(tables / "lidarseg.json",
               ("sample_data_token", "filename"))}  # fmt: skip
-    sweeps = _table(folders[0] / "sample_data.json", ("token", "filename"))
+    sweeps = read_table(tables / "sample_data.json", ("token", "filename"))
     files = {row["filename"]: labels[row["token"]] for row in sweeps if row["token"] in labels}
     return [(Path(root, sweep), Path(root, files[sweep])) for sweep in sorted(files)]
 
 
-def _table(path: Path, fields: tuple[str, ...]) -> list[dict[str, Any]]:
-    """The rows of a table, checked for some fields; those of the whole data set have a gigabyte."""
+def lidarseg_of(sweep: str | os.PathLike[str]) -> Path | None:
+    """The lidarseg file of a sweep in samples/LIDAR_TOP of a data set with its tables; None of any other."""
+    path = Path(sweep).absolute()
+    root = path.parents[2] if len(path.parents) > 2 else path.parent
+    if not any(root.glob("v1.0-*/lidarseg.json")):
+        return None
+    return _lidarseg_files(root).get(path)
+
+
+@lru_cache(maxsize=2)
+def _lidarseg_files(root: Path) -> dict[Path, Path]:
+    return dict(labelled_sweeps(root))
+
+
+def table_folder(root: str | os.PathLike[str]) -> Path:
+    """The folder of tables of a data set; raises `FormatError` where there is not one."""
+    folders = [path for path in sorted(Path(root).glob("v1.0-*")) if path.is_dir()]
+    if len(folders) != 1:
+        raise FormatError(f"{os.fspath(root)} holds {len(folders)} folders of tables, v1.0-...; it must hold one")
+    return folders[0]
+
+
+def read_table(path: Path, fields: tuple[str, ...]) -> list[dict[str, Any]]:
+    """The rows of a table, whose `fields` are texts; those of the whole data set have a gigabyte. Raises `FormatError`
+    naming the row that is wrong, or that names a file outside the data set."""
     text = read_text(path, MAX_BYTES)
     with named(path):
         rows = parse_list(text)
         for number, row in enumerate(rows):
             if not isinstance(row, dict) or not all(isinstance(row.get(field), str) for field in fields):
                 raise FormatError(f"row {number} has not all of {', '.join(fields)}")
+            if "filename" not in fields:
+                continue
             if ".." in Path(row["filename"]).parts or Path(row["filename"]).is_absolute():
                 raise FormatError(f"row {number} names {row['filename']!r}, which lies outside the data set")
         return rows

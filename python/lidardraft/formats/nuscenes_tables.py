@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
+import math
 import os
 from collections.abc import Iterable
 from pathlib import Path
@@ -19,9 +20,11 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 
 from lidardraft.errors import FormatError
-from lidardraft.files import new_folder
+from lidardraft.files import expecting, named, new_folder
 from lidardraft.formats.frame import NO_SCANS, Annotation, Drives, Frame, timed
-from lidardraft.formats.nuscenes import write_pcd_bin
+from lidardraft.formats.nuscenes import LIDARSEG, read_table, table_folder, write_pcd_bin
+from lidardraft.scene.box import Box
+from lidardraft.scene.pose import inverse
 from lidardraft.semantics import CLASSES
 
 VERSION = "v1.0-trainval"
@@ -84,6 +87,8 @@ _VISIBLE = (("4", "v80-100", 0.8), ("3", "v60-80", 0.6), ("2", "v40-60", 0.4), (
 _START = 1_600_000_000_000_000  # us, the first frame's time
 _EGO_FROM_LIDAR = np.array([(0.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0)])
 
+_SWEEP = ("filename", "sample_token", "ego_pose_token", "calibrated_sensor_token")
+
 Tables = dict[str, list[dict[str, Any]]]
 
 
@@ -104,6 +109,56 @@ def write_nuscenes(output: str | os.PathLike[str], drives: Drives) -> None:
             raise FormatError(NO_SCANS)
         for name, rows in tables.items():
             (folder / VERSION / f"{name}.json").write_text(json.dumps(rows, indent=0))
+
+
+def read_annotations(sweep: str | os.PathLike[str]) -> list[Box]:
+    """The boxes around what is annotated in a sweep samples/LIDAR_TOP/NAME.pcd.bin, in our sensor frame, by the tables
+    of its data set; those of people are upright.
+
+    Raises `FormatError` where the tables are missing or broken, or do not have the sweep."""
+    path = Path(sweep).absolute()
+    tables = table_folder(path.parents[2])
+    name = "/".join(path.parts[-3:])
+    data = next((row for row in read_table(tables / "sample_data.json", _SWEEP) if row["filename"] == name), None)
+    if data is None:
+        raise FormatError(f"{os.fspath(sweep)}: sample_data.json has no sweep {name}")
+    ego = _pose(tables / "ego_pose.json", data["ego_pose_token"])
+    sensor = _pose(tables / "calibrated_sensor.json", data["calibrated_sensor_token"])
+    theirs_from_ours = np.eye(4)
+    theirs_from_ours[:3, :3] = _EGO_FROM_LIDAR.T
+    ours_from_world = inverse(ego @ sensor @ theirs_from_ours)
+    labels = dict(zip(CATEGORIES, LIDARSEG, strict=True)) | {"human.pedestrian.stroller": "other"}
+    instances, categories, attributes = (
+        {row["token"]: row for row in read_table(tables / f"{name}.json", ("token",))}
+        for name in ("instance", "category", "attribute")
+    )
+    boxes = list[Box]()
+    with named(tables / "sample_annotation.json"), expecting("annotations of nuScenes"):
+        for row in read_table(tables / "sample_annotation.json", ("token", "sample_token", "instance_token")):
+            if row["sample_token"] != data["sample_token"]:
+                continue
+            label = labels.get(categories[instances[row["instance_token"]]["category_token"]]["name"], "other")
+            if any(attributes[token]["name"] == "cycle.with_rider" for token in row["attribute_tokens"]):
+                label = "rider"
+            pose = ours_from_world @ _pose_of(row)
+            width, length, height = row["size"]
+            yaw, number = math.atan2(pose[1, 0], pose[0, 0]), len(boxes) + 1
+            boxes.append(Box(f"{label}_{number}", label, number, pose[:3, 3].tolist(), (length, width, height), yaw))
+    return boxes
+
+
+def _pose(path: Path, token: str) -> np.ndarray:
+    with named(path), expecting("poses of nuScenes"):
+        return _pose_of(next(row for row in read_table(path, ("token",)) if row["token"] == token))
+
+
+def _pose_of(row: dict[str, Any]) -> np.ndarray:
+    """world_from_it [4, 4] of a row's translation and rotation."""
+    pose = np.eye(4)
+    w, x, y, z = row["rotation"]
+    pose[:3, :3] = Rotation.from_quat([x, y, z, w]).as_matrix()
+    pose[:3, 3] = row["translation"]
+    return pose
 
 
 def _token(*parts: object) -> str:

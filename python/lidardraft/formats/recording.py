@@ -16,16 +16,19 @@ import numpy as np
 
 from lidardraft import array_files
 from lidardraft.errors import FormatError
-from lidardraft.files import named
+from lidardraft.files import named, read_bytes, regular_size
 from lidardraft.formats.kitti import read_bin
-from lidardraft.formats.nuscenes import read_pcd_bin
+from lidardraft.formats.las import read_las
+from lidardraft.formats.nuscenes import lidarseg_of, read_lidarseg, read_pcd_bin
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.ply import read_ply
 from lidardraft.formats.semantickitti import read_label
+from lidardraft.semantics import NUM_CLASSES
 
 _NEAREST = 0.1  # m: what is nearer is no return (zeros stand for those of organised clouds)
 _MOST_LASERS = 512
 _MOST_POINTS = 2**22  # of a scan; the largest sensors have half a million
+SCAN_ENDINGS = (".bin", ".pcd.bin", ".pcd", ".ply", ".npz", ".npy", ".laz", ".las")
 _FIELDS = ("ring", "intensity", "label", "instance", "column", "made_up")  # of an .npz file
 _ORDERLY = 0.98  # of the steps in a file of KITTI's order are small ones ahead
 _SMALL_STEP = np.deg2rad(5.0)
@@ -69,7 +72,9 @@ def read_points(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.
     suffix = Path(path).suffix
     if Path(path).name.endswith(".pcd.bin"):
         points, intensity, ring = read_pcd_bin(path)
-        return points, {"intensity": intensity, "ring": ring} | _labels_beside(Path(path), len(points))
+        fields = {"intensity": intensity, "ring": ring} | _labels_beside(Path(path), len(points))
+        file = None if "label" in fields else lidarseg_of(path)
+        return points, fields if file is None else fields | {"label": read_lidarseg(file, len(points))}
     if suffix == ".bin":
         points, intensity = read_bin(path)
         return points, {"intensity": intensity} | _labels_beside(Path(path), len(points))
@@ -80,7 +85,11 @@ def read_points(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.
         return _from_columns(path, {name: vertices[name] for name in vertices.dtype.names or ()})
     if suffix == ".npz":
         return _from_npz(path)
-    raise FormatError(f"{os.fspath(path)}: a recorded scan is a .bin, .pcd.bin, .pcd, .ply or .npz file")
+    if suffix == ".npy":
+        return _from_npy(path)
+    if suffix in (".las", ".laz"):
+        return read_las(path)
+    raise FormatError(f"{os.fspath(path)}: a recorded scan is one of {', '.join(SCAN_ENDINGS)}")
 
 
 def is_points_file(path: str | os.PathLike[str]) -> bool:
@@ -153,12 +162,44 @@ def rings_of_order(points: np.ndarray) -> np.ndarray:
     return np.concatenate([[0], np.cumsum(wraps)])
 
 
+def read_labels(path: str | os.PathLike[str], count: int, *, of: str | os.PathLike[str]) -> dict[str, np.ndarray]:
+    """Classes u8 [count], and instances where the file has them: SemanticKITTI's .label, nuScenes' lidarseg (.bin of a
+    byte a point), MMDetection3D's masks of our classes (.bin of eight bytes a point).
+
+    `of` is what messages call the scan. Raises `FormatError` where the file is not of `count` labels."""
+    if Path(path).suffix != ".bin":
+        return dict(zip(("label", "instance"), read_label(path, count, of=of), strict=True))
+    size = regular_size(path)
+    if size != 8 * count:
+        return {"label": read_lidarseg(path, count)}
+    label = np.frombuffer(read_bytes(path), "<i8")
+    unknown = label[(label < 0) | (label >= NUM_CLASSES)]
+    if len(unknown):
+        raise FormatError(f"{os.fspath(path)} has class {unknown[0]}; it must be 0 to {NUM_CLASSES - 1}")
+    return {"label": label.astype(np.uint8)}
+
+
 def _labels_beside(path: Path, count: int) -> dict[str, np.ndarray]:
-    """SemanticKITTI's labels: NAME.label beside the scan, or in the folder labels/ beside the scan's."""
-    for file in (path.with_suffix(".label"), path.parent.parent / "labels" / f"{path.stem}.label"):
+    """The labels of a scan where data sets have them: SemanticKITTI's NAME.label beside the scan, or in labels/ beside
+    its folder; MMDetection3D's in semantic_mask/."""
+    root, name = path.absolute().parent.parent, f"{path.stem}.label"
+    for file in (path.parent / name, root / "labels" / name, root / "semantic_mask" / path.name):
         if file.exists():
-            return dict(zip(("label", "instance"), read_label(file, count, of=path), strict=True))
+            return read_labels(file, count, of=path)
     return {}
+
+
+def _from_npy(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """OpenPCDet's x y z intensity [N, 4 or more], and of WebDataset's NAME.points.npy the arrays beside it."""
+    points = array_files.read_npy(path)
+    if points.ndim != 2 or points.shape[1] < 3 or points.dtype.kind not in "fiu":
+        held = f"{points.dtype} {points.shape}"
+        raise FormatError(f"{os.fspath(path)} holds {held}; points are numbers x y z and more [N, 3 or more]")
+    fields = {"intensity": points[:, 3]} if points.shape[1] > 3 else {}
+    stem, dot, _ = os.fspath(path).rpartition(".points.npy")
+    beside = {field: f"{stem}.{field}.npy" for field in ("ring", "label", "instance") if dot}
+    fields |= {field: array_files.read_npy(file) for field, file in beside.items() if os.path.exists(file)}
+    return points[:, :3], fields
 
 
 def _from_pcd(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
