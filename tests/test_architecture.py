@@ -36,6 +36,7 @@ ALLOWED = {
     "training": BASE
     | {"scene", "streets", "formats", "drafting", "networks", "diffusion", "metrics", "perception"}
     | {"simulation"},
+    "dataset": BASE | {"scene", "formats", "drafting", "arranging", "streets", "simulation", "scan", "pipeline"},
     "drawing": BASE | {"scene"},
     "view": BASE | {"scene", "drawing"},
     "scan": BASE | {"scene", "formats", "view"},
@@ -44,7 +45,7 @@ ALLOWED = {
     "protocols": BASE | {"formats", "metrics", "perception"},
     "cli": BASE
     | {"scene", "formats", "drafting", "streets", "networks", "diffusion", "metrics", "view", "pipeline", "evaluation"}
-    | {"scan", "simulation", "training", "calibration", "perception", "arranging", "protocols"},
+    | {"scan", "simulation", "training", "calibration", "perception", "arranging", "protocols", "dataset"},
     "__main__": {"cli"},
 }
 # The rooms and modules of streets, and which others each may use.

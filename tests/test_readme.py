@@ -54,6 +54,10 @@ def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
             words += ["--frames", "3"]  # 100 take half a minute
         if words[0] == "streets":
             words += ["--num", "2", "--poses", "1", "--workers", "1"]  # 1,000 take minutes
+        if words[0] == "dataset":
+            page = (ROOT / "docs" / "data-sets.md").read_text()
+            (tmp_path / "recipe.toml").write_text(re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)[0])
+            words += ["-n", "3"]  # 10,000 take minutes
         if "scan.bin" in words:
             for end in (".bin", ".label"):
                 (tmp_path / f"scan{end}").write_bytes((tmp_path / f"crossroads/000000{end}").read_bytes())

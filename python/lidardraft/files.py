@@ -213,12 +213,12 @@ def expecting(what: str) -> Iterator[None]:
 
 
 @contextmanager
-def locked_folder(folder: Path) -> Iterator[None]:
-    """Hold the lock of an existing folder while the block runs; the file `.lock` stays in it.
+def locked_folder(folder: Path, lock: str = ".lock") -> Iterator[None]:
+    """Hold a lock of an existing folder while the block runs; the file of its name stays in it.
 
     Raises `FormatError` naming the process that holds the lock.
     """
-    path = folder / ".lock"
+    path = folder / lock
     # the system closes the file, and so ends the lock, when this process ends; processes started by it do not get it
     with path.open("a+") as file:
         try:

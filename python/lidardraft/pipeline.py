@@ -66,8 +66,12 @@ class Pipeline:
         steps: int = STEPS,
         guidance: float = GUIDANCE,
         langevin: int | None = None,
+        threads: int | None = None,
     ) -> Pipeline:
-        """The packaged weights of that name, or the weight file at that path; raises `CheckpointError`."""
+        """The packaged weights of that name, or the weight file at that path; raises `CheckpointError`.
+
+        `threads` is how many torch may use in this process from now on; scans differ a little with their number.
+        """
         check_type("name", name, str, os.PathLike)
         packaged = WEIGHTS / f"{os.fspath(name)}.safetensors"
         path = packaged if packaged.exists() else Path(name)
@@ -79,6 +83,8 @@ class Pipeline:
             denoiser = denoiser.to(device)
         except (RuntimeError, AssertionError) as error:  # torch's, for a device it does not have
             raise CheckpointError(f"device is {device!r}: {str(error).splitlines()[0]}") from None
+        if threads is not None:
+            torch.set_num_threads(threads)
         limits = trained and SensorLimits.from_dict(trained)
         return cls(denoiser, steps=steps, guidance=guidance, langevin=langevin, trained=limits)
 

@@ -11,7 +11,7 @@ import pytest
 
 from lidardraft import Layout, RangeImage, Scan, Sensor
 from lidardraft.cli import main as cli
-from lidardraft.cli.export import FORMATS
+from lidardraft.formats.frame import FORMATS
 
 DRAFT = [
     "simulate",

@@ -3,36 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import importlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lidardraft.cli.command import progress
 from lidardraft.cli.scan_folder import scans_in
-
-if TYPE_CHECKING:
-    from lidardraft.formats.frame import Frame
-
-# The module of `formats` and the function that writes each format, and what it is.
-FORMATS = {
-    "kitti": ("kitti_object", "write_kitti_object", "KITTI's 3D object benchmark"),
-    "semantickitti": ("semantickitti", "write_sequences", "SemanticKITTI, a sequence a folder"),
-    "nuscenes": ("nuscenes_tables", "write_nuscenes", "nuScenes with lidarseg"),
-    "openpcdet": ("openpcdet", "write_openpcdet", "OpenPCDet's custom data sets"),
-    "mmdet3d": ("mmdet3d", "write_mmdet3d", "MMDetection3D's custom data sets"),
-    "pcd": ("pcd", "write_pcd_folder", "PCD files with ring, time, label and instance"),
-    "ply": ("ply", "write_ply_folder", "PLY files with the same"),
-    "laz": ("las", "write_laz", "LAZ files with the same"),
-    "mcap": ("mcap", "write_mcap", "MCAP files with Foxglove's messages, one a folder"),
-    "webdataset": ("webdataset", "write_webdataset", "WebDataset shards"),
-}
+from lidardraft.formats.frame import FORMATS, Frame, writer_of
 
 
 def export(arguments: argparse.Namespace) -> None:
     """Write folders of scans as one data set in a format that other people's readers open."""
-    module, function, _ = FORMATS[arguments.format]
-    write: Callable[..., None] = getattr(importlib.import_module(f"lidardraft.formats.{module}"), function)
+    write = writer_of(arguments.format)
     drives = [scans_in(Path(folder)) for folder in arguments.folders]
     count = sum(map(len, drives))
     with progress(count, "scan") as bar:

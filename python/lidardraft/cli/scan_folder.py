@@ -5,13 +5,10 @@ from __future__ import annotations
 import argparse
 import itertools
 import os
-import warnings
-from collections import deque
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from lidardraft.cli.arguments import check_empty, whole_number
 from lidardraft.cli.command import say
@@ -23,7 +20,6 @@ T = TypeVar("T")
 
 _MANY = 16  # scans from which on each core has a process of its own, which takes a second to start
 _PICTURES = 8  # that are made by default: one takes longer than a scan
-_AHEAD = 2  # runs of scans that a process has before it
 
 
 def add_folder(parser: Options) -> None:
@@ -80,15 +76,27 @@ class ScanFolder(Generic[T]):
     notes: Callable[[int, T], list[str]] | None = None
 
     def write(self, num: int, *, jobs: int = 1, run: int = 1) -> Iterator[int]:
-        """Write scans 0 to `num` - 1, by `jobs` processes, each of which makes `run` scans in a row; gives the number
-        of each. Scans of an earlier call go when the first one is there."""
+        """Write scans 0 to `num` - 1, by `jobs` processes, each of which makes `run` scans in a row; counts them as
+        they are there. Scans of an earlier call go when the first one is."""
         first = self.make(0)
         _clear(self.path)
-        rest = map(self.written, range(1, num)) if jobs == 1 else self._by_processes(num, jobs, run)
-        for number, notes in enumerate(itertools.chain([self._saved(0, first)], rest)):
+        made = itertools.chain([self._saved(0, first)], self._rest(num, jobs, run))
+        for count, notes in enumerate(made):
             for note in notes:
                 say("lidardraft", note)
-            yield number
+            yield count
+
+    def _rest(self, num: int, jobs: int, run: int) -> Iterator[list[str]]:
+        """The notes on each scan but the first, which are written in their order or, by several processes, in any."""
+        if jobs == 1:
+            return map(self.written, range(1, num))
+        from lidardraft.streets.worker_processes import in_processes
+
+        runs = (range(max(first, 1), min(first + run, num)) for first in range(0, num, run))
+        return itertools.chain.from_iterable(in_processes(self._run, runs, jobs))
+
+    def _run(self, numbers: range) -> list[list[str]]:
+        return [self.written(number) for number in numbers]
 
     def written(self, number: int) -> list[str]:
         """Make and write one scan; the notes on it."""
@@ -97,34 +105,6 @@ class ScanFolder(Generic[T]):
     def _saved(self, number: int, scan: T) -> list[str]:
         self.save(scan, self.path / f"{number:06d}", picture=number < self.pictures)
         return [] if self.notes is None else self.notes(number, scan)
-
-    def _by_processes(self, num: int, jobs: int, run: int) -> Iterator[list[str]]:
-        from lidardraft.streets.worker_processes import worker_processes
-
-        with worker_processes(jobs, 0) as processes:
-            for begun in [process.submit(_begin, self) for process in processes]:
-                begun.result()
-            ahead = deque[Future[tuple[list[Any], list[str]]]]()
-            for number in range(1, num):
-                ahead.append(processes[number // run % jobs].submit(_write, number))
-                if len(ahead) > _AHEAD * run * jobs:
-                    yield ahead.popleft().result()[1]
-            for future in ahead:
-                yield future.result()[1]
-
-
-_folder: ScanFolder[Any]  # of this worker process
-
-
-def _begin(folder: ScanFolder[Any]) -> tuple[list[Any], None]:
-    global _folder
-    _folder = folder
-    warnings.simplefilter("ignore", UserWarning)  # they were said of the first scan
-    return [], None
-
-
-def _write(number: int) -> tuple[list[Any], list[str]]:
-    return [], _folder.written(number)
 
 
 def _clear(folder: Path) -> None:

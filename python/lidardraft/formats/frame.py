@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 import itertools
-from collections.abc import Iterable, Iterator, Sequence
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,6 +17,19 @@ from lidardraft.scene.box import Box
 from lidardraft.scene.pose import upright
 from lidardraft.scene.sensor import Sensor
 
+# The module of `formats` and the function that writes each format, and what it is.
+FORMATS = {
+    "kitti": ("kitti_object", "write_kitti_object", "KITTI's 3D object benchmark"),
+    "semantickitti": ("semantickitti", "write_sequences", "SemanticKITTI, a sequence a folder"),
+    "nuscenes": ("nuscenes_tables", "write_nuscenes", "nuScenes with lidarseg"),
+    "openpcdet": ("openpcdet", "write_openpcdet", "OpenPCDet's custom data sets"),
+    "mmdet3d": ("mmdet3d", "write_mmdet3d", "MMDetection3D's custom data sets"),
+    "pcd": ("pcd", "write_pcd_folder", "PCD files with ring, time, label and instance"),
+    "ply": ("ply", "write_ply_folder", "PLY files with the same"),
+    "laz": ("las", "write_laz", "LAZ files with the same"),
+    "mcap": ("mcap", "write_mcap", "MCAP files with Foxglove's messages, one a folder"),
+    "webdataset": ("webdataset", "write_webdataset", "WebDataset shards"),
+}
 NO_SCANS = "there are no scans to write"
 VALIDATION_SHARE = 0.2  # of a data set's frames, its last ones
 _RECORD = np.dtype(
@@ -109,6 +124,14 @@ def timed(drive: Iterable[Frame]) -> Iterator[tuple[float, Frame]]:
         start = frame.start if frame.start is not None else number * max(frame.sensor.sweep_time, 1e-6)
         first = start if first is None else first
         yield start - first, frame
+
+
+def writer_of(format: str) -> Callable[[str | os.PathLike[str], Drives], None]:
+    """The function that writes drives in one of `FORMATS`."""
+    module, function, _ = FORMATS[format]
+    write: Callable[[str | os.PathLike[str], Drives], None]
+    write = getattr(importlib.import_module(f"lidardraft.formats.{module}"), function)
+    return write
 
 
 def numbered(drives: Drives) -> Iterator[tuple[str, Frame]]:

@@ -1,8 +1,8 @@
 """WebDataset shards: .tar files of samples, the files of each side by side under its name.
 
 `NAME.points.npy` f32 [N, 4] (x y z intensity), `NAME.ring.npy` u16 [N], `NAME.time.npy` f32 [N], `NAME.label.npy`
-u8 [N], `NAME.instance.npy` u32 [N] and `NAME.json`: sensor, pose, and boxes as in boxes.json. `index.json` counts the
-samples of each shard.
+u8 [N], `NAME.instance.npy` u32 [N] and `NAME.json`: sensor, pose, boxes as in boxes.json, and the provenance of the
+layout. `index.json` counts the samples of each shard.
 """
 
 from __future__ import annotations
@@ -12,11 +12,12 @@ import itertools
 import json
 import os
 import tarfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from pathlib import Path
 
 import numpy as np
 
-from lidardraft.files import new_folder
+from lidardraft.files import new_folder, written_whole
 from lidardraft.formats.boxes import fields_of
 from lidardraft.formats.frame import Drives, Frame, numbered
 
@@ -30,14 +31,21 @@ def write_webdataset(output: str | os.PathLike[str], drives: Drives) -> None:
         frames, counts = iter(numbered(drives)), dict[str, int]()
         while first := next(frames, None):
             shard = f"{len(counts):06d}.tar"
-            with tarfile.open(folder / shard, "w") as tar:
-                for count, (name, frame) in enumerate(itertools.chain([first], itertools.islice(frames, SHARD - 1)), 1):
-                    counts[shard] = count
-                    for ending, content in _files(frame):
-                        member = tarfile.TarInfo(f"{name}.{ending}")
-                        member.size = len(content)
-                        tar.addfile(member, io.BytesIO(content))
+            counts[shard] = write_shard(folder / shard, itertools.chain([first], itertools.islice(frames, SHARD - 1)))
         (folder / "index.json").write_text(json.dumps(counts))
+
+
+def write_shard(path: Path, frames: Iterable[tuple[str, Frame]]) -> int:
+    """Write frames by their names into one .tar file, whole or not at all; how many they are."""
+    count = 0
+    with written_whole(path) as temporary, tarfile.open(temporary, "w") as tar:
+        for name, frame in frames:
+            count += 1
+            for ending, content in _files(frame):
+                member = tarfile.TarInfo(f"{name}.{ending}")
+                member.size = len(content)
+                tar.addfile(member, io.BytesIO(content))
+    return count
 
 
 def _files(frame: Frame) -> Iterator[tuple[str, bytes]]:
@@ -46,7 +54,8 @@ def _files(frame: Frame) -> Iterator[tuple[str, bytes]]:
         yield f"{field}.npy", _npy(getattr(frame, field))
     boxes = [fields_of(a.box) | {"num_points": a.num_points} for a in frame.annotations]
     sensor = json.loads(frame.sensor.to_json())
-    yield "json", json.dumps({"boxes": boxes, "pose": frame.pose.tolist(), "sensor": sensor}).encode()
+    said = {"boxes": boxes, "pose": frame.pose.tolist(), "sensor": sensor}
+    yield "json", json.dumps(said | {"provenance": json.loads(frame.world or "{}")}).encode()
 
 
 def _npy(array: np.ndarray) -> bytes:

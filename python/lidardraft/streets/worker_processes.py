@@ -1,4 +1,4 @@
-"""The processes that make pairs: they end with the process that started them, however that ends."""
+"""Processes that make pairs and scans: they end with the process that started them, however that ends."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ProcessPoolExecutor
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing.context import SpawnContext
@@ -20,6 +21,8 @@ import numpy as np
 from lidardraft.errors import LidarDraftError
 
 T = TypeVar("T")
+Item = TypeVar("Item")
+_AHEAD = 2  # items that a process has before it
 _Layout = list[tuple[tuple[int, ...], np.dtype[Any]]]  # shapes and types of arrays that lie one behind the other
 
 
@@ -83,6 +86,40 @@ def worker_processes(count: int, array_bytes: int) -> Iterator[list[WorkerProces
     finally:
         for worker in workers:
             worker.shutdown()
+
+
+def in_processes(make: Callable[[Item], T], items: Iterable[Item], count: int) -> Iterator[T]:
+    """`make(item)` of each item as it is done, by `count` processes, which get `make` once.
+
+    Raises as `make` does, and `LidarDraftError` where a process was killed.
+    """
+    with worker_processes(count, 0) as processes:
+        for begun in [process.submit(_begin, make) for process in processes]:
+            begun.result()
+        left, at_work = iter(items), dict[Future[tuple[list[np.ndarray], T]], WorkerProcess]()
+        idle = processes * _AHEAD
+        while True:
+            for process, item in zip(idle, left, strict=False):
+                at_work[process.submit(_make, item)] = process
+            if not at_work:
+                return
+            done = wait(at_work, return_when=FIRST_COMPLETED).done
+            idle = [at_work.pop(future) for future in done]
+            yield from (future.result()[1] for future in done)
+
+
+_make_item: Callable[[Any], Any]  # of this worker process
+
+
+def _begin(make: Callable[[Any], Any]) -> tuple[list[np.ndarray], None]:
+    global _make_item
+    _make_item = make
+    warnings.simplefilter("ignore", UserWarning)  # who started this process has heard them
+    return [], None
+
+
+def _make(item: Any) -> tuple[list[np.ndarray], Any]:
+    return [], _make_item(item)
 
 
 @contextmanager

@@ -1,0 +1,71 @@
+"""`lidardraft dataset`: as many labelled scans as a recipe asks for, in shards."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from lidardraft.cli.arguments import whole_number
+from lidardraft.cli.command import progress
+from lidardraft.cli.scan_folder import add_jobs, jobs_of
+
+
+def dataset(arguments: argparse.Namespace) -> None:
+    """Make a data set of many labelled scans by a recipe: sentences, layouts and streets, sensors and weather, in
+    shares and ranges."""
+    from lidardraft.dataset.recipe import Recipe
+    from lidardraft.dataset.shards import DataSet
+
+    recipe, share = Recipe.load(arguments.recipe, arguments.num), arguments.shard
+    made = DataSet(recipe, Path(arguments.output))
+    num = made.scans_of(share)
+    counts = made.write(share, _workers(arguments, recipe.scans, recipe.shard_size))
+    count = next(counts)
+    with progress(num, "scan", initial=count) as bar:
+        for now in counts:
+            bar.update(now - count)
+            count = now
+    of = f", share {share[0]} of {share[1]}" if share[1] > 1 else ""
+    print(f"{arguments.output}: {count} scan{'s' * (count > 1)} as {recipe.format}{of}")
+
+
+def _workers(arguments: argparse.Namespace, num: int, run: int) -> Callable[..., Iterator[Any]]:
+    """What makes shards: the machines of a cluster, worker processes, or this process."""
+    if arguments.ray is not None:
+        from lidardraft.dataset.ray_cluster import on_cluster
+
+        return partial(on_cluster, address=arguments.ray)
+    jobs = jobs_of(arguments, num, run)
+    if jobs == 1:
+        return map
+    from lidardraft.streets.worker_processes import in_processes
+
+    return partial(in_processes, count=jobs)
+
+
+def dataset_options(parser: argparse.ArgumentParser) -> None:
+    """The options of `dataset`."""
+    parser.epilog = (
+        "What a recipe may hold: docs/data-sets.md. Scan k depends on the seed of the recipe and on k alone. After an "
+        "interrupt or a crash the same call goes on where it stopped; with a larger -n the set grows."
+    )
+    parser.add_argument("recipe", metavar="RECIPE.toml", help="what the data set is made of")
+    parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where shards go: new, empty or begun")
+    text = "scans to make, in place of the recipe's `scans`"
+    parser.add_argument("-n", "--num", type=whole_number(1), metavar="N", help=text)
+    add_jobs(parser)
+    text = "make every K-th shard from number I (0 to K - 1) on; others make the rest, as in an array of Slurm"
+    parser.add_argument("--shard", type=_share, default=(0, 1), metavar="I/K", help=text)
+    text = "make shards on a Ray cluster, of this machine where no ADDRESS is given; all its machines see FOLDER"
+    parser.add_argument("--ray", nargs="?", const="auto", metavar="ADDRESS", help=text)
+
+
+def _share(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d+)/(\d+)", text)
+    if not found or not int(found[1]) < int(found[2]):
+        raise argparse.ArgumentTypeError(f"{text!r} is no I/K with I from 0 to K - 1, as in 0/4")
+    return int(found[1]), int(found[2])

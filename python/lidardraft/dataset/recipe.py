@@ -1,0 +1,354 @@
+"""A recipe: what a data set is made of, in shares and ranges. Scan k of it depends on its seed and on k alone."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import os
+import re
+import sys
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from lidardraft.arranging.district import DISTRICTS
+from lidardraft.arranging.street_mix import StreetMix
+from lidardraft.dataset.table import Table, Values, all_drawn, drawn, every
+from lidardraft.errors import FormatError
+from lidardraft.files import expecting, named, read_bytes, read_text
+from lidardraft.formats.frame import FORMATS
+from lidardraft.scan import Scan
+from lidardraft.scene import edit
+from lidardraft.scene.layout import Layout
+from lidardraft.scene.materials import MATERIALS
+from lidardraft.scene.sensor import PRESETS, Sensor
+from lidardraft.scene.weather import Weather
+from lidardraft.semantics import BY_NAME
+from lidardraft.streets.scans import street_scan
+from lidardraft.streets.street import StreetConfig
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+if TYPE_CHECKING:
+    from lidardraft.pipeline import Pipeline
+
+SCANS = "scans"  # the format of `simulate`, beside those of `export`
+_DRAWS = 17  # random numbers of an item, apart from those of its layout and its scan
+_TRIED = 16  # sentences of a scene that are read before anything is made
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Edit:
+    """An edit of every `chance`-th layout: `kind` is remove, move or replace, of what matches `pattern`."""
+
+    kind: str
+    pattern: str
+    chance: float
+    values: dict[str, Values]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """What a scan is of: `source` is text, layout or street, and `values` its sentences, files or districts.
+
+    `numbers` are speed and clutter, or those of a `StreetMix`.
+    """
+
+    source: str
+    share: float
+    values: Values
+    numbers: dict[str, Values]
+    words: dict[str, Values] = dataclasses.field(default_factory=dict)
+    surroundings: bool = False
+    weights: str | None = None
+    edits: tuple[Edit, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class SensorChoice:
+    """A sensor, and how high it is mounted."""
+
+    sensor: Sensor
+    share: float = 1.0
+    mount_height: Values = None
+
+    def drawn(self, rng: np.random.Generator) -> Sensor:
+        """The sensor at one of the heights."""
+        height = drawn(self.mount_height, rng)
+        return self.sensor if height is None else dataclasses.replace(self.sensor, mount_height=float(height))
+
+
+@dataclass(frozen=True, kw_only=True)
+class WeatherChoice:
+    """What the numbers of a `Weather` are drawn from."""
+
+    share: float = 1.0
+    values: dict[str, Values] = dataclasses.field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recipe:
+    """A data set of `scans` scans in shards of `shard_size`; `text` is what decides them, in a line of JSON."""
+
+    name: str
+    text: str
+    scans: int
+    shard_size: int
+    format: str
+    seed: int
+    poses: int
+    scenes: tuple[Scene, ...]
+    sensors: tuple[SensorChoice, ...]
+    weather: tuple[WeatherChoice, ...]
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], scans: int | None = None) -> Recipe:
+        """The recipe of a TOML file, of which `scans` are made where that is given; files in it are named from its
+        folder. Raises `LidarDraftError` naming the file and the key that cannot be."""
+        text = read_text(path)
+        with named(path):
+            with expecting("TOML"):
+                fields = tomllib.loads(text)
+            recipe = _recipe(Path(path), fields if scans is None else fields | {"scans": scans})
+            recipe.try_sentences()
+        return recipe
+
+    def scan(self, number: int) -> Scan:
+        """Scan `number`, made in one thread; its layout's provenance says under `recipe` what was drawn for it.
+
+        Raises `LidarDraftError` naming the scene that cannot be.
+        """
+        scene, rng = self._draws(number)
+        place = self.scenes.index(scene) + 1
+        sensor = _chosen(self.sensors, rng).drawn(rng)
+        air = all_drawn(_chosen(self.weather, rng).values, rng)
+        with named(f"{self.name}: scan {number}, scene {place}"):
+            make = self._of_street if scene.source == "street" else self._of_layout
+            scan = make(scene, number, sensor, Weather(**air), rng)
+        told = {"scan": number, "scene": place, "weather": air, "speed": scan.speed}
+        layout = dataclasses.replace(scan.layout, provenance=scan.layout.provenance | {"recipe": told})
+        return dataclasses.replace(scan, layout=layout)
+
+    def _draws(self, number: int) -> tuple[Scene, np.random.Generator]:
+        """The scene of a scan, and what else is drawn for it, which all scans of a street have in common."""
+        first = number - number % self.poses
+        scene = _chosen(self.scenes, np.random.default_rng([self.seed, first, _DRAWS]))
+        return scene, np.random.default_rng([self.seed, first if scene.source == "street" else number, _DRAWS, 1])
+
+    def _of_street(self, scene: Scene, number: int, sensor: Sensor, weather: Weather, rng: np.random.Generator) -> Scan:
+        district, more = drawn(scene.values, rng), all_drawn(scene.numbers, rng)
+        mix = StreetMix(**{name: float(name == district) for name in DISTRICTS}, **more)
+        config = StreetConfig(sensor=sensor, poses_per_street=self.poses, mix=mix, weather=weather)
+        return street_scan(self.seed, number, config, threads=1)
+
+    def _of_layout(self, scene: Scene, number: int, sensor: Sensor, weather: Weather, rng: np.random.Generator) -> Scan:
+        seed, more = self.seed + number, all_drawn(scene.numbers, rng)
+        layout = _layout(scene, seed, rng)
+        for change in scene.edits:
+            layout = _edited(layout, change, rng)
+        if scene.weights is not None:
+            return _pipeline(scene.weights)(layout, sensor=sensor, seed=seed, **more)
+        from lidardraft.simulation.simulate import simulate
+
+        return simulate(layout, sensor, seed=seed, weather=weather, threads=1, **more)
+
+    def try_sentences(self) -> None:
+        """Raise `LidarDraftError` where one of the first sentences of a scene, with any of its words, cannot be."""
+        from lidardraft.drafting.text.layout import layout_from_text
+
+        for place, scene in enumerate(self.scenes, 1):
+            if scene.source != "text":
+                continue
+            words = {name: every(values) for name, values in scene.words.items()}
+            sentences = every(scene.values)
+            for turn in range(min(max(map(len, [sentences, *words.values()])), _TRIED)):
+                chosen = {name: values[turn % len(values)] for name, values in words.items()}
+                sentence = _filled(sentences[turn % len(sentences)], chosen)
+                with named(f"scene {place}, text {sentence!r}"):
+                    unknown = layout_from_text(sentence, seed=self.seed).provenance.get("not_understood")
+                    if unknown:
+                        raise FormatError(f"not understood: {', '.join(unknown)}")
+
+
+def _layout(scene: Scene, seed: int, rng: np.random.Generator) -> Layout:
+    if scene.source == "layout":
+        return Layout.load(drawn(scene.values, rng))
+    from lidardraft.drafting.text.layout import layout_from_text
+    from lidardraft.simulation.surround import surround
+
+    layout = layout_from_text(_filled(drawn(scene.values, rng), all_drawn(scene.words, rng)), seed=seed)
+    return surround(layout, seed) if scene.surroundings else layout
+
+
+def _filled(sentence: str, words: dict[str, Any]) -> str:
+    """The sentence with a word for each {name}; numbers have three digits."""
+    texts = {name: f"{word:.3g}" if isinstance(word, float) else str(word) for name, word in words.items()}
+    return _NAMES.sub(lambda found: texts[found[1]], sentence)
+
+
+_NAMES = re.compile(r"\{(\w+)\}")
+
+
+def _edited(layout: Layout, change: Edit, rng: np.random.Generator) -> Layout:
+    """The edited layout, or the layout itself where chance has it or nothing matches."""
+    values = all_drawn(change.values, rng)
+    if rng.random() >= change.chance or not edit.select(layout, change.pattern):
+        return layout
+    if change.kind == "remove":
+        return edit.remove(layout, change.pattern)
+    if change.kind == "replace":
+        return edit.replace(layout, change.pattern, **values)
+    return edit.move(layout, change.pattern, (values["ahead"], values["left"], 0.0), turn=values["turn"])
+
+
+def _chosen(choices: Sequence[T], rng: np.random.Generator) -> T:
+    """One of the choices, by their shares."""
+    shares = np.cumsum([choice.share for choice in choices])  # type: ignore[attr-defined]
+    return choices[int(np.searchsorted(shares / shares[-1], rng.random(), side="right"))]
+
+
+@lru_cache(maxsize=1)
+def _pipeline(weights: str) -> Pipeline:
+    from lidardraft.pipeline import Pipeline
+
+    return Pipeline.from_pretrained(weights, threads=1)
+
+
+def _recipe(path: Path, fields: dict[str, Any]) -> Recipe:
+    table, folder = Table(fields), path.parent
+    scenes = [_scene(each, folder) for each in table.tables("scene")]
+    sensors = [_sensor(each, folder) for each in table.tables("sensor")] or [SensorChoice(sensor=PRESETS["hdl64e"])]
+    weather = [_weather(each) for each in table.tables("weather")] or [WeatherChoice()]
+    if not scenes:
+        raise FormatError("scene is missing; a recipe has at least one [[scene]]")
+    for key, choices in (("scene", scenes), ("sensor", sensors), ("weather", weather)):
+        if not any(choice.share for choice in choices):
+            raise FormatError(f"{key}: every share is 0; one must be more")
+    if any(scene.weights for scene in scenes) and any(choice.values for choice in weather):
+        raise FormatError("weather goes without scenes with weights, which have seen none")
+    if "scans" not in table:
+        raise FormatError("scans is missing: how many are to be made")
+    recipe = Recipe(
+        name=os.fspath(path),
+        text=_text(fields, scenes, sensors),
+        scans=table.whole("scans", 0, 1),
+        shard_size=table.whole("shard_size", 64, 1),
+        format=table.name("format", [*FORMATS, SCANS], "webdataset"),
+        seed=table.whole("seed", 0, 0, 2**32 - 1),
+        poses=table.whole("poses", 1, 1),
+        scenes=tuple(scenes),
+        sensors=tuple(sensors),
+        weather=tuple(weather),
+    )
+    table.end()
+    return recipe
+
+
+def _text(fields: dict[str, Any], scenes: list[Scene], sensors: list[SensorChoice]) -> str:
+    """What decides each scan, in a line: the recipe but for their number, with checksums of the files in it."""
+    files = [read_bytes(file) for scene in scenes if scene.source == "layout" for file in scene.values]
+    files += ["\n".join(every(scene.values)).encode() for scene in scenes if scene.source == "text"]
+    files += [choice.sensor.to_json().encode() for choice in sensors]
+    said = {name: value for name, value in fields.items() if name != "scans"}
+    return json.dumps(said | {"checksums": list(map(zlib.crc32, files))}, sort_keys=True, default=str)
+
+
+def _scene(table: Table, folder: Path) -> Scene:
+    sources = [name for name in ("text", "text_file", "layout", "street") if name in table]
+    if len(sources) != 1:
+        raise FormatError(f"{table.place}one of text, text_file, layout and street is needed; there are {len(sources)}")
+    source, share, values, words = sources[0], table.share(), None, {}
+    if source == "street":
+        values = table.names(source, list(DISTRICTS))
+        more = {field.name: 1.0 for field in dataclasses.fields(StreetMix) if field.name not in DISTRICTS}
+        scene = Scene(source=source, share=share, values=values, numbers=_numbers(table, more, 0.0))
+        table.end()
+        return scene
+    if source == "layout":
+        values = _files(table, folder)
+    else:
+        values, words = table.texts(source), table.words("words")
+        if source == "text_file":
+            values = [line.strip() for line in read_text(folder / values).splitlines() if line.strip()]
+        _check_words(table, every(values), words)
+    weights = table.texts("weights") if "weights" in table else None
+    numbers = _numbers(table, {"speed": 0.0})
+    if weights is None:
+        numbers |= _numbers(table, {"clutter": 0.0}, 0.0, 1.0)
+    usual = "bare" if weights or source == "layout" else "street"
+    scene = Scene(
+        source="layout" if source == "layout" else "text",
+        share=share,
+        values=values,
+        numbers=numbers,
+        words=words,
+        surroundings=table.name("surroundings", ["street", "bare"], usual) == "street",
+        weights=weights,
+        edits=tuple(map(_edit, table.tables("edit"))),
+    )
+    table.end()
+    return scene
+
+
+def _numbers(
+    table: Table, usual: dict[str, float], least: float = -math.inf, most: float = math.inf
+) -> dict[str, Values]:
+    return {name: table.numbers(name, default, least, most) for name, default in usual.items()}
+
+
+def _files(table: Table, folder: Path) -> list[str]:
+    """The layouts that the paths and patterns name, in order."""
+    found = [os.fspath(path) for text in every(table.texts("layout")) for path in sorted(folder.glob(text))]
+    if not found:
+        table.refuse("layout", f'files, as in "layouts/*.layout.json"; there are none in {folder}')
+    return found
+
+
+def _check_words(table: Table, sentences: list[str], words: dict[str, Values]) -> None:
+    named = {name for sentence in sentences for name in _NAMES.findall(sentence)}
+    for name in sorted(named ^ set(words)):
+        missing = f"{{{name}}} has no words" if name in named else f"words, {name} is in no sentence"
+        raise FormatError(f"{table.place}{missing}")
+
+
+def _edit(table: Table) -> Edit:
+    kinds = [name for name in ("remove", "move", "replace") if name in table]
+    if len(kinds) != 1:
+        raise FormatError(f"{table.place}one of remove, move and replace is needed; there are {len(kinds)}")
+    kind, values = kinds[0], dict[str, Values]()
+    if kind == "move":
+        values = _numbers(table, {"ahead": 0.0, "left": 0.0, "turn": 0.0})
+    if kind == "replace":
+        allowed = {"label": list(BY_NAME)[1:], "material": [material.name for material in MATERIALS]}
+        values = {name: table.names(name, names) for name, names in allowed.items() if name in table}
+    pattern, chance = table.texts(kind), table.numbers("chance", 1.0, 0.0, 1.0)
+    if not isinstance(pattern, str):
+        table.refuse(kind, "one pattern of names")
+    table.end()
+    return Edit(kind=kind, pattern=pattern, chance=chance, values=values)
+
+
+def _sensor(table: Table, folder: Path) -> SensorChoice:
+    name, share = table.texts("name"), table.share()
+    with named(f"{table.place}name"):
+        sensor = Sensor.load(folder / name) if str(name).endswith(".json") else Sensor.preset(name)
+    height = table.numbers("mount_height", 0.0, 0.1, 100.0) if "mount_height" in table else None
+    table.end()
+    return SensorChoice(sensor=sensor, share=share, mount_height=height)
+
+
+def _weather(table: Table) -> WeatherChoice:
+    limits = {"rain": (0.0, 200.0), "snow": (0.0, 200.0), "visibility": (1.0, 1e6), "wetness": (0.0, 1.0)}
+    values = {name: table.numbers(name, 0.0, *ends) for name, ends in limits.items() if name in table}
+    choice = WeatherChoice(share=table.share(), values=values)
+    table.end()
+    return choice

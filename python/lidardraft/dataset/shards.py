@@ -1,0 +1,203 @@
+"""A data set on disk: shards that are there whole or not at all, with what they hold counted beside each.
+
+Shard NNNNNN is NNNNNN.tar or a folder of that name, and is done when NNNNNN.json is there. So whatever a crash left
+behind is known, and made again, to the same bytes.
+"""
+
+from __future__ import annotations
+
+import json
+import random
+import shutil
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lidardraft.dataset.recipe import SCANS, Recipe
+from lidardraft.errors import FormatError
+from lidardraft.files import locked_folder, new_folder, read_text, write_text
+from lidardraft.formats.frame import writer_of
+from lidardraft.formats.webdataset import write_shard
+from lidardraft.json_fields import parse_object
+from lidardraft.scan import Scan
+from lidardraft.semantics import CLASSES
+
+_LOOKS = 8  # at a lock, while others look at it too
+_SPARE = 2**30  # bytes of the disk that stay free
+Tally = dict[str, Any]  # numbers, or such by name
+
+
+@dataclass(frozen=True)
+class DataSet:
+    """The shards of a recipe in a folder."""
+
+    recipe: Recipe
+    folder: Path
+
+    def write(self, share: tuple[int, int], by: Callable[..., Iterator[Tally]]) -> Iterator[int]:
+        """Make the shards of share (i, n), every n-th from the i-th on, that are not done; gives how many scans of them
+        are there, at first and after each. When all shards of all shares are done, summary.json is written.
+
+        `by(make, numbers)` gives `make(number)` of each number, in any order, as `map` does. Raises `FormatError` where
+        the folder holds another recipe's shards, another process writes the same ones, or the disk would be full.
+        """
+        with self._locked(share):
+            self._check_recipe()
+            held: Tally = {"scans": 0, "bytes": 0}
+            mine = self._of(share)
+            done = {number for number in self._begun() if number in mine and _add(held, self.done(number))}
+            yield held["scans"]
+            for tally in by(self.make, (number for number in mine if number not in done and self._has_room(held))):
+                _add(held, tally)
+                yield held["scans"]
+            self._summarise()
+
+    def scans_of(self, share: tuple[int, int]) -> int:
+        """How many scans a share has."""
+        mine = self._of(share)
+        return sum(len(self._items(number)) for number in mine[-1:]) + len(mine[:-1]) * self.recipe.shard_size
+
+    def make(self, number: int) -> Tally:
+        """Make a shard, unless it is done, and count what it holds."""
+        if done := self.done(number):
+            return done
+        self._remove(number)
+        tally: Tally = {}
+        scans = self._scans(number, tally)
+        path, format = self.folder / self.name(number), self.recipe.format
+        if format == "webdataset":
+            write_shard(path, ((f"{k:06d}", scan.frame()) for k, scan in scans))
+        elif format == SCANS:
+            with new_folder(path) as folder:
+                for k, scan in scans:
+                    scan.save(folder / f"{k:06d}", picture=False)
+        else:
+            writer_of(format)(path, [(scan.frame() for _, scan in scans)])
+        files = [path, *path.rglob("*")] if path.is_dir() else [path]
+        tally["bytes"] = sum(file.stat().st_size for file in files if file.is_file())
+        write_text(self.folder / f"{number:06d}.json", json.dumps(tally, sort_keys=True))
+        return tally
+
+    def name(self, number: int) -> str:
+        """The name of a shard's file or folder."""
+        return f"{number:06d}{'.tar' * (self.recipe.format == 'webdataset')}"
+
+    def done(self, number: int) -> Tally | None:
+        """What a shard holds; None where it is not done, or has fewer scans than it is to have now."""
+        path = self.folder / f"{number:06d}.json"
+        if not path.exists():
+            return None
+        tally = parse_object(read_text(path))
+        return tally if tally.get("scans") == len(self._items(number)) else None
+
+    def _of(self, share: tuple[int, int]) -> range:
+        return range(share[0], self._shards(), share[1])
+
+    def _shards(self) -> int:
+        return -(-self.recipe.scans // self.recipe.shard_size)
+
+    def _begun(self) -> list[int]:
+        """The shards that are done, or were for another number of scans."""
+        return [int(path.stem) for path in self.folder.glob("*.json") if path.stem.isdigit()]
+
+    def _items(self, number: int) -> range:
+        size = self.recipe.shard_size
+        return range(number * size, min((number + 1) * size, self.recipe.scans))
+
+    def _scans(self, number: int, tally: Tally) -> Iterator[tuple[int, Scan]]:
+        """The scans of a shard with their numbers, each counted as it is made."""
+        for k in self._items(number):
+            scan = self.recipe.scan(k)
+            _add(tally, _count(scan))
+            yield k, scan
+
+    def _remove(self, number: int) -> None:
+        """Remove what a crash, or a shorter run, left of a shard: its count first, so that it is not done."""
+        (self.folder / f"{number:06d}.json").unlink(missing_ok=True)
+        partial = [path for start in ("", ".") for path in self.folder.glob(f"{start}{number:06d}.*.partial")]
+        for path in (self.folder / self.name(number), *partial):
+            if path.is_dir():
+                shutil.rmtree(path)
+            else:
+                path.unlink(missing_ok=True)
+
+    @contextmanager
+    def _locked(self, share: tuple[int, int]) -> Iterator[None]:
+        """Hold the lock of a share. Shares of one size write side by side, others one after the other."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        mine, size = f".lock-{share[0]}-of-{share[1]}", f"-of-{share[1]}"
+        with locked_folder(self.folder, mine):
+            for other in self.folder.glob(".lock-*"):
+                if not other.name.endswith(size):
+                    _check_free(self.folder, other.name)
+            yield
+
+    def _check_recipe(self) -> None:
+        """Keep the recipe in the folder; raises `FormatError` where there is another, or more scans than it has."""
+        path = self.folder / "recipe.json"
+        if not path.exists():
+            found = sorted(each.name for each in self.folder.glob("[!.]*"))
+            if found:
+                raise FormatError(f"{self.folder} is not empty ({found[0]}); use another folder")
+            write_text(path, self.recipe.text)
+        elif read_text(path) != self.recipe.text:
+            raise FormatError(f"{self.folder} holds scans of another recipe; use another folder")
+        if max(self._begun(), default=-1) >= self._shards():
+            raise FormatError(
+                f"{self.folder} holds more than {self.recipe.scans} scans; ask for as many, or use another"
+            )
+
+    def _has_room(self, held: Tally) -> bool:
+        """True; raises `FormatError` where all that is left would not fit on the disk, as large as the scans `held`."""
+        left = max(self.recipe.scans - self.recipe.shard_size * len(self._begun()), 0)
+        needed, free = left * held["bytes"] // max(held["scans"], 1), shutil.disk_usage(self.folder).free
+        if needed + _SPARE > free:
+            room = f"{free / 1e9:.1f} GB are free, of which {_SPARE / 1e9:.1f} stay so"
+            raise FormatError(f"{self.folder}: {left} scans are left and take {needed / 1e9:.1f} GB; {room}")
+        return True
+
+    def _summarise(self) -> None:
+        """Write summary.json, the sum of all shards, where all are done."""
+        total: Tally = {}
+        if all(_add(total, self.done(number)) for number in range(self._shards())):
+            write_text(self.folder / "summary.json", json.dumps(total, indent=1, sort_keys=True))
+
+
+def _check_free(folder: Path, lock: str) -> None:
+    """Raise `FormatError` where somebody holds a lock, and not only while looking at it, as this function does."""
+    for _ in range(_LOOKS):
+        with suppress(FormatError), locked_folder(folder, lock):
+            return
+        time.sleep(random.uniform(0.02, 0.1))
+    with locked_folder(folder, lock):
+        return
+
+
+def _count(scan: Scan) -> Tally:
+    told = scan.layout.provenance["recipe"]
+    returns = np.bincount(scan.labels(), minlength=len(CLASSES))
+    seen = [box.label for box, count in zip(scan.layout.boxes(), scan.returns_per_box(), strict=True) if count]
+    return {
+        "scans": 1,
+        "points": {row.name: int(returns[row.id]) for row in CLASSES if returns[row.id]},
+        "boxes": Counter(seen),
+        "scenes": {str(told["scene"]): 1},
+        "sensors": {scan.image.sensor.name: 1},
+        "weather": {", ".join(told["weather"]) or "clear": 1},
+    }
+
+
+def _add(total: Tally, tally: Tally | None) -> bool:
+    """Add numbers, and those of each name, to a total; whether there were any."""
+    for what, counted in (tally or {}).items():
+        if isinstance(counted, dict):
+            _add(total.setdefault(what, {}), counted)
+        else:
+            total[what] = total.get(what, 0) + counted
+    return tally is not None

@@ -1,0 +1,369 @@
+"""`lidardraft dataset`: a recipe becomes shards, by any processes and after any crash the same ones."""
+
+import contextlib
+import gc
+import hashlib
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from processes import Command, wait_for
+
+from lidardraft import Scan
+from lidardraft.cli import main as cli
+from lidardraft.dataset import recipe as recipes
+from lidardraft.dataset.recipe import Recipe
+from lidardraft.dataset.table import Table, drawn, every
+from lidardraft.errors import FormatError, LidarDraftError
+from lidardraft.formats.frame import FORMATS
+
+RECIPE = """
+scans = 20
+seed = 4
+shard_size = 3
+poses = 2
+
+[[scene]]
+share = 2
+text = ["{count} cars ahead, a bus {distance} m behind", "{count} pedestrians on the sidewalk on the {side}"]
+words.count = { from = 2, to = 4 }
+words.distance = { from = 10.0, to = 30.0 }
+words.side = ["left", "right"]
+surroundings = "bare"
+speed = [0, { from = 3.0, to = 14.0 }]
+[[scene.edit]]
+remove = "car_1"
+chance = 0.5
+[[scene.edit]]
+move = "bus_*"
+left = [-2.5, 2.5]
+
+[[scene]]
+street = ["urban", "country"]
+traffic = { from = 0.5, to = 2.0 }
+
+[[scene]]
+layout = "*.layout.json"
+
+[[sensor]]
+name = "small.json"
+mount_height = { from = 1.6, to = 2.2 }
+
+[[weather]]
+share = 3
+[[weather]]
+rain = { from = 5, to = 20 }
+wetness = 1.0
+"""
+
+
+@pytest.fixture(autouse=True)
+def recipe(folder: Path) -> Path:
+    """recipe.toml, and a layout for it."""
+    assert cli.main(["draft", "--text", "a truck ahead", "--no-preview", "-o", "a.layout.json"]) == 0
+    path = folder / "recipe.toml"
+    path.write_text(RECIPE)
+    return path
+
+
+@pytest.fixture
+def start(folder: Path) -> Iterator[Callable[..., Command]]:
+    commands: list[Command] = []
+
+    def begin(*argv: str) -> Command:
+        commands.append(Command("dataset", "recipe.toml", *argv, folder=folder))
+        return commands[-1]
+
+    yield begin
+    for command in commands:
+        command.stop()
+
+
+def made(*argv: str) -> dict[str, str]:
+    """The checksums of the files of the set that a call makes, but those of locks."""
+    assert cli.main(["dataset", "recipe.toml", *argv]) == 0
+    return files(argv[argv.index("-o") + 1])
+
+
+def files(folder: str) -> dict[str, str]:
+    paths = [path for path in Path(folder).rglob("*") if path.is_file() and not path.name.startswith(".lock")]
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}
+
+
+def test_a_scan_depends_on_the_seed_and_its_number_alone() -> None:
+    one = Recipe.load("recipe.toml")
+    again = Recipe.load("recipe.toml", 1000)  # as many as others want
+    numbers = [17, 2, 9, 2, 16, 3]
+    scans = {k: one.scan(k) for k in sorted(numbers)}
+    for k in numbers:
+        scan = again.scan(k)
+        np.testing.assert_array_equal(scan.points(), scans[k].points())
+        assert scan.layout == scans[k].layout
+        assert scan.layout.provenance == scans[k].layout.provenance
+    assert not np.array_equal(scans[2].points()[:50], scans[3].points()[:50])
+
+
+def test_any_processes_make_the_same_shards(capsys: pytest.CaptureFixture[str]) -> None:
+    whole = made("-o", "one", "--jobs", "1")
+    assert capsys.readouterr().out.endswith("one: 20 scans as webdataset\n")
+    assert made("-o", "two", "--jobs", "2") == whole
+    for share in ("2/3", "0/3"):
+        assert "summary.json" not in made("-o", "shares", "--shard", share)
+    assert made("-o", "shares", "--shard", "1/3") == whole
+    assert sorted(whole) == sorted(
+        [f"{k:06d}.{ending}" for k in range(7) for ending in ("tar", "json")] + ["recipe.json", "summary.json"]
+    )
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # webdataset leaves its files open
+def test_the_summary_counts_what_others_read() -> None:
+    webdataset = pytest.importorskip("webdataset")
+    made("-o", "set", "--jobs", "1")
+    summary = json.loads(Path("set/summary.json").read_text())
+    shards = [str(path) for path in sorted(Path("set").glob("*.tar"))]
+    samples = list(webdataset.WebDataset(shards, shardshuffle=False, empty_check=False).decode())
+    gc.collect()
+    assert [sample["__key__"] for sample in samples] == [f"{k:06d}" for k in range(20)]
+    told = [sample["json"]["provenance"]["recipe"] for sample in samples]
+    assert [each["scan"] for each in told] == list(range(20))
+    assert summary["scans"] == 20
+    assert summary["bytes"] == sum(Path(shard).stat().st_size for shard in shards)
+    assert summary["scenes"] == Counter(str(each["scene"]) for each in told)
+    assert set(summary["scenes"]) == {"1", "2", "3"}
+    assert sum(summary["points"].values()) == sum(len(sample["points.npy"]) for sample in samples)
+    assert summary["points"]["road"] == sum(int((sample["label.npy"] == 1).sum()) for sample in samples)
+    heights = {sample["json"]["sensor"]["mount_height"] for sample in samples}
+    assert len(heights) > 5
+    assert min(heights) >= 1.6
+    assert max(heights) <= 2.2
+    streets = [each["scan"] for each in told if each["scene"] == 2]
+    assert streets
+    assert {k ^ 1 for k in streets} == set(streets)  # two poses of each
+
+
+@pytest.mark.parametrize("name", [*FORMATS, "scans"])
+def test_every_format_is_a_shard_that_goes_on_after_a_crash(name: str, recipe: Path) -> None:
+    text = RECIPE.replace('layout = "*.layout.json"', 'text = "a truck ahead"').replace("scans = 20", "scans = 5")
+    recipe.write_text(f'format = "{name}"\n{text}')
+    whole = made("-o", "set", "--jobs", "1")
+    assert len(whole) > 5
+    # what a crash leaves: a shard whose count is missing, a half shard, a half count
+    Path("set/000001.json").unlink()
+    Path("set/summary.json").unlink()
+    Path("set/.000001.0a1b2c3d.partial").mkdir()
+    Path("set/.000001.0a1b2c3d.partial/half").write_text("half")
+    Path("set/000001.tar.0a1b2c3d.partial").write_text("half")
+    again = made("-o", "set", "--jobs", "1")
+    assert again.keys() == whole.keys()
+    if name != "mcap":
+        assert again == whole
+    if name == "scans":
+        assert Scan.load("set/000001/000004").layout.provenance["recipe"]["scan"] == 4
+
+
+@pytest.mark.timeout(900)
+@pytest.mark.parametrize("kills", [2, pytest.param(20, marks=pytest.mark.slow)])
+def test_kills_lose_and_double_nothing(start: Callable[..., Command], kills: int) -> None:
+    argv, chance, killed = ("-n", "60", "--jobs", "2", "-o"), random.Random(kills), 0
+    while killed < kills:
+        command = start(*argv, "killed")
+        begun = len(list(Path("killed").glob("*.json")))
+        while len(list(Path("killed").glob("*.json"))) == begun and command.process.poll() is None:
+            time.sleep(0.02)
+        time.sleep(chance.uniform(0.0, 0.3))
+        if command.process.poll() is None:
+            os.kill(command.process.pid, signal.SIGKILL)
+            killed += 1
+        status, _, err = command.ended()
+        assert status in (0, -signal.SIGKILL), err
+        if status == 0:
+            argv = ("-n", str(int(argv[1]) + 60), *argv[2:])
+        wait_for(partial(no_longer, command), seconds=20)
+    ended = start(*argv, "killed").ended()
+    assert ended[0] == 0, ended
+    found, whole = files("killed"), made(*argv, "whole")
+    assert found.keys() == whole.keys()
+    assert found == whole
+
+
+def no_longer(command: Command) -> bool:
+    return not command.members()
+
+
+def test_a_larger_number_grows_the_set(capsys: pytest.CaptureFixture[str]) -> None:
+    made("-n", "7", "-o", "set", "--jobs", "1")
+    assert made("-n", "20", "-o", "set", "--jobs", "1") == made("-o", "whole", "--jobs", "1")
+    assert cli.main(["dataset", "recipe.toml", "-n", "7", "-o", "set"]) == 2
+    assert "holds more than 7 scans" in capsys.readouterr().err
+
+
+def test_two_writers_of_one_folder(start: Callable[..., Command], recipe: Path) -> None:
+    first = start("-n", "100000", "--jobs", "1", "-o", "set")
+    wait_for(Path("set/000000.json").exists)
+    for share in ("0/1", "1/2"):
+        status, _, err = start("-n", "100000", "--shard", share, "-o", "set").ended()
+        assert (status, err.count("\n")) == (2, 1)
+        assert f"set is being written by process {first.process.pid} on " in err
+    first.stop()
+    argv = ("-n", "30", "--jobs", "1", "-o", "shares", "--shard")
+    Path("shares").mkdir()
+    Path("shares/.lock-0-of-1").touch()  # that all of them look at
+    together = [start(*argv, f"{share}/4") for share in range(4)]
+    assert [command.ended()[::2] for command in together] == [(0, "")] * 4
+    assert Path("shares/summary.json").exists()
+    recipe.write_text(RECIPE.replace("seed = 4", "seed = 5"))
+    assert "holds scans of another recipe" in start("-o", "set").ended()[2]
+
+
+def test_a_set_that_does_not_fit_is_refused_and_keeps_its_shards(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["dataset", "recipe.toml", "-n", str(10**12), "-o", "set", "--jobs", "1"]) == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1
+    assert "scans are left and take" in err
+    assert Path("set/000000.tar").exists()
+
+
+def test_progress_shows_rate_and_time_left(shown_on_a_terminal: Callable[..., str]) -> None:
+    shown = shown_on_a_terminal("dataset", "recipe.toml", "-o", "set", "--jobs", "1")
+    assert "20/20" in shown
+    assert "scan/s" in shown
+
+
+BAD = [
+    ("scans = 20", "scans = 0", "scans is 0; it must be a whole number from 1"),
+    ("scans = 20", "scans = 20\nscan = 3", "scan is no key here; did you mean 'scans'?"),
+    ("scans = 20", "", "scans is missing"),
+    ("scans = 20", 'scans = 20\nformat = "kity"', "format is 'kity'; it must be one of kitti, "),
+    ("scans = 20", "scans = ", "not TOML: "),
+    ("seed = 4", "seed = -1", "seed is -1; it must be a whole number from 0"),
+    ("seed = 4", "seed = true", "seed is True; it must be a whole number"),
+    ("share = 2", "share = -2", "scene 1, share is -2; it must be a number of 0 or more"),
+    ("share = 2", 'share = "2"', "scene 1, share is '2'"),
+    ('street = ["urban", "country"]', "", "scene 2, one of text, text_file, layout and street is needed; there are 0"),
+    ('"urban", ', '"urbn", ', "scene 2, street is ['urbn', 'country']; it must be one of "),
+    ('["urban", "country"]', "[]", "scene 2, street is []; it must be a text, or a list of texts"),
+    ("traffic", "trafic", "scene 2, trafic is no key here; did you mean 'traffic'?"),
+    ("traffic = {", "speed = 3.0\ntraffic = {", "scene 2, speed is no key here"),
+    (
+        "from = 0.5, to = 2.0",
+        "from = 2.0, to = 0.5",
+        "scene 2, traffic is {'from': 2.0, 'to': 0.5}; it must be a number",
+    ),
+    ("from = 0.5, to = 2.0", "from = 0.5", "scene 2, traffic is {'from': 0.5}; it must be a number"),
+    ('"*.layout.json"', '"*.lay.json"', "scene 3, layout is '*.lay.json'; it must be files"),
+    ("words.side = ", "words.sides = ", "scene 1, {side} has no words"),
+    ("words.side = ", "words.more = 3\nwords.side = ", "scene 1, words, more is in no sentence"),
+    ("words.side = ", "words.side = []\n#", "scene 1, words, side is []"),
+    ('["left", "right"]', '["left", "qwxy"]', "not understood: "),
+    ("chance = 0.5", "chance = 1.5", "scene 1, edit 1, chance is 1.5; it must be a number from 0 to 1"),
+    ('remove = "car_1"', "", "scene 1, edit 1, one of remove, move and replace is needed; there are 0"),
+    ('remove = "car_1"', 'replace = "car_1"\nlabel = "cra"', "scene 1, edit 1, label is 'cra'; it must be one of "),
+    ("left = [-2.5, 2.5]", 'left = ["far"]', "scene 1, edit 2, left is ['far']; it must be a number"),
+    ('"small.json"', '"hdl46e"', "sensor 1, name: sensor is 'hdl46e'; it must be one of "),
+    ('"small.json"', '"none.json"', "none.json: No such file"),
+    ("from = 1.6, to = 2.2", "from = -1.6, to = 2.2", "sensor 1, mount_height is {'from': -1.6"),
+    ("wetness = 1.0", "wetness = 2.0", "weather 2, wetness is 2.0; it must be a number from 0 to 1"),
+    ("share = 3", "share = 0\n[[weather]]\nshare=0.0", None),
+    ("[[weather]]\nshare = 3\n[[weather]]", "[[weather]]\nshare = 0", "weather: every share is 0; one must be more"),
+    ("[[sensor]]", "[sensor]", "sensor is {'name': 'small.json'"),
+    ("speed = [0,", 'weights = "street"\nspeed = [0,', "weather goes without scenes with weights"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "said"), [row for row in BAD if row[2]], ids=lambda row: str(row)[:30])
+def test_bad_recipes_are_one_line(old: str, new: str, said: str, recipe: Path, refused: Callable[..., str]) -> None:
+    assert old in RECIPE
+    recipe.write_text(RECIPE.replace(old, new, 1))
+    err = refused("dataset", "recipe.toml", "-o", "set")
+    assert err.startswith("lidardraft: recipe.toml: ")
+    assert said in err
+
+
+def test_bad_places_and_options_are_one_line(refused: Callable[..., str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert "none.toml: No such file" in refused("dataset", "none.toml", "-o", "set")
+    Path("full").mkdir()
+    Path("full/notes.txt").write_text("mine")
+    assert "full is not empty (notes.txt)" in refused_but_locks("full", capsys)
+    assert "small.json" in refused("dataset", "recipe.toml", "-o", "small.json")
+    for share in ("3/3", "1", "a/b", "-1/2"):
+        with pytest.raises(SystemExit):
+            cli.main(["dataset", "recipe.toml", "-o", "set", f"--shard={share}"])
+        assert "is no I/K" in capsys.readouterr().err
+
+
+def refused_but_locks(folder: str, capsys: pytest.CaptureFixture[str]) -> str:
+    assert cli.main(["dataset", "recipe.toml", "-o", folder]) == 2
+    assert [path.name for path in Path(folder).iterdir() if not path.name.startswith(".lock")] == ["notes.txt"]
+    return capsys.readouterr().err
+
+
+VALUES = st.recursive(
+    st.integers(-5, 5) | st.floats(-5, 5) | st.text(max_size=3) | st.none() | st.booleans(),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from(["from", "to", "x"]), inner, max_size=3)
+    ),
+    max_leaves=6,
+)
+
+
+@settings(max_examples=300, deadline=None)
+@given(VALUES)
+def test_what_is_taken_for_a_number_is_drawn_within_its_limits(value: object) -> None:
+    table = Table({"v": value})
+    with contextlib.suppress(FormatError):
+        values = table.numbers("v", 0.0, -3.0, 3.0)
+        assert {type(each) for each in every(values)} <= {int, float}
+        for seed in range(5):
+            assert -3.0 <= drawn(values, np.random.default_rng(seed)) <= 3.0
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.lists(st.tuples(st.integers(0, 99), VALUES), min_size=1, max_size=2))
+def test_any_value_is_taken_or_refused(changes: list[tuple[int, object]]) -> None:
+    fields = recipes.tomllib.loads(RECIPE)
+    for number, value in changes:
+        table = [fields, *fields["scene"], *fields["sensor"], *fields["weather"]][number % 7]
+        if table:
+            table[sorted(table)[number % len(table)]] = value
+    with contextlib.suppress(LidarDraftError):
+        recipe = recipes._recipe(Path("recipe.toml"), fields)
+        for k in range(3):
+            recipe._draws(k)
+
+
+RAY = """
+import os, subprocess, sys, time
+from ray.cluster_utils import Cluster
+cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1})
+second = cluster.add_node(num_cpus=1)
+command = [sys.executable, "-m", "lidardraft", "dataset", "recipe.toml", "-n", "300", "-o", "by_ray", "--ray"]
+process = subprocess.Popen([*command, cluster.address])
+while process.poll() is None and not os.path.exists("by_ray/000003.json"):
+    time.sleep(0.1)
+cluster.remove_node(second, allow_graceful=False)
+print("left:", 100 - sum(name.endswith(".tar") for name in os.listdir("by_ray")), flush=True)
+print("ended:", process.wait(timeout=200), flush=True)
+cluster.shutdown()
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(400)
+def test_a_cluster_of_two_nodes_loses_one() -> None:
+    pytest.importorskip("ray")
+    run = subprocess.run([sys.executable, "-c", RAY], capture_output=True, text=True, timeout=300)
+    assert "ended: 0" in run.stdout, run.stderr[-2000:]
+    assert int(run.stdout.split("left: ")[1].split()[0]) > 10
+    assert files("by_ray") == made("-n", "300", "-o", "alone")
