@@ -384,6 +384,15 @@ def test_a_sequence_is_a_folder_of_frames_with_tracks_and_a_film(capsys: pytest.
     assert np.loadtxt("kitti/sequences/00/times.txt") == pytest.approx([0.0, 0.2, 0.4, 0.6])
 
 
+def test_a_sequence_in_which_nothing_moves_is_said_to_be_one(capsys: pytest.CaptureFixture[str]) -> None:
+    Layout((Primitive(shape="plane", center=(0, 0, 0), size=(60, 60, 0), label="terrain", id="land"),)).save(
+        "land.json"
+    )
+    asked = ["simulate", "--layout", "land.json", *SMALL, "--frames", "2", "--no-picture", "-o", "out"]
+    assert cli.main(asked) == 0
+    assert "nothing moves: the layout has no road whose lanes are known" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("more", "said"),
     [

@@ -244,10 +244,11 @@ def test_what_cannot_be_driven_is_one_line(scenario: Scenario, said: str) -> Non
 @pytest.mark.parametrize(
     ("more", "said"),
     [
-        ({"hz": 0}, "hz is 0; it must be over 0"),
+        ({"hz": 0}, "hz is 0; it must be a number over 0"),
         ({"hz": math.nan}, "hz is nan"),
         ({"hz": 20}, "hz is 20; a sweep of small takes 0.1 s: at most 10"),
-        ({"frames": 0}, "frames is 0; it must be 1 to"),
+        ({"hz": 0.01, "frames": 20}, "20 frames at 0.01 Hz are 2000 s; a sequence has 1000 s at most"),
+        ({"frames": 0}, "frames is 0; it must be a whole number of 1 or more"),
         ({"speed": 3.0}, "the scenario says how the ego vehicle moves"),
     ],
 )

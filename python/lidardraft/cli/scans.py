@@ -23,7 +23,7 @@ from lidardraft.cli.arguments import (
     read_weather,
     whole_number,
 )
-from lidardraft.cli.command import progress
+from lidardraft.cli.command import progress, say
 from lidardraft.cli.inputs import (
     add_inputs,
     around_it,
@@ -180,6 +180,11 @@ def _simulate_sequence(arguments: argparse.Namespace) -> None:
     frames = Frames(layout, sensor, scenario, weather, arguments, 1 if jobs > 1 else None)
     with named(arguments.scenario) if arguments.scenario else nullcontext():
         simulator = frames.simulator
+    asked = arguments.scenario is not None or arguments.speed is not None
+    if not (asked or simulator.tracks.actors or simulator.tracks.ego.moves()):
+        say(
+            "lidardraft", "nothing moves: the layout has no road whose lanes are known; --speed and --scenario say more"
+        )
     folder = ScanFolder(Path(arguments.output), arguments.pictures, frames, Scan.save)
     with progress(num, "frame") as bar:
         for _ in folder.write(num, jobs=jobs):
@@ -247,7 +252,7 @@ def simulate_options(parser: argparse.ArgumentParser) -> None:
     world.add_argument("--clutter", type=number, default=0.0, metavar="SHARE", help=text)
     sequence = parser.add_argument_group("sequence")
     text = "make a sequence of N frames: the ego vehicle, traffic and people move"
-    sequence.add_argument("--frames", type=whole_number(1, 100_000), metavar="N", help=text)
+    sequence.add_argument("--frames", type=whole_number(1), metavar="N", help=text)
     sequence.add_argument("--hz", type=positive, metavar="R", help=f"frames a second (default {_HZ:g})")
     text = "how the ego vehicle and objects move (docs/scenarios.md); the rest moves by its kind"
     sequence.add_argument("--scenario", metavar="FILE.json", help=text)

@@ -28,6 +28,7 @@ _STATION = 2.0  # m between the points of a lane that bends
 _TURN = 0.35  # rad against its lane; what is turned by more does not drive along it
 _AHEAD = 2.0  # s for which whoever follows no lane is expected to go on as now
 _SIDE = 0.2  # m that stay free beside a vehicle
+_TOUCHING = 0.5  # m by which what stands before a vehicle may reach into its box at the start
 _ACCELERATION, _BRAKING, _HARDEST = 1.5, 3.0, 8.0  # m/s2: usual ones, and what tyres give
 _STANDS = 0.1  # m/s, who wants to be slower than that stands
 _AIM = 10.0  # m over which a vehicle turns into its lane's direction
@@ -85,7 +86,7 @@ class Driver:
     yaw: float  # against the lane, at the start
     start: float  # how far along it was then [m]
     speed: float = 0.0
-    blocked: float = math.inf  # how far along it the way is barred, or the lane ends [m]
+    barred: float = math.inf  # how far along it its front can go [m]
 
     def wish(self, time: float) -> float:
         """The speed of a free way [m/s]."""
@@ -164,45 +165,51 @@ def drive(
 ) -> dict[str, Track]:
     """The tracks of drivers over `duration` [s], among `others` that move as they do and bodies that stand."""
     times = np.arange(math.ceil(duration / STEP) + 1) * STEP
-    standing = [body for name, body in bodies.items() if name not in others]
-    names = {driver.body.name for driver in drivers}
-    for driver in drivers:
-        solids = [solid for body in standing if body.name not in names for solid in body.solids]
-        driver.blocked = _barred(driver, solids)
-    walkers = [(bodies[name], track.at(times)) for name, track in others.items()]
-    traffic = _Traffic(drivers, walkers)
+    moving = {*others, *(driver.body.name for driver in drivers)}
+    _bar(drivers, [solid for name, body in bodies.items() if name not in moving for solid in body.solids])
+    traffic = _Traffic(drivers, [(bodies[name], track.at(times)) for name, track in others.items()])
     traffic.begin()
     places = np.empty((len(times), len(drivers), 4))
-    for step in range(len(times)):
+    for step, time in enumerate(times.tolist()):
         places[step] = traffic.places()
-        traffic.advance(step, float(times[step]))
+        traffic.advance(step, time)
     places[:, :, 3] = np.unwrap(places[:, :, 3], axis=0)
     return {driver.body.name: Track(times, places[:, number]) for number, driver in enumerate(drivers)}
 
 
-def _barred(driver: Driver, solids: Sequence[Solid]) -> float:
-    """How far along its lane a driver's front can go: to the lane's end, or to what stands in the way."""
-    length, width, _ = driver.body.size
-    barred, front = driver.lane.line.length, driver.along + length / 2
-    for solid in solids:
-        along, left = driver.lane.line.along_across(solid.outline)
-        beside = left - driver.left
-        if along.min() > front - 0.5 and beside.min() < width / 2 + _SIDE and beside.max() > -width / 2 - _SIDE:
-            barred = min(barred, float(along.min()))
-    return barred
+def _bar(drivers: Sequence[Driver], solids: Sequence[Solid]) -> None:
+    """Say how far along its lane each driver's front can go: to the lane's end, to where it has to wait, or to what
+    stands in the way."""
+    corners = np.concatenate([np.empty((0, 2)), *(solid.outline for solid in solids)])
+    first = np.cumsum([0, *(len(solid.outline) for solid in solids)])[:-1]
+    in_lanes = {id(driver.lane): driver.lane.line.along_across(corners) for driver in drivers} if solids else {}
+    for driver in drivers:
+        front, reach = driver.along + driver.body.size[0] / 2, driver.body.size[1] / 2 + _SIDE
+        ends = [driver.lane.line.length]
+        if driver.lane.stop is not None and front < driver.lane.stop:
+            ends.append(driver.lane.stop)
+        if solids:
+            along, left = in_lanes[id(driver.lane)]
+            nearest = np.minimum.reduceat(along, first)
+            low, high = np.minimum.reduceat(left, first), np.maximum.reduceat(left, first)
+            in_way = (low < driver.left + reach) & (high > driver.left - reach) & (nearest > front - _TOUCHING)
+            ends += nearest[in_way].tolist()
+        driver.barred = min(ends)
 
 
 class _Traffic:
-    """All drivers, lane by lane, at one time."""
+    """All drivers, lane by lane, at one time, and those who follow no lane, whose places [T, 4] are known."""
 
     def __init__(self, drivers: Sequence[Driver], walkers: Sequence[tuple[Body, np.ndarray]]) -> None:
         self.drivers = drivers
-        self.walkers = walkers
         bodies = [*(driver.body for driver in drivers), *(body for body, _ in walkers)]
         self.sizes = np.array([body.size[:2] for body in bodies]).reshape(-1, 2)
         self.lanes: dict[int, list[int]] = {}
         for number, driver in enumerate(drivers):
             self.lanes.setdefault(id(driver.lane), []).append(number)
+        # x, y, yaw and velocity at each step [W, T, 5]
+        rows = [np.column_stack([at[:, [0, 1, 3]], np.gradient(at[:, :2], STEP, axis=0)]) for _, at in walkers]
+        self.walkers = np.array(rows)
 
     def begin(self) -> None:
         """Everybody as fast as it likes, but so that it can stop behind who is ahead."""
@@ -241,11 +248,10 @@ class _Traffic:
 
     def _ahead(self, step: int) -> list[tuple[float, float]]:
         """For each driver the free way before it [m] and the speed [m/s] of who is there."""
-        now = self._others(step)
-        found = [(math.inf, 0.0)] * len(self.drivers)
+        now = self._all(step)
+        found = [(0.0, 0.0)] * len(self.drivers)
         for numbers in self.lanes.values():
-            lane = self.drivers[numbers[0]].lane
-            along, left, yaw, forward, sideways = self._in_lane(lane, now)
+            along, left, yaw, forward, sideways = self._in_lane(self.drivers[numbers[0]].lane, now)
             cos, sin = np.abs(np.cos(yaw)), np.abs(np.sin(yaw))
             half_along = (cos * self.sizes[:, 0] + sin * self.sizes[:, 1]) / 2
             half_across = (sin * self.sizes[:, 0] + cos * self.sizes[:, 1]) / 2
@@ -253,29 +259,22 @@ class _Traffic:
             low, high = np.minimum(left, soon) - half_across, np.maximum(left, soon) + half_across
             for number in numbers:
                 driver = self.drivers[number]
-                length, width, _ = driver.body.size
-                reach = width / 2 + _SIDE
+                front, reach = driver.along + driver.body.size[0] / 2, driver.body.size[1] / 2 + _SIDE
                 in_way = (low < driver.left + reach) & (high > driver.left - reach) & (along > driver.along)
                 in_way[number] = False
-                gaps = np.where(in_way, along - half_along, np.inf) - driver.along - length / 2
+                gaps = np.where(in_way, along - half_along - front, np.inf)
                 nearest = int(np.argmin(gaps))
-                # who goes on is followed; what stands counts with the way to where it can be stopped for
-                ends = [(driver.blocked - driver.along - length / 2, 0.0)]
-                if lane.stop is not None and driver.along + length / 2 < lane.stop:
-                    ends.append((lane.stop - driver.along - length / 2, 0.0))
-                found[number] = min((float(gaps[nearest]), max(0.0, float(forward[nearest]))), *ends)
+                found[number] = min(
+                    (float(gaps[nearest]), max(0.0, float(forward[nearest]))), (driver.barred - front, 0.0)
+                )
         return found
 
-    def _others(self, step: int) -> np.ndarray:
+    def _all(self, step: int) -> np.ndarray:
         """x, y, yaw and the velocity [M, 5] of all that move: the drivers, then the rest."""
-        places = self.places()
-        speeds = np.array([driver.speed for driver in self.drivers])
-        heading = places[:, 3]
-        rows = [np.column_stack([places[:, :2], heading, speeds * np.cos(heading), speeds * np.sin(heading)])]
-        for _, track in self.walkers:
-            place, after = track[step], track[min(step + 1, len(track) - 1)]
-            rows.append(np.array([[*place[:2], place[3], *((after - place)[:2] / STEP)]]))
-        return np.concatenate(rows)
+        x, y, _, yaw = self.places().T
+        speed = np.array([driver.speed for driver in self.drivers])
+        rows = np.column_stack([x, y, yaw, speed * np.cos(yaw), speed * np.sin(yaw)])
+        return np.concatenate([rows, self.walkers[:, step]]) if len(self.walkers) else rows
 
     @staticmethod
     def _in_lane(lane: Lane, now: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -288,7 +287,5 @@ class _Traffic:
 
 def _safe(gap: float, ahead: float) -> float:
     """The speed [m/s] from which one can stop within `gap` [m] behind who is `ahead` as fast as that and brakes."""
-    if gap == math.inf:
-        return math.inf
     reaction = _BRAKING * STEP
     return max(0.0, math.sqrt(max(0.0, reaction**2 + ahead**2 + 2 * _BRAKING * gap)) - reaction)
