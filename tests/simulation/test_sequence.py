@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from lidardraft import Layout, Primitive, Raycaster, Scan, Sensor, layout_from_text, surround
 from lidardraft.errors import LidarDraftError
+from lidardraft.formats.nuscenes_tables import write_nuscenes
 from lidardraft.formats.semantickitti import write_sequences
 from lidardraft.scene.effects import sub_rays
 from lidardraft.scene.pose import upright
@@ -140,6 +141,20 @@ def test_a_frame_is_saved_and_read_and_leaves_with_its_time_and_place(tmp_path: 
     assert np.loadtxt(folder / "times.txt") == pytest.approx([0.0, 0.2, 0.4, 0.6])
     forwards = np.loadtxt(folder / "poses.txt")[:, 11]
     assert forwards == pytest.approx([scan.pose[0, 3] - scans[0].pose[0, 3] for scan in scans])
+
+
+def test_nuscenes_tables_hold_a_track_as_fast_as_its_car(tmp_path: Path) -> None:
+    """As the devkit works velocities out: from a track's places and the times of its samples."""
+    made = simulator(street(car(12, 0)), Scenario(AlongLane(6.0), {"car_1": Straight(8.0)}), hz=5.0)
+    write_nuscenes(tmp_path / "nuscenes", [[scan.frame() for scan in made]])
+    tables = {path.stem: json.loads(path.read_text()) for path in (tmp_path / "nuscenes" / "v1.0-trainval").iterdir()}
+    times = {sample["token"]: sample["timestamp"] * 1e-6 for sample in tables["sample"]}
+    track = sorted(tables["sample_annotation"], key=lambda row: times[row["sample_token"]])
+    assert len(track) == tables["instance"][0]["nbr_annotations"] == 4
+    for one, two in itertools.pairwise(track):
+        assert (one["next"], two["prev"]) == (two["token"], one["token"])
+        way = np.subtract(two["translation"], one["translation"])
+        assert way / (times[two["sample_token"]] - times[one["sample_token"]]) == pytest.approx([8.0, 0, 0], abs=0.01)
 
 
 def test_a_file_of_tracks_moves_everything_again(tmp_path: Path) -> None:
