@@ -58,6 +58,7 @@ def test_edits_are_done_in_their_order(capsys: pytest.CaptureFixture[str]) -> No
         (["--insert", "car at 9,0", "-o", "out"], "scan.bin: car_2 at 9, 0 would overlap car_1 by"),
         (["--insert", "zebra at 9,3", "-o", "out"], "'zebra' is no object that can be inserted; it must be"),
         (["--remove", "car_1"], "--output says where the edited scan goes"),
+        (["--remove", "car_1", "-o", "scan"], "scan.bin is the input too; write to another file"),
         (["-o", "out"], "scan.bin: there is no edit; give --insert, --remove, --move or --replace"),
         (["--remove", "car_1", "-o", "no/folder"], "no/folder cannot be written"),
         (["--remove", "car_1", "--boxes", "missing.txt", "-o", "out"], "missing.txt"),

@@ -9,12 +9,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lidardraft.cli.arguments import DEFAULT_SENSOR, add_seed, add_sensor, read_sensor
-from lidardraft.cli.inputs import sensor_beside
+from lidardraft.cli.arguments import DEFAULT_SENSOR, add_seed, add_sensor
+from lidardraft.cli.inputs import boxes_of_scan, sensor_of_scan
 from lidardraft.errors import FormatError
-from lidardraft.files import named
+from lidardraft.files import check_other_file, named
 from lidardraft.scene.box import Box
-from lidardraft.scene.sensor import Sensor
 
 if TYPE_CHECKING:
     from lidardraft.simulation.recorded_scan import RecordedScan
@@ -42,6 +41,9 @@ def edit(arguments: argparse.Namespace) -> None:
 
     output = Path(arguments.output)
     output = output.with_suffix("") if output.suffix in (".bin", ".npz") else output
+    for given in filter(None, (arguments.scan, arguments.labels, arguments.boxes, arguments.sensor)):
+        for ending in (".bin", ".label", ".npz", ".boxes.json", ".sensor.json"):
+            check_other_file(f"{output}{ending}", given)
     with named(arguments.scan):
         edited = edit_scan(scan, edits, seed=arguments.seed)
     edited.save(output)
@@ -49,7 +51,6 @@ def edit(arguments: argparse.Namespace) -> None:
 
 
 def _read(arguments: argparse.Namespace) -> RecordedScan:
-    from lidardraft.formats.box_files import read_box_file
     from lidardraft.formats.recording import read_labels, read_points
     from lidardraft.simulation.recorded_scan import RecordedScan
 
@@ -57,16 +58,10 @@ def _read(arguments: argparse.Namespace) -> RecordedScan:
     points, fields = read_points(path)
     if arguments.labels is not None:
         fields |= read_labels(arguments.labels, len(points), of=path)
-    beside = Path(path).with_suffix(".boxes.json")
-    file = arguments.boxes or (str(beside) if beside.exists() else None)
-    boxes = None if file is None else read_box_file(file)
+    sensor, boxes = sensor_of_scan(path, arguments.sensor), boxes_of_scan(path, arguments.boxes)
     with named(path):
         fields.pop("column", None)
-        return RecordedScan.from_points(points, _sensor(path, arguments.sensor), boxes=boxes, **fields)
-
-
-def _sensor(path: str, name: str | None) -> Sensor:
-    return read_sensor(name) if name is not None else sensor_beside(path) or Sensor.preset(DEFAULT_SENSOR)
+        return RecordedScan.from_points(points, sensor, boxes=boxes, **fields)
 
 
 def _list(scan: RecordedScan) -> None:

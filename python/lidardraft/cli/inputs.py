@@ -13,10 +13,11 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft.arranging.district import DISTRICTS
-from lidardraft.cli.arguments import add_seed, assignments, number, read_sensor
+from lidardraft.cli.arguments import DEFAULT_SENSOR, add_seed, assignments, number, read_sensor
 from lidardraft.cli.command import say
 from lidardraft.errors import FormatError, LidarDraftError
 from lidardraft.files import named, read_text
+from lidardraft.scene.box import Box
 from lidardraft.scene.layout import AROUND, Layout
 from lidardraft.scene.sensor import Sensor
 
@@ -184,6 +185,25 @@ def sensor_beside(file: str | Path) -> Sensor | None:
     path = Path(file)
     path = path.with_name(f"{path.name.removesuffix(path.suffix).removesuffix('.boxes')}.sensor.json")
     return Sensor.load(path) if path.exists() else None
+
+
+def sensor_of_scan(path: str | Path, name: str | None) -> Sensor:
+    """The sensor that took a scan: that of `name`, or beside the scan, or the default one, which is said."""
+    if name is not None:
+        return read_sensor(name)
+    if sensor := sensor_beside(path):
+        return sensor
+    say("lidardraft", f"{path} is taken for a scan of {DEFAULT_SENSOR}; if it is not, give its --sensor")
+    return Sensor.preset(DEFAULT_SENSOR)
+
+
+def boxes_of_scan(path: str | Path, given: str | None) -> list[Box] | None:
+    """The boxes of a file that is given, or of the .boxes.json beside a scan; None where there is none."""
+    from lidardraft.formats.box_files import read_box_file
+
+    beside = Path(path).with_suffix(".boxes.json")
+    file = given or (beside if beside.exists() else None)
+    return None if file is None else read_box_file(file)
 
 
 def scan_files(given: Sequence[str]) -> list[Path]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from lidardraft.cli.arguments import DEFAULT_SENSOR, add_sensor, read_sensor
 from lidardraft.cli.command import progress, say
-from lidardraft.cli.inputs import sensor_beside
+from lidardraft.cli.inputs import boxes_of_scan, sensor_of_scan
 from lidardraft.cli.scan_folder import scans_in
 from lidardraft.errors import FormatError
 from lidardraft.files import check_other_file, named, write_text
@@ -102,7 +102,7 @@ def _pictured(path: Path, arguments: argparse.Namespace) -> np.ndarray:
 
     name: str | None = arguments.sensor
     if path.suffix == ".json":
-        return render_layout_and_cast(Layout.load(path), _sensor(path, name))
+        return render_layout_and_cast(Layout.load(path), read_sensor(DEFAULT_SENSOR if name is None else name))
     if not _holds_points(path) and is_shard(path):
         _check_no_sensor(path, name)
         pairs = read_shard(path)
@@ -172,26 +172,12 @@ def _read_points(path: Path, name: str | None) -> tuple[np.ndarray, dict[str, np
     from lidardraft.formats.recording import read_points, returns
 
     points, fields = read_points(path)
-    sensor = _sensor(path, name)
+    sensor = sensor_of_scan(path, name)
     with named(path):
         return (*returns(points, fields), sensor)
 
 
 def _boxes(path: Path, arguments: argparse.Namespace, sensor: Sensor) -> list[Box]:
-    from lidardraft.formats.box_files import read_box_file
-
-    beside = path.with_suffix(".boxes.json")
-    file = arguments.boxes or (str(beside) if beside.exists() else None)
     x_y_z = (0.0, 0.0, sensor.mount_height)
-    boxes = [] if file is None else read_box_file(file)
+    boxes = boxes_of_scan(path, arguments.boxes) or []
     return [replace(box, center=tuple(np.add(box.center, x_y_z).tolist())) for box in boxes]
-
-
-def _sensor(path: Path, name: str | None) -> Sensor:
-    if name is not None:
-        return read_sensor(name)
-    if path.suffix != ".json":
-        if sensor := sensor_beside(path):
-            return sensor
-        say("lidardraft", f"{path} is taken for a scan of {DEFAULT_SENSOR}; if it is not, give its --sensor")
-    return Sensor.preset(DEFAULT_SENSOR)

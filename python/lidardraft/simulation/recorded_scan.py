@@ -94,6 +94,10 @@ class RecordedScan:
             scan, **{name: np.insert(getattr(scan, name), places, lost[name], axis=0) for name in RAY_FIELDS}
         )
 
+    def __repr__(self) -> str:
+        returns, made = np.count_nonzero(self.returned), np.count_nonzero(self.made_up)
+        return f"RecordedScan({self.sensor!r}, {returns} returns, {made} of them made up, {len(self.boxes)} boxes)"
+
     @property
     def returned(self) -> np.ndarray:
         """bool [R]: which rays returned."""
