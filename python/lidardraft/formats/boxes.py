@@ -41,7 +41,7 @@ def read_boxes(path: str | os.PathLike[str]) -> tuple[list[Box], list[int]]:
     boxes, counts = [], []
     with named(path):
         document = parse_object(text)
-        check_fields(document, ("boxes",), ("frame", "pose", "sensor"))  # the last two are WebDataset's
+        check_fields(document, ("boxes",), ("frame", "pose", "sensor", "provenance"))  # WebDataset has the last three
         if document.get("frame", "sensor") != "sensor":
             raise FormatError(f"frame is {document['frame']!r}; it must be 'sensor'")
         if not isinstance(document["boxes"], list):
