@@ -24,7 +24,7 @@ from lidardraft.diffusion.codec import CONDITION_CHANNELS, STATE_CHANNELS, encod
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.networks import weight_file
 from lidardraft.networks.precision import has_bfloat16
-from lidardraft.pipeline import WEIGHTS
+from lidardraft.networks.weight_file import PACKAGED
 
 
 class Bench:
@@ -82,7 +82,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--batch", type=int, default=4)
     parser.add_argument("--sensor", default="hdl64e")
-    parser.add_argument("--weights", type=Path, default=WEIGHTS / "street.safetensors")
+    parser.add_argument("--weights", type=Path, default=PACKAGED / "street.safetensors")
     parser.add_argument("--profile", action="store_true")
     arguments = parser.parse_args()
     torch.set_num_threads(arguments.threads)

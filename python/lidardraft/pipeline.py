@@ -6,7 +6,6 @@ import dataclasses
 import os
 import warnings
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import torch
@@ -17,7 +16,7 @@ from lidardraft.diffusion.sampler import sample
 from lidardraft.diffusion.sampling_defaults import GUIDANCE, STEPS
 from lidardraft.diffusion.sensor_limits import SensorLimits
 from lidardraft.drafting.text.layout import layout_from_text
-from lidardraft.errors import CheckpointError, check_type, one_of
+from lidardraft.errors import CheckpointError, check_type
 from lidardraft.networks import weight_file
 from lidardraft.scan import Scan
 from lidardraft.scene.labelling import label_by_agreement
@@ -27,8 +26,6 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
 from lidardraft.simulation.simulate import simulate
-
-WEIGHTS = Path(__file__).parent / "weights"
 
 
 class Pipeline:
@@ -73,11 +70,7 @@ class Pipeline:
         `threads` is how many torch may use in this process from now on; scans differ a little with their number.
         """
         check_type("name", name, str, os.PathLike)
-        packaged = WEIGHTS / f"{os.fspath(name)}.safetensors"
-        path = packaged if packaged.exists() else Path(name)
-        if not path.exists():
-            known = one_of(sorted(file.stem for file in WEIGHTS.glob("*.safetensors")), os.fspath(name))
-            raise CheckpointError(f"weights are {os.fspath(name)!r}; they must be a file or {known}")
+        path = weight_file.find(name)
         denoiser, trained = weight_file.load(path, Denoiser), weight_file.read_card(path).get("sensors")
         try:
             denoiser = denoiser.to(device)

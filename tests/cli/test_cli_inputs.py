@@ -11,7 +11,7 @@ import pytest
 import torch
 from PIL import Image
 
-from lidardraft import Box, Layout, Primitive, Sensor
+from lidardraft import Box, Layout, Primitive, Sensor, layout_from_text, simulate
 from lidardraft.cli import main as cli
 from lidardraft.drafting.cloud.layout import layout_from_cloud
 from lidardraft.drafting.picture.camera import Pinhole
@@ -94,9 +94,6 @@ def test_a_sentence_or_a_scan_that_says_nothing(refused: Callable[..., str]) -> 
     Path("short.label").unlink()
     assert "short.bin has 5 bytes" in refused("draft", *short)
     assert "gone.bin" in refused("draft", "--points", "gone.bin", "-o", "layout.json")
-    Path("short.bin").write_bytes(np.ones(4, "<f4").tobytes())
-    said = "short.bin: --points needs --labels or --segmenter, as there is no short.label"
-    assert said in refused("draft", *short)
 
 
 def test_the_file_that_is_wrong_is_named(refused: Callable[..., str]) -> None:
@@ -150,8 +147,6 @@ def test_scans_are_read_from_other_files_than_kittis(refused: Callable[..., str]
     assert "a.xyz: a recorded scan is one of .bin, .pcd.bin, .pcd, .ply, .npz, .npy, .laz, .las" in refused(
         *draft, "a.xyz", "-o", "b.json"
     )
-    Path("a.label").unlink()
-    assert "a.pcd.bin: --points needs --labels or --segmenter" in refused(*draft, "a.pcd.bin", "-o", "b.json")
 
 
 def test_a_sketch_is_read_and_what_is_ignored_is_said(capsys: pytest.CaptureFixture[str]) -> None:
@@ -369,6 +364,18 @@ def test_a_scan_is_labelled_by_a_segmenter_and_drafted_for_hands(refused: Callab
     labels = weight_file.load("segmenter.safetensors", Segmenter).label_points(points, intensity, 1.73)
     assert Layout.load("layout.json") == layout_from_cloud(points, labels, detail="objects")
     assert "--labels and --segmenter both say the classes" in refused(*scan, "--labels", "scan.label")
+
+
+def test_a_scan_without_labels_is_labelled_by_the_packaged_segmenter(capsys: pytest.CaptureFixture[str]) -> None:
+    street = simulate(
+        layout_from_text("two cars ahead, a building on the left", seed=0), Sensor.preset("hdl64e"), seed=0
+    )
+    street.save("street")
+    Path("street.label").unlink()
+    assert cli.main(["draft", "--points", "street.bin", "-o", "layout.json", "--no-preview"]) == 0
+    said = capsys.readouterr().err
+    assert "street.bin has no labels: the packaged segmenter predicted them, with a mean probability of 0." in said
+    assert {"car", "road", "building"} <= {each.label for each in Layout.load("layout.json")}
 
 
 def test_a_scan_and_labels_that_do_not_fit_are_both_named(refused: Callable[..., str]) -> None:

@@ -171,6 +171,13 @@ def test_pairs_become_a_segmenter(tmp_path: Path, capsys: pytest.CaptureFixture[
     np.testing.assert_array_equal(label > 0, image.valid)
     assert train.main([*argv, "--steps", "2", "--seed", "1"]) == 2
     assert "another config: its seed is 0, not 1" in capsys.readouterr().err
+    pairs, weights = str(tmp_path / "pairs"), str(tmp_path / "run" / "weights.safetensors")
+    further = ["segmenter", "--batch", "1", "--steps", "1", "-o", "further", "--pairs"]
+    assert train.main([*further, f"{pairs}=3", pairs, "--init", weights]) == 0
+    card = weight_file.read_card("further/weights.safetensors")
+    assert card["data"].startswith("75% ")
+    assert train.main([*further, f"{pairs}=many"]) == 2
+    assert "behind = there must be a number" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("run", ["m.obj", "m.obj/run"])

@@ -43,7 +43,7 @@ def test_a_hidden_point_takes_the_label_of_its_like():
     index = GRID.nearest(points, pixels)
     label = np.zeros((4, 8), np.uint8)
     label.flat[pixels[0]], label.flat[pixels[2]] = 6, 3
-    np.testing.assert_array_equal(GRID.back_project(label, points, pixels, index), [6, 3, 3])
+    np.testing.assert_array_equal(label.flat[GRID.back_project(points, pixels, index)], [6, 3, 3])
 
 
 def test_a_neighbour_across_the_seam_counts():
@@ -51,7 +51,9 @@ def test_a_neighbour_across_the_seam_counts():
     pixels = GRID.pixels(points)
     label = np.zeros((4, 8), np.uint8)
     label.flat[pixels[0]], label.flat[pixels[2]] = 6, 3
-    np.testing.assert_array_equal(GRID.back_project(label, points, pixels, GRID.nearest(points, pixels)), [6, 3, 3])
+    np.testing.assert_array_equal(
+        label.flat[GRID.back_project(points, pixels, GRID.nearest(points, pixels))], [6, 3, 3]
+    )
 
 
 def test_a_flat_road_points_upwards():
@@ -100,7 +102,7 @@ def test_no_points_are_an_empty_image():
     points = np.zeros((0, 3), np.float32)
     index = GRID.nearest(points, GRID.pixels(points))
     assert not features(points, None, 1.73, index).any()
-    assert GRID.back_project(np.zeros((4, 8), np.uint8), points, GRID.pixels(points), index).shape == (0,)
+    assert GRID.back_project(points, GRID.pixels(points), index).shape == (0,)
 
 
 @pytest.mark.parametrize("wrong", [{"rows": 0}, {"columns": 0}, {"top": -25.0}])
@@ -156,6 +158,15 @@ def test_returns_of_any_sensor_get_a_class_and_nothing_else_does(segmenter, sens
 
 def test_the_default_network_is_compact():
     assert 1e6 < sum(p.numel() for p in Segmenter().parameters()) < 2e6
+
+
+def test_a_mirrored_scan_has_the_mirrored_classes(segmenter):
+    points = raycast(room(), SMALL).points()
+    label, probability = segmenter.predict(points, None, 1.73)
+    other, same = segmenter.predict(points * [1, -1, 1], None, 1.73)
+    assert (label == other).mean() > 0.98  # points on the border of two pixels fall into the other one
+    assert np.median(np.abs(probability - same)) < 1e-2
+    assert ((probability > 0.05) & (probability <= 1)).all()
 
 
 def test_points_may_come_in_any_order(segmenter):

@@ -18,6 +18,7 @@ from lidardraft.training.segmentation import (
     segmentation_loss,
     train_segmenter,
 )
+from lidardraft.training.sources import MixedSource
 
 ROAD, BUILDING = (BY_NAME[name].id for name in ("road", "building"))
 STILL = Augmentation(
@@ -35,7 +36,7 @@ TINY = SegmentationConfig(
 
 def test_a_tiny_network_learns_a_few_scans(pairs: PairFolder, tmp_path: Path) -> None:
     config = dataclasses.replace(TINY, steps=40, augmentation=STILL, report_every=10)
-    reports = list(train_segmenter(config, pairs, tmp_path))
+    reports = list(train_segmenter(config, MixedSource((pairs,), (1.0,)), tmp_path))
     assert [report.step for report in reports] == [10, 20, 30, 40]
     assert reports[-1].loss < 0.3 * reports[0].loss
     log = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
@@ -61,7 +62,7 @@ def test_the_loss_by_hand() -> None:
 
 
 def test_rare_classes_count_more(pairs: PairFolder) -> None:
-    weights = class_weights(pairs)
+    weights = class_weights(MixedSource((pairs,), (1.0,)))
     labels = np.concatenate([pairs[i].scan.label for i in range(len(pairs))], axis=None)
     counts = np.bincount(labels, minlength=NUM_CLASSES)[1:]
     ratio = weights[BUILDING - 1] / weights[ROAD - 1]

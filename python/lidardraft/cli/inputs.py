@@ -15,7 +15,7 @@ import numpy as np
 from lidardraft.arranging.district import DISTRICTS
 from lidardraft.cli.arguments import DEFAULT_SENSOR, add_seed, assignments, number, read_sensor
 from lidardraft.cli.command import say
-from lidardraft.errors import FormatError, LidarDraftError
+from lidardraft.errors import FormatError, LidarDraftError, MissingExtraError, extra
 from lidardraft.files import named, read_text
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import AROUND, Layout
@@ -88,7 +88,7 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> a
         one.add_argument(f"--{option}", metavar=value, choices=choices, help=text)
     text = "labels of --points: SemanticKITTI's .label, lidarseg or masks (default: those in it or beside it)"
     group.add_argument("--labels", metavar="FILE", help=text)
-    text = "weights of a segmenter, as `lidardraft-train segmenter` writes them, that labels --points"
+    text = "weights of `lidardraft-train segmenter` for --points without labels (default: the packaged ones)"
     group.add_argument("--segmenter", metavar="FILE", help=text)
     text = "fine: as near to --points as their cast can be (default); objects: few whole ones, to edit by hand"
     group.add_argument("--detail", choices=("fine", "objects"), help=text)
@@ -300,13 +300,8 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
         fields |= read_labels(arguments.labels, len(points), of=path)
     with named(path):
         points, fields = returns(points, fields)
-    if arguments.segmenter is not None:
-        fields = {"label": _segmented(arguments, points, fields.get("intensity"), height)}
-    elif "label" not in fields:
-        raise FormatError(
-            f"{path}: --points needs --labels or --segmenter, as there is no {Path(path).with_suffix('.label')}: a "
-            "layout is made of classes"
-        )
+    if arguments.segmenter is not None or "label" not in fields:
+        fields = {"label": _predicted(path, arguments.segmenter, points, fields.get("intensity"), height)}
     classes = arguments.segmenter or arguments.labels
     with named(f"{path} with {classes}" if classes else path):  # either of the two files may be the wrong one
         layout = layout_from_cloud(
@@ -321,17 +316,23 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
     return layout
 
 
-def _segmented(
-    arguments: argparse.Namespace, points: np.ndarray, intensity: np.ndarray | None, height: float
+def _predicted(
+    path: str, weights: str | None, points: np.ndarray, intensity: np.ndarray | None, height: float
 ) -> np.ndarray:
-    """The classes of --points by the weights of --segmenter."""
-    from lidardraft.networks.weight_header import read_metadata
+    """The classes of --points by the weights of --segmenter, or the packaged ones."""
+    if weights is not None:
+        from lidardraft.networks.weight_header import read_metadata
 
-    read_metadata(arguments.segmenter)  # a broken file is told before torch is loaded
-    from lidardraft.networks import weight_file
-    from lidardraft.perception.segmenter import Segmenter
-
-    return weight_file.load(arguments.segmenter, Segmenter).label_points(points, intensity, height)
+        read_metadata(weights)  # a broken file is told before torch is loaded
+    try:
+        with extra("generate"):
+            from lidardraft.perception.segmenter import Segmenter
+    except MissingExtraError as error:
+        raise FormatError(f"{path} has no labels: give --labels, or let a segmenter predict them ({error})") from None
+    label, probability = Segmenter.from_pretrained(weights or "segmenter").predict(points, intensity, height)
+    by = "the packaged segmenter" if weights is None else weights
+    say("lidardraft", f"{path} has no labels: {by} predicted them, with a mean probability of {probability.mean():.2f}")
+    return label
 
 
 def _from_sketch(arguments: argparse.Namespace) -> Layout:

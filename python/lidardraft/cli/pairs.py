@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 import itertools
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,6 +26,7 @@ from lidardraft.streets import streets as pairs_of_streets
 
 if TYPE_CHECKING:
     from lidardraft.formats.pairs import NotedPair, Pair
+    from lidardraft.perception.segmenter import Segmenter
     from lidardraft.streets import StreetPair
     from lidardraft.training.recorded_pairs import RecordedScan
 
@@ -32,7 +34,6 @@ if TYPE_CHECKING:
 _POSES = 4
 _SHOWN, _LOOK = 100, 320  # streets that a picture shows at most, and rows of the view of each
 _UNRELATED = 0.2  # of the beams' spacing: points that are of other beams are 0.25 off in the median
-Labeller = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
 
 
 def streets(arguments: argparse.Namespace) -> None:
@@ -119,14 +120,16 @@ def streets_options(parser: argparse.ArgumentParser) -> None:
 def pairs(arguments: argparse.Namespace) -> None:
     """Make training pairs of your recorded scans: each scan, with the cast and the simulated scan of its layout."""
     from lidardraft.formats.pairs import notes_on_disk, write_pairs
+    from lidardraft.networks.weight_header import read_metadata
 
+    if arguments.segmenter is not None:
+        read_metadata(arguments.segmenter)  # a broken file is told before any work
     folder, files = Path(arguments.output), _recorded_files(arguments)
     sensor = _recorded_by(arguments, files[0].scan)
     source = f"recordings, {sensor.name}"
     _check_begun(folder)
     notes = notes_on_disk(folder, sensor, source=source)
     done = {note.get("checksum") for note in notes}
-    label = _labeller(arguments.segmenter)
     if notes:
         print(f"{folder}: goes on after the {len(notes)} pairs that are there", flush=True)
     skipped = list[str]()
@@ -138,7 +141,7 @@ def pairs(arguments: argparse.Namespace) -> None:
                     checksum = zlib.crc32(read_bytes(file.scan))
                     if checksum not in done:
                         done.add(checksum)
-                        pair = _pair(arguments, file, sensor, label, arguments.seed + number, first=not number)
+                        pair = _pair(arguments, file, sensor, arguments.seed + number, first=not number)
                         yield pair, {"scan": str(file.scan), "checksum": checksum}
                 except LidarDraftError as error:
                     skipped.append(str(file.scan))
@@ -159,17 +162,13 @@ def _recorded_files(arguments: argparse.Namespace) -> list[RecordedFile]:
         return [RecordedFile(file) for file in scan_files(arguments.scans)]
     if len(arguments.scans) > 1:
         raise FormatError(f"--dataset takes one folder, that of {arguments.dataset}; there are {len(arguments.scans)}")
-    if arguments.dataset == "kitti" and arguments.segmenter is None:
-        raise FormatError("--segmenter is needed: kitti has boxes, but no classes of points")
     return dataset_files(arguments.dataset, arguments.scans[0], arguments.split)
 
 
-def _pair(
-    arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor, label: Labeller | None, seed: int, *, first: bool
-) -> Pair:
+def _pair(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor, seed: int, *, first: bool) -> Pair:
     from lidardraft.training.recorded_pairs import beside_beams, recorded_pair
 
-    scan = _read(file, arguments.labels, sensor, label)
+    scan = _read(arguments, file, sensor)
     with named(file.scan):
         if first and beside_beams(scan, sensor) > _UNRELATED:
             say("lidardraft", f"{file.scan}: the points lie between the beams of {sensor.name} as often as on them; "
@@ -188,16 +187,17 @@ def _recorded_by(arguments: argparse.Namespace, scan: Path) -> Sensor:
     return sensor
 
 
-def _labeller(weights: str | None) -> Labeller | None:
-    if weights is None:
-        return None
-    from lidardraft.networks import weight_file
+@cache
+def _segmenter(weights: str | None) -> Segmenter:
+    """That of --segmenter, or the packaged one; it says once that labels are predicted."""
     from lidardraft.perception.segmenter import Segmenter
 
-    return weight_file.load(weights, Segmenter).eval().label_points
+    by = "the packaged segmenter" if weights is None else weights
+    say("lidardraft", f"scans have no labels: {by} predicts them")
+    return Segmenter.from_pretrained(weights or "segmenter")
 
 
-def _read(file: RecordedFile, labels: str | None, sensor: Sensor, label: Labeller | None) -> RecordedScan:
+def _read(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor) -> RecordedScan:
     """A scan with its classes: those of --labels, of the file, of one beside it or of the data set, or those of the
     segmenter; what is in boxes has theirs."""
     from lidardraft.formats.recording import read_points, returns
@@ -206,8 +206,9 @@ def _read(file: RecordedFile, labels: str | None, sensor: Sensor, label: Labelle
 
     scan = file.scan
     points, fields = read_points(scan)
-    if labels is not None:
-        path = Path(labels) / f"{scan.stem}.label" if Path(labels).is_dir() else Path(labels)
+    if arguments.labels is not None:
+        labels = Path(arguments.labels)
+        path = labels / f"{scan.stem}.label" if labels.is_dir() else labels
         fields |= dict(zip(("label", "instance"), read_label(path, len(points)), strict=True))
     elif (of_points := file.labels(len(points))) is not None:
         fields["label"] = of_points
@@ -216,9 +217,8 @@ def _read(file: RecordedFile, labels: str | None, sensor: Sensor, label: Labelle
         if "intensity" not in fields:
             raise FormatError("there are no intensities, which the generator learns too")
         if "label" not in fields:
-            if label is None:
-                raise FormatError(f"there are no labels: no {scan.stem}.label beside it, no --labels, no --segmenter")
-            fields["label"] = label(points, fields["intensity"], sensor.mount_height)
+            segmenter = _segmenter(arguments.segmenter)
+            fields["label"] = segmenter.label_points(points, fields["intensity"], sensor.mount_height)
     classes = fields["label"].astype(np.uint8)
     instance = fields["instance"].astype(np.uint32) if "instance" in fields else None
     if file.boxes is not None:
@@ -231,14 +231,14 @@ def pairs_options(parser: argparse.ArgumentParser) -> None:
     """The options of `pairs`."""
     text = "recorded scans: KITTI .bin, nuScenes .pcd.bin, .pcd, .npz, or folders of them; the folder of --dataset"
     parser.add_argument("scans", nargs="+", metavar="SCAN", help=text)
-    text = "a whole data set, with its labels or boxes and its sensor; kitti, which has boxes alone, takes --segmenter"
+    text = "a whole data set, with its labels or boxes and its sensor; kitti has boxes alone"
     parser.add_argument("--dataset", choices=SENSORS, help=text)
     parser.add_argument("--split", default="all", metavar="NAME", help="of semantickitti: train, val or all (default)")
     text = (
         "SemanticKITTI labels of the scan, or the folder of NAME.label of all (default: beside them, or in ../labels)"
     )
     parser.add_argument("--labels", metavar="FOLDER", help=text)
-    text = "label scans that have no labels by these weights, as `lidardraft-train segmenter` makes them"
+    text = "weights of `lidardraft-train segmenter` for scans that have no labels (default: the packaged ones)"
     parser.add_argument("--segmenter", metavar="WEIGHTS", help=text)
     add_sensor(parser, default=None, of=" that recorded them (default: the .sensor.json beside the first scan)")
     add_seed(parser)

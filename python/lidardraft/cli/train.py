@@ -113,16 +113,20 @@ def _source(arguments: argparse.Namespace) -> PairSource:
     from lidardraft.training.sources import MixedSource, StreetSource
 
     sensor = None if arguments.sensor is None else read_sensor(arguments.sensor)
-    sources: list[PairSource] = []
-    weights: list[float] = []
-    for given in arguments.data or ["streets"]:
-        name, _, weight = given.partition("=")
-        sources.append(StreetSource(seed=arguments.seed, sensor=sensor) if name == "streets" else PairFolder(name))
-        try:
-            weights.append(float(weight or 1))
-        except ValueError:
-            raise TrainingError(f"--data is {given!r}; behind = there must be a number") from None
-    return sources[0] if len(sources) == 1 else MixedSource(tuple(sources), tuple(weights))
+    names, weights = _weighted("--data", arguments.data or ["streets"])
+    sources: list[PairSource] = [
+        StreetSource(seed=arguments.seed, sensor=sensor) if name == "streets" else PairFolder(name) for name in names
+    ]
+    return sources[0] if len(sources) == 1 else MixedSource(tuple(sources), weights)
+
+
+def _weighted(option: str, given: Sequence[str]) -> tuple[list[str], tuple[float, ...]]:
+    """The names and the weights of NAME=WEIGHT, 1 where there is none."""
+    parts = [each.partition("=") for each in given]
+    try:
+        return [name for name, _, _ in parts], tuple(float(weight or 1) for _, _, weight in parts)
+    except ValueError:
+        raise TrainingError(f"{option} is {' '.join(given)!r}; behind = there must be a number") from None
 
 
 def _limits(sensor: Sensor | None) -> SensorLimits:
@@ -182,21 +186,33 @@ def _add_data(parser: argparse.ArgumentParser) -> None:
 
 def segmenter(arguments: argparse.Namespace) -> None:
     """Train a segmenter, which tells the class of each return, on the scans of pairs; a second call goes on."""
+    from lidardraft.perception.segmenter import Segmenter
     from lidardraft.training.loop import check_run_folder
     from lidardraft.training.pairs import PairFolder
     from lidardraft.training.segmentation import SegmentationConfig, train_segmenter
+    from lidardraft.training.sources import MixedSource
 
-    config = SegmentationConfig(steps=arguments.steps, batch=arguments.batch, seed=arguments.seed)
     check_run_folder(arguments.run)
-    folder = PairFolder(arguments.pairs)
-    reports = train_segmenter(config, folder, arguments.run, device=arguments.device, max_minutes=arguments.minutes)
+    begin = None if arguments.init is None else Segmenter.from_pretrained(arguments.init)
+    config = SegmentationConfig(steps=arguments.steps, batch=arguments.batch, seed=arguments.seed)
+    if begin is not None:
+        rate = _FURTHER_RATE * config.learning_rate
+        config = dataclasses.replace(config, segmenter=begin.config, learning_rate=rate)
+    names, weights = _weighted("--pairs", arguments.pairs)
+    pairs = MixedSource(tuple(PairFolder(name) for name in names), weights)
+    reports = train_segmenter(
+        config, pairs, arguments.run, begin=begin, device=arguments.device, max_minutes=arguments.minutes
+    )
     _show(reports, config.steps, "segmenter")
 
 
 def segmenter_options(parser: argparse.ArgumentParser) -> None:
     """The options of `segmenter`."""
-    text = "training pairs, as `lidardraft streets -o FOLDER` makes them"
-    parser.add_argument("--pairs", required=True, metavar="FOLDER", help=text)
+    text = "pairs, as `lidardraft streets -o` and `lidardraft pairs` make them; several folders, each with its share as"
+    parser.add_argument("--pairs", required=True, nargs="+", metavar="FOLDER", help=f"{text} =WEIGHT")
+    parser.add_argument(
+        "--init", metavar="NAME", help="weights to begin with: `segmenter`, which is packaged, or a file"
+    )
     add_minutes(parser)
     text = "where the weights and the state of the run go; a second call goes on"
     parser.add_argument("-o", "--output", dest="run", required=True, metavar="FOLDER", help=text)

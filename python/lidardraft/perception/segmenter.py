@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import os
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,13 +18,16 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from lidardraft.errors import LayoutError, LidarDraftError, SensorError
+from lidardraft.networks import weight_file
 from lidardraft.networks.convolution import RangeImageConv, fold, unfold
+from lidardraft.networks.precision import reduced_precision
 from lidardraft.networks.residual import Chain, ResidualBlock
 from lidardraft.networks.weight_file import Network
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.semantics import NUM_CLASSES
 
 FEATURES = 10  # log depth, x, y, height twice, intensity and whether it is known, validity, normal upwards and towards
+_SIDEWAYS = 2  # which of them is y
 _WINDOW = 2  # columns and rows around a point's pixel where its label may come from
 _CELL = (1, 2)  # pixels that the network sees as one: thin objects are one column wide, but rarely two rows high
 _WRAPS = True  # the grid has all azimuths, whatever part of them the sensor sees
@@ -63,22 +67,24 @@ class SphericalGrid:
         index[pixels[order]] = order
         return index.reshape(self.rows, self.columns)
 
-    def back_project(self, label: np.ndarray, points: np.ndarray, pixels: np.ndarray, index: np.ndarray) -> np.ndarray:
-        """Of each point [N], the label in `label` [H, W] of the pixel around it that is nearest to it in depth.
+    def back_project(self, points: np.ndarray, pixels: np.ndarray, index: np.ndarray) -> np.ndarray:
+        """Of each point [N], which flat pixel around its own, `pixels` [N], has the point in `index` [H, W] that is
+        nearest to it in depth.
 
         Points that are hidden behind another of their pixel would else take the label of what hides them.
         """
         depth = np.linalg.norm(points, axis=1)
         image = np.where(index < 0, np.inf, depth[index]) if len(points) else np.full(index.shape, np.inf)
         row, column = np.divmod(pixels, self.columns)
-        best, result = np.full(len(points), np.inf), np.zeros(len(points), dtype=np.uint8)
+        best, result = np.full(len(points), np.inf), pixels.copy()
         steps = [(r, c) for r in range(-_WINDOW, _WINDOW + 1) for c in range(-_WINDOW, _WINDOW + 1)]
         for r, c in sorted(steps, key=lambda step: abs(step[0]) + abs(step[1])):
             at = np.clip(row + r, 0, self.rows - 1), (column + c) % self.columns
             # A neighbour has to be nearer by more than the own pixel's return may be off.
             off = np.abs(image[at] - depth) + 0.1 * (abs(r) + abs(c))
             better = off < best
-            best, result = np.where(better, off, best), np.where(better, label[at], result)
+            best = np.where(better, off, best)
+            result[better] = (at[0] * self.columns + at[1])[better]
         return result
 
 
@@ -90,7 +96,7 @@ class SegmenterConfig:
     """
 
     grid: SphericalGrid = field(default_factory=SphericalGrid)
-    widths: tuple[int, ...] = (24, 40, 80, 160)
+    widths: tuple[int, ...] = (32, 64, 96, 160)
 
     def __post_init__(self) -> None:
         if not self.widths or self.grid.columns % _CELL[1]:
@@ -130,6 +136,11 @@ class Segmenter(Network):
         """The segmenter of `SegmenterConfig.to_dict`, with fresh weights."""
         return cls(SegmenterConfig.from_dict(fields))
 
+    @classmethod
+    def from_pretrained(cls, name: str | os.PathLike[str] = "segmenter") -> Segmenter:
+        """The packaged weights of that name, or the weight file at that path; raises `CheckpointError`."""
+        return weight_file.load(weight_file.find(name), cls)
+
     def forward(self, x: Tensor) -> Tensor:
         """Features [B, FEATURES, H, W] -> logits [B, K - 1, H, W] of the classes 1 to K - 1."""
         x = self.stem(fold(x, _CELL), _WRAPS)
@@ -141,11 +152,15 @@ class Segmenter(Network):
             x = block(skip + functional.interpolate(lift(x), size=skip.shape[-2:], mode="nearest"), _WRAPS)
         return unfold(self.head(functional.silu(x)), _CELL)
 
-    @torch.no_grad()
-    def label_points(self, points: np.ndarray, intensity: np.ndarray | None, mount_height: float) -> np.ndarray:
-        """Class ids u8 [N] of sensor-frame points [N, 3] with intensities [N] in [0, 1], where these are known.
+    @torch.inference_mode()
+    def predict(
+        self, points: np.ndarray, intensity: np.ndarray | None, mount_height: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Class ids u8 [N] of sensor-frame points [N, 3] with intensities [N] in [0, 1], where these are known, and how
+        probable each is, f32 [N].
 
-        `mount_height` [m] is that of the sensor over the road. Raises `LayoutError` where the arrays do not fit.
+        The scan and its mirror image are labelled, and their probabilities averaged. `mount_height` [m] is that of the
+        sensor over the road. Raises `LayoutError` where the arrays do not fit.
         """
         points = np.asarray(points, dtype=np.float32)
         if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
@@ -155,9 +170,18 @@ class Segmenter(Network):
         grid = self.config.grid
         pixels = grid.pixels(points)
         index = grid.nearest(points, pixels)
-        x = torch.from_numpy(features(points, intensity, mount_height, index))[None]
-        winners = (self(x.to(self.head.weight.device))[0].argmax(0) + 1).to(torch.uint8).cpu().numpy()
-        return grid.back_project(winners, points, pixels, index)
+        x = torch.from_numpy(features(points, intensity, mount_height, index))
+        x = torch.stack([x, mirrored(x)]).to(self.head.weight.device)
+        with reduced_precision(x.device):
+            seen, in_mirror = self(x).float().softmax(1)
+        probability, winners = (seen + in_mirror.flip(-1)).max(0)
+        source = grid.back_project(points, pixels, index)
+        label, sure = (winners + 1).to(torch.uint8).cpu().numpy(), (probability / 2).cpu().numpy()
+        return label.ravel()[source], sure.ravel()[source]
+
+    def label_points(self, points: np.ndarray, intensity: np.ndarray | None, mount_height: float) -> np.ndarray:
+        """The class ids of `predict`."""
+        return self.predict(points, intensity, mount_height)[0]
 
     def label(self, image: RangeImage) -> np.ndarray:
         """The label image u8 [H, W] of a scan of any sensor: 0 where there is no return."""
@@ -188,6 +212,13 @@ def features(points: np.ndarray, intensity: np.ndarray | None, mount_height: flo
     out[7] = 1
     out[8], out[9] = _normals(xyz, valid, depth)
     return out * valid
+
+
+def mirrored(x: Tensor) -> Tensor:
+    """The features [FEATURES, H, W] of the scan's mirror image, left for right."""
+    x = x.flip(-1)
+    x[_SIDEWAYS] *= -1
+    return x
 
 
 def _normals(xyz: np.ndarray, valid: np.ndarray, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

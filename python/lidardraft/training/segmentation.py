@@ -13,12 +13,14 @@ from torch import Tensor
 from torch.nn import functional
 
 from lidardraft.errors import TrainingError
+from lidardraft.networks.precision import reduced_precision
 from lidardraft.perception.segmenter import Segmenter, SegmenterConfig, features
 from lidardraft.semantics import NUM_CLASSES
 from lidardraft.training.augmentation import Augmentation, augmented
 from lidardraft.training.learner import LearningConfig
 from lidardraft.training.loop import Batch, Measures, Report, device_for_training, prefetched, train
 from lidardraft.training.pairs import PairFolder
+from lidardraft.training.sources import MixedSource
 
 _COUNTED = 256  # scans that the share of each class is taken from
 
@@ -39,24 +41,29 @@ class SegmentationConfig(LearningConfig):
 
 def train_segmenter(
     config: SegmentationConfig,
-    pairs: PairFolder,
+    pairs: MixedSource[PairFolder],
     run: str | os.PathLike[str],
     *,
+    begin: Segmenter | None = None,
     device: str = "cpu",
     max_minutes: float = float("inf"),
 ) -> Iterator[Report]:
-    """Train a segmenter on the scans of pairs; the condition images are not looked at.
+    """Train a segmenter, from fresh weights or those of `begin`, on the scans of pairs; the condition images are not
+    looked at.
 
     What the folder `run` receives, and how a run goes on, is said at `training.loop.train`; the accuracy, the share of
-    returns that are labelled right, is also reported. Raises `TrainingError` as that does, and where the pairs or the
-    device cannot be.
+    returns that are labelled right, is also reported. Raises `TrainingError` as that does, and where the pairs, the
+    weights or the device cannot be.
     """
     config.check_counts()
-    if len(pairs) == 0:
-        raise TrainingError("the folder holds no pairs")
+    for folder in pairs.sources:
+        if len(folder) == 0:
+            raise TrainingError(f"{folder.path} holds no pairs")
+    if begin is not None and begin.config != config.segmenter:
+        raise TrainingError(f"the weights to begin with are of {begin.config}, not of {config.segmenter}")
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(config.seed)
-        segmenter = Segmenter(config.segmenter)
+        segmenter = begin or Segmenter(config.segmenter)
     on = device_for_training(device)
     weights = class_weights(pairs).to(on)
 
@@ -65,8 +72,7 @@ def train_segmenter(
 
     def loss(_: int, batch: Batch) -> tuple[Tensor, Measures]:
         x, target = batch
-        # On a CPU its gradients were infinite in bfloat16 after eleven steps.
-        with torch.autocast(on.type, dtype=torch.bfloat16, enabled=on.type == "cuda"):
+        with reduced_precision(on):
             logits = segmenter(x)
         right = (logits.argmax(1) + 1 == target)[target > 0]
         losses = segmentation_loss(logits.float(), target, weights).expand(len(x))
@@ -75,15 +81,16 @@ def train_segmenter(
     yield from train(config, segmenter, batches, loss, pairs, run, device=on, max_minutes=max_minutes)
 
 
-def class_weights(pairs: PairFolder) -> Tensor:
+def class_weights(pairs: MixedSource[PairFolder]) -> Tensor:
     """What an error in each class counts, f32 [K - 1], mean 1 over all returns: one over the root of its share.
 
     Rarer classes than one return in 10,000 count no more than those.
     """
-    step = max(len(pairs) // _COUNTED, 1)
-    labels = [pairs[i].scan.label for i in range(0, len(pairs), step)]
-    counts = np.bincount(np.concatenate(labels, axis=None), minlength=NUM_CLASSES)[1:]
-    share = counts / max(counts.sum(), 1)
+    share = np.zeros(NUM_CLASSES - 1)
+    for folder, weight in zip(pairs.sources, pairs.weights, strict=True):
+        labels = [folder[i].scan.label for i in range(0, len(folder), max(len(folder) // _COUNTED, 1))]
+        counts = np.bincount(np.concatenate(labels, axis=None), minlength=NUM_CLASSES)[1:]
+        share += weight / sum(pairs.weights) * counts / max(counts.sum(), 1)
     weights = np.maximum(share, 1e-4) ** -0.5
     return torch.from_numpy((weights / (weights * share).sum()).astype(np.float32))
 
@@ -105,13 +112,14 @@ def segmentation_loss(logits: Tensor, target: Tensor, weights: Tensor) -> Tensor
     return entropy + 1 - jaccard[size > 0].mean()
 
 
-def _batch(config: SegmentationConfig, pairs: PairFolder, step: int) -> Batch:
+def _batch(config: SegmentationConfig, pairs: MixedSource[PairFolder], step: int) -> Batch:
     """Features f32 [B, FEATURES, H, W] and class ids i64 [B, H, W] of a step."""
     random = np.random.default_rng((config.seed, step))
     grid, inputs, targets = config.segmenter.grid, [], []
-    for i in random.integers(len(pairs), size=config.batch):
-        scan = augmented(pairs, int(i), random, config.augmentation)
+    for _ in range(config.batch):
+        folder = pairs.draw(random)
+        scan = augmented(folder, int(random.integers(len(folder))), random, config.augmentation)
         index = grid.nearest(scan.points, grid.pixels(scan.points))
-        inputs.append(features(scan.points, scan.intensity, pairs.sensor.mount_height, index))
+        inputs.append(features(scan.points, scan.intensity, folder.sensor.mount_height, index))
         targets.append(np.where(index >= 0, scan.label[index], 0))
     return torch.from_numpy(np.stack(inputs)), torch.from_numpy(np.stack(targets).astype(np.int64))

@@ -6,6 +6,7 @@ import json
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -72,11 +73,14 @@ class StreetSource:
         return pairs
 
 
+SourceT = TypeVar("SourceT", bound=PairSource)
+
+
 @dataclass(frozen=True)
-class MixedSource:
+class MixedSource(Generic[SourceT]):
     """Sources, each with how often it is drawn from, in shares of the sum of all."""
 
-    sources: tuple[PairSource, ...]
+    sources: tuple[SourceT, ...]
     weights: tuple[float, ...]
 
     def __post_init__(self) -> None:
@@ -115,8 +119,11 @@ class MixedSource:
         fields = [(source.checksum, weight) for source, weight in zip(self.sources, self.weights, strict=True)]
         return zlib.crc32(repr(fields).encode())
 
-    def pairs(self, step: int, scans: int, processes: Processes = ALONE) -> list[Pair]:
-        """Those of one source, drawn by the weights: the same for a step."""
+    def draw(self, random: np.random.Generator) -> SourceT:
+        """A source, drawn by the weights."""
         shares = np.array(self.weights) / sum(self.weights)
-        chosen = np.random.default_rng([step, _CHOICE_STREAM]).choice(len(self.sources), p=shares)
-        return self.sources[int(chosen)].pairs(step, scans, processes)
+        return self.sources[int(random.choice(len(self.sources), p=shares))]
+
+    def pairs(self, step: int, scans: int, processes: Processes = ALONE) -> list[Pair]:
+        """Those of one source: the same for a step."""
+        return self.draw(np.random.default_rng([step, _CHOICE_STREAM])).pairs(step, scans, processes)
