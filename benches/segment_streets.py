@@ -1,16 +1,18 @@
-"""A segmenter that has seen nothing but streets, tested on recorded scans: IoU of SemanticKITTI's 19 classes.
+"""A segmenter, tested on recorded scans: IoU of SemanticKITTI's 19 classes.
 
     python benches/segment_streets.py WEIGHTS [--pairs FOLDER] [--data FOLDER] [--json FILE]
 
-The recorded scans are those of SemanticKITTI's sequence 00 under LIDARDRAFT_DATA (or --data): frames 0 to 20 as range
-images of 64 x 1024 points, and frame 0 with all its points. They judge; nothing is fitted to them. `--pairs` adds
-held-out streets. What the segmenter says is turned into their classes so:
+The recorded scans lie under LIDARDRAFT_DATA (or --data): SemanticKITTI's sequence 00 (frames 0 to 20 as range images of
+64 x 1024 points, and frame 0 with all its points), nuScenes' and PandaSet's. KITTI and nuScenes judge; nothing is
+fitted to them. `--pairs` adds held-out streets. What the segmenter says is turned into SemanticKITTI's classes so:
 
 - wall is fence ("separators, like fences, small walls"), bus and train are other-vehicle; traffic-light and other are
   unlabelled, which is wrong wherever the truth is a class;
 - a rider is a motorcyclist where most returns of two-wheelers within 1 m are of motorcycles, else a bicyclist; what is
   ridden belongs to the rider, as it does in SemanticKITTI;
-- streets have no parking and no other-ground: both score 0, and count in the mean over all 19.
+- streets have no parking and no other-ground: both score 0, and count in the mean over all 19;
+- what a data set does not tell apart is merged before it is scored: in nuScenes' images terrain and trunks are
+  vegetation, riders and what they ride bicycles; in PandaSet trunks are vegetation, and poles and walls have no class.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ import lzma
 import os
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -31,10 +33,12 @@ from scipy.spatial import cKDTree
 
 from lidardraft.formats.kitti import read_bin
 from lidardraft.metrics.iou import ClassScores, confusion_matrix
+from lidardraft.metrics.sweep import Sweep
 from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter
 from lidardraft.semantics import CLASSES
 from lidardraft.training.pairs import PairFolder
+from recordings import nuscenes_images, pandar64
 
 # semantic-kitti.yaml (Behley et al., ICCV 2019): the classes of the benchmark, and the raw ids of each.
 NAMES = (
@@ -51,6 +55,11 @@ OURS = {"wall": "fence", "bus": "other-vehicle", "train": "other-vehicle", "ride
 NOT_IN_STREETS = ("parking", "other-ground")
 _RIDDEN = 1.0  # m from riders to the returns of what they ride
 _KITTI_MOUNT = 1.73  # m, Geiger et al., IJRR 2013
+_NUSCENES_MOUNT = 1.84  # m, Caesar et al., CVPR 2020
+_PANDASET_MOUNTS = {"001": 2.03, "002": 2.27}  # m, from the median height of near returns of the road
+_TWO_WHEELERS = dict.fromkeys(("motorcycle", "bicyclist", "motorcyclist"), "bicycle")
+_IN_NUSCENES = {"terrain": "vegetation", "trunk": "vegetation", "other-vehicle": "truck", "fence": "building"}
+_IN_PANDASET = {"trunk": "vegetation", "bicyclist": "person", "motorcyclist": "person"}
 
 
 @dataclass(frozen=True)
@@ -78,6 +87,16 @@ def whole_scans(data: Path) -> Iterator[RecordedScan]:
         table = np.zeros(2**16, dtype=np.uint8)
         table[list(RAW)] = list(RAW.values())
         yield RecordedScan(points, intensity, table[np.fromfile(path, "<u4") & 0xFFFF])
+
+
+def sweeps(found: Iterable[Sweep]) -> Iterator[RecordedScan]:
+    """Sweeps whose labels are classes of lidardraft; returns of class "other" have no truth."""
+    for sweep in found:
+        assert sweep.label is not None
+        assert sweep.intensity is not None
+        seen = (sweep.points != 0).any(axis=-1)
+        points = sweep.points[seen]
+        yield RecordedScan(points, sweep.intensity[seen], benchmark_ids(points, sweep.label[seen]))
 
 
 def held_out(folder: PairFolder) -> Iterator[RecordedScan]:
@@ -113,14 +132,21 @@ def _around(riders: cKDTree, points: np.ndarray) -> np.ndarray:
     return np.array([len(found) for found in riders.query_ball_tree(cKDTree(points), _RIDDEN)])
 
 
-def measure(segmenter: Segmenter, scans: Iterator[RecordedScan], mount: float) -> tuple[np.ndarray, int, float]:
-    """The confusion matrix over all scans, their number, and the seconds that one takes."""
+def measure(
+    segmenter: Segmenter, scans: Iterator[RecordedScan], mount: float, merged: Mapping[str, str] | None = None
+) -> tuple[np.ndarray, int, float]:
+    """The confusion matrix over all scans, their number, and the seconds that one takes.
+
+    `merged` names the classes that become another one before they are counted.
+    """
     confusion, count, seconds = np.zeros((len(NAMES), len(NAMES)), dtype=np.int64), 0, 0.0
+    becomes = np.array([NAMES.index((merged or {}).get(name, name)) for name in NAMES], dtype=np.uint8)
     for scan in scans:
         start = time.perf_counter()
         label = segmenter.label_points(scan.points, scan.intensity, mount)
         seconds += time.perf_counter() - start
-        confusion += confusion_matrix(scan.truth, benchmark_ids(scan.points, label), len(NAMES))
+        found = benchmark_ids(scan.points, label)
+        confusion += confusion_matrix(becomes[scan.truth], becomes[found], len(NAMES))
         count += 1
     return confusion, count, seconds / max(count, 1)
 
@@ -163,6 +189,12 @@ def main() -> int:
         data = Path(arguments.data)
         sets["SemanticKITTI 00, range images of frames 0 to 20"] = measure(segmenter, range_images(data), _KITTI_MOUNT)
         sets["SemanticKITTI 00, frame 0, every point"] = measure(segmenter, whole_scans(data), _KITTI_MOUNT)
+        images = sweeps(nuscenes_images(data))
+        merged = _IN_NUSCENES | _TWO_WHEELERS
+        sets["nuScenes, HDL-32E, range images"] = measure(segmenter, images, _NUSCENES_MOUNT, merged)
+        for place, found in pandar64(data, 1800).labelled.items():
+            mount = _PANDASET_MOUNTS[place.split()[-1]]
+            sets[f"{place}, Pandar64"] = measure(segmenter, sweeps(found), mount, _IN_PANDASET)
     else:
         print("no recorded scans: LIDARDRAFT_DATA does not name a folder with kitti/ in it", file=sys.stderr)
     for title, measured in sets.items():
