@@ -34,6 +34,7 @@ from lidardraft.perception.segmenter import Segmenter, SegmenterConfig, Spherica
 from lidardraft.semantics import BY_NAME, NUM_CLASSES
 from lidardraft.training.recorded_pairs import RecordedScan, on_grid
 from lidardraft.training.segmentation import SegmentationConfig, train_segmenter
+from lidardraft.training.sources import MixedSource
 from markdown_table import Row, table
 from recordings import kitti_images, nuscenes_images, pandar64, vlp32c
 
@@ -143,7 +144,7 @@ def trained(images: LabelledImages, steps: int, seed: int, run: Path) -> tuple[S
     start = time.process_time()
     small = SegmenterConfig(grid=SphericalGrid(columns=512), widths=(16, 32, 64))
     config = SegmentationConfig(segmenter=small, steps=steps, seed=seed, save_every=steps, warmup=steps // 10)
-    for _ in train_segmenter(config, images, run):  # type: ignore[arg-type]
+    for _ in train_segmenter(config, MixedSource((images,), (1.0,)), run):  # type: ignore[type-var, arg-type]
         pass
     return weight_file.load(run / "weights.safetensors", Segmenter), (time.process_time() - start) / 60
 
