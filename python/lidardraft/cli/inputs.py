@@ -223,7 +223,8 @@ def scan_files(given: Sequence[str]) -> list[Path]:
                 if found:
                     break
             else:
-                raise FormatError(f"{path}: there is no {', '.join(_SCANS[:-1])} or {_SCANS[-1]} file in this folder or below it")
+                kinds = f"{', '.join(_SCANS[:-1])} or {_SCANS[-1]}"
+                raise FormatError(f"{path}: there is no {kinds} file in this folder or below it")
         files += found
     return files
 
