@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from processes import Command, wait_for
 
@@ -205,8 +205,31 @@ def no_longer(command: Command) -> bool:
 def test_a_larger_number_grows_the_set(capsys: pytest.CaptureFixture[str]) -> None:
     made("-n", "7", "-o", "set", "--jobs", "1")
     assert made("-n", "20", "-o", "set", "--jobs", "1") == made("-o", "whole", "--jobs", "1")
-    assert cli.main(["dataset", "recipe.toml", "-n", "7", "-o", "set"]) == 2
-    assert "holds more than 7 scans" in capsys.readouterr().err
+    whole = files("set")
+    for fewer in ("7", "19"):  # of seven shards, and of as many shards
+        assert cli.main(["dataset", "recipe.toml", "-n", fewer, "-o", "set"]) == 2
+        assert "set holds 20 scans; ask for as many or more" in capsys.readouterr().err
+    assert files("set") == whole
+
+
+def test_a_shard_that_somebody_deletes_is_made_again() -> None:
+    whole = made("-n", "5", "-o", "set", "--jobs", "1")
+    Path("set/000000.tar").unlink()
+    assert made("-n", "5", "-o", "set", "--jobs", "1") == whole
+
+
+def test_files_of_a_recipe_lie_beside_it_or_at_their_whole_path() -> None:
+    Path("a[1]").mkdir()
+    inside = Path("a[1]/recipe.toml")
+    Path("a[1]/a.layout.json").write_text(Path("a.layout.json").read_text())
+    Path("small.json").rename("a[1]/small.json")
+    Path("a[1]/mine.safetensors").touch()
+    for layout in ("*.layout.json", str(Path("a.layout.json").resolve())):
+        text = RECIPE[: RECIPE.index("[[weather]]")].replace("*.layout.json", layout)
+        inside.write_text(text.replace("speed = [0,", 'weights = "mine.safetensors"\nspeed = [0,'))
+        loaded = Recipe.load(inside)
+        assert [Path(file).name for file in loaded.scenes[2].values] == ["a.layout.json"]
+        assert loaded.scenes[0].weights == "a[1]/mine.safetensors"
 
 
 def test_two_writers_of_one_folder(start: Callable[..., Command], recipe: Path) -> None:
@@ -278,6 +301,12 @@ BAD = [
     ("share = 3", "share = 0\n[[weather]]\nshare=0.0", None),
     ("[[weather]]\nshare = 3\n[[weather]]", "[[weather]]\nshare = 0", "weather: every share is 0; one must be more"),
     ("[[sensor]]", "[sensor]", "sensor is {'name': 'small.json'"),
+    ('name = "small.json"', "", "sensor 1, name is missing; it must be a text"),
+    ('"small.json"', '["small.json", "hdl64e"]', "sensor 1, name is ['small.json', 'hdl64e']; it must be a text"),
+    ("speed = [0,", 'weights = ["street", "paper"]\nspeed = [0,', "scene 1, weights is ['street', 'paper']; it must"),
+    ('layout = "*.layout.json"', 'text_file = ["a", "b"]', "scene 3, text_file is ['a', 'b']; it must be a text"),
+    ('layout = "*.layout.json"', 'text_file = "empty.txt"', "empty.txt holds no sentence; it must hold one a line"),
+    ('remove = "car_1"', 'remove = ["a", "b"]', "scene 1, edit 1, remove is ['a', 'b']; it must be a text"),
     ("speed = [0,", 'weights = "street"\nspeed = [0,', "weather goes without scenes with weights"),
 ]
 
@@ -285,6 +314,7 @@ BAD = [
 @pytest.mark.parametrize(("old", "new", "said"), [row for row in BAD if row[2]], ids=lambda row: str(row)[:30])
 def test_bad_recipes_are_one_line(old: str, new: str, said: str, recipe: Path, refused: Callable[..., str]) -> None:
     assert old in RECIPE
+    Path("empty.txt").touch()
     recipe.write_text(RECIPE.replace(old, new, 1))
     err = refused("dataset", "recipe.toml", "-o", "set")
     assert err.startswith("lidardraft: recipe.toml: ")
@@ -320,6 +350,8 @@ VALUES = st.recursive(
 
 @settings(max_examples=300, deadline=None)
 @given(VALUES)
+@example({"from": 0, "to": {"from": 0, "to": 0}})
+@example({"from": [0], "to": 0})
 def test_what_is_taken_for_a_number_is_drawn_within_its_limits(value: object) -> None:
     table = Table({"v": value})
     with contextlib.suppress(FormatError):

@@ -12,6 +12,7 @@ import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from glob import glob
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -235,8 +236,6 @@ def _recipe(path: Path, fields: dict[str, Any]) -> Recipe:
             raise FormatError(f"{key}: every share is 0; one must be more")
     if any(scene.weights for scene in scenes) and any(choice.values for choice in weather):
         raise FormatError("weather goes without scenes with weights, which have seen none")
-    if "scans" not in table:
-        raise FormatError("scans is missing: how many are to be made")
     recipe = Recipe(
         name=os.fspath(path),
         text=_text(fields, scenes, sensors),
@@ -276,11 +275,12 @@ def _scene(table: Table, folder: Path) -> Scene:
     if source == "layout":
         values = _files(table, folder)
     else:
-        values, words = table.texts(source), table.words("words")
-        if source == "text_file":
-            values = [line.strip() for line in read_text(folder / values).splitlines() if line.strip()]
+        values = table.texts(source) if source == "text" else _lines(table, folder)
+        words = table.words("words")
         _check_words(table, every(values), words)
-    weights = table.texts("weights") if "weights" in table else None
+    weights = table.text("weights") if "weights" in table else None
+    if weights and (folder / weights).is_file():
+        weights = os.fspath(folder / weights)
     numbers = _numbers(table, {"speed": 0.0})
     if weights is None:
         numbers |= _numbers(table, {"clutter": 0.0}, 0.0, 1.0)
@@ -305,12 +305,23 @@ def _numbers(
     return {name: table.numbers(name, default, least, most) for name, default in usual.items()}
 
 
+def _lines(table: Table, folder: Path) -> list[str]:
+    """The sentences of a file, a line each."""
+    path = folder / table.text("text_file")
+    lines = [line.strip() for line in read_text(path).splitlines() if line.strip()]
+    if not lines:
+        raise FormatError(f"{path} holds no sentence; it must hold one a line")
+    return lines
+
+
 def _files(table: Table, folder: Path) -> list[str]:
     """The layouts that the paths and patterns name, in order."""
-    found = [os.fspath(path) for text in every(table.texts("layout")) for path in sorted(folder.glob(text))]
+    found = list[Path]()
+    for text in every(table.texts("layout")):
+        found += sorted(map(folder.joinpath, glob(text, root_dir=folder, recursive=True)))
     if not found:
         table.refuse("layout", f'files, as in "layouts/*.layout.json"; there are none in {folder}')
-    return found
+    return list(map(os.fspath, found))
 
 
 def _check_words(table: Table, sentences: list[str], words: dict[str, Values]) -> None:
@@ -330,17 +341,16 @@ def _edit(table: Table) -> Edit:
     if kind == "replace":
         allowed = {"label": list(BY_NAME)[1:], "material": [material.name for material in MATERIALS]}
         values = {name: table.names(name, names) for name, names in allowed.items() if name in table}
-    pattern, chance = table.texts(kind), table.numbers("chance", 1.0, 0.0, 1.0)
-    if not isinstance(pattern, str):
-        table.refuse(kind, "one pattern of names")
+    chance = table.numbers("chance", 1.0, 0.0, 1.0)
+    change = Edit(kind=kind, pattern=table.text(kind), chance=chance, values=values)
     table.end()
-    return Edit(kind=kind, pattern=pattern, chance=chance, values=values)
+    return change
 
 
 def _sensor(table: Table, folder: Path) -> SensorChoice:
-    name, share = table.texts("name"), table.share()
+    name, share = table.text("name"), table.share()
     with named(f"{table.place}name"):
-        sensor = Sensor.load(folder / name) if str(name).endswith(".json") else Sensor.preset(name)
+        sensor = Sensor.load(folder / name) if name.endswith(".json") else Sensor.preset(name)
     height = table.numbers("mount_height", 0.0, 0.1, 100.0) if "mount_height" in table else None
     table.end()
     return SensorChoice(sensor=sensor, share=share, mount_height=height)

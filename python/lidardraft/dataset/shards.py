@@ -90,11 +90,12 @@ class DataSet:
 
     def done(self, number: int) -> Tally | None:
         """What a shard holds; None where it is not done, or has fewer scans than it is to have now."""
+        tally = self._held(number)
+        return tally if tally and tally.get("scans") == len(self._items(number)) else None
+
+    def _held(self, number: int) -> Tally | None:
         path = self.folder / f"{number:06d}.json"
-        if not path.exists():
-            return None
-        tally = parse_object(read_text(path))
-        return tally if tally.get("scans") == len(self._items(number)) else None
+        return parse_object(read_text(path)) if path.exists() and (self.folder / self.name(number)).exists() else None
 
     def _of(self, share: tuple[int, int]) -> range:
         return range(share[0], self._shards(), share[1])
@@ -148,10 +149,10 @@ class DataSet:
             write_text(path, self.recipe.text)
         elif read_text(path) != self.recipe.text:
             raise FormatError(f"{self.folder} holds scans of another recipe; use another folder")
-        if max(self._begun(), default=-1) >= self._shards():
-            raise FormatError(
-                f"{self.folder} holds more than {self.recipe.scans} scans; ask for as many, or use another"
-            )
+        last = max(self._begun(), default=0)
+        held = last * self.recipe.shard_size + (self._held(last) or {"scans": 0})["scans"]
+        if held > self.recipe.scans:
+            raise FormatError(f"{self.folder} holds {held} scans; ask for as many or more, or use another folder")
 
     def _has_room(self, held: Tally) -> bool:
         """True; raises `FormatError` where all that is left would not fit on the disk, as large as the scans `held`."""

@@ -58,8 +58,9 @@ class Table:
         return self.fields[key] if key in self else default
 
     def refuse(self, key: str, must: str) -> NoReturn:
-        """Raise `FormatError` on the value of a key."""
-        raise FormatError(f"{self.place}{key} is {self.fields[key]!r:.80}; it must be {must}")
+        """Raise `FormatError` on the value of a key, or on its absence."""
+        said = f"{self.fields[key]!r:.80}" if key in self.fields else "missing"
+        raise FormatError(f"{self.place}{key} is {said}; it must be {must}")
 
     def whole(self, key: str, default: int, least: int, most: int = 2**53) -> int:
         """A whole number."""
@@ -75,11 +76,9 @@ class Table:
             self.refuse("share", "a number of 0 or more")
         return float(value)
 
-    def name(self, key: str, names: list[str], default: str | None = None) -> str:
+    def name(self, key: str, names: list[str], default: str) -> str:
         """One of the names."""
         value = self.get(key, default)
-        if value is None:
-            raise FormatError(f"{self.place}{key} is missing; it is {one_of(names, '')}")
         if value not in names:
             self.refuse(key, one_of(names, value))
         return str(value)
@@ -91,6 +90,13 @@ class Table:
             if value not in names:
                 self.refuse(key, one_of(names, value))
         return values
+
+    def text(self, key: str) -> str:
+        """One text."""
+        value = self.get(key)
+        if not isinstance(value, str) or not value.strip():
+            self.refuse(key, "a text")
+        return value
 
     def texts(self, key: str) -> Values:
         """A text, or a list of such."""
@@ -147,6 +153,7 @@ def _are_numbers(values: Values, least: float = -math.inf, most: float = math.in
     if isinstance(values, list):
         return bool(values) and all(_are_numbers(value, least, most) for value in values)
     if isinstance(values, dict):
-        ends = list(values.values())
-        return {*values} == {"from", "to"} and _are_numbers(ends, least, most) and values["from"] <= values["to"]
+        if {*values} != {"from", "to"} or not all(map(is_number, values.values())):
+            return False
+        return bool(least <= values["from"] <= values["to"] <= most)
     return is_number(values) and least <= values <= most
