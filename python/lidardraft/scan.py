@@ -28,6 +28,7 @@ from lidardraft.scene.raycast import raycast
 
 _MOST_IN_NOTEBOOKS = 40_000  # points of an output, which is kept in the file of the notebook: half a megabyte
 SCAN_ENDINGS = (".bin", ".label", ".npz", ".boxes.json", ".layout.json", ".sensor.json", ".png")  # of a saved scan
+TRACK_FILES = ("poses.txt", "times.txt", "tracks.json")  # beside the saved scans of a sequence
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -382,6 +382,10 @@ def test_a_sequence_is_a_folder_of_frames_with_tracks_and_a_film(capsys: pytest.
         assert (film.n_frames, film.info["duration"]) == (4, 200)
     assert cli.main(["export", "one", "--format", "semantickitti", "-o", "kitti"]) == 0
     assert np.loadtxt("kitti/sequences/00/times.txt") == pytest.approx([0.0, 0.2, 0.4, 0.6])
+    one_scan = ["simulate", "--layout", "layout.json", "--sensor", "small.json", "--no-picture", "-o", "one"]
+    assert cli.main([*one_scan, "--overwrite"]) == 0  # and nothing is left of the four
+    of_others = {"view.gif"}
+    assert {path.name for path in Path("one").iterdir()} - of_others == {n for n in names if n.startswith("000000.")}
 
 
 def test_a_sequence_in_which_nothing_moves_is_said_to_be_one(capsys: pytest.CaptureFixture[str]) -> None:

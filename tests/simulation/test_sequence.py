@@ -18,7 +18,7 @@ from lidardraft.formats.nuscenes_tables import write_nuscenes
 from lidardraft.formats.semantickitti import write_sequences
 from lidardraft.scene.effects import sub_rays
 from lidardraft.scene.pose import upright
-from lidardraft.scene.scenario import AlongLane, Scenario, Straight, Walk, Waypoints
+from lidardraft.scene.scenario import AlongLane, Motion, Scenario, Straight, Walk, Waypoints
 from lidardraft.simulation.sequence import SequenceSimulator
 from lidardraft.simulation.tracks import tracks_of
 
@@ -170,6 +170,26 @@ def test_a_file_of_tracks_moves_everything_again(tmp_path: Path) -> None:
         one, two = made.frame(number), again.frame(number)
         for box, other in zip(one.boxes(), two.boxes(), strict=True):
             np.testing.assert_allclose(box.center, other.center, atol=5e-3)
+
+
+def test_a_file_of_tracks_goes_with_a_layout_of_no_objects() -> None:
+    tracks = tracks_of(street(), Scenario(), 2.0)
+    assert tracks_of(street(), tracks.scenario(), 2.0).ego.moves()
+
+
+@pytest.mark.parametrize("motion", [Walk((14.0, 9.0)), Waypoints(((0, 14, -6), (5, 20, -6))), Straight(2.0)])
+def test_a_flash_is_a_sequence_of_one_frame(motion: Motion) -> None:
+    person = car(14, -6, label="person")
+    flash = dataclasses.replace(SMALL, sweep_time=0.0)
+    (scan,) = simulator(street(person), Scenario(Straight(3.0), {"person_1": motion}), flash, frames=1)
+    assert scan.speed == pytest.approx(3.0)
+
+
+def test_the_ego_vehicle_stands_where_nobody_said_that_it_drives_and_it_would_collide() -> None:
+    train = dataclasses.replace(car(11.8, 1.4, yaw=0.67, label="train"), size=(26.2, 2.6, 3.7))
+    assert not tracks_of(street(train), Scenario(), 5.0).ego.moves()
+    with pytest.raises(LidarDraftError, match="ego and train_1 collide"):
+        tracks_of(street(train), Scenario(), 5.0, speed=5.0)
 
 
 def test_who_follows_brakes_for_who_is_ahead() -> None:

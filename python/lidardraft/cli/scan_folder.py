@@ -108,12 +108,13 @@ class ScanFolder(Generic[T]):
 
 
 def _clear(folder: Path) -> None:
-    """Make the folder, without the scans of an earlier call: numbers with a sensor beside them. The rest stays."""
-    from lidardraft.scan import SCAN_ENDINGS
+    """Make the folder, without the scans of an earlier call, numbers with a sensor beside them, and their tracks. The
+    rest stays."""
+    from lidardraft.scan import SCAN_ENDINGS, TRACK_FILES
 
     folder.mkdir(parents=True, exist_ok=True)
-    for sensor in folder.glob("*.sensor.json"):
-        name = sensor.name.removesuffix(".sensor.json")
-        if name.isdigit():
-            for ending in SCAN_ENDINGS:
-                (folder / f"{name}{ending}").unlink(missing_ok=True)
+    names = [path.name.removesuffix(".sensor.json") for path in folder.glob("*.sensor.json")]
+    numbers = [name for name in names if name.isdigit()]
+    files = [f"{name}{ending}" for name in numbers for ending in SCAN_ENDINGS]
+    for file in [*files, *(TRACK_FILES if numbers else ())]:
+        (folder / file).unlink(missing_ok=True)

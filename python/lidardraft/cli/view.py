@@ -36,6 +36,8 @@ def view(arguments: argparse.Namespace) -> None:
         return
     output = Path(arguments.output) if arguments.output else path.with_suffix(".view.png")
     check_other_file(output, path)
+    if output.suffix not in (".png", ".html"):
+        raise FormatError(f"{output} would hold a picture or a page; its name must end in .png or .html")
     if output.suffix == ".html":
         shown = _shown(path, arguments)
         write_text(output, html_page(shown.pop("points"), **shown))
@@ -49,10 +51,12 @@ def _film(folder: Path, arguments: argparse.Namespace) -> None:
     from lidardraft.scan import Scan
     from lidardraft.view import save_gif
 
-    if arguments.sensor is not None or arguments.classes or arguments.large:
-        raise FormatError(f"{folder} is a folder; --sensor, --classes and --large are for one file")
+    if arguments.sensor is not None or arguments.classes or arguments.large or arguments.boxes is not None:
+        raise FormatError(f"{folder} is a folder; --sensor, --classes, --large and --boxes are for one file")
     names = scans_in(folder)
     output = Path(arguments.output or folder / "view.gif")
+    if output.suffix != ".gif":
+        raise FormatError(f"{output} would hold a film; its name must end in .gif")
     first, second = (Scan.load(name).time for name in (names[0], names[min(1, len(names) - 1)]))
     seconds = second - first if first is not None and second is not None and second > first else _SHOWN_FOR
     with progress(len(names), "scan") as bar:
@@ -85,7 +89,7 @@ def view_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--large", action="store_true", help="one large and smooth view of a scan alone")
     text = "boxes around the objects of a scan: .boxes.json, KITTI's label_2, ... (default: the .boxes.json beside it)"
     parser.add_argument("--boxes", metavar="FILE", help=text)
-    text = "where the picture goes (default FILE.view.png; of a folder view.gif in it); .html is a page of a scan"
+    text = "where the picture goes (default FILE.view.png; of a folder view.gif in it); .html makes a page of a scan"
     parser.add_argument("-o", "--output", metavar="PICTURE", help=text)
 
 

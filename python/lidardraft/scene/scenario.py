@@ -109,9 +109,9 @@ class Scenario:
         return next((motion for pattern, motion in self.actors.items() if fnmatchcase(name, pattern)), None)
 
     def check_names(self, names: Sequence[str]) -> None:
-        """Raises `LayoutError` on a name or pattern that none of the layout's objects has."""
+        """Raises `LayoutError` on a name or pattern that none of the layout's objects has, but for "*"."""
         for pattern in self.actors:
-            if pattern not in names and not any(fnmatchcase(name, pattern) for name in names):
+            if pattern not in names and not any(fnmatchcase(name, pattern) for name in [*names, "*"]):
                 known = did_you_mean(names, pattern) or f"; it has {', '.join(names[:8]) or 'none'}"
                 raise LayoutError(f"the layout has no object {pattern!r}{known}")
 
@@ -165,9 +165,10 @@ class Track:
         return np.stack([np.interp(times, self.times, column) for column in self.places.T], axis=-1)
 
     def rate(self, time: float, span: float) -> np.ndarray:
-        """The mean of the velocities [m/s] and of the yaw rate [rad/s] over `span` [s] around a time, f64 [4]."""
-        before, after = self.at(np.array([time - span / 2, time + span / 2]))
-        rate: np.ndarray = (after - before) / span
+        """The mean velocities [m/s] and yaw rate [rad/s] over `span` [s] around one of its times, f64 [4]."""
+        ends = np.clip([time - span / 2, time + span / 2], self.times[0], self.times[-1])
+        before, after = self.at(ends)
+        rate: np.ndarray = (after - before) / (ends[1] - ends[0])
         return rate
 
     def moves(self) -> bool:

@@ -161,10 +161,9 @@ def driver_of(body: Body, motion: AlongLane, lanes: Sequence[Lane]) -> Driver | 
 
 
 def drive(
-    drivers: Sequence[Driver], others: Mapping[str, Track], bodies: Mapping[str, Body], duration: float
+    drivers: Sequence[Driver], others: Mapping[str, Track], bodies: Mapping[str, Body], times: np.ndarray
 ) -> dict[str, Track]:
-    """The tracks of drivers over `duration` [s], among `others` that move as they do and bodies that stand."""
-    times = np.arange(math.ceil(duration / STEP) + 1) * STEP
+    """The tracks of drivers at `times` [s], a step apart, among `others` that move as they do and bodies that stand."""
     moving = {*others, *(driver.body.name for driver in drivers)}
     _bar(drivers, [solid for name, body in bodies.items() if name not in moving for solid in body.solids])
     traffic = _Traffic(drivers, [(bodies[name], track.at(times)) for name, track in others.items()])

@@ -19,7 +19,7 @@ import numpy as np
 from lidardraft.errors import SensorError
 from lidardraft.files import write_text
 from lidardraft.json_fields import is_number
-from lidardraft.scan import Scan
+from lidardraft.scan import TRACK_FILES, Scan
 from lidardraft.scene.effects import sub_rays
 from lidardraft.scene.layout import Layout, Primitive, box_around, object_of
 from lidardraft.scene.pose import upright
@@ -197,10 +197,11 @@ class SequenceSimulator:
     def save_tracks(self, folder: str | os.PathLike[str]) -> None:
         """Write poses.txt, world_from_sensor of each frame as a row of 12 numbers, times.txt [s], and tracks.json, a
         scenario of way-points that moves everything so again."""
-        poses = [self.pose(number)[:3].ravel() for number in range(self.frames)]
-        write_text(Path(folder) / "poses.txt", "".join(" ".join(f"{n:.9g}" for n in pose) + "\n" for pose in poses))
-        write_text(Path(folder) / "times.txt", "".join(f"{self.time(n):.6f}\n" for n in range(self.frames)))
-        self.tracks.scenario().save(Path(folder) / "tracks.json")
+        numbers = range(self.frames)
+        poses = "".join(" ".join(f"{n:.9g}" for n in self.pose(number)[:3].flat) + "\n" for number in numbers)
+        times = "".join(f"{self.time(number):.6f}\n" for number in numbers)
+        for name, text in zip(TRACK_FILES, (poses, times, self.tracks.scenario().to_json()), strict=True):
+            write_text(Path(folder) / name, text)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

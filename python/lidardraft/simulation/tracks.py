@@ -55,23 +55,27 @@ def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float 
     scenario.check_names(list(bodies))
     lanes, ground = lanes_of(layout), _Ground(layout)
     given = {name: motion for name in bodies if (motion := scenario.of(name)) is not None}
-    ego = _EGO_BODY
     if scenario.ego is not None and speed is not None:
         raise LayoutError(f"speed is {speed:g}, and the scenario says how the ego vehicle moves; give one of them")
-    in_lane = driver_of(ego, AlongLane(), lanes) is not None and (speed is None or speed >= 0.0)
-    ego_motion = scenario.ego or (AlongLane(speed) if in_lane else Straight(speed or 0.0))
     free = {name: motion for name, motion in _usual(layout, bodies, lanes, ground, duration) if name not in given}
+    in_lane = driver_of(_EGO_BODY, AlongLane(), lanes) is not None
+    if scenario.ego is not None:
+        given["ego"] = scenario.ego
+    elif speed is not None:
+        given["ego"] = AlongLane(speed) if in_lane and speed >= 0.0 else Straight(speed)
+    elif in_lane:
+        free["ego"] = AlongLane()  # the last to stop
+    bodies["ego"] = _EGO_BODY
     while True:
-        motions = {"ego": ego_motion, **given, **free}
-        tracks = _moved(motions, {"ego": ego, **bodies}, lanes, ground, duration)
-        collisions = _collisions(tracks, {"ego": ego, **bodies}, duration)
-        stopped = {next((name for name in pair if name in free), "") for pair, _ in collisions} - {""}
+        tracks = _moved({"ego": Straight(0.0), **given, **free}, bodies, lanes, ground, duration)
+        collisions = _collisions(tracks, bodies, duration)
+        stopped = {next((name for name in free if name in pair), "") for pair, _ in collisions} - {""}
         if not stopped:
             break
         free = {name: motion for name, motion in free.items() if name not in stopped}
     for (one, other), time in collisions:
         raise LayoutError(f"{one} and {other} collide after {time:.1f} s; change the motion of one of them")
-    _check_on_road(tracks, {"ego": ego, **bodies}, {"ego", *given}, ground)
+    _check_on_road(tracks, bodies, set(given), ground)
     return Tracks(tracks.pop("ego"), {name: track for name, track in tracks.items() if track.moves()})
 
 
@@ -145,7 +149,7 @@ def _moved(
     motions: Mapping[str, Motion], bodies: Mapping[str, Body], lanes: list[Lane], ground: _Ground, duration: float
 ) -> dict[str, Track]:
     """The tracks of all that has a motion, on the ground."""
-    times = np.arange(math.ceil(duration / STEP) + 1) * STEP
+    times = np.arange(math.ceil(duration / STEP) + 2) * STEP  # two at least, as rates need
     others, drivers = dict[str, Track](), list[Driver]()
     for name, motion in motions.items():
         if isinstance(motion, AlongLane):
@@ -155,7 +159,7 @@ def _moved(
             drivers.append(driver)
         elif name == "ego" or motion != Straight(0.0):
             others[name] = _track(motion, bodies[name].place, times)
-    tracks = others | drive(drivers, others, bodies, duration)
+    tracks = others | drive(drivers, others, bodies, times)
     for name, track in tracks.items():
         home = np.array([bodies[name].place])
         track.places[:, 2] = home[0, 2] + ground.at(track.places)[0] - ground.at(home)[0]
