@@ -133,7 +133,7 @@ class Scan:
         evenly spread where there are more."""
         step = 1 if most is None else -(-len(self.labels()) // most)
         up = np.array([0.0, 0.0, self.image.sensor.mount_height])
-        boxes = [replace(box, center=tuple((box.center + up).tolist())) for box in self.boxes()]
+        boxes = [box.raised(up[2]) for box in self.boxes()]
         label, intensity = self.labels()[::step], self.intensities()[::step]
         title = view.title_of(self.layout) or self.image.sensor.name
         return view.html_page(self.points()[::step] + up, label=label, intensity=intensity, boxes=boxes, title=title)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -70,7 +69,7 @@ def _framed(name: Path, bar: Any) -> np.ndarray:
 
     scan = Scan.load(name)
     up = np.array([0.0, 0.0, scan.image.sensor.mount_height])
-    boxes = [replace(box, center=tuple((box.center + up).tolist())) for box in scan.boxes()]
+    boxes = [box.raised(up[2]) for box in scan.boxes()]
     when = "" if scan.time is None else f"{scan.time:.1f} s, {scan.speed:.0f} m/s: "
     bar.update()
     return render_frame(scan.image, scan.points() + up, boxes=boxes, title=when + title_of(scan.layout))
@@ -182,6 +181,4 @@ def _read_points(path: Path, name: str | None) -> tuple[np.ndarray, dict[str, np
 
 
 def _boxes(path: Path, arguments: argparse.Namespace, sensor: Sensor) -> list[Box]:
-    x_y_z = (0.0, 0.0, sensor.mount_height)
-    boxes = boxes_of_scan(path, arguments.boxes) or []
-    return [replace(box, center=tuple(np.add(box.center, x_y_z).tolist())) for box in boxes]
+    return [box.raised(sensor.mount_height) for box in boxes_of_scan(path, arguments.boxes) or []]

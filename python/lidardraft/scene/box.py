@@ -54,6 +54,11 @@ class Box:
         velocity = None if self.velocity is None else tuple((pose[:3, :3].T @ self.velocity).tolist())
         return replace(self, center=tuple(center.tolist()), yaw=math.remainder(yaw, math.tau), velocity=velocity)
 
+    def raised(self, height: float) -> Box:
+        """The box `height` [m] further up, as from the sensor's frame to the road."""
+        x, y, z = self.center
+        return replace(self, center=(x, y, z + height))
+
     def corners(self) -> np.ndarray:
         """f64 [8, 3]: four below, then the four above them, each from the left rear clockwise, seen from above."""
         signs = np.array([(x, y, z) for z in (-1, 1) for x, y in ((-1, 1), (1, 1), (1, -1), (-1, -1))])

@@ -72,7 +72,7 @@ def move(
     for name in names:
         parts = [primitive for primitive in layout if object_of(primitive) == name]
         middle = _middle(parts)
-        moved |= {part.id: _moved(part, middle, by, turn) for part in parts}
+        moved |= {part.id: moved_part(part, middle, by, turn) for part in parts}
     return dataclasses.replace(layout, primitives=tuple(moved.get(p.id, p) for p in layout))
 
 
@@ -112,7 +112,8 @@ def _middle(parts: list[Primitive]) -> tuple[float, float]:
     return x, y
 
 
-def _moved(part: Primitive, middle: tuple[float, float], by: tuple[float, float, float], turn: float) -> Primitive:
+def moved_part(part: Primitive, middle: tuple[float, float], by: tuple[float, float, float], turn: float) -> Primitive:
+    """The part turned about the `middle` [rad] and shifted `by` [m]."""
     cos, sin = math.cos(turn), math.sin(turn)
     dx, dy = part.center[0] - middle[0], part.center[1] - middle[1]
     x, y = middle[0] + cos * dx - sin * dy, middle[1] + sin * dx + cos * dy

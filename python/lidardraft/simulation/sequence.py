@@ -20,6 +20,7 @@ from lidardraft.errors import SensorError
 from lidardraft.files import write_text
 from lidardraft.json_fields import is_number
 from lidardraft.scan import TRACK_FILES, Scan
+from lidardraft.scene.edit import moved_part
 from lidardraft.scene.effects import sub_rays
 from lidardraft.scene.layout import Layout, Primitive, box_around, object_of
 from lidardraft.scene.pose import upright
@@ -83,11 +84,10 @@ class SequenceSimulator:
         self.frames, self.hz, self.seed = frames, hz, seed
         self.layout, scene = prepared(layout, seed, detail, clutter)
         self.tracks = tracks_of(self.layout, scenario or Scenario(), (frames - 1) / hz + sensor.sweep_time, speed)
+        still = list[Primitive]()
         parts: dict[str, list[Primitive]] = {name: [] for name in self.tracks.actors}
-        still = [p for p in scene if object_of(p) not in parts]
         for primitive in scene:
-            if object_of(primitive) in parts:
-                parts[object_of(primitive)].append(primitive)
+            parts.get(object_of(primitive), still).append(primitive)
         # those that stand come first, so that their casts name them by their numbers in the whole
         whole = Layout((*still, *(p for some in parts.values() for p in some)))
         self._scanner = Scanner.from_layout(whole, sensor, model=model, weather=weather, by_id=True, threads=threads)
@@ -121,7 +121,7 @@ class SequenceSimulator:
         (speed, turn), moved = self._ego_rate(number), self._moved(number)
         return Scan(
             image=self._scanner.observe(self.cast(number), self.seed + number),
-            layout=self._layout({mover.name: (mover.home, place) for mover, place, _ in moved}),
+            layout=self._layout({mover.name: tuple(place.tolist()) for mover, place, _ in moved}),
             pose=self.pose(number),
             seed=self.seed + number,
             speed=speed,
@@ -180,18 +180,14 @@ class SequenceSimulator:
             for name, whole in images_of(clean).items():
                 np.copyto(whole[:, columns], getattr(cast, name), where=nearer)
 
-    def _layout(self, moved: dict[str, tuple[tuple[float, float, float, float], np.ndarray]]) -> Layout:
-        """The layout with objects moved from their places to others."""
-        primitives = []
-        for primitive in self.layout:
-            if (name := object_of(primitive)) in moved:
-                (x, y, z, yaw), (u, v, w, turned) = moved[name][0], moved[name][1].tolist()
-                turn = turned - yaw
-                cos, sin = math.cos(turn), math.sin(turn)
-                dx, dy, dz = np.subtract(primitive.center, (x, y, z)).tolist()
-                center = (u + cos * dx - sin * dy, v + sin * dx + cos * dy, w + dz)
-                primitive = dataclasses.replace(primitive, center=center, yaw=primitive.yaw + turn)
-            primitives.append(primitive)
+    def _layout(self, places: dict[str, tuple[float, float, float, float]]) -> Layout:
+        """The layout with all that moves at its place, x, y, z and yaw."""
+        homes = {mover.name: mover.home for mover in self._movers}
+        primitives = list(self.layout)
+        for number, primitive in enumerate(primitives):
+            if (name := object_of(primitive)) in places:
+                home, (*by, turn) = homes[name], np.subtract(places[name], homes[name]).tolist()
+                primitives[number] = moved_part(primitive, home[:2], (by[0], by[1], by[2]), turn)
         return dataclasses.replace(self.layout, primitives=tuple(primitives))
 
     def save_tracks(self, folder: str | os.PathLike[str]) -> None:

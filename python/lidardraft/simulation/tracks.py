@@ -49,7 +49,7 @@ def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float 
     drives along its lane with `speed` [m/s], by default that of the road.
 
     Raises `LayoutError` naming an object that the layout does not have or that has no lane to drive along, objects that
-    collide, and a vehicle that leaves the road. Objects that nobody asked to move stand where they would collide.
+    collide, and a vehicle that leaves the road. What nobody asked to move stands where it would collide.
     """
     bodies = {name: _body(name, parts) for name, parts in objects(layout).items()}
     scenario.check_names(list(bodies))
