@@ -190,7 +190,7 @@ def readers() -> dict[str, Reader]:
             _written(lambda p: write_label(p, np.ones(4, np.uint8), np.ones(4, np.uint32)), ".label"),
         ),
         "labels": Reader(lambda path: read_labels(path, 4, of="a scan"), ".bin", np.ones(4, "<i8").tobytes()),
-        "laz": Reader(read_las, ".laz", _written(_las, ".laz")),
+        "las": Reader(read_las, ".las", _written(_las, ".las")),
         "boxes of lines": Reader(read_custom_labels, ".txt", BOX_LINES),
         "box file": Reader(read_box_file, ".txt", BOX_LINES),
         "table": Reader(lambda path: read_table(path, ("token",)), ".json", b'[{"token": "a"}]'),
@@ -391,6 +391,9 @@ def special_files() -> Iterator[tuple[str, str, bytes]]:
     yield "layout", "a deep provenance", LAYOUT.to_json().replace('{"seed": 1}', deep).encode()
     yield "bin", "points that are no numbers", np.full((99, 4), np.nan, "<f4").tobytes()
     yield "bin", "points infinitely far", np.full((99, 4), np.inf, "<f4").tobytes()
+    las = bytearray(_written(_las, ".las"))
+    las[100:104] = b"\xff" * 4
+    yield "las", "four thousand million records", bytes(las)
     yield "label", "more labels than points", bytes(4 * 10_000)
 
 

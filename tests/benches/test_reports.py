@@ -135,7 +135,7 @@ SENSOR = PRESETS["hdl64e"]
 
 
 def test_a_scan_held_against_itself_agrees_in_all_rows() -> None:
-    layout = layout_from_text("two cars ahead, trees on the left and a building on the right", seed=3)
+    layout = layout_from_text("a car 7 m ahead, another car, trees on the left and a building on the right", seed=3)
     recorded = Sweep.by_azimuth(simulate(layout, SENSOR, seed=0).image)
     cases = CaseSet(
         [Case(recorded, layout, SENSOR, SENSOR.pose())], Sweep.by_azimuth, np.ones(SENSOR.shape, bool), True
@@ -233,7 +233,7 @@ CAR = BY_NAME["car"].id
 
 @pytest.fixture(scope="module")
 def group() -> Group:
-    layout = layout_from_text("two cars ahead, trees on the left and a building on the right", seed=3)
+    layout = layout_from_text("a car 7 m ahead, another car, trees on the left and a building on the right", seed=3)
     sweep = Sweep.by_azimuth(raycast(layout, SENSOR))
     return Group([sweep], SENSOR, Sweep.by_azimuth, np.ones(SENSOR.shape, dtype=bool))
 

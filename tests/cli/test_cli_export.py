@@ -94,7 +94,7 @@ def test_bad_exports_are_one_line(refused: Callable[..., str], capsys: pytest.Ca
     assert "small.json/out cannot be written" in refused("export", "empty", "--format", "kitti", "-o", "small.json/out")
 
 
-@pytest.mark.parametrize(("name", "library"), [("laz", "laspy"), ("mcap", "foxglove")])
+@pytest.mark.parametrize(("name", "library"), [("las", "laspy"), ("mcap", "foxglove")])
 def test_a_library_that_is_missing_is_named(
     name: str, library: str, refused: Callable[..., str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -87,7 +87,7 @@ def test_a_constant_at_the_limit_of_its_search_is_told(scans: list[str], capsys:
 
 def test_bad_input_is_one_line(refused: Callable[..., str], scans: list[str]) -> None:
     assert "nowhere.bin: No such file" in refused("fit", "nowhere.bin", "-o", "mine.json")
-    assert "scan.xyz: a recorded scan is one of .bin, .pcd.bin, .pcd, .ply, .npz, .npy, .laz, .las" in refused(
+    assert "scan.xyz: a recorded scan is one of .bin, .pcd.bin, .pcd, .ply, .npz, .npy, .las" in refused(
         "fit", "scan.xyz", "-o", "mine.json"
     )
     assert "mine.txt: a sensor file ends in .json" in refused("fit", scans[0], "-o", "mine.txt")

@@ -115,7 +115,7 @@ def test_a_scan_becomes_a_page(capsys: pytest.CaptureFixture[str], refused: Call
     assert "000000.layout.json is no scan; a page of HTML shows scans alone" in said
 
 
-@pytest.mark.parametrize("name", ["a.ply", "a.npy", "a.laz"])
+@pytest.mark.parametrize("name", ["a.ply", "a.npy", "a.las"])
 def test_clouds_of_other_formats_are_shown(image: RangeImage, name: str) -> None:
     points = image.points()
     if name == "a.npy":

@@ -19,7 +19,7 @@ from lidardraft import Layout, Primitive, Sensor, Simulator
 from lidardraft.errors import FormatError
 from lidardraft.formats.frame import Frame
 from lidardraft.formats.kitti_object import read_label_2, write_kitti_object
-from lidardraft.formats.las import write_laz
+from lidardraft.formats.las import write_las
 from lidardraft.formats.mcap import write_mcap
 from lidardraft.formats.mmdet3d import CATEGORIES, write_mmdet3d
 from lidardraft.formats.nuscenes import read_pcd_bin
@@ -41,7 +41,7 @@ WRITERS = [
     write_mmdet3d,
     write_pcd_folder,
     write_ply_folder,
-    write_laz,
+    write_las,
     write_mcap,
     write_webdataset,
 ]
@@ -302,9 +302,9 @@ def test_ply_by_trimesh(frames: list[Frame], tmp_path: Path) -> None:
 
 def test_laz_by_laspy(frames: list[Frame], tmp_path: Path) -> None:
     laspy = pytest.importorskip("laspy")
-    write_laz(tmp_path / "out", [frames])
+    write_las(tmp_path / "out", [frames])
     for k, frame in enumerate(frames):
-        cloud = laspy.read(tmp_path / f"out/{k:06d}.laz")
+        cloud = laspy.read(tmp_path / f"out/{k:06d}.las")
         np.testing.assert_allclose(cloud.xyz, frame.points, atol=0.0006)
         np.testing.assert_allclose(cloud.intensity / 65535, frame.intensity, atol=1e-5)
         for name, values in (("ring", frame.ring), ("label", frame.label), ("instance", frame.instance)):

@@ -133,7 +133,7 @@ def test_what_is_no_recording(points, fields, message):
 def test_files_that_are_none(tmp_path, in_kitti_order):
     points, _, _ = in_kitti_order
     with pytest.raises(
-        FormatError, match=r"a.xyz: a recorded scan is one of .bin, .pcd.bin, .pcd, .ply, .npz, .npy, .laz, .las"
+        FormatError, match=r"a.xyz: a recorded scan is one of .bin, .pcd.bin, .pcd, .ply, .npz, .npy, .las"
     ):
         read_recording(tmp_path / "a.xyz")
     with pytest.raises(FormatError, match=r"a.bin: No such file"):

@@ -16,7 +16,7 @@ from lidardraft.errors import FormatError
 from lidardraft.formats.box_files import read_box_file
 from lidardraft.formats.frame import Frame
 from lidardraft.formats.kitti_object import write_kitti_object
-from lidardraft.formats.las import write_laz
+from lidardraft.formats.las import write_las
 from lidardraft.formats.mmdet3d import write_mmdet3d
 from lidardraft.formats.nuscenes_tables import write_nuscenes
 from lidardraft.formats.openpcdet import write_openpcdet
@@ -56,7 +56,7 @@ WRITTEN = {
     "openpcdet": (write_openpcdet, "points/000000.npy", "labels/000000.txt", False),
     "mmdet3d": (write_mmdet3d, "points/000000.bin", "labels/000000.txt", True),
     "ply": (write_ply_folder, "000000.ply", None, True),
-    "laz": (write_laz, "000000.laz", None, True),
+    "las": (write_las, "000000.las", None, True),
     "webdataset": (write_webdataset, "000000.points.npy", "000000.json", True),
 }
 

@@ -167,6 +167,9 @@ def test_a_mirrored_scan_has_the_mirrored_classes(segmenter):
     assert (label == other).mean() > 0.98  # points on the border of two pixels fall into the other one
     assert np.median(np.abs(probability - same)) < 1e-2
     assert ((probability > 0.05) & (probability <= 1)).all()
+    least = float(np.median(probability))
+    sure = segmenter.label_points(points, None, 1.73, least=least)
+    np.testing.assert_array_equal(sure, np.where(probability < least, 0, label))
 
 
 def test_points_may_come_in_any_order(segmenter):

@@ -43,7 +43,7 @@ _GOES_WITH["poses"] = ("street",)
 _PICTURES = (".png", ".jpg", ".jpeg", ".webp")
 _ENDINGS = {
     "image": _PICTURES,
-    "points": (".bin", ".pcd", ".ply", ".npz", ".npy", ".laz", ".las"),
+    "points": (".bin", ".pcd", ".ply", ".npz", ".npy", ".las"),
     "sketch": (".svg", *_PICTURES),
     "boxes": (".json", ".txt"),
     "obj": (".obj",),
@@ -52,7 +52,7 @@ _ENDINGS = {
     "layout": (".json",),
 }
 
-_SCANS = (".bin", ".pcd", ".ply", ".npz", ".laz", ".las")  # in folders, where an .npy may be anything
+_SCANS = (".bin", ".pcd", ".ply", ".npz", ".las")  # in folders, where an .npy may be anything
 
 _STREET_AROUND = ("text", "sketch", "boxes", "image")  # inputs that get one unless --surroundings says otherwise
 _MOST_NOTES = 10  # on a script that a language model wrote
@@ -74,7 +74,7 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> a
     one = group.add_mutually_exclusive_group(required=True)
     one.add_argument("--text", metavar="SENTENCE", help='what is on the road, in English: "two cars on the left"')
     one.add_argument("--image", metavar="PHOTO.jpg", help="a picture of a road: JPEG, PNG or WebP")
-    text = "a scan: KITTI .bin (float32 x y z [m] and intensity), nuScenes .pcd.bin, .pcd, .ply, .npz, .npy, .laz"
+    text = "a scan: KITTI .bin (float32 x y z [m] and intensity), nuScenes .pcd.bin, .pcd, .ply, .npz, .npy, .las"
     one.add_argument("--points", metavar="SCAN", help=text)
     one.add_argument("--sketch", metavar="FILE", help="a sketch from above: .svg, or a painted picture (.png, .jpg)")
     one.add_argument("--boxes", metavar="FILE", help="boxes around objects: .boxes.json, KITTI's label_2, ...")
@@ -327,13 +327,14 @@ def _predicted(
         read_metadata(weights)  # a broken file is told before torch is loaded
     try:
         with extra("generate"):
-            from lidardraft.perception.segmenter import Segmenter
+            from lidardraft.perception.segmenter import SURE, Segmenter
     except MissingExtraError as error:
         raise FormatError(f"{path} has no labels: give --labels, or let a segmenter predict them ({error})") from None
     label, probability = Segmenter.from_pretrained(weights or "segmenter").predict(points, intensity, height)
-    by = "the packaged segmenter" if weights is None else weights
-    say("lidardraft", f"{path} has no labels: {by} predicted them, with a mean probability of {probability.mean():.2f}")
-    return label
+    by, unsure = "the packaged segmenter" if weights is None else weights, probability < SURE
+    said = f"{path} has no labels: {by} predicted them, with a mean probability of {probability.mean():.2f}"
+    say("lidardraft", f"{said}; {unsure.mean():.0%} of the points are less than half sure and have no class")
+    return np.where(unsure, np.uint8(0), label)
 
 
 def _from_sketch(arguments: argparse.Namespace) -> Layout:

@@ -217,8 +217,10 @@ def _read(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor) -> 
         if "intensity" not in fields:
             raise FormatError("there are no intensities, which the generator learns too")
         if "label" not in fields:
+            from lidardraft.perception.segmenter import SURE
+
             segmenter = _segmenter(arguments.segmenter)
-            fields["label"] = segmenter.label_points(points, fields["intensity"], sensor.mount_height)
+            fields["label"] = segmenter.label_points(points, fields["intensity"], sensor.mount_height, least=SURE)
     classes = fields["label"].astype(np.uint8)
     instance = fields["instance"].astype(np.uint32) if "instance" in fields else None
     if file.boxes is not None:

@@ -26,7 +26,7 @@ FORMATS = {
     "mmdet3d": ("mmdet3d", "write_mmdet3d", "MMDetection3D's custom data sets"),
     "pcd": ("pcd", "write_pcd_folder", "PCD files with ring, time, label and instance"),
     "ply": ("ply", "write_ply_folder", "PLY files with the same"),
-    "laz": ("las", "write_laz", "LAZ files with the same"),
+    "las": ("las", "write_las", "LAS files with the same"),
     "mcap": ("mcap", "write_mcap", "MCAP files with Foxglove's messages, one a folder"),
     "webdataset": ("webdataset", "write_webdataset", "WebDataset shards"),
 }

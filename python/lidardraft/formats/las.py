@@ -1,12 +1,14 @@
-"""LAZ, the packed form of LAS 1.4: point format 6, with ring, label and instance as extra bytes.
+"""LAS 1.4: point format 6, with ring, label and instance as extra bytes.
 
 Coordinates are whole millimetres. Classification is that of the ASPRS, with classes from 64 on, which it leaves to
-users: 64 and our id.
+users: 64 and our id. Packed files (LAZ) are refused: what unpacks them takes any time and memory that a damaged one
+claims.
 """
 
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 import numpy as np
 
@@ -19,6 +21,7 @@ _ASPRS = {"none": 1, "terrain": 2, "vegetation": 5, "trunk": 5, "building": 6, "
 CLASSIFICATION = np.array([_ASPRS.get(row.name, 64 + row.id) for row in CLASSES], np.uint8)
 _MILLIMETRE = 0.001
 _MOST_POINTS = 2**22  # that are read; the largest sensors have half a million
+_RECORDS_AT, _RECORD = 100, 54  # where a header counts its variable length records, and the least bytes of one
 _OURS_FROM = 64  # classifications; below it those of the ASPRS
 _CLASS_OF_ASPRS = {
     **{1: "none", 2: "terrain", 3: "vegetation", 4: "vegetation", 5: "vegetation", 6: "building", 11: "road"},
@@ -27,15 +30,22 @@ _CLASS_OF_ASPRS = {
 
 
 def read_las(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Points f64 [N, 3] of a .las or .laz file, and its intensity f32 [N] in 0 to 1, `label` u8 [N], and `ring` and
+    """Points f64 [N, 3] of a .las file, and its intensity f32 [N] in 0 to 1, `label` u8 [N], and `ring` and
     `instance` where it has such fields.
 
-    Raises `FormatError` where the file is broken or has more than 4,194,304 points, `MissingExtraError` where laspy is
-    not installed."""
+    Raises `FormatError` where the file is broken, packed or has more than 4,194,304 points, `MissingExtraError`
+    where laspy is not installed."""
     with extra("export"):
         import laspy
-    regular_size(path)
-    with named(path), expecting("a whole LAS or LAZ file"), laspy.open(os.fspath(path)) as file:
+    size = regular_size(path)
+    with named(path), expecting("a whole LAS file"), Path(path).open("rb") as stream:
+        records = int.from_bytes(stream.read(_RECORDS_AT + 4)[_RECORDS_AT:], "little")
+        if records * _RECORD > size:  # laspy would read them all, past the end of the file
+            raise FormatError(f"{records} records in {size} bytes")
+        stream.seek(0)
+        file = laspy.open(stream, closefd=False, read_evlrs=False)
+        if file.header.are_points_compressed:
+            raise FormatError("it is packed (LAZ); unpack it first, for example with `laszip` or `pdal translate`")
         if file.header.point_count > _MOST_POINTS:
             raise FormatError(f"{file.header.point_count} points; scans of up to {_MOST_POINTS} are read")
         points = file.read()
@@ -50,8 +60,8 @@ def read_las(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.nda
         return np.array(points.xyz), fields
 
 
-def write_laz(output: str | os.PathLike[str], drives: Drives) -> None:
-    """Write a .laz file for each frame. Raises `FormatError` where `output` is there already or cannot be written,
+def write_las(output: str | os.PathLike[str], drives: Drives) -> None:
+    """Write a .las file for each frame. Raises `FormatError` where `output` is there already or cannot be written,
     `MissingExtraError` where laspy is not installed."""
     with extra("export"):
         import laspy
@@ -63,8 +73,8 @@ def write_laz(output: str | os.PathLike[str], drives: Drives) -> None:
             points = laspy.LasData(header)
             for field, values in _columns(frame).items():
                 points[field] = values
-            with (folder / f"{name}.laz").open("wb") as file:
-                points.write(file, do_compress=True)
+            with (folder / f"{name}.las").open("wb") as file:
+                points.write(file)
 
 
 _EXTRA = {"ring": "u2", "label": "u1", "instance": "u4"}

@@ -28,7 +28,7 @@ from lidardraft.semantics import NUM_CLASSES
 _NEAREST = 0.1  # m: what is nearer is no return (zeros stand for those of organised clouds)
 _MOST_LASERS = 512
 _MOST_POINTS = 2**22  # of a scan; the largest sensors have half a million
-SCAN_ENDINGS = (".bin", ".pcd.bin", ".pcd", ".ply", ".npz", ".npy", ".laz", ".las")
+SCAN_ENDINGS = (".bin", ".pcd.bin", ".pcd", ".ply", ".npz", ".npy", ".las")
 _FIELDS = ("ring", "intensity", "label", "instance", "column", "made_up")  # of an .npz file
 _ORDERLY = 0.98  # of the steps in a file of KITTI's order are small ones ahead
 _SMALL_STEP = np.deg2rad(5.0)
@@ -87,7 +87,7 @@ def read_points(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.
         return _from_npz(path)
     if suffix == ".npy":
         return _from_npy(path)
-    if suffix in (".las", ".laz"):
+    if suffix == ".las":
         return read_las(path)
     raise FormatError(f"{os.fspath(path)}: a recorded scan is one of {', '.join(SCAN_ENDINGS)}")
 

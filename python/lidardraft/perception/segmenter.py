@@ -27,6 +27,7 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.semantics import NUM_CLASSES
 
 FEATURES = 10  # log depth, x, y, height twice, intensity and whether it is known, validity, normal upwards and towards
+SURE = 0.5  # how probable a predicted class must be to stand for a label
 _SIDEWAYS = 2  # which of them is y
 _WINDOW = 2  # columns and rows around a point's pixel where its label may come from
 _CELL = (1, 2)  # pixels that the network sees as one: thin objects are one column wide, but rarely two rows high
@@ -179,9 +180,12 @@ class Segmenter(Network):
         label, sure = (winners + 1).to(torch.uint8).cpu().numpy(), (probability / 2).cpu().numpy()
         return label.ravel()[source], sure.ravel()[source]
 
-    def label_points(self, points: np.ndarray, intensity: np.ndarray | None, mount_height: float) -> np.ndarray:
-        """The class ids of `predict`."""
-        return self.predict(points, intensity, mount_height)[0]
+    def label_points(
+        self, points: np.ndarray, intensity: np.ndarray | None, mount_height: float, *, least: float = 0.0
+    ) -> np.ndarray:
+        """The class ids of `predict`, 0 where these are less probable than `least`."""
+        label, probability = self.predict(points, intensity, mount_height)
+        return np.where(probability < least, np.uint8(0), label)
 
     def label(self, image: RangeImage) -> np.ndarray:
         """The label image u8 [H, W] of a scan of any sensor: 0 where there is no return."""
