@@ -171,6 +171,8 @@ def test_a_page_of_html_holds_a_whole_scan() -> None:
     hostile = view.html_page(points, title="</script><script>alert(1)</script>")
     assert page_data(hostile)["title"] == "</script><script>alert(1)</script>"
     assert hostile.count("<script") == 2
+    stray = page_data(view.html_page(np.append(points, [[1e7, 0, 0]], axis=0), label=np.append(scan.labels(), 0)))
+    assert [stray[name] for name in ("points", "labels")] == [data[name] for name in ("points", "labels")]
     with pytest.raises(LayoutError, match=r"must have a value for each of \d+ points"):
         view.html_page(points, label=np.zeros(3, np.uint8))
 

@@ -55,6 +55,7 @@ _STRIP = 1 / 8  # rows of a range image over those of the view
 _REACH = 50.0  # m, what a view from above shows ahead and behind
 _SHOWN, _SHOWN_WITHIN, _SEEN = 10, 30.0, 5  # boxes that an eye shows: so many, within m, with so many returns
 _LONGEST_TITLE = 120
+_FURTHEST = 1000.0  # m of a page: what is further is no return
 _FILM_COLOURS = 64  # of all frames
 _EYE = np.array(  # 16 m behind and 11 m over the ego vehicle, looking 24 degrees down
     [[0.9135, 0, 0.4067, -16.0], [0, 1, 0, 0], [-0.4067, 0, 0.9135, 11.0], [0, 0, 0, 1]]
@@ -375,12 +376,14 @@ def html_page(
 ) -> str:
     """One page of HTML that turns and colours points [N, 3] with boxes; it needs no other file and no host.
 
-    `label` u8 [N] holds class ids, `intensity` f32 [N] is 0 to 1. Coordinates are rounded to the 32767th part of the
-    furthest. Raises `LayoutError` where the arrays do not fit."""
+    `label` u8 [N] holds class ids, `intensity` f32 [N] is 0 to 1. Points more than 1000 m away are left out, and
+    coordinates rounded to the 32767th part of the furthest. Raises `LayoutError` where the arrays do not fit."""
     count = len(points)
     label = np.zeros(count, np.uint8) if label is None else label
     if label.shape != (count,) or (intensity is not None and intensity.shape != (count,)):
         raise LayoutError(f"label and intensity must have a value for each of {count} points")
+    within = np.abs(points).max(axis=1, initial=0.0) <= _FURTHEST
+    points, label, intensity = points[within], label[within], None if intensity is None else intensity[within]
     furthest = float(np.abs(points).max(initial=1.0))
     step = furthest / 32767
     near = min(boxes, key=lambda box: math.hypot(*box.center[:2]), default=None)

@@ -7,6 +7,8 @@ import pytest
 from lidardraft import Layout, Primitive, Sensor, simulate
 from lidardraft.cli import main as cli
 from lidardraft.formats.boxes import read_boxes
+from lidardraft.formats.kitti import read_bin
+from lidardraft.formats.nuscenes import write_pcd_bin
 from lidardraft.formats.recording import read_points
 
 ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(100, 100, 0), label="road", id="road")
@@ -32,8 +34,8 @@ def test_without_edits_objects_are_listed(capsys: pytest.CaptureFixture[str]) ->
 
 
 def test_edits_are_done_in_their_order(capsys: pytest.CaptureFixture[str]) -> None:
-    edits = ("--remove", "car_1", "--insert", "truck at 14,-3 yaw 90", "--insert", "car at 9,0 size 4,1.7,1.4")
-    more = ("--move", "car_1", "8,4,-30", "--replace", "truck_1", "person")
+    edits = ("--remove", "car_1", "--insert", "truck at 14,-3 yaw 90", "--insert", "A car at 9, 0 size 4, 1.7, 1.4")
+    more = ("--move", "car_1", "8, 4, -30", "--replace", "truck_1", "person")
     assert cli.main(["edit", "scan.bin", *edits, *more, "-o", "edited.bin"]) == 0
     out = capsys.readouterr().out
     assert out.startswith("edited.bin: ")
@@ -51,6 +53,15 @@ def test_edits_are_done_in_their_order(capsys: pytest.CaptureFixture[str]) -> No
     assert Path("edited.bin").read_bytes() == first != Path("again.bin").read_bytes()
 
 
+def test_kinds_of_two_words_and_sweeps_of_nuscenes(capsys: pytest.CaptureFixture[str]) -> None:
+    points, intensity = read_bin("scan.bin")
+    write_pcd_bin("bare.pcd.bin", points, intensity, np.zeros(len(points)))
+    assert cli.main(["edit", "bare.pcd.bin", "--insert", "a street light at 6,-5", "-o", "lit"]) == 0
+    assert [box.id for box in read_boxes("lit.boxes.json")[0]] == ["street-light_1"]
+    assert Sensor.load("lit.sensor.json") == Sensor.preset("hdl32e")
+    assert "taken for" not in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("argv", "message"),
     [
@@ -59,6 +70,12 @@ def test_edits_are_done_in_their_order(capsys: pytest.CaptureFixture[str]) -> No
         (["--insert", "zebra at 9,3", "-o", "out"], "'zebra' is no object that can be inserted; it must be"),
         (["--remove", "car_1"], "--output says where the edited scan goes"),
         (["--remove", "car_1", "-o", "scan"], "scan.bin is the input too; write to another file"),
+        (["--remove", "car_1", "-o", "out.pcd"], "out.pcd: an edited scan is a .bin and an .npz"),
+        (["--remove", "car_1", "-o", "out.pcd.bin"], "out.pcd.bin: an edited scan is a .bin and an .npz"),
+        (
+            ["--insert", "car at 9,3 size 0,1,1", "-o", "out"],
+            "car_2: size is (0.0, 1.0, 1.0); it must be three lengths",
+        ),
         (["-o", "out"], "scan.bin: there is no edit; give --insert, --remove, --move or --replace"),
         (["--remove", "car_1", "-o", "no/folder"], "no/folder cannot be written"),
         (["--remove", "car_1", "--boxes", "missing.txt", "-o", "out"], "missing.txt"),

@@ -37,6 +37,12 @@ def test_points_in_boxes_have_their_class_but_not_the_road_below(tmp_path: Path)
     assert instance.tolist() == [1, 0, 1, 0, 0]
 
 
+def test_boxes_of_kitti_need_their_calibration(tmp_path: Path) -> None:
+    file, _ = labelled(tmp_path, f"{CAR} -1.570796")
+    with pytest.raises(FormatError, match=r"label.txt needs its calibration: .*calib/label.txt: No such file"):
+        read_label_2(file)
+
+
 def test_semantickitti_has_splits(tmp_path: Path) -> None:
     for number in ("00", "08", "11"):
         (tmp_path / "sequences" / number / "velodyne").mkdir(parents=True)

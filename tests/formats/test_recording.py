@@ -121,6 +121,8 @@ def test_points_that_are_no_returns_are_left_out():
         (np.ones((9, 3)), {"ring": np.full(9, -1)}, "rings are -1 to -1; they must be 0 to 511"),
         (np.ones((9, 3)), {"ring": np.zeros(9), "intensity": np.full(9, 300.0)}, "an intensity is not finite or not"),
         (np.ones((9, 3)), {"ring": np.zeros(9), "intensity": np.full(9, np.nan)}, "an intensity is not finite or not"),
+        (np.ones((9, 3)), {"label": np.full(9, 42)}, "label holds 42 to 42; classes are 0 to 20"),
+        (np.ones((9, 3)), {"label": np.arange(9) - 1}, "label holds -1 to 7; classes are 0 to 20"),
         (np.random.default_rng(0).normal(size=(999, 3)), {}, "nothing says which laser took a point: no field ring"),
         (np.ones((3, 3)), {}, "nothing says which laser took a point"),
     ],

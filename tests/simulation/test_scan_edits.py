@@ -126,6 +126,8 @@ def test_rays_that_had_no_return_meet_what_stands_in_the_sky() -> None:
     ("edit", "message"),
     [
         (Insert("zebra", (9, 0)), "'zebra' is no object that can be inserted; it must be"),
+        (Insert("car", (9, -9), size=(4.0, math.nan, 1.5)), "car_2: size is (4.0, nan, 1.5); it must be three lengths"),
+        (Insert("car", (9, -9), size=(4.0, 2.0)), "car_2: size is (4.0, 2.0); it must be three lengths"),
         (Insert("car", (12, 2)), "car_2 at 12, 2 would overlap car_1 by"),
         (Insert("car", (1, 0)), "would overlap the recording vehicle by"),
         (Insert("car", (300, 0)), "is 300 m away; hdl64e reaches 80 m"),

@@ -21,9 +21,10 @@ if TYPE_CHECKING:
 
 _NUMBER = r"([-+]?\d+(?:\.\d*)?)"
 _INSERTED = re.compile(
-    rf"([a-z][a-z-]*) at {_NUMBER}, ?{_NUMBER}(?: yaw {_NUMBER})?(?: size {_NUMBER}, ?{_NUMBER}, ?{_NUMBER})?"
+    rf"(?:an? )?([a-z]+(?:[- ][a-z]+)*) at {_NUMBER}, *{_NUMBER}(?: yaw {_NUMBER})?"
+    rf"(?: size {_NUMBER}, *{_NUMBER}, *{_NUMBER})?"
 )
-_PLACE = re.compile(rf"{_NUMBER},{_NUMBER}(?:,{_NUMBER})?")
+_PLACE = re.compile(rf"{_NUMBER}, *{_NUMBER}(?:, *{_NUMBER})?")
 
 
 def edit(arguments: argparse.Namespace) -> None:
@@ -37,10 +38,13 @@ def edit(arguments: argparse.Namespace) -> None:
         return _list(scan)
     if arguments.output is None:
         raise FormatError("--output says where the edited scan goes")
+    from lidardraft.formats.recording import SCAN_ENDINGS
     from lidardraft.simulation.scan_edits import edit_scan
 
     output = Path(arguments.output)
     output = output.with_suffix("") if output.suffix in (".bin", ".npz") else output
+    if output.suffix in SCAN_ENDINGS:
+        raise FormatError(f"{arguments.output}: an edited scan is a .bin and an .npz; give a name without an ending")
     for given in filter(None, (arguments.scan, arguments.labels, arguments.boxes, arguments.sensor)):
         for ending in (".bin", ".label", ".npz", ".boxes.json", ".sensor.json"):
             check_other_file(f"{output}{ending}", given)
@@ -90,12 +94,12 @@ def _counts(scan: RecordedScan) -> str:
 def _insert(text: str) -> Edit:
     from lidardraft.simulation.scan_edits import Insert
 
-    found = _INSERTED.fullmatch(text)
+    found = _INSERTED.fullmatch(text.lower())
     if found is None:
         raise ValueError(f"{text!r} is not KIND at X,Y [yaw DEGREES] [size L,W,H], as in 'car at 12,3 yaw 90'")
     kind, x, y, yaw, *size = found.groups()
     extents = (float(size[0]), float(size[1]), float(size[2])) if size[0] else None
-    return Insert(kind, (float(x), float(y)), math.radians(float(yaw or 0)), extents)
+    return Insert(kind.replace(" ", "-"), (float(x), float(y)), math.radians(float(yaw or 0)), extents)
 
 
 def _remove(id: str) -> Edit:
@@ -147,7 +151,9 @@ def edit_options(parser: argparse.ArgumentParser) -> None:
     text = "boxes around its objects: .boxes.json, KITTI's label_2, ... (default: the .boxes.json beside it)"
     parser.add_argument("--boxes", metavar="FILE", help=text)
     add_sensor(
-        parser, default=None, of=f" that took the scan (default the .sensor.json beside it, or {DEFAULT_SENSOR})"
+        parser,
+        default=None,
+        of=f" that took the scan (default that beside it, hdl32e of nuScenes, or {DEFAULT_SENSOR})",
     )
     for option, names, make, text in (
         ("insert", ("TEXT",), _insert, "an object: 'car at 12,3 yaw 90', 'truck at 30,-2 size 8,2.5,3'; repeatable"),

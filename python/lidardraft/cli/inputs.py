@@ -188,11 +188,13 @@ def sensor_beside(file: str | Path) -> Sensor | None:
 
 
 def sensor_of_scan(path: str | Path, name: str | None) -> Sensor:
-    """The sensor that took a scan: that of `name`, or beside the scan, or the default one, which is said."""
+    """The sensor that took a scan: that of `name`, beside the scan or of nuScenes, or the default one, which is said."""
     if name is not None:
         return read_sensor(name)
     if sensor := sensor_beside(path):
         return sensor
+    if Path(path).name.endswith(".pcd.bin"):
+        return Sensor.preset("hdl32e")
     say("lidardraft", f"{path} is taken for a scan of {DEFAULT_SENSOR}; if it is not, give its --sensor")
     return Sensor.preset(DEFAULT_SENSOR)
 

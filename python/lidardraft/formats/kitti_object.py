@@ -117,7 +117,8 @@ def read_label_2(path: str | os.PathLike[str], calib: str | os.PathLike[str] | N
     Raises `FormatError` naming the file and the line that is not KITTI's.
     """
     text = read_text(path)
-    lidar_from_camera = _lidar_from_camera(calib or Path(path).absolute().parent.parent / "calib" / Path(path).name)
+    with named(f"{os.fspath(path)} needs its calibration"):
+        lidar_from_camera = _lidar_from_camera(calib or Path(path).absolute().parent.parent / "calib" / Path(path).name)
     boxes = list[Box]()
     with named(path):
         lines = [line.split() for line in text.splitlines() if line.strip()]

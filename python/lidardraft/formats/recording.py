@@ -123,6 +123,9 @@ def returns(points: np.ndarray, fields: Mapping[str, np.ndarray]) -> tuple[np.nd
         if not np.isfinite(intensity).all() or intensity.min() < 0 or intensity.max() > 255:
             raise FormatError("an intensity is not finite or not within 0 to 255")
         found["intensity"] = intensity / np.float32(255) if intensity.max() > 1 else intensity
+    if "label" in found and not ((found["label"] >= 0) & (found["label"] < NUM_CLASSES)).all():
+        held = f"{found['label'].min()} to {found['label'].max()}"
+        raise FormatError(f"label holds {held}; classes are 0 to {NUM_CLASSES - 1}")
     return points[there].astype(np.float32), found
 
 

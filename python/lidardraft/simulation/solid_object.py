@@ -8,6 +8,7 @@ import numpy as np
 
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.errors import LayoutError, one_of
+from lidardraft.json_fields import are_numbers
 from lidardraft.objects.coarse_shapes import CoarseShape, extents, resized, standing
 from lidardraft.objects.placed_object import Vector
 from lidardraft.scene.layout import Layout, Primitive
@@ -45,6 +46,8 @@ class SolidObject:
         kind = SENTENCE_KINDS[_RIDDEN.get(word, word)]
         parts = kind.sample_parts(generator_of(seed, name), parked=word not in _RIDDEN)
         if size is not None:
+            if not are_numbers(size, 3) or min(size) <= 0:
+                raise LayoutError(f"{name or word}: size is {size!r:.80}; it must be three lengths above 0 m")
             x, y, z = (wanted / had for wanted, had in zip(size, extents(parts), strict=True))
             parts = resized(parts, (x, y, z))
         return cls._of_parts(parts, "rider" if word in _RIDDEN else kind.label, name or word, seed)
