@@ -21,7 +21,7 @@ from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.kitti_object import read_label_2
 from lidardraft.formats.semantickitti import read_label
 from lidardraft.simulation.object_sampling import ObjectSampling
-from lidardraft.simulation.recorded_scan import FILLED, INSERTED, RECORDED, RecordedScan, inside
+from lidardraft.simulation.recorded_scan import INSERTED, RecordedScan, inside
 from lidardraft.simulation.scan_edits import Insert, Remove, edit_scan
 from lidardraft.simulation.solid_object import SolidObject
 from recordings import PANDASET
@@ -42,7 +42,6 @@ class Comparison(NamedTuple):
     inserted_intensity: float
     stopped: int
     left: int
-    filled: int
 
 
 def scans(folder: Path) -> Iterator[tuple[str, RecordedScan]]:
@@ -103,15 +102,8 @@ def compared(scan: RecordedScan, box: Box, seed: int) -> Comparison | None:
     stopped = hidden.valid & (bare.distance[before] > hidden.distance + _BEHIND) & solids[hidden.primitive]
     return Comparison(
         int(mine.sum()), int(new.sum()), float(scan.intensity[mine].mean()), float(edited.intensity[new].mean()),
-        int(stopped.sum()), int(left.sum()), int((bare.made_up == FILLED).sum()),
+        int(stopped.sum()), int(left.sum()),
     )  # fmt: skip
-
-
-def untouched(scan: RecordedScan, edited: RecordedScan) -> bool:
-    """Whether all returns that are not made up are recorded ones, to the last bit."""
-    kept = edited.returned & (edited.made_up == RECORDED)
-    recorded = {row.tobytes() for row in scan.points[scan.returned]}
-    return all(row.tobytes() in recorded for row in edited.points[kept][::50])
 
 
 def _samples(folder: Path) -> list[dict[str, np.ndarray]]:

@@ -32,7 +32,7 @@ from lidardraft.metrics.sweep import Sweep
 from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter, SegmenterConfig, SphericalGrid
 from lidardraft.semantics import BY_NAME, NUM_CLASSES
-from lidardraft.training.recorded_pairs import RecordedScan, on_grid
+from lidardraft.training.recorded_pairs import LabelledCloud, on_grid
 from lidardraft.training.segmentation import SegmentationConfig, train_segmenter
 from lidardraft.training.sources import MixedSource
 from markdown_table import Row, table
@@ -93,7 +93,7 @@ def recorded(data: Path, sensor: Sensor) -> list[RangeImage]:
     images = []
     for sweep in [sweep for group in groups for sweep in group]:
         points, label, intensity = labelled_points(sweep)
-        images.append(on_grid(RecordedScan(points=points, intensity=intensity, label=label), sensor))
+        images.append(on_grid(LabelledCloud(points=points, intensity=intensity, label=label), sensor))
     return images
 
 

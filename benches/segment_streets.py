@@ -63,7 +63,7 @@ _IN_PANDASET = {"trunk": "vegetation", "bicyclist": "person", "motorcyclist": "p
 
 
 @dataclass(frozen=True)
-class RecordedScan:
+class LabelledCloud:
     """Points [N, 3], intensities [N] and the ids [N] of `NAMES` of a recorded scan."""
 
     points: np.ndarray
@@ -71,41 +71,41 @@ class RecordedScan:
     truth: np.ndarray
 
 
-def range_images(data: Path) -> Iterator[RecordedScan]:
+def range_images(data: Path) -> Iterator[LabelledCloud]:
     """The range images, one point a pixel."""
     for path in sorted((data / "kitti/range_images_00").glob("??????.npy*")):
         raw = path.read_bytes()
         image = np.load(io.BytesIO(lzma.decompress(raw) if path.suffix == ".xz" else raw)).reshape(-1, 6)
         image = image[image[:, 4] > 0].astype(np.float32)
-        yield RecordedScan(image[:, :3], image[:, 3], image[:, 5].astype(np.uint8))
+        yield LabelledCloud(image[:, :3], image[:, 3], image[:, 5].astype(np.uint8))
 
 
-def whole_scans(data: Path) -> Iterator[RecordedScan]:
+def whole_scans(data: Path) -> Iterator[LabelledCloud]:
     """The scans with all their points."""
     for path in sorted((data / "kitti/odometry_00/labels").glob("*.label")):
         points, intensity = read_bin(path.parents[1] / "velodyne" / f"{path.stem}.bin")
         table = np.zeros(2**16, dtype=np.uint8)
         table[list(RAW)] = list(RAW.values())
-        yield RecordedScan(points, intensity, table[np.fromfile(path, "<u4") & 0xFFFF])
+        yield LabelledCloud(points, intensity, table[np.fromfile(path, "<u4") & 0xFFFF])
 
 
-def sweeps(found: Iterable[Sweep]) -> Iterator[RecordedScan]:
+def sweeps(found: Iterable[Sweep]) -> Iterator[LabelledCloud]:
     """Sweeps whose labels are classes of lidardraft; returns of class "other" have no truth."""
     for sweep in found:
         assert sweep.label is not None
         assert sweep.intensity is not None
         seen = (sweep.points != 0).any(axis=-1)
         points = sweep.points[seen]
-        yield RecordedScan(points, sweep.intensity[seen], benchmark_ids(points, sweep.label[seen]))
+        yield LabelledCloud(points, sweep.intensity[seen], benchmark_ids(points, sweep.label[seen]))
 
 
-def held_out(folder: PairFolder) -> Iterator[RecordedScan]:
+def held_out(folder: PairFolder) -> Iterator[LabelledCloud]:
     """The scans of streets as if they were recorded."""
     for i in range(len(folder)):
         scan = folder[i].scan
         assert scan.intensity is not None
         points = scan.points()
-        yield RecordedScan(points, scan.intensity[scan.valid], benchmark_ids(points, scan.label[scan.valid]))
+        yield LabelledCloud(points, scan.intensity[scan.valid], benchmark_ids(points, scan.label[scan.valid]))
 
 
 def benchmark_ids(points: np.ndarray, label: np.ndarray) -> np.ndarray:
@@ -133,7 +133,7 @@ def _around(riders: cKDTree, points: np.ndarray) -> np.ndarray:
 
 
 def measure(
-    segmenter: Segmenter, scans: Iterator[RecordedScan], mount: float, merged: Mapping[str, str] | None = None
+    segmenter: Segmenter, scans: Iterator[LabelledCloud], mount: float, merged: Mapping[str, str] | None = None
 ) -> tuple[np.ndarray, int, float]:
     """The confusion matrix over all scans, their number, and the seconds that one takes.
 

@@ -9,13 +9,13 @@ from lidardraft.errors import FormatError
 from lidardraft.scene.labelling import ABSOLUTE_TOLERANCE
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
-from lidardraft.training.recorded_pairs import RecordedScan, beside_beams, on_grid, recorded_pair
+from lidardraft.training.recorded_pairs import LabelledCloud, beside_beams, on_grid, recorded_pair
 
 
-def recorded(image: RangeImage) -> RecordedScan:
+def recorded(image: RangeImage) -> LabelledCloud:
     assert image.intensity is not None
     seen = image.valid
-    return RecordedScan(points=image.points(), intensity=image.intensity[seen], label=image.label[seen])
+    return LabelledCloud(points=image.points(), intensity=image.intensity[seen], label=image.label[seen])
 
 
 def test_a_recorded_scan_becomes_a_pair_of_one_place() -> None:
@@ -40,7 +40,7 @@ def test_a_firing_beside_its_column_is_no_dropped_one() -> None:
     elevation = np.array(SENSOR.elevations)[:, None]
     flat = depth * np.cos(elevation)
     points = np.stack([flat * np.cos(azimuth), flat * np.sin(azimuth), depth * np.sin(elevation)], axis=-1)
-    scan = RecordedScan(
+    scan = LabelledCloud(
         points=points.reshape(-1, 3).astype(np.float32),
         intensity=np.full(depth.size, 0.5, np.float32),
         label=np.ones(depth.size, np.uint8),
@@ -56,7 +56,7 @@ def test_a_firing_beside_its_column_is_no_dropped_one() -> None:
 
 def test_of_two_returns_in_a_pixel_the_further_one_takes_no_return_away() -> None:
     scan = recorded(make_pair(1).scan)
-    twice = RecordedScan(
+    twice = LabelledCloud(
         points=np.concatenate([scan.points, 1.5 * scan.points]),
         intensity=np.tile(scan.intensity, 2),
         label=np.tile(scan.label, 2),

@@ -13,7 +13,6 @@ from lidardraft.cli.arguments import DEFAULT_SENSOR, add_seed, add_sensor
 from lidardraft.cli.inputs import boxes_of_scan, sensor_of_scan
 from lidardraft.errors import FormatError
 from lidardraft.files import check_other_file, named
-from lidardraft.scene.box import Box
 
 if TYPE_CHECKING:
     from lidardraft.simulation.recorded_scan import RecordedScan
@@ -39,6 +38,7 @@ def edit(arguments: argparse.Namespace) -> None:
     if arguments.output is None:
         raise FormatError("--output says where the edited scan goes")
     from lidardraft.formats.recording import SCAN_ENDINGS
+    from lidardraft.simulation.recorded_scan import FILLED, INSERTED
     from lidardraft.simulation.scan_edits import edit_scan
 
     output = Path(arguments.output)
@@ -51,7 +51,9 @@ def edit(arguments: argparse.Namespace) -> None:
     with named(arguments.scan):
         edited = edit_scan(scan, edits, seed=arguments.seed)
     edited.save(output)
-    print(f"{output}.bin: {_counts(edited)}, with .label, .npz, .boxes.json and .sensor.json")
+    counts = f"{edited.returned.sum()} returns, {(edited.made_up == INSERTED).sum()} inserted"
+    filled = (edited.made_up == FILLED).sum()
+    print(f"{output}.bin: {counts} and {filled} filled, with .label, .npz, .boxes.json and .sensor.json")
 
 
 def _read(arguments: argparse.Namespace) -> RecordedScan:
@@ -70,25 +72,10 @@ def _read(arguments: argparse.Namespace) -> RecordedScan:
 
 def _list(scan: RecordedScan) -> None:
     for box, count in zip(scan.boxes, scan.returns_per_box(), strict=True):
-        print(f"{box.id}: {_placed(box)}, {count} returns")
+        (x, y, _), size = box.center, ",".join(f"{extent:.2f}" for extent in box.size)
+        print(f"{box.id}: {box.label} at {x:.2f},{y:.2f} yaw {math.degrees(box.yaw):.0f} size {size}, {count} returns")
     if not scan.boxes:
         print("no objects: give --boxes or --labels to have some that can be removed")
-
-
-def _placed(box: Box) -> str:
-    x, y, _ = box.center
-    return (
-        f"{box.label} at {x:.2f},{y:.2f} yaw {math.degrees(box.yaw):.0f} size {','.join(f'{e:.2f}' for e in box.size)}"
-    )
-
-
-def _counts(scan: RecordedScan) -> str:
-    from lidardraft.simulation.recorded_scan import FILLED, INSERTED
-
-    made = [
-        f"{int((scan.made_up == mark).sum())} {word}" for mark, word in ((INSERTED, "inserted"), (FILLED, "filled"))
-    ]
-    return f"{int(scan.returned.sum())} returns, {' and '.join(made)}"
 
 
 def _insert(text: str) -> Edit:
@@ -102,35 +89,26 @@ def _insert(text: str) -> Edit:
     return Insert(kind.replace(" ", "-"), (float(x), float(y)), math.radians(float(yaw or 0)), extents)
 
 
-def _remove(id: str) -> Edit:
-    from lidardraft.simulation.scan_edits import Remove
-
-    return Remove(id)
-
-
 def _move(id: str, place: str) -> Edit:
     from lidardraft.simulation.scan_edits import Move
 
     found = _PLACE.fullmatch(place)
     if found is None:
-        raise ValueError(f"{place!r} is no place X,Y [m] or X,Y,YAW [degrees]")
+        raise ValueError(f"{place!r} is not X,Y [m] or X,Y,YAW [degrees]")
     x, y, yaw = found.groups()
     return Move(id, (float(x), float(y)), None if yaw is None else math.radians(float(yaw)))
 
 
-def _replace(id: str, kind: str) -> Edit:
-    from lidardraft.simulation.scan_edits import Replace
-
-    return Replace(id, kind)
-
-
 class _InOrder(argparse.Action):
-    """Collects the edits of all options in the order in which they stand; `const` makes one of an option's words."""
+    """Collects the edits of all options in the order in which they stand."""
 
     def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
-        make: Callable[..., Edit] = self.const
+        from lidardraft.simulation.scan_edits import Remove, Replace
+
+        made_by: dict[str, Callable[..., Edit]]
+        made_by = {"--insert": _insert, "--remove": Remove, "--move": _move, "--replace": Replace}
         try:
-            made = make(*values)
+            made = made_by[self.option_strings[0]](*values)
         except ValueError as error:
             parser.error(f"argument {option_string}: {error}")
         namespace.edits = [*(namespace.edits or []), made]
@@ -150,20 +128,15 @@ def edit_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--labels", metavar="FILE", help=text)
     text = "boxes around its objects: .boxes.json, KITTI's label_2, ... (default: the .boxes.json beside it)"
     parser.add_argument("--boxes", metavar="FILE", help=text)
-    add_sensor(
-        parser,
-        default=None,
-        of=f" that took the scan (default that beside it, hdl32e of nuScenes, or {DEFAULT_SENSOR})",
-    )
-    for option, names, make, text in (
-        ("insert", ("TEXT",), _insert, "an object: 'car at 12,3 yaw 90', 'truck at 30,-2 size 8,2.5,3'; repeatable"),
-        ("remove", ("ID",), _remove, "take an object away; repeatable"),
-        ("move", ("ID", "X,Y[,YAW]"), _move, "let an object stand elsewhere; repeatable"),
-        ("replace", ("ID", "KIND"), _replace, "put one of another kind in the place of an object; repeatable"),
+    text = f" that took the scan (default that beside it, hdl32e of nuScenes, or {DEFAULT_SENSOR})"
+    add_sensor(parser, default=None, of=text)
+    for option, names, text in (
+        ("insert", ("TEXT",), "an object: 'car at 12,3 yaw 90', 'truck at 30,-2 size 8,2.5,3'; repeatable"),
+        ("remove", ("ID",), "take an object away; repeatable"),
+        ("move", ("ID", "X,Y[,YAW]"), "let an object stand elsewhere; repeatable"),
+        ("replace", ("ID", "KIND"), "put one of another kind in the place of an object; repeatable"),
     ):
-        parser.add_argument(
-            f"--{option}", dest="edits", action=_InOrder, nargs=len(names), metavar=names, const=make, help=text
-        )
+        parser.add_argument(f"--{option}", dest="edits", action=_InOrder, nargs=len(names), metavar=names, help=text)
     add_seed(parser)
     text = "the edited scan: NAME.bin, .label, .npz, .boxes.json and .sensor.json"
     parser.add_argument("-o", "--output", metavar="NAME", help=text)

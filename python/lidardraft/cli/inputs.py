@@ -188,7 +188,7 @@ def sensor_beside(file: str | Path) -> Sensor | None:
 
 
 def sensor_of_scan(path: str | Path, name: str | None) -> Sensor:
-    """The sensor that took a scan: that of `name`, beside the scan or of nuScenes, or the default one, which is said."""
+    """The sensor that took a scan: that of `name`, beside the scan, of nuScenes, or the default, which is said."""
     if name is not None:
         return read_sensor(name)
     if sensor := sensor_beside(path):

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from lidardraft.formats.pairs import NotedPair, Pair
     from lidardraft.perception.segmenter import Segmenter
     from lidardraft.streets import StreetPair
-    from lidardraft.training.recorded_pairs import RecordedScan
+    from lidardraft.training.recorded_pairs import LabelledCloud
 
 # A network learns more from another street than from another look at one; building it takes a third of the time then.
 _POSES = 4
@@ -197,12 +197,12 @@ def _segmenter(weights: str | None) -> Segmenter:
     return Segmenter.from_pretrained(weights or "segmenter")
 
 
-def _read(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor) -> RecordedScan:
+def _read(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor) -> LabelledCloud:
     """A scan with its classes: those of --labels, of the file, of one beside it or of the data set, or those of the
     segmenter; what is in boxes has theirs."""
     from lidardraft.formats.recording import read_points, returns
     from lidardraft.formats.semantickitti import read_label
-    from lidardraft.training.recorded_pairs import RecordedScan
+    from lidardraft.training.recorded_pairs import LabelledCloud
 
     scan = file.scan
     points, fields = read_points(scan)
@@ -226,7 +226,7 @@ def _read(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor) -> 
     if file.boxes is not None:
         instance = np.zeros(len(points), dtype=np.uint32) if instance is None else instance
         file.mark_boxes(points, classes, instance)
-    return RecordedScan(points=points, intensity=fields["intensity"], label=classes, instance=instance)
+    return LabelledCloud(points=points, intensity=fields["intensity"], label=classes, instance=instance)
 
 
 def pairs_options(parser: argparse.ArgumentParser) -> None:

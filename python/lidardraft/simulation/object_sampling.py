@@ -18,7 +18,6 @@ from lidardraft.scene.box import Box
 from lidardraft.scene.check import VEHICLE_LABELS
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.ray_receiver import RayReceiver
 from lidardraft.simulation.recorded_scan import RecordedScan
 from lidardraft.simulation.scan_edits import check_room, inserted
 from lidardraft.simulation.solid_object import SolidObject
@@ -84,7 +83,7 @@ class ObjectSampling:
             for _ in range(count - have):
                 if one := self._sampled(scan, free, kind, [box for _, box in chosen]):
                     chosen.append(one)
-        scan = inserted(scan, chosen, RayReceiver.of_scan(scan), int(self._rng.integers(2**31)))
+        scan = inserted(scan, chosen, int(self._rng.integers(2**31)))
         added = [box for _, box in chosen]
         rows = np.zeros((len(added), boxes.shape[1] if boxes.size else 7), boxes.dtype if boxes.size else np.float32)
         rows[:, :7] = np.array([(*box.center, *box.size, box.yaw) for box in added]).reshape(-1, 7)

@@ -60,18 +60,29 @@ class RecordedScan:
 
     @classmethod
     def from_points(
-        cls, points: np.ndarray, sensor: Sensor, *, boxes: Sequence[Box] | None = None, **fields: np.ndarray
+        cls,
+        points: np.ndarray,
+        sensor: Sensor,
+        *,
+        boxes: Sequence[Box] | None = None,
+        intensity: np.ndarray | None = None,
+        label: np.ndarray | None = None,
+        instance: np.ndarray | None = None,
+        made_up: np.ndarray | None = None,
+        ring: np.ndarray | None = None,
     ) -> RecordedScan:
-        """Of points [N, 3] and what is known of each, [N]: `intensity`, `label`, `instance`, `made_up`, `ring`.
+        """Of points [N, 3] and what is known of each, [N].
 
         Rays without a return are found in the gaps of each ring, which the points' order tells too (as in KITTI's
         files); else they are those of `sensor` that no point lies on. `boxes` are by default those of the clusters of
         each class. Raises `FormatError` on arrays that do not fit and on a scan without a return.
         """
-        points, fields = returns(points, fields | {"source": np.arange(len(points))})
+        given = {"intensity": intensity, "label": label, "instance": instance, "made_up": made_up, "ring": ring}
+        known = {name: values for name, values in given.items() if values is not None}
+        points, known = returns(points, known | {"source": np.arange(len(points))})
         count = len(points)
-        label = fields.get("label", np.zeros(count)).astype(np.uint8)
-        instance = fields.get("instance", np.zeros(count)).astype(np.uint32)
+        label = known.get("label", np.zeros(count)).astype(np.uint8)
+        instance = known.get("instance", np.zeros(count)).astype(np.uint32)
         if boxes is None:
             boxes = _boxes_of(points, label, instance, sensor)
         scan = cls(
@@ -79,13 +90,13 @@ class RecordedScan:
             boxes=tuple(boxes),
             points=points,
             distance=np.linalg.norm(points, axis=1),
-            intensity=fields.get("intensity", np.zeros(count, np.float32)),
+            intensity=known.get("intensity", np.zeros(count, np.float32)),
             label=label,
             instance=instance,
-            made_up=fields.get("made_up", np.zeros(count)).astype(np.uint8),
-            source=fields["source"],
+            made_up=known.get("made_up", np.zeros(count)).astype(np.uint8),
+            source=known["source"],
         )
-        directions, places = _lost_rays(points, fields.get("ring"), sensor)
+        directions, places = _lost_rays(points, known.get("ring"), sensor)
         if len(places) > _MOST_LOST * count:
             return scan
         lost = {name: np.zeros(len(places), getattr(scan, name).dtype) for name in RAY_FIELDS[1:]}

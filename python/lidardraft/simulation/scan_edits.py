@@ -130,7 +130,7 @@ def _with_object(
     standing = scan.points[scan.returned & ~scan.is_ground]
     if (count := int(inside(box, standing, -_MARGIN).sum())) > _MOST_INSIDE:
         warnings.warn(f"{id} stands where {count} returns of something without a box are", stacklevel=5)
-    return inserted(scan, [(solid, box)], RayReceiver.of_scan(scan), seed)
+    return inserted(scan, [(solid, box)], seed)
 
 
 def check_room(scan: RecordedScan, box: Box) -> None:
@@ -155,9 +155,7 @@ def _solid(box: Box) -> Primitive:
     return Primitive(shape="box", center=box.center, size=box.size, yaw=box.yaw, label=box.label, id=box.id)
 
 
-def inserted(
-    scan: RecordedScan, objects: Sequence[tuple[SolidObject, Box]], receiver: RayReceiver, seed: int
-) -> RecordedScan:
+def inserted(scan: RecordedScan, objects: Sequence[tuple[SolidObject, Box]], seed: int) -> RecordedScan:
     """The scan with objects in boxes: rays that they stop return from them, or not at all where the echo is too weak.
 
     A ray that returned from something before them stays as it is."""
@@ -171,7 +169,7 @@ def inserted(
         near, hits = near[before], hits.keep(before)
         reach[near], owner[near] = hits.distance, number
         casts.append((near, hits))
-    kept, found = np.ones(len(reach), bool), _editable(scan)
+    kept, found, receiver = np.ones(len(reach), bool), _editable(scan), RayReceiver.of_scan(scan)
     for number, ((solid, box), (near, hits)) in enumerate(zip(objects, casts, strict=True)):
         mine = owner[near] == number
         near, hits = near[mine], hits.keep(mine)

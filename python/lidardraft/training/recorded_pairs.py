@@ -19,7 +19,7 @@ _FEWEST = 0.05  # of the pixels; a scan has returns in more
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RecordedScan:
+class LabelledCloud:
     """`points` f32 [N, 3] in the sensor frame [m], `intensity` f32 [N] in 0 to 1, class ids `label` u8 [N], and numbers
     of objects `instance` u32 [N], where these are known."""
 
@@ -29,7 +29,7 @@ class RecordedScan:
     instance: np.ndarray | None = None
 
 
-def recorded_pair(scan: RecordedScan, sensor: Sensor, *, seed: int = 0) -> Pair:
+def recorded_pair(scan: LabelledCloud, sensor: Sensor, *, seed: int = 0) -> Pair:
     """The pair of a recorded scan: on the grid of `sensor`, with the cast and the simulated scan of its layout.
 
     The layout is that of `layout_from_cloud`, which is scanned from where the sensor stood, at rest. Raises
@@ -42,7 +42,7 @@ def recorded_pair(scan: RecordedScan, sensor: Sensor, *, seed: int = 0) -> Pair:
     return Pair(image, raycast(layout, sensor, sensor.pose()), simulate(layout, sensor, seed=seed).image)
 
 
-def on_grid(scan: RecordedScan, sensor: Sensor) -> RangeImage:
+def on_grid(scan: LabelledCloud, sensor: Sensor) -> RangeImage:
     """The recording as an image of `sensor`, in which an empty pixel is a firing without a return, as far as can be.
 
     A firing's azimuth is not exactly that of a column: two returns may share a pixel beside one that stays empty, as if
@@ -80,7 +80,7 @@ def on_grid(scan: RecordedScan, sensor: Sensor) -> RangeImage:
     return image
 
 
-def beside_beams(scan: RecordedScan, sensor: Sensor) -> float:
+def beside_beams(scan: LabelledCloud, sensor: Sensor) -> float:
     """How far from the elevations of the beams the points lie, the median in shares of the beams' spacing: 0 for the
     right sensor, 0.25 where there is no relation."""
     if len(sensor.elevations) < 2:
