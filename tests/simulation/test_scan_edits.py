@@ -229,8 +229,23 @@ def test_sampling_takes_scans_without_boxes_and_refuses_unknown_kinds(sample: di
     found = ObjectSampling({"truck": 2}, SENSOR, models=1)(bare | {"gt_boxes_mask": np.zeros(0, bool)})
     assert found["gt_names"].tolist() == ["Truck", "Truck"]
     assert found["gt_boxes_mask"].tolist() == [True, True]
-    with pytest.raises(LayoutError, match="'boat' is no object"):
-        ObjectSampling({"boat": 1}, SENSOR)
+    for counts, models, message in (
+        ({"boat": 1}, 1, "'boat' is no object"),
+        ({"car": -3}, 1, "car: -3 is not a whole number from 0"),
+        ({"car": 2.5}, 1, "car: 2.5 is not a whole number from 0"),
+        ({"car": 2}, 0, "models: 0 is not a whole number from 1"),
+    ):
+        with pytest.raises(LayoutError, match=message):
+            ObjectSampling(counts, SENSOR, models=models)
+
+
+def test_what_is_no_sensor_and_no_scan(sample: dict[str, np.ndarray]) -> None:
+    with pytest.raises(TypeError, match="sensor is a str"):
+        RecordedScan.from_points(sample["points"][:, :3], "hdl64e")
+    with pytest.raises(TypeError, match="sensor is a str"):
+        ObjectSampling({"car": 1}, "hdl64e")
+    with pytest.raises(TypeError, match="scan is a ndarray"):
+        edit_scan(sample["points"], [Remove("car_1")])
 
 
 def test_a_recorded_car_and_one_in_its_place() -> None:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from lidardraft.errors import LayoutError
+from lidardraft.errors import LayoutError, check_type
 from lidardraft.scene.box import Box
 from lidardraft.scene.check import VEHICLE_LABELS
 from lidardraft.scene.sensor import Sensor
@@ -58,10 +58,12 @@ class ObjectSampling:
         names: Mapping[str, str] | None = None,
         seed: int = 0,
     ) -> None:
-        if not 0 <= distances[0] < distances[1] or models < 1:
-            raise LayoutError(
-                f"distances are {distances} and models {models}; they must ascend from 0, and be 1 or more"
-            )
+        check_type("sensor", sensor, Sensor)
+        if not 0 <= distances[0] < distances[1]:
+            raise LayoutError(f"distances are {distances}; they must ascend from 0 or more")
+        for what, number, least in (("models", models, 1), *((kind, count, 0) for kind, count in counts.items())):
+            if not isinstance(number, int) or number < least:
+                raise LayoutError(f"{what}: {number!r} is not a whole number from {least}")
         self.counts, self.sensor, self.distances = dict(counts), sensor, distances
         self.names = dict(_NAME_OF_KIND if names is None else names)
         self._rng = np.random.default_rng(seed)

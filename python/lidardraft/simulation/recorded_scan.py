@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft.drafting.cloud.layout import layout_from_cloud
-from lidardraft.errors import FormatError, LayoutError
+from lidardraft.errors import FormatError, LayoutError, check_type
 from lidardraft.files import written_together
 from lidardraft.formats.boxes import write_boxes
 from lidardraft.formats.kitti import write_bin
@@ -77,6 +77,7 @@ class RecordedScan:
         files); else they are those of `sensor` that no point lies on. `boxes` are by default those of the clusters of
         each class. Raises `FormatError` on arrays that do not fit and on a scan without a return.
         """
+        check_type("sensor", sensor, Sensor)
         given = {"intensity": intensity, "label": label, "instance": instance, "made_up": made_up, "ring": ring}
         known = {name: values for name, values in given.items() if values is not None}
         points, known = returns(points, known | {"source": np.arange(len(points))})

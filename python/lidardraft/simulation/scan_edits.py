@@ -106,6 +106,7 @@ def edit_scan(scan: RecordedScan, edits: Iterable[Edit], *, seed: int = 0) -> Re
     The same seed gives the same scan, and an object's random numbers depend on its id alone. Raises `LayoutError` for
     an unknown object or kind, a place out of the sensor's range, and one that another object or the vehicle takes.
     """
+    check_type("scan", scan, RecordedScan)
     for edit in edits:
         check_type("an edit", edit, Insert, Remove, Move, Replace)
         scan = edit.apply(scan, seed)
@@ -129,7 +130,7 @@ def _with_object(
     check_room(scan, box)
     standing = scan.points[scan.returned & ~scan.is_ground]
     if (count := int(inside(box, standing, -_MARGIN).sum())) > _MOST_INSIDE:
-        warnings.warn(f"{id} stands where {count} returns of something without a box are", stacklevel=5)
+        warnings.warn(f"{id} stands among {count} returns of something without a box", stacklevel=5)
     return inserted(scan, [(solid, box)], seed)
 
 
