@@ -2,7 +2,7 @@
 
     python benches/picture_simulate.py [--data FOLDER] [-o simulated.png]
 
-Row by row: ten sentences; clusterings of five recorded sweeps, and three coarse layouts of streets; then, to hold them
+Row by row: ten sentences in streets; clusterings of five recorded sweeps, and three coarse layouts of streets; then, to hold them
 against, two of these sweeps as recorded, and three scans of the streets themselves. Colours are classes, brightness is
 intensity. The recordings, PandaSet's and ika's in FOLDER (by default LIDARDRAFT_DATA), may be shown by anyone.
 """
@@ -20,7 +20,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 import recordings
-from lidardraft import Layout, Sensor, layout_from_cloud, layout_from_text, simulate, view
+from lidardraft import Layout, Sensor, layout_from_cloud, layout_from_text, simulate, surround, view
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.streets import StreetConfig, streets
@@ -29,7 +29,7 @@ from report_detail import SENTENCES
 SENSOR = PRESETS["hdl64e"]
 STREETS = (2, 7, 11)  # pairs of seed 0
 COLUMNS, GAP = 6, 4
-COLOURS = 48
+COLOURS = 160
 TITLE, TITLE_HEIGHT = (210, 210, 210), 15
 
 
@@ -74,7 +74,8 @@ def sweeps_of(folder: Path) -> Iterator[tuple[Sweep, Sensor, str]]:
 def cells(folder: Path | None) -> Iterator[np.ndarray]:
     """All of them, in order."""
     for seed, sentence in enumerate(SENTENCES):
-        yield simulated(layout_from_text(sentence, seed=seed), SENSOR, seed, textwrap.shorten(sentence, 60))
+        layout = surround(layout_from_text(sentence, seed=seed), seed=seed)
+        yield simulated(layout, SENSOR, seed, textwrap.shorten(sentence, 60))
     sweeps = list(sweeps_of(folder)) if folder is not None else []
     for sweep, sensor, name in sweeps:
         assert sweep.label is not None
