@@ -28,11 +28,6 @@ def examples() -> list[bench.Example]:
     return found
 
 
-def test_untrained_weights_pass_the_simulated_scan_through(examples: list[bench.Example]) -> None:
-    simulated = examples[0].simulated
-    bent = bench.by_network(bench.Network())(simulated, 0)
-    assert np.abs(np.sqrt(bent.intensity) - np.sqrt(simulated.intensity)).mean() < 2 / bench.LEVELS
-    assert (bent.valid == simulated.valid).mean() > 0.99
 
 
 def test_a_network_learns_what_is_read_and_what_is_lost(examples: list[bench.Example]) -> None:
@@ -44,15 +39,6 @@ def test_a_network_learns_what_is_read_and_what_is_lost(examples: list[bench.Exa
     assert bent.valid[~truth.valid].mean() < bent.valid[truth.valid].mean() - 0.05
 
 
-def test_a_table_maps_the_readings_of_each_class_alone(examples: list[bench.Example]) -> None:
-    building = BY_NAME["building"].id
-    brighter = [
-        replace(e, recorded=replace(e.recorded, intensity=np.where(e.recorded.label == building, 0.5, 0.25)))
-        for e in examples
-    ]
-    bent = bench.by_table(brighter)(examples[0].simulated, 0)
-    assert np.allclose(bent.intensity[:8], 0.5)
-    assert np.allclose(bent.intensity[8:], 0.25)
 
 
 def test_the_report_has_a_row_for_each_way(examples: list[bench.Example]) -> None:

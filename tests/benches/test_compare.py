@@ -40,11 +40,6 @@ def test_one_table_and_a_line_for_who_is_not_there(tmp_path: Path) -> None:
     assert ["small", "triangles", 1, "cast"] in [entry[:4] for entry in rounds["seconds"]]
 
 
-@pytest.mark.parametrize(
-    ("value", "text"), [(0.012345, "0.0123"), (0.5, "0.500"), (12.34, "12.3"), (99.96, "100.0"), (1234.5, "1234")]
-)
-def test_three_digits(value: float, text: str) -> None:
-    assert three_digits(value) == text
 
 
 def test_agreement_counts_ranges_within_tolerance_and_instances() -> None:
@@ -72,21 +67,6 @@ def test_rows_hold_medians_and_ratios() -> None:
     assert row["same analytic"] == "100.000%, 99.998%"
 
 
-@pytest.mark.parametrize(
-    ("name", "kinds", "triangles"),
-    [
-        ("small", {"plane": 1, "cuboid": 30}, 2 + 30 * 12),
-        ("street", {"plane": 1, "cuboid": 200, "ellipsoid": 100}, 2 + 200 * 12 + 100 * 320),
-        ("heavy", {"mesh": 1, "ellipsoid": 220}, 720_000 + 220 * 1280),
-    ],
-)
-def test_numbers_of_shapes_and_triangles(name: str, kinds: dict[str, int], triangles: int) -> None:
-    scene = SCENES[name]()
-    found = [body.kind for body in scene.primitives]
-    assert {kind: found.count(kind) for kind in found} == kinds
-    assert scene.faces.shape == (triangles, 3)
-    assert scene.verts[scene.faces].shape == (triangles, 3, 3)  # no index out of the mesh
-    assert [body.instance for body in scene.primitives] == list(range(len(found)))
 
 
 def in_own_frame(body: Body) -> np.ndarray:
@@ -108,24 +88,8 @@ def test_the_triangles_lie_on_the_shapes_and_close_them(name: str) -> None:
         assert set(np.unique(edges, axis=0, return_counts=True)[1]) == {2}
 
 
-def test_the_sensor_has_the_rays_of_the_pattern() -> None:
-    pattern = hdl64()
-    sensor = sensor_of(pattern)
-    assert sensor.shape == pattern.shape == (64, 1024)
-    np.testing.assert_allclose(sensor.pattern.directions().reshape(-1, 3), pattern.directions, atol=1e-6)
 
 
-def test_images_mark_misses() -> None:
-    scene = small()
-    faces = np.array([0, 5, len(scene.faces), 2**32 - 1, 5, 5], dtype=np.uint32)
-    distance = np.array([3.0, 4.0, 5.0, np.inf, MAX_RANGE, MAX_RANGE + 1], dtype=np.float32)
-    depth, semantic, instance = scene.images(distance, faces, (2, 3))
-    np.testing.assert_array_equal(depth, [[3, 4, 0], [0, MAX_RANGE, 0]])
-    box = scene.primitives[1]
-    np.testing.assert_array_equal(instance, [[0, box.instance, -1], [-1, box.instance, -1]])
-    np.testing.assert_array_equal(semantic, [[1, box.semantic, 0], [0, box.semantic, 0]])
-    signed = scene.images(np.ones(1, np.float32), np.array([-1], np.int32), (1, 1))
-    assert [image.item() for image in signed] == [0, 0, -1]
 
 
 SCENE = small()
@@ -197,46 +161,7 @@ def test_embree_in_packets_hits_the_same(threads: int) -> None:
         peer.prepare(hdl64(beams=1, columns=7))
 
 
-class Sleeper:
-    """Something to time: 5 ms a call after 10 ms of aiming, and 50 ms more on the first call."""
-
-    def __init__(self) -> None:
-        self.aimed: list[int] = []
-        self.called: list[int] = []
-
-    def aim_cast(self, step: int) -> None:
-        self.aimed.append(step)
-        time.sleep(0.01)
-
-    def cast(self, step: int) -> None:
-        self.called.append(step)
-        time.sleep(0.055 if len(self.called) == 1 else 0.005)
 
 
-def test_neither_the_first_call_nor_aiming_counts() -> None:
-    peer = Sleeper()
-    seconds = timed(peer, "cast", lambda step: step, 40)
-    assert peer.aimed == peer.called
-    assert len(peer.called) > 1
-    assert peer.called[-1] > 40  # a new pose for each call: nothing to gain from keeping a result
-    assert 0.005 <= seconds <= 0.05  # what sleeps 5 ms took 5 ms or more, and not the 55 ms of the first call
 
 
-def test_our_peer_works_from_its_process() -> None:
-    worker = Worker("peer_analytic", 1)
-    try:
-        assert worker.peer == "analytic"
-        assert "lidardraft" in worker.version
-        depth, semantic, instance = worker.load("small", hdl64(beams=4, columns=64))
-        assert depth.shape == semantic.shape == instance.shape == (4, 64)
-        for image, same in zip(worker.reference(), (depth, semantic, instance), strict=True):
-            np.testing.assert_allclose(image, same, rtol=1e-5, atol=2e-3)
-        assert worker.offers("rolling")
-        assert not worker.offers("single")
-        assert worker.seconds("cast", 0, 1) > 0
-        assert worker.seconds("batch", 0, 3) > 0
-        with pytest.raises(PeerError, match="single"):
-            worker.seconds("single", 0, 1)
-        assert pose(0).shape == (4, 4)
-    finally:
-        worker.stop()

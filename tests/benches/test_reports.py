@@ -52,25 +52,8 @@ def test_other_streets_are_as_lifelike_as_streets() -> None:
     assert set(pooled["range (JSD)"]) == {"a", "b", "streets"}
 
 
-def test_what_the_recording_car_hides_is_hidden() -> None:
-    sensor = PRESETS["vlp16"]
-    points = np.ones((*sensor.shape, 3), dtype=np.float32)
-    points[15, 100:200] = 0  # down, always
-    points[0, 300:400] = 0  # up: sky
-    shown = report_streets.unhidden({"a": [Sweep(points)]}, sensor, None)
-    assert not shown[15, 100:200].any()
-    assert shown.sum() == shown.size - 100
 
 
-def test_a_group_is_left_out_wherever_it_is() -> None:
-    sweep = Sweep(np.ones((2, 8, 3), dtype=np.float32))
-    plain = {"a": [sweep], "b": [sweep]}
-    real = Recordings(sensor="vlp16", plain=plain, labelled={"a": [sweep]}, shares={"c": np.ones(3)})
-    left = report_streets.without_group(real, "a")
-    assert (list(left.plain), list(left.labelled), list(left.shares)) == (["b"], [], ["c"])
-    assert not report_streets.without_group(real, "c").shares
-    with pytest.raises(SystemExit, match="--without is 'raw'; the groups are a, b, c"):
-        report_streets.without_group(real, "raw")
 
 
 @needs_recordings
@@ -91,35 +74,10 @@ def test_kitti_fills_its_rows() -> None:
     assert sweeps.shares["all of SemanticKITTI"].sum() == pytest.approx(0.98, abs=0.02)
 
 
-@needs_recordings
-def test_hesai_rows_are_those_of_the_laser_table() -> None:
-    sweeps = recordings.pandar64(data(), 1800)
-    assert len(sweeps.plain) == 3
-    assert {name: len(group) for name, group in sweeps.labelled.items()} == {"PandaSet 001": 2, "PandaSet 002": 10}
-    for sweep in sweeps.labelled["PandaSet 001"]:
-        assert sweep.label is not None
-        assert sweep.valid[48:60].mean() > 0.9  # the road; rows here are fitted
 
 
-def test_scans_of_a_folder_are_as_they_were_made(tmp_path: Path) -> None:
-    image = next(streets(3, StreetConfig(sensor=PRESETS["hdl64e"], poses_per_street=1))).scan
-    save_observed(image, tmp_path / "00")
-    (read,) = report_two_sample.scans_in(tmp_path)
-    made = Sweep.from_image(image)
-    assert (read.valid == made.valid).mean() > 0.999
-    both = read.valid & made.valid
-    assert np.abs(read.points[both] - made.points[both]).max() < 1e-3
 
 
-def test_frames_of_many_drives_are_parted() -> None:
-    sweep = Sweep(np.zeros((1, 1, 3), np.float32))
-    parts = report_two_sample.parted({"a": [sweep], "object": [sweep] * 7})
-    assert {name: len(sweeps) for name, sweeps in parts.items()} == {
-        "a": 1,
-        "object 0": 3,
-        "object 1": 2,
-        "object 2": 2,
-    }
 
 
 @needs_recordings
@@ -216,16 +174,6 @@ def test_the_details_of_sentences_obey_and_the_table_says_so() -> None:
     assert lines[-1].startswith("| all objects | 0.")
 
 
-def test_a_sweep_is_held_against_the_casts_of_its_clustering() -> None:
-    sensor = PRESETS["pandar64"]
-    scan = raycast(layout_from_text("three cars ahead and a building on the left", seed=1), sensor)
-    points = np.zeros((*sensor.shape, 3), np.float32)
-    points[scan.valid] = scan.points()
-    counts = new_counts()
-    layout = of_recording(counts, Sweep(points, scan.label, np.zeros(sensor.shape, np.float32)), sensor)
-    assert layout.provenance["source"] == "point cloud"
-    assert counts["bare"][1].sum() == counts["detailed"][1].sum() == pytest.approx(scan.valid.sum(), rel=0.02)
-    assert (counts["detailed"][0, 1:4] > 0.5 * counts["detailed"][1, 1:4]).all()
 
 
 CAR = BY_NAME["car"].id
@@ -248,13 +196,6 @@ def test_the_layout_of_a_cast_comes_near_it(group: Group) -> None:
     assert measure(group, "objects")["primitives"] < row["primitives"]
 
 
-def test_classes_are_told_apart_and_add_up(group: Group) -> None:
-    rows = by_class(group, "fine")
-    assert sum(cells["of all returns"] for cells in rows.values()) == pytest.approx(1.0)
-    for cells in rows.values():
-        assert sum(cells[name] for name in ("near", "empty", "too near", "too far")) == pytest.approx(1.0)
-    assert rows["car"]["primitives"] == 2
-    assert "| car | " in table(rows)
 
 
 def box(x: float, y: float, length: float = 4.0, width: float = 2.0, yaw: float = 0.0) -> FittedBox:
@@ -291,8 +232,3 @@ def test_columns_are_those_of_all_rows() -> None:
     assert lines == ["| | a | b |", "|---|---:|---:|", "| one | 1 | - |", "| two | - | 0.123 |"]
 
 
-@pytest.mark.parametrize(
-    ("value", "text"), [(0.012345, "0.0123"), (-12.34, "-12.3"), (999.4, "999"), (25431.2, "25431"), (math.nan, "-")]
-)
-def test_three_digits_or_all_before_the_point(value: float, text: str) -> None:
-    assert digits(value) == text

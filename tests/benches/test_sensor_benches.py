@@ -27,31 +27,10 @@ def test_roughness_and_scale_come_back():
     assert roughness == pytest.approx(0.6, abs=0.1)
 
 
-def wall(sigma: float) -> np.ndarray:
-    """Points [64, 1800, 3] of a wall 10 m ahead, as far as 45 degrees to the sides, with noise along the rays."""
-    rng = np.random.default_rng(1)
-    azimuth = np.pi - (np.arange(COLUMNS) + 0.5) / COLUMNS * 2 * np.pi
-    elevation = np.deg2rad(np.linspace(5, -5, 64))[:, None]
-    axes = (np.ones((64, COLUMNS)), np.tan(azimuth) * np.ones((64, 1)), np.tan(elevation) / np.cos(azimuth))
-    points = 10.0 * np.stack(axes, axis=2)
-    distance = np.linalg.norm(points, axis=2, keepdims=True)
-    points *= 1 + sigma * rng.standard_normal(distance.shape) / distance
-    points[:, np.abs(azimuth) > np.pi / 4] = 0.0
-    return points.astype(np.float32)
 
 
-def test_bends_in_rows_have_the_noise_of_the_range():
-    off, where = bends(Sweep(wall(0.01)), None)
-    assert len(off) == where.sum() > 10_000
-    assert np.sqrt(np.square(off).mean() / 1.5) == pytest.approx(0.01, rel=0.05)
 
 
-def test_planes_have_the_incidence_of_the_wall():
-    points = wall(0.001).reshape(-1, 3)
-    points = points[points[:, 0] > 0].astype(np.float64)
-    near, cosine = planes(points, 5)
-    assert near.shape[1] == 20
-    np.testing.assert_allclose(cosine, 10.0 / np.linalg.norm(points[near[:, 0]], axis=1), atol=0.1)
 
 
 def test_the_two_parts_of_noise_come_back():
@@ -65,16 +44,6 @@ def test_the_two_parts_of_noise_come_back():
     assert len(rows) == 6
 
 
-def test_holes_in_the_ground_are_counted_and_gaps_between_objects_are_not():
-    ranges, ground = np.full((2, 64), 20.0), np.ones((2, 64), bool)
-    ranges[0, [5, 6, 30]] = 0.0
-    ranges[1, 10 : 10 + LONGEST + 1] = 0.0
-    ranges[1, 40:] = 35.0
-    ranges[0, 50], ground[0, 51] = 0.0, False
-    before, dropped = holes(ranges, ground)
-    assert dropped.sum() == 3
-    assert sorted(dropped[dropped > 0].tolist()) == [1, 2]
-    assert set(before.tolist()) == {20.0, 35.0}
 
 
 def test_what_edges_lose_comes_back(capsys):

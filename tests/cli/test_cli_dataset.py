@@ -212,10 +212,6 @@ def test_a_larger_number_grows_the_set(capsys: pytest.CaptureFixture[str]) -> No
     assert files("set") == whole
 
 
-def test_a_shard_that_somebody_deletes_is_made_again() -> None:
-    whole = made("-n", "5", "-o", "set", "--jobs", "1")
-    Path("set/000000.tar").unlink()
-    assert made("-n", "5", "-o", "set", "--jobs", "1") == whole
 
 
 def test_files_of_a_recipe_lie_beside_it_or_at_their_whole_path() -> None:
@@ -258,10 +254,6 @@ def test_a_set_that_does_not_fit_is_refused_and_keeps_its_shards(capsys: pytest.
     assert Path("set/000000.tar").exists()
 
 
-def test_progress_shows_rate_and_time_left(shown_on_a_terminal: Callable[..., str]) -> None:
-    shown = shown_on_a_terminal("dataset", "recipe.toml", "-o", "set", "--jobs", "1")
-    assert "20/20" in shown
-    assert "scan/s" in shown
 
 
 BAD = [

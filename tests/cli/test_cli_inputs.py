@@ -290,31 +290,6 @@ def test_what_is_wrong_with_a_picture(photo: list[str], refused: Callable[..., s
     assert "plain.png is a FIFO; it must be a regular file" in refused(*plain)
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"size": [4, 2, 0]}, "every extent must be >= 1e-06 m"),
-        ({"center": [0, 0, float("nan")]}, "center"),
-        ({"label": "cars"}, "did you mean 'car'?"),
-        ({"colour": "red"}, "colour"),
-        ({"shape": "mesh", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 7]]}, "face 0"),
-    ],
-)
-def test_bad_layouts_are_one_line(refused: Callable[..., str], change: dict[str, object], said: str) -> None:
-    car = {
-        "shape": "box",
-        "center": [9, 0, 1],
-        "size": [4, 2, 2],
-        "yaw": 0,
-        "label": "car",
-        "id": "car_1",
-        "instance": 1,
-    }
-    document = {"schema": "lidardraft.layout/1", "primitives": [{**car, **change}]}
-    Path("layout.json").write_text(json.dumps(document))
-    message = refused("raycast", "--layout", "layout.json", "-o", "a.npz")
-    assert "layout.json" in message
-    assert said in message
 
 
 def test_a_blender_script_is_read_and_what_is_passed_over_is_said(capsys: pytest.CaptureFixture[str]) -> None:
@@ -394,10 +369,6 @@ def test_points_that_cannot_be_are_not_put_down_to_their_labels(refused: Callabl
     assert "a.bin" in refused("draft", "--points", "a.bin", "--labels", "b.label", "-o", "layout.json")
 
 
-def test_a_sensor_of_too_many_pixels_is_named(refused: Callable[..., str]) -> None:
-    Sensor(name="wide", elevations=(0.1, 0.0), columns=2**22).save("wide.json")
-    said = refused("draft", "--text", "a car ahead", "--sensor", "wide.json", "-o", "layout.json")
-    assert "wide.json: 2 beams of 4194304 columns" in said
 
 
 @pytest.mark.parametrize(

@@ -29,8 +29,6 @@ def box(id: str, center: Vector, size: Vector = (4.0, 2.0, 1.5), yaw: float = 0.
     return Primitive(id=id, center=center, size=size, yaw=yaw, **fields)  # type: ignore[arg-type]
 
 
-def test_empty_layout_is_well() -> None:
-    assert check(Layout()) == []
 
 
 def test_overlap_names_both_and_the_depth() -> None:
@@ -117,11 +115,6 @@ def test_grounded() -> None:
     assert grounded(bare) == []
 
 
-def test_only_the_lowest_part_must_stand() -> None:
-    trunk = Primitive(shape="cylinder", center=(9, 9, 1), size=(0.3, 0.3, 2), label="trunk", id="tree_1.trunk")
-    crown = Primitive(shape="ellipsoid", center=(9, 9, 4), size=(3, 3, 4), label="vegetation", id="tree_1.crown")
-    assert grounded(Layout((trunk, crown))) == []
-    assert [f.ids for f in grounded(Layout((crown,)))] == [("tree_1.crown",)]
 
 
 @pytest.mark.parametrize("curvature", [0.0, 0.01, -0.01])
@@ -134,9 +127,6 @@ def test_on_road(curvature: float) -> None:
     assert on_road(Layout((box("car_1", (5, 50, 0.75)),))) == []
 
 
-def test_on_road_message() -> None:
-    layout = Layout((*Road().surfaces(), box("car_1", (12, 20, 0.75)), box("p", (12, 25, 1), label="person")))
-    assert [f.message for f in on_road(layout)] == ["car_1 stands off the road at x = 12.0, y = 20.0 m"]
 
 
 def test_size() -> None:

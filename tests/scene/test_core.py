@@ -76,26 +76,6 @@ def refuses(
         np.testing.assert_array_equal(array, copy)
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"elevations": np.array([-0.1, 0.1])}, "elevation"),
-        ({"elevations": np.array([2.0, 0.0])}, "elevation"),
-        ({"elevations": np.array([np.nan, 0.0])}, "elevation"),
-        ({"elevations": np.array([])}, "beam"),
-        ({"azimuth_offsets": np.zeros(3)}, "3"),
-        ({"origins": np.zeros((3, 3))}, "origins has 3 entries; the sensor has 2 beams"),
-        ({"origins": np.array([[0, 0, 0], [0, np.inf, 0]])}, r"origins\[1\] is \[0.0, inf, 0.0\] m; "),
-        ({"columns": 0}, "column"),
-        ({"columns": -3}, "columns is -3"),
-        ({"azimuth_span": 7.0}, "span"),
-        ({"min_range": 5.0, "max_range": 5.0}, "range"),
-        ({"max_range": np.inf}, "range"),
-    ],
-)
-def test_patterns_that_cannot_be(change: dict[str, Any], said: str) -> None:
-    with pytest.raises(SensorError, match=said):
-        _core.SensorPattern(**{**PATTERN, **change})
 
 
 @pytest.mark.parametrize(
@@ -234,35 +214,8 @@ def test_a_scan_says_what_was_hit_and_what_was_not(backend: str | None) -> None:
     assert missed == {"depth": 0, "label": 0, "instance": 0, "primitive": -1, "incidence": 0, "normal": [0, 0, 0]}
 
 
-def test_a_batch_is_its_scans_and_images_may_be_left_out() -> None:
-    pattern = _core.SensorPattern(**PATTERN)
-    scene = _core.Scene(**{**BALL, "sizes": np.full((1, 3), 12.0)})
-    some = poses(3, 8)
-    some[..., 0, 3] = np.linspace(-3.0, 3.0, 24).reshape(3, 8)
-    batch = images(3)
-    scene.scan(pattern, some, **batch, threads=2)
-    assert (batch["depth"] > 0).any()
-    for i in range(3):
-        one = images(1)
-        scene.scan(pattern, some[i : i + 1], **one, threads=1)
-        for name in DTYPES:
-            np.testing.assert_array_equal(batch[name][i], one[name][0])
-        few = {name: one[name] for name in ("depth", "label", "instance")}
-        few["depth"][:] = UNTOUCHED
-        scene.scan(pattern, some[i : i + 1], **few)
-        np.testing.assert_array_equal(few["depth"][0], batch["depth"][i])
-    scene.scan(pattern, poses(0), **images(0))
 
 
-def test_rays_start_at_their_own_origins() -> None:
-    pattern = _core.SensorPattern(**{**PATTERN, "origins": np.array([[0.2, 0.1, 0.5], [0.0, 0.0, -1.0]])})
-    origins = pattern.origins()
-    assert origins.shape == (2, 8, 3)
-    azimuth = np.pi - (np.arange(8) + 0.5) * np.pi / 4
-    np.testing.assert_allclose(origins[0, :, 0], 0.2 * np.cos(azimuth) - 0.1 * np.sin(azimuth), atol=1e-15)
-    np.testing.assert_allclose(origins[0, :, 1], 0.2 * np.sin(azimuth) + 0.1 * np.cos(azimuth), atol=1e-15)
-    np.testing.assert_array_equal(origins[:, :, 2], [[0.5] * 8, [-1.0] * 8])
-    np.testing.assert_array_equal(pattern.points(np.zeros((2, 8), np.float32)), origins)
 
 
 def test_a_moved_scene_and_the_old_one() -> None:

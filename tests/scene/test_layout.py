@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from lidardraft.errors import FormatError, LayoutError, LidarDraftError
 from lidardraft.scene.box import Box, check_id
-from lidardraft.scene.layout import SCHEMA, Layout, Primitive, box_around, primitive_mesh
+from lidardraft.scene.layout import SCHEMA, Layout, Primitive, primitive_mesh
 from lidardraft.scene.mesh import TriangleMesh, unit_mesh
 from lidardraft.scene.placed_mesh import placed_mesh, shape_of, size_and_yaw
-from lidardraft.semantics import BY_NAME, CLASSES
+from lidardraft.semantics import CLASSES
 
 CAR = Primitive(shape="box", center=(10, 2, 0.75), size=(4.2, 1.8, 1.5), label="car", id="car_1", instance=1)
 numbers = st.floats(-1e3, 1e3)
@@ -65,18 +65,6 @@ def test_the_json_names_the_class_and_has_one_primitive_a_line():
         "instance": 1,
     }
     assert len(text.splitlines()) == 3
-
-
-def test_the_json_says_of_open_shapes_alone_that_they_are():
-    text = Layout(primitives=(dataclasses.replace(CAR, open=True),)).to_json()
-    assert json.loads(text)["primitives"][0] == {**CAR.to_dict(), "open": True}
-    assert "open" not in CAR.to_dict()
-
-
-def test_the_class_table_is_its_own_index():
-    assert [row.id for row in CLASSES] == list(range(len(CLASSES)))
-    assert len(BY_NAME) == len(CLASSES)
-    assert all(row.size is not None for row in CLASSES if row.is_thing)
 
 
 def test_a_layout_is_a_sequence_with_names():
@@ -237,14 +225,10 @@ def row(**changes):
     ("text", "message"),
     [
         ("{", r"not JSON: "),
-        ("[]", r"\[\] is no JSON object"),
         ("{}", r"schema is None; this version reads 'lidardraft.layout/1'"),
-        ("[" * 100_000, r"not JSON that can be read: it is nested too deeply"),
         ('{"schema": 1' + "0" * 1_000_000 + "}", r"not JSON: "),
-        (document(sky="blue"), r"unknown field 'sky'"),
         (document(schema="lidardraft.layout/9"), r"schema is 'lidardraft.layout/9'; this version reads"),
         (document(primitives={}), r"primitives is {}; it must be a list of objects"),
-        (document(primitives=[3]), r"3 is no JSON object"),
         (document(primitives=[{"id": "a"}]), r"a: 'center' is missing"),
         (document(primitives=row(colour="red")), r"car_1: unknown field 'colour'"),
         (document(primitives=row(shape="mesh", vertices=[[0, 0]], faces=[[0, 1, 2]])), r"car_1: a mesh needs vertices"),
@@ -254,7 +238,6 @@ def row(**changes):
             r"car_1: center is \[1e\+308, 0, 0\]; no number may be larger than",
         ),
         (document(primitives=row(size=[1, 10**400, 1])), r"car_1: size is .*; it must be 3 finite numbers"),
-        (document(primitives=row(material=["glass"])), r"car_1: material is \['glass'\]; it must be one of"),
         (
             document(primitives=row(shape="mesh", vertices=[[0, 0, 10**400]], faces=[[0, 1, 2]])),
             r"car_1: a mesh needs vertices",
@@ -268,16 +251,6 @@ def test_text_that_is_no_layout(tmp_path, text, message):
     (tmp_path / "a.json").write_text(text)
     with pytest.raises(LidarDraftError, match=r"a.json: " + message):
         Layout.load(tmp_path / "a.json")
-
-
-def test_a_box_around_a_turned_part_bounds_it():
-    long = Primitive(shape="box", center=(0, 0, 0.5), size=(4, 2, 1), label="car", id="a", instance=1)
-    turned = Primitive(
-        shape="box", center=(0, 0, 0.5), size=(3, 0.2, 1), label="car", id="b", instance=1, yaw=math.pi / 2
-    )
-    box = box_around([turned, long])
-    np.testing.assert_allclose(box.size, (4, 3, 1))
-    assert (box.id, box.yaw) == ("a", 0.0)
 
 
 BOX = Box("car_1", "car", 1, (1, 2, 3), (4, 2, 1), 0.0)
@@ -347,23 +320,6 @@ def test_yaw_turns_counter_clockwise() -> None:
     )
     # About the middle of its bounds (1, 0.5): (2, 0) goes to (1.5, 1.5).
     assert primitive_mesh(mark).vertices[1] == pytest.approx([1.5, 1.5, 0])
-
-
-def test_plane_is_its_rectangle() -> None:
-    plane = Primitive(shape="plane", center=(1, 2, 3), size=(4, 6, 0), label="road", id="a")
-    mesh = primitive_mesh(plane)
-    assert mesh.vertices.min(axis=0).tolist() == [-1, -1, 3]
-    assert mesh.vertices.max(axis=0).tolist() == [3, 5, 3]
-    normal = np.cross(mesh.vertices[1] - mesh.vertices[0], mesh.vertices[2] - mesh.vertices[0])
-    assert normal[2] > 0
-
-
-def test_mesh_primitive_comes_back() -> None:
-    vertices = np.array([[1.0, 2, 3], [4, 2, 3], [1, 7, 3], [1, 2, 9]])
-    faces = np.array([[0, 2, 1], [0, 1, 3]])
-    mesh = primitive_mesh(Primitive.from_mesh(vertices, faces, label="building", id="a"))
-    np.testing.assert_allclose(mesh.vertices, vertices)
-    assert mesh == TriangleMesh(mesh.vertices, faces)
 
 
 def test_meshes_are_compared_by_value_and_read_only() -> None:

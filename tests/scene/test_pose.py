@@ -29,8 +29,6 @@ def test_the_inverse_leads_back():
     np.testing.assert_allclose(inverse(pose) @ pose, np.eye(4), atol=1e-15)
 
 
-def test_an_upright_pose_stands_at_its_center():
-    np.testing.assert_allclose(upright((1, 2, 3), math.pi / 2) @ [1, 0, 0, 1], [1, 3, 3, 1], atol=1e-15)
 
 
 @pytest.mark.parametrize(

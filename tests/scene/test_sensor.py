@@ -93,8 +93,6 @@ def test_a_sensor_of_ones_own_is_a_json_file(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("{", r"mine.json: not JSON"),
-        ("[]", r"mine.json: \[\] is no JSON object"),
         ('{"name": "a", "columns": 4}', r"mine.json: 'elevations' is missing"),
         ('{"name": "a", "columns": 4, "elevations": [0], "colour": 1}', r"mine.json: unknown field 'colour'"),
         (
@@ -109,9 +107,7 @@ def test_a_sensor_of_ones_own_is_a_json_file(tmp_path):
             '{"name": "a", "columns": 4, "elevations": [0], "range_sigma": "x"}',
             r"mine.json: a: range_sigma is 'x'; it must be a finite number",
         ),
-        ('{"name": "a", "columns": 4, "elevations": ["0"]}', r"mine.json: a: elevations is \['0'\]; it must be a list"),
         ('{"name": "a", "columns": 4, "elevations": [1' + "0" * 400 + "]}", r"mine.json: a: elevations is "),
-        ('{"name": "a", "columns": 4' + "0" * 5000 + "}", r"mine.json: not JSON: "),
         (
             '{"name": ["a"], "columns": 4, "elevations": [0]}',
             r"mine.json: name is \['a'\]; it must be a string of 1 to 100 printable characters",
