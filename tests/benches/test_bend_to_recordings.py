@@ -1,7 +1,5 @@
 """Bending of simulated scans: what passes through, and what is learned, on sweeps whose truth is known."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -28,8 +26,6 @@ def examples() -> list[bench.Example]:
     return found
 
 
-
-
 def test_a_network_learns_what_is_read_and_what_is_lost(examples: list[bench.Example]) -> None:
     network = bench.trained(examples[:3], steps=400)
     bent = bench.by_network(network)(examples[3].simulated, 0)
@@ -37,8 +33,6 @@ def test_a_network_learns_what_is_read_and_what_is_lost(examples: list[bench.Exa
     both = bent.valid & truth.valid
     assert abs(bent.intensity[both].mean() - truth.intensity[both].mean()) < 0.03
     assert bent.valid[~truth.valid].mean() < bent.valid[truth.valid].mean() - 0.05
-
-
 
 
 def test_the_report_has_a_row_for_each_way(examples: list[bench.Example]) -> None:

@@ -3,7 +3,6 @@
 import json
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -12,10 +11,9 @@ import pytest
 import peer_analytic
 import peer_fresh
 import peer_triangles
-from compare_table import COLUMNS, Results, agreement, markdown, three_digits
-from peer_lidardraft import Peer, sensor_of
-from scenes import MAX_RANGE, SCENES, Body, Pattern, Scene, column_poses, hdl64, pose, poses, small
-from worker import PeerError, Worker, timed
+from compare_table import COLUMNS, Results, agreement, markdown
+from peer_lidardraft import Peer
+from scenes import SCENES, Body, Pattern, Scene, column_poses, hdl64, pose, poses, small
 
 COMPARE = Path(__file__).parents[2] / "benches" / "compare.py"
 
@@ -38,8 +36,6 @@ def test_one_table_and_a_line_for_who_is_not_there(tmp_path: Path) -> None:
     assert "scans/s" in result.stdout
     rounds = json.loads((tmp_path / "rounds.json").read_text())
     assert ["small", "triangles", 1, "cast"] in [entry[:4] for entry in rounds["seconds"]]
-
-
 
 
 def test_agreement_counts_ranges_within_tolerance_and_instances() -> None:
@@ -67,8 +63,6 @@ def test_rows_hold_medians_and_ratios() -> None:
     assert row["same analytic"] == "100.000%, 99.998%"
 
 
-
-
 def in_own_frame(body: Body) -> np.ndarray:
     """The vertices of a body where it is the unit shape."""
     cos, sin = np.cos(body.yaw), np.sin(body.yaw)
@@ -86,10 +80,6 @@ def test_the_triangles_lie_on_the_shapes_and_close_them(name: str) -> None:
         np.testing.assert_allclose(away, 1.0, atol=1e-4)
         edges = np.sort(body.faces[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
         assert set(np.unique(edges, axis=0, return_counts=True)[1]) == {2}
-
-
-
-
 
 
 SCENE = small()
@@ -159,9 +149,3 @@ def test_embree_in_packets_hits_the_same(threads: int) -> None:
     peer.cast(pose(0))
     with pytest.raises(RuntimeError, match="no packets"):
         peer.prepare(hdl64(beams=1, columns=7))
-
-
-
-
-
-

@@ -15,11 +15,10 @@ import report_generate
 import rival_r2dm
 from cases import street_set
 from generated_streets import compare_seeds
-from generator_arms import ARMS, CONFIG, OURS, Arm, gflop, learned
+from generator_arms import ARMS, CONFIG, OURS, Arm, learned
 from lidardraft import Pipeline
 from lidardraft.diffusion.codec import CONDITION_CHANNELS, STATE_CHANNELS, encode_rays
 from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.diffusion.noise import training_levels
 from lidardraft.evaluation import unseen_streets
 from lidardraft.formats.pairs import Pair, write_pairs
 from lidardraft.networks import weight_file
@@ -27,7 +26,7 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.training import denoising, recipes
 from lidardraft.training.pairs import PairFolder
 from lidardraft.training.processes import ALONE
-from rival_r2dm import R2DM, cosine_levels, doubled, halved
+from rival_r2dm import R2DM
 
 SENSOR = Sensor(name="small", elevations=tuple(math.radians(2 - 0.8 * row) for row in range(32)), columns=256)
 
@@ -95,8 +94,6 @@ def test_a_turn_of_all_that_it_sees_turns_what_it_says(cell: tuple[int, int]) ->
         assert not torch.allclose(network(seen, torch.tensor([5.0]), True), said, atol=10 * near)
 
 
-
-
 def test_the_right_v_is_the_clean_state() -> None:
     clean, noise = torch.randn(2, 1, STATE_CHANNELS, 16, 128)
     sigma = torch.tensor([0.7])
@@ -111,10 +108,6 @@ def test_the_right_v_is_the_clean_state() -> None:
 
     found = Knowing(16).denoise(clean + sigma * noise, sigma, RAYS, CONDITION, wraps=True)
     assert torch.allclose(found, clean, atol=1e-5)
-
-
-
-
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,6 @@ from PIL import Image
 
 import report_image
 import report_inputs
-from drawn_sketches import DrawnBox
 from lidardraft import Box, Layout, Primitive
 from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.semantics import BY_NAME
@@ -37,8 +36,6 @@ def test_the_horizon_is_where_the_camera_looks_level(pitch):
     assert picture.pixels[0, 50].tolist() == list(SKY)
     down = pitch + math.atan((60 - 30) / 100)
     assert picture.depth[60, 50] == pytest.approx(2 / math.sin(down) * math.cos(down - pitch), rel=1e-5)
-
-
 
 
 def test_errors_of_networks_are_of_the_size_that_is_said():
@@ -70,8 +67,6 @@ def test_what_was_found_is_held_against_what_there_is():
     assert math.isnan(other.centre)
 
 
-
-
 def test_vehicles_of_rendered_pictures_are_recovered():
     """What the report says, on four scenes: nine of ten vehicles that stand free within 0.5 m and 5 degrees."""
     rows = [row for scene in report_image.rendered(4) for row in scene]
@@ -90,8 +85,6 @@ def test_cars_of_kitti_are_recovered_from_the_depth_of_the_lidar():
     assert np.median(found) < 0.5
 
 
-
-
 DOCS = Path(__file__).parents[2] / "docs"
 
 
@@ -106,11 +99,7 @@ def test_the_pictures_of_the_docs_show_what_is_read_now(tmp_path: Path) -> None:
         assert f"({name}.png)" in (DOCS / f"{name}.md").read_text()
 
 
-
-
 def test_sketches_are_found_again(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(report_inputs, "SKETCHES", 2)
     report_inputs.report_sketches()
     assert "20 of 20 objects of 2 sketches found within 1 m, and 0 that nobody drew" in capsys.readouterr().out
-
-

@@ -14,15 +14,14 @@ import report_two_sample
 from cases import Case, CaseSet, street_set
 from lidardraft import RangeImage, layout_from_cloud, layout_from_text, raycast, simulate
 from lidardraft.metrics.sweep import Sweep
-from lidardraft.scan import save_observed
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
 from lidardraft.streets import StreetConfig, streets
-from markdown_table import digits, table
+from markdown_table import table
 from object_labels import FittedBox, LabelledBoxes, iou, recovered
 from recordings import Recordings
-from report_cloud import Group, by_class, measure
-from report_detail import SENTENCES, new_counts, of_recording, of_sentences, of_streets
+from report_cloud import Group, measure
+from report_detail import SENTENCES, new_counts, of_sentences, of_streets
 from report_simulate import EQUAL, losses, markdown, report, table_of
 
 needs_recordings = pytest.mark.skipif(
@@ -52,10 +51,6 @@ def test_other_streets_are_as_lifelike_as_streets() -> None:
     assert set(pooled["range (JSD)"]) == {"a", "b", "streets"}
 
 
-
-
-
-
 @needs_recordings
 def test_kitti_fills_its_rows() -> None:
     sweeps = recordings.hdl64e(data(), 1024)
@@ -72,12 +67,6 @@ def test_kitti_fills_its_rows() -> None:
     assert labels is not None
     assert np.isin([BY_NAME["road"].id, BY_NAME["building"].id], labels).all()
     assert sweeps.shares["all of SemanticKITTI"].sum() == pytest.approx(0.98, abs=0.02)
-
-
-
-
-
-
 
 
 @needs_recordings
@@ -174,8 +163,6 @@ def test_the_details_of_sentences_obey_and_the_table_says_so() -> None:
     assert lines[-1].startswith("| all objects | 0.")
 
 
-
-
 CAR = BY_NAME["car"].id
 
 
@@ -194,8 +181,6 @@ def test_the_layout_of_a_cast_comes_near_it(group: Group) -> None:
     assert row["empty"] < 0.02
     assert abs(row["along rays"] - row["near"]) < 0.02
     assert measure(group, "objects")["primitives"] < row["primitives"]
-
-
 
 
 def box(x: float, y: float, length: float = 4.0, width: float = 2.0, yaw: float = 0.0) -> FittedBox:
@@ -230,5 +215,3 @@ def test_a_car_is_found_where_its_points_make_a_box() -> None:
 def test_columns_are_those_of_all_rows() -> None:
     lines = table({"one": {"a": 1.0}, "two": {"b": 0.1234, "a": math.nan}}).splitlines()
     assert lines == ["| | a | b |", "|---|---:|---:|", "| one | 1 | - |", "| two | - | 0.123 |"]
-
-

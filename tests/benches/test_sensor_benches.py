@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fit_sensor import COLUMNS, LONGEST, bends, fit_noise, fit_roughness, holes, planes, report_edges
+from fit_sensor import fit_noise, fit_roughness, report_edges
 from lidardraft.calibration.street_casts import StreetCasts
-from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.materials import Material, diffuse_response
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.scene.sensor_model import MODELS
@@ -27,12 +26,6 @@ def test_roughness_and_scale_come_back():
     assert roughness == pytest.approx(0.6, abs=0.1)
 
 
-
-
-
-
-
-
 def test_the_two_parts_of_noise_come_back():
     rng = np.random.default_rng(2)
     power = np.exp(rng.uniform(np.log(11), np.log(90_000), 60_000))
@@ -42,8 +35,6 @@ def test_the_two_parts_of_noise_come_back():
     assert floor == pytest.approx(0.01, rel=0.1)
     assert jitter == pytest.approx(0.1, rel=0.1)
     assert len(rows) == 6
-
-
 
 
 def test_what_edges_lose_comes_back(capsys):

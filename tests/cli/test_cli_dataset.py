@@ -212,8 +212,6 @@ def test_a_larger_number_grows_the_set(capsys: pytest.CaptureFixture[str]) -> No
     assert files("set") == whole
 
 
-
-
 def test_files_of_a_recipe_lie_beside_it_or_at_their_whole_path() -> None:
     Path("a[1]").mkdir()
     inside = Path("a[1]/recipe.toml")
@@ -252,8 +250,6 @@ def test_a_set_that_does_not_fit_is_refused_and_keeps_its_shards(capsys: pytest.
     assert err.count("\n") == 1
     assert "scans are left and take" in err
     assert Path("set/000000.tar").exists()
-
-
 
 
 BAD = [

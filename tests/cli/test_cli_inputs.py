@@ -1,6 +1,5 @@
 """What layouts are made of: sentences, labelled scans, boxes, 3D models, layout files."""
 
-import json
 import math
 import os
 from collections.abc import Callable
@@ -290,8 +289,6 @@ def test_what_is_wrong_with_a_picture(photo: list[str], refused: Callable[..., s
     assert "plain.png is a FIFO; it must be a regular file" in refused(*plain)
 
 
-
-
 def test_a_blender_script_is_read_and_what_is_passed_over_is_said(capsys: pytest.CaptureFixture[str]) -> None:
     Path("scene.py").write_text(SCRIPT + "bpy.ops.render.render()\nopen_ = 5\n")
     assert cli.main(["draft", "--blender", "scene.py", "--class", "Blob=car", "-o", "layout.json"]) == 0
@@ -367,8 +364,6 @@ def test_points_that_cannot_be_are_not_put_down_to_their_labels(refused: Callabl
     kitti.write_bin("a.bin", np.array([[5000, 0, 0], [1, 2, 3]], np.float32), np.ones(2, np.float32))
     Path("b.label").write_bytes(np.array([10, 10], "<u4").tobytes())
     assert "a.bin" in refused("draft", "--points", "a.bin", "--labels", "b.label", "-o", "layout.json")
-
-
 
 
 @pytest.mark.parametrize(

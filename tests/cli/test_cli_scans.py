@@ -95,8 +95,6 @@ def test_a_layout_without_ground_is_said_in_one_line(capsys: pytest.CaptureFixtu
     assert err == "lidardraft: the layout has no ground (road, sidewalk or terrain): nothing returns from it\n"
 
 
-
-
 STREET = ["simulate", "--street", "residential", "--seed", "7", "--poses", "2", *SMALL]
 
 
@@ -164,8 +162,6 @@ def test_bad_input_of_streets_is_one_line(refused: Callable[..., str], capsys: p
             cli.main([command, "--street", "any", "-o", "out"])
 
 
-
-
 def names(folder: str) -> set[str]:
     return {path.name for path in Path(folder).iterdir()}
 
@@ -189,8 +185,6 @@ def test_generate_from_text(capsys: pytest.CaptureFixture[str]) -> None:
     fields = json.loads(Path("out/000000.layout.json").read_text())["primitives"][0]
     assert {"shape", "center", "size", "yaw", "label", "id", "instance"} <= set(fields)
     assert Sensor.load("out/000000.sensor.json") == Sensor.load("small.json")
-
-
 
 
 def test_generate_from_a_labelled_scan(capsys: pytest.CaptureFixture[str]) -> None:
@@ -220,8 +214,6 @@ def test_bad_weights_and_devices_are_one_line(refused: Callable[..., str]) -> No
     weights.write_bytes((Path(pipeline.__file__).parent / "weights/street.safetensors").read_bytes()[:-100])
     assert "cut.safetensors" in refused(*generate, "--weights", str(weights))
     assert "abacus" in refused(*generate, "--device", "abacus")
-
-
 
 
 def test_one_scan_shows_its_progress(shown_on_a_terminal: Callable[..., str]) -> None:

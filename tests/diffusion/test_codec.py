@@ -15,7 +15,6 @@ from lidardraft.diffusion.codec import (
     DEPTH,
     INTENSITY,
     MAX_DEPTH,
-    RAY_CHANNELS,
     STATE_CHANNELS,
     VALIDITY,
     decode_scan,
@@ -118,13 +117,6 @@ def test_dropped_pixels_of_a_sector_do_not_look_around_the_ring() -> None:
     np.testing.assert_array_equal(state[DEPTH, 1], FAR[1])
 
 
-def test_rolling_the_scan_rolls_the_state() -> None:
-    rng = np.random.default_rng(0)
-    depth = np.where(rng.random(SENSOR.shape) < 0.5, rng.uniform(1, 100, SENSOR.shape), 0)
-    rolled = encode_scan(image(np.roll(depth, 3, axis=1)))
-    np.testing.assert_array_equal(rolled, np.roll(encode_scan(image(depth)), 3, axis=2))
-
-
 def test_a_scan_without_intensities_has_the_mean_one() -> None:
     without = encode_scan(image(np.ones(SENSOR.shape)))[INTENSITY]
     assert not without.any()
@@ -194,20 +186,9 @@ def test_what_stands_in_open_pixels_does_not_show_in_the_condition() -> None:
     np.testing.assert_array_equal(condition[:, given], closed[:, given])
 
 
-@pytest.mark.parametrize("name", ["hdl64e", "hdl32e", "vlp16", "os1-128"])
-def test_every_sensors_rays_are_of_order_one(name: str) -> None:
-    rays = encode_rays(Sensor.preset(name))
-    assert rays.shape == (RAY_CHANNELS, *Sensor.preset(name).shape)
-    assert np.abs(rays).max() < 3
-
-
 def test_rays_say_what_the_vehicle_hides() -> None:
     hidden = dataclasses.replace(SENSOR, blocked=(((-0.5, 0.5),), (), (), ()))
     np.testing.assert_array_equal(encode_rays(hidden)[4], hidden.blocked_pixels)
-
-
-def test_one_beam_has_a_spacing() -> None:
-    assert np.isfinite(encode_rays(Sensor(name="one", elevations=(0.0,), columns=8))).all()
 
 
 ABOVE = Sensor(name="small", elevations=tuple(np.linspace(0.05, -0.4, 16).tolist()), columns=128)
@@ -241,9 +222,3 @@ def test_the_view_turns_and_moves_with_the_sensor() -> None:
     away = dataclasses.replace(CAR, center=(50, 8, 0.75))
     moved = top_view(Layout(primitives=(ROAD, away)), ABOVE, ABOVE.pose(x=50))
     np.testing.assert_array_equal(moved.label, here.label)
-
-
-def test_where_nothing_is_there_is_no_return() -> None:
-    image = top_view(Layout(primitives=(CAR,)), ABOVE, ABOVE.pose())
-    assert set(np.unique(image.label)) == {0, BY_NAME["car"].id}
-    assert not image.valid[image.label == 0].any()

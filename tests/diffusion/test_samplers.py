@@ -97,17 +97,6 @@ def test_the_sampler_converges_with_the_second_order() -> None:
     assert 3.0 < middle / fine < 5.5
 
 
-def test_the_sampler_calls_once_and_yields_once_a_step() -> None:
-    seen: list[float] = []
-
-    def denoise(x: Tensor, sigma: Tensor) -> Tensor:
-        seen.append(sigma[0].item())
-        return of_a_gaussian(x, sigma)
-
-    assert len(list(sample_multistep(denoise, torch.randn(2, 3), karras_levels(8)))) == 8
-    assert seen == pytest.approx(karras_levels(8)[:-1])
-
-
 def test_samples_of_a_finite_data_set_are_its_points_in_their_shares() -> None:
     points = torch.tensor([[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
     sigmas = karras_levels(20, sigma_min=0.002)
@@ -210,18 +199,6 @@ def test_the_step_is_what_ncsnv2_publishes(sigma_max: float, levels: int, update
     assert langevin_step(above / below, updates) * 0.01**2 == pytest.approx(published, rel=0.02)
 
 
-def test_levels_fall_geometrically() -> None:
-    levels = geometric_levels(232)
-    assert (levels[0], levels[-1]) == pytest.approx((50.0, 0.01))
-    ratios = [above / below for above, below in itertools.pairwise(levels)]
-    assert ratios == pytest.approx([5000 ** (1 / 231)] * 231)
-    assert geometric_levels(1) == [50.0]
-    with pytest.raises(LidarDraftError, match="steps is 0"):
-        geometric_levels(0)
-    with pytest.raises(LidarDraftError, match=r"starts at the noise level 0\.01; it must be greater than 0\.01"):
-        geometric_levels(3, sigma_max=0.01)
-
-
 def spread_of_a_gaussian(sigmas: list[float]) -> float:
     """The standard deviation that the updates leave, in closed form: each is linear in x, with independent noise."""
     step, variance = langevin_step(sigmas[0] / sigmas[1], 5), sigmas[0] ** 2
@@ -239,11 +216,6 @@ def test_a_gaussian_is_sampled_with_its_mean_and_the_spread_that_the_updates_lea
     *_, end = sample_langevin(of_a_gaussian, x, sigmas, lambda: torch.randn(x.shape, generator=generator))
     assert end.mean().item() == pytest.approx(MEAN, abs=0.015)
     assert end.std().item() == pytest.approx(spread_of_a_gaussian(sigmas), rel=0.015)
-
-
-def test_fewer_levels_leave_more_spread_than_the_data_have() -> None:
-    few, lidargens, more = (spread_of_a_gaussian(geometric_levels(levels)) / STD for levels in (30, 232, 2000))
-    assert (few, lidargens, more) == pytest.approx((1.17, 1.067, 1.055), abs=0.005)
 
 
 def test_points_are_sampled_in_their_shares() -> None:

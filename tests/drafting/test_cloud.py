@@ -173,12 +173,6 @@ def test_the_layout_says_where_it_came_from_and_stays_the_same():
     assert layout == Layout.from_json(layout.to_json())
 
 
-def test_the_order_of_numbers_does_not_matter_only_their_equality():
-    points, labels, instances = street_cloud()
-    other = np.where(instances > 0, instances + 500, 0).astype(np.uint32)
-    assert layout_from_cloud(points, labels, instances=instances) == layout_from_cloud(points, labels, instances=other)
-
-
 def test_a_facade_around_the_sensor_does_not_swallow_it():
     walls = Layout(
         primitives=(

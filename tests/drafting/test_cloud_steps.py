@@ -19,7 +19,6 @@ from lidardraft.drafting.cloud.fitting import completions, contain, fit_box, fit
 from lidardraft.drafting.cloud.ground import GROUND_IDS, surfaces
 from lidardraft.drafting.cloud.layout import clusters_of
 from lidardraft.drafting.cloud.rules import DETAILS
-from lidardraft.errors import LayoutError
 from lidardraft.scene.layout import Layout, Primitive, primitive_mesh
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.semantics import BY_NAME
@@ -153,12 +152,6 @@ def test_neighbours_are_further_apart_at_long_range():
     line = np.column_stack([np.zeros(20), 0.9 * np.arange(20), np.zeros(20)])
     assert len(clusters_of(line + np.array([80.0, 0, 0]), 0.4, 2)) == 1
     assert clusters_of(line + np.array([5.0, -8.0, 0]), 0.4, 2) == []
-
-
-def test_no_points_and_equal_points_are_fine():
-    assert clusters_of(np.zeros((0, 3)), 0.5, 2) == []
-    (only,) = clusters_of(np.ones((7, 3)), 0.5, 2)
-    assert len(only) == 7
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -396,16 +389,6 @@ def test_a_piece_is_larger_than_its_points_by_what_beams_are_apart():
     np.testing.assert_allclose(np.sort(box[3:6])[1:], [3.8 + 0.3, 9.8 + 0.3], atol=0.01)
 
 
-def test_points_at_one_place_cannot_be_parted():
-    assert len(refined(np.full((50, 3), 5.0), "objects")[1]) == 1
-
-
-def test_no_clusters_become_nothing():
-    clusters, boxes = refined(np.ones((3, 3)), clusters=np.zeros(3))
-    assert clusters.shape == (0,)
-    assert boxes.shape == (0, 7)
-
-
 @settings(max_examples=30, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_rays_through_boxes_are_counted_as_one_by_one(seed):
@@ -424,15 +407,6 @@ def test_rays_through_boxes_are_counted_as_one_by_one(seed):
         inside = (local < box[3:5] / 2).all(axis=1) & (points[:, 2] > box[2] - box[5] / 2)
         expected.append(weights[hidden & ~inside].sum())
     np.testing.assert_allclose(cloud_of(points).passed(weights, boxes, boxes), expected, rtol=1e-6, atol=1e-6)
-
-
-def test_columns_of_another_length_are_refused():
-    points = wall((10, -5), (10, 5))
-    cloud = cloud_of(points)
-    with pytest.raises(LayoutError, match=f"labels has 3 entries; there are {len(points)} points"):
-        cloud.ground(np.zeros(3, dtype=np.uint8), [1])
-    with pytest.raises(LayoutError, match=r"cores has the shape \[2, 6\]; it must be \[B, 7\]"):
-        cloud.passed(np.ones(len(points)), np.ones((2, 6)), np.ones((2, 6)))
 
 
 def test_the_rules_are_about_classes_that_exist():

@@ -11,7 +11,7 @@ from scipy import ndimage
 
 from lidardraft.drafting.sketch.centre_lines import CentreLine, centre_lines, thinned
 from lidardraft.drafting.sketch.masks import shapes_of_mask
-from lidardraft.drafting.sketch.shapes import Blob, SketchFrame, Stroke, resampled, smooth, without_bumps
+from lidardraft.drafting.sketch.shapes import Blob, SketchFrame, Stroke, smooth, without_bumps
 from lidardraft.errors import FormatError
 
 
@@ -139,17 +139,6 @@ def test_what_is_in_one_piece_stays_in_one_piece_with_its_holes() -> None:
     )
 
 
-def test_points_are_evenly_apart() -> None:
-    corner = np.array([(0.0, 0.0), (10.0, 0.0), (10.0, 0.0), (10.0, 10.0)])
-    line, spacing = resampled(corner, 0.7)
-    assert spacing == pytest.approx(20 / 29)
-    np.testing.assert_allclose(line[[0, -1]], corner[[0, -1]])
-    assert np.sort(np.linalg.norm(np.diff(line, axis=0), axis=1))[1:] == pytest.approx(
-        spacing
-    )  # one goes over the corner
-    assert len(resampled(corner, 100.0)[0]) == 4
-
-
 def test_smoothing_takes_bumps_and_leaves_straight_lines_points_and_rings() -> None:
     line = np.linspace((0.0, 0.0), (60.0, 20.0), 61)
     for same in (line, np.zeros((4, 2))):
@@ -197,15 +186,6 @@ def test_what_is_long_is_a_stroke_if_its_class_has_strokes() -> None:
     assert np.linalg.norm(ahead) == pytest.approx(16, abs=0.6)
     (blob,) = shapes_of_mask(mask, FRAME, "bus", (), "")
     assert isinstance(blob, Blob)
-
-
-def test_a_single_pixel_is_a_blob() -> None:
-    mask = np.zeros((5, 5), bool)
-    mask[2, 3] = True
-    (blob,) = shapes_of_mask(mask, SketchFrame(np.array([3.0, 2.0]), 0.5), "person", (), "")
-    assert isinstance(blob, Blob)
-    np.testing.assert_allclose(blob.center, 0.0)
-    assert (blob.length, blob.width) == pytest.approx((0.5, 0.5))
 
 
 def test_an_outline_of_an_object_is_filled_and_one_of_a_hedge_is_not() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lidardraft.drafting.sketch.objects import NotDrawnError, Placed, kind_of, objects_of_blob, objects_of_stroke
-from lidardraft.drafting.sketch.shapes import MOST_SHAPES, Blob, Sketch, SketchFrame, Stroke
+from lidardraft.drafting.sketch.shapes import MOST_SHAPES, Blob, Sketch, Stroke
 from lidardraft.drafting.sketch.surfaces import Nearest, drawn_surfaces, ground_primitives, heading, height_at
 from lidardraft.errors import FormatError
 from lidardraft.objects.coarse_shapes import extents
@@ -46,11 +46,6 @@ def size_of(placed: Placed) -> tuple[float, float, float]:
 
 def surfaces(*strokes: Stroke) -> list[Primitive]:
     return list(ground_primitives(drawn_surfaces(Sketch(1.0, False, strokes=list(strokes)))))
-
-
-def test_up_on_the_sheet_is_ahead_and_left_is_left() -> None:
-    places = SketchFrame(np.array([50.0, 80.0]), 0.2).to_layout(np.array([(50.0, 80.0), (50.0, 30.0), (40.0, 80.0)]))
-    np.testing.assert_allclose(places, [(0, 0), (10, 0), (0, 2)])
 
 
 def test_a_sketch_has_so_many_shapes_at_most() -> None:

@@ -12,7 +12,6 @@ from lidardraft.drafting.sketch.painting import (
     PAPER,
     UNKNOWN,
     classes_of_pixels,
-    filled,
     read_painting,
     without_specks,
 )
@@ -159,10 +158,6 @@ def test_every_colour_of_the_palette_is_itself() -> None:
     assert found[4::9, 4].tolist() == [PAPER, *range(1, 21), EGO, BAR]
 
 
-def test_a_colour_of_nothing_has_no_class() -> None:
-    assert (classes_of_pixels(np.full((9, 9, 3), (255, 128, 128), np.uint8)) == UNKNOWN).all()
-
-
 @pytest.mark.parametrize("label", ["car", "building", "road", "person", "vegetation"])
 def test_smooth_edges_show_no_other_class(label: str) -> None:
     """Between white and dark blue, say, lies the colour of walls."""
@@ -195,7 +190,3 @@ def test_specks_lines_of_a_pixel_and_unknown_colours_become_what_is_around_them(
     assert count == 27 + 4 + 4
     assert np.count_nonzero(cleaned == 13) == 100
     assert set(np.unique(cleaned)) == {1, 13}
-
-
-def test_nothing_but_gaps_is_paper() -> None:
-    assert (filled(np.full((3, 3), 7, np.uint8), np.ones((3, 3), bool)) == PAPER).all()

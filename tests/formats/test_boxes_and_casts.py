@@ -33,8 +33,6 @@ def test_reading_gives_what_was_written(tmp_path):
     }
 
 
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -1,7 +1,6 @@
 """Binary glTF, and the layouts in it."""
 
 import base64
-import codecs
 import dataclasses
 import json
 import math
@@ -224,8 +223,6 @@ def test_gltf_as_text_with_its_buffers_in_it(tmp_path: Path) -> None:
     assert (box.shape, box.size) == ("box", (1, 1, 1))
 
 
-
-
 def test_the_name_of_a_mesh_says_the_class_where_no_other_does(tmp_path: Path) -> None:
     """Most meshes are called "Cube": what `classes` says of that is not said of a node whose name says its class."""
     assert read(tmp_path, {"name": "Wall", "mesh": 0}, classes={"Cube": "car"}).primitives[0].label == "wall"
@@ -245,10 +242,6 @@ def test_shapes_stand_upright_along_y_as_along_z(tmp_path: Path) -> None:
         (tmp_path / "a.glb").write_bytes(glb_bytes(fields, vertices + faces))
         (pole,) = layout_from_glb(tmp_path / "a.glb")
         assert (pole.shape, pole.center) == ("cylinder", pytest.approx((1, -3, 2)))
-
-
-
-
 
 
 @pytest.mark.parametrize(
@@ -286,8 +279,6 @@ def test_arrays_with_a_stride() -> None:
         GlbFile(document, (memoryview(values),)).array(0, "VEC3")
 
 
-
-
 def test_of_the_extensions_only_those_that_are_not_read_are_named() -> None:
     needed = ["KHR_materials_unlit", "KHR_draco_mesh_compression"]
     with pytest.raises(FormatError, match=r"extensions that are not read, \['KHR_draco_mesh_compression'\] \(export"):
@@ -316,5 +307,3 @@ def test_the_header_and_the_alignment_are_those_of_the_format() -> None:
         assert view["byteOffset"] + view["byteLength"] <= document["buffers"][0]["byteLength"]
         assert accessor["type"] == "SCALAR" or len(accessor["min"]) == 3
     assert [node["extras"]["class"] for node in document["nodes"][1:]] == [p.label for p in EVERYTHING]
-
-

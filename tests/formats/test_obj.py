@@ -1,7 +1,6 @@
 """Wavefront OBJ, and the layouts in it."""
 
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -52,8 +51,6 @@ def test_names_that_say_no_class_are_listed(tmp_path):
     ]
 
 
-
-
 def test_materials_say_the_class_and_are_parts_of_one_thing(tmp_path):
     (tmp_path / "a.mtl").write_text("newmtl car\nKd 1 0 0\nnewmtl paint\nKd 0 1 0\n")
     (tmp_path / "a.obj").write_text(
@@ -74,8 +71,6 @@ def test_axes_and_unit(tmp_path):
     y_up = layout_from_obj(path, up="y").primitives[0]
     np.testing.assert_allclose(y_up.center, (3, -3, 3))
     np.testing.assert_allclose(y_up.size, (4, 0, 2))
-
-
 
 
 @pytest.mark.parametrize("layout", [EVERYTHING, *drafted()])
@@ -104,8 +99,6 @@ def test_words_of_names_say_the_class_too(tmp_path):
     assert [p.id for p in layout][3:] == ["car_1.body", "car_1.roof"]
 
 
-
-
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -131,8 +124,6 @@ def test_numbered_parts_are_one_thing(tmp_path):
         ("Car_1_Glass", 1),
         ("Car_2_Paint", 2),
     ]
-
-
 
 
 SENSOR = Sensor(name="few", elevations=(0.2, 0.0, -0.2), columns=8)

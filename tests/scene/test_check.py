@@ -29,8 +29,6 @@ def box(id: str, center: Vector, size: Vector = (4.0, 2.0, 1.5), yaw: float = 0.
     return Primitive(id=id, center=center, size=size, yaw=yaw, **fields)  # type: ignore[arg-type]
 
 
-
-
 def test_overlap_names_both_and_the_depth() -> None:
     layout = Layout((box("car_1", (10, 0, 0.75)), box("car_2", (13.6, 0, 0.75))))
     (finding,) = overlap(layout)
@@ -115,8 +113,6 @@ def test_grounded() -> None:
     assert grounded(bare) == []
 
 
-
-
 @pytest.mark.parametrize("curvature", [0.0, 0.01, -0.01])
 def test_on_road(curvature: float) -> None:
     road = Road(curvature=curvature)
@@ -125,8 +121,6 @@ def test_on_road(curvature: float) -> None:
         layout = Layout((*road.surfaces(), box("car_1", (x, y, 0.75), yaw=yaw)))
         assert len(on_road(layout)) == findings
     assert on_road(Layout((box("car_1", (5, 50, 0.75)),))) == []
-
-
 
 
 def test_size() -> None:

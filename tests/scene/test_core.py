@@ -76,8 +76,6 @@ def refuses(
         np.testing.assert_array_equal(array, copy)
 
 
-
-
 @pytest.mark.parametrize(
     ("change", "said"),
     [
@@ -212,10 +210,6 @@ def test_a_scan_says_what_was_hit_and_what_was_not(backend: str | None) -> None:
     assert hit["normal"] == pytest.approx([-1.0, 0.0, 0.0], abs=0.02)
     missed = {name: array[0, 1, 0].tolist() for name, array in out.items()}
     assert missed == {"depth": 0, "label": 0, "instance": 0, "primitive": -1, "incidence": 0, "normal": [0, 0, 0]}
-
-
-
-
 
 
 def test_a_moved_scene_and_the_old_one() -> None:

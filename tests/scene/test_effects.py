@@ -134,8 +134,6 @@ def test_ray_drop_follows_the_power(distance: float):
     assert scan.valid.mean() == pytest.approx(math.exp(-2 / power**1.25), abs=0.02)
 
 
-
-
 def test_the_drop_exponent_holds_for_near_bright_surfaces():
     assert seen(wall(3.0), replace(IDEAL, drop_exponent=0.1)).valid.mean() == pytest.approx(math.exp(-0.1), abs=0.01)
 
@@ -389,8 +387,6 @@ def test_what_would_read_less_than_the_cutoff_reads_0():
     np.testing.assert_array_equal(differing > 0, again > 0)
 
 
-
-
 def test_range_noise_grows_as_power_falls():
     model = replace(IDEAL, jitter=0.1, detection_threshold=1e-5)
     noisy = replace(SENSOR, range_sigma=0.02)
@@ -470,5 +466,3 @@ def test_a_scan_is_a_cast_that_is_observed() -> None:
             assert same(scan, expected)
     assert expected.valid.mean() > 0.3
     assert Scanner.from_layout(LAYOUT, FEW).model == SensorModel()
-
-

@@ -1,5 +1,3 @@
-import math
-
 import numpy as np
 import pytest
 
@@ -27,8 +25,6 @@ def test_the_inverse_leads_back():
     pose = upright((3.0, -2.0, 1.0), 0.7)
     pose[:3, :3] = pose[:3, :3] @ rotations(np.array([[0.1, 0.2, -0.3]]))[0]
     np.testing.assert_allclose(inverse(pose) @ pose, np.eye(4), atol=1e-15)
-
-
 
 
 @pytest.mark.parametrize(

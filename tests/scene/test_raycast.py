@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 from strategies import layouts, poses, sensors
 
 from lidardraft.errors import LayoutError, SensorError
-from lidardraft.scene import edit
 from lidardraft.scene.effects import observe
 from lidardraft.scene.layout import Layout, Primitive, box_around
 from lidardraft.scene.pose import rotations, upright
@@ -80,10 +79,6 @@ def test_turning_the_sensor_by_columns_rolls_the_image(columns):
     # A ray on the rim of a shape may fall to either side of it.
     same = np.isclose(turned.depth, np.roll(still.depth, columns, axis=1), rtol=1e-4)
     assert same.mean() > 0.99
-
-
-
-
 
 
 def test_meshes_in_any_memory_order_are_cast():
@@ -232,8 +227,6 @@ def test_a_moved_object_is_cast_where_it_stands(name, object):
     assert differing(caster.scan(FINE), raycast(there, FINE)) < 0.001
 
 
-
-
 @settings(max_examples=25, deadline=None)
 @given(layouts().filter(len), sensors(), poses(), poses(), st.data())
 def test_the_world_moved_one_way_is_the_sensor_moved_the_other(layout, sensor, pose, motion, data):
@@ -247,8 +240,6 @@ def test_the_world_moved_one_way_is_the_sensor_moved_the_other(layout, sensor, p
     assert np.sum(
         (still.instance != moved.instance) | ~np.isclose(still.depth, moved.depth, rtol=1e-4, atol=1e-2)
     ) <= max(2, 0.02 * still.depth.size)
-
-
 
 
 def test_only_the_thing_that_moved_has_moved():

@@ -11,7 +11,7 @@ from strategies import layouts, poses, sensors
 from lidardraft.errors import LayoutError, LidarDraftError, SensorError
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage, RangeImageBatch, images_of
-from lidardraft.scene.raycast import Raycaster, raycast
+from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.sensor import Sensor
 
 SENSOR = Sensor(name="small", elevations=tuple(np.linspace(0.2, -0.4, 16)), columns=64, max_range=100.0)
@@ -46,10 +46,6 @@ def test_a_scan_into_an_older_image_is_the_scan_in_its_memory(options):
     assert (out.depth != CASTER.scan(SENSOR, POSES[0]).depth).any()
 
 
-
-
-
-
 def test_normals_are_of_unit_length_and_look_at_the_sensor():
     image = CASTER.scan(SENSOR, POSES[2], normal=True, incidence=True)
     assert image.normal is not None
@@ -68,8 +64,6 @@ def test_an_empty_image_is_one_without_returns_and_takes_a_scan():
     for image in (out, CASTER.scan(SENSOR, POSES[1], out=out), CASTER.scan_batch(SENSOR, POSES, **ALL)):
         assert_same(dataclasses.replace(image), image)  # it passes the checks of an image
     assert_same(out, CASTER.scan(SENSOR, POSES[1], **ALL))
-
-
 
 
 def test_a_batch_writes_into_a_batch():
@@ -181,8 +175,6 @@ def test_images_of_a_batch_are_views():
     assert image.intensity is None
     assert image.primitive is None
     assert dataclasses.replace(image).depth is image.depth
-
-
 
 
 def test_images_that_are_not_in_the_batch():

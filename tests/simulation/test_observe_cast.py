@@ -246,8 +246,3 @@ def test_a_single_beam_has_neighbours_in_its_row_alone() -> None:
     image, found = cast(one, Layout((ROAD,)))
     np.testing.assert_allclose(found, math.sin(0.1), atol=1e-3)
     assert image.valid.all()
-
-
-def test_an_empty_image_has_none() -> None:
-    _, found = cast(SECTOR, Layout())
-    assert (found == 0).all()

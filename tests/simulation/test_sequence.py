@@ -172,11 +172,6 @@ def test_a_file_of_tracks_moves_everything_again(tmp_path: Path) -> None:
             np.testing.assert_allclose(box.center, other.center, atol=5e-3)
 
 
-def test_a_file_of_tracks_goes_with_a_layout_of_no_objects() -> None:
-    tracks = tracks_of(street(), Scenario(), 2.0)
-    assert tracks_of(street(), tracks.scenario(), 2.0).ego.moves()
-
-
 @pytest.mark.parametrize("motion", [Walk((14.0, 9.0)), Waypoints(((0, 14, -6), (5, 20, -6))), Straight(2.0)])
 def test_a_flash_is_a_sequence_of_one_frame(motion: Motion) -> None:
     person = car(14, -6, label="person")

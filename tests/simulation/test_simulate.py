@@ -125,13 +125,6 @@ def test_a_layout_without_ground_is_a_warning_and_is_scanned() -> None:
         simulate(Layout((ROAD,)), SMALL)
 
 
-def test_a_sensor_of_three_beams_is_a_sensor() -> None:
-    few = Sensor(name="few", elevations=(0.02, -0.05, -0.2), columns=90)
-    scan = simulate(Layout((ROAD, CAR)), few, speed=5.0)
-    assert scan.image.depth.shape == (3, 90)
-    assert {1, 13} <= set(scan.labels())
-
-
 @pytest.mark.parametrize(
     ("kwargs", "error", "message"),
     [

@@ -116,28 +116,12 @@ REFUSED: list[tuple[str, str, int]] = [
     ("from functools import singledispatch\nsingledispatch(1)", "a call of functools.singledispatch", 2),
     ("from functools import cache\n@cache\ndef f(x):\n    pass\nf([])", "of what cannot be a key", 5),
     ("from collections import namedtuple\nnamedtuple('A', '_x')", "namedtuple of '_x' is not supported", 2),
-    ("from functools import reduce\nreduce(max, [])", "reduce of nothing", 2),
-    # what is too much is refused
-    ("import copy\na = []\nfor i in range(60):\n    a = [a]\ncopy.deepcopy(a)", "more than 30 levels deep", 5),
-    ("import copy\na = 1\nfor i in range(25):\n    a = (a, a)\ncopy.deepcopy(a)", "more than 175000 steps", 5),
-    (
-        "import copy\na = [0] * 9000\nwhile True:\n    copy.copy(a)",
-        "all values together have more than 1000000 elements",
-        4,
-    ),
     # a default that is a text becomes its type
     ("import argparse\nargparse.ArgumentParser().add_argument('--a', type=int, default='x')", "int: invalid", 2),
     # what is no time is refused
     ("from datetime import datetime\ndatetime.now() + 1", "a moment", 2),
     ("from datetime import timedelta\ntimedelta(days=1)", "a call of datetime.timedelta", 2),
     ("import time\ntime.strftime(5)", "the format is 5", 2),
-    # a path that grows is refused
-    (
-        "from pathlib import Path\np = Path('a')\nwhile True:\n    p = p / p",
-        "a text of .* characters; 2000000 are the most",
-        4,
-    ),
-    ("import os\np = 'a'\nwhile True:\n    p = os.path.join(p, p)", "a text of .* characters; 2000000 are the most", 4),
     # what writes a file is refused
     ("import logging\nlogging.basicConfig(filename='/tmp/a')", "a log that is written to a file", 2),
     ("import logging\nlogging.FileHandler('/tmp/a')", "logging.FileHandler is not supported", 2),

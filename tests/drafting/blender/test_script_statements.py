@@ -24,28 +24,16 @@ AGREED: list[str] = [
     # they do what pythons do
     "a, (b, *c), d = 1, (2, 3, 4), 5\nassert (a, b, c, d) == (1, 2, [3, 4], 5)\n*e, f = [1]\nassert e == [] and f == 1",
     "x = y = [0, 0]\nx[1] = 5\ny[0:1] = [7, 8]\nassert x == [7, 8, 5]\ndel x[0], x[-1]\nassert x == [8]",
-    "x: int = 3\ny: int\nx += 2\nx -= 1\nx *= 3\nx //= 2\nassert x == 6",
-    "d = {'a': 1}\nd['a'] += 4\nd['b'] = 2\ndel d['a']\nassert d == {'b': 2}",
-    "t = 0\nfor i in range(10):\n    if i == 2:\n        continue\n    if i == 5:\n        break\n"
-    "    t += i\nelse:\n    t = -1\nassert t == 8",
-    "t = 0\nfor i in []:\n    pass\nelse:\n    t = 1\nassert t == 1",
-    "n = 0\nwhile n < 5:\n    n += 1\nelse:\n    n = 9\nassert n == 9",
     "def f(x):\n    for i in range(9):\n        while True:\n            if i == x:\n"
     "                return i\n            break\nassert f(3) == 3 and f(99) is None",
-    "def f():\n    try:\n        return 1\n    finally:\n        pass\nassert f() == 1",
-    "log = []\ntry:\n    log.append(1)\nexcept ValueError:\n    log.append(2)\nelse:\n"
-    "    log.append(3)\nfinally:\n    log.append(4)\nassert log == [1, 3, 4]",
     "a = [1, 2]\nfor x in a:\n    if len(a) < 5:\n        a.append(x)\nassert a == [1, 2, 1, 2, 1]",
     "pass\n'text alone'\n1",
     # names are found where python finds them
-    "x = 1\ndef f():\n    x = 2\n    return x\nassert f() == 2 and x == 1",
     "x = 1\ndef f():\n    global x\n    x = 2\nf()\nassert x == 2",
     "def f():\n    n = 0\n    def g():\n        nonlocal n\n        n += 1\n        return n\n    g()\n"
     "    return g()\nassert f() == 2",
     "def f():\n    return later()\ndef later():\n    return 3\nassert f() == 3",
-    "len = 5\nassert len == 5",
     "def f(a, /, b, *, c=3):\n    return a + b + c\nassert f(1, b=2) == 6",
-    "x = 1\ndel x\nx = 2\nassert x == 2",
     # decorators may be called with what changes no shape
     DATACLASS + "@dataclass(frozen=True, order=True)\nclass A:\n    x: int\nassert A(1).x == 1",
     DATACLASS + "@dataclass()\nclass A:\n    x: int = 2\nassert A().x == 2",
@@ -120,32 +108,22 @@ AGREED: list[str] = [
     "class A:\n    def __init__(self):\n        self.x = [1, 2]\n"
     "    def each(self, k=2):\n        for x in self.x:\n"
     "            yield x * k\nassert sorted(A().each(), reverse=True) == [4, 2] and max(A().each(k=5)) == 10",
-    "def f():\n    yield\n    (yield)\nassert list(f()) == [None, None]",
-    "def f():\n    def g():\n        yield 1\n    return list(g())\nassert f() == [1]",
     "def f():\n    yield 1\n    raise ValueError('x')\ntry:\n    list(f())\n    assert False\nexcept ValueError:\n"
     "    pass\ng = f()\nnext(g)\ntry:\n    next(g)\nexcept ValueError:\n    pass\nassert list(g) == []",
     "def f():\n    yield 1\ntry:\n    g = f()\n    next(g)\n    next(g)\n    assert False\n"
     "except StopIteration:\n    pass",
     # what python catches is caught
-    "try:\n    x = {}['a']\nexcept KeyError:\n    x = 1\nassert x == 1",
     "try:\n    x = [][3]\nexcept (KeyError, LookupError) as error:\n    x = 2\nassert x == 2",
-    "x = []\ntry:\n    x.append(1)\nexcept:\n    x.append(2)\nelse:\n    x.append(3)\nfinally:\n"
-    "    x.append(4)\nassert x == [1, 3, 4]",
     "def f():\n    raise ValueError('no')\ntry:\n    f()\nexcept ValueError:\n    x = 3\nassert x == 3",
     "def f(n):\n    if n == 0:\n        raise KeyError\n    f(n - 1)\nfor k in range(20):\n    try:\n"
     "        f(3)\n    except Exception:\n        pass",
-    "try:\n    assert False\nexcept AssertionError:\n    x = 1\nassert x == 1",
     "try:\n    next(iter([]))\nexcept StopIteration:\n    x = 1\nassert x == 1",
     "def f():\n    try:\n        return 1\n    finally:\n        x = 2\nassert f() == 1",
     "x = []\ntry:\n    try:\n        raise KeyError\n    finally:\n        x.append(1)\nexcept KeyError:\n"
     "    x.append(2)\nassert x == [1, 2]",
     "try:\n    x = 1 / 0\nexcept ZeroDivisionError as e:\n    x = str(e)\nassert x == 'division by zero'",
-    "try:\n    x = 1 % 0\nexcept ArithmeticError:\n    x = 1\nassert x == 1",
     "try:\n    x = int('a')\nexcept (ValueError, TypeError):\n    x = 1\nassert x == 1",
     "try:\n    [].pop()\nexcept IndexError:\n    x = 1\nassert x == 1",
-    "try:\n    {}.pop('a')\nexcept KeyError:\n    x = 1\nassert x == 1",
-    "try:\n    a, b = [1]\nexcept ValueError:\n    x = 1\nassert x == 1",
-    "try:\n    [1].index(2)\nexcept ValueError:\n    x = 1\nassert x == 1",
     "try:\n    raise ValueError('too short: %d' % 3)\nexcept ValueError as e:\n    x = f'{e}'\n"
     "assert x == 'too short: 3'",
     "x = []\ntry:\n    try:\n        {}['a']\n    except KeyError:\n        x.append(1)\n        raise\n"
@@ -165,14 +143,6 @@ REFUSED: list[tuple[str, str, int]] = [
     ("*a, b = []", "0 values for 2 names", 1),
     ("x = 5\nx.y = 1", "the attribute 'y' of 5 cannot be set", 2),
     ("x = (1, 2)\nx[0] = 1", "a tuple has no place 0 that can be set", 2),
-    ("x = [1]\nx[3] = 1", "a list of 1 has no place 3", 2),
-    ("x = [1, 2, 3]\nx[::2] = [1]", "a list has no place", 2),
-    ("for x in 5:\n    pass", "5 cannot be looped over", 1),
-    ("del x.y", "`del x.y` is not supported", 1),
-    ("x = {}\ndel x['a']", "the key 'a' is not in the dict", 2),
-    ("assert 1 == 2", "what the script asserts is not so", 1),
-    ("x = 1\nraise ValueError('x')", "the script ends itself here", 2),
-    ("def f():\n    return 1 / 0\nx = 1\nf()", "division by zero", 2),
     # names that are not there
     ("x = 1\ndef f():\n    y = 2\nf()\ny", "the name 'y' is not known", 5),
     ("del x", "the name 'x' is not known", 1),
@@ -183,7 +153,6 @@ REFUSED: list[tuple[str, str, int]] = [
     ("class A:\n    pass\nclass B(A, A):\n    pass", "derived from several", 3),
     ("class A(1):\n    pass", "a class derived from 1 is not supported", 1),
     ("with 1:\n    pass", "`with` of 1 is not supported", 1),
-    ("def d(f):\n    return f\n@d\nclass A:\n    pass", "a function of the script as a decorator is not supported", 3),
     # errors that are suppressed
     ("from contextlib import suppress\nwith suppress(KeyError):\n    [][1]", "has no place 1", 3),
     ("from contextlib import suppress\nwith suppress(5):\n    pass", "no class of errors", 2),
@@ -193,38 +162,16 @@ REFUSED: list[tuple[str, str, int]] = [
     ("class A(dict):\n    pass", "a class derived from a function is not supported", 1),
     ("class A:\n    pass\nA(1)", "the class A takes no arguments", 3),
     ("class A:\n    pass\nA().x", "an instance of the class A has no 'x'", 3),
-    (
-        "class A:\n    @property\n    def x(self):\n        return 1\nA().x = 2",
-        "'x' of an instance of the class A cannot",
-        5,
-    ),
-    ("class A:\n    pass\nA().__class__ = A", "'__class__' of an instance of the class A cannot be set", 3),
-    ("class A:\n    pass\nfor i in range(20):\n    class A(A):\n        pass", "derived from more than 16", 4),
-    ("from dataclasses import dataclass\n@dataclass\nclass A:\n    x: int\nA()", "the class A is not given 'x'", 5),
-    ("from dataclasses import dataclass\n@dataclass\nclass A:\n    x: int\nA(1, 2)", "other arguments than x", 5),
-    ("from enum import Enum\nclass K(Enum):\n    A = 1\nK(2)", "the class K has no such member", 4),
-    ("class A:\n    def __str__(self):\n        return 1\nstr(A())", "what __str__ gives is 1; it must be a text", 4),
-    ("class A:\n    def __str__(self):\n        return str(self)\nstr(A())", "nested", 3),
-    ("super().f()", r"super\(\) outside of a method", 1),
     # a generator that is not read or goes on too long is refused
     ("def f():\n    x = yield 1\nlist(f())", "is not supported in a script", 2),
     ("def f():\n    while True:\n        yield 1\nlist(f())", "more than 1[57]", 4),
     ("def f():\n    while True:\n        yield 1\nlist(zip(f(), f()))", "more than 1[57]", 3),
-    ("def f(n):\n    yield from f(n + 1)\nlist(f(0))", "nested more than 150", 2),
     (_EACH_OTHER, "a generator that goes on with itself", 7),
-    ("def f():\n    yield from g\ng = f()\nlist(g)", "a generator that goes on with itself", 2),
-    ("def f():\n    yield 1\nlen(f())", "a generator has no length", 3),
-    ("def f():\n    yield 1\nx = []\nwhile True:\n    x.append(f())", "more than 175000 steps", 5),
-    ("x = lambda: (yield)\nx()", "is not supported in a script", 1),
-    ("def f():\n    yield 1 / 0\n\nlist(f())", "division by zero", 2),
     # what is not read or too much is not caught
     ("try:\n    x = {}['a']\nexcept ValueError:\n    pass", "the key 'a' is not in the dict", 2),
     ("try:\n    import os\n    os.fork()\nexcept Exception:\n    pass", "os.fork is not supported", 3),
     ("try:\n    while True:\n        pass\nexcept:\n    pass", "more than 1[57]", 3),
     ("try:\n    x = 1\nfinally:\n    raise ValueError", "the script ends itself here", 4),
-    ("x = 1\nraise ValueError('the street is too short')", "ValueError: 'the street is too short'", 2),
-    ("def f(x):\n    pass\ntry:\n    f()\nexcept TypeError:\n    pass", "is not given 'x'", 4),
-    ("raise", "the script ends itself here", 1),
     # other parts are refused
     ("from math import _x\n_x()", r"a call of math\._x", 2),
 ]
