@@ -239,6 +239,7 @@ def test_pointnet_is_what_its_tensors_say(tmp_path: Path, image: SphericalImage)
             x = np.maximum(layer(x, f"{prefix}conv{number}", f"{prefix}bn{number}"), 0)
         return layer(x, f"{prefix}conv3", f"{prefix}bn3").max(axis=0)
 
+    image = SphericalImage(image.depth[::16], image.points[::16])  # a point is taken by itself: some rows are enough
     points = np.where(image.within(0.5, 63)[..., None], image.points, 0).reshape(-1, 3).astype(np.float64) / 80
     turn = np.maximum(pooled(points, "feat.stn."), 0)
     for number in (1, 2):
