@@ -29,7 +29,7 @@ from lidardraft import (
     view,
 )
 from lidardraft.cli.arguments import whole_number
-from lidardraft.diffusion.sampling_defaults import STEPS
+from lidardraft.diffusion.denoiser_config import STEPS
 from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.evaluation import unseen_streets
 from rendered_pictures import render

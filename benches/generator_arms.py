@@ -31,9 +31,9 @@ from lidardraft.cli.arguments import positive, whole_number
 from lidardraft.diffusion import denoiser as denoiser_module
 from lidardraft.diffusion.codec import CONDITION_CHANNELS, STATE_CHANNELS, decode_scan, encode_condition, encode_rays
 from lidardraft.diffusion.denoiser import SIGMA_DATA, SIGMA_TURN, Denoiser
+from lidardraft.diffusion.denoiser_config import STEPS
 from lidardraft.diffusion.noise import karras_levels
 from lidardraft.diffusion.sampler import sample_multistep
-from lidardraft.diffusion.sampling_defaults import STEPS
 from lidardraft.evaluation import loss_by_other_layouts, score, unseen_streets, untrained_weights
 from lidardraft.networks.precision import reduced_precision
 from lidardraft.streets import StreetPair
@@ -45,7 +45,7 @@ from lidardraft.training.processes import ALONE
 from markdown_table import Row, table
 
 THINNING = 2  # of beams and columns
-BASE, *_, CONTROL = recipes.small_paper().stages
+BASE, *_, CONTROL = recipes.small_paper()
 OURS = replace(CONTROL.denoiser, controlnet=False)
 CONFIG = replace(BASE, denoiser=OURS, thinnings=(THINNING,), warmup=30)
 ADAM_RATE = 2e-3

@@ -18,7 +18,7 @@ from lidardraft.training import recipes
 
 SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=128)
 IMAGES = ("depth", "label", "instance", "intensity")
-BASE, CONTROLLED = (stage.denoiser for stage in recipes.tiny_paper().stages)
+BASE, CONTROLLED = (stage.denoiser for stage in recipes.tiny_paper())
 
 
 def of(config: DenoiserConfig, *, steps: int = 2) -> Pipeline:
@@ -34,7 +34,7 @@ def of(config: DenoiserConfig, *, steps: int = 2) -> Pipeline:
 @pytest.fixture(scope="module")
 def pipeline() -> Pipeline:
     """Of weights that complete."""
-    return of(recipes.tiny().stages[-1].denoiser)
+    return of(recipes.tiny()[-1].denoiser)
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ import torch
 
 from lidardraft.diffusion.codec import encode_condition, encode_rays, encode_scan
 from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.diffusion.sampling_defaults import STEPS
+from lidardraft.diffusion.denoiser_config import STEPS
 from lidardraft.metrics.adherence import Adherence, adherence
 from lidardraft.metrics.bev import bev_histogram
 from lidardraft.metrics.lifelike import CLASS_SETS, class_counts, pooled_divergence
@@ -31,7 +31,7 @@ from lidardraft.streets import StreetConfig, StreetPair, streets
 _Item = TypeVar("_Item")
 _FEWEST = 100  # returns of a class whose intensities are compared
 _HEEDED_LEVELS = (0.1, 0.3, 1.0, 3.0)  # of noise: at lower ones the scan itself says all
-_OTHER_STREETS = 3_000_000  # a seed; neither learned from nor scored on
+OTHER_STREETS = 3_000_000  # a seed; neither learned from nor scored on
 _LAWN = Layout((Primitive(shape="plane", center=(0, 0, 0), size=(400, 400, 0), label="terrain", id="lawn", open=True),))
 
 
@@ -78,7 +78,7 @@ def evaluate(
     is called after each generated scan. Weights that complete are given a half of each street, and in place of the
     condition image stands the given half beside a lawn."""
     opened = half_opened([pair.scan for pair in pairs]) if pipeline.denoiser.config.completes else None
-    others = (pair.scan for pair in unseen_streets(len(pairs), sensor=pairs[0].scan.sensor, seed=_OTHER_STREETS))
+    others = (pair.scan for pair in unseen_streets(len(pairs), sensor=pairs[0].scan.sensor, seed=OTHER_STREETS))
     yield score("detailed scan", pairs, (pair.scan for pair in pairs), opened)
     yield score("other streets", pairs, others, opened)
     if opened is None:

@@ -12,8 +12,8 @@ import torch
 
 from lidardraft.diffusion.codec import decode_scan, encode_condition
 from lidardraft.diffusion.denoiser import Denoiser
+from lidardraft.diffusion.denoiser_config import GUIDANCE, STEPS
 from lidardraft.diffusion.sampler import sample
-from lidardraft.diffusion.sampling_defaults import GUIDANCE, STEPS
 from lidardraft.diffusion.sensor_limits import SensorLimits
 from lidardraft.drafting.text.layout import layout_from_text
 from lidardraft.errors import CheckpointError, check_type

@@ -23,7 +23,7 @@ from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
 from lidardraft.streets import StreetPair
 from lidardraft.training import recipes
-from lidardraft.training.ablation import ARMS
+from lidardraft.training.recipes import ARMS
 
 ARGV = ["street", "--recipe", "tiny", "--sensor", "hdl32e", "--work", "work", "-o", "tiny.safetensors"]
 SHORT = ["--steps", "2", "--evaluate", "1"]

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lidardraft.diffusion import top_view as from_above
 from lidardraft.diffusion.codec import (
     CLASS,
     CONDITION_CHANNELS,
@@ -22,13 +21,14 @@ from lidardraft.diffusion.codec import (
     encode_rays,
     encode_scan,
 )
-from lidardraft.diffusion.top_view import top_view
 from lidardraft.errors import SensorError
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, NUM_CLASSES
+from lidardraft.training import sources
+from lidardraft.training.sources import top_view
 
 SENSOR = Sensor(name="small", elevations=(0.1, 0.0, -0.1, -0.2), columns=8)
 
@@ -199,7 +199,7 @@ CAR = Primitive(shape="box", center=(0, 8, 0.75), size=(2, 4, 1.5), label="car",
 
 def test_a_pixel_is_the_surface_below_its_place() -> None:
     image = top_view(Layout(primitives=(ROAD, TOWER, CAR)), ABOVE, ABOVE.pose())
-    distance = np.geomspace(from_above.FAR, from_above.NEAR, 16)
+    distance = np.geomspace(sources.FAR, sources.NEAR, 16)
     azimuth = ABOVE.azimuth_start - (np.arange(128) + 0.5) * ABOVE.azimuth_span / 128
     x, y = distance[:, None] * np.cos(azimuth), distance[:, None] * np.sin(azimuth)
     expected = np.full(ABOVE.shape, BY_NAME["road"].id)

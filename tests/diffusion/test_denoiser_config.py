@@ -17,7 +17,7 @@ CONTROLLED = dataclasses.replace(TINY, condition=("depth", "class"), controlnet=
 
 def test_what_is_not_said_is_as_in_the_base_of_the_weights_that_ship() -> None:
     given = {"cell", "widths", "strides", "dilations"}
-    base = recipes.small().stages[0].denoiser
+    base = recipes.small()[0].denoiser
     for field in dataclasses.fields(DenoiserConfig):
         assert field.name in given or getattr(base, field.name) == field.default
 

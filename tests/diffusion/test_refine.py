@@ -1,7 +1,7 @@
 import pytest
 import torch
 
-from lidardraft.diffusion.refine import ChainedPooling, RefineBlock
+from lidardraft.diffusion.score_network import ChainedPooling, RefineBlock
 from lidardraft.networks.convolution import pad_columns
 
 

@@ -12,11 +12,9 @@ from torch import Tensor
 from lidardraft.cli.arguments import add_weights
 from lidardraft.diffusion.codec import CONDITION_CHANNELS, CONDITION_PARTS, STATE_CHANNELS, encode_rays
 from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.diffusion.denoiser_config import DenoiserConfig
-from lidardraft.diffusion.langevin import langevin_step, sample_langevin
+from lidardraft.diffusion.denoiser_config import STEPS, DenoiserConfig
 from lidardraft.diffusion.noise import add_noise, geometric_levels, karras_levels, score_from_denoised, training_levels
-from lidardraft.diffusion.sampler import Denoise, sample, sample_multistep
-from lidardraft.diffusion.sampling_defaults import STEPS
+from lidardraft.diffusion.sampler import Denoise, langevin_step, sample, sample_langevin, sample_multistep
 from lidardraft.errors import LidarDraftError, SensorError
 from lidardraft.networks.precision import reduced_precision
 from lidardraft.pipeline import Pipeline

@@ -16,12 +16,11 @@ from lidardraft.errors import TrainingError
 from lidardraft.networks import weight_file
 from lidardraft.scene.sensor import Sensor
 from lidardraft.training import recipes
-from lidardraft.training.adherence_watch import OTHER, OWN, AdherenceWatch
-from lidardraft.training.denoising import train_denoiser
+from lidardraft.training.denoising import OTHER, OWN, AdherenceWatch, train_denoiser
 from lidardraft.training.pairs import PairFolder
 
 SENSOR = Sensor(name="small", elevations=tuple(math.radians(2 - 1.7 * row) for row in range(16)), columns=128)
-BASE, CONTROL = recipes.tiny_paper().stages
+BASE, CONTROL = recipes.tiny_paper()
 
 
 @pytest.fixture(scope="module")

@@ -28,8 +28,7 @@ from lidardraft.training.pairs import PairFolder
 from lidardraft.training.processes import ALONE, Processes
 
 GENERATOR, BASE, CONTROL = (
-    dataclasses.replace(stage, report_every=1, save_every=1000)
-    for stage in (*recipes.tiny().stages, *recipes.tiny_paper().stages)
+    dataclasses.replace(stage, report_every=1, save_every=1000) for stage in (*recipes.tiny(), *recipes.tiny_paper())
 )
 STAGES = {"generator": GENERATOR, "base": BASE, "control": CONTROL}
 

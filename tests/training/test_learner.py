@@ -8,9 +8,9 @@ import torch
 from torch import nn
 
 from lidardraft.errors import TrainingError
-from lidardraft.training.free_memory import check_memory, free_memory, memory_of
-from lidardraft.training.learner import LearningConfig, RunIdentity
-from lidardraft.training.muon import Muon, orthogonalised
+from lidardraft.training.learner import LearningConfig, Muon, RunIdentity, orthogonalised
+from lidardraft.training.loop import memory_of
+from lidardraft.training.pairs import check_memory, free_memory
 
 
 def test_the_rate_rises_stays_and_falls() -> None:

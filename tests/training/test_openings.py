@@ -11,7 +11,7 @@ from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 from lidardraft.semantics import BY_NAME
-from lidardraft.training.openings import sample_opening
+from lidardraft.training.denoising import sample_opening
 
 LAYOUT = Layout(
     (

@@ -26,7 +26,7 @@ from lidardraft.training import recipes
 from lidardraft.training.denoising import train_denoiser
 from lidardraft.training.pairs import PairFolder
 torch.set_num_threads(1)
-config = dataclasses.replace(recipes.tiny().stages[0], steps=4, batch=3, learning_rate=1e-3)
+config = dataclasses.replace(recipes.tiny()[0], steps=4, batch=3, learning_rate=1e-3)
 list(train_denoiser(config, PairFolder(sys.argv[1]), sys.argv[2]))
 """
 
@@ -43,7 +43,7 @@ def test_two_processes_learn_what_one_learns(tmp_path: Path) -> None:
     (tmp_path / "learn.py").write_text(SCRIPT)
     with socket.create_server(("localhost", 0)) as free:
         address = {"MASTER_ADDR": "localhost", "MASTER_PORT": str(free.getsockname()[1]), "WORLD_SIZE": "2"}
-    config = dataclasses.replace(recipes.tiny().stages[0], steps=4, batch=3, learning_rate=1e-3)
+    config = dataclasses.replace(recipes.tiny()[0], steps=4, batch=3, learning_rate=1e-3)
     call = [sys.executable, str(tmp_path / "learn.py"), str(tmp_path / "pairs"), str(tmp_path / "two")]
     both = [subprocess.Popen(call, env=os.environ | address | {"RANK": str(rank)}) for rank in range(2)]
     list(train_denoiser(config, PairFolder(tmp_path / "pairs"), tmp_path / "one"))

@@ -1,3 +1,6 @@
+"""Recipes have the stages that they say; the arms of the paper's ablation differ in what they say, and nothing else."""
+
+import dataclasses
 from collections.abc import Callable
 
 import pytest
@@ -5,10 +8,12 @@ import pytest
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.training import recipes
 
+*_, BASE, CONTROL = recipes.small_paper()
+
 
 @pytest.mark.parametrize("recipe", [recipes.paper, recipes.small_paper, recipes.tiny_paper])
-def test_the_papers_stages_are_a_base_and_its_controlnet(recipe: Callable[[], recipes.Recipe]) -> None:
-    *bases, control = recipe().stages
+def test_the_papers_stages_are_a_base_and_its_controlnet(recipe: Callable[[], recipes.Stages]) -> None:
+    *bases, control = recipe()
     (denoiser,) = {base.denoiser for base in bases}
     assert not denoiser.condition
     assert Denoiser.from_config(denoiser).with_controlnet(control.denoiser).controlnet is not None
@@ -17,23 +22,50 @@ def test_the_papers_stages_are_a_base_and_its_controlnet(recipe: Callable[[], re
 
 def test_the_stages_for_two_cores_begin_on_every_second_beam_and_column() -> None:
     for recipe in (recipes.small(), recipes.small_paper()):
-        assert recipe.stages[0].thinnings == (2,)
-        assert all(1 in stage.thinnings for stage in recipe.stages[1:])
-    assert recipes.small().stages[:2] == recipes.small_paper().stages[:2]
+        assert recipe[0].thinnings == (2,)
+        assert all(1 in stage.thinnings for stage in recipe[1:])
+    assert recipes.small()[:2] == recipes.small_paper()[:2]
 
 
 def test_what_ships_is_a_base_that_learns_to_complete() -> None:
-    *_, base, last = recipes.small().stages
+    *_, base, last = recipes.small()
     assert Denoiser.from_config(base.denoiser).with_condition(last.denoiser).config.completes
 
 
 def test_the_recipe_that_ships_fits_in_sixteen_megabytes() -> None:
-    denoiser = Denoiser.from_config(recipes.small().stages[-1].denoiser)
+    denoiser = Denoiser.from_config(recipes.small()[-1].denoiser)
     assert 2 * sum(weight.numel() for weight in denoiser.state_dict().values()) < 16e6
 
 
 def test_the_papers_recipe_has_the_papers_widths() -> None:
-    config = recipes.paper().stages[-1].denoiser
+    config = recipes.paper()[-1].denoiser
     assert config.widths == (128, 128, 256, 256)
     assert config.condition == ("depth", "class")
     assert config.cell == (1, 1)
+
+
+def test_the_papers_own_row_is_its_recipe() -> None:
+    assert recipes.ARMS["paper"].stage(CONTROL) == dataclasses.replace(CONTROL, watch_every=0)
+
+
+def test_arms_stand_on_the_papers_base_and_learn_as_long() -> None:
+    base = Denoiser.from_config(BASE.denoiser)
+    for arm in recipes.ARMS.values():
+        stage = arm.stage(CONTROL)
+        assert stage.steps == CONTROL.steps
+        begun = base.with_controlnet(stage.denoiser) if arm.controlnet else base.with_condition(stage.denoiser)
+        assert (begun.controlnet is not None) == arm.controlnet
+
+
+def test_each_arm_changes_one_part() -> None:
+    paper = recipes.ARMS["paper"]
+    for name, arm in recipes.ARMS.items():
+        changed = [f.name for f in dataclasses.fields(arm) if getattr(arm, f.name) != getattr(paper, f.name)]
+        assert len(changed) == (name != "paper"), name
+
+
+def test_without_tuning_the_zero_convolutions_learn_alone_to_the_end() -> None:
+    stage = recipes.ARMS["ControlNet not fine-tuned"].stage(CONTROL)
+    assert stage.zero_conv_steps == stage.steps
+    assert recipes.ARMS["semantic map alone"].stage(CONTROL).denoiser.condition == ("class",)
+    assert recipes.ARMS["without classes"].stage(CONTROL).denoiser.condition == ("depth",)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lidardraft.diffusion.sampling_defaults import GUIDANCE, STEPS
+from lidardraft.diffusion.denoiser_config import GUIDANCE, STEPS
 from lidardraft.errors import FormatError, SensorError, one_of
 from lidardraft.files import read_text
 from lidardraft.formats.ouster import is_ouster_metadata, read_ouster_metadata

@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 
 _RECIPES = ("small", "paper", "small-paper", "tiny", "tiny-paper")
 _FURTHER_RATE = 0.3  # of the recipe's learning rate: weights that are good already would be lost with more
-_OTHER_STREETS = 3_000_000  # a seed; neither learned from nor scored on
 
 
 def street(arguments: argparse.Namespace) -> None:
@@ -92,7 +91,7 @@ def _stages(arguments: argparse.Namespace, begin: Denoiser | None) -> list[Denoi
     from lidardraft.training import recipes
 
     recipe = getattr(recipes, arguments.recipe.replace("-", "_"))()
-    stages = [dataclasses.replace(config, seed=arguments.seed) for config in recipe.stages]
+    stages = [dataclasses.replace(config, seed=arguments.seed) for config in recipe]
     if begin is not None:
         rate = _FURTHER_RATE * stages[-1].learning_rate
         stages = [dataclasses.replace(stages[-1], learning_rate=rate, warmup=20)]
@@ -225,15 +224,13 @@ def segmenter_options(parser: argparse.ArgumentParser) -> None:
 
 def ablation(arguments: argparse.Namespace) -> None:
     """Train the paper's form and what it is compared with, each for as long, and score all; a second call goes on."""
-    from lidardraft.diffusion.top_view import top_view
-    from lidardraft.evaluation import loss_by_other_layouts
+    from lidardraft.evaluation import OTHER_STREETS, loss_by_other_layouts
     from lidardraft.training import recipes
-    from lidardraft.training.ablation import ARMS
     from lidardraft.training.loop import check_run_folder, device_for_training
-    from lidardraft.training.sources import StreetSource
+    from lidardraft.training.sources import StreetSource, top_view
 
     sensor, num = read_sensor(arguments.sensor), arguments.num
-    *_, base, control = recipes.small_paper().stages
+    *_, base, control = recipes.small_paper()
     base, control = (
         dataclasses.replace(stage, steps=steps, seed=arguments.seed)
         for stage, steps in ((base, arguments.base_steps), (control, arguments.steps))
@@ -247,7 +244,7 @@ def ablation(arguments: argparse.Namespace) -> None:
     check_run_folder(arguments.work)
     device_for_training(arguments.device)
     pairs = evaluate.unseen_streets(num, sensor)
-    others = [pair.scan for pair in evaluate.unseen_streets(num, sensor, _OTHER_STREETS)]
+    others = [pair.scan for pair in evaluate.unseen_streets(num, sensor, OTHER_STREETS)]
     learned = arguments.base or f"{base.steps} steps"
     print(f"{num} street{'s' * (num > 1)}, {sensor.name}; base {learned}, each arm {control.steps} steps")
     print(f"{'':28}{'objects':>9}{'drop':>9}{'BEV JSD':>9}{'MMD 1e-4':>10}{'heeded':>9}", flush=True)
@@ -256,7 +253,7 @@ def ablation(arguments: argparse.Namespace) -> None:
     seen_from_above = [top_view(pair.layout, sensor, pair.pose) for pair in pairs]
     unconditional = begin.base() if begin else _trained_arm(arguments, base, source, "base")
     _row("no condition", pairs, _sampled(unconditional, cast))
-    for name, arm in ARMS.items():
+    for name, arm in recipes.ARMS.items():
         learned_from, images = (from_above, seen_from_above) if arm.from_above else (source, cast)
         begin = copy.deepcopy(unconditional)  # it is frozen under a ControlNet
         denoiser = _trained_arm(arguments, arm.stage(control), learned_from, name, begin)

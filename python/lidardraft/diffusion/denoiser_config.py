@@ -1,4 +1,4 @@
-"""What decides the shape of a denoiser."""
+"""What decides the shape of a denoiser, and how it samples unless told otherwise; all without torch."""
 
 from __future__ import annotations
 
@@ -9,6 +9,9 @@ from typing import Any
 
 from lidardraft.diffusion.codec import CONDITION_PARTS, RAY_CHANNELS
 from lidardraft.errors import LidarDraftError
+
+STEPS = 20  # calls of the network, two each where a ControlNet is guided
+GUIDANCE = 2.0  # how many times what a ControlNet changes of its base counts
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,25 +15,78 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from lidardraft.diffusion.codec import HIDDEN, encode_condition, encode_rays, encode_scan
+from lidardraft.diffusion.codec import HIDDEN, decode_scan, encode_condition, encode_rays, encode_scan
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.noise import training_levels
+from lidardraft.diffusion.sampler import sample
 from lidardraft.errors import TrainingError
 from lidardraft.formats.pairs import Pair
+from lidardraft.metrics.adherence import adherence
 from lidardraft.networks.precision import reduced_precision
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
-from lidardraft.training.adherence_watch import AdherenceWatch
+from lidardraft.semantics import BY_NAME, CLASSES, GROUND
+from lidardraft.streets import StreetConfig, streets
 from lidardraft.training.learner import LearningConfig
 from lidardraft.training.loop import Batch, Data, Measures, Report, device_for_training, prefetched, train
-from lidardraft.training.openings import sample_opening
 from lidardraft.training.pairs import scans_of_step
 from lidardraft.training.processes import Processes
 
+OWN, OTHER = "objects", "objects of the other street"
+_SEED = 2_000_000  # of streets that no training learns from
+_STREETS = 2
+_CALLS = 8  # of the network a scan, from noise
+_DEADLINE = 1_000  # steps after which a network must heed its condition
 BANDS = (0.0, 0.05, 0.2, 1.0, float("inf"))  # edges of the noise levels that are reported apart
 _SKIPPED = "share of pairs skipped, not finite"
 _SILENT = 20  # steps after which a zero convolution must have learned
+# How often each is drawn: an azimuth sector, all but such a sector, all but objects, all but objects and the road, all
+# that stands for nothing said (terrain, and where no shape is hit), everything. Estimates of ours of what people bring.
+_SHARES = {"sector": 0.2, "all but a sector": 0.15, "all but objects": 0.15, "all but the road": 0.2, "filler": 0.2}
+_SECTOR = (np.pi / 4, np.pi)  # rad, of open sectors
+_VIEW = (np.pi / 3, 2 * np.pi / 3)  # rad, of what a camera sees
+_FILLER = [BY_NAME[name].id for name in ("none", "terrain")]
+_ROAD = [BY_NAME[name].id for name in GROUND if name != "terrain"]
+_THINGS = [row.id for row in CLASSES if row.is_thing]
+_KEPT_STUFF = 0.3  # how often a class of stuff is given all the same
+
+
+class AdherenceWatch:
+    """Two unseen streets, each sampled from the same noise.
+
+    A scan is scored against its own condition image and against the other one: a network that ignores its condition
+    makes one scan for both streets, so that both scores are equal.
+    """
+
+    def __init__(self, sensor: Sensor) -> None:
+        config = StreetConfig(sensor=sensor, poses_per_street=1, simulated=True)
+        pairs = list(itertools.islice(streets(_SEED, config), _STREETS))
+        self.sensor = sensor
+        self.condition_images = [pair.condition_image for pair in pairs]
+        encoded = [encode_condition(pair.condition_image, pair.simulated) for pair in pairs if pair.simulated]
+        self.condition = torch.from_numpy(np.stack(encoded))
+
+    @torch.no_grad()
+    def measure(self, denoiser: Denoiser) -> dict[str, float]:
+        """Mean adherence on objects, of the scans to their own condition images and to those of the other street."""
+        condition = self.condition
+        *_, states = sample(
+            denoiser, self.sensor, seeds=[0] * len(condition), condition=condition, steps=_CALLS, guidance=1
+        )
+        scans = [decode_scan(state, self.sensor) for state in states.cpu().numpy()]
+        images = self.condition_images
+        own = [adherence(scan, image).objects for scan, image in zip(scans, images, strict=True)]
+        other = [adherence(scan, image).objects for scan, image in zip(scans, reversed(images), strict=True)]
+        return {OWN: float(np.mean(np.nan_to_num(own))), OTHER: float(np.mean(np.nan_to_num(other)))}
+
+    def check(self, measured: dict[str, float], step: int) -> None:
+        """Raise `TrainingError` where the condition is still ignored after 1,000 steps: hours would be wasted."""
+        if step >= _DEADLINE and not measured[OWN] > measured[OTHER]:
+            raise TrainingError(
+                f"the network ignores its condition after {step} steps: of its returns on objects "
+                f"{measured[OWN]:.1%} agree with the layout, and {measured[OTHER]:.1%} with another one"
+            )
 
 
 class PairSource(Data, Protocol):
@@ -222,3 +275,28 @@ def _mirrored(image: RangeImage) -> RangeImage:
     """What is encoded of an image, its columns from the last to the first."""
     images = {name: getattr(image, name) for name in ("depth", "label", "instance", "intensity")}
     return RangeImage.unchecked(image.sensor, **{name: x[:, ::-1] for name, x in images.items() if x is not None})
+
+
+def sample_opening(condition_image: RangeImage, rng: np.random.Generator) -> np.ndarray:
+    """Pixels, bool [H, W], that a draft of the place of a condition image may leave open."""
+    kinds, label = list(_SHARES), condition_image.label
+    kind = rng.choice([*kinds, "everything"], p=[*_SHARES.values(), 1 - sum(_SHARES.values())])
+    if kind == "everything":
+        return np.ones(label.shape, dtype=bool)
+    if kind == "filler":
+        return np.isin(label, _FILLER)
+    if kind == "sector":
+        return _sector(label.shape, condition_image.sensor.azimuth_span, rng.uniform(*_SECTOR), rng)
+    if kind == "all but a sector":
+        return ~_sector(label.shape, condition_image.sensor.azimuth_span, rng.uniform(*_VIEW), rng)
+    given = _THINGS if kind == "all but objects" else [*_THINGS, *_ROAD]
+    stuff = [id for id in np.unique(label).tolist() if id not in (*given, *_FILLER) and rng.random() < _KEPT_STUFF]
+    return ~np.isin(label, [*given, *stuff])
+
+
+def _sector(shape: tuple[int, ...], span: float, width: float, rng: np.random.Generator) -> np.ndarray:
+    """The columns of a sector `width` [rad] wide, anywhere in an image that spans `span` [rad], of which it is at most
+    three quarters."""
+    columns = max(round(shape[1] * min(width / span, 0.75)), 1)
+    inside = (np.arange(shape[1]) + rng.integers(shape[1])) % shape[1] < columns
+    return np.broadcast_to(inside, shape)

@@ -10,7 +10,7 @@ import time
 import zlib
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import closing
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -24,7 +24,6 @@ from lidardraft.files import written_whole
 from lidardraft.json_fields import is_number, parse_object
 from lidardraft.networks import weight_file
 from lidardraft.networks.weight_file import Network
-from lidardraft.training.free_memory import memory_of
 from lidardraft.training.learner import Learner, LearningConfig, RunIdentity
 from lidardraft.training.processes import Processes
 
@@ -140,6 +139,18 @@ def device_for_training(name: str) -> torch.device:
     except (RuntimeError, AssertionError, NotImplementedError) as error:  # torch's, for a device it does not have
         raise TrainingError(f"device is {name!r}: {str(error).splitlines()[0]}") from None
     return device
+
+
+@contextmanager
+def memory_of(what: str) -> Iterator[None]:
+    """Raise `TrainingError` where the block asks for more memory than there is, on whatever device."""
+    try:
+        yield
+    except (MemoryError, RuntimeError) as error:  # torch raises RuntimeErrors, of one kind for a GPU alone
+        text = str(error).splitlines()[0] if str(error) else ""
+        if isinstance(error, MemoryError) or "out of memory" in text or "t allocate memory" in text:
+            raise TrainingError(f"{what} needs more memory than there is; use a smaller --batch ({text})") from None
+        raise
 
 
 class _Window:

@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from lidardraft.errors import TrainingError
 from lidardraft.formats.pairs import IMAGES, Pair, PairIndex
 from lidardraft.scene.sensor import Sensor
-from lidardraft.training.free_memory import check_memory
 from lidardraft.training.processes import ALONE, Processes
 
+_MEMINFO = Path("/proc/meminfo")  # of Linux; other systems say it elsewhere, and are not asked
 _PIXELS = 64 * 1024  # of the images that memory is counted in
 _PAIR_BYTES = sum(np.dtype(dtype).itemsize for dtype in IMAGES.values())  # a pixel
 
@@ -65,3 +66,20 @@ class PairFolder:
 def scans_of_step(scans: int, sensor: Sensor) -> int:
     """How many scans of a sensor a step learns from that has room for so many of 64 x 1024."""
     return max(1, min(scans, scans * _PIXELS // math.prod(sensor.shape)))
+
+
+def check_memory(what: str, needed: int) -> None:
+    """Raise `TrainingError` where `what` needs more bytes than are free."""
+    free = free_memory()
+    if free is not None and needed > free:
+        raise TrainingError(f"{what} needs {needed / 1e9:.1f} GB of memory; {free / 1e9:.1f} GB are free")
+
+
+def free_memory() -> int | None:
+    """Bytes that can be had without swapping; None where the system does not say."""
+    try:
+        lines = _MEMINFO.read_text().splitlines()
+    except OSError:
+        return None
+    found = [line.split()[1] for line in lines if line.startswith("MemAvailable:")]
+    return 1024 * int(found[0]) if found else None
