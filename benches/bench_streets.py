@@ -15,16 +15,17 @@ import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from lidardraft import Scan, Sensor
 from lidardraft.cli.scan_folder import ScanFolder
-from lidardraft.cli.scans import StreetScans
 from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.streets import StreetConfig, pairs, streets
+from lidardraft.streets.scans import street_scan
 
 MANY = 10**6  # scans, more than are ever written
 
@@ -94,7 +95,7 @@ def rate(seed: int, config: StreetConfig, workers: int, seconds: float, memory: 
 def written(seed: int, config: StreetConfig, workers: int, seconds: float, *, picture: bool) -> float:
     """Labelled scans a second in a folder, after the workers have started."""
     with TemporaryDirectory() as name:
-        make = StreetScans(seed, config, 1)
+        make = partial(street_scan, seed, config=config, threads=1)
         folder = ScanFolder(Path(name), MANY if picture else 0, make, Scan.save)
         with closing(folder.write(MANY, jobs=workers, run=config.poses_per_street)) as scans:
             for _ in itertools.islice(scans, 2 * workers * config.poses_per_street):

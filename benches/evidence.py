@@ -25,9 +25,9 @@ from pathlib import Path
 import numpy as np
 import torch
 
+from iou import ClassScores, confusion_matrix
 from lidardraft import RangeImage, Sensor
 from lidardraft.dataset.recipe import Recipe
-from lidardraft.metrics.iou import ClassScores, confusion_matrix
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter, SegmenterConfig, SphericalGrid

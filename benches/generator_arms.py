@@ -40,8 +40,8 @@ from lidardraft.streets import StreetPair
 from lidardraft.training import denoising, recipes
 from lidardraft.training.learner import Learner
 from lidardraft.training.loop import prefetched
-from lidardraft.training.pairs import PairFolder
 from lidardraft.training.processes import ALONE
+from lidardraft.training.sources import PairFolder
 from markdown_table import Row, table
 
 THINNING = 2  # of beams and columns

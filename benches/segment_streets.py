@@ -31,13 +31,13 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
+from iou import ClassScores, confusion_matrix
 from lidardraft.formats.kitti import read_bin
-from lidardraft.metrics.iou import ClassScores, confusion_matrix
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter
 from lidardraft.semantics import CLASSES
-from lidardraft.training.pairs import PairFolder
+from lidardraft.training.sources import PairFolder
 from recordings import nuscenes_images, pandar64
 
 # semantic-kitti.yaml (Behley et al., ICCV 2019): the classes of the benchmark, and the raw ids of each.

@@ -13,7 +13,7 @@ from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.sensor_limits import SensorLimits
 from lidardraft.pipeline import merged
-from lidardraft.scene.open_pixels import open_pixels
+from lidardraft.scene.visibility import open_pixels
 from lidardraft.training import recipes
 
 SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=128)

@@ -29,9 +29,7 @@ _NEAREST, _FURTHEST = 17.0, 46.0  # m from what it looks at
 _FOCAL = 1.15  # times the height of the picture
 _MARGIN = 0.85  # of half the picture, which what is shown may fill
 _LIKED = 1.4  # times as near must another bearing be to be taken
-_AROUND = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
 _AHEAD = np.array([(25.0, 10.0, 0.0), (25.0, -10.0, 0.0)])
-_CORNERS = np.array([(*corner, up) for up in (-0.5, 0.5) for corner in _AROUND])
 _PATHS = ([0, 1, 2, 3, 0, 4, 5, 6, 7, 4], [1, 5], [2, 6], [3, 7], [8, 9])  # along the edges; 8 and 9 are where it looks
 
 
@@ -186,13 +184,8 @@ class Drawing:
 
 
 def corners_of(boxes: Sequence[Box]) -> np.ndarray:
-    """The corners [M, 8, 3] of boxes: the four on the ground, from behind on the right around to the left, then the
-    four over them."""
-    sizes, centers = (np.array([getattr(box, name) for box in boxes]).reshape(-1, 1, 3) for name in ("size", "center"))
-    x, y, z = np.moveaxis(_CORNERS * sizes, 2, 0)
-    yaw = np.array([box.yaw for box in boxes])[:, None]
-    cos, sin = np.cos(yaw), np.sin(yaw)
-    return np.stack([cos * x - sin * y, sin * x + cos * y, z], axis=2) + centers
+    """The corners [M, 8, 3] of boxes, each as `Box.corners` has them."""
+    return np.array([box.corners() for box in boxes]).reshape(-1, 8, 3)
 
 
 @lru_cache(maxsize=8)

@@ -33,6 +33,12 @@ def check_type(name: str, value: object, *types: type) -> None:
         raise TypeError(f"{name} is a {type(value).__name__}; it must be a {wanted}")
 
 
+def check_seed(seed: object) -> None:
+    """Raise `LayoutError` on a seed that is no integer >= 0."""
+    if type(seed) is not int or seed < 0:
+        raise LayoutError(f"seed is {seed!r}; it must be an integer >= 0")
+
+
 _LONGEST = 2000  # characters of a message
 
 

@@ -15,7 +15,7 @@ from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import STEPS
 from lidardraft.metrics.adherence import Adherence, adherence
 from lidardraft.metrics.bev import bev_histogram
-from lidardraft.metrics.lifelike import CLASS_SETS, class_counts, pooled_divergence
+from lidardraft.metrics.lifelike import CLASS_SETS, class_counts, mean_known, pooled_divergence
 from lidardraft.metrics.profiles import height_histogram, intensity_histogram, range_histogram
 from lidardraft.metrics.returns import lone_returns, near_holes
 from lidardraft.metrics.sweep import Sweep
@@ -199,10 +199,10 @@ def score(
     ]
     return Scores(
         name=name,
-        objects=_mean([score.objects for score in scores]),
-        other=_mean([adherence(image, other).objects for image, other in zip(images, others, strict=True)]),
-        overall=_mean([score.overall for score in scores]),
-        drop=_mean([score.drop for score in scores]),
+        objects=mean_known([score.objects for score in scores]),
+        other=mean_known([adherence(image, other).objects for image, other in zip(images, others, strict=True)]),
+        overall=mean_known([score.overall for score in scores]),
+        drop=mean_known([score.drop for score in scores]),
         range=distance(range_histogram),
         height=distance(lambda sweep: height_histogram(sweep, -pairs[0].scan.sensor.mount_height)),
         bev=distance(lambda sweep: bev_histogram(sweep.points[sweep.valid])),
@@ -235,16 +235,10 @@ def _intensity(detailed: list[Sweep], sweeps: list[Sweep]) -> dict[str, float]:
 
 def _by_class(scores: list[Adherence]) -> dict[str, float]:
     names = sorted({name for score in scores for name in score.by_class})
-    return {name: _mean([score.by_class[name] for score in scores if name in score.by_class]) for name in names}
+    return {name: mean_known([score.by_class[name] for score in scores if name in score.by_class]) for name in names}
 
 
 def _share(counts: list[np.ndarray]) -> float:
     """Of all that was counted, [part, whole] each; NaN of nothing."""
     part, whole = np.sum(counts, axis=0)
     return float(part / whole) if whole else float("nan")
-
-
-def _mean(values: list[float]) -> float:
-    """The mean of what is not NaN; NaN of nothing."""
-    known = [value for value in values if not np.isnan(value)]
-    return float(np.mean(known)) if known else float("nan")

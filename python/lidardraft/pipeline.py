@@ -21,10 +21,10 @@ from lidardraft.networks import weight_file
 from lidardraft.scan import Scan
 from lidardraft.scene.labelling import label_by_agreement
 from lidardraft.scene.layout import Layout
-from lidardraft.scene.open_pixels import open_pixels
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
+from lidardraft.scene.visibility import open_pixels
 from lidardraft.simulation.simulate import simulate
 
 

@@ -21,10 +21,10 @@ from lidardraft.formats.frame import Annotation, Frame, with_riders_merged
 from lidardraft.json_fields import parse_object
 from lidardraft.scene.box import Box, checked_vector
 from lidardraft.scene.layout import Layout
-from lidardraft.scene.occlusion import occluded_shares
 from lidardraft.scene.pose import finite_array
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
+from lidardraft.scene.visibility import occluded_shares
 
 _MOST_IN_NOTEBOOKS = 40_000  # points of an output, which is kept in the file of the notebook: half a megabyte
 SCAN_ENDINGS = (".bin", ".label", ".npz", ".boxes.json", ".layout.json", ".sensor.json", ".png")  # of a saved scan

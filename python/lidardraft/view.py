@@ -294,11 +294,10 @@ def render_image(image: RangeImage) -> np.ndarray:
 
 def _by_azimuth(picture: np.ndarray, sensor: Sensor) -> np.ndarray:
     """Rows [H, W, 3] of a sensor whose beams look to different azimuths, shifted so that what is upright looks so."""
-    if not (sensor.azimuth_offsets and sensor.wraps):
+    if not sensor.wraps:
         return picture
-    shifts = np.rint(np.array(sensor.azimuth_offsets) * sensor.columns / sensor.azimuth_span).astype(np.int64)
-    columns = (np.arange(sensor.columns) + shifts[:, None]) % sensor.columns
-    return np.take_along_axis(picture, columns[..., None], axis=1)
+    rows, columns, _ = sensor.azimuth_grid()
+    return picture[rows, columns]
 
 
 def render_preview(layout: Layout, scan: RangeImage, pose: np.ndarray) -> np.ndarray:

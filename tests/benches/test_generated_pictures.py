@@ -7,8 +7,8 @@ from PIL import Image
 
 import generated_pictures
 from lidardraft import Sensor
-from lidardraft.scene.open_pixels import open_pixels
 from lidardraft.scene.raycast import raycast
+from lidardraft.scene.visibility import open_pixels
 
 
 def test_twenty_drafts_leave_something_open() -> None:

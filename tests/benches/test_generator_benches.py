@@ -24,8 +24,8 @@ from lidardraft.formats.pairs import Pair, write_pairs
 from lidardraft.networks import weight_file
 from lidardraft.scene.sensor import Sensor
 from lidardraft.training import denoising, recipes
-from lidardraft.training.pairs import PairFolder
 from lidardraft.training.processes import ALONE
+from lidardraft.training.sources import PairFolder
 from rival_r2dm import R2DM
 
 SENSOR = Sensor(name="small", elevations=tuple(math.radians(2 - 0.8 * row) for row in range(32)), columns=256)

@@ -7,8 +7,8 @@ import pytest
 import torch
 
 import segment_streets
+from iou import confusion_matrix
 from lidardraft.formats.pairs import Pair, write_pairs
-from lidardraft.metrics.iou import confusion_matrix
 from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter, SegmenterConfig, SphericalGrid
 from lidardraft.scene.layout import Layout, Primitive

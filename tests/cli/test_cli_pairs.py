@@ -13,7 +13,7 @@ from lidardraft.cli import main as cli
 from lidardraft.cli import pairs as module
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.datasets import RecordedFile
-from lidardraft.training.pairs import PairFolder
+from lidardraft.training.sources import PairFolder
 
 STREETS = ["streets", "--sensor", "small.json", "--workers", "1"]
 Refused = Callable[..., str]

@@ -13,7 +13,7 @@ import pytest
 from processes import Command, wait_for
 
 from lidardraft.scan import SCAN_ENDINGS
-from lidardraft.training.pairs import PairFolder
+from lidardraft.training.sources import PairFolder
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="there is no process table in /proc")
 

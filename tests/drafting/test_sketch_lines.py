@@ -9,8 +9,7 @@ import pytest
 from PIL import Image, ImageDraw
 from scipy import ndimage
 
-from lidardraft.drafting.sketch.centre_lines import CentreLine, centre_lines, thinned
-from lidardraft.drafting.sketch.masks import shapes_of_mask
+from lidardraft.drafting.sketch.masks import CentreLine, centre_lines, shapes_of_mask, thinned
 from lidardraft.drafting.sketch.shapes import Blob, SketchFrame, Stroke, smooth, without_bumps
 from lidardraft.errors import FormatError
 

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 
 from lidardraft import Layout, Primitive, Sensor, raycast
-from lidardraft.scene.occlusion import occluded_shares
+from lidardraft.scene.visibility import occluded_shares
 
 SENSOR = Sensor(
     name="few",

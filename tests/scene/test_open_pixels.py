@@ -7,7 +7,7 @@ import pytest
 
 from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
 from lidardraft.errors import LayoutError
-from lidardraft.scene.open_pixels import open_pixels
+from lidardraft.scene.visibility import open_pixels
 
 SENSOR = Sensor(name="small", elevations=tuple(np.deg2rad([10.0, -5.0, -20.0])), columns=72)
 LAWN = Primitive(shape="plane", center=(0, 0, 0), size=(200, 200, 0), label="terrain", id="lawn", open=True)

@@ -5,7 +5,7 @@ import torch
 from box_pairs import noted
 
 from lidardraft.formats.pairs import write_pairs
-from lidardraft.training.pairs import PairFolder
+from lidardraft.training.sources import PairFolder
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -17,7 +17,7 @@ from lidardraft.networks import weight_file
 from lidardraft.scene.sensor import Sensor
 from lidardraft.training import recipes
 from lidardraft.training.denoising import OTHER, OWN, AdherenceWatch, train_denoiser
-from lidardraft.training.pairs import PairFolder
+from lidardraft.training.sources import PairFolder
 
 SENSOR = Sensor(name="small", elevations=tuple(math.radians(2 - 1.7 * row) for row in range(16)), columns=128)
 BASE, CONTROL = recipes.tiny_paper()

@@ -12,7 +12,7 @@ from lidardraft.formats.pairs import Pair, write_pairs
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.semantics import BY_NAME
 from lidardraft.training.augmentation import Augmentation, augmented
-from lidardraft.training.pairs import PairFolder
+from lidardraft.training.sources import PairFolder
 
 ROAD, POLE = (BY_NAME[name].id for name in ("road", "pole"))
 STILL = Augmentation(

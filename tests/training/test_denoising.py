@@ -24,7 +24,6 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Blocked, Sensor
 from lidardraft.training import denoising, recipes
 from lidardraft.training.denoising import thinned, train_denoiser
-from lidardraft.training.pairs import PairFolder
 from lidardraft.training.processes import ALONE, Processes
 
 GENERATOR, BASE, CONTROL = (

@@ -13,7 +13,7 @@ from lidardraft.networks import weight_file
 from lidardraft.scene.sensor import Sensor
 from lidardraft.streets import StreetConfig, streets
 from lidardraft.training.denoising import DenoisingConfig, train_denoiser
-from lidardraft.training.pairs import PairFolder
+from lidardraft.training.sources import PairFolder
 
 SENSOR = Sensor(name="small", elevations=tuple(np.deg2rad(2 - 1.7 * np.arange(16)).tolist()), columns=128)
 DENOISER = DenoiserConfig(

@@ -10,7 +10,7 @@ from torch import nn
 from lidardraft.errors import TrainingError
 from lidardraft.training.learner import LearningConfig, Muon, RunIdentity, orthogonalised
 from lidardraft.training.loop import memory_of
-from lidardraft.training.pairs import check_memory, free_memory
+from lidardraft.training.sources import check_memory, free_memory
 
 
 def test_the_rate_rises_stays_and_falls() -> None:

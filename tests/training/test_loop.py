@@ -18,7 +18,7 @@ from lidardraft.formats.pairs import write_pairs
 from lidardraft.networks.weight_file import Network
 from lidardraft.training.learner import LearningConfig
 from lidardraft.training.loop import Batch, Measures, Report, device_for_training, prefetched, train
-from lidardraft.training.pairs import PairFolder
+from lidardraft.training.sources import PairFolder
 
 CONFIG = LearningConfig(steps=8, batch=4, learning_rate=0.1, warmup=1, report_every=1, save_every=3)
 

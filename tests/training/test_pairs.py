@@ -15,7 +15,7 @@ from lidardraft.errors import FormatError, LidarDraftError
 from lidardraft.formats import pairs as module
 from lidardraft.formats.pairs import is_shard, pairs_on_disk, read_shard, write_pairs
 from lidardraft.scene.sensor import Sensor
-from lidardraft.training.pairs import PairFolder, scans_of_step
+from lidardraft.training.sources import PairFolder, scans_of_step
 
 
 @pytest.fixture(autouse=True)

@@ -17,14 +17,14 @@ from lidardraft.errors import TrainingError
 from lidardraft.formats.pairs import write_pairs
 from lidardraft.training import recipes
 from lidardraft.training.denoising import train_denoiser
-from lidardraft.training.pairs import PairFolder
 from lidardraft.training.processes import ALONE, Processes
+from lidardraft.training.sources import PairFolder
 
 SCRIPT = """
 import dataclasses, sys, torch
 from lidardraft.training import recipes
 from lidardraft.training.denoising import train_denoiser
-from lidardraft.training.pairs import PairFolder
+from lidardraft.training.sources import PairFolder
 torch.set_num_threads(1)
 config = dataclasses.replace(recipes.tiny()[0], steps=4, batch=3, learning_rate=1e-3)
 list(train_denoiser(config, PairFolder(sys.argv[1]), sys.argv[2]))

@@ -11,14 +11,13 @@ from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter, SegmenterConfig, SphericalGrid
 from lidardraft.semantics import BY_NAME, NUM_CLASSES
 from lidardraft.training.augmentation import Augmentation
-from lidardraft.training.pairs import PairFolder
 from lidardraft.training.segmentation import (
     SegmentationConfig,
     class_weights,
     segmentation_loss,
     train_segmenter,
 )
-from lidardraft.training.sources import MixedSource
+from lidardraft.training.sources import MixedSource, PairFolder
 
 ROAD, BUILDING = (BY_NAME[name].id for name in ("road", "building"))
 STILL = Augmentation(

@@ -10,9 +10,8 @@ from box_pairs import SENSOR
 
 from lidardraft.errors import TrainingError
 from lidardraft.scene.effects import sub_rays
-from lidardraft.training.pairs import PairFolder
 from lidardraft.training.sampled_sensor import LIMITS, sample_sensor
-from lidardraft.training.sources import MixedSource, StreetSource
+from lidardraft.training.sources import MixedSource, PairFolder, StreetSource
 
 SOURCE = StreetSource(seed=3, sensor=SENSOR)
 

@@ -84,20 +84,20 @@ def run(parser: Parser, argv: Sequence[str] | None, *, needs: str = "generate") 
     try:
         with _clean_end(), extra(needs), warnings.catch_warnings():
             warnings.simplefilter("default", UserWarning)
-            warnings.showwarning = lambda message, *_, **__: say(parser.prog, message)
+            warnings.showwarning = lambda message, *_, **__: say(message, parser.prog)
             arguments.command(arguments)
             sys.stdout.flush()
     except KeyboardInterrupt:
-        say(parser.prog, "interrupted")
+        say("interrupted", parser.prog)
         return 130
     except BrokenPipeError:  # who read our output has gone, as in `lidardraft evaluate | head -1`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
     except LidarDraftError as error:
-        say(parser.prog, error)
+        say(error, parser.prog)
         return 2
     except OSError as error:
-        say(parser.prog, f"{error.filename}: {error.strerror}" if error.filename else error)
+        say(f"{error.filename}: {error.strerror}" if error.filename else error, parser.prog)
         return 2
     return 0
 
@@ -150,7 +150,7 @@ def progress(total: int, unit: str, text: str = "", *, initial: int = 0, leave: 
     )
 
 
-def say(prog: str, message: object) -> None:
+def say(message: object, prog: str = "lidardraft") -> None:
     """One line on stderr; what a terminal would obey, such as in a name out of a broken file, is spelled out."""
     from tqdm import tqdm  # which moves its bars out of the way
 

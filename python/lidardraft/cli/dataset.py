@@ -1,4 +1,4 @@
-"""`lidardraft dataset`: as many labelled scans as a recipe asks for, in shards."""
+"""`lidardraft dataset` and `export`: data sets, of scans that a recipe asks for, and of folders of scans."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from typing import Any
 
 from lidardraft.cli.arguments import whole_number
 from lidardraft.cli.command import progress
-from lidardraft.cli.scan_folder import add_jobs, jobs_of
+from lidardraft.cli.scan_folder import add_jobs, jobs_of, scans_in
+from lidardraft.formats.frame import FORMATS, Frame, writer_of
 
 
 def dataset(arguments: argparse.Namespace) -> None:
@@ -36,7 +37,7 @@ def dataset(arguments: argparse.Namespace) -> None:
 def _workers(arguments: argparse.Namespace, num: int, run: int) -> Callable[..., Iterator[Any]]:
     """What makes shards: the machines of a cluster, worker processes, or this process."""
     if arguments.ray is not None:
-        from lidardraft.dataset.ray_cluster import on_cluster
+        from lidardraft.dataset.shards import on_cluster
 
         return partial(on_cluster, address=arguments.ray)
     jobs = jobs_of(arguments, num, run)
@@ -69,3 +70,34 @@ def _share(text: str) -> tuple[int, int]:
     if not found or not int(found[1]) < int(found[2]):
         raise argparse.ArgumentTypeError(f"{text!r} is no I/K with I from 0 to K - 1, as in 0/4")
     return int(found[1]), int(found[2])
+
+
+def export(arguments: argparse.Namespace) -> None:
+    """Write folders of scans as one data set in a format that other people's readers open."""
+    write = writer_of(arguments.format)
+    drives = [scans_in(Path(folder)) for folder in arguments.folders]
+    count = sum(map(len, drives))
+    with progress(count, "scan") as bar:
+        write(arguments.output, (_frames(drive, bar) for drive in drives))
+    print(f"{arguments.output}: {count} scan{'s' * (count > 1)} as {arguments.format}")
+
+
+def export_options(parser: argparse.ArgumentParser) -> None:
+    """The options of `export`."""
+    parser.epilog = (
+        "Each folder is a drive: its scans follow one another, at the times of a sequence or a sweep time apart. "
+        "Frames, axes, box centres and class ids of each format: docs/formats.md. The data set is there "
+        "whole or not at all."
+    )
+    parser.add_argument("folders", nargs="+", metavar="FOLDER", help="scans of `simulate`, `generate` or `observe`")
+    text = "; ".join(f"{name}: {what}" for name, (_, _, what) in FORMATS.items())
+    parser.add_argument("--format", required=True, choices=FORMATS, metavar="NAME", help=text)
+    parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where it goes: new or empty")
+
+
+def _frames(scans: list[Path], bar: Any) -> Iterator[Frame]:
+    from lidardraft.scan import Scan
+
+    for name in scans:
+        yield Scan.load(name).frame()
+        bar.update()

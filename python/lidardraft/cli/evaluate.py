@@ -1,15 +1,27 @@
-"""`lidardraft evaluate`: scores of generated scans, of unseen streets or beside recordings by a published protocol."""
+"""`lidardraft evaluate`: scores of generated scans, of unseen streets or beside recordings by a published protocol; and
+the LiDARDraft paper's tables.
+
+LiDM's metrics: the paper's MMD is LiDM's minimum matching distance, and its FRD and FPD most probably are LiDM's FRID
+and FPVD; FPVD needs a sparse network that is not rebuilt here.
+"""
 
 from __future__ import annotations
 
 import argparse
+import dataclasses
+import json
+import math
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lidardraft.cli.arguments import add_seed, add_sensor, add_weights, read_sensor, whole_number
+from lidardraft.cli.arguments import add_seed, add_sensor, add_weights, assignments, read_sensor, whole_number
 from lidardraft.cli.command import progress
-from lidardraft.cli.folder_scores import add_folder_options, evaluate_folders
+from lidardraft.cli.inputs import scan_files
+from lidardraft.errors import FormatError, one_of
+from lidardraft.files import check_replaceable, write_text
+from lidardraft.protocols import PROTOCOLS, Protocol, Score, compare
 from lidardraft.scene.sensor import Sensor
 
 if TYPE_CHECKING:
@@ -18,29 +30,67 @@ if TYPE_CHECKING:
     from lidardraft.streets import StreetPair
 
 _SEED = 1_000_000  # of streets that no training used
-# Fields of `Scores`, and what they are called.
-_COLUMNS = {
-    "objects": "objects",
-    "other": "other",
-    "overall": "all",
-    "drop": "drop",
-    "range": "range",
-    "height": "height",
-    "bev": "BEV",
-    "classes": "classes",
-    "holes": "holes",
-    "lone": "lone",
-    "own": "own",
+_COLUMNS = ("objects", "other", "overall", "drop", "range", "height", "bev", "classes", "holes", "lone", "own")
+_CALLED = {"overall": "all", "bev": "BEV"}  # columns that are not called as the fields of `Scores` are
+_SMALL = 0.01  # scores below are printed x 1e-4, as tables have them
+
+Row = tuple[float, ...]  # FRD, MMD x 1e-4, JSD, FPD
+_METRICS = ("FRD", "MMD e-4", "JSD", "FPD")
+_NOT_KNOWN = math.nan
+
+# Wei et al., LiDARDraft, Table 1: KITTI-360, 11,517 scans for evaluation.
+_INPUTS: dict[str, dict[str, Row]] = {
+    "map": {
+        "latent diffusion": (24.21, 3.31, 0.088, 20.60),
+        "LiDM": (22.93, 3.16, 0.072, 18.50),
+        "LiDARDraft": (21.72, 3.14, 0.070, 18.32),
+    },
+    "text": {
+        "LiDM": (80.61, 4.74, 0.415, 29.60),
+        "Text2LiDAR": (170.12, 5.12, 0.439, 34.81),
+        "LiDARDraft": (23.88, 3.23, 0.079, 19.11),
+    },
+    "image": {
+        "latent diffusion": (50.50, 3.99, 0.314, 26.51),
+        "LiDM": (45.14, 3.72, 0.256, 25.83),
+        "LiDARDraft": (24.62, 3.39, 0.094, 21.32),
+    },
+    "cloud": {
+        "latent diffusion": (129.90, 4.99, 0.434, 32.98),
+        "LiDM": (121.50, 4.82, 0.423, 31.77),
+        "LiDARDraft": (27.98, 3.43, 0.099, 22.12),
+    },
 }
+# hancyran/LiDAR-Diffusion, README: KITTI-360 without a condition, 2,000 scans beside those of drive 03.
+_UNCONDITIONAL: dict[str, Row] = {
+    "LiDARGen, 1160 steps": (129.0, 2.88, 0.188, 33.4),
+    "LiDM, 50 steps": (125.1, 3.84, 0.211, 29.0),
+}
+# Table 2 of the paper.
+_ABLATION: dict[str, Row] = {
+    "full": (23.01, 3.19, 0.077, _NOT_KNOWN),
+    "no-control": (54.76, 4.01, 0.323, _NOT_KNOWN),
+    "bird-eye": (123.66, 4.91, 0.429, _NOT_KNOWN),
+    "no-semantics": (28.98, 3.67, 0.122, _NOT_KNOWN),
+    "no-depth": (24.91, 3.40, 0.095, _NOT_KNOWN),
+}
+_NAMES = (*_INPUTS, *_ABLATION, "none")
 
 
 def evaluate(arguments: argparse.Namespace) -> None:
     """Score generated scans: those of weights on unseen streets, or folders of scans beside recordings by a published
     protocol."""
-    if (arguments.table, arguments.protocol, arguments.real, arguments.generated) == (None,) * 4:
+    folders = (arguments.real, arguments.generated)
+    if arguments.table is not None:
+        if None in folders:
+            raise FormatError("the tables take --real SCANS and --generated NAME=FOLDER, as in text=scans/")
+        _print_tables(arguments)
+    elif (arguments.protocol, *folders) == (None,) * 3:
         _evaluate_weights(arguments)
+    elif None in (arguments.protocol, *folders):
+        raise FormatError("a published protocol takes all three: --protocol, --real and --generated")
     else:
-        evaluate_folders(arguments)
+        _print_cards(arguments)
 
 
 def _evaluate_weights(arguments: argparse.Namespace) -> None:
@@ -54,7 +104,7 @@ def _evaluate_weights(arguments: argparse.Namespace) -> None:
     pairs = unseen_streets(num, sensor, arguments.seed)
     half = ", half of each open" * pipeline.denoiser.config.completes
     print(f"{num} street{'s' * (num > 1)}, {sensor.name}{half}, {arguments.steps} steps")
-    print(f"{'':16}{''.join(f'{name:>9}' for name in _COLUMNS.values())}", flush=True)
+    print(f"{'':16}{''.join(f'{_CALLED.get(name, name):>9}' for name in _COLUMNS)}", flush=True)
     for row in scores(pipeline, pairs):
         print(f"{row.name:16}{''.join(f'{getattr(row, field):9.3f}' for field in _COLUMNS)}")
         print(f"    all, by class: {_by_class(row.by_class)}")
@@ -98,10 +148,108 @@ def evaluate_options(parser: argparse.ArgumentParser) -> None:
         "all and drop are then of the given halves, and the rest is of the open ones; bare is a lawn there. untrained: "
         "the same network with random weights: what these and the rows before them reach too, training has not earned."
     )
-    add_folder_options(parser)
+    text = "the tables of the LiDARDraft paper, of folders of scans given as --generated text=FOLDER image=FOLDER ..."
+    parser.add_argument("table", nargs="?", choices=("table",), help=text)
+    folders = parser.add_argument_group("scans in folders, beside recordings")
+    text = "as these define their metrics; each is printed with its definition and its noise floor"
+    folders.add_argument("--protocol", choices=PROTOCOLS, help=text)
+    text = "recorded scans: files, or folders, of .bin, .pcd.bin, .pcd or .npz"
+    folders.add_argument("--real", nargs="+", metavar="SCANS", help=text)
+    folders.add_argument("--generated", nargs="+", metavar="SCANS", help="generated scans, likewise")
+    text = "folder of the public weights for FRD, FRID and FPD; without it, the command says where to get them"
+    folders.add_argument("--networks", metavar="FOLDER", help=text)
+    text = "write values, floors and definitions as JSON too"
+    folders.add_argument("-o", "--output", metavar="FILE", help=text)
     add_sensor(parser)
     add_weights(parser)
-    parser.add_argument(
-        "-n", "--num", type=whole_number(1), default=50, metavar="N", help="streets to score (default 50)"
-    )
+    text = "streets to score (default 50)"
+    parser.add_argument("-n", "--num", type=whole_number(1), default=50, metavar="N", help=text)
     add_seed(parser, default=_SEED)
+
+
+def _print_cards(arguments: argparse.Namespace) -> None:
+    """Print the metric cards of two sets of scans, and write them where asked."""
+    if arguments.output is not None:
+        check_replaceable(Path(arguments.output))  # before hours of work
+    recorded, generated = scan_files(arguments.real), scan_files(arguments.generated)
+    cards = _compared(arguments, PROTOCOLS[arguments.protocol], recorded, generated)
+    card = cards[0]
+    print(f"{card.protocol}: {card.generated} generated beside {card.recorded} recorded scans; {card.source}")
+    print(f"scans: {card.projection}")
+    if card.floor_scans > 1:
+        print(f"floor: {card.floor_scans} recorded scans beside as many others, the least and the most of 10 halvings")
+    for card in cards:
+        print(f"{card.metric:5}{card.left_out or _shown(card)}\n     {card.definition}")
+        if card.network:
+            print(f"     network: {card.network}")
+    if arguments.output is not None:
+        fields = [dataclasses.asdict(card) | ({"value": None} if card.left_out else {}) for card in cards]
+        write_text(arguments.output, json.dumps(fields, indent=1))
+
+
+def _compared(
+    arguments: argparse.Namespace, protocol: Protocol, recorded: list[Path], generated: list[Path]
+) -> list[Score]:
+    """The scores of a protocol, behind a progress bar."""
+    total = sum(protocol.drawn(len(recorded), len(generated)))
+    with progress(total, "scan", "measuring", leave=False) as bar:
+        return compare(
+            protocol,
+            recorded,
+            generated,
+            networks=arguments.networks,
+            device=arguments.device,
+            seed=arguments.seed,
+            on_scan=bar.update,
+        )
+
+
+def _shown(card: Score) -> str:
+    """A score and its floor, x 1e-4 where it is small."""
+    scale, unit = (1e4, " x 1e-4") if abs(card.value) < _SMALL else (1.0, "")
+    floor = f"   floor {scale * min(card.floor):.4g} to {scale * max(card.floor):.4g}" if card.floor else ""
+    return f"{scale * card.value:10.4g}{floor}{unit}"
+
+
+def _print_tables(arguments: argparse.Namespace) -> None:
+    """Print both tables with a row of ours for each folder of generated scans that is given as NAME=FOLDER."""
+    given = assignments(arguments.generated, "--generated", f"NAME=FOLDER, NAME one of {', '.join(_NAMES)}")
+    for name in given:
+        if name not in _NAMES:
+            raise FormatError(f"--generated is {name!r}=...; the name must be {one_of(_NAMES, name)}")
+    recorded = scan_files(arguments.real)
+    folders = {name: scan_files([folder]) for name, folder in given.items()}
+    ours = {name: _compared(arguments, PROTOCOLS["lidm"], recorded, files) for name, files in folders.items()}
+    print(f"by LiDM's metrics, {len(recorded)} recorded scans; (published): from other scans, by their authors' tools")
+    if ours.keys() & {*_INPUTS, "none"}:
+        _heading("Table 1")
+        for name, published in (*_INPUTS.items(), ("none", _UNCONDITIONAL)):
+            _rows(name, published, ours.get(name))
+    if ours.keys() & _ABLATION.keys():
+        _heading("Table 2")
+        for name, row in _ABLATION.items():
+            _rows(name, {"LiDARDraft": row}, ours.get(name))
+
+
+def _heading(title: str) -> None:
+    print(f"\n{title:44}{''.join(f'{name:>10}' for name in _METRICS)}")
+
+
+def _rows(name: str, published: dict[str, Row], scores: list[Score] | None) -> None:
+    print(name)
+    for method, row in published.items():
+        _line(f"  {method} (published)", row)
+    if scores is not None:
+        values = {score.metric: score for score in scores}
+        metrics = (("FRID", 1.0), ("MMD", 1e4), ("JSD", 1.0))
+        _line(
+            f"  these {scores[0].generated} scans",
+            (*(scale * values[metric].value for metric, scale in metrics), _NOT_KNOWN),
+        )
+        floors = (scale * max(values[metric].floor, default=_NOT_KNOWN) for metric, scale in metrics)
+        _line(f"  {scores[0].floor_scans} recorded scans beside others", (*floors, _NOT_KNOWN))
+
+
+def _line(name: str, row: Row) -> None:
+    shown = ("-" if math.isnan(value) else f"{value:.4g}" for value in row)
+    print(f"{name:44}{''.join(f'{value:>10}' for value in shown)}")

@@ -39,7 +39,7 @@ def fit(arguments: argparse.Namespace) -> None:
         count = max(1, round(_HELD_BACK * len(recordings)))
         recordings, held = recordings[:-count], recordings[-count:]
     if len(recordings) == 1:
-        say("lidardraft", "fitted to one scan alone: where it has no returns from below, the vehicle is taken to hide "
+        say("fitted to one scan alone: where it has no returns from below, the vehicle is taken to hide "
             "the ground, and of rare surfaces it says little; ten scans of different places are enough")  # fmt: skip
     found = fit_sensor(recordings, output.stem, like=like, columns=arguments.columns, num_streets=arguments.streets)
     found.sensor.save(output)
@@ -60,7 +60,7 @@ def _print_sensor(found: Fit, recordings: list[Recording]) -> None:
     moved, shared = _lost(found, recordings)
     print(f"points lost in projection: {moved:.2%}, {shared:.2%} more share a pixel at {sensor.columns} columns")
     if moved > _MOST_LOST:
-        say("lidardraft", f"{moved:.0%} of the points look like those of other lasers: their order is not laser by "
+        say(f"{moved:.0%} of the points look like those of other lasers: their order is not laser by "
             "laser, or the motion of the vehicle is taken out")  # fmt: skip
     print(f"ranges: {sensor.min_range:g} to {sensor.max_range:g} m; mounted {sensor.mount_height:.2f} m over the road")
     print(f"hidden by the vehicle: {sensor.blocked_pixels.mean():.1%} of the firings")
@@ -76,7 +76,7 @@ def _print_sensor(found: Fit, recordings: list[Recording]) -> None:
     if model.intensity_curve is not None:
         print(f"intensity: quantiles agree to {found.intensity_residual:.3f} of 1")
     for name, limit in at_limits(model, sensor.range_sigma).items():
-        say("lidardraft", f"{name} is at the limit of its search, {limit:g}: streets come no nearer to the scans")
+        say(f"{name} is at the limit of its search, {limit:g}: streets come no nearer to the scans")
 
 
 def _lost(found: Fit, recordings: list[Recording]) -> tuple[float, float]:

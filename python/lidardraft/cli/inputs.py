@@ -140,7 +140,7 @@ def read_layout(arguments: argparse.Namespace) -> Layout:
         usual = name in _STREET_AROUND and not arguments.fill
         whole = _surrounded(arguments, layout, arguments.seed, usual=usual)
         if whole is not layout and (note := whole.provenance["surroundings"].get("note")):
-            say("lidardraft", note)
+            say(note)
         return whole
     except LidarDraftError as error:
         raise type(error)(f"{error}{_other_option(name, getattr(arguments, name))}") from None
@@ -195,7 +195,7 @@ def sensor_of_scan(path: str | Path, name: str | None) -> Sensor:
         return sensor
     if Path(path).name.endswith(".pcd.bin"):
         return Sensor.preset("hdl32e")
-    say("lidardraft", f"{path} is taken for a scan of {DEFAULT_SENSOR}; if it is not, give its --sensor")
+    say(f"{path} is taken for a scan of {DEFAULT_SENSOR}; if it is not, give its --sensor")
     return Sensor.preset(DEFAULT_SENSOR)
 
 
@@ -277,7 +277,7 @@ def notes_on(layout: Layout) -> list[str]:
 def _from_text(arguments: argparse.Namespace) -> Layout:
     layout = layout_of_text(arguments, arguments.text, arguments.seed)
     for note in notes_on(layout):
-        say("lidardraft", note)
+        say(note)
     return layout
 
 
@@ -315,7 +315,7 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
             detail=arguments.detail or "fine",
         )
     if len(layout) == 1:
-        say("lidardraft", f"{path}: the layout is a bare plane: the {len(points)} points show no ground and no object")
+        say(f"{path}: the layout is a bare plane: the {len(points)} points show no ground and no object")
     return layout
 
 
@@ -335,7 +335,7 @@ def _predicted(
     label, probability = Segmenter.from_pretrained(weights or "segmenter").predict(points, intensity, height)
     by, unsure = "the packaged segmenter" if weights is None else weights, probability < SURE
     said = f"{path} has no labels: {by} predicted them, with a mean probability of {probability.mean():.2f}"
-    say("lidardraft", f"{said}; {unsure.mean():.0%} of the points are less than half sure and have no class")
+    say(f"{said}; {unsure.mean():.0%} of the points are less than half sure and have no class")
     return np.where(unsure, np.uint8(0), label)
 
 
@@ -347,7 +347,7 @@ def _from_sketch(arguments: argparse.Namespace) -> Layout:
         path, metres_per_pixel=arguments.metres_per_pixel, scale_bar=arguments.scale_bar, seed=arguments.seed
     )
     for line in layout.provenance["ignored"]:
-        say("lidardraft", f"{path}: ignored: {line}")
+        say(f"{path}: ignored: {line}")
     return layout
 
 
@@ -381,7 +381,7 @@ def _from_blender(arguments: argparse.Namespace) -> Layout:
     layout = layout_from_blender(path, classes=_classes(arguments), strict=bool(arguments.strict))
     if layout.provenance.get("source") == path.name:  # and not that of a layout that was written as a script
         for note in layout.provenance["notes"]:
-            say("lidardraft", f"{path}: {note}")
+            say(f"{path}: {note}")
     return layout
 
 
@@ -432,7 +432,7 @@ def _from_image(arguments: argparse.Namespace) -> Layout:
             fill=bool(arguments.fill),
         )
     height, scale = layout.provenance["sensor_height"], layout.provenance["scale"]
-    say("lidardraft", f"{arguments.image}: depth times {scale:.2f}, so that the camera is {height:g} m over the road")
+    say(f"{arguments.image}: depth times {scale:.2f}, so that the camera is {height:g} m over the road")
     return layout
 
 

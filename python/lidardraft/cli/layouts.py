@@ -49,7 +49,7 @@ def draft(arguments: argparse.Namespace) -> None:
         if path.is_file():  # it shows another layout
             path.unlink()
             older = ", and the older one is removed"
-        say("lidardraft", f"{path} is not made: the layout has more than {limits}{older}")
+        say(f"{path} is not made: the layout has more than {limits}{older}")
 
 
 def _writer(ending: str) -> Callable[[str, Layout], None]:

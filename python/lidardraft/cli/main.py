@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 import lidardraft
-from lidardraft.cli import dataset, edit, evaluate, export, fit, layouts, pairs, profile, scans, view
+from lidardraft.cli import dataset, edit, evaluate, fit, layouts, pairs, profile, scans, view
 from lidardraft.cli.command import Parser, commands_of, run
 
 _FIRST = """\
@@ -39,7 +39,7 @@ def _parser() -> Parser:
     dataset.dataset_options(command("dataset", dataset.dataset))
     view.view_options(command("view", view.view))
     edit.edit_options(command("edit", edit.edit))
-    export.export_options(command("export", export.export))
+    dataset.export_options(command("export", dataset.export))
     layouts.draft_options(command("draft", layouts.draft))
     layouts.raycast_options(command("raycast", layouts.raycast))
     scans.observe_options(command("observe", scans.observe))

@@ -146,7 +146,7 @@ def pairs(arguments: argparse.Namespace) -> None:
                 except LidarDraftError as error:
                     skipped.append(str(file.scan))
                     bar.clear()
-                    say("lidardraft", f"skipped: {error}")
+                    say(f"skipped: {error}")
                 bar.update()
 
         counts = list(write_pairs(folder, made(), source=source, start=len(notes)))
@@ -171,7 +171,7 @@ def _pair(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor, see
     scan = _read(arguments, file, sensor)
     with named(file.scan):
         if first and beside_beams(scan, sensor) > _UNRELATED:
-            say("lidardraft", f"{file.scan}: the points lie between the beams of {sensor.name} as often as on them; "
+            say(f"{file.scan}: the points lie between the beams of {sensor.name} as often as on them; "
                 "`lidardraft fit` makes a sensor of the scans")  # fmt: skip
         return recorded_pair(scan, sensor, seed=seed)
 
@@ -193,15 +193,14 @@ def _segmenter(weights: str | None) -> Segmenter:
     from lidardraft.perception.segmenter import Segmenter
 
     by = "the packaged segmenter" if weights is None else weights
-    say("lidardraft", f"scans have no labels: {by} predicts them")
+    say(f"scans have no labels: {by} predicts them")
     return Segmenter.from_pretrained(weights or "segmenter")
 
 
 def _read(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor) -> LabelledCloud:
     """A scan with its classes: those of --labels, of the file, of one beside it or of the data set, or those of the
     segmenter; what is in boxes has theirs."""
-    from lidardraft.formats.recording import read_points, returns
-    from lidardraft.formats.semantickitti import read_label
+    from lidardraft.formats.recording import read_labels, read_points, returns
     from lidardraft.training.recorded_pairs import LabelledCloud
 
     scan = file.scan
@@ -209,7 +208,7 @@ def _read(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor) -> 
     if arguments.labels is not None:
         labels = Path(arguments.labels)
         path = labels / f"{scan.stem}.label" if labels.is_dir() else labels
-        fields |= dict(zip(("label", "instance"), read_label(path, len(points)), strict=True))
+        fields |= read_labels(path, len(points), of=scan)
     elif (of_points := file.labels(len(points))) is not None:
         fields["label"] = of_points
     with named(scan):

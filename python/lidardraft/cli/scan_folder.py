@@ -83,7 +83,7 @@ class ScanFolder(Generic[T]):
         made = itertools.chain([self._saved(0, first)], self._rest(num, jobs, run))
         for count, notes in enumerate(made):
             for note in notes:
-                say("lidardraft", note)
+                say(note)
             yield count
 
     def _rest(self, num: int, jobs: int, run: int) -> Iterator[list[str]]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -88,45 +89,13 @@ class Layouts:
         return [f"{self.sentences[number][0]}: {note}" for note in notes_on(scan.layout)]
 
 
-@dataclass(frozen=True, slots=True)
-class Simulations:
-    """Simulated scans of layouts."""
+def _simulated(layouts: Layouts, sensor: Sensor, weather: Weather, threads: int | None, number: int) -> Scan:
+    """The simulated scan of layout `number`."""
+    from lidardraft.simulation.simulate import simulate
 
-    layouts: Layouts
-    sensor: Sensor
-    weather: Weather
-    threads: int | None
-
-    def __call__(self, number: int) -> Scan:
-        """Scan `number`."""
-        from lidardraft.simulation.simulate import simulate
-
-        seed, layout = self.layouts.of(number)
-        arguments = self.layouts.arguments
-        return simulate(
-            layout,
-            self.sensor,
-            seed=seed,
-            weather=self.weather,
-            clutter=arguments.clutter,
-            speed=arguments.speed or 0.0,
-            threads=self.threads,
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class StreetScans:
-    """Scans of streets."""
-
-    seed: int
-    config: StreetConfig
-    threads: int | None
-
-    def __call__(self, number: int) -> Scan:
-        """Scan `number`."""
-        from lidardraft.streets.scans import street_scan
-
-        return street_scan(self.seed, number, self.config, threads=self.threads)
+    seed, layout = layouts.of(number)
+    clutter, speed = layouts.arguments.clutter, layouts.arguments.speed or 0.0
+    return simulate(layout, sensor, seed=seed, weather=weather, clutter=clutter, speed=speed, threads=threads)
 
 
 @dataclass(frozen=True)
@@ -182,9 +151,7 @@ def _simulate_sequence(arguments: argparse.Namespace) -> None:
         simulator = frames.simulator
     asked = arguments.scenario is not None or arguments.speed is not None
     if not (asked or simulator.tracks.actors or simulator.tracks.ego.moves()):
-        say(
-            "lidardraft", "nothing moves: the layout has no road whose lanes are known; --speed and --scenario say more"
-        )
+        say("nothing moves: the layout has no road whose lanes are known; --speed and --scenario say more")
     folder = ScanFolder(Path(arguments.output), arguments.pictures, frames, Scan.save)
     with progress(num, "frame") as bar:
         for _ in folder.write(num, jobs=jobs):
@@ -198,6 +165,7 @@ def simulate(arguments: argparse.Namespace) -> None:
     """Make labelled LiDAR scans by physics alone, from a sentence, a layout, a 3D model, a labelled scan, or of
     streets that are made up; with --frames a sequence in which everything moves."""
     from lidardraft.scan import Scan
+    from lidardraft.streets.scans import street_scan
 
     check_output(arguments)
     if arguments.frames is not None:
@@ -213,15 +181,15 @@ def simulate(arguments: argparse.Namespace) -> None:
         around = around_it(layouts.first)
         num = arguments.num or len(layouts.sentences) or 1
         jobs, poses = jobs_of(arguments, num), 1
-        make = Simulations(layouts, sensor, weather, 1 if jobs > 1 else None)
-        folder = ScanFolder(output, pictures, make, Scan.save, layouts.notes)
+        make: Callable[[int], Scan] = partial(_simulated, layouts, sensor, weather, 1 if jobs > 1 else None)
+        notes = layouts.notes
     else:
         num, poses = arguments.num or 1, arguments.poses or _POSES
         jobs = jobs_of(arguments, num, poses)
         config = _street_config(arguments, sensor, weather, poses)
-        folder = ScanFolder(output, pictures, StreetScans(arguments.seed, config, 1 if jobs > 1 else None), Scan.save)
+        make, notes = partial(street_scan, arguments.seed, config=config, threads=1 if jobs > 1 else None), None
     with progress(num, "scan") as bar:
-        for _ in folder.write(num, jobs=jobs, run=poses):
+        for _ in ScanFolder(output, pictures, make, Scan.save, notes).write(num, jobs=jobs, run=poses):
             bar.update()
     _report(arguments, num, (".label", ".boxes.json"), around)
 

@@ -32,8 +32,9 @@ if TYPE_CHECKING:
     from lidardraft.diffusion.sensor_limits import SensorLimits
     from lidardraft.scene.range_image import RangeImage
     from lidardraft.streets import StreetPair
-    from lidardraft.training.denoising import DenoisingConfig, PairSource
+    from lidardraft.training.denoising import DenoisingConfig
     from lidardraft.training.loop import Report
+    from lidardraft.training.sources import PairSource
 
 _RECIPES = ("small", "paper", "small-paper", "tiny", "tiny-paper")
 _FURTHER_RATE = 0.3  # of the recipe's learning rate: weights that are good already would be lost with more
@@ -108,8 +109,7 @@ def _initial(name: str | None) -> Denoiser | None:
 
 def _source(arguments: argparse.Namespace) -> PairSource:
     """What --data names: streets, folders of pairs, or a mixture."""
-    from lidardraft.training.pairs import PairFolder
-    from lidardraft.training.sources import MixedSource, StreetSource
+    from lidardraft.training.sources import MixedSource, PairFolder, StreetSource
 
     sensor = None if arguments.sensor is None else read_sensor(arguments.sensor)
     names, weights = _weighted("--data", arguments.data or ["streets"])
@@ -187,9 +187,8 @@ def segmenter(arguments: argparse.Namespace) -> None:
     """Train a segmenter, which tells the class of each return, on the scans of pairs; a second call goes on."""
     from lidardraft.perception.segmenter import Segmenter
     from lidardraft.training.loop import check_run_folder
-    from lidardraft.training.pairs import PairFolder
     from lidardraft.training.segmentation import SegmentationConfig, train_segmenter
-    from lidardraft.training.sources import MixedSource
+    from lidardraft.training.sources import MixedSource, PairFolder
 
     check_run_folder(arguments.run)
     begin = None if arguments.init is None else Segmenter.from_pretrained(arguments.init)

@@ -110,7 +110,7 @@ def _pictured(path: Path, arguments: argparse.Namespace) -> np.ndarray:
         _check_no_sensor(path, name)
         pairs = read_shard(path)
         if len(pairs) > _PAIRS_SHOWN:
-            say("lidardraft", f"{path} holds {len(pairs)} pairs; the picture shows the first {_PAIRS_SHOWN}")
+            say(f"{path} holds {len(pairs)} pairs; the picture shows the first {_PAIRS_SHOWN}")
         return sheet([render_pair(pair.scan, pair.condition_image) for pair, _ in pairs[:_PAIRS_SHOWN]])
     image, boxes = _read_scan(path, arguments)
     render = render_large if arguments.large else render_returns

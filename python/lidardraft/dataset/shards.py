@@ -6,16 +6,17 @@ behind is known, and made again, to the same bytes.
 
 from __future__ import annotations
 
+import itertools
 import json
 import random
 import shutil
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -31,6 +32,8 @@ from lidardraft.semantics import CLASSES
 _LOOKS = 8  # at a lock, while others look at it too
 _SPARE = 2**30  # bytes of the disk that stay free
 Tally = dict[str, Any]  # numbers, or such by name
+Item = TypeVar("Item")
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -202,3 +205,34 @@ def _add(total: Tally, tally: Tally | None) -> bool:
         else:
             total[what] = total.get(what, 0) + counted
     return tally is not None
+
+
+def on_cluster(make: Callable[[Item], T], items: Iterable[Item], address: str) -> Iterator[T]:
+    """`make(item)` of each item as it is done, on the cores of a cluster ("auto": of this machine's).
+
+    What was at work on a machine that is lost is made again on another. Raises as `make` does, and `FormatError` where
+    there is no such cluster.
+    """
+    import ray
+
+    try:
+        ray.init(address=address, log_to_driver=False, logging_level="error")
+    except (ConnectionError, ValueError, RuntimeError) as error:
+        said = str(error).splitlines()[0].partition(". ")[0]
+        raise FormatError(f"no Ray cluster at {address!r}: {said}; `ray start --head` begins one") from None
+    try:
+        task, given, left = ray.remote(num_cpus=1, max_retries=-1)(_made), ray.put(make), iter(items)
+        cores = int(ray.cluster_resources().get("CPU", 1))
+        at_work = [task.remote(given, item) for item in itertools.islice(left, 2 * cores)]
+        while at_work:
+            done, at_work = ray.wait(at_work)
+            yield from ray.get(done)
+            at_work += [task.remote(given, item) for item in itertools.islice(left, len(done))]
+    except ray.exceptions.RayTaskError as error:
+        raise error.cause from None
+    finally:
+        ray.shutdown()
+
+
+def _made(make: Callable[[Item], T], item: Item) -> T:
+    return make(item)

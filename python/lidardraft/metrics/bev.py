@@ -1,7 +1,7 @@
-"""Bird's-eye-view scores between two sets of scans, as LiDARGen defines them.
+"""The bird's-eye-view score between two sets of scans, as LiDARGen defines it.
 
 Zyrianov et al., "Learning to Generate Realistic LiDAR Point Clouds", ECCV 2022; constants from the code of the authors
-(vzyrianov/lidargen, metrics/histogram). Both scores are symmetric in the two sets.
+(vzyrianov/lidargen, metrics/histogram). The score is symmetric in the two sets.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ import numpy as np
 from lidardraft.errors import LidarDraftError
 from lidardraft.files import named
 from lidardraft.metrics.comparisons import KernelDiscrepancy, spectral
-from lidardraft.metrics.profiles import jensen_shannon
 
 BINS = 100
 HALF_EXTENT = 80.0  # m; cells of 1.6 m
@@ -27,12 +26,6 @@ def bev_histogram(points: np.ndarray) -> np.ndarray:
     x, y = points[(distance > MIN_DISTANCE) & (distance < MAX_DISTANCE), :2].T
     span = (-HALF_EXTENT, HALF_EXTENT)
     return np.histogram2d(x, y, bins=BINS, range=(span, span))[0]
-
-
-def bev_jsd(recorded: Iterable[np.ndarray], generated: Iterable[np.ndarray]) -> float:
-    """Jensen-Shannon distance (square root of the divergence in nats) of the summed histograms of scans [N, 3]."""
-    p, q = (_histograms(scans).sum(axis=0) for scans in (recorded, generated))
-    return jensen_shannon(p, q)
 
 
 def bev_mmd(recorded: Iterable[np.ndarray], generated: Iterable[np.ndarray]) -> float:

@@ -77,15 +77,15 @@ def compare(measured: Property, groups: Mapping[str, Features], generated: Featu
     between = [measured.distance(first, second) for first, second in itertools.combinations(known, 2)]
     halves = [(g[: len(g) // 2], g[len(g) // 2 :]) for g in known if len(g) >= _FEWEST_TO_HALVE]
     within = [measured.distance(first, second) for first, second in halves]
-    recorded = _mean(between)
-    if len(known) > 1 and not math.isnan(_mean(within)):
-        recorded = max(recorded, _mean(within))
+    recorded = mean_known(between)
+    if len(known) > 1 and not math.isnan(mean_known(within)):
+        recorded = max(recorded, mean_known(within))
     others = []
     for number, features in enumerate(known):
         sizes = [len(other) for at, other in enumerate(known) if at != number] or [len(features)]
         others += [measured.distance(part, features) for part in _subsets(generated, round(float(np.mean(sizes))))]
-    summaries = _mean([measured.summary(features) for features in known]), measured.summary(generated)
-    return Comparison(measured.name, *summaries, recorded, _mean(others))
+    summaries = mean_known([measured.summary(features) for features in known]), measured.summary(generated)
+    return Comparison(measured.name, *summaries, recorded, mean_known(others))
 
 
 def _subsets(generated: Features, count: int) -> list[Features]:
@@ -95,7 +95,8 @@ def _subsets(generated: Features, count: int) -> list[Features]:
     return [generated[start * stride : start * stride + count] for start in range(number)]
 
 
-def _mean(values: Sequence[float]) -> float:
+def mean_known(values: Sequence[float]) -> float:
+    """The mean of what is not NaN; NaN of nothing."""
     known = [value for value in values if not math.isnan(value)]
     return float(np.mean(known)) if known else math.nan
 
@@ -134,7 +135,7 @@ def _mean_of_bins(features: Features) -> float:
 
 
 def _mean_value(features: Features) -> float:
-    return _mean([float(value) for value in features])
+    return mean_known([float(value) for value in features])
 
 
 def _middles(borders: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 
-from lidardraft.errors import LayoutError, check_type
+from lidardraft.errors import LayoutError, check_seed, check_type
 from lidardraft.objects.kinds import KINDS, kind_of
 from lidardraft.scene.layout import AROUND, Layout, Primitive, object_of
 from lidardraft.semantics import GROUND
@@ -50,8 +50,7 @@ def detail(layout: Layout, seed: int = 0, *, clutter: float = 0.0) -> Layout:
     Raises `LayoutError` on a seed that is no integer >= 0, and on a clutter that is not 0 to 1.
     """
     check_type("layout", layout, Layout)
-    if type(seed) is not int or seed < 0:
-        raise LayoutError(f"seed is {seed!r}; it must be an integer >= 0")
+    check_seed(seed)
     if isinstance(clutter, bool) or not isinstance(clutter, int | float) or not 0.0 <= clutter <= 1.0:
         raise LayoutError(f"clutter is {clutter!r}; it must be a number from 0 to 1")
     surroundings = Surroundings.of(layout)

@@ -18,7 +18,7 @@ from lidardraft.arranging.plan import Frame, fill, greened, sample_lights
 from lidardraft.arranging.street_mix import StreetMix
 from lidardraft.drafting.solver.scene_spec import SceneSpec
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
-from lidardraft.errors import LayoutError, check_type
+from lidardraft.errors import LayoutError, check_seed, check_type
 from lidardraft.objects.kinds import KINDS, kind_of
 from lidardraft.objects.mesh import quads
 from lidardraft.objects.placed_object import PlacedObject
@@ -60,8 +60,7 @@ def surround(layout: Layout, seed: int = 0) -> Layout:
     Raises `LayoutError` on a seed that is no integer >= 0, and where the layout has surroundings already.
     """
     check_type("layout", layout, Layout)
-    if type(seed) is not int or seed < 0:
-        raise LayoutError(f"seed is {seed!r}; it must be an integer >= 0")
+    check_seed(seed)
     if any(primitive.id.startswith(AROUND) for primitive in layout):
         raise LayoutError(f'the layout has surroundings already; edit.remove(layout, "{AROUND}*") takes them away')
     rng = np.random.default_rng([seed, _STREAM])

@@ -8,7 +8,7 @@ import numpy as np
 
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, NUM_CLASSES
-from lidardraft.training.pairs import PairFolder
+from lidardraft.training.sources import PairFolder
 
 # What is rare in a street and small in an image: pasted from one scan into another.
 _PASTED = [

@@ -9,7 +9,7 @@ import os
 from collections.abc import Generator, Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import torch
@@ -29,9 +29,9 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
 from lidardraft.streets import StreetConfig, streets
 from lidardraft.training.learner import LearningConfig
-from lidardraft.training.loop import Batch, Data, Measures, Report, device_for_training, prefetched, train
-from lidardraft.training.pairs import scans_of_step
+from lidardraft.training.loop import Batch, Measures, Report, device_for_training, prefetched, train
 from lidardraft.training.processes import Processes
+from lidardraft.training.sources import PairSource, scans_of_step
 
 OWN, OTHER = "objects", "objects of the other street"
 _SEED = 2_000_000  # of streets that no training learns from
@@ -87,22 +87,6 @@ class AdherenceWatch:
                 f"the network ignores its condition after {step} steps: of its returns on objects "
                 f"{measured[OWN]:.1%} agree with the layout, and {measured[OTHER]:.1%} with another one"
             )
-
-
-class PairSource(Data, Protocol):
-    """Pairs to learn from, on disk (`PairFolder`) or made as they are asked for (`StreetSource`)."""
-
-    @property
-    def sensor(self) -> Sensor | None:
-        """The sensor of all pairs, None where they are of many."""
-
-    @property
-    def sensors(self) -> tuple[Sensor, ...]:
-        """Those that are known before the training begins."""
-
-    def pairs(self, step: int, scans: int, processes: Processes) -> list[Pair]:
-        """Those of a step, of one sensor, as many as `scans` of 64 x 1024 are worth; of several processes, this
-        one's."""
 
 
 @dataclass(frozen=True, kw_only=True)

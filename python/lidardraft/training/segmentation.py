@@ -19,8 +19,7 @@ from lidardraft.semantics import NUM_CLASSES
 from lidardraft.training.augmentation import Augmentation, augmented
 from lidardraft.training.learner import LearningConfig
 from lidardraft.training.loop import Batch, Measures, Report, device_for_training, prefetched, train
-from lidardraft.training.pairs import PairFolder
-from lidardraft.training.sources import MixedSource
+from lidardraft.training.sources import MixedSource, PairFolder
 
 _COUNTED = 256  # scans that the share of each class is taken from
 

@@ -13,7 +13,7 @@ from platformdirs import user_cache_path
 from lidardraft.drafting.blender.layout import layout_from_blender
 from lidardraft.drafting.language_model.chat_server import MODEL, URL, ChatServer, TimeLimit
 from lidardraft.drafting.language_model.conversation import Conversation, Prompt, ReplyCache, Request, converse
-from lidardraft.drafting.solver.layout import check_seed, layout_from_spec
+from lidardraft.drafting.solver.layout import layout_from_spec
 from lidardraft.drafting.solver.road_from_spec import MAX_DISTANCE
 from lidardraft.drafting.solver.scene_spec import (
     ACTIVITIES,
@@ -29,7 +29,7 @@ from lidardraft.drafting.solver.scene_spec import (
     relations,
 )
 from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS
-from lidardraft.errors import LayoutError, TextError, check_type
+from lidardraft.errors import LayoutError, TextError, check_seed, check_type
 from lidardraft.files import named
 from lidardraft.json_fields import check_fields, parse_object
 from lidardraft.scene.check import check

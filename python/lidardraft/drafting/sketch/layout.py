@@ -23,7 +23,7 @@ from lidardraft.drafting.sketch.surfaces import (
     heading,
     height_at,
 )
-from lidardraft.errors import FormatError, LayoutError, check_type
+from lidardraft.errors import FormatError, LayoutError, check_seed, check_type
 from lidardraft.files import named, read_text
 from lidardraft.formats.picture import opened_picture
 from lidardraft.json_fields import is_number
@@ -61,8 +61,7 @@ def layout_from_sketch(
     for name, value in (("metres_per_pixel", metres_per_pixel), ("scale_bar", scale_bar)):
         if value is not None and not (is_number(value) and value > 0):
             raise LayoutError(f"{name} is {value!r}; it must be a finite number of metres > 0")
-    if type(seed) is not int or seed < 0:
-        raise LayoutError(f"seed is {seed!r}; it must be an integer >= 0")
+    check_seed(seed)
     if isinstance(sketch, np.ndarray):
         return _layout(_painting(sketch, metres_per_pixel, scale_bar), "sketch", seed)
     path = Path(sketch)

@@ -10,8 +10,7 @@ from itertools import islice
 import numpy as np
 from scipy import ndimage
 
-from lidardraft.drafting.sketch.centre_lines import around, how_many
-from lidardraft.drafting.sketch.masks import shapes_of_mask
+from lidardraft.drafting.sketch.masks import around, how_many, shapes_of_mask
 from lidardraft.drafting.sketch.shapes import FURTHEST, MOST_SHAPES, Sketch, SketchFrame
 from lidardraft.errors import FormatError, LayoutError
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND, NUM_CLASSES

@@ -24,7 +24,7 @@ from lidardraft.drafting.solver.scene_spec import (
     split_place,
 )
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS, SentenceKind
-from lidardraft.errors import LayoutError
+from lidardraft.errors import LayoutError, check_seed
 from lidardraft.scene.layout import Layout
 
 TRIES = 60  # of places for one object
@@ -68,12 +68,6 @@ def layout_from_spec(spec: SceneSpec, seed: int = 0) -> Layout:
             if solver.arrange(urgent) is not None:
                 break
     raise LayoutError(solver.refusal)
-
-
-def check_seed(seed: int) -> None:
-    """Raises `LayoutError` on a seed that is no integer >= 0."""
-    if type(seed) is not int or seed < 0:
-        raise LayoutError(f"seed is {seed!r}; it must be an integer >= 0")
 
 
 class _Solver:

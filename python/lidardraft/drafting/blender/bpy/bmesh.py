@@ -10,7 +10,7 @@ import numpy as np
 
 from lidardraft.drafting.blender.bpy.blocks import Listing, ignored, unread
 from lidardraft.drafting.blender.bpy.mathutils import IDENTITY, Matrix, Vector, affine, moved
-from lidardraft.drafting.blender.bpy.meshes import Mesh, MeshShape, Vertex, polygons_of, polyhedron, shape_of
+from lidardraft.drafting.blender.bpy.meshes import SHAPES, Mesh, MeshShape, Vertex, polygons_of, polyhedron, shape_of
 from lidardraft.drafting.blender.bpy.scene import Scene
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
 from lidardraft.drafting.blender.script.values import (
@@ -33,7 +33,6 @@ _CELLS = 8
 _ORIGIN = (0.0, 0.0, 0.0)
 _LOOKS = ("select", "smooth", "material_index", "hide", "tag", "index", "seam")
 _LOOKUP = dict.fromkeys(("ensure_lookup_table", "index_update"), nothing)
-_SHAPES = ("create_cube", "create_grid", "create_circle", "create_cone", "create_uvsphere", "create_icosphere")
 # What leaves a surface where it is, or nearly so.
 _PASSED_OVER = ("recalc_face_normals", "remove_doubles", "triangulate", "reverse_faces", "join_triangles", "bevel")
 
@@ -235,7 +234,9 @@ def bmesh_module(scene: Scene) -> Namespace:
     kinds = {"BMVert": Vertex, "BMFace": Face, "BMesh": EditedMesh, "BMEdge": Edge}
     operators: Methods = {"translate": _translate, "scale": _scale, "rotate": _rotate, "transform": _transform}
     operators |= {"extrude_face_region": _extrude_face_region, "delete": _delete}
-    operators |= {name: _adding(name) for name in _SHAPES} | {name: passed_over(name) for name in _PASSED_OVER}
+    operators |= {name: _adding(name) for name in SHAPES if name.startswith("create_")} | {
+        name: passed_over(name) for name in _PASSED_OVER
+    }
     functions: Methods = {
         "new": lambda **_: EditedMesh(script),
         "from_edit_mesh": from_edit_mesh,

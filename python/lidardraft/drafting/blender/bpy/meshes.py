@@ -172,7 +172,7 @@ def torus(major: float, minor: float, major_segments: int, minor_segments: int) 
 
 
 # What the operators of bpy and bmesh that add a shape call, and their arguments with their defaults, in its order.
-_SHAPES: dict[str, tuple[Callable[..., MeshShape | None], dict[str, Value]]] = {
+SHAPES: dict[str, tuple[Callable[..., MeshShape | None], dict[str, Value]]] = {
     "cube": (cube, {"size": 2.0}),
     "plane": (lambda size: grid(size, 1, 1), {"size": 2.0}),
     "grid": (grid, {"size": 2.0, "x_subdivisions": 10, "y_subdivisions": 10}),
@@ -203,7 +203,7 @@ _SHAPES: dict[str, tuple[Callable[..., MeshShape | None], dict[str, Value]]] = {
 
 def shape_of(operator: str, given: dict[str, Value]) -> MeshShape | None:
     """The shape that an operator makes of the arguments it is given; None where that has no face."""
-    make, defaults = _SHAPES[operator]
+    make, defaults = SHAPES[operator]
     if unknown := [name for name in given if name not in defaults]:
         raise RefusalError(f"the argument {unknown[0]!r:.60} is not supported; {', '.join(defaults)} are")
     arguments: list[float | bool] = []

@@ -8,7 +8,7 @@ import numpy as np
 
 from lidardraft.drafting.blender.bpy.blocks import Unread
 from lidardraft.drafting.blender.bpy.mathutils import IDENTITY, affine, inverse, moved, rotation_matrix
-from lidardraft.drafting.blender.bpy.meshes import Mesh, polyhedron, scale_of, shape_of
+from lidardraft.drafting.blender.bpy.meshes import SHAPES, Mesh, polyhedron, scale_of, shape_of
 from lidardraft.drafting.blender.bpy.objects import SceneObject
 from lidardraft.drafting.blender.bpy.scene import Scene
 from lidardraft.drafting.blender.script.limits import RefusalError
@@ -330,9 +330,8 @@ def _join(scene: Scene) -> None:
         active.data.shape, active.data.matrix = polyhedron(np.concatenate(vertices), faces), IDENTITY
 
 
-_SHAPES = ("cube", "plane", "grid", "circle", "cylinder", "cone", "uv_sphere", "ico_sphere", "torus")
 _OPERATORS: dict[str, Callable[..., None]] = {
-    **{f"mesh.primitive_{name}_add": _primitive(name) for name in _SHAPES},
+    **{f"mesh.primitive_{name}_add": _primitive(name) for name in SHAPES if not name.startswith("create_")},
     "mesh.select_all": _select_vertices,
     "object.delete": _delete,
     "object.duplicate": _duplicate,

@@ -141,18 +141,20 @@ def _if(node: ast.If, frame: Frame) -> Going:
 
 
 def _for(node: ast.For, frame: Frame) -> Going:
-    for item in loop_over(value_of(node.iter, frame), frame.script):
-        assign(node.target, item, frame)
-        ended = yield from block(node.body, frame)
-        if ended is _BREAK:
-            return None
-        if ended is not None and ended is not _CONTINUE:
-            return ended
-    return (yield from block(node.orelse, frame))
+    def rounds() -> Iterator[None]:
+        for item in loop_over(value_of(node.iter, frame), frame.script):
+            assign(node.target, item, frame)
+            yield
+
+    return _loop(node, rounds(), frame)
 
 
 def _while(node: ast.While, frame: Frame) -> Going:
-    while truth(value_of(node.test, frame)):
+    return _loop(node, iter(lambda: truth(value_of(node.test, frame)), False), frame)
+
+
+def _loop(node: ast.For | ast.While, rounds: Iterator[object], frame: Frame) -> Going:
+    for _ in rounds:
         ended = yield from block(node.body, frame)
         if ended is _BREAK:
             return None

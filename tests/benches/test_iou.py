@@ -3,8 +3,8 @@ import math
 import numpy as np
 import pytest
 
+from iou import ClassScores, confusion_matrix
 from lidardraft.errors import LidarDraftError
-from lidardraft.metrics.iou import ClassScores, confusion_matrix
 
 #                   unlabelled, 1 x 4,      2 x 3,   3 x 1
 TRUTH = np.array([0, 0, 1, 1, 1, 1, 2, 2, 2, 3])
