@@ -2,9 +2,10 @@
 
     python benches/picture_simulate.py [--data FOLDER] [-o simulated.png]
 
-Row by row: ten sentences in streets; clusterings of five recorded sweeps, and three coarse layouts of streets; then, to hold them
-against, two of these sweeps as recorded, and three scans of the streets themselves. Colours are classes, brightness is
-intensity. The recordings, PandaSet's and ika's in FOLDER (by default LIDARDRAFT_DATA), may be shown by anyone.
+Row by row: ten sentences in streets; clusterings of five recorded sweeps, and three coarse layouts of streets; then, to
+hold them against, two of these sweeps as recorded, and three scans of the streets themselves. Colours are classes,
+brightness is intensity. The recordings, PandaSet's and ika's in FOLDER (by default LIDARDRAFT_DATA), may be shown by
+anyone.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A piece of a sketch, as a mask of pixels, is a blob, or strokes that touch and cross: a middle line with a width each.
+"""A piece of a sketch, as a mask of pixels, is a blob, or strokes that touch and cross: middle lines with widths.
 
 Places of middle lines are (down, right) in pixels.
 """
