@@ -25,6 +25,7 @@ from lidardraft.scene.sensor import Blocked, Sensor
 from lidardraft.training import denoising, recipes
 from lidardraft.training.denoising import thinned, train_denoiser
 from lidardraft.training.processes import ALONE, Processes
+from lidardraft.training.sources import PairFolder
 
 GENERATOR, BASE, CONTROL = (
     dataclasses.replace(stage, report_every=1, save_every=1000) for stage in (*recipes.tiny(), *recipes.tiny_paper())

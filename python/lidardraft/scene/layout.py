@@ -43,7 +43,7 @@ class Primitive:
     plane, or a mesh that is not closed, has no inside and cannot be a medium.
 
     An `open` shape fills space that the source leaves open, such as the lawn around a sentence's road: a completed scan
-    may have anything there (`scene.open_pixels`).
+    may have anything there (`scene.visibility`).
     """
 
     shape: str
