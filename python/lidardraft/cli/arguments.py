@@ -73,13 +73,7 @@ def positive(text: str) -> float:
 
 def minutes(text: str) -> float:
     """The type of an option that takes minutes: a number over 0, or inf."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not value > 0:  # nan is not
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number over 0")
-    return value
+    return math.inf if text == "inf" else positive(text)
 
 
 def add_sensor(parser: Options, *, default: str | None = DEFAULT_SENSOR, of: str = "") -> None:

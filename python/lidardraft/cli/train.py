@@ -45,6 +45,7 @@ def street(arguments: argparse.Namespace) -> None:
     from lidardraft.diffusion.denoiser import Denoiser
     from lidardraft.networks import weight_file
     from lidardraft.pipeline import Pipeline
+    from lidardraft.training.denoising import train_denoiser
     from lidardraft.training.loop import check_run_folder, device_for_training
     from lidardraft.training.processes import Processes
 
@@ -62,7 +63,9 @@ def street(arguments: argparse.Namespace) -> None:
     Path(arguments.output).parent.mkdir(parents=True, exist_ok=True)
     ends = time.monotonic() + 60 * arguments.minutes
     for config, run_folder in zip(stages, runs, strict=True):
-        if not _trained(config, source, run_folder, begin, arguments.device, (ends - time.monotonic()) / 60):
+        minutes = (ends - time.monotonic()) / 60
+        reports = train_denoiser(config, source, run_folder, begin=begin, device=arguments.device, max_minutes=minutes)
+        if _show(reports, config.steps, run_folder.name) not in (None, config.steps):
             print(f"{run_folder}: stopped after {arguments.minutes:g} minutes; the same call goes on")
             return
         processes.wait()  # until the first one has saved what all have learned
@@ -133,21 +136,6 @@ def _limits(sensor: Sensor | None) -> SensorLimits:
     from lidardraft.training import sampled_sensor
 
     return sampled_sensor.LIMITS if sensor is None else SensorLimits.from_sensor(sensor)
-
-
-def _trained(
-    config: DenoisingConfig,
-    source: PairSource,
-    run: Path,
-    begin: Denoiser | None,
-    device: str,
-    minutes: float,
-) -> bool:
-    """Whether a stage is done, after so many minutes at most."""
-    from lidardraft.training.denoising import train_denoiser
-
-    reports = train_denoiser(config, source, run, begin=begin, device=device, max_minutes=minutes)
-    return _show(reports, config.steps, run.name) in (None, config.steps)
 
 
 def street_options(parser: argparse.ArgumentParser) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import lru_cache
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +22,6 @@ from lidardraft.scene.sensor_model import SensorModel, beam_fan
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.scene.weather import Weather, first_particle, fog_echo
 
-T = TypeVar("T")
 _TILT_STREAM = 3  # random numbers of the tilts of a unit
 _OBSERVED = ("depth", "intensity", "incidence", "instance", "primitive", "label")
 
@@ -100,16 +99,17 @@ def sub_rays(sensor: Sensor, model: SensorModel) -> Sensor:
             f"{1e3 * model.divergence_v:.2f} mrad; rays_per_beam must be 1"
         )
     offsets = np.add.outer(sensor.azimuth_offsets or np.zeros(beams), fan[:, 0]).ravel()
+    tables = ("blocked", "origin_forwards", "origin_lefts", "origin_heights")
+    repeated: dict[str, Any] = {
+        table: tuple(value for value in getattr(sensor, table) for _ in fan) for table in tables
+    }
     return replace(
         sensor,
         name=f"{sensor.name} x {model.rays_per_beam}",
         model=None,
-        blocked=_repeated(sensor.blocked, model.rays_per_beam),
         elevations=tuple(elevations.tolist()),
         azimuth_offsets=tuple(offsets.tolist()),
-        origin_forwards=_repeated(sensor.origin_forwards, model.rays_per_beam),
-        origin_lefts=_repeated(sensor.origin_lefts, model.rays_per_beam),
-        origin_heights=_repeated(sensor.origin_heights, model.rays_per_beam),
+        **repeated,
     )
 
 
@@ -123,10 +123,6 @@ def beam_tilts(sensor: Sensor, model: SensorModel) -> np.ndarray:
     sampled = np.random.default_rng([model.unit, _TILT_STREAM]).standard_normal(len(step))
     tilts: np.ndarray = np.clip(sampled, -2.5, 2.5) * model.tilt_spread * np.minimum(step / math.radians(1.0), 1.0)
     return tilts
-
-
-def _repeated(values: tuple[T, ...], times: int) -> tuple[T, ...]:
-    return tuple(value for value in values for _ in range(times))
 
 
 @lru_cache(maxsize=32)

@@ -5,13 +5,12 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+
+import torch
+from torch import Tensor
+from torch import distributed as dist
 
 from lidardraft.errors import TrainingError
-
-if TYPE_CHECKING:
-    import torch
-    from torch import Tensor
 
 
 @dataclass(frozen=True)
@@ -26,8 +25,6 @@ class Processes:
         """Those that `torchrun` or `accelerate launch` started, as their environment says; or this one alone."""
         if int(os.environ.get("WORLD_SIZE", "1")) == 1:
             return cls()
-        from torch import distributed as dist  # pairs are written where there is no torch
-
         if not dist.is_initialized():
             dist.init_process_group("nccl" if device.type == "cuda" else "gloo")
         return cls(dist.get_rank(), dist.get_world_size())
@@ -41,9 +38,6 @@ class Processes:
     def add_up(self, tensors: Iterable[Tensor]) -> None:
         """Replace each tensor by the sum of those of all processes."""
         if self.count > 1:
-            import torch
-            from torch import distributed as dist
-
             each = list(tensors)
             together = torch.cat([tensor.flatten() for tensor in each])  # one message costs less than hundreds
             dist.all_reduce(together)
@@ -53,8 +47,6 @@ class Processes:
 
     def total(self, number: float, device: torch.device) -> float:
         """The sum of a number over all processes."""
-        import torch
-
         tensor = torch.tensor(float(number), device=device)
         self.add_up([tensor])
         return tensor.item()
@@ -62,8 +54,6 @@ class Processes:
     def wait(self) -> None:
         """Until all processes are here."""
         if self.count > 1:
-            from torch import distributed as dist
-
             dist.barrier()
 
 

@@ -160,7 +160,7 @@ class Vector(Record):
 
     def like(self, numbers: Sequence[float]) -> Vector:
         """Other numbers of the same kind."""
-        return Vector(numbers)
+        return type(self)(numbers)
 
     def elements(self) -> list[Value]:
         return list(self.numbers)
@@ -287,6 +287,9 @@ class LiveVector(Vector):
     def change(self, numbers: Sequence[float]) -> None:
         self._write(numbers)
 
+    def like(self, numbers: Sequence[float]) -> Vector:
+        return Vector(numbers)
+
 
 class Euler(Vector):
     """Angles about x, then y, then z [rad]."""
@@ -298,9 +301,6 @@ class Euler(Vector):
         """The angles of three numbers."""
         _check_order(order)
         return cls(reals(value, 3, "the angles"))
-
-    def like(self, numbers: Sequence[float]) -> Vector:
-        return Euler(numbers)
 
     def _rotate(self, turn: Value) -> None:
         self.change(angles_of(rotation_of(turn) @ rotation_matrix(self.numbers)))
@@ -329,9 +329,6 @@ class Quaternion(Vector):
         if angle is None:
             return cls(reals(value, 4, "the quaternion"))
         return cls(quaternion_of(about_axis(np.array(reals(value, 3, "the axis")), real(angle, "the angle"))))
-
-    def like(self, numbers: Sequence[float]) -> Vector:
-        return Quaternion(numbers)
 
     def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
         if operator is not ast.MatMult or reflected or not isinstance(other, Vector):
