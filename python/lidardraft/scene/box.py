@@ -18,7 +18,8 @@ FURTHEST = 1e9  # m, the limit of coordinates and extents: that of the core, whi
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """An oriented box around one object: center and size (length, width, height, each >= 0) [m], yaw [rad].
+    """An oriented box around one object: center and size (length, width, height) [m], yaw [rad]. That of a flat thing,
+    such as a person on a sheet, is flat too; negative extents are refused.
 
     `velocity` [m/s] is that over the ground along the axes of the box's frame; None where it is not known.
 
