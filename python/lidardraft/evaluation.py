@@ -84,9 +84,8 @@ def evaluate(
     if opened is None:
         yield score("condition image", pairs, (pair.condition_image for pair in pairs))
     else:
-        yield score(
-            "bare", pairs, (merged(_simulated(p), _lawn(p), o) for p, o in zip(pairs, opened, strict=True)), opened
-        )
+        bare = (merged(_simulated(pair), _lawn(pair), part) for pair, part in zip(pairs, opened, strict=True))
+        yield score("bare", pairs, bare, opened)
     yield score("simulated", pairs, (_simulated(pair) for pair in pairs), opened)
     untrained = Pipeline(
         untrained_weights(pipeline.denoiser),

@@ -206,9 +206,8 @@ def expecting(what: str) -> Iterator[None]:
     except LidarDraftError:
         raise
     except Exception as error:  # parsers raise what they meet, a lack of memory and of depth too
-        said = getattr(error, "strerror", None) or next(
-            filter(str.strip, str(error).splitlines()), type(error).__name__
-        )
+        lines = filter(str.strip, str(error).splitlines())
+        said = getattr(error, "strerror", None) or next(lines, type(error).__name__)
         raise FormatError(f"not {what}: {said.strip():.200}") from None
 
 
@@ -225,9 +224,7 @@ def locked_folder(folder: Path, lock: str = ".lock") -> Iterator[None]:
             _lock(file.fileno())
         except (BlockingIOError, PermissionError):
             holder = path.read_text().strip() or "another process"
-            raise FormatError(
-                f"{folder} is being written by {holder}; wait until it has ended, or use another folder"
-            ) from None
+            raise FormatError(f"{folder} is being written by {holder}; wait for it, or use another folder") from None
         except OSError as error:
             raise FormatError(f"{folder} cannot be locked: {error.strerror}") from None
         file.truncate(0)

@@ -154,6 +154,5 @@ class Pipeline:
 def merged(given: RangeImage, made: RangeImage, is_open: np.ndarray) -> RangeImage:
     """`made` where `is_open`, bool [H, W], and `given` elsewhere."""
     names = ("depth", "label", "instance", "intensity")
-    return RangeImage(
-        sensor=given.sensor, **{name: np.where(is_open, getattr(made, name), getattr(given, name)) for name in names}
-    )
+    images = {name: np.where(is_open, getattr(made, name), getattr(given, name)) for name in names}
+    return RangeImage(sensor=given.sensor, **images)

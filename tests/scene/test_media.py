@@ -62,9 +62,7 @@ def test_an_open_mesh_is_no_medium():
 
 @pytest.mark.parametrize("value", [0, -1, math.inf, math.nan, "dense", True, [1.0]])
 def test_extinctions_that_cannot_be(value):
-    with pytest.raises(
-        LayoutError, match=r"tree_1\.crown: extinction is .*; it must be a finite number greater than 0"
-    ):
+    with pytest.raises(LayoutError, match=r"tree_1\.crown: extinction is .*; it must be a finite number > 0"):
         dataclasses.replace(CROWN, extinction=value)
 
 

@@ -89,10 +89,8 @@ def read_sensor(name: str) -> Sensor:
     if Path(name).suffix == ".json":
         sensor = read_ouster_metadata(name) if is_ouster_metadata(read_text(name)) else Sensor.load(name)
         if math.prod(sensor.shape) > _MOST_PIXELS:
-            beams, columns = sensor.shape
-            raise SensorError(
-                f"{name}: {beams} beams of {columns} columns; images of up to {_MOST_PIXELS} pixels are made"
-            )
+            size = "{} x {}".format(*sensor.shape)
+            raise SensorError(f"{name}: {size} pixels; images of up to {_MOST_PIXELS} are made")
         return sensor
     if name not in PRESETS:
         raise SensorError(f"sensor is {name!r}; it must be a .json file or {one_of(PRESETS, name)}")

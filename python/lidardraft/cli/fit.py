@@ -54,9 +54,8 @@ def _print_sensor(found: Fit, recordings: list[Recording]) -> None:
 
     sensor, table, model = found.sensor, found.table, found.sensor.model
     assert model is not None
-    print(
-        f"lasers: {len(table.rings)}, returns {1e3 * table.residual:.2f} mm ({1e3 * table.angle_residual:.3f} mrad) off"
-    )
+    off = f"{1e3 * table.residual:.2f} mm ({1e3 * table.angle_residual:.3f} mrad) off"
+    print(f"lasers: {len(table.rings)}, returns {off}")
     moved, shared = _lost(found, recordings)
     print(f"points lost in projection: {moved:.2%}, {shared:.2%} more share a pixel at {sensor.columns} columns")
     if moved > _MOST_LOST:
@@ -113,9 +112,7 @@ def _print_rows(
 
 def fit_options(parser: argparse.ArgumentParser) -> None:
     """The options of `fit`."""
-    text = (
-        "scans of one sensor: KITTI .bin (labels beside it are used), nuScenes .pcd.bin, .pcd with rings or rows, .npz"
-    )
+    text = "scans of one sensor: KITTI .bin (and labels beside it), nuScenes .pcd.bin, .pcd with rings or rows, .npz"
     parser.add_argument("scans", nargs="+", metavar="SCAN", help=text)
     parser.add_argument("-o", "--output", required=True, metavar="SENSOR.json", help="where the sensor goes")
     text = "scans that the fit is judged on (default: a quarter of SCANs, the last ones, is kept back for that)"

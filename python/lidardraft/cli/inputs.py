@@ -342,10 +342,8 @@ def _predicted(
 def _from_sketch(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.sketch.layout import layout_from_sketch
 
-    path = arguments.sketch
-    layout = layout_from_sketch(
-        path, metres_per_pixel=arguments.metres_per_pixel, scale_bar=arguments.scale_bar, seed=arguments.seed
-    )
+    path, scale = arguments.sketch, arguments.metres_per_pixel
+    layout = layout_from_sketch(path, metres_per_pixel=scale, scale_bar=arguments.scale_bar, seed=arguments.seed)
     for line in layout.provenance["ignored"]:
         say(f"{path}: ignored: {line}")
     return layout

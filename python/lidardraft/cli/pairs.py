@@ -235,9 +235,7 @@ def pairs_options(parser: argparse.ArgumentParser) -> None:
     text = "a whole data set, with its labels or boxes and its sensor; kitti has boxes alone"
     parser.add_argument("--dataset", choices=SENSORS, help=text)
     parser.add_argument("--split", default="all", metavar="NAME", help="of semantickitti: train, val or all (default)")
-    text = (
-        "SemanticKITTI labels of the scan, or the folder of NAME.label of all (default: beside them, or in ../labels)"
-    )
+    text = "labels of the scan, or the folder of NAME.label of all (default: those beside them, or in ../labels)"
     parser.add_argument("--labels", metavar="FOLDER", help=text)
     text = "weights of `lidardraft-train segmenter` for scans that have no labels (default: the packaged ones)"
     parser.add_argument("--segmenter", metavar="WEIGHTS", help=text)

@@ -334,9 +334,8 @@ def observe_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("casts", nargs="+", metavar="CAST", help="an .npz cast, or CARLA's .ply or .npy")
     add_sensor(parser, default=None, of=" whose rays they are, where an .npz does not hold it")
     text = "material of a class, in place of the usual one; repeatable"
-    parser.add_argument(
-        "--material", dest="materials", action="append", default=[], metavar="CLASS=MATERIAL", help=text
-    )
+    metavar = "CLASS=MATERIAL"
+    parser.add_argument("--material", dest="materials", action="append", default=[], metavar=metavar, help=text)
     add_weather(parser)
     add_seed(parser)
     add_folder(parser)

@@ -196,9 +196,8 @@ def segmenter_options(parser: argparse.ArgumentParser) -> None:
     """The options of `segmenter`."""
     text = "pairs, as `lidardraft streets -o` and `lidardraft pairs` make them; several folders, each with its share as"
     parser.add_argument("--pairs", required=True, nargs="+", metavar="FOLDER", help=f"{text} =WEIGHT")
-    parser.add_argument(
-        "--init", metavar="NAME", help="weights to begin with: `segmenter`, which is packaged, or a file"
-    )
+    text = "weights to begin with: `segmenter`, which is packaged, or a file"
+    parser.add_argument("--init", metavar="NAME", help=text)
     add_minutes(parser)
     text = "where the weights and the state of the run go; a second call goes on"
     parser.add_argument("-o", "--output", dest="run", required=True, metavar="FOLDER", help=text)

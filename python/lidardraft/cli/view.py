@@ -77,12 +77,10 @@ def _framed(name: Path, bar: Any) -> np.ndarray:
 
 def view_options(parser: argparse.ArgumentParser) -> None:
     """The options of `view`."""
-    parser.add_argument(
-        "path", metavar="FILE", help="a scan of any format, a range image, pairs, a layout, or a folder of scans"
-    )
-    add_sensor(
-        parser, default=None, of=f" that took a scan or sees a layout (default the scan's own, or {DEFAULT_SENSOR})"
-    )
+    text = "a scan of any format, a range image, pairs, a layout, or a folder of scans"
+    parser.add_argument("path", metavar="FILE", help=text)
+    text = f" that took a scan or sees a layout (default the scan's own, or {DEFAULT_SENSOR})"
+    add_sensor(parser, default=None, of=text)
     text = "colour the points by class, in place of height; objects always have the colours of their classes"
     parser.add_argument("--classes", action="store_true", help=text)
     parser.add_argument("--large", action="store_true", help="one large and smooth view of a scan alone")

@@ -72,9 +72,8 @@ def on_road(layout: Layout) -> list[Finding]:
     for box in layout.boxes():
         x, y, _ = box.center
         if box.label in VEHICLE_LABELS and ground.at(x, y) is None:
-            findings.append(
-                Finding("on_road", (box.id,), f"{box.id} stands off the road at x = {x:.1f}, y = {y:.1f} m")
-            )
+            message = f"{box.id} stands off the road at x = {x:.1f}, y = {y:.1f} m"
+            findings.append(Finding("on_road", (box.id,), message))
     return findings
 
 

@@ -100,9 +100,7 @@ class Primitive:
         if self.extinction is None:
             return
         if not is_number(self.extinction) or self.extinction <= 0:
-            raise LayoutError(
-                f"{self.id}: extinction is {self.extinction!r}; it must be a finite number greater than 0, or None"
-            )
+            raise LayoutError(f"{self.id}: extinction is {self.extinction!r}; it must be a finite number > 0, or None")
         object.__setattr__(self, "extinction", float(self.extinction))
         if self.shape == "plane":
             raise LayoutError(f"{self.id}: a plane has no inside; it cannot have the extinction {self.extinction}")

@@ -70,10 +70,8 @@ class AdherenceWatch:
     @torch.no_grad()
     def measure(self, denoiser: Denoiser) -> dict[str, float]:
         """Mean adherence on objects, of the scans to their own condition images and to those of the other street."""
-        condition = self.condition
-        *_, states = sample(
-            denoiser, self.sensor, seeds=[0] * len(condition), condition=condition, steps=_CALLS, guidance=1
-        )
+        seeds = [0] * len(self.condition)
+        *_, states = sample(denoiser, self.sensor, seeds=seeds, condition=self.condition, steps=_CALLS, guidance=1)
         scans = [decode_scan(state, self.sensor) for state in states.cpu().numpy()]
         images = self.condition_images
         own = [adherence(scan, image).objects for scan, image in zip(scans, images, strict=True)]
@@ -158,9 +156,8 @@ def train_denoiser(
             denoiser.controlnet.learn(everything=step >= config.zero_conv_steps)
         clean, sigma, noise, rays, condition, wraps, skipped = batch
         with reduced_precision(on):
-            losses = denoiser.loss(
-                clean, sigma, noise, rays, condition if config.denoiser.condition else None, wraps=bool(wraps)
-            )
+            seen = condition if config.denoiser.condition else None
+            losses = denoiser.loss(clean, sigma, noise, rays, seen, wraps=bool(wraps))
         return losses, _by_band(sigma, losses.detach()) | watched(step) | {_SKIPPED: skipped}
 
     for report in train(config, denoiser, batches, loss, source, run, device=on, max_minutes=max_minutes):

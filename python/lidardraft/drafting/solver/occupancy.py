@@ -39,9 +39,8 @@ class Occupancy:
         self.in_the_way: Counter[str] = Counter()
         self._solids: defaultdict[tuple[int, int], list[Solid]] = defaultdict(list)
         self._add([Solid.from_primitive(EGO)])
-        self._side_roads = [
-            Solid.from_primitive(_raised(p)) for p in self.primitives if p.id in ("road_left", "road_right")
-        ]
+        crossing = (surface for surface in self.primitives if surface.id in ("road_left", "road_right"))
+        self._side_roads = [Solid.from_primitive(_raised(surface)) for surface in crossing]
         self._numbers: Counter[str] = Counter()
         self._instances = 0
 

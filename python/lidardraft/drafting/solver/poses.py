@@ -195,9 +195,8 @@ def beside_road(
 ) -> RoadPose:
     """Behind the verge, or right at the kerb for what has no setback; `distance` [m] from the ego overrules both."""
     side, setback = at.side(sides), kind.setback
-    yaw = (0.0 if side > 0 else math.pi) + (
-        float(at.rng.normal(0.0, kind.yaw_deviation)) if kind.yaw_deviation else 0.0
-    )
+    turned = float(at.rng.normal(0.0, kind.yaw_deviation)) if kind.yaw_deviation else 0.0
+    yaw = (0.0 if side > 0 else math.pi) + turned
     verge = lot_edge(road, side) if road.paved_areas else road.verge
     if distance is not None:
         return RoadPose(at.along, road.lane(road.ego_lane) + side * at.uniform(*distance), yaw)

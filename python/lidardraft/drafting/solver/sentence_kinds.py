@@ -65,9 +65,7 @@ class SizeAround:
         return self._scaled(1.0)
 
     def _scaled(self, by: float) -> Vector:
-        x, y, z = (
-            round(typical * (1.0 + by * share), 3) for typical, share in zip(self.typical, self.spread, strict=True)
-        )
+        x, y, z = (round(one * (1.0 + by * share), 3) for one, share in zip(self.typical, self.spread, strict=True))
         return x, y, z
 
     def sample(self, rng: np.random.Generator) -> Vector:

@@ -85,9 +85,7 @@ class Edge(Record):
 
     fields: ClassVar[Methods] = {"verts": lambda self: list(self.verts)}
     setters: ClassVar[Methods] = ignored(*_LOOKS)
-    methods: ClassVar[Methods] = {
-        "calc_length": lambda self: math.dist(*(vertex.place.numbers for vertex in self.verts))
-    }
+    methods: ClassVar[Methods] = {"calc_length": lambda self: math.dist(*(end.place.numbers for end in self.verts))}
 
 
 class EditedMesh(Record):

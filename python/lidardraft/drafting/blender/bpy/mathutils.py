@@ -393,6 +393,9 @@ class Matrix(Record):
             raise RefusalError("a Matrix of 3 rows has no translation")
         return self._row((slice(3), 3))
 
+    def _translate(self, value: Value) -> None:
+        self._translation().change(reals(value, 3, "the translation"))
+
     def elements(self) -> list[Value]:
         return [self._row(row) for row in range(len(self.array))]
 
@@ -431,9 +434,7 @@ class Matrix(Record):
         return Quaternion(quaternion_of(self.array[:3, :3] / np.linalg.norm(self.array[:3, :3], axis=0)))
 
     fields: ClassVar[Methods] = {"translation": _translation}
-    setters: ClassVar[Methods] = {
-        "translation": lambda self, value: self._translation().change(reals(value, 3, "the translation"))
-    }
+    setters: ClassVar[Methods] = {"translation": _translate}
     methods: ClassVar[Methods] = {
         "copy": lambda self: Matrix(self.array),
         "inverted": lambda self: Matrix(inverse(self.array, "the matrix")),

@@ -29,9 +29,8 @@ _NUMBERS: dict[type[ast.operator], Callable[[Value, Value], Value]] = {
     **{ast.LShift: operator.lshift, ast.RShift: operator.rshift},
     **{ast.BitAnd: operator.and_, ast.BitOr: operator.or_, ast.BitXor: operator.xor},
 }
-_ORDERS: dict[type[ast.cmpop], Callable[[Value, Value], bool]] = {
-    **{ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge}
-}
+_ORDERS: dict[type, Callable[..., bool]]
+_ORDERS = {ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge}
 
 
 def binary(kind: type[ast.operator], left: Value, right: Value, script: Script) -> Value:
@@ -66,9 +65,9 @@ def in_place(kind: type[ast.operator], left: Value, right: Value, script: Script
     if isinstance(left, Record):
         script.take_steps(left.weight)
         return left.in_place(kind, right)
-    result = binary(
-        kind, left, elements(right, script) if isinstance(left, list) and kind is ast.Add else right, script
-    )
+    if isinstance(left, list) and kind is ast.Add:
+        right = elements(right, script)
+    result = binary(kind, left, right, script)
     if isinstance(left, list):
         left[:] = result
     elif isinstance(left, dict):

@@ -334,10 +334,8 @@ def _names(node: ast.expr | None) -> list[str]:
 
 def _import(node: ast.Import, frame: Frame) -> None:
     for alias in node.names:
-        frame.set(
-            alias.asname or alias.name.split(".")[0],
-            _module(alias.name if alias.asname else alias.name.split(".")[0], frame),
-        )
+        top = alias.name.split(".")[0]
+        frame.set(alias.asname or top, _module(alias.name if alias.asname else top, frame))
 
 
 def _import_from(node: ast.ImportFrom, frame: Frame) -> None:
