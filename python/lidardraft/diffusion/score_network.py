@@ -18,6 +18,8 @@ from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.networks.convolution import RangeImageConv, fold, pad_columns, unfold, zero_conv
 from lidardraft.networks.residual import Chain, ResidualBlock, group_norm, modulated
 
+EMBEDDING = 64
+
 
 class ResidualUnit(nn.Module):
     """RefineNet's residual convolution unit: norm, then SiLU and convolution, twice, on a shortcut."""
@@ -74,9 +76,6 @@ class RefineBlock(nn.Module):
         if self.fuse_below is not None and below is not None:
             h = h + functional.interpolate(self.fuse_below(below, wraps), size=h.shape[-2:], mode="nearest")
         return self.output(self.pool(self.norm(h), wraps), wraps)
-
-
-EMBEDDING = 64
 
 
 class NoiseEmbedding(nn.Module):
