@@ -32,14 +32,14 @@ def pairs() -> list[StreetPair]:
 @pytest.fixture
 def papers() -> Denoiser:
     torch.manual_seed(0)
-    base, control = recipes.tiny_paper().stages
+    base, control = recipes.tiny_paper()
     return Denoiser.from_config(base.denoiser).with_controlnet(control.denoiser)
 
 
 @pytest.fixture
 def completing() -> Denoiser:
     torch.manual_seed(0)
-    return Denoiser.from_config(recipes.tiny().stages[-1].denoiser)
+    return Denoiser.from_config(recipes.tiny()[-1].denoiser)
 
 
 def test_scans_are_scored_between_those_of_other_streets_and_random_weights(

@@ -113,13 +113,13 @@ def test_the_right_v_is_the_clean_state() -> None:
 @pytest.fixture(scope="module")
 def completing() -> Pipeline:
     torch.manual_seed(0)
-    return Pipeline(Denoiser.from_config(recipes.tiny().stages[-1].denoiser), steps=1)
+    return Pipeline(Denoiser.from_config(recipes.tiny()[-1].denoiser), steps=1)
 
 
 @pytest.fixture(scope="module")
 def whole() -> Pipeline:
     torch.manual_seed(0)
-    config = dataclasses.replace(recipes.tiny().stages[-1].denoiser, condition=("depth", "class"))
+    config = dataclasses.replace(recipes.tiny()[-1].denoiser, condition=("depth", "class"))
     return Pipeline(Denoiser.from_config(config), steps=1)
 
 

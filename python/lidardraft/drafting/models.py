@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import os
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import count, filterfalse
 from typing import Any
 
 import numpy as np
@@ -195,14 +197,13 @@ class PieceIds:
         paths: Iterable[tuple[tuple[int, ...], tuple[str, ...]]] = (),
     ) -> None:
         self._classes = classes
-        self._given = {number for number in given if type(number) is int}
         self._wholes: dict[int, str] = {}  # ids of nodes
         self._used: set[str] = set()  # of these, those that a piece has
         self._taken: set[str] = set()
         self._numbers: dict[tuple[str, str], int] = {}  # the last ones behind names, and what stands before them
-        self._instances: dict[str, int] = {}
+        taken = {number for number in given if type(number) is int}
+        self._instances = defaultdict[str, int](filterfalse(taken.__contains__, count(1)).__next__)
         self._of_one_thing: dict[str, str | None] = {}  # the class that names say of one thing
-        self._next = 1
         self._groups = self._groups_of(paths)
 
     def id_of(self, indices: tuple[int, ...], names: tuple[str, ...], label: str) -> str:
@@ -229,13 +230,7 @@ class PieceIds:
 
     def instance_of(self, whole: Any) -> int:
         """The number of the thing that an id is of, or of a part of."""
-        key = whole_of(whole) if isinstance(whole, str) else ""
-        if key not in self._instances:
-            while self._next in self._given:
-                self._next += 1
-            self._instances[key] = self._next
-            self._next += 1
-        return self._instances[key]
+        return self._instances[whole_of(whole) if isinstance(whole, str) else ""]
 
     def _groups_of(self, paths: Iterable[tuple[tuple[int, ...], tuple[str, ...]]]) -> set[int]:
         """The nodes below which two or more have a name that says one thing of the same class, as they have themselves:

@@ -9,8 +9,9 @@ import json
 import math
 import os
 import re
+from collections import defaultdict
 from collections.abc import Mapping
-from itertools import takewhile
+from itertools import count, filterfalse, takewhile
 from pathlib import Path
 from typing import Any
 
@@ -129,8 +130,8 @@ def primitives_of(scene: Scene, classes: Mapping[str, str], *, strict: bool) -> 
     """
     meshes = _meshes_of(scene)
     limit = scene.script.limits.vertices
-    if (count := sum(shape.vertices for _, _, shape in meshes if shape.shape in ("mesh", "any"))) > limit:
-        raise RefusalError(f"the scene has {count} vertices; {limit} are the most", 1)
+    if (total := sum(shape.vertices for _, _, shape in meshes if shape.shape in ("mesh", "any"))) > limit:
+        raise RefusalError(f"the scene has {total} vertices; {limit} are the most", 1)
     found = [(item, mesh, shape, _class_of(item, classes)) for item, mesh, shape in meshes]
     nameless = {item.name: item.line for item, *_, label in found if label is None}
     if nameless and strict:
@@ -140,14 +141,18 @@ def primitives_of(scene: Scene, classes: Mapping[str, str], *, strict: bool) -> 
     for name, line in nameless.items():
         scene.script.note(f"no class for {without_number(name):.60}: it becomes 'other'; {_REMEDY}", line)
     things = _Things(scene, classes, [item for item, *_, label in found if _is_thing(label)])
-    numbers = _Instances([item.properties.get("instance") for item, _, _ in meshes])
+    given = {number for item, *_ in meshes if type(number := item.properties.get("instance")) is int}
+    numbers = defaultdict[str, int](filterfalse(given.__contains__, count(1)).__next__)
     ids: dict[str, int] = {}
     primitives = []
     for item, mesh, shape, said in found:
         label = said or "other"
         whole, part = things.whole_and_part(item, label)
         fields: dict[str, Any] = {"label": label, "id": item.properties.get("id") or _distinct(whole, part, ids)}
-        fields["instance"] = numbers.of(item, whole) if _is_thing(label) else item.properties.get("instance", 0)
+        if "instance" in item.properties:
+            fields["instance"] = item.properties["instance"]
+        elif _is_thing(label):
+            fields["instance"] = numbers[whole]
         for name in {"material", "extinction", "open"} & item.properties.keys():
             fields[name] = item.properties[name]
         try:
@@ -297,26 +302,6 @@ def _own(item: SceneObject, name: _Name | None) -> tuple[str, str]:
         return name.whole + item.suffix, name.part
     match = _NUMBERED_PART.fullmatch(item.name[:200])
     return (match.group(1) + item.suffix, match.group(2)) if match else (item.name + item.suffix, "")
-
-
-class _Instances:
-    """The numbers of things: those that objects have already, and the first free ones for the others."""
-
-    def __init__(self, given: list[Any]) -> None:
-        self._taken = {number for number in given if type(number) is int}
-        self._of_name: dict[str, int] = {}
-
-    def of(self, item: SceneObject, whole: str) -> Any:
-        """The number of an object that is, or is a part of, `whole`."""
-        if "instance" in item.properties:
-            return item.properties["instance"]
-        if whole not in self._of_name:
-            number = len(self._of_name) + 1
-            while number in self._taken:
-                number += 1
-            self._taken.add(number)
-            self._of_name[whole] = number
-        return self._of_name[whole]
 
 
 def _distinct(whole: str, part: str, taken: dict[str, int]) -> str:
