@@ -35,6 +35,15 @@ def parse_object(text: str | bytes) -> dict[str, Any]:
     return check_object(parse_json(text))
 
 
+def parse_document(text: str, schema: str, required: Iterable[str], optional: Iterable[str]) -> dict[str, Any]:
+    """The object that a JSON text of this schema holds; raises `FormatError` on another schema or other fields."""
+    document = parse_object(text)
+    if document.get("schema") != schema:
+        raise FormatError(f"schema is {document.get('schema')!r}; this version reads {schema!r}")
+    check_fields(document, ("schema", *required), optional)
+    return document
+
+
 def parse_list(text: str | bytes) -> list[Any]:
     """The list that a JSON text holds; raises `FormatError` where it holds something else or nothing."""
     document = parse_json(text)

@@ -16,6 +16,7 @@ from lidardraft.errors import FormatError, one_of
 from lidardraft.formats.kitti_object import read_label_2
 from lidardraft.formats.nuscenes import labelled_sweeps, read_lidarseg
 from lidardraft.scene.box import Box
+from lidardraft.scene.pose import in_upright_frame
 from lidardraft.semantics import BY_NAME
 
 _SEMANTICKITTI = {
@@ -84,9 +85,5 @@ _GROUND = 0.1  # m over the bottom of a box: what lies lower is road
 
 def _inside(box: Box, points: np.ndarray) -> np.ndarray:
     """Which points are in a box, and not within 0.1 m of its bottom, bool [N]."""
-    away = points.astype(np.float64) - box.center
-    ahead = away[:, 0] * np.cos(box.yaw) + away[:, 1] * np.sin(box.yaw)
-    aside = away[:, 1] * np.cos(box.yaw) - away[:, 0] * np.sin(box.yaw)
-    half = np.array(box.size) / 2
-    level = (away[:, 2] > _GROUND - half[2]) & (away[:, 2] <= half[2])
-    return np.asarray((np.abs(ahead) <= half[0]) & (np.abs(aside) <= half[1]) & level)
+    away, half = in_upright_frame(points, box.center, box.yaw), np.array(box.size) / 2
+    return np.asarray((np.abs(away) <= half).all(axis=1) & (away[:, 2] > _GROUND - half[2]))

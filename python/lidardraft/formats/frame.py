@@ -14,7 +14,7 @@ import numpy as np
 from lidardraft.errors import FormatError
 from lidardraft.files import write_text
 from lidardraft.scene.box import Box
-from lidardraft.scene.pose import upright
+from lidardraft.scene.pose import in_upright_frame, upright
 from lidardraft.scene.sensor import Sensor
 
 # The module of `formats` and the function that writes each format, and what it is.
@@ -63,9 +63,10 @@ def with_riders_merged(annotations: Sequence[Annotation]) -> tuple[Annotation, .
 
 
 def _merged(name: str, rider: Annotation, vehicle: Annotation) -> Annotation:
-    corners = np.concatenate([_in_frame_of(vehicle.box, part.box.corners()) for part in (rider, vehicle)])
+    place = vehicle.box.center, vehicle.box.yaw
+    corners = np.concatenate([in_upright_frame(part.box.corners(), *place) for part in (rider, vehicle)])
     least, most = corners.min(axis=0), corners.max(axis=0)
-    pose = upright(vehicle.box.center, vehicle.box.yaw)
+    pose = upright(*place)
     center = pose[:3, :3] @ ((least + most) / 2) + pose[:3, 3]
     box = replace(rider.box, id=name, center=tuple(center.tolist()), size=tuple((most - least).tolist()))
     return Annotation(
@@ -74,11 +75,6 @@ def _merged(name: str, rider: Annotation, vehicle: Annotation) -> Annotation:
         (rider.occlusion + vehicle.occlusion) / 2,
         vehicle.box.label,
     )
-
-
-def _in_frame_of(box: Box, points: np.ndarray) -> np.ndarray:
-    pose = upright(box.center, box.yaw)
-    return (points - pose[:3, 3]) @ pose[:3, :3]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -16,7 +16,7 @@ import numpy as np
 from lidardraft import array_files
 from lidardraft.errors import FormatError
 from lidardraft.files import locked_folder, named, read_text, write_text, written_whole
-from lidardraft.json_fields import check_fields, check_object, parse_list, parse_object
+from lidardraft.json_fields import check_object, parse_document, parse_list
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import CLASSES
@@ -99,10 +99,7 @@ class PairIndex(NamedTuple):
         path = folder / "index.json"
         text = read_text(path)
         with named(path):
-            index = parse_object(text)
-            if index.get("schema") != SCHEMA:
-                raise FormatError(f"schema is {index.get('schema')!r}; this version reads {SCHEMA!r}")
-            check_fields(index, ("schema", "classes", "sensor", "shards"), ("source",))
+            index = parse_document(text, SCHEMA, ("classes", "sensor", "shards"), ("source",))
             if index["classes"] != _CLASSES:
                 raise FormatError(f"the pairs have another class table than this version: {index['classes']!r:.60}")
             counts = index["shards"]

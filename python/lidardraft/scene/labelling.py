@@ -9,6 +9,7 @@ import numpy as np
 
 from lidardraft.errors import SensorError
 from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.pose import in_upright_frame
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.semantics import BY_NAME
 
@@ -53,8 +54,5 @@ def label_by_agreement(scan: RangeImage, known: Sequence[RangeImage], layout: La
 
 
 def _inside(primitive: Primitive, points: np.ndarray) -> np.ndarray:
-    offset = points - primitive.center
-    cos, sin = np.cos(primitive.yaw), np.sin(primitive.yaw)
-    x, y = cos * offset[:, 0] + sin * offset[:, 1], cos * offset[:, 1] - sin * offset[:, 0]
-    local = np.stack([x, y, offset[:, 2]], axis=1)
-    return (np.abs(local) <= np.asarray(primitive.size) / 2 + _GROWTH).all(axis=1)
+    away = np.abs(in_upright_frame(points, primitive.center, primitive.yaw))
+    return np.asarray((away <= np.array(primitive.size) / 2 + _GROWTH).all(axis=1))

@@ -17,7 +17,7 @@ import numpy as np
 
 from lidardraft.errors import FormatError, LayoutError, one_of
 from lidardraft.files import named, read_text, write_text
-from lidardraft.json_fields import check_brackets, check_fields, check_lists, check_object, is_number, parse_object
+from lidardraft.json_fields import check_brackets, check_fields, check_lists, check_object, is_number, parse_document
 from lidardraft.scene.box import FURTHEST, THINNEST, Box, check_id, checked_vector, checked_yaw
 from lidardraft.scene.materials import MATERIAL_BY_NAME
 from lidardraft.scene.mesh import TriangleMesh, has_surface, unit_mesh, unit_vertices
@@ -230,10 +230,7 @@ class Layout:
     @classmethod
     def from_json(cls, text: str) -> Layout:
         """Raises `FormatError` where the text is not the JSON of a layout, `LayoutError` on an invalid value."""
-        document = parse_object(text)
-        if document.get("schema") != SCHEMA:
-            raise FormatError(f"schema is {document.get('schema')!r}; this version reads {SCHEMA!r}")
-        check_fields(document, ("schema", "primitives"), ("provenance", "coverage"))
+        document = parse_document(text, SCHEMA, ("primitives",), ("provenance", "coverage"))
         rows = document["primitives"]
         if not isinstance(rows, list):
             raise FormatError(f"primitives is {rows!r:.50}; it must be a list of objects")

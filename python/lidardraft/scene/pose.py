@@ -47,6 +47,13 @@ def upright(center: tuple[float, float, float], yaw: float) -> np.ndarray:
     return np.array([(cos, -sin, 0.0, x), (sin, cos, 0.0, y), (0.0, 0.0, 1.0, z), (0.0, 0.0, 0.0, 1.0)])
 
 
+def in_upright_frame(points: np.ndarray, center: tuple[float, float, float], yaw: float) -> np.ndarray:
+    """Points [N, 3] as what stands at `center`, turned by `yaw` about z, has them: f64 [N, 3]."""
+    pose = upright(center, yaw)
+    local: np.ndarray = (points - pose[:3, 3]) @ pose[:3, :3]
+    return local
+
+
 def inverse(pose: np.ndarray) -> np.ndarray:
     """The inverse of a rigid pose [4, 4]."""
     back = np.eye(4)

@@ -18,7 +18,7 @@ import numpy as np
 
 from lidardraft.errors import FormatError, LayoutError, did_you_mean
 from lidardraft.files import named, read_text, write_text
-from lidardraft.json_fields import are_numbers, check_fields, check_object, is_number, parse_object
+from lidardraft.json_fields import are_numbers, check_fields, check_object, is_number, parse_document
 from lidardraft.scene.pose import finite_array
 
 SCHEMA = "lidardraft.scenario/1"
@@ -125,10 +125,7 @@ class Scenario:
     @classmethod
     def from_json(cls, text: str) -> Scenario:
         """Raises `FormatError` where the text is not the JSON of a scenario, `LayoutError` on an invalid value."""
-        document = parse_object(text)
-        if document.get("schema") != SCHEMA:
-            raise FormatError(f"schema is {document.get('schema')!r}; this version reads {SCHEMA!r}")
-        check_fields(document, ("schema",), ("ego", "actors"))
+        document = parse_document(text, SCHEMA, (), ("ego", "actors"))
         ego = document.get("ego")
         rows = check_object(document.get("actors", {}))
         motions = {name: _from_fields(name, row) for name, row in rows.items()}

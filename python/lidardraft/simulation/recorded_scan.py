@@ -19,7 +19,7 @@ from lidardraft.formats.recording import returns, rings_of_order
 from lidardraft.formats.semantickitti import write_label
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import Layout
-from lidardraft.scene.pose import upright
+from lidardraft.scene.pose import in_upright_frame
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, GROUND
@@ -189,8 +189,7 @@ class RecordedScan:
 
 def inside(box: Box, points: np.ndarray, margin: float = 0.0) -> np.ndarray:
     """Which points [N, 3] are in a box that is `margin` [m] wider on each side, bool [N]."""
-    pose = upright(box.center, box.yaw)
-    away = np.abs((points - pose[:3, 3]) @ pose[:3, :3])
+    away = np.abs(in_upright_frame(points, box.center, box.yaw))
     return np.asarray((away <= np.array(box.size) / 2 + margin).all(axis=1))
 
 
