@@ -17,7 +17,7 @@ import multiprocessing
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -28,7 +28,7 @@ import numpy as np
 import recordings
 from lidardraft.cli.arguments import read_sensor
 from lidardraft.metrics import lifelike
-from lidardraft.metrics.lifelike import Comparison, Property
+from lidardraft.metrics.lifelike import CLASS_SETS, Comparison, Features, Property
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import PRESETS, Sensor
@@ -138,10 +138,35 @@ def report(recorded: Recordings, sensor: Sensor, num: int) -> tuple[list[Compari
         }
         # published shares are those of very many scans
         shares |= {name: [1e6 * lifelike.counts_by_set(share)] * num for name, share in recorded.shares.items()}
-        found += [lifelike.compare(one, shares, generated["class counts"]) for one in lifelike.share_properties(shares)]
+        found += [lifelike.compare(one, shares, generated["class counts"]) for one in share_properties(shares)]
         groups["class counts"] = shares
     pooled = {name: _pooled({**measured, "streets": generated[name]}) for name, measured in groups.items()}
     return sorted(found, key=lambda one: math.inf if math.isnan(one.ratio) else -one.ratio), pooled
+
+
+def share_properties(groups: Mapping[str, Features]) -> tuple[Property, ...]:
+    """The shares of `lifelike.class_counts`: all together (total variation), then each class that a group knows."""
+    known = np.sum([np.sum(features, axis=0) for features in groups.values()], axis=0) > 0
+
+    def shares(features: Features) -> np.ndarray:
+        counts = np.where(known, np.sum(features, axis=0), 0.0)
+        return counts / max(counts.sum(), 1.0)
+
+    def share_of(name: str, at: int) -> Property:
+        return Property(
+            f"share of {name}",
+            lifelike.class_counts,
+            lambda first, second: float(abs(shares(first)[at] - shares(second)[at])),
+            lambda features: float(shares(features)[at]),
+        )
+
+    everything = Property(
+        "shares of all classes (total variation)",
+        lifelike.class_counts,
+        lambda first, second: float(np.abs(shares(first) - shares(second)).sum() / 2),
+        lambda _: math.nan,
+    )
+    return (everything, *(share_of(name, at) for at, name in enumerate(CLASS_SETS) if known[at]))
 
 
 def unhidden(groups: Groups, sensor: Sensor, fov: float | None) -> np.ndarray:

@@ -13,6 +13,7 @@ import report_streets
 import report_two_sample
 from cases import Case, CaseSet, street_set
 from lidardraft import RangeImage, layout_from_cloud, layout_from_text, raycast, simulate
+from lidardraft.metrics.lifelike import CLASS_SETS
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
@@ -49,6 +50,20 @@ def test_other_streets_are_as_lifelike_as_streets() -> None:
     known = [line.ratio for line in lines if not np.isnan(line.ratio)]
     assert known == sorted(known, reverse=True)
     assert set(pooled["range (JSD)"]) == {"a", "b", "streets"}
+
+
+def counts(**by_set: float) -> np.ndarray:
+    return np.array([by_set.get(name, 0.0) for name in CLASS_SETS])
+
+
+def test_shares_are_of_the_classes_that_the_recordings_know() -> None:
+    recorded = {"a": [counts(road=30, car=10)], "b": [counts(road=10, car=10)]}
+    everything, *classes = report_streets.share_properties(recorded)
+    assert [row.name for row in classes] == ["share of road", "share of car"]
+    generated = [counts(road=10, car=30, fence=1000)]
+    assert classes[0].summary(generated) == 0.25
+    assert classes[0].distance(recorded["a"], generated) == pytest.approx(0.5)
+    assert everything.distance(recorded["a"], generated) == pytest.approx(0.5)
 
 
 @needs_recordings

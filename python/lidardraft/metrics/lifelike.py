@@ -218,28 +218,3 @@ def class_counts(sweep: Sweep) -> np.ndarray:
 def counts_by_set(counts: np.ndarray) -> np.ndarray:
     """Counts by class id, summed by set of classes."""
     return np.array([sum(counts[BY_NAME[member].id] for member in members) for members in CLASS_SETS.values()])
-
-
-def share_properties(groups: Mapping[str, Features]) -> tuple[Property, ...]:
-    """The shares of `class_counts`: all together (total variation), then each class that a group knows."""
-    known = np.sum([np.sum(features, axis=0) for features in groups.values()], axis=0) > 0
-
-    def shares(features: Features) -> np.ndarray:
-        counts = np.where(known, np.sum(features, axis=0), 0.0)
-        return counts / max(counts.sum(), 1.0)
-
-    def share_of(name: str, at: int) -> Property:
-        return Property(
-            f"share of {name}",
-            class_counts,
-            lambda first, second: float(abs(shares(first)[at] - shares(second)[at])),
-            lambda features: float(shares(features)[at]),
-        )
-
-    everything = Property(
-        "shares of all classes (total variation)",
-        class_counts,
-        lambda first, second: float(np.abs(shares(first) - shares(second)).sum() / 2),
-        _nothing,
-    )
-    return (everything, *(share_of(name, at) for at, name in enumerate(CLASS_SETS) if known[at]))
