@@ -16,7 +16,7 @@ demo: install ## a sentence becomes labelled LiDAR scans, simulated and generate
 	$(BIN)/python examples/demo.py
 
 test: install ## all tests, Python and Rust
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile
+	$(BIN)/python -m pytest -n auto --dist loadfile
 	PYO3_PYTHON="$(abspath $(BIN)/python)" cargo test --workspace --quiet
 
 check: install ## formatters, linters, types, and the extension's types against its stub

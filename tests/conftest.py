@@ -1,11 +1,14 @@
 """A language model's server in the test process, and an environment that names no other."""
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from replay_server import ReplayServer
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # for torch, on small tensors: threads would wait for each other
 
 
 @pytest.fixture(autouse=True)

@@ -47,15 +47,6 @@ def test_a_failure_keeps_what_was_there(tmp_path: Path) -> None:
     assert (tmp_path / "a.txt").read_text() == "old"
 
 
-def test_writers_of_one_path_do_not_meet(tmp_path: Path) -> None:
-    path = tmp_path / "a.txt"
-    with written_whole(path) as first, written_whole(path) as second:
-        second.write_text("second")
-        first.write_text("first")
-    assert path.read_text() == "first"  # it ended last
-    assert list(tmp_path.iterdir()) == [path]
-
-
 @pytest.mark.parametrize("failing", range(6))  # two files move out of the way, four come
 def test_files_are_written_together_or_not_at_all(
     tmp_path: Path, failing: int, monkeypatch: pytest.MonkeyPatch
@@ -167,12 +158,6 @@ def test_a_file_that_does_not_fit_into_memory_is_refused(tmp_path: Path) -> None
         os.truncate(tmp_path / "large", limit + 1)
         with pytest.raises(FormatError, match=rf"large has {limit + 1} bytes; such files of up to {limit} are read"):
             read(tmp_path / "large")
-
-
-def test_bytes_that_are_no_text_are_named(tmp_path: Path) -> None:
-    (tmp_path / "a.txt").write_bytes(b"ab\xff")
-    with pytest.raises(FormatError, match=r"a.txt is no text in UTF-8: byte 2 is wrong"):
-        read_text(tmp_path / "a.txt")
 
 
 def test_errors_of_ours_get_a_name_and_keep_their_kind() -> None:

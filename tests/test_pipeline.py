@@ -133,12 +133,6 @@ def test_a_moving_sensor_generates_what_it_sees_on_its_way(pipeline: Pipeline, l
     assert same[0.0] < 0.9  # the rest is road, whose range is the same from anywhere
 
 
-def test_every_step_is_told(pipeline: Pipeline) -> None:
-    steps: list[int] = []
-    Pipeline(pipeline.denoiser, steps=3)("a car ahead", sensor=SMALL, on_step=lambda: steps.append(len(steps)))
-    assert steps == [0, 1, 2]
-
-
 def test_without_open_pixels_weights_that_complete_make_all_of_it_and_are_given_nothing(pipeline: Pipeline) -> None:
     scans = []
     for sentence in ("a car ahead", "a busy crossroads"):
@@ -185,12 +179,6 @@ def test_a_merged_scan_is_one_where_it_is_open_and_the_other_elsewhere() -> None
 
 
 THREE_BEAMS = Sensor(name="small", elevations=(0.1, 0.0, -0.1), columns=100, mount_height=1.5)
-
-
-def test_a_sensor_is_within_its_own_limits() -> None:
-    limits = SensorLimits.from_sensor(THREE_BEAMS)
-    assert limits.difference(THREE_BEAMS) is None
-    assert SensorLimits.from_dict(limits.to_dict()) == limits
 
 
 def test_what_is_outside_is_said_with_the_limits() -> None:

@@ -139,14 +139,6 @@ def test_no_return_is_black_and_no_class_white() -> None:
     assert view.colour_by_label(np.array([0]))[0].tolist() == [255, 255, 255]
 
 
-def test_pictures_stack() -> None:
-    first, second = np.zeros((4, 10, 3), np.uint8), np.full((6, 8, 3), 255, np.uint8)
-    assert view.stack([first, second]).shape == (16, 10, 3)
-    assert view.stack([first, second], across=True).shape == (6, 24, 3)
-    assert view.sheet([first, first, second]).shape == (16, 26, 3)
-    assert view.caption(np.zeros((60, 200, 3), np.uint8), "scan").max() == 255
-
-
 def test_a_picture_is_saved_as_it_is(tmp_path: Path) -> None:
     picture = np.random.default_rng(0).integers(0, 256, (7, 5, 3), dtype=np.uint8)
     view.save_png(tmp_path / "a.png", picture)

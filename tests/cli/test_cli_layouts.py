@@ -53,12 +53,6 @@ def test_the_preview_shows_the_layout_and_a_scan_of_the_asked_sensor() -> None:
     np.testing.assert_array_equal(picture[40 : len(scan), -scan.shape[1] :], scan[40:])
 
 
-def test_no_preview_is_written_if_none_is_asked_for(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["draft", "--text", "a car ahead", "--no-preview", "-o", "layout.json"]) == 0
-    assert not list(folder.glob("*.png"))
-    assert "preview" not in capsys.readouterr().out
-
-
 def test_a_layout_without_ground_is_previewed_without_a_word(capsys: pytest.CaptureFixture[str]) -> None:
     Layout((Primitive(shape="box", center=(9, 0, 1), size=(4, 2, 2), label="car", id="car"),)).save("a.json")
     assert cli.main(["draft", "--layout", "a.json", "--sensor", "small.json", "-o", "b.json"]) == 0
@@ -88,14 +82,6 @@ def test_a_layout_that_cannot_be_simulated_replaces_nothing(refused: Callable[..
     said = refused("draft", "--layout", "far.json", "-o", "layout.json")
     assert "far.json: no preview can be made (--no-preview leaves it out)" in said
     assert cli.main(["draft", "--layout", "far.json", "-o", "layout.json", "--no-preview"]) == 0
-
-
-def test_a_layout_of_very_many_shapes_has_no_preview(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    many = (Primitive(shape="box", center=(9, k, 1), size=(1, 1, 1), label="building", id=f"b{k}") for k in range(2001))
-    Layout(tuple(many)).save("many.json")
-    assert cli.main(["draft", "--layout", "many.json", "-o", "layout.json"]) == 0
-    assert "layout.preview.png is not made: the layout has more than 2000 shapes" in capsys.readouterr().err
-    assert not list(folder.glob("*.png"))
 
 
 def test_no_older_preview_stays_beside_another_layout(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,6 +1,5 @@
 """The command itself: what a stranger sees first, options and their values, and how commands end."""
 
-import argparse
 import re
 import shlex
 import subprocess
@@ -13,7 +12,6 @@ import pytest
 import lidardraft
 from lidardraft.cli import main as cli
 from lidardraft.cli import train
-from lidardraft.cli.arguments import minutes, whole_number
 
 ROOT = Path(__file__).parents[2]
 
@@ -128,21 +126,3 @@ def test_words_that_are_not_understood_are_said_once(capsys: pytest.CaptureFixtu
     captured = capsys.readouterr()
     assert captured.err.count("dinosaur") == 1
     assert captured.out.startswith("layout.json: ")
-
-
-def test_whole_numbers_within_limits() -> None:
-    assert [whole_number(0, 9)(text) for text in ("0", "9")] == [0, 9]
-    assert whole_number(1)("123456789") == 123456789
-
-
-@pytest.mark.parametrize("text", ["abc", "", "1.5", "-1", "10", "nan"])
-def test_other_texts_are_named_with_the_limits(text: str) -> None:
-    with pytest.raises(argparse.ArgumentTypeError, match=rf"^'{text}' is not a whole number from 0 to 9$"):
-        whole_number(0, 9)(text)
-
-
-def test_minutes_are_over_zero() -> None:
-    assert [minutes(text) for text in ("0.5", "90", "inf")] == [0.5, 90, float("inf")]
-    for text in ("0", "-5", "nan", "", "soon"):
-        with pytest.raises(argparse.ArgumentTypeError, match=rf"^'{text}' is not a number over 0$"):
-            minutes(text)

@@ -1,6 +1,5 @@
 """`lidardraft streets` and `pairs`: folders that train, and streets to look at."""
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -43,16 +42,6 @@ def test_pairs_on_disk_go_on_where_they_stopped(capsys: pytest.CaptureFixture[st
     assert len(PairFolder("pairs")) == 5
 
 
-def test_the_bar_moves_with_every_pair(shown_on_a_terminal: Callable[..., str]) -> None:
-    shown = shown_on_a_terminal(*STREETS, "--output", "pairs", "-n", "20", "--poses", "20")
-    assert {int(count) for count in re.findall(r"(\d+)/20", shown)} == set(range(21))
-
-
-def test_pairs_of_another_seed_are_refused(refused: Callable[..., str]) -> None:
-    assert cli.main([*STREETS, "--seed", "3", "--output", "pairs", "--num", "1"]) == 0
-    assert "seed 3" in refused(*STREETS, "--output", "pairs", "--num", "9")
-
-
 def test_pairs_are_not_mixed_with_other_files(refused: Callable[..., str]) -> None:
     Path("mine").mkdir()
     Path("mine/notes.txt").write_text("")
@@ -75,13 +64,6 @@ def test_a_picture_to_look_at(capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_picture_has_a_limit_and_a_place(refused: Callable[..., str]) -> None:
     assert "there is no folder nowhere" in refused(*STREETS, "-n", "1", "--look", "nowhere/a.png")
     assert "--num is 101; a picture shows up to 100 streets" in refused(*STREETS, "-n", "101", "--look")
-
-
-@pytest.mark.parametrize("to", [[], ["--look", "a.png", "--output", "pairs"]])
-def test_one_output_is_asked_for(capsys: pytest.CaptureFixture[str], to: list[str]) -> None:
-    with pytest.raises(SystemExit, match="2"):
-        cli.main([*STREETS, *to])
-    assert "--look" in capsys.readouterr().err
 
 
 @pytest.fixture

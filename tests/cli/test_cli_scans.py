@@ -88,13 +88,6 @@ def test_bad_input_of_simulate_is_one_line(refused: Callable[..., str], capsys: 
     assert "'nan' is not a number" in capsys.readouterr().err
 
 
-def test_a_layout_without_ground_is_said_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
-    Layout().save("empty.json")
-    assert cli.main(["simulate", "--layout", "empty.json", "-n", "2", "-o", "out", *SMALL]) == 0
-    err = capsys.readouterr().err
-    assert err == "lidardraft: the layout has no ground (road, sidewalk or terrain): nothing returns from it\n"
-
-
 STREET = ["simulate", "--street", "residential", "--seed", "7", "--poses", "2", *SMALL]
 
 
@@ -197,12 +190,6 @@ def test_generate_from_a_labelled_scan(capsys: pytest.CaptureFixture[str]) -> No
     layout = Layout.load("again/000000.layout.json")
     assert "road" in {primitive.label for primitive in layout}
     assert len(kitti.read_bin("again/000000.bin")[0]) > 200
-
-
-def test_weights_that_are_none_replace_nothing(refused: Callable[..., str]) -> None:
-    generate = ["generate", "--text", "a car ahead", "-o", "out", *QUICK]
-    assert cli.main(generate) == 0
-    assert "weights" in refused(*generate, "--overwrite", "--weights", "none")
 
 
 def test_bad_weights_and_devices_are_one_line(refused: Callable[..., str]) -> None:

@@ -223,12 +223,6 @@ def test_an_ablation_that_cannot_be_is_one_line(capsys: pytest.CaptureFixture[st
     assert "work is a file; it must be a folder" in capsys.readouterr().err
 
 
-def test_streets_and_scans_show_their_progress(shown_on_a_terminal: Callable[..., str]) -> None:
-    shown = shown_on_a_terminal("evaluate", "-n", "1", "--sensor", "small.json", "--steps", "1")
-    assert "making streets" in shown
-    assert "1/2" in shown
-
-
 def test_scores_of_unseen_streets(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["evaluate", "-n", "1", "--sensor", "small.json", "--steps", "2"]) == 0
     captured = capsys.readouterr()

@@ -11,7 +11,6 @@ from lidardraft.errors import SensorError
 from lidardraft.scene import edit
 from lidardraft.scene.effects import observe
 from lidardraft.scene.materials import (
-    CLASS_MATERIALS,
     MATERIAL_BY_NAME,
     MATERIALS,
     Material,
@@ -33,7 +32,6 @@ from lidardraft.scene.weather import (
     rain_extinction,
     snow_extinction,
 )
-from lidardraft.semantics import NUM_CLASSES
 
 
 def boxes(*materials: str | None, label: str = "building") -> Layout:
@@ -97,18 +95,8 @@ def test_wet_ground_is_darker_and_least_seen_at_grazing_incidence():
     np.testing.assert_array_equal(wet[2], dry[2])
 
 
-def test_a_wetness_is_a_share():
-    with pytest.raises(SensorError, match=r"wetness is 1\.5; it must be 0 to 1"):
-        Surfaces.from_layout(boxes("wood"), wetness=1.5)
-
-
 FACING = np.ones(1)
 COSINES = np.cos(np.linspace(0, math.pi / 2, 50))
-
-
-def test_every_name_is_there_once_and_every_class_has_a_material():
-    assert len(MATERIAL_BY_NAME) == len(MATERIALS)
-    assert len(CLASS_MATERIALS) == NUM_CLASSES
 
 
 @pytest.mark.parametrize("material", MATERIALS, ids=lambda material: material.name)

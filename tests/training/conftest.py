@@ -1,17 +1,10 @@
 from pathlib import Path
 
 import pytest
-import torch
 from box_pairs import noted
 
 from lidardraft.formats.pairs import write_pairs
 from lidardraft.training.sources import PairFolder
-
-
-@pytest.fixture(autouse=True, scope="session")
-def one_thread() -> None:
-    """Small tensors: threads would wait for each other."""
-    torch.set_num_threads(1)
 
 
 @pytest.fixture(scope="session")

@@ -126,15 +126,6 @@ def test_a_run_in_slices_is_the_run_in_one(stage: str, pairs: PairFolder, base: 
     assert list(train_denoiser(config, pairs, tmp_path / "sliced", begin=denoiser())) == []
 
 
-def test_a_control_does_not_go_on_with_another_base(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
-    list(train_denoiser(dataclasses.replace(CONTROL, steps=1), pairs, tmp_path, begin=weight_file.load(base, Denoiser)))
-    other = weight_file.load(base, Denoiser)
-    with torch.no_grad():
-        other.network.head.bias += 0.1
-    with pytest.raises(TrainingError, match="is the state of a run begun with other weights"):
-        list(train_denoiser(CONTROL, pairs, tmp_path, begin=other))
-
-
 def test_zero_convolutions_that_stay_zero_are_reported(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
     # A learning rate of 0 is the simplest way to a ControlNet that adds nothing.
     silent = dataclasses.replace(CONTROL, steps=20, batch=1, learning_rate=0.0)
@@ -276,11 +267,3 @@ def test_a_base_of_another_shape_is_refused(pairs: PairFolder, tmp_path: Path) -
         next(train_denoiser(CONTROL, pairs, tmp_path, begin=other))
     with pytest.raises(TrainingError, match="a ControlNet needs a base"):
         next(train_denoiser(CONTROL, pairs, tmp_path))
-
-
-def test_training_goes_on_from_given_weights(pairs: PairFolder, tmp_path: Path) -> None:
-    config = dataclasses.replace(GENERATOR, steps=30, report_every=10)
-    first = list(train_denoiser(config, pairs, tmp_path / "first"))
-    begin = weight_file.load(tmp_path / "first" / "weights.safetensors", Denoiser)
-    more = list(train_denoiser(config, pairs, tmp_path / "more", begin=begin))
-    assert more[0].loss < first[0].loss

@@ -66,11 +66,6 @@ def test_a_consumer_that_stops_at_the_last_report_has_the_weights(pairs: PairFol
     assert list(run(CONFIG, pairs, tmp_path)) == []  # nothing is left to do
 
 
-def test_what_is_due_at_a_report_is_on_disk_with_it(pairs: PairFolder, tmp_path: Path) -> None:
-    for report in run(CONFIG, pairs, tmp_path):
-        assert (tmp_path / "weights.safetensors").exists() == (report.step >= CONFIG.save_every)
-
-
 @pytest.mark.parametrize("stop", [1, 3, 5])
 def test_a_run_in_slices_is_the_run_in_one_and_so_is_its_log(stop: int, pairs: PairFolder, tmp_path: Path) -> None:
     whole = list(run(CONFIG, pairs, tmp_path / "whole"))
@@ -127,12 +122,6 @@ def test_what_is_killed_while_it_saves_is_done_again(pairs: PairFolder, tmp_path
     assert load_file(tmp_path / "weights.safetensors")
 
 
-def test_a_run_stops_when_its_minutes_are_over(pairs: PairFolder, tmp_path: Path) -> None:
-    assert [report.step for report in run(CONFIG, pairs, tmp_path, max_minutes=0)] == [1]
-    assert [report.step for report in run(CONFIG, pairs, tmp_path, max_minutes=0)] == [2]
-    assert load_file(tmp_path / "weights.safetensors")
-
-
 def test_a_run_goes_on_with_the_pairs_that_it_began_with(tmp_path: Path) -> None:
     first, second = tmp_path / "first", tmp_path / "second"
     list(write_pairs(first, [noted(0), noted(1)]))
@@ -167,12 +156,6 @@ def test_lines_of_the_log_that_are_no_reports_are_dropped(pairs: PairFolder, tmp
     list(run(CONFIG, pairs, tmp_path))
     rows = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
     assert [row["step"] for row in rows] == list(range(1, CONFIG.steps + 1))
-
-
-def test_a_file_in_the_place_of_the_run_is_refused(pairs: PairFolder, tmp_path: Path) -> None:
-    (tmp_path / "file").touch()
-    with pytest.raises(TrainingError, match="file is a file; it must be a folder"):
-        list(run(CONFIG, pairs, tmp_path / "file"))
 
 
 def test_devices_that_are_not_there() -> None:

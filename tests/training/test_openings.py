@@ -60,14 +60,6 @@ def test_each_kind_occurs_in_its_share(image: RangeImage) -> None:
         assert kinds[kind] / 2000 == pytest.approx(share, abs=0.03), kind
 
 
-def test_an_opening_has_the_pixels_of_its_image_and_is_the_same_for_the_same_numbers(image: RangeImage) -> None:
-    for seed in range(20):
-        opening, again = (sample_opening(image, np.random.default_rng(seed)) for _ in range(2))
-        assert (opening.shape, opening.dtype) == (SENSOR.shape, bool)
-        np.testing.assert_array_equal(opening, again)
-    assert not np.array_equal(*(sample_opening(image, np.random.default_rng(seed)) for seed in (0, 1)))
-
-
 def test_a_narrow_sensor_is_never_all_open_by_sectors_and_never_all_given(image: RangeImage) -> None:
     narrow = RangeImage.unchecked(
         dataclasses.replace(SENSOR, azimuth_span=np.pi / 6), depth=image.depth, label=image.label

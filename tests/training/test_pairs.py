@@ -99,14 +99,6 @@ def test_what_a_killed_writer_left_is_cleared(tmp_path: Path) -> None:
     assert sorted(file.name for file in tmp_path.iterdir()) == [".lock", "00000.npz", "00001.npz", "index.json"]
 
 
-def test_another_sensor_is_refused(tmp_path: Path) -> None:
-    list(write_pairs(tmp_path, [noted(0)]))
-    other = Sensor(name="other", elevations=SENSOR.elevations, columns=64)
-    with pytest.raises(FormatError, match="holds pairs of small; this one is of other"):
-        list(write_pairs(tmp_path, [noted(1, other)]))
-    assert pairs_on_disk(tmp_path) == 1
-
-
 def test_a_depth_that_does_not_fit_is_the_furthest_that_does(tmp_path: Path) -> None:
     far = Sensor(name="far", elevations=SENSOR.elevations, columns=128, max_range=300.0)
     pair = make_pair(0, far)

@@ -94,12 +94,6 @@ def test_vertices_and_polygons_are_as_many_as_in_blender(shape: MeshShape, verti
     assert (len(places), sum(map(len, faces)), shape.vertices) == (vertices, polygons, vertices)
 
 
-def test_a_cone_may_stand_on_its_tip() -> None:
-    assert volume(shapes.cone(0.0, 1.0, 3.0, 64)) == pytest.approx(math.pi, rel=0.02)
-    vertices, faces = shapes.cone(0.0, 1.0, 3.0, 64).triangles()
-    assert TriangleMesh(vertices, faces).is_closed()
-
-
 def test_round_shapes_of_few_corners_are_meshes() -> None:
     assert shapes.cone(1.0, 1.0, 2.0, 32).shape == "cylinder"
     assert shapes.cone(1.0, 1.0, 2.0, 6).shape == "mesh"
@@ -109,33 +103,12 @@ def test_round_shapes_of_few_corners_are_meshes() -> None:
     assert shapes.icosphere(1.0, 1).shape == "mesh"
 
 
-def test_flat_shapes() -> None:
-    vertices, faces = shapes.grid(4.0, 1, 1).triangles()
-    assert np.ptp(vertices, axis=0).tolist() == [4, 4, 0]
-    assert len(faces) == 2
-    vertices, faces = shapes.disc(2.0, 6).triangles()
-    np.testing.assert_allclose(vertices[0], (0, 2, 0), atol=1e-12)
-    assert len(faces) == 4
-
-
-def test_fans() -> None:
-    polygons = shapes.polygons_of([(0, 1, 2, 3), (4, 5), (6, 7, 8), (3, 2, 1)])
-    assert [each.tolist() for each in polygons] == [[[0, 1, 2, 3]], [[6, 7, 8], [3, 2, 1]]]
-    assert shapes.fans(polygons).tolist() == [[0, 1, 2], [0, 2, 3], [6, 7, 8], [3, 2, 1]]
-    assert shapes.fans([]).shape == (0, 3)
-
-
 def test_lists_of_vertices_and_polygons() -> None:
     script = TENT % (CORNERS, "[(0, 1, 2, 3), (0, 1, 4), (1, 2, 4)]") + LINKED
     (tent,) = scene(script + "tent.location = (10, 0, 0)")
     assert (tent.shape, tent.center, tent.size) == ("mesh", (11, 1, 1.5), (2, 2, 3))
     assert tent.mesh is not None
     assert len(tent.mesh.faces) == 4
-
-
-def test_vectors_and_ranges_are_lists_too() -> None:
-    script = TENT % ("[Vector(c) for c in " + CORNERS + "]", "[range(3), [0, 1, 4]]") + LINKED
-    assert len(scene(script)) == 1
 
 
 def test_a_mesh_is_copied_and_moved() -> None:
@@ -152,10 +125,6 @@ def test_materials_of_a_mesh() -> None:
         "car.active_material = red\ncar.data.materials.clear()\ncar.active_material = red"
     )
     assert car.label == "truck"
-
-
-def test_smooth_faces_are_passed_over() -> None:
-    with_car("for p in car.data.polygons:\n    p.use_smooth = True\ncar.data.shade_smooth()")
 
 
 def test_vertices_and_faces_become_a_mesh() -> None:
@@ -199,13 +168,6 @@ def test_a_mesh_is_edited_in_edit_mode() -> None:
     for end in ("bmesh.update_edit_mesh(car.data)\nbpy.ops.object.mode_set(mode='OBJECT')", ""):
         car = with_car(edited + end)
         assert (car.shape, car.size, car.center) == ("box", (4, 1, 2), (5, 0, 1.5))
-
-
-def test_kinds_can_be_asked_for() -> None:
-    with_car(
-        "import bmesh\nbm = bmesh.new()\nv = bm.verts.new((0, 0, 0))\n"
-        "assert isinstance(v, bmesh.types.BMVert) and not isinstance(v, (bmesh.types.BMFace, bmesh.types.BMEdge))"
-    )
 
 
 @pytest.mark.parametrize(

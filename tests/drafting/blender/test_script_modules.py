@@ -272,11 +272,6 @@ def test_a_time_is_written_in_the_format_that_is_asked_for() -> None:
         refuses(f"import time\ntime.strftime({form})", "the format '.*' of a time is not supported", 2)
 
 
-def test_nobody_waits() -> None:
-    agrees("import time\nassert time.sleep(0) is None")
-    reads("import time\ntime.sleep(10**6)")
-
-
 def test_no_file_is_looked_at() -> None:
     notes = reads("import os\nassert not os.path.exists('/')\nassert not os.path.isdir(os.getcwd())").notes
     assert list(notes) == [f"no file is looked at: os.path.{name} says False" for name in ("exists", "isdir")]
