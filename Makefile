@@ -16,7 +16,7 @@ demo: install ## a sentence becomes labelled LiDAR scans, simulated and generate
 	$(BIN)/python examples/demo.py
 
 test: install ## all tests, Python and Rust
-	$(BIN)/python -m pytest -n auto --dist loadfile
+	$(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder
 	PYO3_PYTHON="$(abspath $(BIN)/python)" cargo test --workspace --quiet
 
 check: install ## formatters, linters, types, and the extension's types against its stub

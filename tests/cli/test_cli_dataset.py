@@ -212,6 +212,12 @@ def test_a_larger_number_grows_the_set(capsys: pytest.CaptureFixture[str]) -> No
     assert files("set") == whole
 
 
+def test_a_shard_that_somebody_deletes_is_made_again() -> None:
+    whole = made("-n", "5", "-o", "set", "--jobs", "1")
+    Path("set/000000.tar").unlink()
+    assert made("-n", "5", "-o", "set", "--jobs", "1") == whole
+
+
 def test_files_of_a_recipe_lie_beside_it_or_at_their_whole_path() -> None:
     Path("a[1]").mkdir()
     inside = Path("a[1]/recipe.toml")

@@ -53,6 +53,12 @@ def test_the_preview_shows_the_layout_and_a_scan_of_the_asked_sensor() -> None:
     np.testing.assert_array_equal(picture[40 : len(scan), -scan.shape[1] :], scan[40:])
 
 
+def test_no_preview_is_written_if_none_is_asked_for(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["draft", "--text", "a car ahead", "--no-preview", "-o", "layout.json"]) == 0
+    assert not list(folder.glob("*.png"))
+    assert "preview" not in capsys.readouterr().out
+
+
 def test_a_layout_without_ground_is_previewed_without_a_word(capsys: pytest.CaptureFixture[str]) -> None:
     Layout((Primitive(shape="box", center=(9, 0, 1), size=(4, 2, 2), label="car", id="car"),)).save("a.json")
     assert cli.main(["draft", "--layout", "a.json", "--sensor", "small.json", "-o", "b.json"]) == 0

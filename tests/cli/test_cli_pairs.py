@@ -42,6 +42,11 @@ def test_pairs_on_disk_go_on_where_they_stopped(capsys: pytest.CaptureFixture[st
     assert len(PairFolder("pairs")) == 5
 
 
+def test_pairs_of_another_seed_are_refused(refused: Callable[..., str]) -> None:
+    assert cli.main([*STREETS, "--seed", "3", "--output", "pairs", "--num", "1"]) == 0
+    assert "seed 3" in refused(*STREETS, "--output", "pairs", "--num", "9")
+
+
 def test_pairs_are_not_mixed_with_other_files(refused: Callable[..., str]) -> None:
     Path("mine").mkdir()
     Path("mine/notes.txt").write_text("")

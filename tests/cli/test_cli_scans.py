@@ -88,6 +88,13 @@ def test_bad_input_of_simulate_is_one_line(refused: Callable[..., str], capsys: 
     assert "'nan' is not a number" in capsys.readouterr().err
 
 
+def test_a_layout_without_ground_is_said_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    Layout().save("empty.json")
+    assert cli.main(["simulate", "--layout", "empty.json", "-n", "2", "-o", "out", *SMALL]) == 0
+    err = capsys.readouterr().err
+    assert err == "lidardraft: the layout has no ground (road, sidewalk or terrain): nothing returns from it\n"
+
+
 STREET = ["simulate", "--street", "residential", "--seed", "7", "--poses", "2", *SMALL]
 
 
@@ -153,6 +160,13 @@ def test_bad_input_of_streets_is_one_line(refused: Callable[..., str], capsys: p
     for command in ("draft", "generate"):
         with pytest.raises(SystemExit):
             cli.main([command, "--street", "any", "-o", "out"])
+
+
+def test_it_rains_on_streets_too() -> None:
+    for name, options in {"dry": [], "rain": ["--weather", "fog:20m"]}.items():
+        assert cli.main([*STREET, "-o", name, "--no-picture", *options]) == 0
+    far = [np.linalg.norm(kitti.read_bin(f"{name}/000000.bin")[0], axis=1).max() for name in ("dry", "rain")]
+    assert far[1] < far[0]
 
 
 def names(folder: str) -> set[str]:

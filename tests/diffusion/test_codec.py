@@ -191,6 +191,10 @@ def test_rays_say_what_the_vehicle_hides() -> None:
     np.testing.assert_array_equal(encode_rays(hidden)[4], hidden.blocked_pixels)
 
 
+def test_one_beam_has_a_spacing() -> None:
+    assert np.isfinite(encode_rays(Sensor(name="one", elevations=(0.0,), columns=8))).all()
+
+
 ABOVE = Sensor(name="small", elevations=tuple(np.linspace(0.05, -0.4, 16).tolist()), columns=128)
 ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(300, 300, 0), label="road", id="road")
 TOWER = Primitive(shape="box", center=(12, 0, 20), size=(6, 6, 40), label="building", id="tower")

@@ -207,6 +207,17 @@ def test_the_loss_of_a_crop_without_any_return_is_finite() -> None:
     assert loss.isfinite().all()
 
 
+def test_widths_that_no_group_divides_are_fine() -> None:
+    config = dataclasses.replace(CONTROLLED, widths=(6, 10, 7, 9))
+    y = Denoiser.from_config(config).denoise(a_state(1), torch.ones(1), BEAMS, a_condition(1), wraps=True)
+    assert y.shape == (1, STATE_CHANNELS, 16, 64)
+
+
+def test_odd_numbers_of_cells_are_fine() -> None:
+    y = Denoiser.from_config(TINY).denoise(a_state(1, 60), torch.ones(1), rays(60), wraps=True)
+    assert y.shape == (1, STATE_CHANNELS, 16, 60)
+
+
 @pytest.mark.parametrize("config", [CONDITIONED, COMPLETING, CONTROLLED], ids=["conditioned", "completing", "control"])
 @torch.no_grad()
 def test_what_is_built_on_a_base_begins_as_that_base(config: DenoiserConfig) -> None:

@@ -197,6 +197,18 @@ def test_the_step_is_what_ncsnv2_publishes(sigma_max: float, levels: int, update
     assert langevin_step(above / below, updates) * 0.01**2 == pytest.approx(published, rel=0.02)
 
 
+def test_levels_fall_geometrically() -> None:
+    levels = geometric_levels(232)
+    assert (levels[0], levels[-1]) == pytest.approx((50.0, 0.01))
+    ratios = [above / below for above, below in itertools.pairwise(levels)]
+    assert ratios == pytest.approx([5000 ** (1 / 231)] * 231)
+    assert geometric_levels(1) == [50.0]
+    with pytest.raises(LidarDraftError, match="steps is 0"):
+        geometric_levels(0)
+    with pytest.raises(LidarDraftError, match=r"starts at the noise level 0\.01; it must be greater than 0\.01"):
+        geometric_levels(3, sigma_max=0.01)
+
+
 def spread_of_a_gaussian(sigmas: list[float]) -> float:
     """The standard deviation that the updates leave, in closed form: each is linear in x, with independent noise."""
     step, variance = langevin_step(sigmas[0] / sigmas[1], 5), sigmas[0] ** 2

@@ -136,24 +136,6 @@ def test_a_box_contains_what_is_over_its_footprint(margin, expected):
         assert contain(boxes, np.array([-across, along]), margin).tolist() == [False, inside]
 
 
-def blob(center, random, count=60):
-    return np.array(center) + random.uniform(-0.4, 0.4, (count, 3))
-
-
-def test_clusters_are_what_lies_apart_largest_first():
-    random = np.random.default_rng(0)
-    points = np.concatenate([blob((5, 0, 0), random), blob((5, 3, 0), random, 90), [[20.0, 20.0, 0.0]]])
-    first, second = clusters_of(points, 0.5, 5)
-    assert set(first) == set(range(60, 150))
-    assert set(second) == set(range(60))
-
-
-def test_neighbours_are_further_apart_at_long_range():
-    line = np.column_stack([np.zeros(20), 0.9 * np.arange(20), np.zeros(20)])
-    assert len(clusters_of(line + np.array([80.0, 0, 0]), 0.4, 2)) == 1
-    assert clusters_of(line + np.array([5.0, -8.0, 0]), 0.4, 2) == []
-
-
 @pytest.mark.parametrize("seed", range(8))
 def test_clusters_of_near_points_are_those_of_dbscan(seed):
     random = np.random.default_rng(seed)
@@ -266,14 +248,6 @@ def test_a_hole_is_bridged_and_far_land_is_not():
     assert np.abs(cells).max() < 15.0
 
 
-def test_without_ground_points_it_is_flat():
-    ground = field(np.ones((5, 3)), np.full(5, CAR))
-    (plane,) = surfaces(ground)
-    assert plane.center[2] == 0.0
-    assert ground.heights(np.array([[3.0, 4.0]]))[0] == pytest.approx([0.0])
-    assert ground.heights(np.array([[0.0, 0.0]]))[1] == [math.inf]
-
-
 def test_the_ground_is_known_near_its_points():
     away = field(*plain()).heights(np.array([[5.0, 3.0], [11.0, 0.0], [150.0, 0.0]]))[1]
     np.testing.assert_allclose(away, [0.5, 1.5, 140.5], atol=0.5)
@@ -326,10 +300,6 @@ def hits_of(shape, boxes, points):
     ranges = np.linalg.norm(points - ORIGIN, axis=1)
     further, tolerance = hits.distance - ranges, np.maximum(0.5, 0.05 * ranges)
     return hits.valid, hits.valid & (further < -tolerance), hits.valid & (np.abs(further) <= tolerance)
-
-
-def test_a_wall_that_is_right_stays_whole():
-    assert len(refined(wall((10, -5), (10, 5)))[1]) == 1
 
 
 @pytest.mark.parametrize("detail", ["fine", "objects"])

@@ -259,6 +259,11 @@ def test_far_depth_is_moved_less():
     assert near > 4 * far > 0
 
 
+def test_without_a_road_nothing_moves():
+    depth, labels = flat_road()
+    np.testing.assert_allclose(corrected_depth(depth, labels * 0 + CAR, CAMERA, PLANE, HEIGHT), depth)
+
+
 @pytest.mark.parametrize("unit", [0.3, 2.0, 100.0])
 def test_the_unit_of_depth_makes_no_difference(unit):
     true, labels = flat_road()

@@ -8,7 +8,7 @@ import pytest
 
 from lidardraft.drafting.sketch.figures import read_svg
 from lidardraft.drafting.sketch.shapes import Blob, Sketch, Stroke
-from lidardraft.drafting.sketch.svg import Figure, Page, length, path_pieces, read_page, transform
+from lidardraft.drafting.sketch.svg import Figure, Page, length, numbers, path_pieces, read_page, transform
 from lidardraft.errors import FormatError, LayoutError
 
 HEAD = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="i" xmlns:xlink="http://www.w3.org/1999/xlink"'
@@ -87,6 +87,13 @@ def test_what_is_no_length(text: str) -> None:
     for whole in (200.0, None) if text != "50%" else (None,):
         with pytest.raises(FormatError, match=r"x is .*; it must be a length of up to 1e\+07 pixels"):
             length(text, "x", whole)
+
+
+def test_lists_of_numbers() -> None:
+    assert numbers("1,2 -3.5-4 5e1", "points").tolist() == [1, 2, -3.5, -4, 50]
+    for text in ("1 2 three", "1e300", "1;2", "inf", "1 " * 300_000):
+        with pytest.raises(FormatError, match="points "):
+            numbers(text, "points")
 
 
 @pytest.mark.parametrize(
@@ -516,3 +523,8 @@ def test_the_ego_vehicle_and_the_scale() -> None:
 def test_sketches_that_cannot_be(inner: str, said: str) -> None:
     with pytest.raises((LayoutError, FormatError), match=said):
         read_svg(f'<svg width="200" height="200">{inner}</svg>', None)
+
+
+@pytest.mark.parametrize("name", ["scale 10 m", "scale_10_m", "Scale: 10 metres", "scale-10m"])
+def test_ways_to_name_a_scale(name: str) -> None:
+    assert read_svg(f'<svg width="9" height="9"><line id="{name}" x2="20"/></svg>', None).metres_per_unit == 0.5

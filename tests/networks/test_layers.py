@@ -32,6 +32,18 @@ def test_the_last_column_of_a_sector_does_not_reach_the_first(dilation: int) -> 
     assert not changed[1][: 12 - 1 - dilation].any()
 
 
+def test_rows_do_not_wrap() -> None:
+    conv, x = RangeImageConv(1, 1), torch.zeros(1, 1, 8, 12)
+    bottom = x.clone()
+    bottom[0, 0, -1] = 1
+    changed = (conv(bottom, True) != conv(x, True)).any(dim=-1)[0, 0]
+    assert changed.tolist() == [False] * 6 + [True] * 2
+
+
+def test_a_stride_rounds_odd_sizes_up() -> None:
+    assert RangeImageConv(1, 1, stride=2)(torch.zeros(1, 1, 5, 9), True).shape == (1, 1, 3, 5)
+
+
 @pytest.mark.parametrize("columns", [0, 1, 4, 9])
 def test_padding_may_be_wider_than_the_image(columns: int) -> None:
     x = torch.arange(4.0)[None]

@@ -11,6 +11,7 @@ from built_objects import SIZES, build, is_closed, placed, vertices
 
 import lidardraft.objects
 from lidardraft import CLASSES
+from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.errors import LayoutError
 from lidardraft.objects.buildings import BALCONY, EAVES
 from lidardraft.objects.cars import BODIES
@@ -92,6 +93,10 @@ def test_who_is_counted_and_how_often():
         assert all(counted) or not any(counted)  # an object has instances or none
 
 
+def test_words_are_those_of_sentences():
+    assert {kind.word for kind in KINDS.values()} - {None} <= set(SENTENCE_KINDS)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_objects_of_many_seeds_keep_to_their_extents_classes_instances_and_materials(kind: str):
     seen: set[str] = set()
@@ -154,6 +159,12 @@ def test_meshes_are_closed(kind: str):
     assert all(is_closed(mesh) for mesh in meshes)
 
 
+def test_the_number_of_parts_is_bounded():
+    most = {"person": 11, "tree": 9, "house": 8, "block": 10, **dict.fromkeys(BODIES, 14)}
+    for kind, limit in most.items():
+        assert max(len(build(placed(kind, seed), seed)) for seed in range(30)) <= limit
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_detail_lies_in_a_box_of_its_object(kind: str):
     for seed in range(12):
@@ -176,6 +187,13 @@ def test_something_may_stand_under_a_crown_a_board_and_a_gantry():
         low = [box for box in boxes if box.bottom < made.clearance]
         assert sum(box.length * box.width for box in low) < 0.6 * made.size[0] * made.size[1]
         assert max(box.top for box in boxes) == made.size[2]
+
+
+def test_the_arm_of_a_lamp_is_on_its_left():
+    post, arm = KINDS["lamp"].boxes((0.2, 0.2, 8.0), 0.0)
+    assert post.y == 0.0
+    assert arm.y - arm.width / 2 <= 0.0 < arm.y
+    assert arm.bottom > 7.0
 
 
 @pytest.mark.parametrize("kind", KINDS)

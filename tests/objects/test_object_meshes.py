@@ -13,6 +13,7 @@ from lidardraft.objects.mesh import (
     box,
     frustum,
     frustum_corners,
+    join,
     lathe,
     loft,
     quads,
@@ -54,6 +55,21 @@ SQUARE = np.array([(0, -1, -1), (0, 1, -1), (0, 1, 1), (0, -1, 1)], dtype=float)
 def test_solids_are_closed_and_of_the_right_volume(triangles: Triangles, expected: float):
     assert closed(triangles)
     assert volume(triangles) == pytest.approx(expected)
+
+
+def test_several_solids_are_one():
+    one, two = box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), box((3.0, 0.0, 0.0), (1.0, 1.0, 2.0))
+    both = join(one, two)
+    assert len(both[1]) == 24
+    assert closed(both)
+    assert volume(both) == pytest.approx(3.0)
+
+
+def test_quadrilaterals_are_two_triangles_each():
+    corners = np.stack([SQUARE, SQUARE + np.array([1.0, 0.0, 0.0])])
+    vertices, faces = quads(corners)
+    assert (vertices.shape, faces.shape) == ((8, 3), (4, 3))
+    assert set(map(tuple, vertices[faces[2:]].reshape(-1, 3).tolist())) == set(map(tuple, corners[1].tolist()))
 
 
 @pytest.mark.parametrize("side", range(4))

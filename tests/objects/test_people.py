@@ -5,6 +5,7 @@ import pytest
 from built_objects import all_vertices, build, cast, placed, vertices
 
 from lidardraft.objects.human_body import bent_joint, hanging
+from lidardraft.objects.kinds import KINDS
 
 
 @pytest.mark.parametrize("variant", range(4))
@@ -20,6 +21,14 @@ def test_a_person_fills_the_stature_and_walks(variant: int):
     # the feet of one who stands are side by side; of one who walks they meet and part
     apart = max(strides) - min(strides)
     assert (apart < 0.02) if made.size[0] <= 0.3 else (apart > 0.1 * made.size[2])
+
+
+def test_some_carry_a_rucksack_and_some_a_bag():
+    built = [build(placed("person", 2), seed) for seed in range(200)]
+    rucksacks = sum(any(p.shape == "box" for p in person) and len(person) == 4 for person in built)
+    bags = sum(any(p.shape == "cylinder" for p in person) for person in built)
+    assert 15 < rucksacks < 50
+    assert 10 < bags < 50
 
 
 def test_a_childs_head_is_larger_against_the_stature():
@@ -54,11 +63,40 @@ def test_a_rider_touches_the_vehicle(kind: str):
         assert rider[:, 2].min() > 0.0
 
 
+def test_uncounted_riders_stay_uncounted():
+    made = placed("cyclist")
+    primitives = KINDS["cyclist"].build(type(made)(**{**fields_of(made), "instance": 0}), np.random.default_rng(0))
+    assert {p.instance for p in primitives} == {0}
+
+
+def fields_of(made: object) -> dict:
+    return {name: getattr(made, name) for name in type(made).__dataclass_fields__}
+
+
 def test_rays_pass_between_the_spokes():
     bicycle = build(placed("bicycle"), 3)
     rng = np.random.default_rng(0)
     at = np.column_stack([rng.uniform(0.48, 0.62, 400), np.zeros(400), rng.uniform(0.2, 0.28, 400)])
     assert 0.7 < (cast(bicycle, (0.55, 8.0, 0.3), at) < 0).mean() < 1.0
+
+
+def test_wheels_have_28_inches_and_stand_on_the_ground():
+    tyres = build(placed("bicycle"), 0)[0]
+    assert tyres.material == "rubber"
+    assert tyres.size[2] == pytest.approx(0.68, abs=0.02)
+    assert vertices(tyres)[:, 2].min() == pytest.approx(0.0, abs=0.01)
+
+
+def test_some_carry_panniers_or_a_basket():
+    counts = [len(build(placed("bicycle"), seed)) for seed in range(60)]
+    assert set(counts) == {5, 6, 7}
+
+
+def test_a_cyclist_is_as_high_as_the_extents_say():
+    for seed in range(10):
+        made = placed("cyclist", seed)
+        rider = [p for p in build(made, seed) if p.label == "rider"]
+        assert all_vertices(rider)[:, 2].max() == pytest.approx(made.size[2], abs=0.12)
 
 
 def test_there_are_motorcycles_and_scooters_with_wheels_of_their_own():
@@ -68,6 +106,14 @@ def test_there_are_motorcycles_and_scooters_with_wheels_of_their_own():
         assert vertices(tyres)[:, 2].min() == pytest.approx(0.0, abs=1e-6)
         diameters.add(round(tyres.size[2], 3))
     assert diameters == {0.48, 0.63}
+
+
+def test_only_motorcycles_have_cases():
+    for seed in range(60):
+        motorcycle = build(placed("motorcycle"), seed)
+        cases = [p for p in motorcycle if p.shape == "box"]
+        assert len(cases) <= 1
+        assert not cases or round(motorcycle[0].size[2], 3) == 0.63
 
 
 def test_a_motorcyclist_always_wears_a_helmet():

@@ -23,6 +23,13 @@ def test_one_in_eight_rays_meets_a_wire():
     assert extinction_along(mesh[0]) == pytest.approx(0.12, abs=1e-6)
 
 
+def test_walls_reach_into_the_ground():
+    for kind in ("garden_wall", "wall"):
+        for seed in range(8):
+            lowest = min(p.center[2] - p.size[2] / 2 for p in build(placed(kind, seed), seed))
+            assert lowest <= -0.2 + 1e-9
+
+
 def test_some_garden_walls_carry_an_iron_fence_if_they_are_high_enough():
     def fenced(variant: int) -> list[bool]:
         return [any(p.label == "fence" for p in build(placed("garden_wall", variant), seed)) for seed in range(60)]
@@ -62,11 +69,30 @@ def test_a_shelter_is_open_to_its_left_and_behind_panes_elsewhere():
     assert {shelter[index].material for index in found if index >= 0} <= {"glass", "metal"}
 
 
+def test_low_bins_are_round_and_high_ones_have_wheels():
+    for variant in range(3):
+        made = placed("bin", variant)
+        bin = build(made, 0)
+        assert [p.shape for p in bin] == (["cylinder"] if made.size[2] < 0.95 else ["mesh", "mesh"])
+
+
+def test_most_benches_have_a_back():
+    counts = [len(build(placed("bench"), seed)) for seed in range(60)]
+    assert set(counts) == {3, 5}
+    assert counts.count(5) > 35
+
+
 def test_the_sleeve_of_a_cone_reflects_on_its_outside():
     cone = build(placed("cone"), 0)
     at = np.array([[0.0, 0.0, 0.3]])
     assert cone[cast(cone, (5.0, 0.0, 0.3), at)[0]].material == "retroreflector"
     assert cone[cast(cone, (5.0, 0.0, 0.45), np.array([[0.0, 0.0, 0.45]]))[0]].material == "plastic"
+
+
+@pytest.mark.parametrize("kind", ["letterbox", "hydrant", "cabinet"])
+def test_what_stands_on_the_sidewalk_reaches_into_the_ground(kind: str):
+    lowest = min(p.center[2] - p.size[2] / 2 for p in build(placed(kind), 0))
+    assert lowest == pytest.approx(-0.3, abs=0.06)
 
 
 def test_the_arm_of_a_lamp_is_on_its_left_and_no_longer_than_its_room():
@@ -75,6 +101,11 @@ def test_the_arm_of_a_lamp_is_on_its_left_and_no_longer_than_its_room():
         luminaire = next(p for p in lamp if p.material == "plastic")
         assert luminaire.center[1] > 0.5
         assert luminaire.center[1] + luminaire.size[1] / 2 <= LAMP_ARM + 1e-9
+
+
+def test_low_lamps_are_lanterns_or_have_arms():
+    counts = {len(build(placed("lamp", 0), seed)) for seed in range(40)}
+    assert counts == {2, 3, 4}
 
 
 def test_high_and_thick_poles_are_of_wood_and_bollards_reflect():
@@ -112,12 +143,31 @@ def test_signs_reflect_to_the_front_and_are_grey_behind():
             assert plates[cast(plates, (x, 0.05, made.size[2] - 0.2), middle)[0]].material == material
 
 
+def test_a_wide_sign_stands_on_two_posts():
+    posts = [[p for p in build(placed("sign", v), 0) if p.label == "pole"] for v in (0, 2)]
+    assert [len(row) for row in posts] == [1, 2]
+
+
 def test_plates_have_the_outlines_of_the_road_code():
     corners = set()
     for seed in range(300):
         plates = [p for p in build(placed("sign", 0), seed) if p.material == "retroreflector"]
         corners |= {len(p.mesh.vertices) for p in plates}
     assert corners == {3, 4, 8, 12}
+
+
+def test_two_plates_are_one_over_the_other():
+    for seed in range(30):
+        plates = [p for p in build(placed("sign", 1), seed) if p.material == "retroreflector"]
+        assert len(plates) in (1, 2)
+        if len(plates) == 2:
+            upper, lower = plates
+            assert upper.center[2] - upper.size[2] / 2 >= lower.center[2] + lower.size[2] / 2
+
+
+def test_billboards_stand_on_one_post_or_two():
+    posts = [sum(p.size[0] == pytest.approx(0.16) for p in build(placed("billboard", v), 0)) for v in (0, 1)]
+    assert posts == [2, 1]
 
 
 def test_nothing_of_a_gantry_is_lower_than_its_clearance_between_the_posts():
@@ -171,6 +221,13 @@ def test_bare_trees_stop_a_fifth_of_the_light_and_are_few():
         densities.append(max(p.extinction or 0.0 for p in build(made, seed)) * crown)
     bare = [density for density in densities if density < 1.0]
     assert 0.02 < len(bare) / len(densities) < 0.13
+
+
+def test_the_middle_of_a_verge_has_the_height_of_the_grass():
+    made = placed("grass", 1)
+    heights = [p.size[2] for p in build(made, 0)]
+    assert max(heights) == made.size[2]
+    assert len(heights) == 4
 
 
 def test_whether_a_tree_is_bare_can_be_said():

@@ -1,5 +1,6 @@
 """Cars, trucks, buses and trams: bodies, wheels, glazing, loads, and what rays see in them."""
 
+import math
 from collections import Counter
 
 import numpy as np
@@ -128,6 +129,14 @@ def test_all_loads_are_carried_and_end_where_the_truck_does():
     assert {"cloth", "chrome", "gravel", "wood", "light-paint", "mid-paint"} <= shapes
 
 
+def test_a_longer_truck_has_one_axle_more():
+    def axles(variant: int) -> int:
+        return sum(p.material == "rubber" for p in build(placed("truck", variant), 0))
+
+    assert (axles(1), axles(2)) == (2, 3)
+    assert sum(p.material == "rubber" for p in build(placed("trailer_truck"), 0)) == 5
+
+
 @pytest.mark.parametrize("kind", ["truck", "trailer_truck"])
 def test_the_marking_at_the_rear_is_behind_everything(kind: str):
     for seed in range(8):
@@ -155,6 +164,12 @@ def test_rays_through_the_windows_end_at_glass_or_seats_or_go_through():
     assert {p.label for p in bus} == {"bus"}
 
 
+def test_number_plates_are_at_both_ends():
+    made = placed("bus")
+    ends = sorted(p.center[0] for p in build(made, 0) if p.material == "retroreflector")
+    assert ends == [-made.size[0] / 2, made.size[0] / 2]
+
+
 @pytest.mark.parametrize("variant", [0, 1])
 def test_sections_and_bellows_fill_the_length(variant: int):
     made = placed("tram", variant)
@@ -166,3 +181,11 @@ def test_sections_and_bellows_fill_the_length(variant: int):
     every = np.concatenate([vertices(p) for p in sections])
     assert every[:, 0].max() == pytest.approx(made.size[0] / 2, abs=0.05)
     assert every[:, 0].min() == pytest.approx(-made.size[0] / 2, abs=0.05)
+
+
+def test_the_rear_head_is_the_front_one_turned_round():
+    heads = [p for p in build(placed("tram"), 0) if p.shape == "mesh"]
+    rear, front = min(heads, key=lambda p: p.center[0]), max(heads, key=lambda p: p.center[0])
+    assert rear.mesh is front.mesh
+    assert rear.center[0] == pytest.approx(-front.center[0], abs=1e-9)
+    assert abs(rear.yaw - front.yaw) == pytest.approx(math.pi)

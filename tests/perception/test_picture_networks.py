@@ -6,7 +6,9 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 
 import numpy as np
 import pytest
+import tiny_networks
 import torch
+import transformers
 from PIL import Image
 
 from lidardraft import layout_from_image, layout_from_text
@@ -18,8 +20,6 @@ from lidardraft.semantics import BY_NAME
 from rendered_pictures import render
 
 pytest.importorskip("transformers")
-import tiny_networks
-import transformers
 
 PIXELS = np.random.default_rng(0).integers(0, 256, (90, 160, 3), dtype=np.uint8)
 
@@ -141,6 +141,17 @@ def test_the_objects_of_a_network_are_of_the_kinds_that_were_seen(tmp_path):
     classes, numbers = network(pixels, LABELS)
     assert set(classes.ravel()) <= {CAR, ROAD}
     assert numbers.shape == (40, 60)
+
+
+def test_masks_of_a_good_score_are_kept(tmp_path):
+    network = MaskNetwork.from_pretrained(tiny_networks.sam(tmp_path / "network"))
+    with torch.no_grad():
+        network.network.mask_decoder.iou_prediction_head.proj_out.bias.fill_(1.0)
+    pixels = np.random.default_rng(0).integers(0, 256, (40, 60, 3), dtype=np.uint8)
+    points = np.array([(x, y) for x in range(0, 60, 10) for y in range(0, 40, 10)])
+    masks, scores = network._masks(pixels, points)
+    assert masks.shape == (24, 40, 60)
+    assert scores.min() >= 0.8
 
 
 def test_a_picture_without_things_is_not_asked_about():

@@ -25,6 +25,10 @@ def test_azimuth_falls_to_the_right_and_elevation_downwards():
     np.testing.assert_array_equal(GRID.pixels(points), [0, 8 + 3, 16 + 4, 24 + 7])
 
 
+def test_points_out_of_view_belong_to_the_row_at_the_edge():
+    np.testing.assert_array_equal(GRID.pixels(np.array([towards(-1, 60), towards(-1, -60)])), [4, 24 + 4])
+
+
 def test_the_nearest_point_has_the_pixel():
     points = np.array([towards(1, 1, 20), towards(1, 1, 5), towards(1, 1, 9)])
     index = GRID.nearest(points, GRID.pixels(points))

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from lidardraft.errors import FormatError, LayoutError, LidarDraftError
 from lidardraft.scene.box import Box, check_id
-from lidardraft.scene.layout import SCHEMA, Layout, Primitive, primitive_mesh
+from lidardraft.scene.layout import SCHEMA, Layout, Primitive, box_around, primitive_mesh
 from lidardraft.scene.mesh import TriangleMesh, unit_mesh
 from lidardraft.scene.placed_mesh import placed_mesh, shape_of, size_and_yaw
 from lidardraft.semantics import CLASSES
@@ -253,6 +253,16 @@ def test_text_that_is_no_layout(tmp_path, text, message):
         Layout.load(tmp_path / "a.json")
 
 
+def test_a_box_around_a_turned_part_bounds_it():
+    long = Primitive(shape="box", center=(0, 0, 0.5), size=(4, 2, 1), label="car", id="a", instance=1)
+    turned = Primitive(
+        shape="box", center=(0, 0, 0.5), size=(3, 0.2, 1), label="car", id="b", instance=1, yaw=math.pi / 2
+    )
+    box = box_around([turned, long])
+    np.testing.assert_allclose(box.size, (4, 3, 1))
+    assert (box.id, box.yaw) == ("a", 0.0)
+
+
 BOX = Box("car_1", "car", 1, (1, 2, 3), (4, 2, 1), 0.0)
 
 
@@ -320,6 +330,15 @@ def test_yaw_turns_counter_clockwise() -> None:
     )
     # About the middle of its bounds (1, 0.5): (2, 0) goes to (1.5, 1.5).
     assert primitive_mesh(mark).vertices[1] == pytest.approx([1.5, 1.5, 0])
+
+
+def test_plane_is_its_rectangle() -> None:
+    plane = Primitive(shape="plane", center=(1, 2, 3), size=(4, 6, 0), label="road", id="a")
+    mesh = primitive_mesh(plane)
+    assert mesh.vertices.min(axis=0).tolist() == [-1, -1, 3]
+    assert mesh.vertices.max(axis=0).tolist() == [3, 5, 3]
+    normal = np.cross(mesh.vertices[1] - mesh.vertices[0], mesh.vertices[2] - mesh.vertices[0])
+    assert normal[2] > 0
 
 
 def test_meshes_are_compared_by_value_and_read_only() -> None:

@@ -11,7 +11,7 @@ from strategies import layouts, poses, sensors
 from lidardraft.errors import LayoutError, LidarDraftError, SensorError
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage, RangeImageBatch, images_of
-from lidardraft.scene.raycast import Raycaster
+from lidardraft.scene.raycast import Raycaster, raycast
 from lidardraft.scene.sensor import Sensor
 
 SENSOR = Sensor(name="small", elevations=tuple(np.linspace(0.2, -0.4, 16)), columns=64, max_range=100.0)
@@ -44,6 +44,13 @@ def test_a_scan_into_an_older_image_is_the_scan_in_its_memory(options):
         assert array is before[name]
     assert_same(out, CASTER.scan(SENSOR, POSES[1], **options))
     assert (out.depth != CASTER.scan(SENSOR, POSES[0]).depth).any()
+
+
+def test_a_scan_has_what_is_asked_for_and_nothing_else():
+    assert images_of(CASTER.scan(SENSOR)).keys() == {"depth", "label", "instance"}
+    for name in ALL:
+        assert images_of(CASTER.scan(SENSOR, **{name: True})).keys() == {"depth", "label", "instance", name}
+    assert_same(raycast(CASTER.layout, SENSOR, POSES[1], **ALL), CASTER.scan(SENSOR, POSES[1], **ALL))
 
 
 def test_normals_are_of_unit_length_and_look_at_the_sensor():

@@ -115,6 +115,10 @@ def test_beams_that_overlap_are_refused():
         sub_rays(close, SensorModel(divergence_v=3e-3))
 
 
+def test_a_pulse_of_5_ns_is_75_cm_long():
+    assert SensorModel(pulse_duration=5e-9).pulse_length == pytest.approx(0.7495, abs=1e-4)
+
+
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [

@@ -118,6 +118,17 @@ def test_every_class_of_an_object_has_a_rule() -> None:
     assert set(RULES) == {row.name for row in CLASSES} - {"none", *GROUND}
 
 
+def test_ids_that_look_like_new_ones_are_no_trouble() -> None:
+    given = Layout(
+        primitives=(
+            Primitive(shape="box", center=(9, 0, 1.5), size=(0.3, 9, 3), label="building", id="b.1"),
+            Primitive(shape="box", center=(9, 9, 0.2), size=(0.3, 1, 0.4), label="building", id="b"),
+            Primitive(shape="plane", center=(0, 0, 0), size=(9, 9, 0), label="terrain", id="b.2"),
+        )
+    )
+    assert {"b", "b.1", "b.2"} <= {p.id for p in detail(given)}
+
+
 @pytest.mark.parametrize("seed", [-1, 1.5, True, "1"])
 def test_a_seed_is_an_integer(seed: object) -> None:
     with pytest.raises(LayoutError, match=r"seed is .*; it must be an integer >= 0"):

@@ -75,6 +75,17 @@ def test_extents_tell_a_bench_from_a_bin_from_a_shelter() -> None:
     assert "glass" in materials(detailed(box("other", (4.0, 1.5, 2.5))))
 
 
+def test_what_is_like_nothing_stays() -> None:
+    given = box("other", (5.0, 4.0, 0.2))
+    (part,) = detailed(given)
+    assert (part.center, part.size, part.material) == (given.center, given.size, "plaster")
+
+
+def test_a_name_of_another_class_says_nothing() -> None:
+    (part,) = detailed(box("other", (5.0, 4.0, 0.2), id="car_1"))
+    assert part.label == "other"
+
+
 def test_segments_of_one_fence_are_alike() -> None:
     for seed in range(10):
         segments = [box("fence", (4.0, 0.1, 1.5), at=(15 + 4 * k, 3, 0), id=f"fence_1.{k + 1}") for k in range(4)]
@@ -91,11 +102,22 @@ def test_fences_are_seen_through_and_some_are_of_mesh() -> None:
     assert {"wood", "metal"} <= {p.material for parts in made for p in parts}
 
 
+def test_a_fence_along_the_width_of_its_box_stands_there() -> None:
+    parts = detailed(box("fence", (0.1, 12.0, 1.5)))
+    assert max(p.size[0] for p in parts) > 11.0
+    assert len({p.material for p in parts}) == 1
+
+
 def test_walls_have_plinths_or_copings_and_no_other_class() -> None:
     low, high = (detailed(box("wall", (12.0, 0.3, height))) for height in (0.8, 2.5))
     assert "paving" in materials(low)
     assert "concrete" in materials(high)
     assert {p.label for p in low + high} == {"wall"}
+
+
+def test_a_thick_block_stays_a_block() -> None:
+    (part,) = detailed(box("fence", (4.0, 3.0, 1.5)))
+    assert (part.size, part.material) == ((4.0, 3.0, 1.5), "wood")
 
 
 def test_the_fences_of_a_clustering_send_back_most_rays() -> None:
@@ -167,3 +189,8 @@ def test_foliage_of_any_shape_is_a_medium(shape: str, size: tuple[float, float, 
     parts = detailed(box("vegetation", size, shape=shape))
     assert all(p.extinction for p in parts)
     assert materials(parts) == {"foliage"}
+
+
+def test_the_trunks_that_a_clustering_finds_stay() -> None:
+    (part,) = detailed(box("trunk", (0.3, 0.3, 2.0), shape="cylinder"), source="point cloud")
+    assert (part.size, part.material) == ((0.3, 0.3, 2.0), "bark")

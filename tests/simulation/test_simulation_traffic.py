@@ -85,3 +85,9 @@ def test_a_rider_alone_has_a_bicycle_of_the_same_class() -> None:
     parts = detailed(box("rider", (1.8, 0.6, 1.7), instance=2), source="point cloud")
     assert {(p.label, p.instance) for p in parts} == {("rider", 2)}
     assert "rubber" in materials(parts)
+
+
+def test_a_parked_machine_has_no_rider() -> None:
+    parts = detailed(box("motorcycle", (2.1, 0.8, 1.2)))
+    assert "rubber" in materials(parts)
+    assert "skin" not in materials(parts)

@@ -43,22 +43,22 @@ def base(pairs: PairFolder, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize("stage", ["generator", "base"])
 def test_the_loss_falls(stage: str, pairs: PairFolder, tmp_path: Path) -> None:
-    config = dataclasses.replace(STAGES[stage], steps=60, report_every=15, batch=8)
+    config = dataclasses.replace(STAGES[stage], steps=40, report_every=10, batch=8)
     reports = list(train_denoiser(config, pairs, tmp_path))
-    assert [report.step for report in reports] == [15, 30, 45, 60]
+    assert [report.step for report in reports] == [10, 20, 30, 40]
     assert reports[-1].loss < 0.85 * reports[0].loss
     assert reports[-1].samples_per_second > 0
     log = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
     assert [row["loss"] for row in log] == [report.loss for report in reports]
     assert weight_file.read_card(tmp_path / "weights.safetensors") == {
         "training": json.loads(json.dumps(dataclasses.asdict(config))),
-        "step": 60,
+        "step": 40,
         "data": pairs.source,
     }
 
 
 def test_the_control_learns_and_the_base_stays(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
-    config = dataclasses.replace(CONTROL, steps=60, report_every=20, batch=8)
+    config = dataclasses.replace(CONTROL, steps=30, report_every=10, batch=8)
     reports = list(train_denoiser(config, pairs, tmp_path, begin=weight_file.load(base, Denoiser)))
     assert reports[-1].loss < reports[0].loss
     before, after = load_file(base), load_file(tmp_path / "weights.safetensors")

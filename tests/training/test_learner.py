@@ -105,6 +105,13 @@ def test_small_and_flat_weights_are_adams_with_a_tenth_of_the_rate_and_do_not_de
     assert (alone == 1).all()  # without a gradient
 
 
+def test_matrices_decay() -> None:
+    weight = nn.Parameter(torch.ones(16, 16))
+    weight.grad = torch.zeros(16, 16)
+    Muon([weight], lr=0.1, weight_decay=0.5).step()
+    torch.testing.assert_close(weight.detach(), torch.full((16, 16), 0.95))
+
+
 def test_more_than_there_is_is_refused() -> None:
     free = free_memory()
     if free is None:
@@ -122,3 +129,8 @@ def test_memory_that_is_not_there_is_one_line(ask: object) -> None:
         memory_of("step 1"),
     ):
         ask()
+
+
+def test_other_errors_stay_what_they_are() -> None:
+    with pytest.raises(RuntimeError, match="shape"), memory_of("step 1"):
+        torch.zeros(2).reshape(3)

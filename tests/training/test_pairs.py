@@ -99,6 +99,15 @@ def test_what_a_killed_writer_left_is_cleared(tmp_path: Path) -> None:
     assert sorted(file.name for file in tmp_path.iterdir()) == [".lock", "00000.npz", "00001.npz", "index.json"]
 
 
+def test_a_scan_without_intensities_has_zeros(tmp_path: Path) -> None:
+    pair = make_pair(0)
+    bare = pair._replace(scan=dataclasses.replace(pair.scan, intensity=None))
+    list(write_pairs(tmp_path, [(bare, {})]))
+    intensity = PairFolder(tmp_path)[0].scan.intensity
+    assert intensity is not None
+    assert not intensity.any()
+
+
 def test_a_depth_that_does_not_fit_is_the_furthest_that_does(tmp_path: Path) -> None:
     far = Sensor(name="far", elevations=SENSOR.elevations, columns=128, max_range=300.0)
     pair = make_pair(0, far)

@@ -124,6 +124,17 @@ def test_objects_are_in_the_scene_through_their_collections() -> None:
     assert layout.provenance["notes"] == ["line 11: Blob is not linked to the scene"]
 
 
+def test_what_collections_hold() -> None:
+    scene(
+        CUBE + TREES + "bpy.context.scene.collection.children.link(trees)\n"
+        "assert car.users_collection[0].name == 'Scene Collection' and 'Car' in bpy.context.collection.objects\n"
+        "assert len(trees.objects) == 0 and [c.name for c in bpy.context.scene.collection.children] == ['Trees']\n"
+        "assert bpy.context.collection.objects['Car'] is car and trees.objects.get('Car') is None\n"
+        "inner = bpy.data.collections.new('Inner')\ntrees.children.link(inner)\n"
+        "inner.children.link(trees)\ninner.objects.link(car)"
+    )
+
+
 def test_new_objects_come_into_the_active_collection() -> None:
     layout = scene(
         "cars = bpy.data.collections.new('Cars')\nbpy.context.scene.collection.children.link(cars)\n"
@@ -200,6 +211,11 @@ def test_a_copy_shares_its_mesh_until_that_is_copied() -> None:
         CUBE + "twin = car.copy()\nbpy.context.collection.objects.link(twin)\ntwin.location.x = 30\ncar.scale.x = 4"
     )
     assert [(p.id, p.center[0], p.size[0]) for p in layout] == [("Car", 5, 4), ("Car_001", 30, 1)]
+
+
+def test_how_objects_look_is_passed_over_with_a_note() -> None:
+    layout = scene(CUBE + "car.hide_render = True\ncar.color = (1, 0, 0, 1)\ncar.keyframe_insert(data_path='location')")
+    assert len(layout.provenance["notes"]) == 3
 
 
 def test_an_array_makes_a_row_of_objects() -> None:
@@ -296,6 +312,14 @@ def test_each_operator_makes_its_shape(operator: str, shape: str, size: tuple[fl
     assert primitive.size == pytest.approx(size, abs=1e-9)
 
 
+def test_a_circle_without_faces_is_left_out() -> None:
+    layout = scene(
+        "bpy.ops.mesh.primitive_circle_add()\nbpy.ops.mesh.primitive_cube_add()\nbpy.context.object.name = 'Car'"
+    )
+    assert [p.label for p in layout] == ["car"]
+    assert "Circle has no faces" in layout.provenance["notes"][0]
+
+
 @pytest.mark.parametrize(
     ("operator", "said"),
     [
@@ -364,6 +388,12 @@ def test_copies_parents_and_joined_meshes() -> None:
     assert (joined.size, joined.center) == (pytest.approx((3, 1, 1)), pytest.approx((6, 0, 0.5)))
 
 
+def test_a_turn_by_a_quarter_keeps_a_box() -> None:
+    car = with_car(f"car.scale = (2, 1, 4)\ncar.rotation_euler = (0, {math.pi / 2}, 0)")
+    assert car.shape == "box"
+    assert car.size == pytest.approx((4, 1, 2))
+
+
 def test_a_copy_is_moved() -> None:
     layout = scene(
         CUBE + "bpy.ops.object.duplicate_move(TRANSFORM_OT_translate={'value': (6, 0, 0)})\n"
@@ -417,3 +447,10 @@ def test_curves_pass_and_are_no_shapes() -> None:
         "bpy.ops.curve.subdivide is passed over",
         "SURFACE is passed over",
     ]
+
+
+def test_lists_are_gone_through_by_names_where_they_have_some() -> None:
+    with_car(
+        "assert car.data.vertices.items() == [] and bpy.data.objects.keys() == ['Car']\n"
+        "assert [name for name, item in bpy.context.collection.objects.items() if item is car] == ['Car']"
+    )

@@ -50,6 +50,11 @@ def test_parts_of_one_parent_are_one_thing() -> None:
     ]
 
 
+def test_a_parent_that_is_a_part_itself() -> None:
+    script = "add('Car_1_Body')\nbody = bpy.context.object\nadd('Car_1_Cabin')\nbpy.context.object.parent = body"
+    assert [(p.id, p.instance) for p in scene(ADD + script)] == [("Car_1.Body", 1), ("Car_1.Cabin", 1)]
+
+
 def test_properties_come_before_names() -> None:
     layout = scene(
         CUBE + "car['class'] = 'truck'\ncar['id'] = 'lorry.body'\ncar['instance'] = 7\ncar['material'] = 'glass'\n"
@@ -138,6 +143,15 @@ def test_numbers_are_kept_to_the_last_digit() -> None:
 )
 def test_a_cube_is_a_box_where_it_stands_upright(script: str, shape: str) -> None:
     assert with_car(script).shape == shape
+
+
+def test_a_cube_scaled_to_a_line_is_left_out() -> None:
+    layout = scene(
+        "bpy.ops.mesh.primitive_cube_add(scale=(1, 0, 0))\nbpy.context.object.name = 'Wall'\n"
+        "bpy.ops.mesh.primitive_cube_add()\nbpy.context.object.name = 'Bus'"
+    )
+    assert [p.id for p in layout] == ["Bus"]
+    assert "Wall has no surface" in layout.provenance["notes"][0]
 
 
 @pytest.mark.parametrize("angles", [(0.0, 0.0, 0.0), (0.4, 0.2, 0.9), (math.pi / 2, 0.0, 0.3), (0.0, math.pi, 0.0)])

@@ -22,6 +22,12 @@ next(g)
 """
 AGREED: list[str] = [
     # they do what pythons do
+    "x: int = 3\ny: int\nx += 2\nx -= 1\nx *= 3\nx //= 2\nassert x == 6",
+    "len = 5\nassert len == 5",
+    "x = 1\ndel x\nx = 2\nassert x == 2",
+    "n = 0\nwhile n < 5:\n    n += 1\nelse:\n    n = 9\nassert n == 9",
+    "t = 0\nfor i in range(10):\n    if i == 2:\n        continue\n    if i == 5:\n        break\n"
+    "    t += i\nelse:\n    t = -1\nassert t == 8",
     "a, (b, *c), d = 1, (2, 3, 4), 5\nassert (a, b, c, d) == (1, 2, [3, 4], 5)\n*e, f = [1]\nassert e == [] and f == 1",
     "x = y = [0, 0]\nx[1] = 5\ny[0:1] = [7, 8]\nassert x == [7, 8, 5]\ndel x[0], x[-1]\nassert x == [8]",
     "def f(x):\n    for i in range(9):\n        while True:\n            if i == x:\n"

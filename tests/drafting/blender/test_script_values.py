@@ -22,6 +22,12 @@ NUMBERS = st.one_of(st.integers(-(2**40), 2**40), st.floats(-1e6, 1e6), st.boole
 _PLACED = "at = []\ndef placed():\n    for k in range(3):\n        at.append(0)\n        yield k\n"
 AGREED: list[str] = [
     # what stands before += is looked up once, and what can change does
+    "assert 1 < 2 <= 2 < 3 and not 1 < 2 > 2 and 'a' < 'b' and (1, 2) < (1, 3)",
+    "x = 3\nassert 1 < x <= 3 != 4 and not x > 5 and (x if x else 0) == 3 and -x == ~x + 1",
+    "x = 5\ny = [x for x in range(3)]\nassert x == 5 and y == [0, 1, 2]",
+    "assert {k: v for k, v in [('a', 1)]} == {'a': 1} and len({i % 2 for i in range(9)}) == 2",
+    "assert 2 ** 10 == 1024 and 2 ** -1 == 0.5 and 7 & 3 | 8 ^ 1 == 11 or True",
+    "assert 1 << 5 == 32 and -33 >> 2 == -9 and ~5 == -6 and +True == 1 and not 0",
     "made = []\nx = [1, 2]\ndef f():\n    made.append(1)\n    return 0\nx[f()] += 5\n"
     "assert x == [6, 2] and made == [1]",
     "a = b = [1, 2]\na *= 2\na += (3,)\nassert b == [1, 2, 1, 2, 3]\na = a * 2\nassert len(b) == 5",
