@@ -13,16 +13,8 @@ from lidardraft import Layout, RangeImage, Scan, Sensor
 from lidardraft.cli import main as cli
 from lidardraft.formats.frame import FORMATS
 
-DRAFT = [
-    "simulate",
-    "--surroundings",
-    "bare",
-    "--text",
-    "a car 10 m ahead and a bus behind",
-    "--sensor",
-    "small.json",
-    "--no-picture",
-]
+TEXT = "a car 10 m ahead and a bus behind"
+DRAFT = ["simulate", "--surroundings", "bare", "--text", TEXT, "--sensor", "small.json", "--no-picture"]
 
 
 def files(folder: str) -> dict[str, bytes]:

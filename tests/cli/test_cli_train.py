@@ -25,7 +25,7 @@ from lidardraft.streets import StreetPair
 from lidardraft.training import recipes
 from lidardraft.training.recipes import ARMS
 
-ARGV = ["street", "--recipe", "tiny", "--sensor", "hdl32e", "--work", "work", "-o", "tiny.safetensors"]
+ARGV = ["street", "--recipe", "tiny", "--sensor", "small.json", "--work", "work", "-o", "tiny.safetensors"]
 SHORT = ["--steps", "2", "--evaluate", "1"]
 
 
@@ -85,7 +85,7 @@ def test_what_ships_is_scored_on_the_device_that_was_asked_for(
 
     card = weight_file.read_card("tiny.safetensors")
     assert [stage["step"] for stage in card["stages"]] == [2]
-    assert SensorLimits.from_dict(card["sensors"]) == SensorLimits.from_sensor(Sensor.preset("hdl32e"))
+    assert SensorLimits.from_dict(card["sensors"]) == SensorLimits.from_sensor(Sensor.load("small.json"))
     names = [scores["name"] for scores in card["scores"]]
     assert names == ["detailed scan", "other streets", "bare", "simulated", "generated", "untrained"]
     assert train.main([*ARGV, *SHORT, "--seed", "5"]) == 2  # the run is of another seed
@@ -116,20 +116,9 @@ def test_the_papers_stages_follow_one_another(capsys: pytest.CaptureFixture[str]
 
 def test_training_goes_on_with_given_weights_and_own_pairs(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["streets", "-n", "2", "--sensor", "small.json", "-o", "pairs", "--workers", "1"]) == 0
-    argv = [
-        "street",
-        "--recipe",
-        "tiny",
-        "--data",
-        "pairs=3",
-        "--data",
-        "streets",
-        "--work",
-        "one",
-        "-o",
-        "one.safetensors",
-    ]
-    assert train.main([*argv, *SHORT, "--sensor", "small.json"]) == 0
+    data = ["--data", "pairs=3", "--data", "streets", "--sensor", "small.json"]
+    argv = ["street", "--recipe", "tiny", *data, "--work", "one", "-o", "one.safetensors"]
+    assert train.main([*argv, *SHORT]) == 0
     given = ["--init", "one.safetensors", "--data", "pairs", "--work", "two", "-o", "two.safetensors"]
     argv = ["street", "--recipe", "tiny", *given]
     assert train.main([*argv, *SHORT]) == 0
@@ -147,7 +136,7 @@ def test_training_goes_on_with_given_weights_and_own_pairs(capsys: pytest.Captur
 
 
 def test_a_run_that_is_stopped_goes_on_with_the_same_call(capsys: pytest.CaptureFixture[str]) -> None:
-    argv = [*ARGV, "--sensor", "small.json", *SHORT]
+    argv = [*ARGV, *SHORT]
     assert train.main([*argv, "--minutes", "0.0001"]) == 0
     assert "the same call goes on" in capsys.readouterr().out
     assert not Path("tiny.safetensors").exists()

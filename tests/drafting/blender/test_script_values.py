@@ -22,7 +22,7 @@ NUMBERS = st.one_of(st.integers(-(2**40), 2**40), st.floats(-1e6, 1e6), st.boole
 _PLACED = "at = []\ndef placed():\n    for k in range(3):\n        at.append(0)\n        yield k\n"
 AGREED: list[str] = [
     # what stands before += is looked up once, and what can change does
-    "assert 1 < 2 <= 2 < 3 and not 1 < 2 > 2 and 'a' < 'b' and (1, 2) < (1, 3)",
+    "assert 1 < 2 <= 2 < 3 and not 1 < 3 < 2 and not 1 < 2 > 2 and 'a' < 'b' and (1, 2) < (1, 3)",
     "x = 3\nassert 1 < x <= 3 != 4 and not x > 5 and (x if x else 0) == 3 and -x == ~x + 1",
     "x = 5\ny = [x for x in range(3)]\nassert x == 5 and y == [0, 1, 2]",
     "assert {k: v for k, v in [('a', 1)]} == {'a': 1} and len({i % 2 for i in range(9)}) == 2",

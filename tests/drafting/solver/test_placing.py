@@ -8,9 +8,12 @@ import pytest
 from lidardraft.drafting.solver.layout import (
     Crowd,
     layout_from_spec,
+    long_strips,
     placing_order,
+    row_of,
     with_gap,
     with_references,
+    with_sides,
 )
 from lidardraft.drafting.solver.occupancy import Occupancy
 from lidardraft.drafting.solver.poses import RoadPose
@@ -23,6 +26,7 @@ from spec_checker import broken
 
 CARS, BUS = ObjectGroup(kind="car", count=3), ObjectGroup(kind="bus", places=("front",))
 BEHIND = ObjectGroup(kind="van", relation="behind", references=(1,))
+BETWEEN = ObjectGroup(kind="bicycle", relation="between", references=(0,))
 
 
 def road(kind: str = "straight", *groups: ObjectGroup, seed: int = 0, **fields: object) -> Road:
@@ -78,6 +82,35 @@ def test_references_come_before_what_is_placed_from_them_and_those_before_the_re
     spec = SceneSpec(groups=(CARS, BUS, ObjectGroup(kind="person")))  # what found no room last is first
     assert placing_order(spec, {0: 0, 2: 1}) == [2, 0, 1]
     assert placing_order(spec, {0: 1, 2: 0}) == [0, 2, 1]
+
+
+def test_what_is_between_two_is_placed_as_a_row() -> None:
+    spec = SceneSpec(groups=(ObjectGroup(kind="truck", count=2), BETWEEN))
+    assert row_of(spec, 0) == (0, 1, 0)
+    assert row_of(SceneSpec(groups=(CARS, BUS)), 0) is None
+
+
+def test_a_side_follows_from_what_is_to_the_left() -> None:
+    sign = ObjectGroup(kind="traffic-sign")
+    for kind, side in (("bench", "left"), ("car", "right")):
+        other = ObjectGroup(kind=kind, relation="left-of", references=(0,))
+        assert with_sides((sign, other))[0].places == (side,)
+
+
+@pytest.mark.parametrize(
+    ("strip", "shortest", "longest"),
+    [
+        (ObjectGroup(kind="fence", count=10), 3.0, 9.0),
+        (ObjectGroup(kind="fence", count=2), None, None),
+        (ObjectGroup(kind="wall", lane="left"), 2.0, 2.0),
+        (ObjectGroup(kind="wall", lane="left", size=(6.0, None, None)), 6.0, 6.0),
+    ],
+)
+def test_many_strips_and_those_in_a_lane_are_shorter(
+    strip: ObjectGroup, shortest: float | None, longest: float | None
+) -> None:
+    ((length, *_),) = [group.size or (None,) for group in long_strips((strip,))]
+    assert length is None if shortest is None or longest is None else shortest <= (length or 0.0) <= longest
 
 
 @pytest.mark.parametrize(("spacing", "step"), [(1.5, 6.0), (4.0, 8.5), (4.2, 4.2), (9.0, 9.0)])
