@@ -11,9 +11,12 @@ from recorded_streets import SENSOR, sweeps
 
 from lidardraft import Layout, Primitive, Sensor, raycast
 from lidardraft.calibration.beam_table import BeamTable, fit_beam_table, fit_blocked, fit_range_offsets
+from lidardraft.calibration.odd_scans import odd_scans, without_rare_lasers
 from lidardraft.errors import FormatError
-from lidardraft.formats.recording import Recording, recording_of
+from lidardraft.formats.recording import Recording, read_recording, recording_of
 from lidardraft.metrics.sweep import Sweep
+from lidardraft.scan import save_observed
+from lidardraft.scene.sensor import PRESETS
 
 # a road, and walls at several distances all around
 ROOM = Layout((
@@ -113,6 +116,61 @@ def test_columns_that_are_no_firings_give_no_azimuths():
     recording = scan(truth, 0, np.arange(3))
     backwards = replace(recording, column=359 - recording.column)
     np.testing.assert_array_equal(fit_beam_table([backwards]).azimuth_offsets, 0.0)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_scans_of_ours_tell_their_lasers_by_any_preset(tmp_path, name):
+    truth = Sensor.preset(name)
+    recordings = []
+    for number in range(2):
+        image = raycast(ROOM, truth, truth.pose(x=3.0 * number, yaw=2.0 * number))
+        save_observed(replace(image, intensity=image.depth / 1000), tmp_path / f"{number}", picture=False)
+        recordings.append(read_recording(tmp_path / f"{number}.bin"))
+        np.testing.assert_array_equal(recordings[-1].ring, image.beams())
+    assert odd_scans(recordings) == {}
+    sound, rare = without_rare_lasers(recordings)
+    table = fit_beam_table(sound)
+    assert sorted([*table.rings, *rare]) == sorted(set(np.concatenate([one.ring for one in recordings]).tolist()))
+    np.testing.assert_allclose(table.elevations, np.array(truth.elevations)[table.rings], atol=1e-2)
+
+
+def test_lasers_of_a_file_that_start_aside_of_one_another_are_not_guessed():
+    truth = Sensor.preset("os1-128")
+    points = raycast(ROOM, truth, truth.pose()).points()
+    with pytest.raises(FormatError, match="nothing says which laser took a point"):
+        recording_of("scan", points)
+
+
+def test_scans_of_another_sensor_are_odd():
+    truth = Sensor(name="truth", elevations=tuple(np.linspace(0.05, -0.3, 16).tolist()), columns=360)
+    other = replace(truth, elevations=tuple(np.linspace(0.2, -0.15, 16).tolist()))
+    half = replace(truth, elevations=truth.elevations[::2])
+    usual, again, aside, fewer = (
+        replace(scan(sensor, seed, np.arange(len(sensor.elevations))), name=f"scan {seed}")
+        for seed, sensor in enumerate([truth, truth, other, half])
+    )
+    mixed = replace(usual, ring=np.random.default_rng(0).integers(0, 2, len(usual.ring)))
+    unnumbered = replace(usual, column=None)
+    found = odd_scans([fewer, usual, aside, again, mixed, unnumbered])
+    assert found == {
+        0: "it has 8 lasers, scan 0 has 16",
+        2: "its lasers look 8.6 degrees past those of scan 0",
+        4: found[4],
+        5: "it has no column of each point, scan 0 has one",
+    }
+    assert "degrees off the cones of 2 lasers" in found[4]
+    assert odd_scans([fewer, usual]) == {1: "it has 16 lasers, scan 3 has 8"}
+    assert odd_scans([]) == {}
+
+
+def test_a_laser_of_few_returns_is_left_out_of_all_scans():
+    truth = Sensor(name="truth", elevations=(0.02, -0.05, -0.1), columns=360)
+    recording = scan(truth, 0, np.arange(3))
+    few = replace(recording, ring=np.where(np.arange(len(recording.ring)) < 4, 9, recording.ring))
+    (first, second), rare = without_rare_lasers([few, recording])
+    assert rare == [9]
+    assert (len(first.points), len(second.points)) == (len(few.points) - 4, len(few.points))
+    assert set(first.ring.tolist()) == {0, 1, 2}
 
 
 def test_rows_need_known_rings_and_returns():

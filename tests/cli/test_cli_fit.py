@@ -85,8 +85,29 @@ def test_a_constant_at_the_limit_of_its_search_is_told(scans: list[str], capsys:
     assert "drop_exponent is at the limit of its search, 0.3: " in capsys.readouterr().err
 
 
+def test_scans_that_are_odd_are_named_and_left_out(scans: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    Path("drive").mkdir()
+    for name in scans:
+        Path(name).rename(Path("drive", name))
+    Path("drive", "cut.bin").write_bytes(Path("drive", "0.bin").read_bytes()[:-3])
+    recording = read_recording("drive/0.bin")
+    np.savez("drive/half.npz", xyz=recording.points, ring=recording.ring // 2, intensity=recording.intensity)
+    stray = np.where(np.arange(len(recording.ring)) < 4, 160, recording.ring)
+    np.savez("drive/stray.npz", xyz=recording.points, ring=stray, intensity=recording.intensity)
+    assert cli.main(["fit", "drive", "-o", "mine.json", "--streets", "4"]) == 0
+    said = capsys.readouterr()
+    assert said.err.splitlines()[:3] == [
+        f"lidardraft: left out: drive/cut.bin has {Path('drive/cut.bin').stat().st_size} bytes; a KITTI scan has 16 a "
+        "point, so it is truncated",
+        "lidardraft: left out: drive/half.npz: it has 4 lasers, drive/0.bin has 8",
+        "lidardraft: left out: rings 160, which have too few returns in all of the scans",
+    ]
+    assert said.out.endswith("mine.json: fitted to 3 scans\n")
+
+
 def test_bad_input_is_one_line(refused: Callable[..., str], scans: list[str]) -> None:
-    assert "nowhere.bin: No such file" in refused("fit", "nowhere.bin", "-o", "mine.json")
+    assert "nowhere.bin: there is no such file" in refused("fit", "nowhere.bin", "-o", "mine.json")
+    Path("scan.xyz").write_text("1 2 3")
     assert "scan.xyz: a recorded scan is one of .bin, .pcd.bin, .pcd, .ply, .npz, .npy, .las" in refused(
         "fit", "scan.xyz", "-o", "mine.json"
     )

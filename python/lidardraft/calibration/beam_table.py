@@ -19,7 +19,7 @@ from lidardraft.metrics.sweep import Sweep, firing_step
 from lidardraft.scene.sensor import Blocked
 
 _MOST_POINTS = 40_000  # of a laser: more say nothing new
-_FEWEST_POINTS = 20
+FEWEST_POINTS = 20
 _SCALE = 0.005  # m off the cone, beyond which a return counts less (Cauchy): a motion, a shake of the head
 _ROUNDS = 12
 _ALIKE_HEIGHTS = 0.012  # m
@@ -61,7 +61,7 @@ def fit_beam_table(recordings: Sequence[Recording]) -> BeamTable:
     """The lasers of recordings of one unit. Raises `FormatError` where a laser has too few returns to say."""
     rings = np.unique(np.concatenate([np.unique(r.ring) for r in recordings]))
     returns = [_returns(recordings, int(ring)) for ring in rings]
-    elevations, heights, unsure = np.array([_cone(*one) for one in returns]).T
+    elevations, heights, unsure = np.array([cone(*one) for one in returns]).T
     if (unsure <= _SURE).any():  # a laser whose returns all lie at one distance starts where the nearest one does
         sure = np.where(unsure <= _SURE, elevations, np.inf)
         slopes = [math.atan(float(np.median(z / out))) for out, z in returns]
@@ -95,8 +95,8 @@ def fit_beam_table(recordings: Sequence[Recording]) -> BeamTable:
 def _returns(recordings: Sequence[Recording], ring: int) -> tuple[np.ndarray, np.ndarray]:
     """Distance from the axis and height of a laser's returns, f64 [N]; raises `FormatError` where there are few."""
     points = np.concatenate([r.points[r.ring == ring] for r in recordings]).astype(np.float64)
-    if len(points) < _FEWEST_POINTS:
-        raise FormatError(f"ring {ring} has {len(points)} returns; a laser needs {_FEWEST_POINTS} to be fitted")
+    if len(points) < FEWEST_POINTS:
+        raise FormatError(f"ring {ring} has {len(points)} returns; a laser needs {FEWEST_POINTS} to be fitted")
     points = points[:: max(1, len(points) // _MOST_POINTS)]
     return np.maximum(np.hypot(points[:, 0], points[:, 1]), 1e-3), points[:, 2]
 
@@ -114,7 +114,7 @@ def _grouped(heights: np.ndarray) -> np.ndarray:
     return grouped
 
 
-def _cone(out: np.ndarray, z: np.ndarray) -> tuple[float, float, float]:
+def cone(out: np.ndarray, z: np.ndarray) -> tuple[float, float, float]:
     """Elevation [rad], height and its standard error [m], by reweighted least squares."""
     design = np.stack([out, np.ones_like(out)], axis=1)
     weight = np.ones_like(out)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +13,8 @@ import numpy as np
 
 from lidardraft.cli.arguments import read_sensor, whole_number
 from lidardraft.cli.command import say
-from lidardraft.errors import FormatError
+from lidardraft.cli.inputs import scan_files
+from lidardraft.errors import FormatError, LidarDraftError
 from lidardraft.scene.sensor import Sensor
 
 if TYPE_CHECKING:
@@ -27,14 +29,12 @@ _HELD_BACK = 0.25  # of the scans judge, the last ones, where no others are name
 def fit(arguments: argparse.Namespace) -> None:
     """Get a sensor file fitted to your recorded scans: lasers, what the vehicle hides, noise, drop and intensity."""
     from lidardraft.calibration.fit import fit_sensor
-    from lidardraft.formats.recording import read_recording
 
     output = Path(arguments.output)
     if output.suffix != ".json":
         raise FormatError(f"{output}: a sensor file ends in .json")
     like = None if arguments.like is None else read_sensor(arguments.like)
-    recordings = [read_recording(path) for path in arguments.scans]
-    held = [read_recording(path) for path in arguments.judge]
+    recordings, held = _sound_recordings(scan_files(arguments.scans), scan_files(arguments.judge))
     if not held and len(recordings) > 1:
         count = max(1, round(_HELD_BACK * len(recordings)))
         recordings, held = recordings[:-count], recordings[-count:]
@@ -47,6 +47,35 @@ def fit(arguments: argparse.Namespace) -> None:
     if held:
         _print_rows(found, like, recordings, held, arguments.streets)
     print(f"{output}: fitted to {len(recordings)} scan{'s' * (len(recordings) > 1)}")
+
+
+def _sound_recordings(*paths: list[Path]) -> tuple[list[Recording], ...]:
+    """The scans of lists of files, without those that are odd; each of these is named."""
+    from lidardraft.calibration.odd_scans import odd_scans, without_rare_lasers
+    from lidardraft.formats.recording import Recording, read_recording
+
+    def tried(path: Path) -> Recording | LidarDraftError:
+        try:
+            return read_recording(path)
+        except LidarDraftError as error:
+            return error
+
+    found = {path: tried(path) for path in itertools.chain(*paths)}
+    read = {path: one for path, one in found.items() if isinstance(one, Recording)}
+    refused = [one for one in found.values() if isinstance(one, LidarDraftError)]
+    odd = odd_scans(list(read.values()))
+    refused += [FormatError(f"{list(read)[number]}: {why}") for number, why in odd.items()]
+    sound = [path for number, path in enumerate(read) if number not in odd]
+    if not set(sound).intersection(paths[0]):
+        raise refused[0]
+    for error in refused:
+        say(f"left out: {error}")
+    kept, rare = without_rare_lasers([read[path] for path in sound])
+    if rare:
+        rings = ", ".join(map(str, rare))
+        say(f"left out: rings {rings}, which have too few returns in all of the scans")
+    by_path = dict(zip(sound, kept, strict=True))
+    return tuple([by_path[path] for path in each if path in by_path] for each in paths)
 
 
 def _print_sensor(found: Fit, recordings: list[Recording]) -> None:
@@ -112,7 +141,10 @@ def _print_rows(
 
 def fit_options(parser: argparse.ArgumentParser) -> None:
     """The options of `fit`."""
-    text = "scans of one sensor: KITTI .bin (and labels beside it), nuScenes .pcd.bin, .pcd with rings or rows, .npz"
+    text = (
+        "scans of one sensor, or folders of them: KITTI .bin (and labels beside it), nuScenes .pcd.bin, .pcd with "
+        "rings or rows, .npz"
+    )
     parser.add_argument("scans", nargs="+", metavar="SCAN", help=text)
     parser.add_argument("-o", "--output", required=True, metavar="SENSOR.json", help="where the sensor goes")
     text = "scans that the fit is judged on (default: a quarter of SCANs, the last ones, is kept back for that)"

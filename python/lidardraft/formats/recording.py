@@ -23,6 +23,7 @@ from lidardraft.formats.nuscenes import lidarseg_of, read_lidarseg, read_pcd_bin
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.ply import read_ply
 from lidardraft.formats.semantickitti import read_label
+from lidardraft.scene.range_image import RangeImage
 from lidardraft.semantics import NUM_CLASSES
 
 _NEAREST = 0.1  # m: what is nearer is no return (zeros stand for those of organised clouds)
@@ -32,6 +33,7 @@ SCAN_ENDINGS = (".bin", ".pcd.bin", ".pcd", ".ply", ".npz", ".npy", ".las")
 _FIELDS = ("ring", "intensity", "label", "instance", "column", "made_up")  # of an .npz file
 _ORDERLY = 0.98  # of the steps in a file of KITTI's order are small ones ahead
 _SMALL_STEP = np.deg2rad(5.0)
+_ASIDE = 0.05  # of the seam's crossings go back: lasers that look to different azimuths
 _NO_JUMP = 1e-3  # of a slope: lasers are further apart
 
 
@@ -57,9 +59,16 @@ def read_recording(path: str | os.PathLike[str]) -> Recording:
 
     A KITTI file has its points laser by laser. A PCD or PLY file has x, y, z and a field `ring` (or `channel`), or is
     organised (its HEIGHT lasers are rows) or in KITTI's order; `intensity` in 0 to 1 or 0 to 255. An .npz file has
-    `xyz` [N, 3], and `ring`, `intensity`, `label` (our classes), `instance`, `column` [N] where they are known. Raises
-    `FormatError` where the file is something else, has no points, or where nothing says which laser took them.
+    `xyz` [N, 3], and `ring`, `intensity`, `label` (our classes), `instance`, `column` [N] where they are known, or is a
+    range image; that of a scan of ours is read in place of its `.bin`, which does not say which laser took a point.
+    Raises `FormatError` where the file is something else, has no points, or where nothing says which laser took them.
     """
+    path = Path(path)
+    image = path.with_suffix(".npz")
+    if path.suffix == ".bin" and image.exists() and path.with_suffix(".sensor.json").exists():
+        path = image
+    if path.suffix == ".npz" and _is_range_image(path):
+        return _of_image(os.fspath(path), RangeImage.load(path))
     points, fields = read_points(path)
     fields = {field: values for field, values in fields.items() if field not in ("instance", "made_up")}
     with named(path):
@@ -90,6 +99,21 @@ def read_points(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.
     if suffix == ".las":
         return read_las(path)
     raise FormatError(f"{os.fspath(path)}: a recorded scan is one of {', '.join(SCAN_ENDINGS)}")
+
+
+def _of_image(name: str, image: RangeImage) -> Recording:
+    known = {"ring": image.beams(), "column": np.nonzero(image.valid)[1]}
+    if image.intensity is not None:
+        known["intensity"] = image.intensity[image.valid]
+    if image.label.any():
+        known["label"] = image.label[image.valid]
+    with named(name):
+        return recording_of(name, image.points(), **known)
+
+
+def _is_range_image(path: Path) -> bool:
+    with array_files.opened(path) as archive:
+        return array_files.holds(archive, "depth") and array_files.holds(archive, "sensor")
 
 
 def is_points_file(path: str | os.PathLike[str]) -> bool:
@@ -158,7 +182,9 @@ def rings_of_order(points: np.ndarray) -> np.ndarray:
             steps, wraps, most = found, crossed, jump
     ahead = np.sign(np.median(steps[~wraps])) if (~wraps).any() else 0.0
     orderly = wraps | ((steps * ahead >= -1e-3) & (np.abs(steps) < _SMALL_STEP))
-    if len(steps) < 8 or orderly.mean() < _ORDERLY or wraps.sum() >= _MOST_LASERS:
+    # a laser that starts aside of the one before crosses the seam, and crosses it back
+    aside = (wraps & (steps * ahead > 0)).sum() > _ASIDE * wraps.sum()
+    if len(steps) < 8 or orderly.mean() < _ORDERLY or wraps.sum() >= _MOST_LASERS or aside:
         raise FormatError(
             "nothing says which laser took a point: no field ring, no rows, not laser by laser as KITTI's files are"
         )

@@ -1,0 +1,90 @@
+"""Scans that are not of the sensor that most of them are of, found before anything is fitted to them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from lidardraft.calibration.beam_table import FEWEST_POINTS, cone
+from lidardraft.formats.recording import Recording
+
+_MORE_LASERS = 4 / 3  # than another scan of the same unit: the highest ones may see nothing but sky
+_OFF_CONES = math.radians(3.0)  # root mean square; points whose lasers are known lie a tenth as far off
+
+
+def odd_scans(recordings: Sequence[Recording]) -> dict[int, str]:
+    """What is odd, by the number of the scan: of several sensors, that of most scans counts, else that of the first."""
+    lasers = [_lasers(one) for one in recordings]
+    odd = {}
+    for number, (_, off) in enumerate(lasers):
+        if not off < _OFF_CONES:
+            count = len(lasers[number][0])
+            odd[number] = f"its points lie {math.degrees(off):.0f} degrees off the cones of {count} lasers"
+    sound = [number for number in range(len(recordings)) if number not in odd]
+    reasons = [
+        {other: _difference(recordings, lasers, number, other) for other in sound if other != number}
+        for number in sound
+    ]
+    if sound:
+        usual = min(range(len(sound)), key=lambda k: sum(reason is not None for reason in reasons[k].values()))
+        odd |= {number: reason for number, reason in reasons[usual].items() if reason is not None}
+    return odd
+
+
+def without_rare_lasers(recordings: Sequence[Recording]) -> tuple[list[Recording], list[int]]:
+    """The scans without the lasers that have too few returns in all of them to be fitted, and the rings of these."""
+    counts = np.bincount(np.concatenate([one.ring for one in recordings]))
+    rare = (counts > 0) & (counts < FEWEST_POINTS)
+    if not rare.any() or rare[counts > 0].all():
+        return list(recordings), []
+    return [_part(one, ~rare[one.ring]) for one in recordings], np.flatnonzero(rare).tolist()
+
+
+def _part(recording: Recording, kept: np.ndarray) -> Recording:
+    def part(values: np.ndarray | None) -> np.ndarray | None:
+        return None if values is None else values[kept]
+
+    return replace(
+        recording,
+        points=recording.points[kept],
+        ring=recording.ring[kept],
+        intensity=part(recording.intensity),
+        label=part(recording.label),
+        column=part(recording.column),
+    )
+
+
+def _lasers(recording: Recording) -> tuple[dict[int, float], float]:
+    """The elevation of each ring [rad], and how far its points lie off their cones, root mean square [rad]."""
+    elevations, squares = dict[int, float](), 0.0
+    for ring in np.unique(recording.ring).tolist():
+        points = recording.points[recording.ring == ring].astype(np.float64)
+        out, z = np.maximum(np.hypot(points[:, 0], points[:, 1]), 1e-3), points[:, 2]
+        elevations[ring], height, _ = cone(out, z)
+        off = (z - height) * math.cos(elevations[ring]) - out * math.sin(elevations[ring])
+        squares += float(np.sum((off / np.maximum(np.hypot(out, z), 1.0)) ** 2))
+    return elevations, math.sqrt(squares / len(recording.ring))
+
+
+def _difference(
+    recordings: Sequence[Recording], lasers: Sequence[tuple[dict[int, float], float]], number: int, other: int
+) -> str | None:
+    """What tells scan `other` from scan `number`, in words; None where nothing does."""
+    one, found, name = lasers[number][0], lasers[other][0], recordings[number].name
+    if len(one) > _MORE_LASERS * len(found) or len(found) > _MORE_LASERS * len(one):
+        return f"it has {len(found)} lasers, {name} has {len(one)}"
+    both = sorted(one.keys() & found.keys())
+    spacing = float(np.median(np.diff(sorted(one.values())))) if len(one) > 1 else math.inf
+    aside = float(np.median([abs(found[ring] - one[ring]) for ring in both])) if both else math.inf
+    if aside > spacing / 2:
+        return f"its lasers look {math.degrees(aside):.2g} degrees past those of {name}" if both else (
+            f"none of its rings is one of {name}"
+        )  # fmt: skip
+    for field in ("intensity", "column"):
+        mine, its = (getattr(recordings[each], field) is not None for each in (number, other))
+        if mine != its:
+            return f"it has {'an' if its else 'no'} {field} of each point, {name} has {'one' if mine else 'none'}"
+    return None
