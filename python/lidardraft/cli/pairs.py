@@ -7,7 +7,7 @@ import itertools
 import zlib
 from collections.abc import Iterator
 from dataclasses import asdict
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,7 +16,7 @@ import numpy as np
 from lidardraft.cli.arguments import add_seed, add_sensor, check_empty, read_sensor, whole_number
 from lidardraft.cli.command import progress, say
 from lidardraft.cli.inputs import scan_files, sensor_beside
-from lidardraft.cli.scan_folder import cores
+from lidardraft.cli.scan_folder import add_jobs, cores, jobs_of
 from lidardraft.errors import FormatError, LidarDraftError
 from lidardraft.files import named, read_bytes
 from lidardraft.formats.datasets import SENSORS, RecordedFile, dataset_files
@@ -121,6 +121,8 @@ def pairs(arguments: argparse.Namespace) -> None:
     """Make training pairs of your recorded scans: each scan, with the cast and the simulated scan of its layout."""
     from lidardraft.formats.pairs import notes_on_disk, write_pairs
     from lidardraft.networks.weight_header import read_metadata
+    from lidardraft.streets.worker_processes import in_processes
+    from lidardraft.training.recorded_pairs import ReturnShares
 
     if arguments.segmenter is not None:
         read_metadata(arguments.segmenter)  # a broken file is told before any work
@@ -132,29 +134,62 @@ def pairs(arguments: argparse.Namespace) -> None:
     done = {note.get("checksum") for note in notes}
     if notes:
         print(f"{folder}: goes on after the {len(notes)} pairs that are there", flush=True)
-    skipped = list[str]()
+    share, skipped = ReturnShares(), 0
     with progress(len(files), "scan", "recordings") as bar:
 
-        def made() -> Iterator[NotedPair]:
+        def new() -> Iterator[tuple[int, RecordedFile, int | LidarDraftError]]:
+            """Scans that are not among the pairs, with their checksums."""
             for number, file in enumerate(files):
-                try:
-                    checksum = zlib.crc32(read_bytes(file.scan))
-                    if checksum not in done:
-                        done.add(checksum)
-                        pair = _pair(arguments, file, sensor, arguments.seed + number, first=not number)
-                        yield pair, {"scan": str(file.scan), "checksum": checksum}
-                except LidarDraftError as error:
-                    skipped.append(str(file.scan))
+                checksum = _checksum(file.scan)
+                if checksum in done:
+                    bar.update()
+                    continue
+                if isinstance(checksum, int):
+                    done.add(checksum)
+                yield number, file, checksum
+
+        def made() -> Iterator[NotedPair]:
+            nonlocal skipped
+            make, jobs = partial(_noted, arguments, sensor), jobs_of(arguments, len(files) - len(notes))
+            for found in map(make, new()) if jobs < 2 else in_processes(make, new(), jobs):
+                if isinstance(found, LidarDraftError):
+                    skipped += 1
                     bar.clear()
-                    say(f"skipped: {error}")
+                    say(f"skipped: {found}")
+                else:
+                    share.add(found[0])
+                    yield found
                 bar.update()
 
         counts = list(write_pairs(folder, made(), source=source, start=len(notes)))
     total = counts[-1] if counts else len(notes)
     if not total:
         raise FormatError(f"{folder}: none of {len(files)} scans became a pair")
-    left = f", {len(skipped)} scan{'s' * (len(skipped) > 1)} skipped" if skipped else ""
+    left = f", {skipped} scan{'s' * (skipped > 1)} skipped" if skipped else ""
     print(f"{folder}: {total} pairs, {total - len(notes)} of them new{left}")
+    if counts:
+        print(share)
+
+
+def _checksum(path: Path) -> int | LidarDraftError:
+    try:
+        return zlib.crc32(read_bytes(path))
+    except LidarDraftError as error:
+        return error
+
+
+def _noted(
+    arguments: argparse.Namespace, sensor: Sensor, item: tuple[int, RecordedFile, int | LidarDraftError]
+) -> NotedPair | LidarDraftError:
+    """The pair of a scan, with its checksum, or what is wrong with it."""
+    number, file, checksum = item
+    if isinstance(checksum, LidarDraftError):
+        return checksum
+    try:
+        pair = _pair(arguments, file, sensor, arguments.seed + number, first=not number)
+    except LidarDraftError as error:
+        return error
+    return pair, {"scan": str(file.scan), "checksum": checksum}
 
 
 def _recorded_files(arguments: argparse.Namespace) -> list[RecordedFile]:
@@ -241,5 +276,6 @@ def pairs_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--segmenter", metavar="WEIGHTS", help=text)
     add_sensor(parser, default=None, of=" that recorded them (default: the .sensor.json beside the first scan)")
     add_seed(parser)
+    add_jobs(parser)
     text = "where the pairs go; a second call goes on"
     parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help=text)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -12,10 +12,13 @@ from lidardraft.formats.pairs import Pair
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
+from lidardraft.semantics import CLASSES, NUM_CLASSES
 from lidardraft.simulation.simulate import simulate
 
 _MOST_OUTSIDE = 0.25  # of the points; of right sensors up to 0.05 are out of range or above the highest beam
 _FEWEST = 0.05  # of the pixels; a scan has returns in more
+_NEAR = (0.5, 0.05)  # m, and of the range: so near a return is explained by the layout
+_NAMED = 0.01  # of the returns: rarer classes are counted together
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -27,6 +30,36 @@ class LabelledCloud:
     intensity: np.ndarray
     label: np.ndarray
     instance: np.ndarray | None = None
+
+
+@dataclass
+class ReturnShares:
+    """Of all returns of recordings: the shares of classes, of those that their layouts explain, and of those where
+    layouts show another class."""
+
+    classes: np.ndarray = field(default_factory=lambda: np.zeros(NUM_CLASSES, np.int64))
+    near: int = 0
+    other: int = 0
+
+    def add(self, pair: Pair) -> None:
+        """Count the returns of one more scan."""
+        scan, cast = pair.scan, pair.condition_image
+        off = np.abs(scan.depth - cast.depth)
+        near = scan.valid & cast.valid & (off <= np.maximum(_NEAR[0], _NEAR[1] * scan.depth))
+        self.classes += np.bincount(scan.label[scan.valid], minlength=NUM_CLASSES)
+        self.near += int(near.sum())
+        self.other += int((near & (scan.label > 0) & (scan.label != cast.label)).sum())
+
+    def __str__(self) -> str:
+        total = max(int(self.classes.sum()), 1)
+        often = [number for number in np.argsort(-self.classes, kind="stable") if self.classes[number] > _NAMED * total]
+        named = [f"{CLASSES[number].name} {self.classes[number] / total:.0%}" for number in often]
+        rest = 1 - self.classes[often].sum() / total
+        shares = ", ".join([*named, f"others {rest:.0%}"] if rest >= _NAMED / 2 else named)
+        return (
+            f"new returns: {shares}; {self.near / total:.0%} explained by the layouts (within {_NEAR[0]:g} m or "
+            f"{_NEAR[1]:.0%}), {self.other / max(self.near, 1):.1%} of them as another class"
+        )
 
 
 def recorded_pair(scan: LabelledCloud, sensor: Sensor, *, seed: int = 0) -> Pair:
