@@ -269,7 +269,8 @@ def pairs_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scans", nargs="+", metavar="SCAN", help=text)
     text = "a whole data set, with its labels or boxes and its sensor; kitti has boxes alone"
     parser.add_argument("--dataset", choices=SENSORS, help=text)
-    parser.add_argument("--split", default="all", metavar="NAME", help="of semantickitti: train, val or all (default)")
+    text = "of semantickitti and kitti360: train, val or all (default); of kitti360 also lidm-train and the like"
+    parser.add_argument("--split", default="all", metavar="NAME", help=text)
     text = "labels of the scan, or the folder of NAME.label of all (default: those beside them, or in ../labels)"
     parser.add_argument("--labels", metavar="FOLDER", help=text)
     text = "weights of `lidardraft-train segmenter` for scans that have no labels (default: the packaged ones)"

@@ -1,18 +1,22 @@
 """Recorded data sets, as they lie on disk: their scans, with the files that say what the points are.
 
 SemanticKITTI: sequences/NN/velodyne and labels. KITTI's 3D object benchmark: training/velodyne, label_2 and calib.
-nuScenes: the tables v1.0-..., samples/LIDAR_TOP and lidarseg.
+nuScenes: the tables v1.0-..., samples/LIDAR_TOP and lidarseg. KITTI-360: data_3d_raw, data_3d_bboxes, data_poses and
+calibration.
 """
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from lidardraft.errors import FormatError, one_of
+from lidardraft.formats import kitti360
 from lidardraft.formats.kitti_object import read_label_2
 from lidardraft.formats.nuscenes import labelled_sweeps, read_lidarseg
 from lidardraft.scene.box import Box
@@ -23,18 +27,23 @@ _SEMANTICKITTI = {
     "train": ("00", "01", "02", "03", "04", "05", "06", "07", "09", "10"),
     "val": ("08",),
 }
-SENSORS = {"semantickitti": "hdl64e", "kitti": "hdl64e", "nuscenes": "hdl32e"}  # presets, by data set
-SPLITS = {"semantickitti": (*_SEMANTICKITTI, "all"), "kitti": ("all",), "nuscenes": ("all",)}
+SENSORS = {"semantickitti": "hdl64e", "kitti": "hdl64e", "kitti360": "hdl64e", "nuscenes": "hdl32e"}  # presets
+SPLITS = {
+    "semantickitti": (*_SEMANTICKITTI, "all"),
+    "kitti": ("all",),
+    "kitti360": tuple(kitti360.SPLITS),
+    "nuscenes": ("all",),
+}
 
 
 @dataclass(frozen=True)
 class RecordedFile:
-    """A scan; where they are known, the file of its labels of lidarseg, and KITTI's files of its boxes and of its
-    calibration. SemanticKITTI's labels are found beside the scan."""
+    """A scan; where they are known, the file of its labels of lidarseg, and a function that reads its boxes.
+    SemanticKITTI's labels are found beside the scan."""
 
     scan: Path
     lidarseg: Path | None = None
-    boxes: tuple[Path, Path] | None = None
+    boxes: Callable[[], list[Box]] | None = None
 
     def labels(self, count: int) -> np.ndarray | None:
         """Class ids u8 [count] of lidarseg; raises `FormatError`."""
@@ -42,7 +51,7 @@ class RecordedFile:
 
     def mark_boxes(self, points: np.ndarray, label: np.ndarray, instance: np.ndarray) -> None:
         """Give the points [N, 3] in boxes, but those of the ground, the class and the instance of the box."""
-        for box in read_label_2(*self.boxes) if self.boxes else ():
+        for box in self.boxes() if self.boxes else ():
             inside = _inside(box, points)
             label[inside], instance[inside] = BY_NAME[box.label].id, box.instance
 
@@ -60,8 +69,13 @@ def dataset_files(name: str, root: str | os.PathLike[str], split: str = "all") -
     elif name == "kitti":
         pattern = "training/velodyne/*.bin"
         files = [
-            RecordedFile(scan, boxes=(_beside(scan, "label_2"), _beside(scan, "calib")))
+            RecordedFile(scan, boxes=partial(read_label_2, _beside(scan, "label_2"), _beside(scan, "calib")))
             for scan in sorted(place.glob(pattern))
+        ]
+    elif name == "kitti360":
+        pattern = "data_3d_raw/DRIVE/velodyne_points/data/*.bin"
+        files = [
+            RecordedFile(scan, boxes=partial(kitti360.boxes_of, root, scan)) for scan in kitti360.scans_of(root, split)
         ]
     else:
         sequences = [number for numbers in _SEMANTICKITTI.values() for number in numbers]
