@@ -1,5 +1,6 @@
 """`lidardraft streets` and `pairs`: folders that train, and streets to look at."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
