@@ -24,8 +24,8 @@ def functions(path: Path) -> list[str]:
 
 
 def named_files(page: str) -> set[str]:
-    """The Python, Rust, grammar and Markdown files that a page names, without those with a placeholder."""
-    names = set(re.findall(r"[\w./{},*-]+\.(?:py|rs|lark|md)\b", (ROOT / page).read_text()))
+    """The Python, Rust and Markdown files that a page names, without those with a placeholder."""
+    names = set(re.findall(r"[\w./{},*-]+\.(?:py|rs|md)\b", (ROOT / page).read_text()))
     for name in [name for name in names if "{" in name]:
         names.remove(name)
         before, choices, after = re.split(r"[{}]", name)

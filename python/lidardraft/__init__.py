@@ -15,7 +15,7 @@ from lidardraft.semantics import CLASSES, SemanticClass
 
 __version__ = "0.1.0"  # that of pyproject.toml and Cargo.toml
 
-# Imported when first asked for: most of it needs lark, scikit-learn, Pillow or torch.
+# Imported when first asked for: most of it needs scikit-learn, Pillow or torch.
 _LAZY = {
     "ObjectSampling": "lidardraft.simulation.object_sampling",
     "Pipeline": "lidardraft.pipeline",

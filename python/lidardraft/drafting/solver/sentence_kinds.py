@@ -1,7 +1,7 @@
 """The kinds of object that a sentence can ask for: one record each, from which everything else about a kind follows.
 
-The words for a kind stand in `english.lark` under its name in capitals; without them the grammar is in error. How
-objects of these kinds are built in detail is in `objects/kinds.py`.
+The words for a kind are a row of `drafting/text/words.txt`. How objects of these kinds are built in detail is in
+`objects/kinds.py`.
 """
 
 from __future__ import annotations

@@ -1,110 +1,131 @@
-"""Which object a position is relative to, as in "behind the bus", "between two trucks" or "next to it"."""
+"""Which mention a noun phrase or a pronoun means: a new one, or one that was named before."""
 
 from __future__ import annotations
 
-from lark import Token
+from dataclasses import replace
 
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
-from lidardraft.drafting.text.mention import Mention, add_qualities
-from lidardraft.drafting.text.number_words import count_of, exact_count
-from lidardraft.drafting.text.sentence_chunks import KIND_OF, Chunk
-
-_RELATION_OF = {
-    "BEHIND": "behind",
-    "FRONT": "in-front-of",
-    "BESIDE": "beside",
-    "BETWEEN": "between",
-    "NEAR": "near",
-    "DISTANCE_FROM": "near",
-    "ALONG": "beside",
-    "LEFT_OF": "left-of",
-    "RIGHT_OF": "right-of",
-    "OPPOSITE": "opposite",
-    "OVERTAKING": "left-of",
-    "FOLLOWED": "behind",
-}
-_EXPLICIT = (
-    "DISTANCE_FROM",
-    "BESIDE",
-    "BETWEEN",
-    "OPPOSITE",
-    "LEFT_OF",
-    "RIGHT_OF",
-    "OVERTAKING",
-    "RELATED",
-    "FOLLOWED",
-)
-_RELATED_OF = dict.fromkeys(("against", "under", "underneath", "beneath", "past", "beyond"), "near")
-_RELATED_OF["outside"] = "in-front-of"
+from lidardraft.drafting.text.mentions import Discourse, Ids, mention_of
+from lidardraft.drafting.text.places import describe, place_at
+from lidardraft.drafting.text.tree import Item, NounPhrase, Place, Relation
 
 
-def relation_of(token: Token) -> str | None:
-    """The relation of SceneSpec that a word for a place means if an object follows it, None if it has none."""
-    if token.type == "RELATED":
-        return _RELATED_OF.get(token)
-    return _RELATION_OF.get(token.type)
+def meant_by(d: Discourse, phrase: NounPhrase) -> Ids:
+    """What a pronoun means: "them" are several, "it" is one."""
+    numbers = [n for n, one in enumerate(d.mentions) if one.is_wanted]
+    if phrase.pronoun == "them":
+        fitting = [n for n in numbers if d.mentions[n].count != 1]
+    else:
+        fitting = [n for n in numbers if d.mentions[n].count == 1 or not isinstance(d.mentions[n].count, int)]
+    found = (fitting or numbers)[-1:]
+    if phrase.pronoun == "it" and d.it in fitting:
+        found = [d.it]
+    if phrase.pronoun == "it" and found:
+        d.it = found[0]
+    return found
 
 
-def refers(position: Chunk, named: Chunk, *, linked: bool) -> bool:
-    """Whether a position is relative to what is named after it, rather than one that introduces it.
-
-    `linked` says that the position begins a clause, as "behind" does in "a car ahead and behind a truck".
-    """
-    last = position.tokens[-1]
-    if last.type in _EXPLICIT or (last.type in ("FRONT", "BEHIND") and last.endswith((" of", "before"))):
-        return True
-    if last.type == "FRONT" or (last.type == "ALONG" and not last.startswith("along")):
-        return False
-    definite = "THE" in named.types or is_one_of_several(named)
-    return last.type in ("BEHIND", "NEAR", "ALONG") and (definite or not linked)
-
-
-def mention_of(chunk: Chunk) -> Mention:
-    """What a phrase with a noun asks for."""
-    vehicle = chunk.head == "TRAFFIC"
-    mention = Mention(
-        "vehicle" if vehicle else KIND_OF[chunk.head], _traffic(chunk) if vehicle else count_of(chunk.tokens)
-    )
-    if vehicle and len(chunk.tokens) > 1 and chunk.tokens[-2].type in KIND_OF:
-        mention.kind = KIND_OF[chunk.tokens[-2].type]
-    add_qualities(mention, chunk.tokens)
-    mention.name = next((str(token) for token in chunk.tokens if token.type == "NAME"), "")
-    mention.spans.append(chunk.span)
-    return mention
+def _meant_but(d: Discourse, phrase: NounPhrase, subjects: Ids) -> Ids:
+    """What a pronoun means, which is none of the subjects."""
+    siblings = [d.mentions[one].same_as for one in subjects[-1:] if d.mentions[one].same_as is not None]
+    hidden = [*subjects, *(one for one in siblings if one is not None and d.mentions[one].references)]
+    kept = [d.mentions[one] for one in hidden]
+    for one in hidden:
+        d.mentions[one] = replace(d.mentions[one], kind=None)
+    found = meant_by(d, phrase)
+    for one, mention in zip(hidden, kept, strict=True):
+        d.mentions[one] = mention
+    return found
 
 
-def known_mention(chunk: Chunk, mentions: list[Mention], subjects: list[Mention]) -> Mention | None:
-    """The last mention that a phrase such as "the bus" or "bus A" can mean; None where it must be another object."""
-    kind, name = mention_of(chunk).kind, mention_of(chunk).name
-    if name:
-        return next((one for one in mentions if (one.kind, one.name) == (kind, name)), None)
-    if not (chunk.types & {"THE", "EACH"} or is_one_of_several(chunk)) or exact_count(chunk.tokens) is not None:
+def known_mention(d: Discourse, phrase: NounPhrase, subjects: Ids) -> int | None:
+    """The last mention that "the bus" or "bus A" can mean; None where it must be another object."""
+    if phrase.name:
+        return next((n for n, one in enumerate(d.mentions) if (one.kind, one.name) == (phrase.kind, phrase.name)), None)
+    if (
+        not phrase.definite
+        or (phrase.exact and not phrase.each)
+        or phrase.count == 0
+        or phrase.all
+        or phrase.manner.heading
+    ):
         return None
-    for mention in reversed(mentions):
-        if mention.count == 0 or mention.kind is None or any(mention is subject for subject in subjects):
+    for number in range(len(d.mentions) - 1, -1, -1):
+        one = d.mentions[number]
+        if not one.is_wanted or number in subjects:
             continue
-        if mention.kind == kind or (kind == "vehicle" and SENTENCE_KINDS[mention.kind].is_vehicle):
-            return mention
+        if one.kind == phrase.kind or (phrase.kind == "vehicle" and one.record.is_vehicle):
+            return number
     return None
 
 
-def meant_by(pronoun: str, mentions: list[Mention]) -> list[Mention]:
-    """The last mention that a pronoun can mean: "them" are several, "it" is no number of them."""
-    if pronoun in ("they", "them") or pronoun.startswith(("each", "every")):
-        fitting = [mention for mention in mentions if mention.count != 1]
-    else:
-        fitting = [mention for mention in mentions if mention.count == 1 or not isinstance(mention.count, int)]
-    return (fitting or mentions)[-1:]
+def can_be_where(d: Discourse, number: int, item: Item) -> bool:
+    """Whether a mention can be where a later one is said to be."""
+    places = [one.said.at for one in item.modifiers[:1] if isinstance(one.said, Place)]
+    return all(d.mentions[number].at.agrees(replace(at, distance=None)) for at in places)
 
 
-def is_one_of_several(chunk: Chunk) -> bool:
-    """Whether it names one of several, as "the first" or "the others"."""
-    return bool(chunk.types & {"FIRST", "ANOTHER"}) and chunk.tokens[0].startswith("the ")
+def call(d: Discourse, phrase: NounPhrase, before: Ids) -> Ids:
+    """What objects are said to be: "one of them is a taxi"."""
+    for one in before:
+        if not d.mentions[one].is_wanted:
+            continue
+        d.change(one, kind=phrase.kind)
+        describe(d, one, phrase.manner)
+    return before
 
 
-def _traffic(chunk: Chunk) -> int | str:
-    if "NO" in chunk.types:
-        return 0
-    if chunk.types & {"QUIET", "FEW"}:
-        return "few"
-    return "many" if chunk.types & {"BUSY", "MANY", "DOZENS"} or chunk.tokens[-1] != "traffic" else "some"
+def targets_of(d: Discourse, relation: Relation, subjects: Ids) -> Ids:
+    """The mentions that a relation is to; none where one of them is unknown."""
+    found: Ids = []
+    for phrase in relation.targets:
+        found += _target(d, phrase, subjects)
+    if relation.target_place is not None and found and not d.mentions[found[0]].placed:
+        place_at(d, found[0], relation.target_place)
+    return found
+
+
+def _target(d: Discourse, phrase: NounPhrase, subjects: Ids) -> Ids:
+    if phrase.kind is None or phrase.pronoun in ("us", "road", "junction"):
+        return []
+    if phrase.pronoun:
+        found = _meant_but(d, phrase, subjects)
+        for subject in subjects if phrase.each else []:
+            if found and d.mentions[subject].is_wanted:
+                d.change(subject, host=found[0])
+        return found
+    if phrase.kind == "":
+        whole = d.several()
+        counted = phrase.exact and phrase.ordinal is None and not phrase.of_them
+        if whole is None or whole in subjects or (counted and d.mentions[whole].count != phrase.count):
+            return []
+        for subject in subjects if phrase.each else []:
+            d.change(subject, host=whole)
+        return [whole]
+    if phrase.ordinal is not None and (phrase.definite or not phrase.another):
+        whole = d.several(phrase.kind)
+        if whole is not None:
+            return [whole]
+    if is_car_of_ego(d, phrase):
+        return []
+    bare = not phrase.plural and phrase.count == 1 and len(phrase.tokens) == 1
+    known = known_mention(d, replace(phrase, definite=True) if bare else phrase, subjects[-1:])
+    if known is None and phrase.owned:
+        return []
+    if known is None:
+        known = d.add(replace(mention_of(phrase), count="some" if phrase.each and phrase.count == 1 else phrase.count))
+    for subject in subjects if phrase.each else []:
+        if d.mentions[subject].is_wanted:
+            d.change(subject, host=known)
+    return [known]
+
+
+def is_car_of_ego(d: Discourse, phrase: NounPhrase) -> bool:
+    """Whether "the car" can only be that of the ego: no other was named."""
+    vehicles = any(one.kind is not None and one.record.is_vehicle for one in d.mentions)
+    return (
+        phrase.kind in ("car", "vehicle")
+        and phrase.definite
+        and phrase.count == 1
+        and len(phrase.tokens) == 2
+        and not vehicles
+    )

@@ -1,0 +1,171 @@
+"""Which words of a sentence are accounted for: without them, or with others, the spec would be another one."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+from lidardraft.drafting.solver.scene_spec import SceneSpec
+from lidardraft.drafting.text.chart import Features, Grammar, Node, Rule
+from lidardraft.drafting.text.doubts import STRANGE
+from lidardraft.drafting.text.positions import Position
+
+Path = tuple[int, ...]  # from the sentence down to a constituent, by the numbers of children
+Changes = dict[Path, tuple[Node, ...]]  # what stands in the place of constituents
+Read = Callable[[Sequence[Node]], SceneSpec]
+_NEUTRAL = (  # words that join others, or say what is so anyway
+    *("silent", "usual", "is", "and", "with", "has", "but", "except", "which", "there", "ego", "pronoun", "time"),
+    *("the", "a", "single", "about", "unit", "another", "all", "both", "of", "ofthem", "respectively"),
+    *(",", ".", ":", "(", ")"),
+)
+_PLAIN = (("road", "straight"), ("each_way", True), ("posture", True), ("everywhere", True), ("another", True))
+_OTHERS = {
+    **{"left": "right", "right": "left", "front": "behind", "behind": "front"},
+    **{"parked": "against", "many": "few", "some": "many"},
+}
+
+
+def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node]:
+    """The constituents that change nothing: the spec is the same without them, and with another word in their place.
+
+    Of those that say the same thing twice each is accounted for, as the spec without both is another one. Words that
+    say "more" than comes of them, such as "child", are among them.
+    """
+    whole = read(nodes)
+
+    def same(changed: Changes) -> bool:
+        kept = _with(nodes, changed, grammar)
+        return kept is not None and _read(read, kept) in (None, whole)
+
+    def is_idle(path: Path, node: Node) -> bool:
+        if node.symbol in STRANGE:
+            return True
+        turned = [{at: (other,)} for at, leaf in _leaves(node, path) if (other := _turned(leaf, whole)) is not None]
+        turned = [one for one in turned if _with(nodes, one, grammar) is not None]
+        return same({path: ()}) and all(same(one) for one in turned)
+
+    def is_lost(path: Path, noun: Node) -> bool:
+        """Whether a noun only changes what others mean, so that another in its place changes nothing."""
+        other = _turned(noun, whole)
+        return other is not None and _with(nodes, {path: (other,)}, grammar) is not None and same({path: (other,)})
+
+    idle: dict[Path, Node] = {}
+
+    def visit(path: Path, node: Node) -> None:
+        if _is_neutral(node):
+            return
+        if is_idle(path, node):
+            idle[path] = node
+            return
+        if node.symbol == "relation" and same({path: _apart(node)}):
+            idle[path] = node._replace(end=node.children[-1].start)
+        if not node.children and (node.get("more") or (node.symbol == "kind" and is_lost(path, node))):
+            more.append(node)
+        for index, child in enumerate(node.children):
+            visit((*path, index), child)
+
+    more: list[Node] = []
+    for index, node in enumerate(nodes):
+        visit((index,), node)
+    alike = [
+        (one, other)
+        for one, other in itertools.combinations([path for path, node in idle.items() if node.symbol not in STRANGE], 2)
+        if set(map(repr, idle[one].features)) & set(map(repr, idle[other].features))
+    ]
+    twice = {path for pair in alike if not same({pair[0]: (), pair[1]: ()}) for path in pair}
+    return [*more, *(node for path, node in idle.items() if path not in twice)]
+
+
+def _is_neutral(node: Node) -> bool:
+    """Whether all words of a constituent are."""
+    if node.symbol in STRANGE:
+        return False
+    if node.symbol in _NEUTRAL or node.symbol.startswith("'") or any(one in node.features for one in _PLAIN):
+        return not node.children or node.symbol in _NEUTRAL or all(map(_is_neutral, node.children))
+    return (bool(node.children) and all(map(_is_neutral, node.children))) or ("value", 1.0) in node.features
+
+
+def _leaves(node: Node, path: Path) -> Iterator[tuple[Path, Node]]:
+    if not node.children:
+        yield path, node
+    for index, child in enumerate(node.children):
+        yield from _leaves(child, (*path, index))
+
+
+def _apart(relation: Node) -> tuple[Node, ...]:
+    """What a relation is to, as if it were listed."""
+    comma = Node(",", relation.start, relation.start, 0.0)
+    targets = [one for child in relation.children if child.symbol == "relative" for one in child.children[0].children]
+    return tuple(node for target in targets for node in (comma, target))
+
+
+def _turned(leaf: Node, spec: SceneSpec) -> Node | None:
+    """A word with another meaning of the same sort, such as "right" for "left" or "three" for "two"."""
+    heading = leaf.get("heading")
+    if heading and not any(str(group.heading).startswith(heading) for group in spec.groups):
+        return None
+    said = {name: _other(name, value) for name, value in leaf.features}
+    features = tuple((name, value if said[name] is None else said[name]) for name, value in leaf.features)
+    return leaf._replace(features=features) if features != leaf.features else None
+
+
+def _other(name: str, value: Any) -> Any:
+    if isinstance(value, Position):
+        places = tuple((_OTHERS.get(fore, fore), _OTHERS.get(side, side)) for fore, side in value.places)
+        return replace(value, places=places, heading=_OTHERS.get(str(value.heading), value.heading))
+    if name == "value":
+        return value + 1
+    if name == "kind":
+        return "car" if value == "person" else "person"
+    if name == "heading":
+        return _OTHERS.get(value, "parked")
+    return _OTHERS.get(value) if isinstance(value, str) else None
+
+
+def _read(read: Read, nodes: Sequence[Node]) -> SceneSpec | None:
+    try:
+        return read(nodes)
+    except ValueError:
+        return None
+
+
+def _with(nodes: Sequence[Node], changed: Changes, grammar: Grammar, at: Path = ()) -> list[Node] | None:
+    """Constituents with others in some places, or none there; None where a rule needs what was there."""
+    found: list[Node] = []
+    for index, node in enumerate(nodes):
+        path = (*at, index)
+        if path in changed:
+            found += changed[path]
+            continue
+        if any(one[: len(path)] == path for one in changed):
+            children = _with(node.children, changed, grammar, path)
+            built = _rebuilt(node, children, grammar) if children is not None else None
+            if built is None:
+                return None
+            node = built
+        found.append(node)
+    return found
+
+
+def _rebuilt(node: Node, children: list[Node], grammar: Grammar) -> Node | None:
+    rule = next(one for one in grammar.rules[node.symbol] if _fits(one, node.children))
+    made = node._replace(features=_features(children), children=tuple(children))
+    said = (rule.build(made) if rule.build else made.features) if _fits(rule, children) else None
+    return None if said is None else made._replace(features=said)
+
+
+def _features(children: Sequence[Node]) -> Features:
+    return tuple(feature for child in children for feature in child.features)
+
+
+def _fits(rule: Rule, children: Sequence[Node]) -> bool:
+    return _pattern(rule.parts).fullmatch("".join(f"{child.symbol};" for child in children)) is not None
+
+
+@cache
+def _pattern(parts: tuple[tuple[str, str], ...]) -> re.Pattern[str]:
+    return re.compile("".join(f"(?:{re.escape(symbol)};){times}" for symbol, times in parts))

@@ -1,0 +1,122 @@
+"""A chart parser: rules over categories of words make constituents of a sentence, and the best of them cover it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, NamedTuple
+
+Features = tuple[tuple[str, Any], ...]  # what the words of a constituent say, in their order
+Build = Callable[["Node"], Features | None]  # the features of a constituent, None where its words do not go together
+
+
+class Node(NamedTuple):
+    """A constituent: its symbol, the tokens that it covers (from and to), and what it says.
+
+    `cost` is higher for what is less likely: the tokens that say nothing, and rules that are rarely meant.
+    """
+
+    symbol: str
+    start: int
+    end: int
+    cost: float
+    features: Features = ()
+    children: tuple[Node, ...] = ()
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """The last value of a feature."""
+        return next((value for key, value in reversed(self.features) if key == name), default)
+
+    def all(self, name: str) -> list[Any]:
+        """All values of a feature, in order."""
+        return [value for key, value in self.features if key == name]
+
+
+class Rule(NamedTuple):
+    """A way to make a constituent from symbols in a row; each with how often it may come: once, "?" or "*"."""
+
+    parts: tuple[tuple[str, str], ...]
+    build: Build | None
+    cost: float
+
+
+class Grammar(NamedTuple):
+    """The rules of each symbol, and the cost of each symbol that may stand in a sentence by itself."""
+
+    rules: dict[str, tuple[Rule, ...]]
+    tops: dict[str, float]
+
+
+def rule(parts: str, build: Build | None = None, cost: float = 0.0) -> Rule:
+    """The rule that a row of symbols such as "determiner? quality* noun" writes."""
+    split = ((part.rstrip("?*"), part[-1] if part[-1] in "?*" else "") for part in parts.split())
+    return Rule(tuple(split), build, cost)
+
+
+MAX_SPAN = 40  # tokens of a constituent
+
+
+class Chart:
+    """The constituents of a row of tokens, each found once."""
+
+    def __init__(self, grammar: Grammar, words: Sequence[Iterable[Node]]) -> None:
+        """`words` are, for each token, what begins there."""
+        self._grammar, self._words = grammar, [list(at) for at in words]
+        self._known: dict[tuple[str, int], dict[int, Node]] = {}
+
+    def spans(self, symbol: str, start: int) -> dict[int, Node]:
+        """The cheapest constituent of a symbol from a token up to each that it can end before."""
+        known = self._known.get((symbol, start))
+        if known is not None:
+            return known
+        found: dict[int, Node] = {}
+        self._known[symbol, start] = found
+        if start < len(self._words):
+            for word in self._words[start]:
+                if word.symbol == symbol:
+                    _keep(found, word)
+            for one in self._grammar.rules.get(symbol, ()):
+                for end, cost, children in self._match(one.parts, start, start):
+                    features = tuple(feature for child in children for feature in child.features)
+                    node: Node = Node(symbol, start, end, one.cost + cost, features, children)
+                    said = one.build(node) if one.build else features
+                    if said is not None:
+                        _keep(found, node._replace(features=said))
+        return found
+
+    def _match(
+        self, parts: tuple[tuple[str, str], ...], start: int, first: int
+    ) -> list[tuple[int, float, tuple[Node, ...]]]:
+        """The ends, costs and children of all ways to match a row of parts."""
+        if not parts:
+            return [(start, 0.0, ())] if start > first else []
+        (symbol, times), rest = parts[0], parts[1:]
+        found = self._match(rest, start, first) if times else []
+        if start - first < MAX_SPAN:
+            for end, node in self.spans(symbol, start).items():
+                after = self._match(parts if times == "*" else rest, end, first)
+                found += [(last, cost + node.cost, (node, *children)) for last, cost, children in after]
+        return found
+
+    def cover(self) -> list[Node]:
+        """The cheapest row of constituents that covers all tokens."""
+        nothing: tuple[float, Node | None] = (float("inf"), None)
+        best: list[tuple[float, Node | None]] = [(0.0, None), *[nothing] * len(self._words)]
+        for start in range(len(self._words)):
+            for symbol, cost in self._grammar.tops.items():
+                for end, node in self.spans(symbol, start).items():
+                    total = best[start][0] + node.cost + cost
+                    if total < best[end][0]:
+                        best[end] = (total, node)
+        nodes: list[Node] = []
+        end = len(self._words)
+        while end:
+            last = best[end][1]
+            assert last is not None, "every token is at least unknown"
+            nodes.append(last)
+            end = last.start
+        return nodes[::-1]
+
+
+def _keep(found: dict[int, Node], node: Node) -> None:
+    if node.end not in found or node.cost < found[node.end].cost:
+        found[node.end] = node

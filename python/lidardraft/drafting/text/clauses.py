@@ -1,0 +1,349 @@
+"""The constituents of a sentence become clauses: what is said first, and objects with what is said after each."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from collections.abc import Iterable, Iterator
+
+from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
+from lidardraft.drafting.text.chart import Node
+from lidardraft.drafting.text.positions import Position
+from lidardraft.drafting.text.tree import (
+    Clause,
+    Item,
+    Manner,
+    Modifier,
+    NounPhrase,
+    Place,
+    Said,
+    Street,
+    is_known,
+    leaves,
+    manner_of,
+    noun_phrase,
+    place_of,
+    relation_of,
+    street_of,
+    tokens_of,
+)
+
+LINKS = (",", ":", "(", ")", "and", "or", "with", "has", "but", "except", "which")
+_WEAK = (",", ":", "(", ")")  # that say less than the word beside them
+_NAMES = ("object", "ellipsis", "stranger", "pronoun", "ego", "nothing")
+_ROADS = ("street", "lanes", "walkway", "oneway", "eachway")
+_MANNERS = ("state", "crossed", "turned", "measure", "abreast", "overtaking", "overtakes")
+_SAID = ("whereabouts", "relation", "road_part", "distances", "blocked", *_MANNERS)
+_PASSED = ("is", "silent", "there")
+_FALSE_NOUNS = ("ed", "ing", "ly")  # endings of words that say more of the noun before them
+
+
+def clauses_of(nodes: list[Node], texts: list[str]) -> list[Clause]:
+    """The clauses of a text, whose tokens are `texts`."""
+    found: list[Clause] = []
+    for sentence in _sentences(_with_crosswalks(_with_names(nodes, texts), texts)):
+        found += _Reading(sentence, texts).clauses()
+    return found
+
+
+def _sentences(nodes: Iterable[Node]) -> Iterator[list[Node]]:
+    for is_stop, part in itertools.groupby(nodes, lambda node: node.symbol == "."):
+        if not is_stop:
+            yield list(part)
+
+
+def _with_names(nodes: list[Node], texts: list[str]) -> list[Node]:
+    """With bare unknown words as names of what is unknown, where they begin a clause or follow "with"."""
+    found: list[Node] = []
+    for node in nodes:
+        before = found[-1].symbol if found else "."
+        word = texts[node.start]
+        noun = node.symbol == "unknown" and word[0].isalpha() and node.get("strange")
+        if noun and before in (*LINKS, ".") and (not word.endswith(_FALSE_NOUNS) or word.endswith("thing")):
+            found.append(node._replace(symbol="stranger"))
+        elif (
+            node.symbol == "unknown"
+            and before == "stranger"
+            and node.get("strange")
+            and not word.endswith(_FALSE_NOUNS)
+        ):
+            found[-1] = found[-1]._replace(end=node.end)
+        else:
+            found.append(node)
+    return found
+
+
+def _with_crosswalks(nodes: list[Node], texts: list[str]) -> list[Node]:
+    """With a crosswalk for "a pedestrian crossing with two women", who are on it."""
+    found: list[Node] = []
+    for index, node in enumerate(nodes):
+        words = texts[node.start : node.end]
+        link, walkers = [*nodes[index + 1 : index + 3], node, node][:2]
+        crossing = (
+            node.symbol == "crossed" and words == ["crossing"] and found and texts[found[-1].end - 1] == "pedestrian"
+        )
+        walks = walkers.symbol == "object" and SENTENCE_KINDS[walkers.get("kind")].walks
+        if crossing and link.symbol == "with" and walks:
+            found[-1] = _crosswalk(found[-1].start, node.end)
+        elif node.symbol == "crosswalk" or (crossing and found[-1].end - found[-1].start == 1 and link.symbol == ","):
+            start = node.start if node.symbol == "crosswalk" else found.pop().start
+            found.append(_crosswalk(start, node.end))
+        else:
+            found.append(node)
+    return found
+
+
+def _crosswalk(start: int, end: int) -> Node:
+    return Node("whereabouts", start, end, 0.0, (("at", Position(heading="across")), ("crosswalk", True)))
+
+
+class _Reading:
+    """The constituents of one sentence on their way to clauses."""
+
+    def __init__(self, nodes: list[Node], texts: list[str]) -> None:
+        self._nodes, self._texts = nodes, texts
+        self._found: list[Clause] = []
+        self._lead: list[Modifier] = []
+        self._items: list[Item] = []
+        self._clause_link = ""
+        self._anchor = -1  # the item before a bracket
+        self._alone = False  # whether what is said first introduces no object
+
+    def clauses(self) -> list[Clause]:
+        """The clauses of the sentence."""
+        index, link, verb = 0, "", ""
+        while index < len(self._nodes):
+            node = self._nodes[index]
+            if node.symbol == "(":
+                self._anchor = len(self._items) - 1
+            if node.symbol in LINKS:
+                link = self._linked(link, index)
+            elif node.symbol == "is":
+                verb = verb or node.get("verb")
+            elif node.symbol == "there":
+                if self._items and (self._at(index + 1) in ("", *LINKS)):
+                    place = Place(Position(), there=True, tokens=tokens_of(node))
+                    self._items[-1] = _with(self._items[-1], Modifier(place, link))
+                verb = "there"
+            elif node.symbol == "respectively":
+                self._part_out()
+            elif node.symbol == "ego" and self._only_looks(index):
+                link = "" if self._at(index + 1) == "has" else link
+                index += self._at(index + 1) == "has"
+            elif node.symbol in ("busy", "quiet", "size") and verb and self._items and not link:
+                self._qualify(node)
+            elif node.symbol in (*_NAMES, *_ROADS):
+                self._name(node, link, "" if verb == "there" else verb)
+                link = verb = ""
+            elif node.symbol in _SAID:
+                index = self._say(index, link, "" if verb == "there" else verb)
+                link = verb = ""
+                continue
+            index += 1
+        self._end()
+        return self._found
+
+    def _at(self, index: int) -> str:
+        return self._nodes[index].symbol if index < len(self._nodes) else ""
+
+    def _word(self, node: Node) -> str:
+        return self._texts[node.end - 1]
+
+    def _linked(self, link: str, index: int) -> str:
+        """The link that some in a row make together."""
+        node = self._nodes[index]
+        if self._word(node) == "then":
+            return "then"
+        if node.symbol == "has" and self._word(node) == "have":
+            return "have" if self._items else ""
+        if node.symbol == "has":
+            return "has"
+        strong = node.symbol in ("with", "except", "which")
+        return node.symbol if not link or link in _WEAK or strong else link
+
+    def _only_looks(self, index: int) -> bool:
+        """Whether who looks is named for nothing but that: "we see a bus", "if you look to the right"."""
+        after = self._at(index + 1)
+        return (
+            after in ("silent", "has", "object", "stranger")
+            and self._at(index + 2) != "is"
+            and not (after == "silent" and self._at(index + 2) in ("overtakes", "state", "relation"))
+        )
+
+    def _end(self, link: str = "") -> None:
+        if self._lead or self._items:
+            self._found.append(Clause(tuple(self._lead), tuple(self._items), self._clause_link, begins=not self._found))
+        self._lead, self._items, self._clause_link = [], [], link
+
+    def _part_out(self) -> None:
+        """ "Respectively" says that as many places as objects are one for each."""
+        if self._items and self._items[-1].modifiers:
+            each = tuple(dataclasses.replace(one, verb="respectively") for one in self._items[-1].modifiers)
+            said = each[-1].said
+            last = said
+            each = (*each[:-1], dataclasses.replace(each[-1], said=last))
+            self._items[-1] = dataclasses.replace(self._items[-1], modifiers=each)
+
+    def _name(self, node: Node, link: str, verb: str) -> None:
+        """Open an object or a road; a road at once after an object says where that is."""
+        if self._alone and not self._items and any(isinstance(one.said, Manner) for one in self._lead):
+            self._items = [Item(NounPhrase("", pronoun="us"), modifiers=tuple(self._lead))]  # "driving down a street"
+            self._lead = []
+        elif self._alone and not self._items and node.symbol != "street":
+            self._end(link)
+        self._alone = False
+        before = self._items[-1] if self._items else None
+        named = before is not None and isinstance(before.head, NounPhrase)
+        if node.symbol == "eachway":
+            self._each_way(node, link)
+            return
+        if node.symbol in _ROADS:
+            street = street_of(node)
+            ego = before is not None and isinstance(before.head, NounPhrase) and before.head.pronoun == "us"
+            if before is not None and named and not link and (street.definite or ego) and node.symbol == "street":
+                self._items[-1] = _with(before, Modifier(street, link, verb))
+            elif before is not None and named and not link and node.symbol == "walkway" and street.sidewalk:
+                at = node.get("at", Position(sidewalk=True))
+                self._items[-1] = _with(before, Modifier(Place(at), link, verb))
+            elif (
+                before is not None
+                and named
+                and not link
+                and node.symbol == "street"
+                and street.kind == "straight"
+                and not street.settings
+                and not street.lanes
+            ):
+                self._items[-1] = _with(before, Modifier(street, link, verb))
+            else:
+                self._items.append(Item(street, link, verb))
+            return
+        head = noun_phrase(node)
+        after_of = node.start > 0 and self._texts[node.start - 1] == "of" and not link
+        if after_of and before is not None and isinstance(before.head, NounPhrase) and is_known(before.head):
+            return  # "the driver of the bus"
+        if head.kind is None and not link and before is not None and named and not self._is_placed(before):
+            return  # it only says something of the object before it: "a man walking his dog"
+        self._items.append(Item(head, link, verb))
+
+    def _qualify(self, node: Node) -> None:
+        """ "The road is busy", "the traffic is heavy", "the house is big"."""
+        item = self._items[-1]
+        head = item.head
+        if isinstance(head, NounPhrase):
+            if head.traffic and node.symbol != "size":
+                head = dataclasses.replace(head, count="many" if node.symbol == "busy" else "few")
+                self._items[-1] = dataclasses.replace(item, head=head)
+            elif node.symbol == "size" and is_known(head):
+                self._items[-1] = _with(item, Modifier(manner_of([node]), verb="one"))
+        elif not head.sidewalk:
+            settings = head.settings | frozenset(node.all("setting"))
+            wide = node.get("wide", head.usual_lanes)
+            new = dataclasses.replace(head, settings=settings, usual_lanes=wide)
+            self._items[-1] = dataclasses.replace(item, head=new)
+
+    def _is_placed(self, item: Item) -> bool:
+        assert isinstance(item.head, NounPhrase)
+        return item.head.kind is None or any(not isinstance(one.said, Manner) for one in item.modifiers)
+
+    def _each_way(self, node: Node, link: str) -> None:
+        """Of lanes, or of what drives in them; a number before it is one of lanes, as in "four lanes, two each way"."""
+        last = self._items[-1].head if self._items else None
+        if isinstance(last, NounPhrase) and last.kind == "" and last.exact and isinstance(last.count, int):
+            street = Street(lanes=(last.count,), each_way=True)
+            self._items[-1] = dataclasses.replace(self._items[-1], head=street)
+        elif isinstance(last, NounPhrase) and is_known(last):
+            said = manner_of([node])
+            if SENTENCE_KINDS[str(last.kind)].drives:
+                said = dataclasses.replace(said, heading="both")
+            self._items[-1] = _with(self._items[-1], Modifier(said, link))
+        elif isinstance(last, Street) and last.lanes:
+            street = dataclasses.replace(last, each_way=True)
+            self._items[-1] = dataclasses.replace(self._items[-1], head=street)
+        else:
+            self._items.append(Item(Street(each_way=True), link))
+
+    def _say(self, index: int, link: str, verb: str) -> int:
+        """Give what is said to the objects after it or before it; the index of what follows."""
+        node, end = self._nodes[index], self._leads_to(index, link)
+        if end:
+            if self._items or (self._lead and link):
+                self._end(link)
+            self._clause_link = self._clause_link or link
+            for one in self._nodes[index:end]:
+                if one.symbol in _SAID:
+                    self._lead += self._modifiers(one, link, "")
+                    link = ""
+                elif one.symbol == "which":
+                    link = "which"
+            return end
+        if link in (",", "and", "but") and self._items and self._at(index + 1) == "is":
+            return index + 1  # "and the left lane is free"
+        if node.symbol == "relation" and link in (",", "and", "or") and self._items and self._is_place_of_target(node):
+            relation = relation_of(node)
+            assert relation.ego_at is not None
+            self._end(link)
+            self._lead = [Modifier(Place(relation.ego_at))]
+            self._items = [Item(relation.targets[0])]
+            return index + 1
+        if node.symbol == "blocked":
+            return index + 1
+        first = self._texts[node.start]
+        singular = node.symbol in (*_MANNERS, "relation") and first.endswith("s") and first not in ("across", "towards")
+        modifiers = self._modifiers(node, link, "one" if singular else verb)
+        for modifier in modifiers:
+            if self._items:
+                at = self._anchor if link == ")" and self._anchor >= 0 else -1
+                self._items[at] = _with(self._items[at], modifier)
+            else:
+                self._lead.append(modifier)
+        self._alone = not self._items
+        return index + 1
+
+    @staticmethod
+    def _is_place_of_target(node: Node) -> bool:
+        """Whether "and behind a truck" says where the truck is."""
+        relation = relation_of(node)
+        target = relation.targets[0]
+        new = is_known(target) and not target.definite and len(relation.targets) == 1
+        return new and not relation.strong and relation.ego_at is not None
+
+    def _leads_to(self, index: int, link: str) -> int:
+        """The index of the object that what is said here introduces; 0 where it says something of those before.
+
+        An object follows it at once or after a colon, or after a comma where no object is before it in the sentence.
+        """
+        if self._items and not link:
+            return 0
+        free, comma = not self._items, False
+        backward = self._nodes[index].symbol == "relation" and any(leaves(self._nodes[index], "pronoun", "owner"))
+        for end in range(index, len(self._nodes)):
+            node = self._nodes[end]
+            if node.symbol in ("object", "ellipsis", "stranger", "nothing"):
+                alone = node.symbol == "ellipsis" and comma
+                return end if end > index and not alone and (free or not comma or (backward and link == "and")) else 0
+            if node.symbol in (",", "which"):
+                comma = True
+            elif node.symbol in (":", "has") or (node.symbol == "with" and self._nodes[index].get("crosswalk")):
+                continue
+            elif node.symbol not in (*_SAID, *_PASSED, "ego") or (node.symbol == "ego" and not self._only_looks(end)):
+                return 0
+        return 0
+
+    def _modifiers(self, node: Node, link: str, verb: str) -> list[Modifier]:
+        if node.symbol == "distances":
+            places = [Place(at, tokens=tokens_of(node)) for at in node.get("places")]
+            return [Modifier(place, link if index == 0 else "and", verb) for index, place in enumerate(places)]
+        return [Modifier(self._said(node), link, verb)]
+
+    @staticmethod
+    def _said(node: Node) -> Said:
+        if node.symbol == "whereabouts":
+            return place_of(node)
+        if node.symbol == "relation":
+            return relation_of(node)
+        return street_of(node) if node.symbol == "road_part" else manner_of([node])
+
+
+def _with(item: Item, modifier: Modifier) -> Item:
+    return dataclasses.replace(item, modifiers=(*item.modifiers, modifier))

@@ -1,0 +1,80 @@
+"""What a place, a relation or a verb after a list is said of: all in the list that it can belong to, or the last."""
+
+from __future__ import annotations
+
+from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
+from lidardraft.drafting.text.tree import Clause, Item, Manner, Modifier, NounPhrase, Place, Relation
+
+_MANY = 4  # of a kind; what stands at one thing with so many others has no room
+
+
+def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
+    """The numbers of the items that the first modifier after an item is said of."""
+    first = _list_begins(clause, last)
+    if modifier.verb == "one" or first == last:
+        return [last]
+    if modifier.verb != "many" and clause.items[last].head.kind is None:
+        return [last]  # "two cars and a llama on the left", but "are on the left"
+    said, listed = modifier.said, list(range(first, last + 1))
+    if isinstance(said, Place):
+        if said.at.distance and clause.items[last].link == ",":
+            return [last]
+        return [one for one in listed if _can_be(clause.items[one].head, said)] or [last]  # type: ignore[arg-type]
+    if isinstance(said, Relation):
+        pronouns = {phrase.pronoun for phrase in said.targets}
+        if "it" in pronouns:
+            return [last]
+        counts = [clause.items[one].head.count for one in listed]  # type: ignore[union-attr]
+        crowd = any(count == "many" or (isinstance(count, int) and count > _MANY) for count in counts[:-1])
+        return [last] if crowd and counts[-1] == 1 else listed
+    return listed
+
+
+def _list_begins(clause: Clause, last: int) -> int:
+    """The first item of the list that ends with an item.
+
+    "A bus, cars and people, houses and trees" are two lists: a comma after an "and" begins another one.
+    """
+    first, ended = last, False
+    while first > 0:
+        item, before = clause.items[first], clause.items[first - 1]
+        if item.link not in (",", "and", "or", "then") or _is_told(before) or item.verb or not _is_listed(before.head):
+            break
+        if not (_is_listed(item.head) or (first == last and _is_unknown(item.head))) or (
+            _denied(item.head) != _denied(before.head)
+        ):
+            break
+        if item.link == "," and ended and before.link == "and":
+            break
+        ended = ended or item.link == "and"
+        first -= 1
+    return first
+
+
+def _is_told(item: Item) -> bool:
+    """Whether something is said of an item alone; lengths leave it in its list."""
+    return any(not isinstance(one.said, Manner) or one.said.says for one in item.modifiers)
+
+
+def _is_listed(head: object) -> bool:
+    return isinstance(head, NounPhrase) and bool(head.kind) and not head.traffic and not head.manner.overtakes
+
+
+def _is_unknown(head: object) -> bool:
+    return isinstance(head, NounPhrase) and head.kind is None
+
+
+def _denied(head: object) -> bool:
+    return isinstance(head, NounPhrase) and head.count == 0
+
+
+def _can_be(phrase: NounPhrase, place: Place) -> bool:
+    """Whether what is named can be at a place: one object is not on both sides, a house not in a lane."""
+    if phrase.kind is None:
+        return False
+    kind = SENTENCE_KINDS[phrase.kind]
+    if place.at.sidewalk and "sidewalk" not in kind.surfaces:
+        return False
+    if place.at.lane and "road" not in kind.surfaces:
+        return False
+    return not (place.at.both_sides and phrase.count == 1)

@@ -1,0 +1,198 @@
+"""What mentions mean where the sentence leaves it open, and the spec of all of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from lidardraft.drafting.solver.scene_spec import ObjectGroup, RoadSpec, SceneSpec
+from lidardraft.drafting.text.exceptions import keep_away
+from lidardraft.drafting.text.mentions import Mention, Mentions, RoadNotes
+from lidardraft.drafting.text.parts import divided
+from lidardraft.drafting.text.positions import BESIDE, Place, Position
+from lidardraft.drafting.text.tree import NO_SCALE
+
+_BESIDE_EACH_OTHER = 1.0  # m between people in a queue; estimate
+_QUEUE_GAP = 2.5  # m between vehicles in a queue; estimate
+_SIDES = ("left", "right")
+_CROSSED = ("crossroads", "t-junction")
+
+
+def spec_of(mentions: Mentions, road: RoadNotes, texts: list[str]) -> SceneSpec:
+    """The spec of what is wanted, less what is denied, with what the setting implies."""
+    denied = [one for one in mentions if one.kind is not None and one.count == 0]
+    wanted = [(number, _wanted(one, denied, road)) for number, one in divided(mentions)]
+    walking = {one.kind for _, one in wanted}
+    absent = {
+        str(one.kind): one
+        for one in denied
+        if not one.placed and one.heading is None and not (_is_off_the_road(one) and one.kind in walking)
+    }
+    groups = []
+    for index, (_, one) in enumerate(wanted):
+        references = [index + 1] if one.references == (-1,) else [
+            other for reference in one.references for other, (number, whole) in enumerate(wanted)
+            if number == reference or (whole.same_as == reference and reference not in [n for n, _ in wanted])
+        ]  # fmt: skip
+        references = [
+            other for other in dict.fromkeys(references) if other != index and wanted[other][1].references != (-1,)
+        ] or (references if one.references == (-1,) else [])
+        groups.append(_group(one, tuple(references), mentions, _words(one, mentions, texts)))
+    groups += [group for group in _implied(groups, road) if group.kind not in absent]
+    needs_sidewalk = any(group.surface == "sidewalk" or group.from_sidewalk for group in groups)
+    return SceneSpec(
+        road=_road_spec(road, mentions, needs_sidewalk),
+        groups=tuple(groups),
+        absent=tuple(sorted(absent)),
+        not_around=tuple(sorted({str(one.kind) for one in denied} - set(absent))),
+    )
+
+
+def _wanted(mention: Mention, denied: list[Mention], road: RoadNotes) -> Mention:
+    for no in denied:
+        if no.placed and _covers(no, mention):
+            mention = keep_away(mention, no.at)
+        elif _is_off_the_road(no) and no.kind == mention.kind and not mention.on_road:
+            mention = replace(mention, at=replace(mention.at, sidewalk=True))
+    if mention.at.lane == "each" and road.kind == "motorway" and mention.record.drives:
+        mention = replace(mention, heading=mention.heading or "with")
+    if (
+        "busy" in road.settings
+        and mention.count == "some"
+        and mention.record.is_vehicle
+        and mention.heading != "parked"
+    ):
+        mention = replace(mention, count="many")
+    return mention
+
+
+def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, words: str) -> ObjectGroup:
+    """As a group of the spec; vehicles along the sides of a road are parked."""
+    at, kind = _overtaking(mention), mention.record
+    heading = "across" if at.heading == "across" else mention.heading or at.heading
+    lane, spacing = at.lane, at.spacing
+    if kind.is_vehicle and heading is None and (at.beside_road or at.both_sides):
+        heading = "parked"
+    strip_across = heading == "across" and kind.follows_road  # a fence across the road
+    if not (kind.drives or (kind.walks and heading != "parked")):
+        heading = None
+    if mention.queue and kind.drives and heading is None and not references:
+        heading, lane = "with", lane or (None if at.sides else "own")
+        spacing = spacing or (kind.sizes.largest[0] if kind.sizes else 6.0) + _QUEUE_GAP
+    elif mention.queue and kind.walks:
+        spacing = spacing or _BESIDE_EACH_OTHER
+    still = bool(references) and not any(
+        mentions[one].record.drives or mentions[one].record.walks for one in mention.references if one >= 0
+    )
+    if kind.cycles and heading is None and still and not mention.ridden:
+        heading = "parked"  # a bicycle at a wall
+    if at.on_road and kind.is_vehicle and heading is None:
+        lane = lane or "own"
+    on_road = at.on_road or strip_across or (mention.on_road and kind.on_road)  # a house "on the road" is beside it
+    in_road = on_road and "road" in kind.surfaces and not kind.is_vehicle
+    places = tuple(dict.fromkeys(_named(place) for place in at.places if any(place)))
+    return ObjectGroup(
+        kind=kind.name,
+        count="some" if at.spacing and mention.count == 1 else mention.count,
+        places=places or (("front",) if mention.queue and kind.drives and not references else ()),
+        not_places=tuple(dict.fromkeys(_named(place) for place in mention.not_at if any(place))),
+        surface="sidewalk" if at.sidewalk and "sidewalk" in kind.surfaces else "road" if in_road else None,
+        lane=lane if "road" in kind.surfaces and (not references or kind.is_vehicle) else None,
+        at_junction=at.at_junction,
+        heading=heading,
+        distance=at.distance,
+        from_road=None if references else at.from_road,
+        from_sidewalk=None if references or at.from_road else at.from_sidewalk,
+        spacing=spacing,
+        size=mention.size if any(mention.size) else None,
+        scale=mention.scale if mention.scale != NO_SCALE else None,
+        relation=mention.relation if references else None,
+        references=references,
+        words=words,
+    )
+
+
+def _overtaking(mention: Mention) -> Position:
+    """Where something is; what overtakes is beside the ego in the left lane, unless it is said to be elsewhere."""
+    at = mention.at
+    if not mention.overtakes or str(mention.heading).startswith("across"):
+        return at
+    if mention.references:
+        return replace(at, heading="with")
+    lane = at.lane or (None if "right" in at.sides else "left")
+    at = replace(at, lane=lane, heading="with")
+    return at if any(fore for fore, _ in at.places) else at.narrowed(Position(places=(BESIDE,)))
+
+
+def _named(place: Place) -> str:
+    return "-".join(filter(None, place))
+
+
+def _words(mention: Mention, mentions: Mentions, texts: list[str]) -> str:
+    """The words that a mention was read from: all between its first and its last, unless others are among them."""
+    if not mention.tokens:
+        return ""
+    between = range(min(mention.tokens), max(mention.tokens) + 1)
+    others = frozenset().union(*(one.tokens for one in mentions)) - mention.tokens
+    return " ".join(texts[n] for n in (sorted(mention.tokens) if others & set(between) else between))
+
+
+def _road_spec(notes: RoadNotes, mentions: Mentions, needs_sidewalk: bool) -> RoadSpec:
+    kind = notes.kind or "straight"
+    whole = kind == "motorway" or notes.each_way or notes.one_way
+    number = notes.lanes or _lanes_filled(mentions) or notes.usual_lanes
+    if kind == "motorway" and number > 3 and number % 2 == 0 and not (notes.each_way or notes.one_way):
+        number //= 2  # a six-lane motorway has three each way
+    lanes = number if whole else (number + 1) // 2
+    oncoming = number // 2 if number % 2 and not whole else notes.oncoming_lanes if kind != "motorway" else 0
+    sidewalk = notes.sidewalk if notes.sidewalk is not None or "rural" not in notes.settings else False
+    return RoadSpec(
+        kind=kind,
+        lanes=lanes or None,
+        oncoming_lanes=oncoming or None,
+        sidewalk=True if needs_sidewalk else sidewalk,
+        one_way=notes.one_way,
+        ego_lane=notes.ego_lane,
+    )
+
+
+def _lanes_filled(mentions: Mentions) -> int:
+    """How many lanes "three cars, one in each lane" speaks of; 0 where it is not said."""
+    for one in mentions:
+        if one.at.lane == "each" and one.same_as is not None:
+            whole, each = mentions[one.same_as].count, one.count
+            if isinstance(whole, int) and isinstance(each, int) and whole > each and not whole % each:
+                return whole // each
+    return 0
+
+
+def _implied(groups: list[ObjectGroup], road: RoadNotes) -> list[ObjectGroup]:
+    """What the setting means where the sentence does not say it itself."""
+    kinds = {group.kind for group in groups}
+    busy, junction = "busy" in road.settings, road.kind in (*_CROSSED, "roundabout")
+    implied = []
+    if "residential" in road.settings and not kinds & {"house", "building"}:
+        implied.append(ObjectGroup(kind="house", count="some", places=_SIDES))
+    if "urban" in road.settings and not kinds & {"house", "building"}:
+        implied.append(ObjectGroup(kind="building", count="some", places=_SIDES))
+    if "tree-lined" in road.settings and "tree" not in kinds:
+        implied.append(ObjectGroup(kind="tree", count="many", places=_SIDES))
+    if busy and not any(group.record.is_vehicle and group.heading != "parked" for group in groups):
+        implied.append(ObjectGroup(kind="vehicle", count="many"))
+        if road.kind == "roundabout":
+            implied.append(ObjectGroup(kind="vehicle", count="some", at_junction=True))
+        elif road.kind in _CROSSED:
+            implied.append(ObjectGroup(kind="vehicle", count="some", heading="across"))
+    if busy and junction and "person" not in kinds:
+        implied.append(ObjectGroup(kind="person", count="some", at_junction=True))
+    return implied
+
+
+def _is_off_the_road(no: Mention) -> bool:
+    """Whether it denies what walks on the road alone, as in "people on the pavement but nobody on the road"."""
+    return (no.on_road or no.at.on_road) and no.record.walks
+
+
+def _covers(no: Mention, mention: Mention) -> bool:
+    """Whether what is denied somewhere is, or may be, what is wanted."""
+    kinds = {no.kind, mention.kind}
+    return len(kinds) == 1 or ("vehicle" in kinds and no.record.is_vehicle and mention.record.is_vehicle)

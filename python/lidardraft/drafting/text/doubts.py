@@ -1,0 +1,89 @@
+"""What a sentence is too involved to be read from: constituents that are reported rather than guessed at."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from lidardraft.drafting.text.chart import Node
+from lidardraft.drafting.text.positions import Position
+from lidardraft.drafting.text.tree import leaves
+
+STRANGE = ("unknown", "stranger", "aside")  # constituents that nothing comes of
+_ENDS = (",", ".", ":", ")", "but")  # of what a word governs
+_NAMES = ("object", "ellipsis", "pronoun", "stranger")
+_SAID = ("whereabouts", "relation")
+_PREPOSITIONS = ("in", "of", "to", "from", "on", "at", "by", "through", "onto", "into", "for", "as")
+_SUBORDINATE = ("so", "if", "when", "because", "until", "although", "though", "since", "as")
+
+
+def with_doubts(nodes: Sequence[Node], texts: Sequence[str]) -> list[Node]:
+    """The constituents of a text, those in doubt as unknown ones."""
+    found = list(nodes)
+    for index, node in enumerate(nodes):
+        for doubtful in _doubtful(found, index, texts[node.start : node.end]):
+            if found[doubtful].symbol not in (",", "."):
+                found[doubtful] = found[doubtful]._replace(symbol="unknown")
+    return found
+
+
+def _doubtful(nodes: list[Node], index: int, words: Sequence[str]) -> Sequence[int]:
+    """The numbers of the constituents that one casts doubt on."""
+    node, after = nodes[index], nodes[index + 1].symbol if index + 1 < len(nodes) else ""
+    end = _end(nodes, index)
+    governed = range(index, end)
+    unclear = any(nodes[one].symbol in STRANGE for one in governed)
+    if node.symbol == "(":
+        closed = next((n for n in range(index, len(nodes)) if nodes[n].symbol == ")"), len(nodes) - 1)
+        inside = range(index, closed + 1)
+        return inside if any(nodes[n].symbol in ("object", *STRANGE) for n in inside) else ()
+    if node.symbol == "which":  # of what is unknown, or with unknown words
+        before = nodes[index - 1] if index else node
+        known = before.symbol in ("object", ",") or (before.symbol == "relation" and any(leaves(before, "object")))
+        return governed if unclear or not known else ()
+    of = words[-1:] == ["of"] and index > 0 and nodes[index - 1].symbol in STRANGE  # "tens of cars"
+    if node.symbol == "silent" and words[-1] in _PREPOSITIONS and after in _NAMES and not of:
+        return range(index, _after_places(nodes, index + 2))  # "in a traffic jam"
+    if node.symbol == "silent" and words[0] in _SUBORDINATE and after in (*_NAMES, "there"):
+        return governed
+    if node.symbol == "except" or (node.symbol == "object" and node.get("count") == 0):
+        return governed if unclear else ()
+    if node.symbol == "ellipsis" and after in ("unknown", "quiet", "busy", "size"):  # "one empty slot"
+        return range(index, _after_places(nodes, index + 2))
+    if node.symbol == "ellipsis" and any(leaves(node, "unknown")):  # "the middle one is set back"
+        return governed
+    if node.symbol == "whereabouts" and any(one.get("owned") for one in leaves(node, "the")):  # "its left edge"
+        return (index,)
+    if node.symbol == "whereabouts" and "gap" in words and index and nodes[index - 1].symbol in (",", "and"):
+        return (index,)  # "two vans, then a 5 m gap"
+    if node.symbol == "except" and any(nodes[one].symbol in ("relation", "street") for one in governed):
+        return governed  # "except near the junction"
+    if node.symbol == "ellipsis" and node.get("ordinal") is not None and after in _SAID:
+        verb = _after_places(nodes, index + 1)  # "the first on the right is a taxi"
+        return governed if verb < len(nodes) and nodes[verb].symbol == "is" else ()
+    if node.symbol in STRANGE and after == "relation":  # "a gap between a skip and a truck"
+        return range(index + 1, _after_places(nodes, index + 1))
+    if node.symbol in STRANGE and after == "whereabouts" and _is_length(nodes[index + 1]):
+        return (index + 1,)
+    if node.symbol == "whereabouts" and _is_length(node) and after in STRANGE:  # "10 m further"
+        return (index,)
+    return ()
+
+
+def _is_length(node: Node) -> bool:
+    at = node.get("at")
+    return isinstance(at, Position) and at == Position(distance=at.distance)
+
+
+def _end(nodes: Sequence[Node], index: int) -> int:
+    """The number of the constituent after what one governs: up to a sign, or to a link with another object."""
+    for number in range(index + 1, len(nodes)):
+        after = nodes[number + 1].symbol if number + 1 < len(nodes) else ""
+        if nodes[number].symbol in _ENDS or (nodes[number].symbol == "and" and after in _NAMES):
+            return number
+    return len(nodes)
+
+
+def _after_places(nodes: Sequence[Node], index: int) -> int:
+    while index < len(nodes) and nodes[index].symbol in _SAID:
+        index += 1
+    return index

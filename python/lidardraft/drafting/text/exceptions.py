@@ -1,0 +1,73 @@
+"""Negation and exception: what is denied, left out, or only somewhere else."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from lidardraft.drafting.text.mentions import Discourse, Ids, Mention, mention_of
+from lidardraft.drafting.text.positions import NOWHERE, Position
+from lidardraft.drafting.text.tree import Clause, NounPhrase, Place
+
+
+def leave_out(d: Discourse, phrase: NounPhrase, before: Ids, told: bool, verb: bool) -> Ids:
+    """ "Except a bus": none but it of what is denied; else it is left out of what is wanted."""
+    last = before[-1]
+    source = d.mentions[last]
+    if phrase.kind:
+        wanted = source.count != 0
+        made = replace(mention_of(phrase), count=0 if wanted else phrase.count or "some")
+        return [d.add(made)]
+    if told and source.count == 1:
+        return []
+    if told:
+        return [d.add(Mention(source.kind, phrase.count, same_as=last, of_them=True))]
+    hosted = next((n for n, one in enumerate(d.mentions) if one.host is not None and last in (n, one.host)), None)
+    if hosted is not None and isinstance(phrase.count, int):
+        d.change(hosted, left_out=phrase.count)
+    elif isinstance(phrase.count, int) and isinstance(source.count, int) and source.count > phrase.count:
+        d.change(last, count=source.count - phrase.count)
+        if source.heading is not None or verb:
+            heading = "with" if source.at.both_sides or source.at.beside_road else None
+            d.add(replace(source, count=phrase.count, heading=heading))
+    return []
+
+
+def leave_out_place(d: Discourse, ids: Ids, place: Place) -> None:
+    """All but those at a place; none but those, of what is denied."""
+    if place.at != Position(
+        place.at.places, both_sides=place.at.both_sides, shared=place.at.shared
+    ) or place.at.places == (NOWHERE,):
+        return
+    for one in ids[-1:]:
+        mention = d.mentions[one]
+        if mention.kind is None:
+            return
+        if mention.count == 0:
+            d.change(one, count="some", at=place.at, placed=True)
+        else:
+            d.mentions[one] = keep_away(mention, place.at)
+
+
+def all_but_some(d: Discourse, phrase: NounPhrase, whole: int | None) -> Ids:
+    """ "All but two": a part of so many fewer."""
+    count = d.mentions[whole].count if whole is not None else None
+    if whole is None or not isinstance(count, int) or count <= phrase.all_but:
+        return []
+    made = Mention(d.mentions[whole].kind, count - phrase.all_but, same_as=whole, of_them=True)
+    return [d.add(made)]
+
+
+def is_denied(d: Discourse, clause: Clause, number: int) -> bool:
+    """Whether a list goes on that is denied: "no cars or trucks", "without cars and buses"."""
+    link, before = clause.items[number].link, clause.items[number - 1].head if number else None
+    if not isinstance(before, NounPhrase) or clause.items[number - 1].modifiers:
+        return False
+    denied = before.count == 0 or (number > 1 and is_denied(d, clause, number - 1))
+    return denied and (link == "or" or (link == "and" and before.without))
+
+
+def keep_away(mention: Mention, no: Position) -> Mention:
+    """A mention without some places: of those that it names, else of everywhere."""
+    if mention.relation is None and any(place in mention.at.places for place in no.places):
+        return replace(mention, at=mention.at.without(no))
+    return replace(mention, not_at=(*mention.not_at, *(place for place in no.places if any(place))))

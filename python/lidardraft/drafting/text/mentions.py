@@ -1,0 +1,167 @@
+"""Mentions of objects, and what is noted of the road: what the clauses of a sentence become before they are a spec."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS, SentenceKind
+from lidardraft.drafting.text.positions import ANYWHERE, Place, Position
+from lidardraft.drafting.text.tree import NO_SCALE, NO_SIZE, Count, Manner, NounPhrase, Sizes, Tokens
+from lidardraft.drafting.text.tree import Place as PlaceSaid
+
+
+@dataclass(frozen=True, slots=True)
+class Mention:
+    """Objects of a kind that a sentence names; None is an unknown kind, which takes the words after it.
+
+    References to other mentions are their numbers. Count 0 denies the objects; a `weak` position is overruled by the
+    next one. The other fields by example:
+
+    described: "a man waits": what is listed after the verb does not share its position
+    same_as, of_them: "three cars, two of them red": the two are the `same_as` the three, and counted in them
+    host, left_out: "two trees for each house except one": the houses are the host, one of them is left out
+    name: the A of "car A"
+    summed: "a queue: three cars and a bus": the queue is all that is listed after its colon
+    with_it: "a garden with two trees": the trees are near it where nothing else places them
+    """
+
+    kind: str | None
+    count: Count = 1
+    at: Position = ANYWHERE
+    not_at: tuple[Place, ...] = ()
+    heading: str | None = None
+    on_road: bool = False
+    queue: bool = False
+    ridden: bool = False
+    placed: bool = False
+    weak: bool = False
+    size: Sizes = NO_SIZE
+    scale: tuple[float, float, float] = NO_SCALE
+    relation: str | None = None
+    references: tuple[int, ...] = ()
+    described: bool = False
+    same_as: int | None = None
+    of_them: bool = False
+    host: int | None = None
+    abreast: bool = False
+    overtakes: bool = False
+    name: str = ""
+    left_out: int = 0
+    summed: bool = False
+    with_it: int | None = None
+    tokens: Tokens = frozenset()
+
+    @property
+    def record(self) -> SentenceKind:
+        """What is known of its kind."""
+        assert self.kind is not None
+        return SENTENCE_KINDS[self.kind]
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether it is of a known kind and not denied."""
+        return self.kind is not None and self.count != 0
+
+
+@dataclass(frozen=True, slots=True)
+class RoadNotes:
+    """What is said of the road and of the setting ("busy", "residential", ...)."""
+
+    kind: str | None = None
+    lanes: int = 0
+    usual_lanes: int = 0
+    oncoming_lanes: int = 0
+    each_way: bool = False
+    one_way: bool = False
+    ego_lane: str | None = None
+    sidewalk: bool | None = None
+    settings: frozenset[str] = frozenset()
+
+
+Mentions = tuple[Mention, ...]
+JUNCTIONS = ("crossroads", "t-junction", "roundabout")
+Ids = list[int]
+
+
+@dataclass
+class Discourse:
+    """The mentions of a text so far, and what later words refer to: those of the clause before, "it", "each"."""
+
+    inner_side: str | None  # the side that the bend of the text goes to
+    mentions: list[Mention] = field(default_factory=list)
+    road: RoadNotes = RoadNotes()
+    latest: Ids = field(default_factory=list)  # what the clause before was about
+    has_ego: bool = False
+    each: int | None = None  # the houses of "each house has a tree"
+    sentence: int = 0  # how many mentions there were where this sentence began
+    earlier: int = 0  # and the one before
+    count_before: int = 0  # and the noun phrase that is read
+    last_lead: PlaceSaid | None = None
+    it: int | None = None  # what "it" was in this sentence
+    summed: int | None = None
+    host_is_unknown: int | None = None
+
+    def add(self, mention: Mention) -> int:
+        """The number of a new mention."""
+        self.mentions.append(mention)
+        return len(self.mentions) - 1
+
+    def change(self, number: int, **fields: object) -> None:
+        """Replace some fields of a mention."""
+        self.mentions[number] = replace(self.mentions[number], **fields)  # type: ignore[arg-type]
+
+    def cover(self, number: int, tokens: Tokens) -> None:
+        """Count some words to a mention."""
+        self.change(number, tokens=self.mentions[number].tokens | tokens)
+
+    def several(self, kind: str = "") -> int | None:
+        """The last mention of several objects."""
+        for number in range(len(self.mentions) - 1, -1, -1):
+            one = self.mentions[number]
+            if one.is_wanted and one.count != 1 and kind in ("", one.kind):
+                return number
+        return None
+
+    def depends(self, number: int, other: int) -> bool:
+        """Whether a mention is another one, or placed from it."""
+        return number == other or any(self.depends(one, other) for one in self.mentions[number].references)
+
+
+def count_times(count: Count, each: Count) -> Count:
+    """So many of each of so many; a word for one of the numbers is one for all of them."""
+    if isinstance(count, int) and isinstance(each, int):
+        return count * each
+    return each if count == 1 else count
+
+
+def mention_of(phrase: NounPhrase) -> Mention:
+    """What a phrase with a noun asks for."""
+    bare = Mention(phrase.kind, phrase.count)
+    manner = fitting_manner(phrase.manner, bare)
+    return Mention(
+        phrase.kind,
+        phrase.count,
+        heading=manner.heading,
+        queue=manner.queue,
+        ridden=phrase.ridden,
+        size=manner.size,
+        scale=manner.scale if manner.scale != NO_SCALE else NO_SCALE,
+        name=phrase.name,
+        abreast=manner.abreast,
+        described=phrase.traffic,
+        at=phrase.at or Position(),
+        placed=phrase.at is not None,
+        overtakes=manner.overtakes,
+        tokens=phrase.tokens,
+    )
+
+
+def fitting_manner(manner: Manner, mention: Mention) -> Manner:
+    """A manner without the heading that its kind cannot have, or that is said already."""
+    kind, heading = mention.record, str(manner.heading)
+    fits = kind.drives or (kind.walks and heading != "parked" and not heading.startswith("turning"))
+    fits = fits or (kind.follows_road and heading == "across")
+    abreast = mention.count in (2, 3, 4, 5)
+    if manner.abreast and not abreast:
+        manner = replace(manner, abreast=False)
+    return manner if fits else replace(manner, heading=None)

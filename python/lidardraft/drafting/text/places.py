@@ -1,0 +1,226 @@
+"""What places, verbs and adjectives say of mentions: where they are, how they stand or move, how large they are."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+
+from lidardraft.drafting.text.exceptions import leave_out_place
+from lidardraft.drafting.text.mentions import Discourse, Ids, Mention, count_times, fitting_manner
+from lidardraft.drafting.text.positions import BEHIND, FRONT, LEFT, RIGHT, Position
+from lidardraft.drafting.text.tree import Count, Manner, Modifier, Place
+
+
+def say_place(d: Discourse, ids: Ids, place: Place, modifier: Modifier) -> Ids:
+    """Note a place of objects; those that what is said next is said of."""
+    note_place(d, place)
+    place = with_side(d, place)
+    if modifier.link == "except":
+        leave_out_place(d, ids, place)
+        return ids
+    if place.there:
+        _say_there(d, ids)
+        return ids
+    if place.at.spacing and place.in_row and queue_up(d, ids, place.at.spacing):
+        return ids[:1]
+    if place.of_all and len(ids) == 1 and d.mentions[ids[0]].same_as is not None:
+        whole = d.mentions[ids[0]].same_as
+        ids = [n for n, one in enumerate(d.mentions) if n == whole or one.same_as == whole]
+    for one in ids:
+        mention = d.mentions[one]
+        if mention.kind is None:
+            d.change(one, at=mention.at.narrowed(place.at), placed=True)
+        elif mention.host is not None and place.at in (Position((FRONT,)), Position((BEHIND,))) and not mention.placed:
+            relation = "in-front-of" if place.at.places == (FRONT,) else "behind"
+            d.change(one, relation=relation, references=(mention.host,), placed=True)
+        elif mention.of_them and mention.count == 1 and place.at.spacing and mention.same_as is not None:
+            return [_begin_row(d, one, place)]
+        else:
+            attach(d, one, place, modifier.link)
+    return ids
+
+
+def _say_there(d: Discourse, ids: Ids) -> None:
+    """ "There" is where the last of before is, known or not."""
+    before = d.mentions[ids[0] - 1].at if ids and ids[0] else Position()
+    for one in ids if before != Position() else []:
+        if d.mentions[one].kind is not None:
+            place_at(d, one, Place(Position(before.places, before.distance, lane=before.lane)))
+
+
+def _begin_row(d: Discourse, first: int, place: Place) -> int:
+    """Where the first of several is, all of them begin, as in "the first at 10 m, 20 m between them"."""
+    one = d.mentions[first]
+    assert one.same_as is not None
+    whole = d.mentions[one.same_as]
+    at = whole.at.narrowed(one.at).narrowed(place.at)
+    if not any(fore for fore, _ in at.places):
+        at = at.narrowed(Position(places=(FRONT,)))
+    d.change(one.same_as, at=at, placed=True)
+    d.change(first, kind=None, same_as=None, of_them=False)
+    return one.same_as
+
+
+def queue_up(d: Discourse, ids: Ids, spacing: float | None) -> bool:
+    """Each of several single objects is behind the one before it."""
+    known = [d.mentions[one] for one in ids]
+    if len(ids) < 2 or any(one.count != 1 or one.relation is not None or one.kind is None for one in known):
+        return False
+    for before, one in itertools.pairwise(ids):
+        at = Position(distance=(spacing, spacing) if spacing else None)
+        d.change(one, relation="behind", references=(before,), placed=True, at=at)
+    return True
+
+
+def attach(d: Discourse, number: int, place: Place, link: str) -> None:
+    """A further place after "and", a closer description of the same place otherwise."""
+    mention = d.mentions[number]
+    at = _fitting(place, mention)
+    if at is None:
+        return
+    if mention.weak:
+        d.change(number, relation=None, references=())
+        mention = d.mentions[number]
+    if mention.at.lane and at.lane and mention.at.lane != at.lane and not mention.weak and link not in ("and", "or"):
+        return  # a second lane
+    if place.times > 1:
+        d.change(number, count=count_times(mention.count, place.times))
+    if not mention.placed or mention.weak:
+        d.change(number, at=at if mention.weak else mention.at.narrowed(at), placed=True, weak=False)
+    elif link in ("and", "or", ",") and not _goes_on(at, mention, link):
+        if at.only_places and mention.at.only_places:
+            d.change(number, at=mention.at.or_at(at))
+        else:
+            _add_elsewhere(d, number, at)
+    elif (at.distance and mention.at.distance) or (at.spacing and mention.at.spacing):
+        return  # a second length
+    elif mention.at.narrowed(at) != mention.at or place.lanes or place.road:
+        d.change(number, at=mention.at.narrowed(at))
+
+
+def _add_elsewhere(d: Discourse, number: int, at: Position) -> None:
+    """More of the same at another place; of several at two distances one is at each."""
+    mention = d.mentions[number]
+    if at.distance and mention.at.distance and mention.count != 1:
+        whole = mention.same_as if mention.same_as is not None else number
+        of_them = mention.count != "some"
+        other = replace(mention, count=1, at=at, same_as=whole, of_them=of_them)
+        if mention.count == "some":
+            d.change(number, count=1)
+        rest = replace(at, distance=None)
+        d.add(other)
+        for n, one in enumerate(d.mentions):
+            if n == number or one.same_as == whole:
+                d.change(n, at=rest.narrowed(one.at) if rest.agrees(replace(one.at, distance=None)) else one.at)
+        return
+    d.add(replace(mention, at=at))
+
+
+def _goes_on(at: Position, mention: Mention, link: str) -> bool:
+    """Whether a place after a comma describes the same place more closely, as in "on the left, 20 m away"."""
+    closer = mention.count == 1 or not (at.only_places and mention.at.only_places)
+    second = link == "," and mention.count == 1 and bool(at.distance and mention.at.distance)
+    return (link == "," and closer and at.agrees(mention.at)) or second
+
+
+def place_at(d: Discourse, number: int, place: Place, weak: bool = False) -> None:
+    """Put a mention at a place, which the next one overrules if it is weak."""
+    mention = d.mentions[number]
+    if mention.kind is None:
+        d.change(number, at=mention.at.narrowed(place.at), placed=True)
+        return
+    at = _fitting(place, mention)
+    if at is not None:
+        d.change(number, at=mention.at.narrowed(at), placed=True, weak=weak)
+
+
+def _fitting(place: Place, mention: Mention) -> Position | None:
+    """The position of a place, None where its kind cannot be there."""
+    at, kind = place.at, mention.record
+    if place.crosswalk and not kind.walks:
+        return None
+    if at.sidewalk and "sidewalk" not in kind.surfaces:
+        return None if at == Position(at.places, sidewalk=True) else replace(at, sidewalk=False)
+    if at.lane and "road" not in kind.surfaces:
+        return None
+    if (at.from_road or at.from_sidewalk) and mention.references:
+        return None
+    if place.shoulder and not mention.at.sides and not at.sides:
+        at = replace(at, places=(RIGHT,))
+    return at
+
+
+def note_place(d: Discourse, place: Place) -> None:
+    """What "in each of the three lanes" or "at the corner of the crossroads" says of the road."""
+    if place.road is not None and (d.road.kind in (None, "straight") or place.road in ("left-bend", "right-bend")):
+        d.road = replace(d.road, kind=place.road if place.road != "straight" else d.road.kind)
+    if place.at.lane == "each" and not d.road.lanes and place.lanes:
+        d.road = replace(d.road, lanes=place.lanes)
+
+
+def with_side(d: Discourse, place: Place) -> Place:
+    """A place with a side for "the other side" and for "the outer side" of a bend."""
+    if place.other_side:
+        sides = [side for mention in d.mentions for side in mention.at.sides]
+        side = RIGHT if sides[-1:] == ["left"] else LEFT
+        return replace(place, at=place.at.narrowed(Position(places=(side,))))
+    if not place.bend_side:
+        return place
+    inner = {"left-bend": "left", "right-bend": "right"}.get(str(d.road.kind), d.inner_side)
+    if inner is None:
+        if d.road.kind != "bend":
+            return place
+        d.road, inner = replace(d.road, kind="right-bend"), "right"
+    side_name = inner if place.bend_side == "inner" else {"left": "right", "right": "left"}[inner]
+    return replace(place, at=place.at.narrowed(Position(places=(("", side_name),))))
+
+
+def describe(d: Discourse, number: int, manner: Manner) -> None:
+    """Note how objects stand or move, and how large they are."""
+    mention = d.mentions[number]
+    if mention.kind is None:
+        return
+    if manner.heading == "both":
+        _both_ways(d, number)
+        return
+    if manner.cycling and mention.kind == "person":
+        d.change(number, kind="bicycle", ridden=False)
+    mention = d.mentions[number]
+    manner = fitting_manner(manner, mention)
+    heading = manner.heading or mention.heading
+    at, size, scale = mention.at, manner.size, manner.scale
+    if manner.length is not None:
+        size = _sized(mention, manner)
+        scale = tuple(1.0 if one is None else 1.0 / a for one, a in zip(size, mention.scale, strict=True))  # type: ignore[assignment]
+    if manner.road is not None:
+        d.road = replace(d.road, kind=manner.road)
+    d.change(
+        number,
+        heading=heading,
+        queue=mention.queue or manner.queue,
+        abreast=mention.abreast or manner.abreast,
+        on_road=mention.on_road or manner.on_the_road,
+        at=replace(at, at_junction=at.at_junction or manner.at_junction),
+        placed=mention.placed or manner.at_junction,
+        overtakes=mention.overtakes or manner.overtakes,
+        size=tuple(new if new is not None else old for new, old in zip(size, mention.size, strict=True)),
+        scale=tuple(a * b for a, b in zip(mention.scale, scale, strict=True)),
+    )
+
+
+def _both_ways(d: Discourse, number: int) -> None:
+    """Of what drives in both directions half comes towards us."""
+    mention = d.mentions[number]
+    half = mention.count // 2 if isinstance(mention.count, int) and mention.count > 1 else 0
+    rest: Count = mention.count - half if half and isinstance(mention.count, int) else mention.count
+    d.change(number, heading="with", count=rest)
+    d.add(replace(d.mentions[number], heading="against", count=half or mention.count))
+
+
+def _sized(mention: Mention, manner: Manner) -> tuple[float | None, float | None, float | None]:
+    """What "of 3 m" says: a fence of less than is usual for its height is so high, and otherwise so long."""
+    length, kind = manner.length or 0.0, mention.record
+    tall = mention.scale[2] != 1.0 and mention.scale[0] == 1.0
+    long = mention.scale[0] > 1.0 and mention.scale[2] == 1.0
+    long = long or (kind.follows_road and kind.sizes is not None and length > kind.sizes.largest[2])
+    return (length, None, None) if long and not tall else (None, None, length)

@@ -1,0 +1,161 @@
+"""Parts of a whole, as they are named: "one of the three cars", "the second", "the others", "all of them"."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from lidardraft.drafting.text.exceptions import all_but_some
+from lidardraft.drafting.text.mentions import Discourse, Ids, Mention, mention_of
+from lidardraft.drafting.text.places import describe
+from lidardraft.drafting.text.positions import FRONT, Position
+from lidardraft.drafting.text.tree import Clause, Count, Item, Manner, NounPhrase, Place
+
+_HAVING = ("with", "has", "have")
+_SHARES = {"some": 0.5, "few": 0.25, "many": 0.75}  # of "them"; estimates
+
+
+def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: bool) -> Ids:
+    """What a number without a noun, "one of the three cars" or "the second car" names."""
+    phrase, item = clause.items[number].head, clause.items[number]
+    assert isinstance(phrase, NounPhrase)
+    following = _following(clause, number)
+    if phrase.part is not None and phrase.kind:
+        return _part_of_named(d, phrase, told, following in ("has", "have"))
+    whole = d.several(phrase.kind or "")
+    last = before[-1] if before else len(d.mentions) - 1 if d.mentions else None
+    if last is None or d.mentions[last].kind is None:
+        return []
+    if phrase.all_but or phrase.all or phrase.each:
+        return _all_or_each(d, phrase, whole, before) if told or phrase.one_each or following in _HAVING else []
+    of_them = phrase.of_them or (whole is not None and (phrase.rest or phrase.ordinal is not None))
+    last = whole if of_them and whole is not None else last
+    source = d.mentions[last]
+    if phrase.count == 0:
+        return _none_of(d, item, phrase, last, told)
+    told = told or (number + 1 < len(clause.items) and not following)
+    aside = bool(item.modifiers) and item.modifiers[0].link == "," and phrase.of_them
+    if (not told and not phrase.of_them) or ((aside or not told) and isinstance(source.count, str)):
+        count = phrase.count if phrase.exact or isinstance(phrase.count, tuple) else None
+        if count is None or phrase.ordinal is not None or not isinstance(source.count, str):
+            return []
+        d.change(last, count=count)  # "bicycles at a fence: 15 of them"
+        return [last]
+    if phrase.ordinal == 0 and source.at.spacing:  # where the first is, the whole row begins
+        places = [one.said.at for one in item.modifiers if isinstance(one.said, Place)]
+        ahead = not any(fore for at in places for fore, _ in at.places)
+        at = source.at.narrowed(Position(places=(FRONT,))) if ahead else source.at
+        d.change(last, at=at, weak=False)
+        return [last]
+    return [_new_part(d, phrase, last, of_them)]
+
+
+def _new_part(d: Discourse, phrase: NounPhrase, last: int, of_them: bool) -> int:
+    """A mention of a part of others, or of more of the same; of "half of them" the share counts."""
+    source = d.mentions[last]
+    count: Count = phrase.count
+    if phrase.rest:
+        count = "some" if phrase.plural or phrase.kind else 1
+    share = phrase.part if isinstance(phrase.part, float) else _SHARES.get(str(phrase.count), 0.0) * phrase.of_them
+    if share:
+        of_them = isinstance(source.count, int)
+        count = max(1, int(share * source.count)) if isinstance(source.count, int) else "some"
+    kept = source.heading == "parked" or (source.heading == "against" and phrase.another)
+    root = source.same_as if source.same_as is not None else last
+    made = Mention(
+        source.kind,
+        count,
+        heading=source.heading if kept else None,
+        same_as=root if source.count != 0 else None,
+        of_them=of_them or (count == "some" and source.of_them),
+    )
+    number = d.add(made)
+    describe(d, number, phrase.manner)
+    return number
+
+
+def _all_or_each(d: Discourse, phrase: NounPhrase, whole: int | None, before: Ids) -> Ids:
+    """What "all of them", "all but two", "each" and "six each" name."""
+    if phrase.all_but:
+        return all_but_some(d, phrase, whole)
+    if phrase.one_each:
+        if any(not isinstance(d.mentions[one].count, str) for one in before):
+            return []
+        for one in before:
+            d.change(one, count=phrase.count, at=replace(d.mentions[one].at, shared=False))
+        return before
+    if phrase.all:
+        return _all_of_them(d, phrase)
+    if whole is None:
+        return []
+    d.each = whole
+    return [whole]
+
+
+def _none_of(d: Discourse, item: Item, phrase: NounPhrase, whole: int, told: bool) -> Ids:
+    """ "None of them parked": they drive; "none on the left": there they are not."""
+    said = [one.said for one in item.modifiers]
+    if not phrase.of_them:
+        return [d.add(Mention(d.mentions[whole].kind, 0))] if told else []
+    if said and all(isinstance(one, Manner) and one.heading in ("parked", "against") for one in said):
+        d.change(whole, heading="with")
+    return []
+
+
+def _part_of_named(d: Discourse, phrase: NounPhrase, told: bool, has: bool) -> Ids:
+    """ "One of the three cars": the cars, of which one is a part."""
+    whole = d.several(str(phrase.kind))
+    if whole is None or phrase.exact:
+        whole = d.add(replace(mention_of(phrase), count=phrase.count))
+    count: Count = int(phrase.part) if isinstance(phrase.part, int) else "some"
+    source = d.mentions[whole]
+    if has:
+        return [whole]
+    if isinstance(phrase.part, float) and isinstance(source.count, int):
+        count = max(1, int(phrase.part * source.count))
+    if phrase.ordinal is not None and not told:
+        return [whole]
+    made = d.add(
+        Mention(
+            source.kind,
+            count,
+            heading=source.heading if source.heading == "parked" else None,
+            same_as=whole,
+            of_them=True,
+        )
+    )
+    return [made]
+
+
+def _all_of_them(d: Discourse, phrase: NounPhrase) -> Ids:
+    """What "both" and "all of them" mean: the several of before, or all that the sentence lists."""
+    first = d.sentence if d.sentence < len(d.mentions) else d.earlier
+    listed = [n for n in range(first, len(d.mentions)) if d.mentions[n].is_wanted]
+    if phrase.both and len(listed) > 1 and [d.mentions[n].count for n in listed[-2:]] == [1, 1]:
+        listed = listed[-2:]
+        return listed
+    kinds = {d.mentions[n].kind for n in listed}
+    whole = d.several()
+    if len(kinds) > 1 and d.mentions[listed[-1]].count == 1:
+        found = listed
+    elif whole is not None:
+        found = [whole]
+    else:
+        found = listed
+    return found
+
+
+def _following(clause: Clause, number: int) -> str:
+    """The link after an item."""
+    return clause.items[number + 1].link if number + 1 < len(clause.items) else ""
+
+
+def counted_later(d: Discourse, phrase: NounPhrase, told: bool, before: Ids, link: str) -> int | None:
+    """The mention that a number is told of later, as in "every lamp has a bin; there are four lamps"."""
+    if not phrase.exact or told or (before and link != ":") or phrase.name:
+        return None
+    for number, one in enumerate(d.mentions):
+        hosts = any(other.host == number for other in d.mentions) or one.left_out
+        if one.kind == phrase.kind and isinstance(one.count, str) and one.count != "few" and (hosts or phrase.in_total):
+            d.change(number, count=phrase.count)
+            return number
+    return None

@@ -1,0 +1,187 @@
+"""What is placed from something else: from another mention, from the ego or from the road."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from lidardraft.drafting.text.mentions import JUNCTIONS, Discourse, Ids
+from lidardraft.drafting.text.places import describe, place_at
+from lidardraft.drafting.text.positions import Position
+from lidardraft.drafting.text.references import is_car_of_ego
+from lidardraft.drafting.text.tree import Manner, Place, Relation
+
+TURNED = {"behind": "in-front-of", "in-front-of": "behind"}
+
+
+def relate(d: Discourse, ids: Ids, said: Relation, references: Ids) -> Ids:
+    """Place objects from others; what is said next is said of those if they are new, else of the objects."""
+    subjects = [
+        one
+        for one in ids
+        if d.mentions[one].kind is not None and not any(d.depends(other, one) for other in references)
+    ]
+    pronouns = [phrase.pronoun for phrase in said.targets]
+    if said.relation == "rides":
+        _ride(d, ids, said, references)
+        return ids
+    if ("us" in pronouns and len(pronouns) == 1) or (
+        len(said.targets) == 1 and not references and is_car_of_ego(d, said.targets[0])
+    ):
+        return _relate_to_ego(d, ids, said)
+    if said.overtakes and not references:
+        return ids
+    if pronouns == ["it"] and not references and (d.road.kind is not None or (said.at_it and d.last_lead)):
+        return _relate_to_junction(d, ids, said)
+    if pronouns == ["junction"]:
+        for one in subjects:
+            d.change(one, at=replace(d.mentions[one].at, at_junction=True), placed=True)
+        d.road = replace(d.road, kind=d.road.kind if d.road.kind in JUNCTIONS else "crossroads")
+        return ids
+    if "road" in pronouns or ("us" in pronouns and len(pronouns) == 2):
+        return _relate_to_road(d, subjects, said, references, "us" in pronouns)
+    unknown = [one for one in ids if d.mentions[one].kind is None]
+    if unknown and len(unknown) == len(ids):
+        return [one for one in references if not d.mentions[one].placed] or ids
+    if not references or said.relation is None or not subjects or len(references) < len(said.targets):
+        return ids
+    if said.followed:
+        subjects, references = references, subjects[-1:]
+    if said.at_it and _stand_at(d, subjects, references):
+        return references
+    sides = [
+        phrase.at
+        for phrase in said.targets
+        if phrase.at is not None and phrase.at.sides and d.mentions[references[0]].at.both_sides
+    ]
+    for one in subjects if sides else []:
+        place_at(d, one, Place(sides[0]))
+    new = [one for one in references if not d.mentions[one].placed and not d.mentions[one].references]
+    for one in subjects:
+        _relate_one(d, one, said, references)
+    return new if new and new[-1] == references[-1] and not said.followed else subjects
+
+
+def _relate_one(d: Discourse, number: int, said: Relation, references: Ids) -> None:
+    mention, relation = d.mentions[number], said.relation
+    if mention.relation is not None and not mention.weak:
+        first = d.mentions[references[0]]
+        free = len(references) == 1 and first.relation is None and not first.placed
+        if free and relation in ("near", "beside", "opposite"):  # a bench under a tree, opposite a house
+            d.change(references[0], relation=relation, references=(number,), placed=True)
+        return
+    before = mention.at if mention.placed and not mention.weak else Position(heading=mention.at.heading)
+    if before.distance and said.at.distance is None:
+        if _turn_round(d, number, relation, references):
+            return
+        other = d.mentions[references[0]]
+        if not other.placed and not other.references:
+            d.change(references[0], at=Position(before.places, distance=before.distance))
+        else:
+            return
+        before = replace(before, distance=None)
+    if before.from_road or before.from_sidewalk:
+        return
+    at = before.narrowed(said.at)
+    if said.overtakes:
+        at = replace(at, heading="with")
+    d.change(number, relation=relation, references=tuple(references), at=at, placed=True, weak=False)
+
+
+def _turn_round(d: Discourse, number: int, relation: str | None, references: Ids) -> bool:
+    """What stands at a distance and behind what is placed nowhere: that one is in front of it."""
+    turned = TURNED.get(str(relation))
+    other = d.mentions[references[0]]
+    drive = all(d.mentions[one].record.drives for one in (number, *references))
+    if turned is None or not drive or len(references) > 1 or other.placed or other.references:
+        return False
+    d.change(references[0], relation=turned, references=(number,), placed=True)
+    return True
+
+
+def _relate_to_ego(d: Discourse, ids: Ids, said: Relation) -> Ids:
+    """ "A car follows us", "a van overtakes us"."""
+    d.has_ego = True
+    for one in ids:
+        if said.overtakes:
+            describe(d, one, Manner(overtakes=True, heading=None))
+        elif said.ego_at is not None:
+            place_at(d, one, Place(said.ego_at.narrowed(said.at)))
+    return ids
+
+
+def _relate_to_road(d: Discourse, subjects: Ids, said: Relation, references: Ids, ego: bool) -> Ids:
+    """ "Between the trees and the road" is in front of the trees, "between us and the bus" behind the bus."""
+    if len(said.targets) == 2 and said.relation == "between" and references:
+        drives = d.mentions[references[0]].record.drives
+        relation = "behind" if ego else "beside" if drives else "in-front-of"
+        if said.targets[0].pronoun == "road":
+            relation = "in-front-of"
+        return relate(
+            d,
+            subjects,
+            Relation(
+                relation,
+                (said.targets[0],) if not said.targets[0].pronoun else (said.targets[1],),
+                said.at,
+            ),
+            references,
+        )
+    if said.ego_at is not None and said.relation in ("beside", "near"):
+        for one in subjects:
+            place_at(d, one, Place(Position(beside_road=True)))
+    return subjects
+
+
+def _relate_to_junction(d: Discourse, ids: Ids, said: Relation) -> Ids:
+    """ "It" is the road where nothing else was named: "a roundabout with houses around it"."""
+    for one in ids:
+        if d.mentions[one].kind is None:
+            continue
+        if d.road.kind in JUNCTIONS and not said.at_it:
+            d.change(one, at=replace(d.mentions[one].at, at_junction=True), placed=True)
+    return ids
+
+
+def _ride(d: Discourse, ids: Ids, said: Relation, references: Ids) -> None:
+    """ "A man on a bicycle" is a bicycle with its rider."""
+    for one in ids:
+        if d.mentions[one].kind is None or not d.mentions[one].record.walks or not references:
+            continue
+        target = said.targets[0]
+        if references[0] == len(d.mentions) - 1:
+            d.mentions.pop()
+        d.change(one, kind=target.kind)
+
+
+def _stand_at(d: Discourse, subjects: Ids, references: Ids) -> bool:
+    """What a queue, or what is placed from another one already, stands at is near to it."""
+    queues = [one for one in subjects if d.mentions[one].queue or d.mentions[one].relation is not None]
+    free = d.mentions[references[0]]
+    if not queues or free.placed or free.references:
+        return False
+    d.change(references[0], relation="near", references=tuple(queues), placed=True)
+    return True
+
+
+def is_side_of(d: Discourse, relation: Relation, place: Place, ids: Ids) -> bool:
+    """ "Next to it on the left", "passes it on the right": the side is that of the other one."""
+    sides = place.at.sides
+    known = len(ids) == 1 and d.mentions[ids[0]].relation == relation.relation in ("beside", "left-of")
+    if (
+        not known
+        or len(sides) != 1
+        or place.at != Position(place.at.places)
+        or not (relation.overtakes or relation.targets[0].pronoun)
+    ):
+        return False
+    d.change(ids[0], relation=f"{sides[0]}-of")
+    return True
+
+
+def relate_another(d: Discourse, number: int, said: Relation, references: Ids, before: int) -> None:
+    """ "Behind it a truck and two cars": what drives stands one behind the other, all else at the same thing."""
+    if any(phrase.each for phrase in said.targets) and references:
+        d.change(number, host=references[0])
+    known = d.mentions[number].is_wanted and d.mentions[before].is_wanted
+    row = known and all(d.mentions[one].record.drives for one in (number, before)) and said.relation in TURNED
+    relate(d, [number], said, [before] if row else references)

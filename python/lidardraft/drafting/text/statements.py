@@ -1,0 +1,372 @@
+"""Clauses become mentions: what each says of which objects, new ones and those named before."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+
+from lidardraft.drafting.text.coordination import spread
+from lidardraft.drafting.text.exceptions import is_denied, leave_out
+from lidardraft.drafting.text.mentions import Discourse, Ids, Mention, Mentions, RoadNotes, mention_of
+from lidardraft.drafting.text.places import attach, describe, note_place, place_at, queue_up, say_place, with_side
+from lidardraft.drafting.text.portions import counted_later, named_part
+from lidardraft.drafting.text.positions import NOWHERE, Position
+from lidardraft.drafting.text.references import call, can_be_where, known_mention, meant_by, targets_of
+from lidardraft.drafting.text.relations import is_side_of, relate, relate_another
+from lidardraft.drafting.text.streets import note_street, on_street, say_of_ego, say_of_road, with_direction
+from lidardraft.drafting.text.tree import Clause, Item, Manner, Modifier, NounPhrase, Place, Relation, Street
+
+
+def read(d: Discourse, clause: Clause) -> None:
+    """Note all that a clause says."""
+    if clause.begins:
+        d.each, d.earlier, d.sentence = None, d.sentence, len(d.mentions)
+        d.last_lead = d.it = None
+    if not clause.items:
+        _say_of_latest(d, clause)
+        return
+    lead, relation, manner = _lead(d, clause)
+    if lead is None and relation is not None and clause.link and d.last_lead is not None:
+        lead = d.last_lead
+    d.last_lead = lead
+    named: list[Ids] = []
+    related: tuple[Relation, Ids, int] | None = None
+    for number, item in enumerate(clause.items):
+        if isinstance(item.head, Street):
+            note_street(d, with_direction(item))
+            named.append([])
+            say_of_road(d, item)
+            continue
+        before = next((ids for ids in reversed(named) if ids), [])
+        if before and d.mentions[before[-1]].kind is None and item.link == ",":
+            lead = None  # it was that of what is unknown
+        if item.link == "with" and named and not named[-1]:
+            before = []
+        own = [one for one in item.modifiers if isinstance(one.said, Place | Relation)]
+        ids = _subject(d, clause, number, before, bool(lead or own or item.modifiers))
+        if ids is None:
+            say_of_ego(d, item)
+            named.append([])
+            continue
+        new = [one for one in ids if one >= d.count_before]
+        strong = not own or all(one.link != "," for one in clause.items[1 : number + 1])
+        alone = bool(item.modifiers) and item.modifiers[0].verb == "one" and number > 0
+        for one in new if lead is not None and not alone else []:
+            place_at(d, one, lead, weak=not strong)  # type: ignore[arg-type]
+        for one, said in itertools.product(new, manner):
+            describe(d, one, said)
+        link = clause.items[number].link
+        if relation is not None and ids:
+            if relation[0].at.distance is None or not any(d.mentions[one].at.distance for one in ids):
+                relate(d, ids, relation[0], relation[1])
+            for one in ids if any(phrase.each for phrase in relation[0].targets) and relation[1] else []:
+                d.change(one, host=relation[1][0])
+            related, relation = (relation[0], relation[1], ids[-1]), None
+        elif related is not None and link == "and" and new and not own:
+            relate_another(d, new[0], *related)
+            related = (related[0], related[1], new[0])
+        elif link == "then" and new and not own and before:
+            places = d.mentions[before[-1]].at.places
+            d.change(new[0], at=Position(places), placed=places != (NOWHERE,), weak=True)
+        if _is_ego(d, clause, number, ids):
+            d.mentions.pop()
+            d.has_ego = True
+            ids = []
+        named.append(ids)
+        _modify(d, clause, number, named)
+    d.latest = next((ids for ids in reversed(named) if ids), d.latest)
+
+
+def _lead(d: Discourse, clause: Clause) -> tuple[Place | None, tuple[Relation, Ids] | None, list[Manner]]:
+    """The place, the relation with its references and the manner that a clause begins with."""
+    place: Place | None = None
+    relation: tuple[Relation, Ids] | None = None
+    manner: list[Manner] = []
+    which = False
+    for modifier in clause.lead:
+        said, which = modifier.said, which or modifier.link == "which"
+        if isinstance(said, Relation) and said.targets[0].pronoun == "us" and said.ego_at is not None:
+            said = Place(said.ego_at.narrowed(said.at))
+        if isinstance(said, Place):
+            note_place(d, said)
+            said = with_side(d, said)
+            if relation is not None and relation[1] and not d.mentions[relation[1][-1]].placed:
+                place_at(d, relation[1][-1], said)
+            else:
+                at = place.at.narrowed(said.at) if place is not None else said.at
+                place = replace(said, at=at)
+        elif isinstance(said, Relation):
+            relation = (said, targets_of(d, said, []))
+        elif isinstance(said, Manner) and which and relation is not None and relation[1]:
+            describe(d, relation[1][-1], said)
+        elif isinstance(said, Manner):
+            manner.append(said)
+        else:
+            note_street(d, said)
+    return place, relation, manner
+
+
+def _say_of_latest(d: Discourse, clause: Clause) -> None:
+    """A clause without objects says more of those before it, as in "A bus! 20 m ahead!"."""
+    known = [one for one in d.latest if d.mentions[one].is_wanted]
+    if not known and any(isinstance(one.said, Manner) for one in clause.lead):
+        say_of_ego(d, Item(NounPhrase("", pronoun="us"), modifiers=clause.lead))  # "stopped behind a van"
+        return
+    lead, relation, manner = _lead(d, clause)
+    for one in known if lead is not None else []:
+        assert lead is not None
+        attach(d, one, lead, "")
+    for one, said in itertools.product(known, manner):
+        describe(d, one, said)
+    if relation is not None and known:
+        relate(d, known, *relation)
+    if lead is not None and lead.at.sidewalk and not known:
+        d.road = replace(d.road, sidewalk=True)
+
+
+def _subject(d: Discourse, clause: Clause, number: int, before: Ids, told: bool) -> Ids | None:
+    """The mentions that an item of a clause is about, new ones or known ones; None for who looks."""
+    item = clause.items[number]
+    phrase = item.head
+    assert isinstance(phrase, NounPhrase)
+    d.count_before = len(d.mentions)
+    if phrase.pronoun == "us":
+        d.has_ego = True
+        return None
+    if phrase.pronoun:
+        return meant_by(d, phrase)
+    if phrase.kind is None or (phrase.owned and known_mention(d, phrase, []) is None):
+        carried = (
+            (item.link == "with" or phrase.without) and before and not any(d.mentions[one].placed for one in before)
+        )
+        return before if carried else [d.add(Mention(None, at=Position()))]
+    if phrase.part == 0 or (number and item.verb and _is_ego_named(clause.items[number - 1])):
+        return []
+    if item.link == "except" and (before or d.latest):
+        verb = bool(item.modifiers) and bool(item.modifiers[0].verb) and item.modifiers[0].link != "which"
+        return leave_out(d, phrase, before or d.latest, told and not verb, verb)
+    if (
+        phrase.kind == ""
+        or phrase.part is not None
+        or (phrase.ordinal is not None and d.several(phrase.kind) is not None)
+    ):
+        return named_part(d, clause, number, before, told)
+    if number and not item.link and before and phrase.count != 0 and not phrase.exact:
+        head = clause.items[number - 1].head
+        several = isinstance(head, NounPhrase) and (
+            head.kind == "" or head.part is not None or head.ordinal is not None or (head.definite and item.verb)
+        )
+        if several and (item.verb or not clause.items[number - 1].modifiers):
+            return call(d, phrase, before)
+    counted = counted_later(d, phrase, told, before, item.link)
+    if counted is not None:
+        return [counted]
+    known = known_mention(d, phrase, [])
+    if known is not None and can_be_where(d, known, item):
+        describe(d, known, phrase.manner)
+        if phrase.each:
+            d.each = known
+        return [known]
+    return [_new(d, clause, number, phrase, before)]
+
+
+def _new(d: Discourse, clause: Clause, number: int, phrase: NounPhrase, before: Ids) -> int:
+    """A mention of objects that were not named before."""
+    item, host = clause.items[number], None
+    count = phrase.count
+    if is_denied(d, clause, number) and not phrase.exact and count in (1, "some"):
+        count = 0
+    mention = mention_of(phrase)
+    if item.link in ("with", "has", "have") and before and d.mentions[before[-1]].is_wanted:
+        host = before[-1]
+        if item.link == "have" and d.mentions[host].count != 1 and d.each is None:
+            d.each = host
+    unknown = _unknown_host(d, clause, number, before)
+    if unknown is not None:
+        mention = replace(mention, at=Position(unknown.at.places), placed=True, weak=True)
+    if (
+        item.link == ":"
+        and before
+        and d.mentions[before[-1]].kind == "vehicle"
+        and isinstance(d.mentions[before[-1]].count, str)
+    ):
+        d.change(before[-1], summed=True)
+        d.summed = before[-1]
+    if not clause.items[number].link or item.link == "." or number == 0:
+        d.summed = None
+    if d.summed is not None and mention.is_wanted and mention.record.is_vehicle:
+        mention = replace(mention, same_as=d.summed, of_them=True)
+    made = d.add(replace(mention, count=count, with_it=host if len(before) == 1 else None))
+    if phrase.each:
+        d.each = made
+        if not phrase.exact:
+            d.change(made, count="some")
+    elif d.each is not None and d.mentions[d.each].kind != phrase.kind:
+        d.change(made, host=d.each)
+    return made
+
+
+def _unknown_host(d: Discourse, clause: Clause, number: int, before: Ids) -> Mention | None:
+    """What is unknown and placed, and what an item is with: "a petrol station on the right with a car and a van"."""
+    link = clause.items[number].link
+    if link in ("and", ",") and d.host_is_unknown is not None and not clause.items[number - 1].modifiers:
+        return d.mentions[d.host_is_unknown]
+    d.host_is_unknown = None
+    if link == "with" and before and d.mentions[before[-1]].kind is None and d.mentions[before[-1]].placed:
+        d.host_is_unknown = before[-1]
+        return d.mentions[before[-1]]
+    return None
+
+
+def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None:
+    """Note the modifiers of an item, of all that they are spread over."""
+    item = clause.items[number]
+    open_ids: Ids = named[number]
+    modifiers = _split_part(d, clause, number, open_ids)
+    denied = bool(open_ids) and d.mentions[open_ids[0]].count == 0
+    if item.link == "except" and not named[number] and not (modifiers and modifiers[0].verb):
+        return
+    verb = (
+        bool(modifiers)
+        and bool(modifiers[0].verb)
+        and (item.link == "with" or (isinstance(item.head, NounPhrase) and item.head.without))
+    )
+    if number and ((item.link == "except" and (denied or not open_ids)) or (verb and named[number - 1])):
+        open_ids = named[number - 1]  # "cars but not trucks on the right"
+    last: Relation | None = None
+    first = next((n for n, one in enumerate(modifiers) if not isinstance(one.said, Manner) or one.said.says), -1)
+    for index, modifier in enumerate(modifiers):
+        said = modifier.said
+        for one in open_ids if not isinstance(said, Street) else []:
+            d.cover(one, said.tokens)
+        if index == first and item.link != "except" and not verb:
+            numbers = spread(clause, number, modifier)
+            open_ids = [one for n in numbers for one in named[n]] if numbers != [number] else open_ids
+            if _respective(d, clause, number, open_ids) or _carries(d, item, open_ids, named, number, said):
+                return
+        if modifier.link == "," and isinstance(said, Relation) and last is not None:
+            open_ids = named[number]  # "in front of the shop, next to a bench"
+        if isinstance(said, Place):
+            if last is not None and is_side_of(d, last, said, open_ids):
+                last = None
+                continue
+            open_ids = say_place(d, open_ids, said, modifier)
+        elif isinstance(said, Relation) and modifier.link == "except":
+            return
+        elif isinstance(said, Relation):
+            them = any(phrase.pronoun == "them" and not phrase.each for phrase in said.targets)
+            if them and len(open_ids) > 1 and index == first:
+                references, open_ids = open_ids[:-1], open_ids[-1:]
+            else:
+                references = targets_of(d, said, open_ids)
+            last = said
+            open_ids = relate(d, open_ids, said, references)
+        elif isinstance(said, Manner) and said.in_row and queue_up(d, open_ids, None):
+            open_ids = open_ids[:1]
+        elif isinstance(said, Manner):
+            for one in open_ids:
+                describe(d, one, said)
+                if d.mentions[one].kind is not None:
+                    d.change(one, described=True)
+        else:
+            on_street(d, open_ids, said)
+
+
+def _split_part(d: Discourse, clause: Clause, number: int, ids: Ids) -> tuple[Modifier, ...]:
+    """The modifiers of an item, less those before its verb, which are of the whole: "one of the cars ahead is ..."."""
+    item = clause.items[number]
+    assert isinstance(item.head, NounPhrase)
+    whole = d.mentions[ids[0]].same_as if ids else None
+    if item.head.part is None or not item.head.kind or whole is None:
+        return item.modifiers
+    verbs = [index for index, one in enumerate(item.modifiers) if one.verb]
+    later = number + 1 < len(clause.items) and bool(clause.items[number + 1].verb)
+    cut = verbs[0] if verbs else len(item.modifiers) if later else 0
+    for modifier in item.modifiers[:cut]:
+        if isinstance(modifier.said, Place):
+            say_place(d, [whole], modifier.said, modifier)
+        elif isinstance(modifier.said, Manner):
+            describe(d, whole, modifier.said)
+    return item.modifiers[cut:]
+
+
+def _carries(d: Discourse, item: Item, ids: Ids, named: list[Ids], number: int, said: object) -> bool:
+    """ "A lorry with a sign at 65 m": the place is that of the lorry, where the sign is."""
+    if item.link != "with" or not isinstance(said, Place) or len(item.modifiers) != 1 or number == 0 or len(ids) != 1:
+        return False
+    host = named[number - 1]
+    if len(host) != 1 or not said.at.distance or d.mentions[host[0]].placed or d.mentions[host[0]].relation:
+        return False
+    carried, carrier = d.mentions[ids[0]], d.mentions[host[0]]
+    if not carrier.is_wanted or not carried.is_wanted or carried.record.drives or carrier.same_as is not None:
+        return False
+    d.change(ids[0], relation="near", references=(host[0],), placed=True)
+    say_place(d, host, said, item.modifiers[0])
+    return True
+
+
+def _respective(d: Discourse, clause: Clause, number: int, open_ids: Ids) -> bool:
+    """As many places as objects are one for each, as in "a car and a truck at 20 m and 50 m"."""
+    modifiers = clause.items[number].modifiers
+    places = [one.said for one in modifiers if isinstance(one.said, Place)][: len(open_ids)]
+    links = [one.link for one in modifiers][1 : len(places)]
+    rest = modifiers[len(places) :]
+    single = all(d.mentions[one].count == 1 for one in open_ids) and all(one.at.distance for one in places)
+    single = single or modifiers[0].verb == "respectively"
+    begins = all(isinstance(one.said, Place) for one in modifiers[: len(places)])
+    if not (len(places) == len(open_ids) > 1 and single and all(links) and begins):
+        return False
+    shared = next((one.at.places for one in reversed(places) if one.at.places != (NOWHERE,)), (NOWHERE,))
+    for one, place in zip(open_ids, places, strict=True):
+        at = place.at if place.at.places != (NOWHERE,) else place.at.narrowed(Position(shared))
+        place_at(d, one, replace(with_side(d, place), at=at))
+    for modifier in rest:
+        if isinstance(modifier.said, Place):
+            say_place(d, open_ids, modifier.said, modifier)
+        elif isinstance(modifier.said, Manner):
+            for one in open_ids:
+                describe(d, one, modifier.said)
+    return True
+
+
+def _is_ego(d: Discourse, clause: Clause, number: int, ids: Ids) -> bool:
+    """Whether the first object of a text is who looks: a vehicle that drives on a road, and nowhere else."""
+    if number or ids != [0] or len(d.mentions) != 1 or clause.lead:
+        return False
+    item = clause.items[0]
+    mention, said = d.mentions[0], [one.said for one in item.modifiers]
+    drives = bool(said) and isinstance(said[0], Manner) and said[0].heading == "with"
+    road = (len(said) == 2 and isinstance(said[1], Street)) or (
+        len(said) == 1
+        and len(clause.items) > 1
+        and isinstance(clause.items[1].head, Street)
+        and not clause.items[1].link
+    )
+    vehicle = mention.kind is not None and mention.record.is_vehicle and mention.count == 1
+    if vehicle and drives and road and len(said) == 2 and isinstance(said[1], Street):
+        if said[1].definite:
+            return False
+        note_street(d, said[1])
+    return vehicle and drives and road
+
+
+def resolve(clauses: list[Clause]) -> tuple[Mentions, RoadNotes]:
+    """The mentions of a text, in the order in which they are named, and what it says of the road."""
+    discourse = Discourse(_inner_side(clauses))
+    for clause in clauses:
+        read(discourse, clause)
+    return tuple(discourse.mentions), discourse.road
+
+
+def _inner_side(clauses: list[Clause]) -> str | None:
+    """The side that the bend of a text goes to, None where it says none."""
+    said = [
+        one for clause in clauses for item in clause.items for one in (item.head, *(m.said for m in item.modifiers))
+    ]
+    said += [one.said for clause in clauses for one in clause.lead]
+    kinds = [one.kind if isinstance(one, Street) else one.road for one in said if isinstance(one, Street | Place)]
+    return next((str(kind).partition("-")[0] for kind in kinds if kind in ("left-bend", "right-bend")), None)
+
+
+def _is_ego_named(item: Item) -> bool:
+    return isinstance(item.head, NounPhrase) and item.head.pronoun == "us"

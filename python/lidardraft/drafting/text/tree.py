@@ -1,0 +1,388 @@
+"""The typed tree of a sentence: clauses of noun phrases, with the places, relations and manners said of them."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
+from lidardraft.drafting.text.chart import Node
+from lidardraft.drafting.text.positions import ANYWHERE, Position
+
+Count = int | str | tuple[int, int]  # a number, a word for one, or a range
+Sizes = tuple[float | None, float | None, float | None]
+Tokens = frozenset[int]  # by their numbers in the sentence
+NO_SIZE: Sizes = (None, None, None)
+NO_SCALE = (1.0, 1.0, 1.0)
+_LONG = ("truck", "bus", "tram", "wall", "fence", "hedge", "barrier")  # "a 12 m truck" is so long
+_HIGH = ("tree", "pole", "building", "house", "street-light")  # "a 10 m tree" is so high
+
+
+@dataclass(frozen=True, slots=True)
+class Manner:
+    """How objects stand or move, and how large they are."""
+
+    heading: str | None = None
+    queue: bool = False
+    cycling: bool = False
+    abreast: bool = False
+    overtakes: bool = False
+    riding: bool = False
+    on_the_road: bool = False
+    at_junction: bool = False
+    says: bool = False  # whether any verb or adjective says something of the objects
+    size: Sizes = NO_SIZE
+    scale: tuple[float, float, float] = NO_SCALE
+    length: float | None = None  # "a wall of 3 m", which is its height or its length
+    long: bool | None = None  # whether a word such as "long" or "tall" says which
+    in_row: bool = False  # "one behind the other"
+    road: str | None = None  # that is crossed
+    tokens: Tokens = frozenset()
+
+
+@dataclass(frozen=True, slots=True)
+class NounPhrase:
+    """A determiner, a kind and its qualities; the kind is None for what is unknown, "" where no noun is said.
+
+    `pronoun` is "it", "them" or "us", `part` how many of a whole: "one of the three cars" is 1 of 3.
+    """
+
+    kind: str | None
+    count: Count = 1
+    exact: bool = False
+    plural: bool = False
+    definite: bool = False
+    each: bool = False
+    all: bool = False
+    both: bool = False
+    another: bool = False
+    rest: bool = False
+    ordinal: int | None = None
+    part: float | str | None = None
+    of_them: bool = False
+    name: str = ""
+    pronoun: str = ""
+    without: bool = False
+    traffic: bool = False
+    ridden: bool = False
+    owned: bool = False  # "its roof"
+    one_each: bool = False
+    in_total: bool = False
+    all_but: int = 0
+    at: Position | None = None  # "the left hedge"
+    manner: Manner = Manner()
+    tokens: Tokens = frozenset()
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where something is, as the ego sees it."""
+
+    at: Position
+    times: int = 1  # "at each of the four corners"
+    road: str | None = None
+    lanes: int = 0
+    other_side: bool = False
+    bend_side: str = ""
+    shoulder: bool = False
+    crosswalk: bool = False
+    there: bool = False
+    in_row: bool = False  # "each 10 m behind the other"
+    of_all: bool = False  # "each 7 m from the next"
+    tokens: Tokens = frozenset()
+
+
+@dataclass(frozen=True, slots=True)
+class Relation:
+    """A preposition with what stands after it, one or two; None where the preposition means nothing in a layout."""
+
+    relation: str | None
+    targets: tuple[NounPhrase, ...]
+    at: Position = ANYWHERE
+    ego_at: Position | None = None  # what the preposition means before the ego
+    strong: bool = True  # whether it cannot be a place of its own before an object: "in front of", but not "behind"
+    overtakes: bool = False
+    followed: bool = False
+    at_it: bool = False  # "at", "by" and "on"
+    target_place: Place | None = None  # "between the bus ahead and the car behind"
+    tokens: Tokens = frozenset()
+
+
+@dataclass(frozen=True, slots=True)
+class Street:
+    """What is said of the road."""
+
+    kind: str | None = None
+    lanes: tuple[int, ...] = ()
+    usual_lanes: int = 0
+    one_way: bool = False
+    each_way: bool = False
+    sidewalk: bool | None = None
+    settings: frozenset[str] = frozenset()
+    definite: bool = False
+    on: bool = False  # "on the street"
+    denied: bool = False
+
+
+Said = Place | Relation | Manner | Street
+
+
+@dataclass(frozen=True, slots=True)
+class Modifier:
+    """What is said of objects, after a link and a verb: "" or "one" or "many", as in "is" and "are"."""
+
+    said: Said
+    link: str = ""
+    verb: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """A noun phrase or a road in a clause, with what is said after it."""
+
+    head: NounPhrase | Street
+    link: str = ""
+    verb: str = ""  # before it, as in "one of them is a taxi"
+    modifiers: tuple[Modifier, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Clause:
+    """What is said first, of all objects after it, and the objects."""
+
+    lead: tuple[Modifier, ...] = ()
+    items: tuple[Item, ...] = ()
+    link: str = ""
+    begins: bool = False  # whether a sentence begins with it
+
+
+def leaves(node: Node, *symbols: str) -> Iterator[Node]:
+    """The outermost constituents of some symbols in another one."""
+    if node.symbol in symbols:
+        yield node
+    else:
+        for child in node.children:
+            yield from leaves(child, *symbols)
+
+
+def tokens_of(node: Node) -> Tokens:
+    """The numbers of its tokens."""
+    return frozenset(range(node.start, node.end))
+
+
+def manner_of(nodes: list[Node], kind: str | None = None) -> Manner:
+    """What verbs and adjectives say together."""
+    features = list(itertools.chain.from_iterable(node.features for node in nodes))
+    values: dict[str, list[Any]] = {}
+    for name, value in features:
+        values.setdefault(name, []).append(value)
+    headings = [str(heading) for heading in values.get("heading", [])]
+    scale, size = NO_SCALE, list(NO_SIZE)
+    for factor in values.get("scale", []):
+        scale = tuple(a * b for a, b in zip(scale, factor, strict=True))
+    for axis, metres in values.get("size", []):
+        size[axis] = metres
+    for node in nodes:
+        if node.symbol == "length":
+            size[0 if kind in _LONG else 2] = node.get("length")[1]
+    return Manner(
+        heading=next((one for one in headings if one != "with"), headings[0] if headings else None),
+        queue="queue" in values,
+        cycling="cycling" in values,
+        abreast="abreast" in values,
+        overtakes="overtakes" in values,
+        riding=any(node.symbol == "riding" for node in nodes),
+        on_the_road="on_the_road" in values,
+        at_junction="at_junction" in values,
+        says=any(
+            node.symbol in ("state", "crossed", "turned", "crossing", "turning", "abreast", "overtaking")
+            for node in nodes
+        ),
+        size=(size[0], size[1], size[2]),
+        length=next(iter(values.get("length_of", [])), None),
+        long=False if "tall" in values else True if "long" in values else None,
+        in_row="in_row" in values,
+        road=next(iter(values.get("road", [])), None),
+        scale=scale,
+        tokens=frozenset().union(*(tokens_of(node) for node in nodes)),
+    )
+
+
+def noun_phrase(node: Node) -> NounPhrase:
+    """What an object, an ellipsis, a pronoun or a stranger names."""
+    tokens = tokens_of(node)
+    special = _special_phrase(node, tokens)
+    if special is not None:
+        return special
+    kind = node.get("kind") or ""
+    attributes = [inner for one in leaves(node, "attribute") for inner in one.children]
+    fits = [one for one in attributes if one.symbol not in ("unknown", "busy", "quiet", "setting", "adverb")]
+    if kind not in (*_LONG, *_HIGH):
+        fits = [one for one in fits if one.symbol != "length"]
+    traffic = bool(node.get("traffic"))
+    count, clear = _count(node, attributes, traffic)
+    counted = [one for one in leaves(node, "quantity") if one.all("count")] + list(leaves(node, "tally"))
+    each = bool(node.get("each")) and node.get("part") is None and node.symbol == "object"
+    ones_in = [one for child in node.children if child.symbol == "determiner" for one in leaves(child, "each")]
+    if each and ones_in and counted and clear:  # "every ten trees" means one of ten
+        each = False
+    sides = [one.get("at") for one in attributes if one.symbol == "side"]
+    spacing = node.get("spacing")
+    return NounPhrase(
+        kind=kind,
+        count=count,
+        exact=bool(counted and clear and isinstance(count, int)) and node.get("part") != 0,
+        plural=bool(node.get("plural")),
+        definite=any(leaves(node, "the", "each", "all", "both")),
+        each=each or (node.symbol == "ellipsis" and bool(node.get("each"))),
+        all=bool(node.get("all")),
+        both=bool(node.get("both")),
+        another=bool(node.get("another")) or (node.get("ordinal") is not None and any(leaves(node, "a"))),
+        rest=bool(node.get("rest")),
+        ordinal=node.get("ordinal"),
+        part=node.get("part", node.get("share")),
+        of_them=bool(node.get("of_them")) or any(leaves(node, "ofthem")),
+        name=node.get("name", ""),
+        without=any(leaves(node, "no")) and node.children[0].end - node.children[0].start < 3,
+        traffic=traffic,
+        ridden=bool(node.get("ridden")),
+        owned=any(one.get("owned") for one in leaves(node, "the")),
+        one_each=node.symbol == "ellipsis" and bool(node.get("each")) and bool(counted),
+        in_total=bool(node.get("in_total")),
+        all_but=node.get("all_but", 0),
+        at=Position(spacing=spacing) if spacing else sides[0] if sides else None,
+        manner=manner_of([*fits, *leaves(node, "collective"), *leaves(node, "kind")], kind),
+        tokens=tokens,
+    )
+
+
+def _special_phrase(node: Node, tokens: Tokens) -> NounPhrase | None:
+    """What is unknown, a pronoun, or a part of the road."""
+    if node.symbol == "stranger":
+        return NounPhrase(None, tokens=tokens, definite=any(leaves(node, "the")))
+    if node.symbol in ("pronoun", "ego", "'that"):
+        word = "us" if node.symbol == "ego" else "them" if node.get("several") else "it"
+        return NounPhrase("", pronoun=word, each=bool(node.get("each")), tokens=tokens)
+    if node.symbol in ("border", "junction"):
+        return NounPhrase("", pronoun="road" if node.symbol == "border" else "junction", tokens=tokens)
+    if node.symbol == "nothing":
+        return NounPhrase(node.get("kind"), 0, tokens=tokens)
+    return None
+
+
+def _count(node: Node, attributes: list[Node], traffic: bool) -> tuple[Count, bool]:
+    """How many a noun phrase means, and whether its words for it are one number."""
+    if any(leaves(node, "no", "no_one")) or node.get("none"):
+        return 0, not any(leaves(node, "number"))
+    if any(leaves(node, "tally")):
+        value = next((one.get("value") for one in leaves(node, "number")), 0)
+        return int(value), True
+    quantities = list(leaves(node, "quantity"))
+    said = [one.get("count") for one in quantities]
+    if traffic:
+        vague = [count for count in said if isinstance(count, str)]
+        busy = any(one.symbol == "busy" for one in attributes) or "many" in vague or node.get("count") == "many"
+        quiet = any(one.symbol == "quiet" for one in attributes) or "few" in vague
+        few: Count = "many" if busy else "few" if quiet else "some"
+        return few, all(isinstance(count, str) for count in said)
+    several: Count = 2 if node.get("both") else "some" if node.get("plural") else 1
+    vague = [count for count in said if isinstance(count, str)]
+    if said and len(vague) == len(said):
+        return ("many" if "many" in vague else vague[0]), True
+    firm = [count for count in said if not isinstance(count, str)]
+    collective = any(leaves(quantities[0], "collective")) if quantities else False
+    if len(firm) == 1 and firm[0] is not None and (len(said) == 1 or collective):
+        return firm[0], True
+    if said:
+        return several, False
+    head = [child for child in node.children if child.symbol == "head"]
+    return (head[0].get("count") or several) if head else several, True
+
+
+def relation_of(node: Node) -> Relation:
+    """A relation with its targets."""
+    heads = [
+        one for one in node.children if one.symbol not in ("relative", "length", "whereabouts", "border", "junction")
+    ]
+    targets = [
+        next(leaves(one, "object", "pronoun", "stranger", "ellipsis", "ego", "'that", "border", "junction"))
+        for one in node.children
+        if one.symbol in ("relative", "border", "junction")
+    ]
+    targets += [one for one in node.children if one.symbol == "ego"]
+    places = [one for one in node.children if one.symbol == "whereabouts"]
+    said = {name: value for head in heads for name, value in head.features}
+    relation = said.get("relation")
+    if relation is None and "side" in said:
+        relation = f"{said['side']}-of"
+    lengths = [one.get("length") for one in node.children if one.symbol == "length"]
+    if relation is None and lengths:
+        relation = "near"
+    phrases = tuple(noun_phrase(one) for one in targets)
+    if not targets:  # "on its left"
+        phrases = (NounPhrase("", pronoun="it"),)
+    if any(one.symbol == "junction" for one in node.children):
+        lengths = []
+    return Relation(
+        relation=relation,
+        targets=phrases,
+        at=Position(distance=lengths[0]) if lengths else Position(),
+        ego_at=said.get("at"),
+        strong=bool(said.get("strong")) or not any(one.symbol == "prep" for one in node.children),
+        overtakes=bool(said.get("overtakes")),
+        followed=bool(said.get("followed")),
+        at_it=any(one.symbol == "at_prep" for one in node.children),
+        target_place=place_of(places[0]) if places else None,
+        tokens=tokens_of(node),
+    )
+
+
+def place_of(node: Node) -> Place:
+    """A place with all that its words say."""
+    return Place(
+        at=node.get("at", Position()),
+        times=node.get("times", 1),
+        road=node.get("road"),
+        lanes=node.get("lanes", 0),
+        other_side=bool(node.get("other_side")),
+        bend_side=node.get("bendside", ""),
+        shoulder=bool(node.get("shoulder")),
+        crosswalk=bool(node.get("crosswalk")),
+        in_row=any(leaves(node, "neighbour")) and any(leaves(node, "the_next")),
+        of_all=any(leaves(node, "each")) and any(leaves(node, "neighbour")),
+        tokens=tokens_of(node),
+    )
+
+
+def street_of(node: Node) -> Street:
+    """A road, its lanes and sidewalks."""
+    roads = [value for value in node.all("road") if value]
+    kinds = [road for road in roads if road != "straight"] or roads
+    wide = node.all("wide")
+    kind = kinds[-1] if kinds else None
+    bends = [road for road in roads if road.endswith("bend")]
+    counts = [one.get("count") for one in leaves(node, "quantity")] if node.symbol in ("lanes", "street") else []
+    exact = [count for count in counts if type(count) is int]
+    if len(exact) != 1 or len(counts) != 1:
+        exact = []
+    denied = any(leaves(node, "no"))
+    is_walkway = node.symbol == "walkway"
+    return Street(
+        kind=bends[-1] if bends and kind in ("straight", *bends) else kind,
+        lanes=tuple(node.all("lanes")) + (tuple(exact) if node.symbol == "lanes" else ()),
+        usual_lanes=wide[-1] if wide else 0,
+        one_way=bool(node.get("one_way")),
+        each_way=bool(node.get("each_way")),
+        sidewalk=not any(leaves(node, "no")) if is_walkway else None,
+        settings=frozenset() if is_walkway else frozenset(node.all("setting")),
+        definite=any(leaves(node, "the")),
+        on=node.symbol == "road_part",
+        denied=denied and not is_walkway,
+    )
+
+
+def is_known(phrase: NounPhrase) -> bool:
+    """Whether it names a kind."""
+    return bool(phrase.kind) and phrase.kind in SENTENCE_KINDS
