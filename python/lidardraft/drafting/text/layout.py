@@ -25,6 +25,7 @@ from lidardraft.errors import TextError, check_type, nearest_name
 from lidardraft.scene.layout import Layout
 
 MAX_LENGTH = 10_000  # characters
+MAX_WORDS = 200  # and signs; each is tried without
 _SHORTEST, _SHORT = 3, 4  # letters; of short words many are near to each other
 _WEATHER = re.compile(r"\b(?:rain|fog|snow|drizzl|mist|wet\b|hail|sleet|downpour|storm)")
 _MOST_UNCLEAR = 3  # parts of a sentence that are not understood, where the rest of it can still be relied on
@@ -94,6 +95,8 @@ def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
     if not text:
         raise TextError("the sentence is empty")
     tokens = tokens_of(text, vocabulary())
+    if len(tokens) > MAX_WORDS:
+        raise TextError(f"the text has {len(tokens)} words and signs; it may have {MAX_WORDS}, more with --llm-url")
     texts = [token.text for token in tokens]
     nodes, idle = _read(tokens, texts)
     spec = _spec_of(nodes, texts)
