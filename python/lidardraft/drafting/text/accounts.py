@@ -19,7 +19,7 @@ Changes = dict[Path, tuple[Node, ...]]  # what stands in the place of constituen
 Read = Callable[[Sequence[Node]], SceneSpec]
 _NEUTRAL = (  # words that join others, or say what is so anyway
     *("silent", "usual", "is", "and", "with", "has", "but", "except", "which", "there", "ego", "pronoun", "time"),
-    *("the", "a", "single", "about", "unit", "another", "all", "both", "of", "ofthem", "respectively"),
+    *("the", "a", "single", "about", "motion", "unit", "another", "all", "both", "of", "ofthem", "respectively"),
     *(",", ".", ":", "(", ")"),
 )
 _PLAIN = (("road", "straight"), ("each_way", True), ("posture", True), ("everywhere", True), ("another", True))
@@ -86,7 +86,9 @@ def _is_neutral(node: Node) -> bool:
         return False
     if node.symbol in _NEUTRAL or node.symbol.startswith("'") or any(one in node.features for one in _PLAIN):
         return not node.children or node.symbol in _NEUTRAL or all(map(_is_neutral, node.children))
-    return (bool(node.children) and all(map(_is_neutral, node.children))) or ("value", 1.0) in node.features
+    return (bool(node.children) and all(map(_is_neutral, node.children))) or (
+        node.symbol == "number" and node.get("value") == 1
+    )
 
 
 def _leaves(node: Node, path: Path) -> Iterator[tuple[Path, Node]]:

@@ -167,7 +167,7 @@ class _Reading:
         return (
             after in ("silent", "has", "object", "stranger")
             and self._at(index + 2) != "is"
-            and not (after == "silent" and self._at(index + 2) in ("overtakes", "state", "relation"))
+            and not (after == "silent" and self._at(index + 2) in ("overtakes", "state", "relation", "street"))
         )
 
     def _end(self, link: str = "") -> None:

@@ -49,6 +49,8 @@ def _doubtful(nodes: list[Node], index: int, words: Sequence[str]) -> Sequence[i
         return governed if unclear else ()
     if node.symbol == "ellipsis" and after in ("unknown", "quiet", "busy", "size"):  # "one empty slot"
         return range(index, _after_places(nodes, index + 2))
+    if node.symbol == "ellipsis" and words[-1].isdigit() and index and nodes[index - 1].symbol == "object":
+        return (index,)  # "a car 20 30 m ahead"
     if node.symbol == "ellipsis" and any(leaves(node, "unknown")):  # "the middle one is set back"
         return governed
     if node.symbol == "whereabouts" and any(one.get("owned") for one in leaves(node, "the")):  # "its left edge"

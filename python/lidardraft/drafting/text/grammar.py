@@ -105,7 +105,7 @@ def _at_most(node: Node) -> Features:
 
 def _at_least(node: Node) -> Features:
     low = int(node.get("value"))
-    return _counted((low + node.get("more"), low + max(2, low // 2)))
+    return _counted((low + node.get("least"), low + max(2, low // 2)))
 
 
 def _or_more(node: Node) -> Features:
@@ -145,7 +145,7 @@ def _length(node: Node) -> Features:
     values = sorted(value * units[-1] for value in node.all("value"))
     if node.all("less"):
         return (("length", (0.0, values[-1])),)
-    if node.all("more"):
+    if node.all("least"):
         return (("length", (values[0], values[0] + _FURTHER)),)
     return (("length", (values[0], values[-1])),)
 

@@ -120,7 +120,7 @@ def _read(tokens: list[Token], texts: list[str]) -> tuple[list[Node], list[Node]
         unclear = [
             range(*ends)
             for ends in itertools.pairwise(stops)
-            if sum(one.start in range(*ends) for one in idle) > _MOST_UNCLEAR
+            if sum(one.start in range(*ends) and not one.get("more") for one in idle) > _MOST_UNCLEAR
         ]
         nodes = [
             node._replace(symbol="unknown")
