@@ -64,7 +64,7 @@ def test_numbers_in_words_and_digits_are_never_another_count(hundred: int) -> No
     ("text", "value"),
     [
         *(("a hundred", 100), ("a hundred and one", 101), ("nineteen hundred", 1900), ("2 hundred", 200)),
-        *(("two million", 2_000_000), ("3 thousand", 3000), ("a row of ten", 10), ("a group of 5", 5), ("007", 7)),
+        *(("two million", 2_000_000), ("3 thousand", 3000), ("a row of ten", 10), ("007", 7)),
         *(("one-hundred-and-two", 102), ("two dozen", 24), ("2 dozen", 24), ("half a dozen", 6), ("about 20", 20)),
         *(("a couple of", 2), ("2x", 2), ("2 x", 2)),
     ],

@@ -13,6 +13,7 @@ from lidardraft.drafting.solver.scene_spec import SceneSpec
 from lidardraft.drafting.text.chart import Features, Grammar, Node, Rule
 from lidardraft.drafting.text.doubts import STRANGE
 from lidardraft.drafting.text.positions import Position
+from lidardraft.drafting.text.tree import leaves
 
 Path = tuple[int, ...]  # from the sentence down to a constituent, by the numbers of children
 Changes = dict[Path, tuple[Node, ...]]  # what stands in the place of constituents
@@ -46,6 +47,8 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
             return True
         turned = [{at: (other,)} for at, leaf in _leaves(node, path) if (other := _turned(leaf, whole)) is not None]
         turned = [one for one in turned if _with(nodes, one, grammar) is not None]
+        if node.symbol == "number" and _with(nodes, {path: ()}, grammar) is None:
+            return bool(turned) and all(_read(read, _with(nodes, one, grammar) or []) == whole for one in turned)
         return same({path: ()}) and all(same(one) for one in turned)
 
     def is_lost(path: Path, noun: Node) -> bool:
@@ -74,10 +77,16 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
     alike = [
         (one, other)
         for one, other in itertools.combinations([path for path, node in idle.items() if node.symbol not in STRANGE], 2)
-        if set(map(repr, idle[one].features)) & set(map(repr, idle[other].features))
+        if _said(idle[one]) & _said(idle[other])
     ]
     twice = {path for pair in alike if not same({pair[0]: (), pair[1]: ()}) for path in pair}
-    return [*more, *(node for path, node in idle.items() if path not in twice)]
+    strange = (one for path in twice for one in leaves(idle[path], *STRANGE))
+    return [*more, *strange, *(node for path, node in idle.items() if path not in twice)]
+
+
+def _said(node: Node) -> set[str]:
+    """What its words mean, without their number."""
+    return {repr(feature) for feature in node.features if feature[0] != "plural"}
 
 
 def _is_neutral(node: Node) -> bool:

@@ -86,6 +86,6 @@ def _end(nodes: Sequence[Node], index: int) -> int:
 
 
 def _after_places(nodes: Sequence[Node], index: int) -> int:
-    while index < len(nodes) and nodes[index].symbol in _SAID:
+    while index < len(nodes) and (nodes[index].symbol in _SAID or nodes[index].get("posture")):
         index += 1
     return index

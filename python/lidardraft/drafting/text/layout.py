@@ -116,11 +116,12 @@ def _read(tokens: list[Token], texts: list[str]) -> tuple[list[Node], list[Node]
     idle: list[Node] = []
     for _ in range(2):
         idle = idle_parts(nodes, grammar(), lambda said: _without_words(_spec_of(said, texts)))
+        strange = [one.start for one in idle if not one.get("more")]
         stops = [0, *(node.end for node in nodes if node.symbol == "."), len(tokens)]
         unclear = [
             range(*ends)
             for ends in itertools.pairwise(stops)
-            if sum(one.start in range(*ends) and not one.get("more") for one in idle) > _MOST_UNCLEAR
+            if sum(start in range(*ends) for start in strange) > _MOST_UNCLEAR
         ]
         nodes = [
             node._replace(symbol="unknown")
