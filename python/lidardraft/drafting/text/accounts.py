@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import re
 from collections.abc import Callable, Iterator, Sequence
@@ -18,6 +19,7 @@ from lidardraft.drafting.text.tree import leaves
 Path = tuple[int, ...]  # from the sentence down to a constituent, by the numbers of children
 Changes = dict[Path, tuple[Node, ...]]  # what stands in the place of constituents
 Read = Callable[[Sequence[Node]], SceneSpec]
+_SAYS_NOTHING = [(one.name, one.default) for one in dataclasses.fields(Position)]
 _NEUTRAL = (  # words that join others, or say what is so anyway
     *("silent", "usual", "is", "and", "with", "has", "but", "except", "which", "there", "ego", "pronoun", "time"),
     *("the", "a", "single", "about", "motion", "unit", "another", "all", "both", "of", "ofthem", "respectively"),
@@ -56,16 +58,16 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
         other = _turned(noun, whole)
         return other is not None and _with(nodes, {path: (other,)}, grammar) is not None and same({path: (other,)})
 
-    idle: dict[Path, Node] = {}
+    idle: dict[Path, tuple[Node, tuple[Node, ...]]] = {}  # with what stays of it
 
     def visit(path: Path, node: Node) -> None:
         if _is_neutral(node):
             return
         if is_idle(path, node):
-            idle[path] = node
+            idle[path] = (node, ())
             return
         if node.symbol == "relation" and same({path: _apart(node)}):
-            idle[path] = node._replace(end=node.children[-1].start)
+            idle[path] = (node._replace(end=node.children[-1].start), _apart(node))
         if not node.children and (node.get("more") or (node.symbol == "kind" and is_lost(path, node))):
             more.append(node)
         for index, child in enumerate(node.children):
@@ -74,19 +76,27 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
     more: list[Node] = []
     for index, node in enumerate(nodes):
         visit((index,), node)
-    alike = [
-        (one, other)
-        for one, other in itertools.combinations([path for path, node in idle.items() if node.symbol not in STRANGE], 2)
-        if _said(idle[one]) & _said(idle[other])
-    ]
-    twice = {path for pair in alike if not same({pair[0]: (), pair[1]: ()}) for path in pair}
-    strange = (one for path in twice for one in leaves(idle[path], *STRANGE))
-    return [*more, *strange, *(node for path, node in idle.items() if path not in twice)]
+    known = [path for path, (node, _) in idle.items() if node.symbol not in STRANGE]
+    alike = [pair for pair in itertools.combinations(known, 2) if _said(idle[pair[0]][0]) & _said(idle[pair[1]][0])]
+    twice = {path for pair in alike if not same({path: idle[path][1] for path in pair}) for path in pair}
+    twice |= {path for path in known if any(_said(idle[path][0]) & _said(one) for one in _beside(nodes, path))}
+    strange = (one for path in twice for one in leaves(idle[path][0], *STRANGE))
+    return [*more, *strange, *(node for path, (node, _) in idle.items() if path not in twice)]
+
+
+def _beside(nodes: Sequence[Node], path: Path) -> Sequence[Node]:
+    """The constituents before and after one of a sentence that is no relation, whose target may be another one."""
+    if len(path) > 1 or nodes[path[0]].symbol == "relation":
+        return []
+    return [*nodes[max(0, path[0] - 1) : path[0]], *nodes[path[0] + 1 : path[0] + 2]]
 
 
 def _said(node: Node) -> set[str]:
     """What its words mean, without their number."""
-    return {repr(feature) for feature in node.features if feature[0] != "plural"}
+    positions = (value for _, value in node.features if isinstance(value, Position))
+    fields = ((one.name, getattr(at, one.name)) for at in positions for one in dataclasses.fields(at))
+    said = (*((name, value) for name, value in node.features if name not in ("plural", "at")), *fields)
+    return {repr(feature) for feature in said if feature not in _SAYS_NOTHING}
 
 
 def _is_neutral(node: Node) -> bool:

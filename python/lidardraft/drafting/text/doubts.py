@@ -38,7 +38,9 @@ def _doubtful(nodes: list[Node], index: int, words: Sequence[str]) -> Sequence[i
         return inside if any(nodes[n].symbol in ("object", *STRANGE) for n in inside) else ()
     if node.symbol == "which":  # of what is unknown, or with unknown words
         before = nodes[index - 1] if index else node
-        known = before.symbol in ("object", ",") or (before.symbol == "relation" and any(leaves(before, "object")))
+        known = before.symbol in ("object", "street", ",") or (
+            before.symbol == "relation" and any(leaves(before, "object"))
+        )
         return governed if unclear or not known else ()
     of = words[-1:] == ["of"] and index > 0 and nodes[index - 1].symbol in STRANGE  # "tens of cars"
     if node.symbol == "silent" and words[-1] in _PREPOSITIONS and after in _NAMES and not of:

@@ -30,31 +30,8 @@ _SHORTEST, _SHORT = 3, 4  # letters; of short words many are near to each other
 _WEATHER = re.compile(r"\b(?:rain|fog|snow|drizzl|mist|wet\b|hail|sleet|downpour|storm)")
 _MOST_UNCLEAR = 3  # parts of a sentence that are not understood, where the rest of it can still be relied on
 _SETTING = ("road", "setting", "busy", "quiet", "time", "traffic")
-_GLUE = frozenset(
-    [
-        "a",
-        "an",
-        "the",
-        "in",
-        "on",
-        "at",
-        "to",
-        "of",
-        "from",
-        "by",
-        "is",
-        "are",
-        "was",
-        "were",
-        "and",
-        "with",
-        ",",
-        ".",
-        ":",
-        "(",
-        ")",
-    ]
-)
+_JOINS = frozenset("a an is are was were and with , . : ( )".split())  # that begin no part that is reported
+_GLUE = _JOINS | frozenset("the in on at to of from by".split())  # that end none
 
 
 def layout_from_text(sentence: str, seed: int = 0, *, strict: bool = False) -> Layout:
@@ -162,7 +139,7 @@ def _reported(text: str, tokens: list[Token], idle: Tokens) -> list[str]:
             continue
         while run and run[-1].text in _GLUE:
             run.pop()
-        while run and run[0].text in _GLUE - {"the"}:
+        while run and run[0].text in _JOINS:
             run.pop(0)
         if run:
             found.append(text[run[0].start : run[-1].end])

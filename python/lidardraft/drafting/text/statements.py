@@ -32,14 +32,14 @@ def read(d: Discourse, clause: Clause) -> None:
     named: list[Ids] = []
     related: tuple[Relation, Ids, int] | None = None
     for number, item in enumerate(clause.items):
+        before = next((ids for ids in reversed(named) if ids), [])
+        if before and d.mentions[before[-1]].kind is None and item.link == ",":
+            lead = None  # it was that of what is unknown
         if isinstance(item.head, Street):
             note_street(d, with_direction(item))
             named.append([])
             say_of_road(d, item)
             continue
-        before = next((ids for ids in reversed(named) if ids), [])
-        if before and d.mentions[before[-1]].kind is None and item.link == ",":
-            lead = None  # it was that of what is unknown
         if item.link == "with" and named and not named[-1]:
             before = []
         own = [one for one in item.modifiers if isinstance(one.said, Place | Relation)]
