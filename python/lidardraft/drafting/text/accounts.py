@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -17,9 +17,10 @@ from lidardraft.drafting.text.positions import Position
 from lidardraft.drafting.text.tree import leaves
 
 Path = tuple[int, ...]  # from the sentence down to a constituent, by the numbers of children
-Changes = dict[Path, tuple[Node, ...]]  # what stands in the place of constituents
+Changes = Mapping[Path, tuple[Node, ...]]  # what stands in the place of constituents
 Read = Callable[[Sequence[Node]], SceneSpec]
 _SAYS_NOTHING = [(one.name, one.default) for one in dataclasses.fields(Position)]
+_VERBS = ("crossed", "turned", "state")
 _NEUTRAL = (  # words that join others, or say what is so anyway
     *("silent", "usual", "is", "and", "with", "has", "but", "except", "which", "there", "ego", "pronoun", "time"),
     *("the", "a", "single", "about", "motion", "unit", "another", "all", "both", "of", "ofthem", "respectively"),
@@ -85,8 +86,8 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
 
 
 def _beside(nodes: Sequence[Node], path: Path) -> Sequence[Node]:
-    """The constituents before and after one of a sentence that is no relation, whose target may be another one."""
-    if len(path) > 1 or nodes[path[0]].symbol == "relation":
+    """The constituents before and after a verb of a sentence."""
+    if len(path) > 1 or nodes[path[0]].symbol not in _VERBS:
         return []
     return [*nodes[max(0, path[0] - 1) : path[0]], *nodes[path[0] + 1 : path[0] + 2]]
 

@@ -26,12 +26,13 @@ from lidardraft.scene.layout import Layout
 
 MAX_LENGTH = 10_000  # characters
 MAX_WORDS = 200  # and signs; each is tried without
+_FREE_TEXT = "--llm-url takes free text"
 _SHORTEST, _SHORT = 3, 4  # letters; of short words many are near to each other
 _WEATHER = re.compile(r"\b(?:rain|fog|snow|drizzl|mist|wet\b|hail|sleet|downpour|storm)")
 _MOST_UNCLEAR = 3  # parts of a sentence that are not understood, where the rest of it can still be relied on
 _SETTING = ("road", "setting", "busy", "quiet", "time", "traffic")
-_JOINS = frozenset("a an is are was were and with , . : ( )".split())  # that begin no part that is reported
-_GLUE = _JOINS | frozenset("the in on at to of from by".split())  # that end none
+_JOINS = frozenset({"a", "an", "is", "are", "was", "were", "and", "with", *",.:()"})  # begin no reported part
+_GLUE = _JOINS | {"the", "in", "on", "at", "to", "of", "from", "by"}  # end none
 
 
 def layout_from_text(sentence: str, seed: int = 0, *, strict: bool = False) -> Layout:
@@ -80,10 +81,12 @@ def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
     unknown = _reported(text, tokens, frozenset(n for one in idle for n in range(one.start, one.end)))
     if spec == SceneSpec() and not any(_names_road(node) for node in nodes):
         parts = f" (unknown as a whole: {_listed(unknown)})" if unknown else ""
-        raise TextError(f"nothing of {sentence!r} was understood{parts}; name a road, or objects and where they are")
+        raise TextError(
+            f"nothing of {sentence!r} was understood{parts}; name a road, or objects and where they are; {_FREE_TEXT}"
+        )
     spec = dataclasses.replace(spec, not_understood=tuple(unknown))
     if strict and spec.not_understood:
-        raise TextError(f"not understood: {_listed(spec.not_understood)}")
+        raise TextError(f"not understood: {_listed(spec.not_understood)}; {_FREE_TEXT}")
     return spec
 
 

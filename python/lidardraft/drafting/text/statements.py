@@ -237,8 +237,9 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
     first = next((n for n, one in enumerate(modifiers) if not isinstance(one.said, Manner) or one.said.says), -1)
     for index, modifier in enumerate(modifiers):
         said = modifier.said
-        for one in open_ids if not isinstance(said, Street) else []:
-            d.cover(one, said.tokens)
+        if not isinstance(said, Street):
+            for one in open_ids:
+                d.cover(one, said.tokens)
         if index == first and item.link != "except" and not verb:
             numbers = spread(clause, number, modifier)
             open_ids = [one for n in numbers for one in named[n]] if numbers != [number] else open_ids

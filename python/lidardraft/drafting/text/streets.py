@@ -45,7 +45,7 @@ def note_street(d: Discourse, street: Street) -> None:
         each_way=notes.each_way or street.each_way,
         one_way=notes.one_way or street.one_way,
         sidewalk=street.sidewalk if street.sidewalk is not None else notes.sidewalk,
-        settings=notes.settings | street.settings,  # type: ignore[operator]
+        settings=notes.settings | street.settings,
     )
 
 
