@@ -270,7 +270,8 @@ def notes_on(layout: Layout) -> list[str]:
         notes[_MOST_NOTES:] = [f"and {len(notes) - _MOST_NOTES} more, in the layout's provenance"]
     if told.get("not_understood"):
         near = "".join(f"; did you mean {known!r}?" for known in told.get("nearest_words", {}).values())
-        notes.insert(0, f"not understood: {', '.join(told['not_understood'])}{near}")
+        free = "; --llm-url takes free text" if told.get("source") == "text" else ""
+        notes.insert(0, f"not understood: {', '.join(told['not_understood'])}{near}{free}")
     return notes
 
 

@@ -78,11 +78,21 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
     for index, node in enumerate(nodes):
         visit((index,), node)
     known = [path for path, (node, _) in idle.items() if node.symbol not in STRANGE]
-    alike = [pair for pair in itertools.combinations(known, 2) if _said(idle[pair[0]][0]) & _said(idle[pair[1]][0])]
-    twice = {path for pair in alike if not same({path: idle[path][1] for path in pair}) for path in pair}
-    twice |= {path for path in known if any(_said(idle[path][0]) & _said(one) for one in _beside(nodes, path))}
-    strange = (one for path in twice for one in leaves(idle[path][0], *STRANGE))
-    return [*more, *strange, *(node for path, (node, _) in idle.items() if path not in twice)]
+    twice = [
+        pair
+        for pair in itertools.combinations(known, 2)
+        if _said(idle[pair[0]][0]) & _said(idle[pair[1]][0]) and not same({path: idle[path][1] for path in pair})
+    ]
+    settled = {path for pair in twice for path in pair}
+    settled |= {path for path in known if any(_said(idle[path][0]) & _said(one) for one in _beside(nodes, path))}
+    only_once = [
+        leaf
+        for pair in twice
+        for node, other in itertools.permutations(idle[path][0] for path in pair)
+        for leaf in leaves(node, "number", *STRANGE)
+        if leaf.symbol in STRANGE or not _said(leaf) <= _said(other)
+    ]
+    return [*more, *only_once, *(node for path, (node, _) in idle.items() if path not in settled)]
 
 
 def _beside(nodes: Sequence[Node], path: Path) -> Sequence[Node]:
