@@ -17,7 +17,7 @@ def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
         return [last]  # "two cars and a llama on the left", but "are on the left"
     said, listed = modifier.said, list(range(first, last + 1))
     if isinstance(said, Place):
-        if said.at.distance and clause.items[last].link == ",":
+        if (said.at.distance or said.at.sidewalk) and clause.items[last].link == ",":
             return [last]
         return [one for one in listed if _can_be(clause.items[one].head, said)] or [last]  # type: ignore[arg-type]
     if isinstance(said, Relation):

@@ -72,6 +72,9 @@ def say_of_road(d: Discourse, item: Item) -> None:
             isinstance(said, Place) and said.at == Position(said.at.places) and said.at.sides and d.road.kind == "bend"
         ):
             d.road = replace(d.road, kind=f"{said.at.sides[0]}-bend")
+        elif isinstance(said, Relation) and said.relation == "between" and len(said.targets) == 1:
+            for one in targets_of(d, said, []):
+                place_at(d, one, Place(Position((LEFT, RIGHT), both_sides=True)))  # "an alley between houses"
         elif isinstance(said, Street):
             note_street(d, said)
 
