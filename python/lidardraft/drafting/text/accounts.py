@@ -85,14 +85,10 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
     ]
     settled = {path for pair in twice for path in pair}
     settled |= {path for path in known if any(_said(idle[path][0]) & _said(one) for one in _beside(nodes, path))}
-    only_once = [
-        leaf
-        for pair in twice
-        for node, other in itertools.permutations(idle[path][0] for path in pair)
-        for leaf in leaves(node, "number", *STRANGE)
-        if leaf.symbol in STRANGE or not _said(leaf) <= _said(other)
+    numbers = [
+        leaf for pair in twice for node in (idle[path][0] for path in pair) for leaf in leaves(node, "number", *STRANGE)
     ]
-    return [*more, *only_once, *(node for path, (node, _) in idle.items() if path not in settled)]
+    return [*more, *numbers, *(node for path, (node, _) in idle.items() if path not in settled)]
 
 
 def _beside(nodes: Sequence[Node], path: Path) -> Sequence[Node]:
