@@ -97,6 +97,16 @@ def test_a_removed_object_leaves_what_stands_behind_it(scan: RecordedScan, label
         assert (edited.intensity[filled] > 0).mean() > 0.5
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_an_inserted_object_goes_with_all_its_returns(scan: RecordedScan, seed: int) -> None:
+    """The noise of weak echoes puts some outside its box."""
+    inserted = edit_scan(scan, [Insert("van", (10, -5), 1.0)], seed=seed)
+    there = (inserted.made_up == INSERTED) & inserted.returned
+    assert there.sum() > 500
+    rest = edit_scan(inserted, [Remove("van_1")], seed=seed)
+    assert not (rest.made_up == INSERTED).any()
+
+
 def test_edits_are_values_and_touch_no_other_return(scan: RecordedScan) -> None:
     edits = [Remove("car_1"), Insert("van", (10, -5), 1.0), Move("bus_1", (-20, -8), 0.2), Replace("van_1", "truck")]
     first, again = (edit_scan(scan, edits, seed=3) for _ in range(2))

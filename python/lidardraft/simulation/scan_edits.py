@@ -189,7 +189,9 @@ def _without_object(scan: RecordedScan, box: Box, seed: int) -> RecordedScan:
     ground = scan.is_ground[near]
     if not scan.has_classes:  # by height alone, what is low on the object is ground
         ground &= scan.points[near, 2] < scan.ground_height(*box.center[:2]) + _CLEARANCE
-    mine = near[scan.returned[near] & ~ground & inside(box, scan.points[near], _MARGIN)]
+    own = (scan.made_up[near] == INSERTED) & (scan.instance[near] == box.instance) & (box.instance > 0)
+    own |= inside(box, scan.points[near], _MARGIN)  # the noise of weak echoes goes further
+    mine = near[scan.returned[near] & ~ground & own]
     lost = near[~scan.returned[near]]
     length, width, height = (extent + 2 * _MARGIN for extent in box.size)
     wide = replace(_solid(box), size=(length, width, height))
