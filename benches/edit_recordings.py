@@ -85,13 +85,13 @@ def compared(scan: RecordedScan, box: Box, seed: int) -> Comparison | None:
     mine = scan.returned & ~scan.is_ground & inside(box, scan.points, _MARGIN)
     if mine.sum() < _FEWEST:
         return None
-    bare = edit_scan(scan, [Remove(box.id)], seed=seed)
+    bare, id = edit_scan(scan, [Remove(box.id)], seed=seed), f"new_{seed}"  # which decides its paint
     try:
-        edited = edit_scan(bare, [Insert("car", box.center[:2], box.yaw, box.size, id="new")], seed=seed)
+        edited = edit_scan(bare, [Insert("car", box.center[:2], box.yaw, box.size, id=id)], seed=seed)
     except LayoutError:  # clustered boxes may overlap
         return None
     new = edited.made_up == INSERTED
-    solid, placed = SolidObject.of_kind("car", size=box.size, name="new", seed=seed), edited.box("new")
+    solid, placed = SolidObject.of_kind("car", size=box.size, name=id, seed=seed), edited.box(id)
     x, y, z = placed.center
     old = np.flatnonzero(edited.returned & (edited.made_up != INSERTED))
     hits = solid.cast((x, y, z - placed.size[2] / 2), placed.yaw, edited.directions[old], 200.0, seed)
@@ -136,13 +136,14 @@ def main() -> None:
         cars = [box for box in scan.boxes if box.label == "car"]
         rows = [row for number, box in enumerate(cars) if (row := compared(scan, box, number)) is not None]
         found.setdefault(name, []).extend(rows)
-    print("| | cars | returns, inserted over recorded: median (quartiles) | intensity, the same | rays newly stopped | "
-          "returns left behind |\n|---|---:|---:|---:|---:|---:|")  # fmt: skip
+    print("| | cars | returns, inserted over recorded: median (quartiles) | mean intensity, the same | "
+          "rays newly stopped | returns left behind |\n|---|---:|---:|---:|---:|---:|")  # fmt: skip
     for name, rows in found.items():
         table = np.array(rows, float)
-        ratio, bright = table[:, 1] / table[:, 0], table[:, 3] / np.maximum(table[:, 2], 1e-3)
+        ratio = table[:, 1] / table[:, 0]
+        bright = table[:, 1] @ table[:, 3] / (table[:, 0] @ table[:, 2]) * table[:, 0].sum() / table[:, 1].sum()
         low, middle, high = np.quantile(ratio, (0.25, 0.5, 0.75))
-        print(f"| {name} | {len(rows)} | {middle:.2f} ({low:.2f} to {high:.2f}) | {np.median(bright):.2f} | "
+        print(f"| {name} | {len(rows)} | {middle:.2f} ({low:.2f} to {high:.2f}) | {bright:.2f} | "
               f"{table[:, 4].sum():.0f} | {table[:, 5].sum():.0f} |")  # fmt: skip
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
         rates = list(pool.map(_augmented, [folder] * 2, range(2)))
