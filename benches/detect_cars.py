@@ -24,11 +24,11 @@ import torch
 from torch import nn
 from torch.nn import functional
 
+from evidence import RECIPES
 from lidardraft.dataset.recipe import Recipe
 from lidardraft.networks.precision import reduced_precision
 from markdown_table import Row, table
 
-STREETS = '[[scene]]\nstreet = ["residential", "urban", "avenue", "retail", "country", "motorway"]'
 REACH = 40.0  # m, of the view from above, to each side
 PIXEL, CELL = 0.25, 0.5  # m, of what the network sees and of what it says
 SLICES = np.arange(-0.25, 2.76, 0.5)  # m over the ground
@@ -100,7 +100,7 @@ def in_reach(cars: np.ndarray) -> np.ndarray:
 def simulated(count: int, work: Path) -> list[Scene]:
     """Scans of streets by the preset of the same sensor."""
     recipe = work / "streets.toml"
-    recipe.write_text(f'scans = {count}\nseed = 1\n{STREETS}\n[[sensor]]\nname = "pandar64"')
+    recipe.write_text(f'scans = {count}\nseed = 1\n{RECIPES["simulated streets"]}\n[[sensor]]\nname = "pandar64"')
     loaded, scenes = Recipe.load(recipe), []
     for k in range(count):
         scan = loaded.scan(k)

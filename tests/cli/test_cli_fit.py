@@ -100,7 +100,7 @@ def test_scans_that_are_odd_are_named_and_left_out(scans: list[str], capsys: pyt
         f"lidardraft: left out: drive/cut.bin has {Path('drive/cut.bin').stat().st_size} bytes; a KITTI scan has 16 a "
         "point, so it is truncated",
         "lidardraft: left out: drive/half.npz: it has 4 lasers, drive/0.bin has 8",
-        "lidardraft: left out: rings 160, which have too few returns in all of the scans",
+        "lidardraft: left out: rings 160, each with fewer than 20 returns in all of the scans together",
     ]
     assert said.out.endswith("mine.json: fitted to 3 scans\n")
 

@@ -51,6 +51,7 @@ def fit(arguments: argparse.Namespace) -> None:
 
 def _sound_recordings(*paths: list[Path]) -> tuple[list[Recording], ...]:
     """The scans of lists of files, without those that are odd; each of these is named."""
+    from lidardraft.calibration.beam_table import FEWEST_POINTS
     from lidardraft.calibration.odd_scans import odd_scans, without_rare_lasers
     from lidardraft.formats.recording import Recording, read_recording
 
@@ -73,7 +74,7 @@ def _sound_recordings(*paths: list[Path]) -> tuple[list[Recording], ...]:
     kept, rare = without_rare_lasers([read[path] for path in sound])
     if rare:
         rings = ", ".join(map(str, rare))
-        say(f"left out: rings {rings}, which have too few returns in all of the scans")
+        say(f"left out: rings {rings}, each with fewer than {FEWEST_POINTS} returns in all of the scans together")
     by_path = dict(zip(sound, kept, strict=True))
     return tuple([by_path[path] for path in each if path in by_path] for each in paths)
 
